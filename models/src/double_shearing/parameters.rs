@@ -1,0 +1,43 @@
+//! Constants of the double-shearing model and what is known of it in closed form.
+
+use crate::granular_flow::InputError;
+use crate::granular_flow::state::{Coulomb, FlowRule, check_dilatancy};
+
+/// Checked constants (Spencer 1964; Mehrabadi & Cowin 1978).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DoubleShearing {
+    /// Yield condition.
+    pub coulomb: Coulomb,
+    /// Angle of dilatancy ν, rad; 0 ≤ ν < φ.
+    pub dilatancy_angle: f64,
+}
+
+impl DoubleShearing {
+    /// Checks the constants.
+    ///
+    /// # Errors
+    /// The constant that is out of range.
+    pub fn new(coulomb: Coulomb, dilatancy_angle: f64) -> Result<Self, InputError> {
+        check_dilatancy(
+            dilatancy_angle,
+            coulomb.friction_angle,
+            "the dilatancy angle must be at least 0 and below the friction angle",
+        )?;
+        Ok(Self { coulomb, dilatancy_angle })
+    }
+
+    /// The flow rule.
+    pub fn flow_rule(&self) -> FlowRule {
+        FlowRule::double_shearing(self.coulomb.friction_angle, self.dilatancy_angle)
+    }
+
+    /// Leading growth rate over k for ν = 0, m/s:
+    /// `|cos β − sin φ| √(q / [ρ sin φ (1 − sin φ cos β)])`, β = 2(Ψ_Σ − ψ_K).
+    ///
+    /// `deviator` q in Pa, `density` in kg/m³.
+    pub fn leading_coefficient(&self, deviator: f64, density: f64, beta: f64) -> f64 {
+        let sin_phi = self.coulomb.friction_angle.sin();
+        (beta.cos() - sin_phi).abs()
+            * (deviator / (density * sin_phi * (1.0 - sin_phi * beta.cos()))).sqrt()
+    }
+}

@@ -1,0 +1,41 @@
+//! The double-shearing equations linearised with frozen coefficients.
+//!
+//! The rotation of the material is that of the principal axes of stress, Dψ/Dt (Spencer 1964;
+//! Mehrabadi & Cowin 1978 for ν > 0).
+
+use super::parameters::DoubleShearing;
+use crate::granular_flow::balance::{Columns, flow_rule, mass, momentum};
+use crate::granular_flow::state::Flow;
+use crate::rounding::Rounded;
+use crate::system::{LinearisedSystem, Unknown};
+
+const UNKNOWNS: [Unknown; 5] = [
+    Unknown { name: "velocity 1", family: "velocity" },
+    Unknown { name: "velocity 2", family: "velocity" },
+    Unknown { name: "pressure", family: "stress" },
+    Unknown { name: "stress angle", family: "stress" },
+    Unknown { name: "density", family: "density" },
+];
+const EQUATIONS: [&str; 5] =
+    ["momentum 1", "momentum 2", "flow rule: volume", "flow rule: rotation", "mass"];
+
+/// Writes the linearised system about `flow`.
+pub fn write(model: &DoubleShearing, flow: &Flow, system: &mut LinearisedSystem<2>) {
+    let rule = model.flow_rule();
+    let size = if rule.dilatant { 5 } else { 4 };
+    let density = rule.dilatant.then_some(4);
+    let columns = Columns { velocity: [0, 1], density, pressure: 2, angle: 3 };
+    system.reset(&UNKNOWNS[..size], &EQUATIONS[..size], flow.velocity);
+
+    momentum(system, &columns, &model.coulomb, flow);
+    flow_rule(system, 2, &columns, &rule, flow);
+    mass(system, 4, &columns, flow);
+
+    // 2 e_r Dψ/Dt
+    let rotation = 2.0 * rule.rotation;
+    system.a[(3, columns.angle)] = rotation;
+    for j in 0..2 {
+        system.c[(3, columns.velocity[j])] =
+            rotation * Rounded::given(flow.stress_angle_gradient[j]);
+    }
+}

@@ -1,0 +1,124 @@
+//! The linearised rows that the granular-flow models share.
+//!
+//! Written from Harris & Grekova (2005), eqs (16)–(18), (41), (42), linearised about a background
+//! as in section 5 there, with the printed errors of eqs (83) and (86) corrected; with ν > 0 the
+//! density is an unknown. Primes (perturbations) are left out; capitals are the background.
+
+use super::state::{Coulomb, Flow, FlowRule};
+use crate::rounding::Rounded;
+use crate::system::LinearisedSystem;
+
+/// Columns of the unknowns.
+#[derive(Clone, Copy, Debug)]
+pub struct Columns {
+    /// Velocity v₁, v₂.
+    pub velocity: [usize; 2],
+    /// Density ρ, where it evolves.
+    pub density: Option<usize>,
+    /// Pressure p.
+    pub pressure: usize,
+    /// Stress angle ψ.
+    pub angle: usize,
+}
+
+/// sin 2Ψ, cos 2Ψ of the stress angle.
+fn double_angle(flow: &Flow) -> [Rounded; 2] {
+    let angle = 2.0 * Rounded::given(flow.stress.angle);
+    [angle.sin(), angle.cos()]
+}
+
+/// Balance of momentum in rows 0 and 1.
+///
+/// ```text
+/// ρ Dv₁/Dt + (1 − sin φ cos 2ψ) ∂₁p − sin φ sin 2ψ ∂₂p + 2q (sin 2ψ ∂₁ψ − cos 2ψ ∂₂ψ) = ρF₁
+/// ρ Dv₂/Dt − sin φ sin 2ψ ∂₁p + (1 + sin φ cos 2ψ) ∂₂p − 2q (cos 2ψ ∂₁ψ + sin 2ψ ∂₂ψ) = ρF₂
+/// ```
+/// with `q = p sin φ + c cos φ`; the uniform rotational stress has no divergence.
+pub fn momentum(
+    system: &mut LinearisedSystem<2>,
+    columns: &Columns,
+    coulomb: &Coulomb,
+    flow: &Flow,
+) {
+    let density = Rounded::given(flow.density);
+    let sin_phi = Rounded::given(coulomb.friction_angle).sin();
+    let [s2, c2] = double_angle(flow);
+    let (sin_s2, sin_c2) = (sin_phi * s2, sin_phi * c2);
+    let twice_q = 2.0 * flow.stress.deviator;
+    let [p1, p2] = flow.pressure_gradient.map(Rounded::given);
+    let [a1, a2] = flow.stress_angle_gradient.map(Rounded::given);
+    let Columns { velocity, pressure, angle, .. } = *columns;
+
+    system.b[0][(0, pressure)] = Rounded::ONE - sin_c2;
+    system.b[1][(0, pressure)] = -sin_s2;
+    system.b[0][(0, angle)] = twice_q * s2;
+    system.b[1][(0, angle)] = -(twice_q * c2);
+    system.b[0][(1, pressure)] = -sin_s2;
+    system.b[1][(1, pressure)] = Rounded::ONE + sin_c2;
+    system.b[0][(1, angle)] = -(twice_q * c2);
+    system.b[1][(1, angle)] = -(twice_q * s2);
+
+    // Derivatives of the coefficients above times the background's gradients; ∂q/∂p = sin φ.
+    let (along, across) = (s2 * a1 - c2 * a2, c2 * a1 + s2 * a2);
+    system.c[(0, pressure)] = 2.0 * (sin_phi * along);
+    system.c[(1, pressure)] = -(2.0 * (sin_phi * across));
+    system.c[(0, angle)] = 2.0 * (sin_s2 * p1 - sin_c2 * p2) + 2.0 * (twice_q * across);
+    system.c[(1, angle)] = -(2.0 * (sin_c2 * p1 + sin_s2 * p2)) + 2.0 * (twice_q * along);
+
+    for i in 0..2 {
+        system.a[(i, velocity[i])] = density;
+        for j in 0..2 {
+            system.c[(i, velocity[j])] = density * flow.velocity_gradient[i][j];
+        }
+        if let Some(column) = columns.density {
+            system.c[(i, column)] = flow.acceleration[i];
+        }
+    }
+}
+
+/// Balance of mass, `Dρ/Dt + ρ ∇·v = 0`, in `row`, where the density evolves.
+pub fn mass(system: &mut LinearisedSystem<2>, row: usize, columns: &Columns, flow: &Flow) {
+    let Some(density) = columns.density else { return };
+    system.a[(row, density)] = Rounded::ONE;
+    system.c[(row, density)] = flow.velocity_gradient[0][0] + flow.velocity_gradient[1][1];
+    for j in 0..2 {
+        system.b[j][(row, columns.velocity[j])] = Rounded::given(flow.density);
+        system.c[(row, columns.velocity[j])] = Rounded::given(flow.density_gradient[j]);
+    }
+}
+
+/// The two lines of [`FlowRule`], in rows `row` (volume) and `row + 1` (rotation), without the
+/// material's rotation ω itself, whose coefficient in the second is 2 e_r:
+///
+/// ```text
+/// e_v tr d − s_v [(d₁₁ − d₂₂) cos 2ψ + 2 d₁₂ sin 2ψ] = 0
+/// 2 e_r ω + e_r (∂₂v₁ − ∂₁v₂) − c_r [(d₁₁ − d₂₂) sin 2ψ − 2 d₁₂ cos 2ψ] = 0
+/// ```
+pub fn flow_rule(
+    system: &mut LinearisedSystem<2>,
+    row: usize,
+    columns: &Columns,
+    rule: &FlowRule,
+    flow: &Flow,
+) {
+    let [s2, c2] = double_angle(flow);
+    let [v1, v2] = columns.velocity;
+    let (volume, rotation) = (row, row + 1);
+
+    system.b[0][(volume, v1)] = rule.volume - rule.dilatancy * c2;
+    system.b[1][(volume, v1)] = -(rule.dilatancy * s2);
+    system.b[0][(volume, v2)] = -(rule.dilatancy * s2);
+    system.b[1][(volume, v2)] = rule.volume + rule.dilatancy * c2;
+
+    system.b[0][(rotation, v1)] = -(rule.shear * s2);
+    system.b[1][(rotation, v1)] = rule.rotation + rule.shear * c2;
+    system.b[0][(rotation, v2)] = -rule.rotation + rule.shear * c2;
+    system.b[1][(rotation, v2)] = rule.shear * s2;
+
+    // With D₁₁ − D₂₂ = 2 Q_D cos 2Ψ_D, 2 D₁₂ = 2 Q_D sin 2Ψ_D the derivatives of the brackets
+    // with respect to ψ are −4 Q_D sin 2(Ψ_Σ − Ψ_D) and 4 Q_D cos 2(Ψ_Σ − Ψ_D).
+    let twice_delta = 2.0 * Rounded::given(flow.noncoaxiality);
+    let rate = 4.0 * Rounded::given(flow.shear_rate);
+    system.c[(volume, columns.angle)] = -(rule.dilatancy * rate * twice_delta.sin());
+    system.c[(rotation, columns.angle)] = -(rule.shear * rate * twice_delta.cos());
+}

@@ -1,0 +1,569 @@
+//! The state of a granular flow at a point, and all that flow rule and balance laws make of it.
+
+use super::{InputError, Kind, Model, degrees, ensure};
+use crate::rounding::Rounded;
+
+/// Relative tolerance to which over-determined input must agree.
+pub const AGREEMENT: f64 = 1e-9;
+
+/// Relative tolerance to which stresses must lie on the yield surfaces.
+pub const ON_YIELD: f64 = 1e-12;
+
+/// The Mohr–Coulomb yield condition `q ≤ p sin φ + c cos φ` (Harris & Grekova 2005, eq. 13).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coulomb {
+    /// Angle of internal friction φ, rad.
+    pub friction_angle: f64,
+    /// Cohesion c, Pa.
+    pub cohesion: f64,
+}
+
+impl Coulomb {
+    /// Checks 0 < φ < π/2 and c ≥ 0.
+    ///
+    /// # Errors
+    /// The constant that is out of range.
+    pub fn new(friction_angle: f64, cohesion: f64) -> Result<Self, InputError> {
+        ensure(
+            friction_angle > 0.0 && friction_angle < std::f64::consts::FRAC_PI_2,
+            "model.friction_angle_deg",
+            degrees(friction_angle),
+            "the friction angle must lie strictly between 0 and 90 degrees",
+        )?;
+        ensure(
+            cohesion >= 0.0 && cohesion.is_finite(),
+            "model.cohesion",
+            cohesion,
+            "the cohesion must be a finite stress of at least 0 Pa",
+        )?;
+        Ok(Self { friction_angle, cohesion })
+    }
+
+    /// The deviatoric stress on yield, `p sin φ + c cos φ`, Pa.
+    pub fn yield_deviator(&self, pressure: f64) -> Rounded {
+        let phi = Rounded::given(self.friction_angle);
+        Rounded::given(pressure) * phi.sin() + Rounded::given(self.cohesion) * phi.cos()
+    }
+}
+
+/// Checks 0 ≤ ν < `limit` (the friction angle, or a right angle).
+pub(crate) fn check_dilatancy(nu: f64, limit: f64, allowed: &str) -> Result<(), InputError> {
+    ensure(nu >= 0.0 && nu < limit, "model.dilatancy_angle_deg", degrees(nu), allowed)
+}
+
+/// The flow rule of a model in the form that the family shares,
+///
+/// ```text
+/// e_v tr d      = s_v [(d₁₁ − d₂₂) cos 2ψ + 2 d₁₂ sin 2ψ]
+/// 2 e_r (ω − s₂₁) = c_r [(d₁₁ − d₂₂) sin 2ψ − 2 d₁₂ cos 2ψ]
+/// ```
+///
+/// where ω is what the model takes for the rotation of the material (Harris & Grekova 2005,
+/// eqs 41, 42, multiplied out; with e_r = 0 the second line says that the model is coaxial).
+#[derive(Clone, Copy, Debug)]
+pub struct FlowRule {
+    /// e_v: cos(φ − ν), or 1 for the plastic potential.
+    pub volume: Rounded,
+    /// s_v: sin ν.
+    pub dilatancy: Rounded,
+    /// e_r: sin(φ − ν), or 0 for a coaxial model.
+    pub rotation: Rounded,
+    /// c_r: cos ν, or 1 for the plastic potential.
+    pub shear: Rounded,
+    /// Whether ν > 0, so that the density evolves.
+    pub dilatant: bool,
+}
+
+impl FlowRule {
+    /// Double shearing, whatever is taken for the rotation (eqs 41, 42).
+    pub fn double_shearing(friction_angle: f64, dilatancy_angle: f64) -> Self {
+        let nu = Rounded::given(dilatancy_angle);
+        let difference = Rounded::given(friction_angle) - nu;
+        Self {
+            volume: difference.cos(),
+            dilatancy: if dilatancy_angle == 0.0 { Rounded::ZERO } else { nu.sin() },
+            rotation: difference.sin(),
+            shear: nu.cos(),
+            dilatant: dilatancy_angle > 0.0,
+        }
+    }
+
+    /// tr d / (2 Q_D cos 2Δ).
+    pub fn dilatation(&self) -> Rounded {
+        self.dilatancy / self.volume
+    }
+}
+
+/// A state as a case gives it; SI units, radians. Absent numbers are derived.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct State {
+    /// Density ρ, kg/m³; > 0.
+    pub density: f64,
+    /// Pressure p, Pa, compression-positive; beyond −c cot φ.
+    pub pressure: f64,
+    /// Deviatoric stress q, Pa; absent: on yield.
+    pub deviatoric_stress: Option<f64>,
+    /// Rotational stress r = ½(σ₁₂ − σ₂₁) in the index order of Harris & Grekova, Pa; absent:
+    /// −m sign(ω − s₂₁), for which the rotational power is never negative.
+    pub rotational_stress: Option<f64>,
+    /// Angle Ψ_Σ of the greater principal stress from x₁, rad.
+    pub stress_angle: f64,
+    /// Magnitude Q_D of the deviatoric deformation rate, 1/s; > 0.
+    pub shear_rate: f64,
+    /// Velocity V, m/s.
+    pub velocity: [f64; 2],
+    /// Half the vorticity s₂₁ = ½(∂₁V₂ − ∂₂V₁), 1/s.
+    pub half_vorticity: f64,
+    /// Non-coaxiality Δ = Ψ_D − Ψ_Σ, rad; absent: from the spin, or 0.
+    pub noncoaxiality: Option<f64>,
+    /// Intrinsic spin Ω, rad/s; absent: from the non-coaxiality.
+    pub spin: Option<f64>,
+    /// Gradient of the pressure, Pa/m.
+    pub pressure_gradient: [f64; 2],
+    /// Gradient of the stress angle, rad/m.
+    pub stress_angle_gradient: [f64; 2],
+    /// Gradient of the spin, rad/(s·m).
+    pub spin_gradient: [f64; 2],
+    /// Gradient of the density, kg/m⁴; only where ν > 0.
+    pub density_gradient: [f64; 2],
+    /// Material rate DΩ/Dt of the spin, rad/s²; enters the body moment alone.
+    pub spin_acceleration: f64,
+    /// Material rate DI/Dt of the moment of inertia, m²/s.
+    pub inertia_rate: f64,
+    /// Gradient of the moment of inertia, m.
+    pub inertia_gradient: [f64; 2],
+    /// Velocity gradient, entry \[i\]\[j\] = ∂ⱼVᵢ, 1/s; checked when given.
+    pub velocity_gradient: Option<[[f64; 2]; 2]>,
+    /// Material acceleration less body force DV/Dt − F, m/s²; checked when given.
+    pub acceleration: Option<[f64; 2]>,
+    /// Body moment per unit mass G, m²/s²; checked when given.
+    pub body_moment: Option<f64>,
+    /// Material rate of the stress angle, rad/s; checked when given (double shearing alone).
+    pub stress_angle_rate: Option<f64>,
+}
+
+/// Where a state lies with respect to the yield conditions (Harris & Grekova 2005, section 2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Region {
+    /// On both yield conditions: q = p sin φ + c cos φ and r ∈ {0, ±m}.
+    FullyDeforming,
+    /// Inside one of them: rigid, or undetermined.
+    RigidOrIndeterminate,
+    /// Outside one of them: no admissible state.
+    OutsideYield,
+}
+
+impl Region {
+    /// Name in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::FullyDeforming => "fully-deforming",
+            Self::RigidOrIndeterminate => "rigid-or-indeterminate",
+            Self::OutsideYield => "outside-yield",
+        }
+    }
+}
+
+/// Planar stress by its invariants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stress {
+    /// Pressure p, Pa.
+    pub pressure: f64,
+    /// Deviatoric stress q, Pa.
+    pub deviator: Rounded,
+    /// Rotational stress r, Pa (sign as in [`State::rotational_stress`]).
+    pub rotational: f64,
+    /// Angle ψ_σ of the greater principal stress of the symmetric part, rad.
+    pub angle: f64,
+}
+
+impl Stress {
+    /// The stress tensor, second index = face normal, Pa.
+    ///
+    /// This is the one place where the index order of Harris & Grekova (first index = face normal,
+    /// eq. 6) becomes the order used throughout: the transpose.
+    pub fn tensor(&self) -> [[f64; 2]; 2] {
+        let (p, q, r) = (self.pressure, self.deviator.value, self.rotational);
+        let (sin, cos) = (2.0 * self.angle).sin_cos();
+        [[-p + q * cos, q * sin - r], [q * sin + r, -p - q * cos]]
+    }
+}
+
+/// The background of an analysis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Background {
+    /// Fully deforming: there is a flow to analyse.
+    FullyDeforming(Flow),
+    /// Anything else: there is not.
+    Elsewhere {
+        /// Where the state lies.
+        region: Region,
+        /// Its stress.
+        stress: Stress,
+    },
+}
+
+impl Background {
+    /// Where the state lies.
+    pub fn region(&self) -> Region {
+        match self {
+            Self::FullyDeforming(_) => Region::FullyDeforming,
+            Self::Elsewhere { region, .. } => *region,
+        }
+    }
+
+    /// The stress.
+    pub fn stress(&self) -> &Stress {
+        match self {
+            Self::FullyDeforming(flow) => &flow.stress,
+            Self::Elsewhere { stress, .. } => stress,
+        }
+    }
+
+    /// The flow, where there is one.
+    pub fn flow(&self) -> Option<&Flow> {
+        match self {
+            Self::FullyDeforming(flow) => Some(flow),
+            Self::Elsewhere { .. } => None,
+        }
+    }
+}
+
+/// A fully deforming background: what was given and what follows from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flow {
+    /// Density ρ, kg/m³.
+    pub density: f64,
+    /// Stress.
+    pub stress: Stress,
+    /// Magnitude Q_D of the deviatoric deformation rate, 1/s.
+    pub shear_rate: f64,
+    /// Non-coaxiality Δ = Ψ_D − Ψ_Σ, rad.
+    pub noncoaxiality: f64,
+    /// Velocity V, m/s.
+    pub velocity: [f64; 2],
+    /// Velocity gradient, entry \[i\]\[j\] = ∂ⱼVᵢ, 1/s.
+    pub velocity_gradient: [[Rounded; 2]; 2],
+    /// Rotation ω − s₂₁ of the material against half the vorticity, 1/s; 0 for a coaxial model.
+    pub relative_rotation: Rounded,
+    /// Half the vorticity s₂₁, 1/s.
+    pub half_vorticity: f64,
+    /// Intrinsic spin Ω, rad/s, for the models that have one.
+    pub spin: Option<Rounded>,
+    /// Material acceleration less body force, m/s².
+    pub acceleration: [Rounded; 2],
+    /// Body moment per unit mass, m²/s², for Harris–Grekova.
+    pub body_moment: Option<f64>,
+    /// Material rate of the stress angle, rad/s, where the flow rule determines it.
+    pub stress_angle_rate: Option<f64>,
+    /// Gradient of the pressure, Pa/m.
+    pub pressure_gradient: [f64; 2],
+    /// Gradient of the stress angle, rad/m.
+    pub stress_angle_gradient: [f64; 2],
+    /// Gradient of the spin, rad/(s·m).
+    pub spin_gradient: [f64; 2],
+    /// Gradient of the density, kg/m⁴.
+    pub density_gradient: [f64; 2],
+    /// Material rate of the moment of inertia, m²/s.
+    pub inertia_rate: f64,
+    /// Gradient of the moment of inertia, m.
+    pub inertia_gradient: [f64; 2],
+    /// Internal power per unit volume, W/m³.
+    pub power: f64,
+}
+
+/// See [`Model::background`].
+pub(super) fn background(model: &Model, state: &State) -> Result<Background, InputError> {
+    check_ranges(model, state)?;
+    let rule = model.flow_rule();
+    let noncoaxiality = noncoaxiality(model, &rule, state)?;
+
+    // Rotation against half the vorticity: second line of the flow rule with
+    // (d₁₁ − d₂₂) sin 2ψ − 2 d₁₂ cos 2ψ = −2 Q_D sin 2Δ.
+    let twice = 2.0 * Rounded::given(noncoaxiality);
+    let shear_rate = Rounded::given(state.shear_rate);
+    let coaxial = rule.rotation.is_structural_zero();
+    let relative_rotation = if coaxial || noncoaxiality == 0.0 {
+        Rounded::ZERO
+    } else {
+        -(rule.shear / rule.rotation * shear_rate * twice.sin())
+    };
+
+    let (stress, region) = stress_and_region(model, state, relative_rotation)?;
+    if region != Region::FullyDeforming {
+        return Ok(Background::Elsewhere { region, stress });
+    }
+
+    let velocity_gradient = velocity_gradient(&rule, state, noncoaxiality);
+    let acceleration = acceleration(model.coulomb(), state, &stress);
+    let mut flow = Flow {
+        density: state.density,
+        stress,
+        shear_rate: state.shear_rate,
+        noncoaxiality,
+        velocity: state.velocity,
+        velocity_gradient,
+        relative_rotation,
+        half_vorticity: state.half_vorticity,
+        spin: match model.kind() {
+            Kind::HarrisGrekova | Kind::FreeRotating => {
+                Some(relative_rotation + Rounded::given(state.half_vorticity))
+            }
+            _ => None,
+        },
+        acceleration,
+        body_moment: None,
+        stress_angle_rate: (model.kind() == Kind::DoubleShearing)
+            .then(|| (relative_rotation + Rounded::given(state.half_vorticity)).value),
+        pressure_gradient: state.pressure_gradient,
+        stress_angle_gradient: state.stress_angle_gradient,
+        spin_gradient: state.spin_gradient,
+        density_gradient: state.density_gradient,
+        inertia_rate: state.inertia_rate,
+        inertia_gradient: state.inertia_gradient,
+        power: 0.0,
+    };
+    if let Model::HarrisGrekova(own) = model {
+        // Balance of spin (eq. 9) with r uniform, for the body moment.
+        let spin = flow.spin.unwrap_or_default().value;
+        flow.body_moment = Some(
+            own.moment_of_inertia * state.spin_acceleration + state.inertia_rate * spin
+                - 2.0 * stress.rotational / state.density,
+        );
+    }
+    flow.power = internal_power(&rule, &flow);
+    check_agreement(model, state, &flow)?;
+    Ok(Background::FullyDeforming(flow))
+}
+
+fn check_ranges(model: &Model, state: &State) -> Result<(), InputError> {
+    let positive = |key, value: f64, what: &str| {
+        ensure(value > 0.0 && value.is_finite(), key, value, format!("{what} must be positive"))
+    };
+    positive("background.density", state.density, "the density")?;
+    positive("background.shear_rate", state.shear_rate, "the shear rate Q_D")?;
+    let coulomb = model.coulomb();
+    let on_yield = coulomb.yield_deviator(state.pressure);
+    ensure(
+        on_yield.value > 0.0 && on_yield.value.is_finite(),
+        "background.pressure",
+        state.pressure,
+        format!(
+            "the pressure must exceed −c cot φ = {} Pa, where the material has no strength left",
+            -coulomb.cohesion / coulomb.friction_angle.tan()
+        ),
+    )?;
+    ensure(
+        state.noncoaxiality.is_none_or(|delta| delta == 0.0)
+            || model.kind() != Kind::PlasticPotential,
+        "background.noncoaxiality_deg",
+        degrees(state.noncoaxiality.unwrap_or_default()),
+        "the plastic potential is coaxial: leave the key out or set it to 0",
+    )?;
+    ensure(
+        model.is_dilatant() || state.density_gradient == [0.0; 2],
+        "background.density_gradient",
+        format!("{:?}", state.density_gradient),
+        "the density is constant when the dilatancy angle is 0: leave the key out or set it to 0",
+    )?;
+    ensure(
+        state.stress_angle_rate.is_none() || model.kind() == Kind::DoubleShearing,
+        "background.stress_angle_rate_deg",
+        degrees(state.stress_angle_rate.unwrap_or_default()),
+        "only the double-shearing model determines the rate of the stress angle: leave the key out",
+    )
+}
+
+/// Δ as given, or the root with cos 2Δ > 0 for a given spin, or 0.
+fn noncoaxiality(model: &Model, rule: &FlowRule, state: &State) -> Result<f64, InputError> {
+    let Some(spin) = state.spin else { return Ok(state.noncoaxiality.unwrap_or(0.0)) };
+    debug_assert!(matches!(model.kind(), Kind::HarrisGrekova | Kind::FreeRotating));
+    // sin 2Δ = −(ω − s₂₁) sin(φ − ν) / (Q_D cos ν)
+    let factor = rule.rotation.value / rule.shear.value / state.shear_rate;
+    let sine = -(spin - state.half_vorticity) * factor;
+    match state.noncoaxiality {
+        Some(delta) => {
+            let residual = sine - (2.0 * delta).sin();
+            let size = 1.0f64.max((spin.abs() + state.half_vorticity.abs()) * factor);
+            ensure(
+                residual.abs() <= AGREEMENT * size,
+                "background.spin",
+                spin,
+                format!(
+                    "spin and non-coaxiality contradict each other: the flow rule leaves the \
+                     residual {residual:e} in sin 2Δ; give one of them"
+                ),
+            )?;
+            Ok(delta)
+        }
+        None => {
+            ensure(
+                sine.abs() <= 1.0,
+                "background.spin",
+                spin,
+                format!(
+                    "the flow rule allows spins within {:e} rad/s of the half vorticity",
+                    1.0 / factor
+                ),
+            )?;
+            Ok(0.5 * sine.asin())
+        }
+    }
+}
+
+fn stress_and_region(
+    model: &Model,
+    state: &State,
+    relative_rotation: Rounded,
+) -> Result<(Stress, Region), InputError> {
+    let on_yield = model.coulomb().yield_deviator(state.pressure);
+    let strength = match model {
+        Model::HarrisGrekova(own) => own.rotational_strength,
+        _ => 0.0,
+    };
+    let mut region = Region::FullyDeforming;
+
+    let deviator = match state.deviatoric_stress {
+        None => on_yield,
+        Some(q) => {
+            ensure(
+                q >= 0.0 && q.is_finite(),
+                "background.deviatoric_stress",
+                q,
+                "the deviatoric stress q is a magnitude of at least 0 Pa",
+            )?;
+            if (q - on_yield.value).abs() <= ON_YIELD * on_yield.value {
+                on_yield
+            } else {
+                region = if q > on_yield.value {
+                    Region::OutsideYield
+                } else {
+                    Region::RigidOrIndeterminate
+                };
+                Rounded::given(q)
+            }
+        }
+    };
+    let rotational = match state.rotational_stress {
+        None => -strength * f64::from(relative_rotation.sign().unwrap_or(0)),
+        Some(r) => {
+            let near = |target: f64| (r - target).abs() <= ON_YIELD * strength;
+            match [0.0, strength, -strength].into_iter().find(|&target| near(target)) {
+                Some(target) => target,
+                None => {
+                    if r.abs() > strength {
+                        region = Region::OutsideYield;
+                    } else if region == Region::FullyDeforming {
+                        region = Region::RigidOrIndeterminate;
+                    }
+                    r
+                }
+            }
+        }
+    };
+    // −0 would print as such.
+    let rotational = rotational + 0.0;
+    let stress =
+        Stress { pressure: state.pressure, deviator, rotational, angle: state.stress_angle };
+    Ok((stress, region))
+}
+
+/// ∂ⱼVᵢ from the deviatoric rate (Q_D, Ψ_D), the flow rule's tr d and the half vorticity.
+fn velocity_gradient(rule: &FlowRule, state: &State, noncoaxiality: f64) -> [[Rounded; 2]; 2] {
+    let delta = Rounded::given(noncoaxiality);
+    let rate = Rounded::given(state.shear_rate);
+    let angle = 2.0 * (Rounded::given(state.stress_angle) + delta);
+    let half_trace =
+        if rule.dilatant { rule.dilatation() * rate * (2.0 * delta).cos() } else { Rounded::ZERO };
+    let (normal, shear) = (rate * angle.cos(), rate * angle.sin());
+    let spin = Rounded::given(state.half_vorticity);
+    [[half_trace + normal, shear - spin], [shear + spin, half_trace - normal]]
+}
+
+/// DV/Dt − F from the balance of momentum (eqs 16, 17).
+fn acceleration(coulomb: &Coulomb, state: &State, stress: &Stress) -> [Rounded; 2] {
+    let angle = 2.0 * Rounded::given(stress.angle);
+    let (s2, c2) = (angle.sin(), angle.cos());
+    let sin_phi = Rounded::given(coulomb.friction_angle).sin();
+    let [p1, p2] = state.pressure_gradient.map(Rounded::given);
+    let [a1, a2] = state.stress_angle_gradient.map(Rounded::given);
+    let q = stress.deviator;
+    let force = [
+        (Rounded::ONE - sin_phi * c2) * p1 - sin_phi * s2 * p2 + 2.0 * (q * (s2 * a1 - c2 * a2)),
+        (Rounded::ONE + sin_phi * c2) * p2 - sin_phi * s2 * p1 - 2.0 * (q * (c2 * a1 + s2 * a2)),
+    ];
+    force.map(|f| -(f / Rounded::given(state.density)))
+}
+
+/// `2 Q_D cos 2Δ (q − p tr d/(2 Q_D cos 2Δ)) − 2 r (ω − s₂₁)`, W/m³.
+fn internal_power(rule: &FlowRule, flow: &Flow) -> f64 {
+    let cosine = (2.0 * Rounded::given(flow.noncoaxiality)).cos().value;
+    let dilatation = if rule.dilatant { rule.dilatation().value } else { 0.0 };
+    2.0 * flow.shear_rate
+        * cosine
+        * (flow.stress.deviator.value - flow.stress.pressure * dilatation)
+        - 2.0 * flow.stress.rotational * flow.relative_rotation.value
+}
+
+/// What may be given besides must agree with what follows.
+fn check_agreement(model: &Model, state: &State, flow: &Flow) -> Result<(), InputError> {
+    let agree = |key, equation: &str, given: f64, derived: f64, size: f64| {
+        ensure(
+            (given - derived).abs() <= AGREEMENT * size,
+            key,
+            given,
+            format!(
+                "{equation} gives {derived}: residual {:e}; leave the key out",
+                given - derived
+            ),
+        )
+    };
+    if let Some(given) = state.velocity_gradient {
+        let derived = flow.velocity_gradient.map(|row| row.map(|x| x.value));
+        let key = "background.velocity_gradient";
+        let size = state.shear_rate + state.half_vorticity.abs();
+        let parts = |g: [[f64; 2]; 2]| {
+            [
+                ("the flow rule for the volume (tr d)", g[0][0] + g[1][1]),
+                (
+                    "shear_rate with the angle of the deformation rate (d₁₁ − d₂₂)",
+                    g[0][0] - g[1][1],
+                ),
+                ("shear_rate with the angle of the deformation rate (2 d₁₂)", g[0][1] + g[1][0]),
+                ("half_vorticity (∂₁V₂ − ∂₂V₁)", g[1][0] - g[0][1]),
+            ]
+        };
+        for ((equation, given), (_, derived)) in parts(given).into_iter().zip(parts(derived)) {
+            agree(key, equation, given, derived, size)?;
+        }
+    }
+    if let Some(given) = state.acceleration {
+        let size = |i: usize| flow.acceleration[i].value.abs() + 1e3 * flow.acceleration[i].bound;
+        let size = size(0).max(size(1));
+        for (equation, (given, derived)) in [
+            "the first component of the balance of momentum",
+            "the second component of the balance of momentum",
+        ]
+        .into_iter()
+        .zip(given.into_iter().zip(flow.acceleration))
+        {
+            agree("background.acceleration", equation, given, derived.value, size)?;
+        }
+    }
+    if let (Some(given), Some(derived), Model::HarrisGrekova(own)) =
+        (state.body_moment, flow.body_moment, model)
+    {
+        let spin = flow.spin.unwrap_or_default().value;
+        let size = (own.moment_of_inertia * state.spin_acceleration).abs()
+            + (state.inertia_rate * spin).abs()
+            + (2.0 * flow.stress.rotational / flow.density).abs();
+        agree("background.body_moment", "the balance of spin", given, derived, size)?;
+    }
+    if let (Some(given), Some(derived)) = (state.stress_angle_rate, flow.stress_angle_rate) {
+        let size = flow.relative_rotation.value.abs() + state.half_vorticity.abs();
+        let key = "background.stress_angle_rate_deg";
+        let equation = "the flow rule, in degrees per second,";
+        agree(key, equation, degrees(given), degrees(derived), degrees(size))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,98 @@
+//! Constants of the Harris–Grekova model and what is known of it in closed form.
+
+use crate::granular_flow::state::{Coulomb, FlowRule, check_dilatancy};
+use crate::granular_flow::{InputError, ensure};
+
+/// Checked constants (Harris & Grekova 2005, section 2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HarrisGrekova {
+    /// Yield condition of the symmetric part of the stress.
+    pub coulomb: Coulomb,
+    /// Angle of dilatancy ν, rad; 0 ≤ ν < φ.
+    pub dilatancy_angle: f64,
+    /// Moment of inertia per unit mass I, m²; > 0.
+    pub moment_of_inertia: f64,
+    /// Rotational yield strength m, Pa; ≥ 0.
+    pub rotational_strength: f64,
+}
+
+impl HarrisGrekova {
+    /// Checks the constants.
+    ///
+    /// # Errors
+    /// The constant that is out of range.
+    pub fn new(
+        coulomb: Coulomb,
+        dilatancy_angle: f64,
+        moment_of_inertia: f64,
+        rotational_strength: f64,
+    ) -> Result<Self, InputError> {
+        check_dilatancy(
+            dilatancy_angle,
+            coulomb.friction_angle,
+            "the dilatancy angle must be at least 0 and below the friction angle",
+        )?;
+        ensure(
+            moment_of_inertia > 0.0 && moment_of_inertia.is_finite(),
+            "model.moment_of_inertia",
+            moment_of_inertia,
+            "the moment of inertia per unit mass must be positive, in m²",
+        )?;
+        ensure(
+            rotational_strength >= 0.0 && rotational_strength.is_finite(),
+            "model.rotational_strength",
+            rotational_strength,
+            "the rotational strength must be a finite stress of at least 0 Pa",
+        )?;
+        Ok(Self { coulomb, dilatancy_angle, moment_of_inertia, rotational_strength })
+    }
+
+    /// The flow rule (eqs 41, 42).
+    pub fn flow_rule(&self) -> FlowRule {
+        FlowRule::double_shearing(self.coulomb.friction_angle, self.dilatancy_angle)
+    }
+
+    /// Bound on |Δ| inside which the leading growth rate is nowhere positive, rad.
+    ///
+    /// For ν = 0 it is π/4 (eq. 152). For ν > 0, with β = 2(Ψ_Σ − ψ_K) and e = φ − ν, the coefficient
+    /// of the highest power of ς is proportional to
+    /// `cos 2Δ cos ν [cos e + sin ν sin φ − (sin φ cos e + sin ν) cos β] + sin 2Δ sin ν cos φ cos e sin β`,
+    /// which keeps its sign in all directions exactly while
+    ///
+    /// ```text
+    /// |tan 2Δ| < cot ν √(cos φ cos(φ − 2ν)) / cos(φ − ν).
+    /// ```
+    ///
+    /// Beyond it the growth rate is unbounded at finite wave numbers already.
+    pub fn noncoaxiality_bound(&self) -> f64 {
+        let (phi, nu) = (self.coulomb.friction_angle, self.dilatancy_angle);
+        let opposite = (phi.cos() * (phi - 2.0 * nu).cos()).sqrt() * nu.cos();
+        0.5 * opposite.atan2(nu.sin() * (phi - nu).cos())
+    }
+
+    /// Leading growth rate over k² for ν = 0, `lim ς/k²` as k → ∞, m²/s (eq. 149 with the printed
+    /// factor corrected):
+    ///
+    /// ```text
+    /// −q (cos β − sin φ)² / [2 ρ Q_D cos 2Δ (1 − sin φ cos β)],  β = 2(Ψ_Σ − ψ_K).
+    /// ```
+    ///
+    /// `deviator` q in Pa, `density` in kg/m³, `shear_rate` Q_D in 1/s, angles in rad.
+    pub fn leading_coefficient(
+        &self,
+        deviator: f64,
+        density: f64,
+        shear_rate: f64,
+        noncoaxiality: f64,
+        beta: f64,
+    ) -> f64 {
+        let sin_phi = self.coulomb.friction_angle.sin();
+        let gap = beta.cos() - sin_phi;
+        -deviator * gap * gap
+            / (2.0
+                * density
+                * shear_rate
+                * (2.0 * noncoaxiality).cos()
+                * (1.0 - sin_phi * beta.cos()))
+    }
+}

@@ -1,0 +1,38 @@
+//! Physical models of granular and Cosserat media.
+//!
+//! The ground floor of `wellposed`: no discretisation, no files, no threads. A model is one folder
+//! of independent statements of the same physics:
+//!
+//! - `parameters`: constants with units, their checks, and what is known in closed form;
+//! - `symbol`: the linearised equations with frozen coefficients, written from the equations.
+//!
+//! Conventions: SI units, radians, tension-positive stress whose second index is the face normal,
+//! compression-positive pressure, angles and spins anticlockwise, `(∇v)ᵢⱼ = ∂ⱼvᵢ`.
+#![deny(missing_docs)]
+
+pub mod granular_flow;
+pub mod rounding;
+pub mod system;
+
+/// Harris & Grekova (2005): double shearing of a reduced Cosserat continuum with intrinsic spin.
+pub mod harris_grekova {
+    pub mod parameters;
+    pub mod symbol;
+}
+/// Spencer (1964), for ν > 0 Mehrabadi & Cowin (1978): double shearing about the stress axes.
+pub mod double_shearing {
+    pub mod parameters;
+    pub mod symbol;
+}
+/// Coaxial Mohr–Coulomb plasticity with a plastic potential, associated or not.
+pub mod plastic_potential {
+    pub mod parameters;
+    pub mod symbol;
+}
+/// de Josselin de Jong (1959, 1977): double sliding with free rotation.
+pub mod free_rotating {
+    pub mod symbol;
+}
+
+pub use rounding::Rounded;
+pub use system::LinearisedSystem;
