@@ -1,1 +1,38 @@
-//! Placeholder
+//! From a linearised system to its roots, characteristics, growth and verdict.
+//!
+//! Everything here works on [`models::LinearisedSystem`] as data and knows no model:
+//!
+//! - [`scaling`]: units in which all coefficients are of comparable size;
+//! - [`polynomial`]: the exact dispersion polynomial det(ςA + κ₁B¹ + κ₂B² + C), κ = ik;
+//! - [`pencil`]: the roots ς at a given wave, by generalised eigenvalues and that polynomial;
+//! - [`characteristics`]: characteristic directions of the steady equations;
+//! - [`growth`]: how fast short waves grow, in every direction: the verdict;
+//! - [`bound`]: the supremum of the growth rate, where it is finite.
+#![deny(missing_docs)]
+
+pub mod bound;
+pub mod characteristics;
+pub mod extended;
+pub mod form;
+pub mod growth;
+pub mod pencil;
+pub mod polynomial;
+pub mod roots;
+pub mod scaling;
+
+/// A system that cannot be analysed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AnalysisError {
+    /// Some coefficient overflowed.
+    #[error(
+        "a coefficient of the linearised equations is not finite (equation \"{equation}\"): the \
+         numbers of the case are too large or too small"
+    )]
+    NotFinite {
+        /// The equation it stands in.
+        equation: &'static str,
+    },
+    /// Too many equations for the exact polynomial.
+    #[error("{0} equations: the exact dispersion polynomial takes at most {max}", max = polynomial::MAX_SIZE)]
+    TooLarge(usize),
+}

@@ -63,7 +63,7 @@ impl Rounded {
         Self { value, bound: self.bound + 2.0 * UNIT_ROUNDOFF * value.abs() }
     }
 
-    fn rounded(value: f64, bound: f64) -> Self {
+    fn after_rounding(value: f64, bound: f64) -> Self {
         Self { value, bound: bound + UNIT_ROUNDOFF * value.abs() }
     }
 }
@@ -83,7 +83,7 @@ impl Add for Rounded {
         if other.is_structural_zero() {
             return self;
         }
-        Self::rounded(self.value + other.value, self.bound + other.bound)
+        Self::after_rounding(self.value + other.value, self.bound + other.bound)
     }
 }
 
@@ -104,7 +104,7 @@ impl Neg for Rounded {
 impl Mul for Rounded {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        Self::rounded(
+        Self::after_rounding(
             self.value * other.value,
             self.value.abs() * other.bound
                 + other.value.abs() * self.bound
@@ -120,7 +120,7 @@ impl Div for Rounded {
         let value = self.value / other.value;
         let least = other.value.abs() - other.bound;
         if least > 0.0 {
-            Self::rounded(value, (self.bound + value.abs() * other.bound) / least)
+            Self::after_rounding(value, (self.bound + value.abs() * other.bound) / least)
         } else {
             Self { value, bound: f64::INFINITY }
         }

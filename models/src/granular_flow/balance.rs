@@ -67,8 +67,8 @@ pub fn momentum(
 
     for i in 0..2 {
         system.a[(i, velocity[i])] = density;
-        for j in 0..2 {
-            system.c[(i, velocity[j])] = density * flow.velocity_gradient[i][j];
+        for (column, gradient) in velocity.into_iter().zip(flow.velocity_gradient[i]) {
+            system.c[(i, column)] = density * gradient;
         }
         if let Some(column) = columns.density {
             system.c[(i, column)] = flow.acceleration[i];

@@ -190,6 +190,7 @@ impl Stress {
 }
 
 /// The background of an analysis.
+#[expect(clippy::large_enum_variant, reason = "copied once per state, and most states flow")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Background {
     /// Fully deforming: there is a flow to analyse.

@@ -1,0 +1,1 @@
+//! The supremum of the growth rate, where it is finite.

@@ -1,0 +1,291 @@
+//! Characteristic directions of the steady equations: real and complex roots of
+//! det(ξ₁ B¹ + ξ₂ B²) with `V A` put back into B.
+//!
+//! The determinant is the product over the irreducible blocks of the matrix's pattern of non-zero
+//! entries; each block is a group of unknowns, so each factor belongs to a family of
+//! characteristics, and roots shared by two families are simple roots of each: well-conditioned.
+
+use crate::form::Form;
+use crate::pencil::Pencil;
+use crate::roots;
+use models::{LinearisedSystem, Rounded};
+use num_complex::Complex64;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// A real characteristic direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Characteristic {
+    /// Angle of the characteristic curve from x₁, rad, in [0, π). (The wave vector that the
+    /// determinant belongs to stands at right angles to it.)
+    pub angle: f64,
+    /// Bound on the error of the angle, rad.
+    pub bound: f64,
+    /// Multiplicity as a root of the whole determinant.
+    pub multiplicity: usize,
+    /// The fields that jump across it, for instance "stress and velocity", or "streamline".
+    pub family: String,
+}
+
+/// Type of the steady equations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Type {
+    /// All roots are real.
+    Hyperbolic,
+    /// Some are.
+    Mixed,
+    /// None is.
+    Elliptic,
+}
+
+/// Characteristics of the steady equations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Characteristics {
+    /// The real ones, by ascending angle.
+    pub real: Vec<Characteristic>,
+    /// The complex ones: tan of the complex angle of the characteristic, with the family.
+    pub complex: Vec<(Complex64, String)>,
+    /// Families whose factor of the determinant vanishes identically, so that every direction is
+    /// characteristic for them: convected fields in a material at rest.
+    pub arbitrary: Vec<String>,
+    /// Type, by the roots that exist; `None` if there is none.
+    pub kind: Option<Type>,
+}
+
+/// Why there are no characteristics to speak of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoCharacteristics {
+    /// Fewer equations than unknowns, or a pattern with a vanishing determinant.
+    #[error("the steady equations do not determine their unknowns")]
+    Indeterminate,
+}
+
+/// Finds the characteristics of a square system.
+///
+/// # Errors
+/// [`NoCharacteristics`] where the pattern of the matrix has no transversal.
+pub fn characteristics(system: &LinearisedSystem<2>) -> Result<Characteristics, NoCharacteristics> {
+    if system.equations.len() != system.unknowns.len() {
+        return Err(NoCharacteristics::Indeterminate);
+    }
+    let steady = steady(system);
+    let blocks = irreducible_blocks(&steady).ok_or(NoCharacteristics::Indeterminate)?;
+    let mut found = Characteristics {
+        real: Vec::new(),
+        complex: Vec::new(),
+        arbitrary: Vec::new(),
+        kind: None,
+    };
+    let mut pencil = Pencil::default();
+    for (rows, columns) in blocks {
+        let family = family(system, &columns);
+        let form = determinant(&steady, &rows, &columns, &mut pencil);
+        let Some(form) = form.filter(Form::is_certain) else {
+            found.arbitrary.push(family);
+            continue;
+        };
+        let zeros = form.zeros();
+        for zero in &zeros {
+            let angle = (zero.angle + FRAC_PI_2).rem_euclid(PI);
+            let multiplicity = if zero.crosses { 1 } else { 2 };
+            merge(&mut found.real, angle, zero.bound, multiplicity, &family);
+        }
+        let real: usize = zeros.iter().map(|z| if z.crosses { 1 } else { 2 }).sum();
+        found.complex.extend(
+            complex_roots(&form, form.degree() - real.min(form.degree()))
+                .into_iter()
+                .map(|root| (root, family.clone())),
+        );
+    }
+    name_streamlines(system, &mut found.real);
+    found.real.sort_by(|a, b| a.angle.total_cmp(&b.angle));
+    found.kind = match (found.real.is_empty(), found.complex.is_empty()) {
+        (true, true) => None,
+        (true, false) => Some(Type::Elliptic),
+        (false, true) => Some(Type::Hyperbolic),
+        (false, false) => Some(Type::Mixed),
+    };
+    Ok(found)
+}
+
+/// The two matrices Bⁱ + Vᵢ A, entry (row, column) → [first, second].
+fn steady(system: &LinearisedSystem<2>) -> Vec<Vec<[Rounded; 2]>> {
+    let v = system.velocity.map(|v| if v == 0.0 { Rounded::ZERO } else { Rounded::given(v) });
+    (0..system.equations.len())
+        .map(|i| {
+            (0..system.unknowns.len())
+                .map(|j| [0, 1].map(|d| system.b[d][(i, j)] + v[d] * system.a[(i, j)]))
+                .collect()
+        })
+        .collect()
+}
+
+/// Blocks (rows, columns) of the block triangular form (Dulmage & Mendelsohn 1958; Tarjan 1972):
+/// a transversal, then the strongly connected components. `None` without a transversal.
+fn irreducible_blocks(matrix: &[Vec<[Rounded; 2]>]) -> Option<Vec<(Vec<usize>, Vec<usize>)>> {
+    let n = matrix.len();
+    let present = |i: usize, j: usize| matrix[i][j].iter().any(|x| !x.is_structural_zero());
+    // Convected fields in a material at rest have an empty row or column; match them last, with
+    // themselves, so that the other families are still found.
+    let mut row_of = vec![usize::MAX; n];
+    fn augment(
+        row: usize,
+        n: usize,
+        present: &dyn Fn(usize, usize) -> bool,
+        row_of: &mut [usize],
+        seen: &mut [bool],
+    ) -> bool {
+        for column in 0..n {
+            if present(row, column) && !seen[column] {
+                seen[column] = true;
+                if row_of[column] == usize::MAX || augment(row_of[column], n, present, row_of, seen)
+                {
+                    row_of[column] = row;
+                    return true;
+                }
+            }
+        }
+        false
+    }
+    let mut unmatched = Vec::new();
+    for row in 0..n {
+        if !augment(row, n, &present, &mut row_of, &mut vec![false; n]) {
+            unmatched.push(row);
+        }
+    }
+    let mut free = (0..n).filter(|&c| row_of[c] == usize::MAX).collect::<Vec<_>>();
+    if unmatched.len() == n {
+        return None;
+    }
+    for row in unmatched {
+        row_of[free.pop()?] = row;
+    }
+    // Reachability between columns through their matched rows; n is small.
+    let mut reach = vec![vec![false; n]; n];
+    for (from, row) in reach.iter_mut().enumerate() {
+        for (to, cell) in row.iter_mut().enumerate() {
+            *cell = from == to || present(row_of[from], to);
+        }
+    }
+    for via in 0..n {
+        for from in 0..n {
+            for to in 0..n {
+                reach[from][to] |= reach[from][via] && reach[via][to];
+            }
+        }
+    }
+    let mut blocks: Vec<(Vec<usize>, Vec<usize>)> = Vec::new();
+    for column in 0..n {
+        let home = blocks
+            .iter_mut()
+            .find(|(_, columns)| reach[columns[0]][column] && reach[column][columns[0]]);
+        match home {
+            Some((rows, columns)) => {
+                rows.push(row_of[column]);
+                columns.push(column);
+            }
+            None => blocks.push((vec![row_of[column]], vec![column])),
+        }
+    }
+    Some(blocks)
+}
+
+/// det of a block as a form in (ξ₁, ξ₂).
+fn determinant(
+    matrix: &[Vec<[Rounded; 2]>],
+    rows: &[usize],
+    columns: &[usize],
+    pencil: &mut Pencil,
+) -> Option<Form> {
+    const NAMELESS: [&str; crate::polynomial::MAX_SIZE] = [""; crate::polynomial::MAX_SIZE];
+    const UNKNOWN: models::system::Unknown = models::system::Unknown { name: "", family: "" };
+    const UNKNOWNS: [models::system::Unknown; crate::polynomial::MAX_SIZE] =
+        [UNKNOWN; crate::polynomial::MAX_SIZE];
+    let n = rows.len();
+    let mut block = LinearisedSystem::default();
+    block.reset(UNKNOWNS.get(..n)?, NAMELESS.get(..n)?, [0.0; 2]);
+    for (i, &row) in rows.iter().enumerate() {
+        for (j, &column) in columns.iter().enumerate() {
+            for d in 0..2 {
+                block.b[d][(i, j)] = matrix[row][column][d];
+            }
+        }
+    }
+    pencil.update(&block).ok()?;
+    let mut forms = pencil.polynomial.forms();
+    forms.pop().map(|term| term.form)
+}
+
+/// Name of the fields of these columns.
+fn family(system: &LinearisedSystem<2>, columns: &[usize]) -> String {
+    let mut names: Vec<&str> = columns.iter().map(|&c| system.unknowns[c].family).collect();
+    names.sort_unstable();
+    names.dedup();
+    names.join(" and ")
+}
+
+fn merge(
+    list: &mut Vec<Characteristic>,
+    angle: f64,
+    bound: f64,
+    multiplicity: usize,
+    family: &str,
+) {
+    let near = |c: &&mut Characteristic| {
+        let gap = (c.angle - angle).abs();
+        gap.min(PI - gap) <= 4.0 * (c.bound + bound)
+    };
+    match list.iter_mut().find(near) {
+        Some(same) => {
+            same.multiplicity += multiplicity;
+            if !same.family.split(" and ").any(|f| f == family) {
+                let mut names: Vec<&str> = same.family.split(" and ").collect();
+                names.push(family);
+                names.sort_unstable();
+                same.family = names.join(" and ");
+            }
+        }
+        None => list.push(Characteristic { angle, bound, multiplicity, family: family.into() }),
+    }
+}
+
+/// Along the velocity it is the streamlines that are characteristic.
+fn name_streamlines(system: &LinearisedSystem<2>, real: &mut [Characteristic]) {
+    let [v1, v2] = system.velocity;
+    if v1 == 0.0 && v2 == 0.0 {
+        return;
+    }
+    let stream = v2.atan2(v1).rem_euclid(PI);
+    for c in real {
+        let gap = (c.angle - stream).abs();
+        if gap.min(PI - gap) <= 4.0 * (c.bound + f64::EPSILON) {
+            let others: Vec<&str> =
+                c.family.split(" and ").filter(|f| !matches!(*f, "spin" | "density")).collect();
+            c.family = if others.is_empty() {
+                "streamline".into()
+            } else {
+                format!("{} and streamline", others.join(" and "))
+            };
+        }
+    }
+}
+
+/// The `count` roots with the greatest imaginary part of the direction, as tan of the
+/// characteristic's complex angle.
+fn complex_roots(form: &Form, count: usize) -> Vec<Complex64> {
+    if count == 0 {
+        return Vec::new();
+    }
+    // F(ξ₁, ξ₂) = 0 with ξ₂ = t ξ₁, and tan of the characteristic is −ξ₁/ξ₂ = −1/t.
+    let mut polynomial: Vec<Complex64> =
+        form.coefficients.iter().map(|f| Complex64::from(f.value)).collect();
+    let size = polynomial.iter().map(|c| c.norm()).fold(0.0, f64::max);
+    while polynomial.last().is_some_and(|c| c.norm() <= 1e-15 * size) {
+        polynomial.pop();
+    }
+    let mut found = roots::of(&polynomial);
+    // A complex direction is as far from real ones as the angle's imaginary part says.
+    let off_real = |t: &Complex64| t.im.abs() / (1.0 + t.norm_sqr());
+    found.sort_by(|a, b| off_real(b).total_cmp(&off_real(a)));
+    found.truncate(count);
+    found.into_iter().map(|t| -1.0 / t).collect()
+}

@@ -1,0 +1,113 @@
+//! Numbers of twice the working precision, as unevaluated sums of two doubles (Dekker 1971).
+//!
+//! Only what the exact polynomial needs; no fused operations, so the bits are the same everywhere.
+
+use std::ops::{Add, Mul, Neg};
+
+/// `high + low` with |low| at most half a unit in the last place of `high`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extended {
+    /// Leading part: the value rounded to a double.
+    pub high: f64,
+    /// The rest.
+    pub low: f64,
+}
+
+/// Sum of two doubles and its rounding error (Knuth).
+fn two_sum(a: f64, b: f64) -> Extended {
+    let high = a + b;
+    let virtual_b = high - a;
+    Extended { high, low: (a - (high - virtual_b)) + (b - virtual_b) }
+}
+
+/// The same where |a| ≥ |b| (Dekker).
+fn fast_two_sum(a: f64, b: f64) -> Extended {
+    let high = a + b;
+    Extended { high, low: b - (high - a) }
+}
+
+/// Product of two doubles and its rounding error (Veltkamp, Dekker).
+fn two_product(a: f64, b: f64) -> Extended {
+    fn split(x: f64) -> (f64, f64) {
+        let t = 134_217_729.0 * x; // 2²⁷ + 1
+        let high = t - (t - x);
+        (high, x - high)
+    }
+    let high = a * b;
+    let ((ah, al), (bh, bl)) = (split(a), split(b));
+    Extended { high, low: ((ah * bh - high) + ah * bl + al * bh) + al * bl }
+}
+
+impl From<f64> for Extended {
+    fn from(high: f64) -> Self {
+        Self { high, low: 0.0 }
+    }
+}
+
+impl Add for Extended {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        let sum = two_sum(self.high, other.high);
+        let rest = two_sum(self.low, other.low);
+        let sum = fast_two_sum(sum.high, sum.low + rest.high);
+        fast_two_sum(sum.high, sum.low + rest.low)
+    }
+}
+
+impl Neg for Extended {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self { high: -self.high, low: -self.low }
+    }
+}
+
+impl Mul for Extended {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        let product = two_product(self.high, other.high);
+        fast_two_sum(product.high, product.low + (self.high * other.low + self.low * other.high))
+    }
+}
+
+/// A complex number of twice the working precision.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ExtendedComplex {
+    /// Real part.
+    pub re: Extended,
+    /// Imaginary part.
+    pub im: Extended,
+}
+
+impl Add for ExtendedComplex {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { re: self.re + other.re, im: self.im + other.im }
+    }
+}
+
+impl Mul for ExtendedComplex {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        Self {
+            re: self.re * other.re + -(self.im * other.im),
+            im: self.re * other.im + self.im * other.re,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keeps_what_doubles_lose() {
+        // (1 + 2⁻⁶⁰)² = 1 + 2⁻⁵⁹ + 2⁻¹²⁰
+        let tiny = (-60f64).exp2();
+        let x = Extended::from(1.0) + Extended::from(tiny);
+        let square = x * x + Extended::from(-1.0);
+        assert_eq!(square.high, 2.0 * tiny);
+        // 0.1 · 10 misses 1 by the representation error of 0.1, 2⁻⁵⁴ exactly.
+        let rest = Extended::from(0.1) * Extended::from(10.0) + Extended::from(-1.0);
+        assert_eq!(rest.high, (-54f64).exp2());
+    }
+}

@@ -1,0 +1,297 @@
+//! Binary forms F(κ₁, κ₂) = Σ f_l κ₁^(d−l) κ₂^l with rounding bounds, and where they vanish.
+
+use crate::roots;
+use models::Rounded;
+use num_complex::Complex64;
+use std::f64::consts::PI;
+
+/// A binary form of degree d by its d + 1 coefficients.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Form {
+    /// Entry l belongs to κ₁^(d−l) κ₂^l.
+    pub coefficients: Vec<Rounded>,
+}
+
+/// A real direction in which a form vanishes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Zero {
+    /// Angle of (κ₁, κ₂), in [0, π).
+    pub angle: f64,
+    /// Bound on the error of `angle`, rad.
+    pub bound: f64,
+    /// Whether the form changes sign there; otherwise it touches zero within its rounding bound.
+    pub crosses: bool,
+}
+
+impl Form {
+    /// The zero form of that degree.
+    pub fn zero(degree: usize) -> Self {
+        Self { coefficients: vec![Rounded::ZERO; degree + 1] }
+    }
+
+    /// Degree d.
+    pub fn degree(&self) -> usize {
+        self.coefficients.len() - 1
+    }
+
+    /// Whether some coefficient has a sign beyond rounding, so that the form does not vanish
+    /// identically.
+    pub fn is_certain(&self) -> bool {
+        self.coefficients.iter().any(|c| matches!(c.sign(), Some(1 | -1)))
+    }
+
+    /// F(cos, sin).
+    pub fn at(&self, cos: Rounded, sin: Rounded) -> Rounded {
+        let mut value = Rounded::ZERO;
+        let mut power = Rounded::ONE;
+        for (l, &f) in self.coefficients.iter().enumerate() {
+            if l > 0 {
+                power = power * sin;
+            }
+            let mut term = f * power;
+            for _ in 0..self.degree() - l {
+                term = term * cos;
+            }
+            value += term;
+        }
+        value
+    }
+
+    /// F at an angle that is meant literally.
+    pub fn at_angle(&self, angle: f64) -> Rounded {
+        let angle = Rounded::exact(angle);
+        self.at(angle.cos(), angle.sin())
+    }
+
+    /// dF/dθ along (cos θ, sin θ): again a form of degree d.
+    pub fn derivative(&self) -> Self {
+        let d = self.degree();
+        let mut result = Self::zero(d);
+        for (l, &f) in self.coefficients.iter().enumerate() {
+            // d/dθ (c^(d−l) s^l) = l c^(d−l+1) s^(l−1) − (d−l) c^(d−l−1) s^(l+1)
+            if l > 0 {
+                result.coefficients[l - 1] += l as f64 * f;
+            }
+            if l < d {
+                result.coefficients[l + 1] += -((d - l) as f64 * f);
+            }
+        }
+        result
+    }
+
+    /// The form in axes turned by the angle with this cosine and sine: G(κ, κ⊥) with
+    /// κ₁ = cos κ − sin κ⊥, κ₂ = sin κ + cos κ⊥.
+    pub fn rotated(&self, cos: Rounded, sin: Rounded) -> Self {
+        let d = self.degree();
+        let multiply = |p: &[Rounded], a: Rounded, b: Rounded| {
+            let mut product = vec![Rounded::ZERO; p.len() + 1];
+            for (i, &x) in p.iter().enumerate() {
+                product[i] += a * x;
+                product[i + 1] += b * x;
+            }
+            product
+        };
+        let mut result = Self::zero(d);
+        for (l, &f) in self.coefficients.iter().enumerate() {
+            if f.is_structural_zero() {
+                continue;
+            }
+            let mut product = vec![f];
+            for factor in 0..d {
+                product = if factor < l {
+                    multiply(&product, sin, cos)
+                } else {
+                    multiply(&product, cos, -sin)
+                };
+            }
+            for (r, p) in result.coefficients.iter_mut().zip(product) {
+                *r += p;
+            }
+        }
+        result
+    }
+
+    /// The angles in [0, π) at which dF/dθ vanishes, ascending.
+    fn extrema(&self) -> Vec<f64> {
+        let derivative = self.derivative();
+        let curvature = derivative.derivative();
+        let mut angles: Vec<f64> = derivative
+            .roots_on_the_circle()
+            .filter(|z| (z.norm() - 1.0).abs() < 1e-3)
+            .map(|z| {
+                let mut angle = z.arg() / 2.0;
+                for _ in 0..4 {
+                    let slope = curvature.at_angle(angle).value;
+                    let step = derivative.at_angle(angle).value / slope;
+                    if step.is_finite() && step.abs() < 0.1 {
+                        angle -= step;
+                    }
+                }
+                angle.rem_euclid(PI)
+            })
+            .collect();
+        angles.sort_by(f64::total_cmp);
+        angles.dedup_by(|a, b| (*a - *b).abs() < 4.0 * f64::EPSILON);
+        angles
+    }
+
+    /// Roots in z = exp 2iθ: with w = exp iθ the form is w^(−d) times a polynomial in w².
+    fn roots_on_the_circle(&self) -> impl Iterator<Item = Complex64> {
+        let d = self.degree();
+        let mut polynomial = vec![Complex64::ZERO; d + 1];
+        for (l, f) in self.coefficients.iter().enumerate() {
+            // (z + 1)^(d−l) (z − 1)^l i^(−l)
+            let mut term =
+                vec![Complex64::from(f.value) * Complex64::new(0.0, -1.0).powi(l as i32)];
+            for factor in 0..d {
+                let constant = if factor < l { -1.0 } else { 1.0 };
+                let mut next = vec![Complex64::ZERO; term.len() + 1];
+                for (i, &t) in term.iter().enumerate() {
+                    next[i + 1] += t;
+                    next[i] += constant * t;
+                }
+                term = next;
+            }
+            for (p, t) in polynomial.iter_mut().zip(term) {
+                *p += t;
+            }
+        }
+        // A top coefficient of rounding size is a root at infinity, which is no direction.
+        let size = polynomial.iter().map(|c| c.norm()).fold(0.0, f64::max);
+        while polynomial.last().is_some_and(|c| c.norm() <= 1e-14 * size) {
+            polynomial.pop();
+        }
+        roots::of(&polynomial).into_iter()
+    }
+
+    /// All directions in [0, π) in which the form crosses zero, or touches it within rounding.
+    ///
+    /// Between two neighbouring extrema the form is monotone: a change of sign brackets exactly
+    /// one zero, however close the extrema are to zero. No sector between two zeros is missed
+    /// unless the form inside it stays below its rounding bound.
+    pub fn zeros(&self) -> Vec<Zero> {
+        if !self.is_certain() {
+            return Vec::new();
+        }
+        let extrema = self.extrema();
+        let derivative = self.derivative();
+        let mut zeros = Vec::new();
+        if self.degree() % 2 == 1 && extrema.is_empty() {
+            return zeros;
+        }
+        for (index, &left) in extrema.iter().enumerate() {
+            let value = self.at_angle(left);
+            let Some(sign) = value.sign() else {
+                // A touching zero: its place is that of the extremum.
+                let curvature = derivative.derivative().at_angle(left).value.abs();
+                let bound = derivative.at_angle(left).bound / curvature + f64::EPSILON;
+                zeros.push(Zero { angle: left, bound, crosses: false });
+                continue;
+            };
+            let (right, flip) = match extrema.get(index + 1) {
+                Some(&right) => (right, 1),
+                None => (extrema[0] + PI, if self.degree() % 2 == 1 { -1 } else { 1 }),
+            };
+            let Some(right_sign) = self.at_angle(right.rem_euclid(PI)).sign() else { continue };
+            if sign * flip * right_sign >= 0 {
+                continue;
+            }
+            let (mut a, mut b) = (left, right);
+            for _ in 0..120 {
+                let middle = 0.5 * (a + b);
+                if middle <= a || middle >= b {
+                    break;
+                }
+                if (self.at_angle(middle).value > 0.0) == (sign > 0) {
+                    a = middle;
+                } else {
+                    b = middle;
+                }
+            }
+            let angle = 0.5 * (a + b);
+            let bound = self.at_angle(angle).bound / derivative.at_angle(angle).value.abs()
+                + 4.0 * f64::EPSILON;
+            zeros.push(Zero { angle: angle.rem_euclid(PI), bound, crosses: true });
+        }
+        zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));
+        zeros
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn form(coefficients: &[f64]) -> Form {
+        Form { coefficients: coefficients.iter().map(|&c| Rounded::given(c)).collect() }
+    }
+
+    /// Π sin(θ − θᵢ) as a form.
+    fn with_zeros(angles: &[f64]) -> Form {
+        let mut p = vec![Rounded::ONE];
+        for &angle in angles {
+            let (s, c) = (Rounded::exact(angle).sin(), Rounded::exact(angle).cos());
+            let mut next = vec![Rounded::ZERO; p.len() + 1];
+            for (i, &x) in p.iter().enumerate() {
+                next[i] += -(s * x);
+                next[i + 1] += c * x;
+            }
+            p = next;
+        }
+        Form { coefficients: p }
+    }
+
+    #[test]
+    fn zeros_of_products_are_found_with_their_kind() {
+        let zeros = with_zeros(&[0.3, 1.2, 2.9]).zeros();
+        assert_eq!(zeros.len(), 3);
+        for (z, wanted) in zeros.iter().zip([0.3, 1.2, 2.9]) {
+            assert!((z.angle - wanted).abs() < 1e-14 && z.crosses);
+        }
+        let zeros = with_zeros(&[0.3, 0.3, 2.0, 2.0]).zeros();
+        assert_eq!(zeros.len(), 2, "{zeros:?}");
+        for (z, wanted) in zeros.iter().zip([0.3, 2.0]) {
+            assert!((z.angle - wanted).abs() < 1e-14 && !z.crosses, "{z:?}");
+        }
+    }
+
+    #[test]
+    fn thin_sectors_are_not_missed() {
+        for width in [1e-2, 1e-5, 1e-7] {
+            let zeros = with_zeros(&[1.1, 1.1 + width, 2.0, 0.4]).zeros();
+            let angles: Vec<_> = zeros.iter().map(|z| z.angle).collect();
+            assert_eq!(angles.len(), 4, "{width}: {zeros:?}");
+            assert!((angles[2] - angles[1] - width).abs() < 1e-8 * width.sqrt(), "{angles:?}");
+        }
+    }
+
+    #[test]
+    fn positive_forms_and_constants_have_no_zero() {
+        assert!(form(&[1.0, 0.0, 2.0]).zeros().is_empty());
+        assert!(form(&[1.0, 0.0, 1.0]).zeros().is_empty());
+        assert!(form(&[3.0]).zeros().is_empty());
+        // x² + y² with a perturbation far above rounding: still positive.
+        assert!(form(&[1.0, 1e-6, 1.0]).zeros().is_empty());
+    }
+
+    #[test]
+    fn rotation_keeps_values() {
+        let f = form(&[0.7, -1.3, 2.9, 0.11]);
+        let angle = Rounded::exact(0.83);
+        let g = f.rotated(angle.cos(), angle.sin());
+        for theta in [0.0, 0.4, 1.9] {
+            let (direct, turned) = (f.at_angle(theta + 0.83), g.at_angle(theta));
+            assert!((direct.value - turned.value).abs() <= direct.bound + turned.bound + 1e-15);
+        }
+    }
+
+    #[test]
+    fn derivative_is_the_derivative() {
+        let f = form(&[0.7, -1.3, 2.9, 0.11, 1.0]);
+        let h = 1e-6;
+        for theta in [0.2, 1.4, 2.8] {
+            let slope = (f.at_angle(theta + h).value - f.at_angle(theta - h).value) / (2.0 * h);
+            assert!((f.derivative().at_angle(theta).value - slope).abs() < 1e-8);
+        }
+    }
+}

@@ -1,0 +1,618 @@
+//! How fast short waves grow, in every direction: the verdict on a frozen state.
+//!
+//! With P = Σ ςⁱ F_ij(κ₁, κ₂) the roots at wave number k → ∞ in a fixed direction are
+//! ς ≈ c k^m, where m runs through the slopes of the Newton polygon of the points (i, j) with
+//! F_ij ≠ 0 and c through the roots of the edge polynomials. Signs of the F_ij at the corners of
+//! the polygon change only at their zeros, which are found exactly ([`Form::zeros`]); between them
+//! the worst direction is searched. Around each zero ("degenerate direction") lies a layer in which
+//! other terms decide: with κ⊥ = O(k^τ), τ < 1, across that direction, the orders m and offsets τ
+//! that compete are the facets of the Newton polytope of the points (i, j, l) of ςⁱ κʲ κ⊥ˡ.
+
+use crate::AnalysisError;
+use crate::form::{Form, Zero};
+use crate::pencil::Pencil;
+use crate::polynomial::Term;
+use crate::roots;
+use models::Rounded;
+use num_complex::Complex64;
+use std::f64::consts::PI;
+
+/// A rational order of growth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Order {
+    /// Numerator.
+    pub numerator: i64,
+    /// Denominator, positive, in lowest terms.
+    pub denominator: i64,
+}
+
+impl Order {
+    fn new(numerator: i64, denominator: i64) -> Self {
+        fn gcd(a: i64, b: i64) -> i64 {
+            if b == 0 { a.abs() } else { gcd(b, a % b) }
+        }
+        let divisor = gcd(numerator, denominator).max(1) * denominator.signum();
+        Self { numerator: numerator / divisor, denominator: denominator / divisor }
+    }
+
+    /// As a double.
+    pub fn value(self) -> f64 {
+        self.numerator as f64 / self.denominator as f64
+    }
+}
+
+/// Growth of the worst short waves, Re ς ≈ `coefficient` k^`order`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Growth {
+    /// Order in k.
+    pub order: Order,
+    /// Limit of Re ς / k^order, in m^order/s.
+    pub coefficient: f64,
+}
+
+/// The verdict on a frozen state.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Verdict {
+    /// The growth rate is bounded uniformly over short waves of all directions.
+    WellPosed,
+    /// It is not.
+    IllPosed {
+        /// Order and coefficient; `None` where the growth rate is unbounded at finite wave
+        /// numbers already.
+        growth: Option<Growth>,
+        /// Angle of the wave vector, rad, in [0, π), at which it is approached.
+        direction: f64,
+    },
+    /// The quantity that decides is zero within its own rounding bound.
+    Marginal {
+        /// What it is.
+        quantity: String,
+        /// Its value (in scaled units).
+        value: f64,
+        /// Its rounding bound.
+        rounding: f64,
+    },
+    /// det ≡ 0, or fewer equations than unknowns.
+    Indeterminate {
+        /// Generic rank of the pencil.
+        rank: usize,
+        /// Number of unknowns.
+        unknowns: usize,
+    },
+}
+
+impl Verdict {
+    /// Name in results.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::WellPosed => "well-posed",
+            Self::IllPosed { .. } => "ill-posed",
+            Self::Marginal { .. } => "marginal",
+            Self::Indeterminate { .. } => "indeterminate",
+        }
+    }
+}
+
+/// A direction in which a leading coefficient vanishes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DegenerateDirection {
+    /// Angle of the wave vector, rad, in [0, π).
+    pub angle: f64,
+    /// Bound on its error, rad.
+    pub bound: f64,
+}
+
+/// A verdict with what it rests on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assessment {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The Newton polygon in a general direction: (order, number of roots) of the growing or
+    /// decaying roots, largest order first; orders ≤ 0 are bounded and left out.
+    pub orders: Vec<(Order, usize)>,
+    /// Directions in which a leading coefficient vanishes, ascending.
+    pub degenerate: Vec<DegenerateDirection>,
+}
+
+/// An edge of the Newton polygon in a general direction.
+struct Edge<'a> {
+    order: Order,
+    /// Terms on the edge, by descending power of ς.
+    terms: Vec<&'a Term>,
+}
+
+/// What the leading coefficients c of some roots do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Trend {
+    /// Some Re c > 0, the greatest of them.
+    Grows(f64),
+    /// Greatest Re c is zero to rounding (a wave): the next order decides.
+    Neutral,
+    /// All Re c < 0.
+    Decays,
+    /// A sign is lost in rounding.
+    Doubtful(Rounded),
+}
+
+/// Directions tried between two degenerate ones.
+const SAMPLES: usize = 12;
+
+/// |Re c| below this fraction of |c| counts as zero where c is a root of a polynomial with more
+/// than two terms; two terms are judged by exact signs.
+const NEUTRAL: f64 = 1e-7;
+
+/// Judges the system that `pencil` holds.
+///
+/// # Errors
+/// See [`AnalysisError`].
+pub fn assess(pencil: &Pencil) -> Result<Assessment, AnalysisError> {
+    let mut assessment =
+        Assessment { verdict: Verdict::WellPosed, orders: Vec::new(), degenerate: Vec::new() };
+    if pencil.is_singular() {
+        let unknowns = pencil.scaled.system.unknowns.len();
+        assessment.verdict = Verdict::Indeterminate { rank: pencil.generic_rank(), unknowns };
+        return Ok(assessment);
+    }
+    let terms = pencil.polynomial.forms();
+    let (certain, doubtful): (Vec<Term>, Vec<Term>) =
+        terms.into_iter().partition(|term| term.form.is_certain());
+    let corners = polygon(&certain);
+    let edges = edges(&certain, &corners);
+    assessment.orders = edges
+        .iter()
+        .map(|e| (e.order, e.terms[0].time - e.terms[e.terms.len() - 1].time))
+        .collect();
+
+    // A form that is all rounding, but would stand above the polygon, decides and cannot be judged.
+    if let Some(term) = doubtful.iter().find(|term| stands_above(term, &corners)) {
+        let worst =
+            |f: &Form| f.coefficients.iter().copied().max_by(|a, b| a.bound.total_cmp(&b.bound));
+        let at = worst(&term.form).unwrap_or_default();
+        assessment.verdict = Verdict::Marginal {
+            quantity: format!(
+                "coefficient of ς^{} k^{} in the dispersion polynomial",
+                term.time,
+                term.form.degree()
+            ),
+            value: at.value,
+            rounding: at.bound,
+        };
+        return Ok(assessment);
+    }
+
+    let mut zeros: Vec<Zero> = Vec::new();
+    for edge in &edges {
+        for corner in [edge.terms[0], edge.terms[edge.terms.len() - 1]] {
+            zeros.extend(corner.form.zeros());
+        }
+    }
+    zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));
+    zeros.dedup_by(|later, earlier| {
+        let same = later.angle - earlier.angle <= 2.0 * (later.bound + earlier.bound);
+        if same {
+            earlier.crosses |= later.crosses;
+        }
+        same
+    });
+    assessment.degenerate =
+        zeros.iter().map(|z| DegenerateDirection { angle: z.angle, bound: z.bound }).collect();
+
+    if let Some(direction) = unbounded_at_finite_k(&certain, &doubtful) {
+        assessment.verdict = Verdict::IllPosed { growth: None, direction };
+        return Ok(assessment);
+    }
+
+    let mut worst = Worst::default();
+    for edge in &edges {
+        search_directions(edge, &zeros, &mut worst);
+    }
+    for zero in &zeros {
+        search_layer(&certain, zero, &mut worst);
+    }
+    assessment.verdict = worst.verdict(pencil);
+    Ok(assessment)
+}
+
+/// The greatest growth met so far, and what could not be judged.
+#[derive(Default)]
+struct Worst {
+    /// (order, scaled coefficient, direction)
+    growth: Option<(Order, f64, f64)>,
+    doubt: Option<(String, f64, f64)>,
+}
+
+impl Worst {
+    fn grows(&mut self, order: Order, coefficient: f64, direction: f64) {
+        let better = self.growth.is_none_or(|(o, c, _)| {
+            let (new, old) = (order.value(), o.value());
+            new > old || (new == old && coefficient > c)
+        });
+        if better {
+            self.growth = Some((order, coefficient, direction));
+        }
+    }
+
+    fn doubts(&mut self, quantity: String, value: f64, rounding: f64) {
+        self.doubt.get_or_insert((quantity, value, rounding));
+    }
+
+    fn verdict(self, pencil: &Pencil) -> Verdict {
+        let (rate, wave_number) = (pencil.polynomial.rate, pencil.polynomial.wave_number);
+        match (self.growth, self.doubt) {
+            (Some((order, scaled, direction)), _) => Verdict::IllPosed {
+                growth: Some(Growth {
+                    order,
+                    coefficient: scaled * rate / wave_number.powf(order.value()),
+                }),
+                direction: direction.rem_euclid(PI),
+            },
+            (None, Some((quantity, value, rounding))) => {
+                Verdict::Marginal { quantity, value, rounding }
+            }
+            (None, None) => Verdict::WellPosed,
+        }
+    }
+}
+
+/// Corners (i, j) of the upper boundary of the Newton polygon, by descending i.
+fn polygon(terms: &[Term]) -> Vec<(i64, i64)> {
+    let top = |i: usize| terms.iter().filter(|t| t.time == i).map(|t| t.form.degree() as i64).max();
+    let highest = terms.iter().map(|t| t.time).max().unwrap_or(0);
+    let mut corners: Vec<(i64, i64)> = Vec::new();
+    for i in (0..=highest).rev() {
+        let Some(j) = top(i) else { continue };
+        let i = i as i64;
+        while let [.., a, b] = corners[..] {
+            // b below or on the chord from a to the new point goes.
+            if (b.1 - a.1) * (a.0 - i) > (j - a.1) * (a.0 - b.0) {
+                break;
+            }
+            corners.pop();
+        }
+        corners.push((i, j));
+    }
+    corners
+}
+
+/// Edges of positive slope, steepest first.
+fn edges<'a>(terms: &'a [Term], corners: &[(i64, i64)]) -> Vec<Edge<'a>> {
+    corners
+        .windows(2)
+        .filter(|pair| pair[1].1 > pair[0].1)
+        .map(|pair| {
+            let ((i1, j1), (i0, j0)) = (pair[0], pair[1]);
+            let on = |t: &&Term| {
+                let (i, j) = (t.time as i64, t.form.degree() as i64);
+                i0 <= i && i <= i1 && (j - j1) * (i1 - i0) == (j0 - j1) * (i1 - i)
+            };
+            let mut terms: Vec<&Term> = terms.iter().filter(on).collect();
+            terms.sort_by_key(|t| std::cmp::Reverse(t.time));
+            Edge { order: Order::new(j0 - j1, i1 - i0), terms }
+        })
+        .collect()
+}
+
+/// Whether a term, were it not zero, would enter the part of the polygon with positive orders.
+fn stands_above(term: &Term, corners: &[(i64, i64)]) -> bool {
+    let (i, j) = (term.time as i64, term.form.degree() as i64);
+    let Some(&(first, top)) = corners.first() else { return false };
+    if i > first {
+        // A new highest power of ς: harmless only if the roots that it adds stay bounded.
+        return j < corners.iter().map(|c| c.1).max().unwrap_or(top);
+    }
+    corners.windows(2).any(|pair| {
+        let ((i1, j1), (i0, j0)) = (pair[0], pair[1]);
+        i0 <= i && i <= i1 && j0 > j1 && (j - j1) * (i1 - i0) > (j0 - j1) * (i1 - i)
+    })
+}
+
+/// A direction in which the coefficient of the highest power of ς vanishes at every wave number.
+///
+/// Where that coefficient consists of one form, ς passes through infinity as the wave vector turns
+/// through a zero of it.
+fn unbounded_at_finite_k(certain: &[Term], doubtful: &[Term]) -> Option<f64> {
+    let highest = certain.iter().map(|t| t.time).max()?;
+    let mut tops = certain.iter().chain(doubtful).filter(|t| t.time == highest);
+    let (top, None) = (tops.next()?, tops.next()) else { return None };
+    top.form.zeros().into_iter().find_map(|zero| {
+        // Next to the zero ς ≈ −(next coefficient)/(top coefficient), of either sign where the top
+        // crosses zero; unless everything else vanishes there too.
+        let rest = certain.iter().any(|t| {
+            let crosses_real = (t.form.degree() + top.form.degree()) % 2 == 0;
+            (t.time + 1 == highest && crosses_real || t.time + 1 < highest)
+                && t.form.at_angle(zero.angle).value.abs() > 1e-6 * size(&t.form)
+        });
+        (zero.crosses && rest).then_some(zero.angle)
+    })
+}
+
+fn size(form: &Form) -> f64 {
+    form.coefficients.iter().map(|c| c.value.abs()).fold(0.0, f64::max)
+}
+
+/// iⁿ
+fn imaginary_power(n: i64) -> Complex64 {
+    match n.rem_euclid(4) {
+        0 => Complex64::ONE,
+        1 => Complex64::I,
+        2 => -Complex64::ONE,
+        _ => -Complex64::I,
+    }
+}
+
+/// What the non-zero roots c of Σ `coefficient` i^`power of κ` c^`power of ς` do; the coefficients
+/// by descending power of ς.
+fn trend(points: &[(usize, i64, Rounded)]) -> Trend {
+    let (Some(&(i1, j1, first)), Some(&(i0, j0, last))) = (points.first(), points.last()) else {
+        return Trend::Decays;
+    };
+    for corner in [first, last] {
+        if corner.sign().is_none_or(|s| s == 0) {
+            return Trend::Doubtful(corner);
+        }
+    }
+    if let [_, _] = points {
+        // c^p = w with |w| positive and w/|w| = −(±1) i^(j0 − j1), exactly.
+        let p = i1 - i0;
+        let modulus = (last.value / first.value).abs().powf(1.0 / p as f64);
+        let w = -imaginary_power(j0 - j1) * (last.value / first.value).signum();
+        let turn = w.arg() / p as f64;
+        let greatest = (0..p)
+            .map(|n| {
+                let angle = turn + std::f64::consts::TAU * n as f64 / p as f64;
+                let cos = angle.cos();
+                // Multiples of a right angle are exact here.
+                if cos.abs() < 1e-12 { 0.0 } else { cos }
+            })
+            .fold(-1.0, f64::max);
+        return match greatest {
+            g if g > 0.0 => Trend::Grows(g * modulus),
+            0.0 => Trend::Neutral,
+            _ => Trend::Decays,
+        };
+    }
+    let mut polynomial = vec![Complex64::ZERO; i1 - i0 + 1];
+    for &(i, j, value) in points {
+        polynomial[i - i0] += imaginary_power(j) * value.value;
+    }
+    let roots = roots::of(&polynomial);
+    let worst = roots
+        .iter()
+        .map(|c| (c.re / c.norm(), c.re))
+        .fold((-1.0, -1.0), |a, b| if b.0 > a.0 { b } else { a });
+    if worst.0 > NEUTRAL {
+        Trend::Grows(roots.iter().map(|c| c.re).fold(0.0, f64::max))
+    } else if worst.0 > -NEUTRAL {
+        Trend::Neutral
+    } else {
+        Trend::Decays
+    }
+}
+
+fn trend_in_direction(edge: &Edge, angle: f64) -> Trend {
+    let points: Vec<_> = edge
+        .terms
+        .iter()
+        .map(|t| (t.time, t.form.degree() as i64, t.form.at_angle(angle)))
+        .collect();
+    trend(&points)
+}
+
+/// The worst direction of an edge, sector by sector.
+fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
+    let mut bounds: Vec<f64> = zeros.iter().map(|z| z.angle).collect();
+    if bounds.is_empty() {
+        bounds.push(0.0);
+    }
+    for (index, &left) in bounds.iter().enumerate() {
+        let right = bounds.get(index + 1).copied().unwrap_or(bounds[0] + PI);
+        let width = right - left;
+        let at = |x: f64| left + x * width;
+        let rate = |x: f64| match trend_in_direction(edge, at(x)) {
+            Trend::Grows(c) => c,
+            _ => 0.0,
+        };
+        let mut best = (0.0, 0.5);
+        for sample in 0..SAMPLES {
+            let x = (sample as f64 + 0.5) / SAMPLES as f64;
+            match trend_in_direction(edge, at(x)) {
+                Trend::Grows(c) if c > best.0 => best = (c, x),
+                Trend::Grows(_) | Trend::Decays => {}
+                Trend::Neutral => worst.doubts(
+                    format!("real part of the leading coefficient of order {}", edge.order.value()),
+                    0.0,
+                    f64::EPSILON,
+                ),
+                Trend::Doubtful(value) => worst.doubts(
+                    format!(
+                        "leading coefficient near the wave vector's direction {:.6}°",
+                        at(x).rem_euclid(PI).to_degrees()
+                    ),
+                    value.value,
+                    value.bound,
+                ),
+            }
+        }
+        if best.0 > 0.0 {
+            let step = 1.0 / SAMPLES as f64;
+            let x = golden_section(rate, (best.1 - step).max(0.0), (best.1 + step).min(1.0));
+            let refined = if rate(x) >= best.0 { (rate(x), x) } else { best };
+            worst.grows(edge.order, refined.0, at(refined.1));
+        }
+    }
+}
+
+/// The place of the greatest value of a function with one maximum in [a, b].
+pub(crate) fn golden_section(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
+    const RATIO: f64 = 0.618_033_988_749_894_9;
+    let (mut x, mut y) = (b - RATIO * (b - a), a + RATIO * (b - a));
+    let (mut fx, mut fy) = (f(x), f(y));
+    for _ in 0..60 {
+        if b - a <= 1e-12 * (a.abs() + b.abs()) {
+            break;
+        }
+        if fx >= fy {
+            (b, y, fy) = (y, x, fx);
+            x = b - RATIO * (b - a);
+            fx = f(x);
+        } else {
+            (a, x, fx) = (x, y, fy);
+            y = a + RATIO * (b - a);
+            fy = f(y);
+        }
+    }
+    0.5 * (a + b)
+}
+
+/// A point ςⁱ κʲ κ⊥ˡ of the polynomial in the axes of a degenerate direction.
+#[derive(Clone, Copy)]
+struct Point {
+    i: i64,
+    j: i64,
+    l: i64,
+    value: Rounded,
+}
+
+/// Growth in the layers around a degenerate direction, and in that direction itself.
+fn search_layer(terms: &[Term], zero: &Zero, worst: &mut Worst) {
+    let axis = Rounded { value: zero.angle, bound: zero.bound };
+    let (cos, sin) = (axis.cos(), axis.sin());
+    // Of all points with equal i and l the one with the greatest j dominates.
+    let mut points: Vec<Point> = Vec::new();
+    for term in terms {
+        let d = term.form.degree();
+        for (l, &value) in term.form.rotated(cos, sin).coefficients.iter().enumerate() {
+            if !matches!(value.sign(), Some(1 | -1)) {
+                continue;
+            }
+            let point = Point { i: term.time as i64, j: (d - l) as i64, l: l as i64, value };
+            match points.iter_mut().find(|p| (p.i, p.l) == (point.i, point.l)) {
+                Some(p) if p.j < point.j => *p = point,
+                Some(_) => {}
+                None => points.push(point),
+            }
+        }
+    }
+
+    // In the direction itself only l = 0 counts.
+    let line: Vec<Point> = points.iter().copied().filter(|p| p.l == 0).collect();
+    for (order, on) in polygon_of(&line) {
+        record(&on, order, 1.0, zero.angle, worst);
+    }
+
+    for (order, on) in facets(&points) {
+        // κ⊥ = d k^τ: scan the size of d over the range in which the terms exchange dominance.
+        let rate = |log: f64, sign: f64| match trend(&scaled_points(&on, sign * log.exp2())) {
+            Trend::Grows(c) => c,
+            _ => 0.0,
+        };
+        for sign in [1.0, -1.0] {
+            let steps = (-60..=60).map(|s| f64::from(s) * 0.5);
+            let best = steps
+                .map(|s| (rate(s, sign), s))
+                .fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
+            if best.0 > 0.0 {
+                let x = golden_section(|s| rate(s, sign), best.1 - 0.5, best.1 + 0.5);
+                worst.grows(order, rate(x, sign).max(best.0), zero.angle);
+            }
+        }
+    }
+}
+
+fn record(on: &[Point], order: Order, d: f64, direction: f64, worst: &mut Worst) {
+    match trend(&scaled_points(on, d)) {
+        Trend::Grows(c) => worst.grows(order, c, direction),
+        Trend::Decays => {}
+        Trend::Neutral => worst.doubts(
+            format!(
+                "real part of the coefficient of order {} in a degenerate direction",
+                order.value()
+            ),
+            0.0,
+            f64::EPSILON,
+        ),
+        Trend::Doubtful(value) => worst.doubts(
+            "leading coefficient in a degenerate direction".into(),
+            value.value,
+            value.bound,
+        ),
+    }
+}
+
+/// Sums the points of equal power of ς with κ⊥ = d; by descending power.
+fn scaled_points(on: &[Point], d: f64) -> Vec<(usize, i64, Rounded)> {
+    let mut list: Vec<(usize, i64, Rounded)> = Vec::new();
+    let mut sorted = on.to_vec();
+    sorted.sort_by_key(|p| (std::cmp::Reverse(p.i), p.j + p.l));
+    for p in sorted {
+        let value = Rounded::exact(d.powi(p.l as i32)) * p.value;
+        match list.last_mut() {
+            Some(last) if last.0 == p.i as usize && last.1 == p.j + p.l => last.2 += value,
+            _ => list.push((p.i as usize, p.j + p.l, value)),
+        }
+    }
+    list
+}
+
+/// Edges of positive order of the polygon of points with one l each.
+fn polygon_of(points: &[Point]) -> Vec<(Order, Vec<Point>)> {
+    let mut corners: Vec<Point> = Vec::new();
+    let mut sorted = points.to_vec();
+    sorted.sort_by_key(|p| std::cmp::Reverse(p.i));
+    for p in sorted {
+        while let [.., a, b] = corners[..] {
+            if (b.j - a.j) * (a.i - p.i) > (p.j - a.j) * (a.i - b.i) {
+                break;
+            }
+            corners.pop();
+        }
+        corners.push(p);
+    }
+    corners
+        .windows(2)
+        .filter(|pair| pair[1].j > pair[0].j)
+        .map(|pair| {
+            let (a, b) = (pair[0], pair[1]);
+            let on = |p: &&Point| {
+                b.i <= p.i && p.i <= a.i && (p.j - a.j) * (a.i - b.i) == (b.j - a.j) * (a.i - p.i)
+            };
+            (Order::new(b.j - a.j, a.i - b.i), points.iter().filter(on).copied().collect())
+        })
+        .collect()
+}
+
+/// Facets of the polytope whose normal is (m, 1, τ) with m > 0 and τ < 1.
+fn facets(points: &[Point]) -> Vec<(Order, Vec<Point>)> {
+    let mut found: Vec<([i64; 3], Vec<Point>)> = Vec::new();
+    for (a, p) in points.iter().enumerate() {
+        for (b, q) in points.iter().enumerate().skip(a + 1) {
+            for r in &points[b + 1..] {
+                // m Δi + τ Δl = −Δj for both differences, times the determinant.
+                let (i1, l1, j1) = (p.i - q.i, p.l - q.l, p.j - q.j);
+                let (i2, l2, j2) = (p.i - r.i, p.l - r.l, p.j - r.j);
+                let mut normal = [j2 * l1 - j1 * l2, i1 * l2 - i2 * l1, i2 * j1 - i1 * j2];
+                if normal[1] == 0 {
+                    continue;
+                }
+                if normal[1] < 0 {
+                    normal = normal.map(|x| -x);
+                }
+                let [m, one, tau] = normal;
+                if m <= 0 || tau >= one {
+                    continue;
+                }
+                let weight = |x: &Point| m * x.i + one * x.j + tau * x.l;
+                let height = weight(p);
+                if points.iter().any(|x| weight(x) > height) {
+                    continue;
+                }
+                let same = |n: &[i64; 3]| n[0] * one == m * n[1] && n[2] * one == tau * n[1];
+                if !found.iter().any(|(n, _)| same(n)) {
+                    let on = points.iter().filter(|x| weight(x) == height).copied().collect();
+                    found.push((normal, on));
+                }
+            }
+        }
+    }
+    found.into_iter().map(|([m, one, _], on)| (Order::new(m, one), on)).collect()
+}

@@ -1,0 +1,251 @@
+//! The exact dispersion polynomial P(ς, κ₁, κ₂) = det(ςA + κ₁B¹ + κ₂B² + C), κ = ik.
+//!
+//! Its coefficients are real. They are expanded row by row over the sets of columns used so far
+//! (Laplace expansion with memory), in twice the working precision, together with a bound on what
+//! the rounding of the entries of A, Bⁱ, C may have done to each.
+
+use crate::extended::{Extended, ExtendedComplex};
+use crate::form::Form;
+use crate::scaling::ScaledSystem;
+use crate::{AnalysisError, roots};
+use models::Rounded;
+use num_complex::Complex64;
+
+/// Greatest number of equations: the expansion takes 2ⁿ partial determinants.
+pub const MAX_SIZE: usize = 10;
+
+/// A coefficient of the polynomial.
+#[derive(Clone, Copy, Debug, Default)]
+struct Coefficient {
+    /// The determinant's coefficient for the entries as they stand, to twice working precision.
+    value: Extended,
+    /// How far the rounding bounds of the entries may move it.
+    bound: f64,
+}
+
+impl Coefficient {
+    fn is_structural_zero(&self) -> bool {
+        self.value.high == 0.0 && self.bound == 0.0
+    }
+
+    fn add_product(&mut self, other: &Self, entry: Rounded, negative: bool) {
+        let factor = Extended::from(if negative { -entry.value } else { entry.value });
+        self.value = self.value + other.value * factor;
+        self.bound += other.value.high.abs() * entry.bound
+            + entry.value.abs() * other.bound
+            + entry.bound * other.bound;
+    }
+}
+
+/// Monomials ς^a κ₁^b κ₂^c up to a total degree, by ascending total degree.
+#[derive(Clone, Debug, Default)]
+struct Monomials {
+    exponents: Vec<[u8; 3]>,
+    /// Index of the monomial times ς, κ₁, κ₂.
+    times: Vec<[u16; 3]>,
+    /// Number of monomials of total degree ≤ d, by d.
+    up_to: Vec<usize>,
+}
+
+impl Monomials {
+    fn new(degree: usize) -> Self {
+        let mut monomials = Self::default();
+        for total in 0..=degree {
+            for a in 0..=total {
+                for b in 0..=total - a {
+                    monomials.exponents.push([a as u8, b as u8, (total - a - b) as u8]);
+                }
+            }
+            monomials.up_to.push(monomials.exponents.len());
+        }
+        let find = |wanted: [u8; 3]| {
+            let index = monomials.exponents.iter().position(|&e| e == wanted);
+            index.map_or(u16::MAX, |i| i as u16)
+        };
+        monomials.times = monomials
+            .exponents
+            .iter()
+            .map(|&[a, b, c]| [find([a + 1, b, c]), find([a, b + 1, c]), find([a, b, c + 1])])
+            .collect();
+        monomials
+    }
+}
+
+/// The exact dispersion polynomial of a square system, in the units of its [`ScaledSystem`].
+#[derive(Clone, Debug, Default)]
+pub struct DispersionPolynomial {
+    size: usize,
+    monomials: Monomials,
+    /// Partial determinants, one block of coefficients per set of columns; the last is the whole.
+    partial: Vec<Coefficient>,
+    order: Vec<usize>,
+    /// Unit of ς, 1/s.
+    pub rate: f64,
+    /// Unit of k, 1/m.
+    pub wave_number: f64,
+    velocity: [f64; 2],
+}
+
+impl DispersionPolynomial {
+    /// Expands the determinant of a square scaled system into `self`, reusing its memory.
+    ///
+    /// # Errors
+    /// [`AnalysisError::TooLarge`] beyond [`MAX_SIZE`] equations.
+    pub fn update(&mut self, scaled: &ScaledSystem) -> Result<(), AnalysisError> {
+        let system = &scaled.system;
+        let n = system.equations.len();
+        if n > MAX_SIZE {
+            return Err(AnalysisError::TooLarge(n));
+        }
+        (self.rate, self.wave_number, self.velocity) =
+            (scaled.rate, scaled.wave_number, system.velocity);
+        if self.size != n || self.monomials.exponents.is_empty() {
+            self.size = n;
+            self.monomials = Monomials::new(n);
+        }
+        let block = self.monomials.exponents.len();
+        self.partial.clear();
+        self.partial.resize(block << n, Coefficient::default());
+
+        // Rows with the fewest entries first keep the partial determinants sparse.
+        let linear_form = |row: usize, column: usize| {
+            let at = (row, column);
+            [system.a[at], system.b[0][at], system.b[1][at], system.c[at]]
+        };
+        let entries = |row: usize| {
+            (0..n).filter(|&c| linear_form(row, c).iter().any(|x| !x.is_structural_zero())).count()
+        };
+        self.order.clear();
+        self.order.extend(0..n);
+        self.order.sort_by_key(|&row| entries(row));
+
+        self.partial[0] = Coefficient { value: Extended::from(1.0), bound: 0.0 };
+        for set in 0usize..(1 << n) - 1 {
+            let used = set.count_ones() as usize;
+            let row = self.order[used];
+            let (before, after) = self.partial.split_at_mut((set + 1) * block);
+            let source = &before[set * block..][..self.monomials.up_to[used]];
+            if source.iter().all(Coefficient::is_structural_zero) {
+                continue;
+            }
+            for column in (0..n).filter(|c| set >> c & 1 == 0) {
+                let form = linear_form(row, column);
+                // Laplace sign: the columns of the set that stand to the right.
+                let negative = (set >> column).count_ones() % 2 == 1;
+                let target = &mut after[((set | 1 << column) - set - 1) * block..][..block];
+                for (index, coefficient) in source.iter().enumerate() {
+                    if coefficient.is_structural_zero() {
+                        continue;
+                    }
+                    for (variable, &entry) in form.iter().enumerate() {
+                        if !entry.is_structural_zero() {
+                            let to = if variable == 3 {
+                                index
+                            } else {
+                                usize::from(self.monomials.times[index][variable])
+                            };
+                            target[to].add_product(coefficient, entry, negative);
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn coefficients(&self) -> impl Iterator<Item = ([u8; 3], &Coefficient)> {
+        let block = self.monomials.exponents.len();
+        let whole = &self.partial[self.partial.len() - block..];
+        self.monomials.exponents.iter().copied().zip(whole)
+    }
+
+    /// The binary forms F_ij(κ₁, κ₂) of P = Σ ςⁱ F_ij, of degree j, in scaled units; only those
+    /// with a coefficient that is not a structural zero.
+    pub fn forms(&self) -> Vec<Term> {
+        let mut terms: Vec<Term> = Vec::new();
+        for ([a, b, c], coefficient) in self.coefficients() {
+            if coefficient.is_structural_zero() {
+                continue;
+            }
+            let (time, space) = (usize::from(a), usize::from(b + c));
+            let index = terms
+                .iter()
+                .position(|t| t.time == time && t.form.degree() == space)
+                .unwrap_or_else(|| {
+                    terms.push(Term { time, form: Form::zero(space) });
+                    terms.len() - 1
+                });
+            let value = coefficient.value.high;
+            terms[index].form.coefficients[usize::from(c)] =
+                Rounded { value, bound: coefficient.bound * 1.000_001 + f64::EPSILON.powi(2) };
+        }
+        terms
+    }
+
+    /// Coefficients of the powers of ς − (−ik·V) at the wave vector k = `k` (cos θ, sin θ), scaled:
+    /// entry i belongs to ς̂ⁱ. Its degree is the number of finite roots; powers whose coefficient is
+    /// zero within its rounding bound at the top are left out.
+    pub fn at_wave(&self, k: f64, direction: f64) -> Vec<ExtendedComplex> {
+        let (sin, cos) = direction.sin_cos();
+        let k_scaled = k / self.wave_number;
+        let powers = |x: f64| {
+            let mut list = vec![Extended::from(1.0)];
+            for i in 0..self.size {
+                list.push(list[i] * Extended::from(x));
+            }
+            list
+        };
+        // Products in twice the working precision of the doubles k̂ cos θ, k̂ sin θ.
+        let (first, second) = (powers(k_scaled * cos), powers(k_scaled * sin));
+        let mut result = vec![ExtendedComplex::default(); self.size + 1];
+        let mut bounds = vec![0.0f64; self.size + 1];
+        for ([a, b, c], coefficient) in self.coefficients() {
+            if coefficient.is_structural_zero() {
+                continue;
+            }
+            let (a, b, c) = (usize::from(a), usize::from(b), usize::from(c));
+            let factor = first[b] * second[c];
+            let term = coefficient.value * factor;
+            bounds[a] += coefficient.bound * factor.high.abs();
+            let slot = &mut result[a];
+            // iʲ
+            match (b + c) % 4 {
+                0 => slot.re = slot.re + term,
+                1 => slot.im = slot.im + term,
+                2 => slot.re = slot.re + -term,
+                _ => slot.im = slot.im + -term,
+            }
+        }
+        while let (Some(top), Some(bound)) = (result.last(), bounds.last()) {
+            if top.re.high.abs().max(top.im.high.abs()) > *bound || result.len() == 1 {
+                break;
+            }
+            result.pop();
+            bounds.pop();
+        }
+        result
+    }
+
+    /// All finite roots ς, 1/s, at the wave vector of magnitude `k` (1/m) and `direction` (rad),
+    /// by simultaneous iteration on the exact polynomial from `guesses` (any number, 1/s).
+    pub fn roots(&self, k: f64, direction: f64, guesses: &[Complex64]) -> Vec<Complex64> {
+        let coefficients = self.at_wave(k, direction);
+        let (sin, cos) = direction.sin_cos();
+        let convection =
+            Complex64::new(0.0, -k * (self.velocity[0] * cos + self.velocity[1] * sin));
+        let guesses: Vec<_> = guesses.iter().map(|g| (g - convection) / self.rate).collect();
+        roots::of_extended(&coefficients, &guesses)
+            .into_iter()
+            .map(|root| root * self.rate + convection)
+            .collect()
+    }
+}
+
+/// A term ςⁱ F(κ₁, κ₂) of the dispersion polynomial.
+#[derive(Clone, Debug)]
+pub struct Term {
+    /// The power i of ς.
+    pub time: usize,
+    /// The form F, of degree j.
+    pub form: Form,
+}

@@ -1,0 +1,191 @@
+//! Roots of complex polynomials, all at once (Aberth 1973, Ehrlich 1967).
+
+use crate::extended::ExtendedComplex;
+use num_complex::Complex64;
+
+const ITERATIONS: usize = 200;
+
+/// All roots of Σ `coefficients[i]` xⁱ; the last coefficient must not vanish.
+pub fn of(coefficients: &[Complex64]) -> Vec<Complex64> {
+    match coefficients {
+        [] | [_] => Vec::new(),
+        [c0, c1] => vec![-c0 / c1],
+        [c0, c1, c2] => {
+            // Larger root first, the other from the product: no cancellation.
+            let root = (c1 * c1 - 4.0 * c2 * c0).sqrt();
+            let sign = if (c1.conj() * root).re < 0.0 { -1.0 } else { 1.0 };
+            let sum = -(c1 + sign * root) / 2.0;
+            if sum == Complex64::ZERO { vec![Complex64::ZERO; 2] } else { vec![sum / c2, c0 / sum] }
+        }
+        _ => iterate(coefficients, &mut initial(coefficients, &[]), |x| evaluate(coefficients, x)),
+    }
+}
+
+/// The same with coefficients of twice the working precision, so that the roots are those of the
+/// polynomial to nearly working precision even where they are ill-conditioned; `guesses` are used
+/// when there is one for each root.
+pub fn of_extended(coefficients: &[ExtendedComplex], guesses: &[Complex64]) -> Vec<Complex64> {
+    let rounded: Vec<_> =
+        coefficients.iter().map(|c| Complex64::new(c.re.high, c.im.high)).collect();
+    // Roots that are exactly zero are split off: nothing is left to iterate on.
+    let zeros = rounded.iter().take_while(|c| **c == Complex64::ZERO).count();
+    if zeros + 1 >= rounded.len() {
+        return vec![Complex64::ZERO; zeros.min(rounded.len().saturating_sub(1))];
+    }
+    let (coefficients, rounded) = (&coefficients[zeros..], &rounded[zeros..]);
+    let guesses = if zeros == 0 { guesses } else { &[] };
+    let mut start = initial(rounded, guesses);
+    let mut roots = iterate(rounded, &mut start, |x| {
+        let at = ExtendedComplex { re: x.re.into(), im: x.im.into() };
+        let (mut value, mut slope) = (ExtendedComplex::default(), Complex64::ZERO);
+        for c in coefficients.iter().rev() {
+            slope = slope * x + Complex64::new(value.re.high, value.im.high);
+            value = value * at + *c;
+        }
+        (Complex64::new(value.re.high, value.im.high), slope)
+    });
+    roots.extend(std::iter::repeat_n(Complex64::ZERO, zeros));
+    roots
+}
+
+fn evaluate(coefficients: &[Complex64], x: Complex64) -> (Complex64, Complex64) {
+    let (mut value, mut slope) = (Complex64::ZERO, Complex64::ZERO);
+    for c in coefficients.iter().rev() {
+        slope = slope * x + value;
+        value = value * x + c;
+    }
+    (value, slope)
+}
+
+/// Starting points on circles whose radii are the slopes of the Newton polygon of the moduli.
+fn initial(coefficients: &[Complex64], guesses: &[Complex64]) -> Vec<Complex64> {
+    let degree = coefficients.len() - 1;
+    let usable = guesses.len() == degree && guesses.iter().all(|g| g.is_finite());
+    if usable {
+        // Equal guesses would divide by zero.
+        return guesses
+            .iter()
+            .enumerate()
+            .map(|(i, g)| g * Complex64::from_polar(1.0 + 1e-9 * i as f64, 1e-9 * i as f64))
+            .collect();
+    }
+    let log = |i: usize| coefficients[i].norm().max(f64::MIN_POSITIVE).log2();
+    let mut hull: Vec<usize> = Vec::new();
+    for i in 0..=degree {
+        if coefficients[i] == Complex64::ZERO {
+            continue;
+        }
+        while let [.., a, b] = hull[..] {
+            let above = (log(b) - log(a)) * (i - a) as f64 <= (log(i) - log(a)) * (b - a) as f64;
+            if !above {
+                break;
+            }
+            hull.pop();
+        }
+        hull.push(i);
+    }
+    let mut start = Vec::with_capacity(degree);
+    start.resize(hull.first().copied().unwrap_or(0), Complex64::ZERO);
+    for pair in hull.windows(2) {
+        let count = pair[1] - pair[0];
+        let radius = ((log(pair[0]) - log(pair[1])) / count as f64).exp2();
+        for i in 0..count {
+            let angle = std::f64::consts::TAU * (i as f64 / count as f64) + 0.7;
+            start.push(Complex64::from_polar(radius, angle));
+        }
+    }
+    start
+}
+
+fn iterate(
+    coefficients: &[Complex64],
+    roots: &mut [Complex64],
+    evaluate: impl Fn(Complex64) -> (Complex64, Complex64),
+) -> Vec<Complex64> {
+    debug_assert_eq!(roots.len() + 1, coefficients.len());
+    let mut settled = vec![false; roots.len()];
+    for _ in 0..ITERATIONS {
+        for i in 0..roots.len() {
+            if settled[i] {
+                continue;
+            }
+            let (value, slope) = evaluate(roots[i]);
+            if value == Complex64::ZERO {
+                settled[i] = true;
+                continue;
+            }
+            let newton = value / slope;
+            let others: Complex64 = (0..roots.len())
+                .filter(|&j| j != i && roots[j] != roots[i])
+                .map(|j| 1.0 / (roots[i] - roots[j]))
+                .sum();
+            let step = newton / (1.0 - newton * others);
+            if !step.is_finite() {
+                settled[i] = true;
+                continue;
+            }
+            roots[i] -= step;
+            settled[i] = step.norm() <= 1e-16 * roots[i].norm();
+        }
+        if settled.iter().all(|s| *s) {
+            break;
+        }
+    }
+    roots.to_vec()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn expand(roots: &[Complex64]) -> Vec<Complex64> {
+        let mut p = vec![Complex64::ONE];
+        for r in roots {
+            let mut next = vec![Complex64::ZERO; p.len() + 1];
+            for (i, c) in p.iter().enumerate() {
+                next[i + 1] += c;
+                next[i] -= r * c;
+            }
+            p = next;
+        }
+        p
+    }
+
+    #[test]
+    fn recovers_roots_spread_over_many_decades() {
+        let c = Complex64::new;
+        for wanted in [
+            vec![c(-3e8, 1.0), c(2.0, -1e-3)],
+            vec![c(1e-6, 2e-6), c(-4.0, 1.0), c(5e5, -7e5)],
+            vec![c(1.0, 0.0), c(-1.0, 0.0), c(0.0, 1.0), c(0.0, -1.0), c(1e4, 3.0)],
+        ] {
+            let found = of(&expand(&wanted));
+            assert_eq!(found.len(), wanted.len());
+            for w in &wanted {
+                let best = found.iter().map(|f| (f - w).norm()).fold(f64::MAX, f64::min);
+                assert!(best <= 1e-12 * w.norm(), "{w}: off by {best:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn double_precision_coefficients_lose_what_extended_ones_keep() {
+        // (x − 1)(x − 1 − 2⁻⁴⁰): the coefficients need more than 53 bits.
+        let gap = (-40f64).exp2();
+        let e = |x: f64| crate::extended::Extended::from(x);
+        let real = |re| ExtendedComplex { re, im: e(0.0) };
+        let p = [real(e(1.0) + e(gap)), real(-(e(2.0) + e(gap))), real(e(1.0))];
+        let mut found: Vec<_> = of_extended(&p, &[]).iter().map(|r| r.re).collect();
+        found.sort_by(f64::total_cmp);
+        assert!((found[0] - 1.0).abs() < 1e-15 && (found[1] - 1.0 - gap).abs() < 1e-15);
+    }
+
+    #[test]
+    fn exact_zero_roots_are_exact() {
+        let e = |x: f64| ExtendedComplex { re: x.into(), im: 0.0.into() };
+        let mut found = of_extended(&[e(0.0), e(0.0), e(-6.0), e(2.0)], &[]);
+        found.sort_by(|a, b| a.re.total_cmp(&b.re));
+        assert_eq!(found[..2], [Complex64::ZERO; 2]);
+        assert!((found[2].re - 3.0).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,155 @@
+//! Units in which a linearised system has coefficients of comparable size.
+//!
+//! Rows, columns, the unit of time and the unit of length are scaled by powers of two, so no bit
+//! of any coefficient is lost. The scales minimise the sum of squares of the logarithms of all
+//! non-zero coefficients, by a few sweeps of coordinate descent.
+
+use crate::AnalysisError;
+use models::LinearisedSystem;
+use models::system::Matrix;
+
+/// A system in its own units: ς = `rate` ς̂, k = `wave_number` k̂.
+#[derive(Clone, Debug, Default)]
+pub struct ScaledSystem {
+    /// The coefficients, scaled. Its `velocity` is left in m/s.
+    pub system: LinearisedSystem<2>,
+    /// Unit of ς, 1/s.
+    pub rate: f64,
+    /// Unit of k, 1/m.
+    pub wave_number: f64,
+    entries: Vec<Entry>,
+}
+
+/// A non-zero coefficient, for [`balance`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Entry {
+    pub row: usize,
+    pub column: usize,
+    /// Which common factor multiplies it: 0 none, else that of `groups[group − 1]`.
+    pub group: usize,
+    /// Base-two logarithm of its modulus.
+    pub log: f64,
+}
+
+/// Scales that bring the given entries near one.
+#[derive(Clone, Debug)]
+pub(crate) struct Scales {
+    pub rows: Vec<f64>,
+    pub columns: Vec<f64>,
+    pub groups: Vec<f64>,
+}
+
+const SWEEPS: usize = 6;
+
+/// Minimises Σ (log + row + column + group)² by sweeps; the scales returned are powers of two.
+pub(crate) fn balance(entries: &[Entry], rows: usize, columns: usize, groups: usize) -> Scales {
+    let offsets = [0, rows, rows + columns];
+    let mut logs = vec![0.0f64; rows + columns + groups];
+    let mut sums = vec![(0.0f64, 0u32); logs.len()];
+    let slots = |e: &Entry| {
+        [
+            Some(offsets[0] + e.row),
+            Some(offsets[1] + e.column),
+            e.group.checked_sub(1).map(|g| offsets[2] + g),
+        ]
+    };
+    for _ in 0..SWEEPS {
+        for kind in 0..3 {
+            sums.fill((0.0, 0));
+            for entry in entries {
+                let slots = slots(entry);
+                let Some(own) = slots[kind] else { continue };
+                let rest: f64 =
+                    slots.iter().flatten().filter(|&&s| s != own).map(|&s| logs[s]).sum();
+                sums[own] = (sums[own].0 + entry.log + rest, sums[own].1 + 1);
+            }
+            let end = *offsets.get(kind + 1).unwrap_or(&logs.len());
+            for slot in offsets[kind]..end {
+                let (sum, terms) = sums[slot];
+                logs[slot] = if terms > 0 { -sum / f64::from(terms) } else { 0.0 };
+            }
+        }
+    }
+    let mut powers = logs.iter().map(|log| log.round().clamp(-1000.0, 1000.0).exp2());
+    Scales {
+        rows: powers.by_ref().take(rows).collect(),
+        columns: powers.by_ref().take(columns).collect(),
+        groups: powers.collect(),
+    }
+}
+
+impl ScaledSystem {
+    /// Scales `system` into `self`.
+    ///
+    /// # Errors
+    /// [`AnalysisError::NotFinite`] if a coefficient is.
+    pub fn update(&mut self, system: &LinearisedSystem<2>) -> Result<(), AnalysisError> {
+        self.system.clone_from(system);
+        self.entries.clear();
+        let groups: [(&Matrix, usize); 4] =
+            [(&system.c, 0), (&system.a, 1), (&system.b[0], 2), (&system.b[1], 2)];
+        for (matrix, group) in groups {
+            for column in 0..matrix.ncols() {
+                for row in 0..matrix.nrows() {
+                    let x = matrix[(row, column)];
+                    if !(x.value.is_finite() && x.bound.is_finite()) {
+                        return Err(AnalysisError::NotFinite { equation: system.equations[row] });
+                    }
+                    // A coefficient that is all rounding noise says nothing of sizes.
+                    if x.value.abs() > x.bound {
+                        self.entries.push(Entry { row, column, group, log: x.value.abs().log2() });
+                    }
+                }
+            }
+        }
+        let scales = balance(&self.entries, system.equations.len(), system.unknowns.len(), 2);
+        (self.rate, self.wave_number) = (scales.groups[0], scales.groups[1]);
+        let apply = |matrix: &mut Matrix, factor: f64| {
+            for column in 0..matrix.ncols() {
+                for row in 0..matrix.nrows() {
+                    let scale = scales.rows[row] * scales.columns[column] * factor;
+                    let x = &mut matrix[(row, column)];
+                    (x.value, x.bound) = (x.value * scale, x.bound * scale);
+                }
+            }
+        };
+        apply(&mut self.system.a, self.rate);
+        apply(&mut self.system.c, 1.0);
+        for b in &mut self.system.b {
+            apply(b, self.wave_number);
+        }
+        let finite = |m: &Matrix| m.iter().all(|x| x.value.is_finite() && x.bound.is_finite());
+        let s = &self.system;
+        if [&s.a, &s.b[0], &s.b[1], &s.c].into_iter().all(finite) {
+            Ok(())
+        } else {
+            Err(AnalysisError::NotFinite { equation: system.equations[0] })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn balances_a_matrix_of_rank_one_in_logarithms_to_ones() {
+        // |entry| = 2^(rᵢ + cⱼ + g): the scales must undo all of it.
+        let (r, c, g) = ([10.0, -7.0, 33.0], [4.0, 0.0, -21.0], [0.0, 50.0]);
+        let mut entries = Vec::new();
+        for row in 0..3 {
+            for column in 0..3 {
+                for group in 0..2 {
+                    let log = r[row] + c[column] + g[group];
+                    entries.push(Entry { row, column, group, log });
+                }
+            }
+        }
+        let scales = balance(&entries, 3, 3, 1);
+        for e in &entries {
+            let factor = if e.group == 0 { 1.0 } else { scales.groups[0] };
+            let log = e.log + (scales.rows[e.row] * scales.columns[e.column] * factor).log2();
+            assert!(log.abs() <= 1.5, "{e:?} left at {log}");
+        }
+    }
+}

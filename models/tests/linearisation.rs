@@ -1,0 +1,168 @@
+//! The linearised equations and the derived background against the nonlinear equations.
+//!
+//! The nonlinear equations (`support/equations.rs`) are written from the tensors of Harris &
+//! Grekova (2005) and differentiated automatically in arithmetic of 31 digits. A wrong sign, factor,
+//! transpose or forgotten term in any entry of A, B or C of any model makes these tests fail.
+
+mod support;
+
+use std::collections::HashMap;
+use support::equations::{linearised, residuals};
+use support::states::{self, VARIANTS};
+use support::{Random, Wide, wide};
+use wellposed_models::Rounded;
+
+const STATES: usize = 300;
+
+/// Every entry of A, Bⁱ + Vᵢ A and C is the derivative of the nonlinear equation named by its row
+/// with respect to the unknown named by its column.
+///
+/// Tolerance: the entry's own rounding bound, which must contain the truth (computed from the same
+/// doubles), plus 31-digit noise. So that the bound cannot be an excuse it must itself be below
+/// 1e-12 of the entry's natural size, the largest value that the entry takes in the ensemble.
+#[test]
+fn symbol_is_the_derivative_of_the_nonlinear_equations() {
+    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
+        let mut random = Random::new(100 + seed as u64);
+        // (matrix, row, column) → (largest value, largest deviation, largest bound)
+        let mut sizes: HashMap<(usize, usize, usize), [f64; 3]> = HashMap::new();
+        for _ in 0..STATES {
+            let parameters = states::random_parameters(&mut random, kind, dilatancy);
+            let model = states::model(kind, &parameters);
+            let state = states::random_state(&mut random, kind, dilatancy);
+            let flow = states::flow(&model, &state);
+            let system = states::symbol(&model, &flow);
+            let (given, fields) = states::exact_point(&mut random, &parameters, kind, &state, &flow);
+            let truth = linearised(&given, &fields);
+
+            assert_eq!(system.velocity, state.velocity);
+            let (rows, columns) = (states::rows(&system), states::columns(&system));
+            for matrix in [&system.a, &system.b[0], &system.b[1], &system.c] {
+                assert_eq!(matrix.shape(), (rows.len(), columns.len()));
+            }
+            for (i, &row) in rows.iter().enumerate() {
+                for (j, &column) in columns.iter().enumerate() {
+                    let exact = |x: Rounded| (wide(x.value), x.bound);
+                    let convected = |d: usize| {
+                        let (a, a_bound) = exact(system.a[(i, j)]);
+                        let (b, b_bound) = exact(system.b[d][(i, j)]);
+                        let v = system.velocity[d];
+                        (b + wide(v) * a, b_bound + v.abs() * a_bound)
+                    };
+                    let entries = [
+                        (exact(system.a[(i, j)]), truth.a[row][column]),
+                        (convected(0), truth.b[0][row][column]),
+                        (convected(1), truth.b[1][row][column]),
+                        (exact(system.c[(i, j)]), truth.c[row][column]),
+                    ];
+                    for (number, ((value, bound), truth)) in entries.into_iter().enumerate() {
+                        let deviation = (value - truth).value().abs();
+                        let noise = 1e-25 * (1.0 + state.density * 1e3);
+                        assert!(
+                            deviation <= bound + noise,
+                            "{kind:?} {dilatancy:?}, matrix {number} of A, B1, B2, C, \
+                             {} / {}: {} but the equations say {} (bound {bound:e})",
+                            system.equations[i],
+                            system.unknowns[j].name,
+                            value.value(),
+                            truth.value(),
+                        );
+                        let size = sizes.entry((number, i, j)).or_default();
+                        for (s, x) in size.iter_mut().zip([truth.value().abs(), deviation, bound])
+                        {
+                            *s = s.max(x);
+                        }
+                    }
+                }
+            }
+        }
+        let mut worst = [0.0f64; 2];
+        for (place, [size, deviation, bound]) in &sizes {
+            // Structural zeros: no size, no deviation beyond the noise of 31 digits, no bound.
+            let natural = if *size < 1e-18 { 1.0 } else { *size };
+            assert!(
+                *bound <= 1e-12 * natural,
+                "{kind:?} {dilatancy:?} {place:?}: bound {bound:e} against size {size:e}"
+            );
+            worst[0] = worst[0].max(deviation / natural);
+            worst[1] = worst[1].max(bound / natural);
+        }
+        println!("{kind:?} {dilatancy:?}: deviation {:.1e}, bound {:.1e}", worst[0], worst[1]);
+        assert!(worst[0] <= 1e-12);
+    }
+}
+
+/// The derived background (velocity gradient, spin, acceleration, body moment, stress angle rate)
+/// satisfies every nonlinear equation of its model.
+///
+/// Natural size of a residual: the sum of the absolute values of (derivative × value) over all the
+/// derivatives it is linear in. Tolerance 1e-13 of it: some ten roundings of doubles in what the
+/// crate derives, the residual itself in 31 digits.
+#[test]
+fn derived_background_satisfies_the_nonlinear_equations() {
+    let mut worst = 0.0f64;
+    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
+        let mut random = Random::new(200 + seed as u64);
+        for number in 0..STATES {
+            let parameters = states::random_parameters(&mut random, kind, dilatancy);
+            let model = states::model(kind, &parameters);
+            let mut state = states::random_state(&mut random, kind, dilatancy);
+            // All three admissible rotational stresses, and the default.
+            if let Some(m) = parameters.rotational_strength {
+                state.rotational_stress = [None, Some(m), Some(-m), Some(0.0)][number % 4];
+            }
+            let flow = states::flow(&model, &state);
+            let system = states::symbol(&model, &flow);
+            let (given, fields) = states::point(&mut random, &parameters, kind, &state, &flow);
+            let residuals = residuals(&given, &fields);
+            let derivatives = linearised(&given, &fields);
+            for row in states::rows(&system) {
+                let mut size: f64 = (0..6)
+                    .map(|u| {
+                        let term = |a: Wide, b: Wide| (a * b).value().abs();
+                        term(derivatives.a[row][u], fields.by_time[u])
+                            + term(derivatives.b[0][row][u], fields.by_space[0][u])
+                            + term(derivatives.b[1][row][u], fields.by_space[1][u])
+                    })
+                    .sum();
+                if row == 2 {
+                    size += 2.0 * flow.stress.rotational.abs();
+                }
+                let relative = residuals[row].value().abs() / size;
+                worst = worst.max(relative);
+                assert!(
+                    relative < 1e-13,
+                    "{kind:?} {dilatancy:?}: equation {} is left with {:e} of {size:e}",
+                    support::equations::EQUATIONS[row],
+                    residuals[row].value(),
+                );
+            }
+        }
+    }
+    println!("largest relative residual of a background: {worst:.1e}");
+}
+
+/// Derived numbers against the definitions they carry: Q_D and Ψ_D from the velocity gradient
+/// (eqs 84, 85), half the vorticity, and Δ = Ψ_D − Ψ_Σ with its sign.
+#[test]
+fn velocity_gradient_has_the_given_rate_angle_and_vorticity() {
+    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
+        let mut random = Random::new(300 + seed as u64);
+        for _ in 0..STATES {
+            let parameters = states::random_parameters(&mut random, kind, dilatancy);
+            let model = states::model(kind, &parameters);
+            let state = states::random_state(&mut random, kind, dilatancy);
+            let flow = states::flow(&model, &state);
+            let g = flow.velocity_gradient.map(|row| row.map(|x| x.value));
+            let (normal, shear) = (g[0][0] - g[1][1], g[0][1] + g[1][0]);
+            let rate = 0.5 * normal.hypot(shear);
+            let angle = 0.5 * shear.atan2(normal);
+            // Modulo half a turn; tolerance: a handful of roundings of numbers of order ten.
+            let wrong = (angle - state.stress_angle - state.noncoaxiality.unwrap_or(0.0)).sin();
+            assert!((rate / state.shear_rate - 1.0).abs() < 1e-13);
+            assert!(wrong.abs() < 1e-13, "{kind:?}: Ψ_D is off by {wrong:e}");
+            let vorticity = 0.5 * (g[1][0] - g[0][1]);
+            assert!((vorticity - state.half_vorticity).abs() < 1e-13);
+        }
+    }
+}
