@@ -1,1 +1,99 @@
-//! Placeholder
+//! Well-posedness of continuum models of granular and Cosserat media.
+//!
+//! Describe a medium and a state in a case file; `wellposed` says whether its equations are
+//! well-posed. One file per verb ([`map`], [`point`], [`cases`], [`new`]); [`case`] reads case
+//! files; [`output`] keeps folders of results. No physics and no numerics here.
+#![deny(missing_docs)]
+
+pub mod case;
+pub mod cases;
+pub mod frozen;
+pub mod map;
+pub mod new;
+pub mod output;
+pub mod point;
+pub mod progress;
+
+use std::path::PathBuf;
+
+/// Version, and commit where the program was built from a repository: `0.1.0 (abcdef123)`.
+pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("WELLPOSED_COMMIT"), ")");
+
+/// What the verbs that run a case are asked for.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// The case file.
+    pub case: PathBuf,
+    /// `key=value` settings over the file; the last one of a key holds.
+    pub sets: Vec<String>,
+    /// Form of what is printed.
+    pub format: Format,
+    /// Folder of results; absent: `out/<case name>`.
+    pub out: Option<PathBuf>,
+    /// Whether results of another case may be overwritten.
+    pub force: bool,
+    /// Check everything, say what would be done, write nothing.
+    pub dry_run: bool,
+    /// Number of threads; absent: one per core. Results do not depend on it.
+    pub threads: Option<usize>,
+}
+
+/// Form of what a verb prints.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Format {
+    /// Words and numbers for a reader.
+    #[default]
+    Text,
+    /// One JSON value.
+    Json,
+}
+
+/// Why a request was not carried out.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The case is wrong.
+    #[error(transparent)]
+    Case(#[from] case::CaseError),
+    /// Results cannot be written.
+    #[error(transparent)]
+    Output(#[from] output::OutputError),
+    /// The analysis does not take the numbers of the case.
+    #[error("{case}: {cause}")]
+    Analysis {
+        /// Name of the case.
+        case: String,
+        /// What it says.
+        cause: String,
+    },
+    /// No memory for the map.
+    #[error("no memory for a map of {points} points: ask for fewer")]
+    Memory {
+        /// Number of points.
+        points: usize,
+    },
+    /// Threads could not be started.
+    #[error("cannot start the threads: {0}")]
+    Threads(String),
+    /// A picture could not be drawn.
+    #[error(transparent)]
+    Figure(#[from] figures::FigureError),
+    /// A table could not be made.
+    #[error(transparent)]
+    Table(#[from] files::csv::RowLength),
+    /// An archive of arrays could not be made.
+    #[error(transparent)]
+    Archive(#[from] files::npz::NpzError),
+    /// Standard output does not take what is printed.
+    #[error("standard output: {0}")]
+    Stdout(#[from] std::io::Error),
+}
+
+impl Error {
+    /// The program's exit code: 2, but 0 where the reader of a pipe had enough.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Stdout(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
+            _ => 2,
+        }
+    }
+}

@@ -1,1 +1,136 @@
-fn main() {}
+//! The command line: arguments only.
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
+use models::granular_flow::Kind;
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use wellposed::{Error, Format, Options, VERSION, cases, map, new, point};
+
+/// Well-posedness of continuum models of granular and Cosserat media.
+#[derive(Parser)]
+#[command(name = "wellposed", version = VERSION)]
+struct CommandLine {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    /// Verdict over two parameters of a case: picture, data and a summary in words
+    Map {
+        #[command(flatten)]
+        run: Run,
+        /// Also locate the greatest growth rate over all waves at every point
+        #[arg(long)]
+        bound: bool,
+    },
+    /// Everything about one state: background, characteristics, roots, growth, verdict
+    Point {
+        #[command(flatten)]
+        run: Run,
+    },
+    /// List the cases that come with the program
+    Cases,
+    /// Write a commented case to start from
+    New {
+        /// Kind of model
+        #[arg(value_parser = PossibleValuesParser::new(Kind::ALL.map(Kind::name)).try_map(kind))]
+        kind: Kind,
+        /// File to write [default: <KIND>.toml]
+        file: Option<PathBuf>,
+        /// Overwrite the file if it exists
+        #[arg(long)]
+        force: bool,
+    },
+    /// Print completions for a shell
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}
+
+/// What all verbs take that run a case.
+#[derive(Args)]
+struct Run {
+    /// The case file
+    case: PathBuf,
+    /// Set a key of the case, as in background.pressure=500; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+    /// Form of what is printed
+    #[arg(long, value_enum, default_value = "text")]
+    format: FormatName,
+    /// Folder for the results [default: out/<name of the case>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Overwrite results of another case
+    #[arg(long)]
+    force: bool,
+    /// Check everything and say what would be done; write nothing
+    #[arg(long)]
+    dry_run: bool,
+    /// Number of threads [default: one per core]; results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum FormatName {
+    Text,
+    Json,
+}
+
+fn kind(name: String) -> Result<Kind, String> {
+    Kind::from_name(&name).ok_or_else(|| format!("no kind of model is called {name}"))
+}
+
+impl From<Run> for Options {
+    fn from(run: Run) -> Self {
+        Self {
+            case: run.case,
+            sets: run.sets,
+            format: match run.format {
+                FormatName::Text => Format::Text,
+                FormatName::Json => Format::Json,
+            },
+            out: run.out,
+            force: run.force,
+            dry_run: run.dry_run,
+            threads: run.threads.map(usize::from),
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    match carry_out(CommandLine::parse().verb) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            if error.exit_code() != 0 {
+                // Nothing is left to be said if standard error is closed.
+                let _ = writeln!(std::io::stderr(), "error: {error}");
+            }
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+fn carry_out(verb: Verb) -> Result<(), Error> {
+    let mut stdout = std::io::stdout().lock();
+    match verb {
+        Verb::Map { run, bound } => map::run(&run.into(), bound, &mut stdout)?,
+        Verb::Point { run } => point::run(&run.into(), &mut stdout)?,
+        Verb::Cases => cases::run(&mut stdout)?,
+        Verb::New { kind, file, force } => {
+            let path = new::run(kind, file.as_deref(), force)?;
+            let _ = writeln!(std::io::stderr(), "wrote {}", path.display());
+        }
+        Verb::Completions { shell } => {
+            let mut text = Vec::new();
+            clap_complete::generate(shell, &mut CommandLine::command(), "wellposed", &mut text);
+            stdout.write_all(&text)?;
+        }
+    }
+    Ok(stdout.flush()?)
+}

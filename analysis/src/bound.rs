@@ -1,1 +1,154 @@
-//! The supremum of the growth rate, where it is finite.
+//! The supremum of the growth rate over wave numbers and directions, where it is finite.
+//!
+//! Located numerically: a grid in log k and direction, refined around the degenerate directions in
+//! the coordinate k(θ − θ_c) of their layers, then a simplex search (Nelder & Mead 1965).
+
+use crate::growth::{Assessment, Verdict};
+use crate::pencil::Pencil;
+use std::f64::consts::PI;
+
+/// A finite supremum of the growth rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Supremum {
+    /// S, 1/s.
+    pub rate: f64,
+    /// Where it is attained or approached.
+    pub place: Place,
+    /// Direction of the wave vector there, rad, in [0, π).
+    pub direction: f64,
+}
+
+/// Where a supremum lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// Attained at this wave number, 1/m.
+    At(f64),
+    /// Approached by the longest waves of the range.
+    LongWaves,
+    /// Approached as k → ∞.
+    ShortWaves,
+}
+
+/// Relative tolerance to which the supremum is located (of the greater of S and the system's own
+/// rate).
+pub const TOLERANCE: f64 = 1e-5;
+
+/// Wave numbers are searched up to this many of the system's own units. Further out the rounding
+/// of the coefficients, times k², would be taken for growth.
+const GREATEST: f64 = 1e5;
+/// And down to this many where the background sets no length.
+const LEAST: f64 = 1e-5;
+const STEPS: usize = 48;
+const DIRECTIONS: usize = 48;
+
+/// Locates S over k ≥ `least` (1/m; 0 for a uniform background) for a well-posed system.
+pub fn supremum(pencil: &Pencil, assessment: &Assessment, least: f64) -> Option<Supremum> {
+    if assessment.verdict != Verdict::WellPosed {
+        return None;
+    }
+    let unit = pencil.polynomial.wave_number;
+    let (low, high) = ((least / unit).max(LEAST).ln(), GREATEST.ln());
+    if low >= high {
+        return None;
+    }
+    let rate = |log_k: f64, direction: f64| {
+        pencil
+            .polynomial
+            .roots(unit * log_k.exp(), direction, &[])
+            .iter()
+            .map(|root| root.re)
+            .fold(f64::NEG_INFINITY, f64::max)
+    };
+    // Coordinates (log k, position): a direction, or an offset from a degenerate direction.
+    let mut centres = vec![None];
+    centres.extend(assessment.degenerate.iter().map(|d| Some(d.angle)));
+    let mut best: Option<(f64, f64, f64)> = None;
+    for centre in centres {
+        let angle = |log_k: f64, position: f64| match centre {
+            None => position,
+            Some(angle) => angle + (position.sinh() / log_k.exp()).clamp(-0.5, 0.5),
+        };
+        let value = |x: [f64; 2]| {
+            let log_k = x[0].clamp(low, high);
+            rate(log_k, angle(log_k, x[1]))
+        };
+        let positions: Vec<f64> = match centre {
+            None => (0..DIRECTIONS).map(|i| PI * i as f64 / DIRECTIONS as f64).collect(),
+            Some(_) => (-12..=12).map(f64::from).collect(),
+        };
+        let mut start = (f64::NEG_INFINITY, [low, 0.0]);
+        for step in 0..=STEPS {
+            let log_k = low + (high - low) * step as f64 / STEPS as f64;
+            for &position in &positions {
+                let found = value([log_k, position]);
+                if found > start.0 {
+                    start = (found, [log_k, position]);
+                }
+            }
+        }
+        let (found, [log_k, position]) = simplex(value, start.1, [0.2, 0.05]);
+        let log_k = log_k.clamp(low, high);
+        if best.is_none_or(|b| found > b.0) {
+            best = Some((found, log_k, angle(log_k, position)));
+        }
+    }
+    best.map(|(rate, log_k, direction)| Supremum {
+        rate,
+        place: if log_k <= low + 0.1 {
+            Place::LongWaves
+        } else if log_k >= high - 0.7 {
+            Place::ShortWaves
+        } else {
+            Place::At(unit * log_k.exp())
+        },
+        direction: direction.rem_euclid(PI),
+    })
+}
+
+/// The greatest value near `start` and its place.
+fn simplex(f: impl Fn([f64; 2]) -> f64, start: [f64; 2], step: [f64; 2]) -> (f64, [f64; 2]) {
+    let vertex = |x: [f64; 2]| (f(x), x);
+    let mut s = [
+        vertex(start),
+        vertex([start[0] + step[0], start[1]]),
+        vertex([start[0], start[1] + step[1]]),
+    ];
+    for _ in 0..200 {
+        s.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let spread = (s[0].1[0] - s[2].1[0]).hypot(s[0].1[1] - s[2].1[1]);
+        if spread < 1e-9 {
+            break;
+        }
+        let centre = [0, 1].map(|i| 0.5 * (s[0].1[i] + s[1].1[i]));
+        let at = |t: f64| vertex([0, 1].map(|i| centre[i] + t * (s[2].1[i] - centre[i])));
+        let reflected = at(-1.0);
+        s[2] = if reflected.0 > s[0].0 {
+            let expanded = at(-2.0);
+            if expanded.0 > reflected.0 { expanded } else { reflected }
+        } else if reflected.0 > s[1].0 {
+            reflected
+        } else {
+            let inner = at(if reflected.0 > s[2].0 { -0.5 } else { 0.5 });
+            if inner.0 > s[2].0 {
+                inner
+            } else {
+                let best = s[0].1;
+                s[1] = vertex([0, 1].map(|i| 0.5 * (best[i] + s[1].1[i])));
+                vertex([0, 1].map(|i| 0.5 * (best[i] + s[2].1[i])))
+            }
+        };
+    }
+    s.into_iter().fold((f64::NEG_INFINITY, start), |a, b| if b.0 > a.0 { b } else { a })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_simplex_climbs_a_ridge() {
+        let f = |[x, y]: [f64; 2]| 3.0 - (x - 1.0).powi(2) - 40.0 * (y - x * x).powi(2);
+        let (value, at) = simplex(f, [-0.5, 0.4], [0.2, 0.2]);
+        assert!((value - 3.0).abs() < 1e-10 && (at[0] - 1.0).abs() < 1e-4, "{value} at {at:?}");
+    }
+}

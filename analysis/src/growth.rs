@@ -204,7 +204,7 @@ pub fn assess(pencil: &Pencil) -> Result<Assessment, AnalysisError> {
 
     let mut worst = Worst::default();
     for edge in &edges {
-        search_directions(edge, &zeros, &mut worst);
+        search_directions(&certain, edge, &zeros, &mut worst);
     }
     for zero in &zeros {
         search_layer(&certain, zero, &mut worst);
@@ -399,7 +399,7 @@ fn trend_in_direction(edge: &Edge, angle: f64) -> Trend {
 }
 
 /// The worst direction of an edge, sector by sector.
-fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
+fn search_directions(terms: &[Term], edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
     let mut bounds: Vec<f64> = zeros.iter().map(|z| z.angle).collect();
     if bounds.is_empty() {
         bounds.push(0.0);
@@ -418,11 +418,7 @@ fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
             match trend_in_direction(edge, at(x)) {
                 Trend::Grows(c) if c > best.0 => best = (c, x),
                 Trend::Grows(_) | Trend::Decays => {}
-                Trend::Neutral => worst.doubts(
-                    format!("real part of the leading coefficient of order {}", edge.order.value()),
-                    0.0,
-                    f64::EPSILON,
-                ),
+                Trend::Neutral => next_order(terms, edge, at(x), worst),
                 Trend::Doubtful(value) => worst.doubts(
                     format!(
                         "leading coefficient near the wave vector's direction {:.6}°",
@@ -438,6 +434,60 @@ fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
             let x = golden_section(rate, (best.1 - step).max(0.0), (best.1 + step).min(1.0));
             let refined = if rate(x) >= best.0 { (rate(x), x) } else { best };
             worst.grows(edge.order, refined.0, at(refined.1));
+        }
+    }
+}
+
+/// Follows roots ς ≈ c k^m with Re c = 0 (waves) to their next order: with the terms that lie γ
+/// below the edge, ς ≈ c k^m + e k^(m−γ), e = −R(c)/E′(c), where E is the edge polynomial and R
+/// collects those terms. While m − γ ≤ 0 simple roots stay bounded.
+fn next_order(terms: &[Term], edge: &Edge, angle: f64, worst: &mut Worst) {
+    let (Some(first), Some(last)) = (edge.terms.first(), edge.terms.last()) else { return };
+    let Order { numerator, denominator } = edge.order;
+    let weight = |t: &Term| numerator * t.time as i64 + denominator * t.form.degree() as i64;
+    let top = weight(first);
+    let gap = terms.iter().map(|t| top - weight(t)).filter(|&gap| gap > 0).min();
+    let coefficient =
+        |t: &Term| imaginary_power(t.form.degree() as i64) * t.form.at_angle(angle).value;
+    let mut polynomial = vec![Complex64::ZERO; first.time - last.time + 1];
+    for term in &edge.terms {
+        polynomial[term.time - last.time] += coefficient(term);
+    }
+    for c in roots::of(&polynomial) {
+        if c.re.abs() > NEUTRAL * c.norm() {
+            continue;
+        }
+        let mut slope = Complex64::ZERO;
+        let mut size = 0.0;
+        for (i, a) in polynomial.iter().enumerate().skip(1) {
+            let term = a * c.powi(i as i32 - 1) * i as f64;
+            slope += term;
+            size += term.norm();
+        }
+        if slope.norm() <= NEUTRAL * size {
+            worst.doubts(
+                format!("splitting of a repeated root of order {}", edge.order.value()),
+                slope.norm(),
+                NEUTRAL * size,
+            );
+            continue;
+        }
+        let Some(gap) = gap.filter(|&gap| gap < numerator) else { continue };
+        let rest: Complex64 = terms
+            .iter()
+            .filter(|t| top - weight(t) == gap)
+            .map(|t| coefficient(t) * c.powi(t.time as i32 - last.time as i32))
+            .sum();
+        let e = -rest / slope;
+        let order = Order::new(numerator - gap, denominator);
+        if e.re > NEUTRAL * e.norm() {
+            worst.grows(order, e.re, angle);
+        } else if e.re >= -NEUTRAL * e.norm() {
+            worst.doubts(
+                format!("real part of the coefficient of order {}", order.value()),
+                e.re,
+                NEUTRAL * e.norm(),
+            );
         }
     }
 }
@@ -507,12 +557,12 @@ fn search_layer(terms: &[Term], zero: &Zero, worst: &mut Worst) {
             _ => 0.0,
         };
         for sign in [1.0, -1.0] {
-            let steps = (-60..=60).map(|s| f64::from(s) * 0.5);
+            let steps = (-30..=30).map(f64::from);
             let best = steps
                 .map(|s| (rate(s, sign), s))
                 .fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
             if best.0 > 0.0 {
-                let x = golden_section(|s| rate(s, sign), best.1 - 0.5, best.1 + 0.5);
+                let x = golden_section(|s| rate(s, sign), best.1 - 1.0, best.1 + 1.0);
                 worst.grows(order, rate(x, sign).max(best.0), zero.angle);
             }
         }

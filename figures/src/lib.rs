@@ -1,1 +1,85 @@
-//! Placeholder
+//! Pictures of verdicts, growth rates and directions, ready for print.
+//!
+//! Plain structs go in, the bytes of a PNG or SVG file come out. This crate knows no solver and no
+//! physics: names, units and symbols arrive as labels. The same struct gives the same bytes.
+//! Everything stays readable in grey: what colour tells, lightness, hatching, dashes or markers
+//! tell too. The fonts are part of the program; nothing is taken from the system.
+
+#![deny(missing_docs)]
+
+mod contour;
+mod directions;
+mod growth;
+mod page;
+mod picture;
+mod scale;
+mod verdict_map;
+
+pub use directions::{Direction, DirectionsFigure, Style};
+pub use growth::{GrowthFigure, Line, Mark, Panel};
+pub use verdict_map::{Axis, Category, Curve, Look, VerdictMap};
+
+/// The kind of file a figure is drawn into.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Pixels, 1600 wide and 1100 high; higher where a legend needs the room.
+    Png,
+    /// Shapes and text, of the same size in pixels and to be scaled at will.
+    Svg,
+}
+
+/// A figure that could not be drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum FigureError {
+    /// A field of the map does not have one value per cell.
+    #[error("the map's {field} has {found} values for {columns} × {rows} cells")]
+    CellCount {
+        /// Name of the field.
+        field: &'static str,
+        /// Number of values in the field.
+        found: usize,
+        /// Points of the x axis.
+        columns: usize,
+        /// Points of the y axis.
+        rows: usize,
+    },
+    /// An axis of the map is not a uniform grid.
+    #[error("the axis \"{label}\" {problem}")]
+    Axis {
+        /// The axis's label.
+        label: String,
+        /// What is wrong, as a phrase that follows the label.
+        problem: &'static str,
+    },
+    /// A cell points at a category that is not in the list.
+    #[error("a cell of the map has category {found}, but only {known} categories are described")]
+    UnknownCategory {
+        /// Index found in the cell.
+        found: u8,
+        /// Number of categories described.
+        known: usize,
+    },
+    /// The drawing library refused.
+    #[error("drawing failed: {0}")]
+    Drawing(String),
+    /// The image could not be compressed.
+    #[error("drawing failed: {0}")]
+    Encoding(#[from] png::EncodingError),
+}
+
+#[cfg(test)]
+mod tests {
+    /// Width and height from the header of a PNG file.
+    pub(crate) fn png_size(bytes: &[u8]) -> [u32; 2] {
+        let reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        [reader.info().width, reader.info().height]
+    }
+
+    /// Width and pixels of a PNG file, three bytes each.
+    pub(crate) fn pixels(bytes: &[u8]) -> (usize, Vec<u8>) {
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut pixels).unwrap();
+        (reader.info().width as usize, pixels)
+    }
+}

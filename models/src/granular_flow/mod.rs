@@ -177,6 +177,26 @@ impl Model {
         }
     }
 
+    /// The greatest wave number on which the background itself varies, 1/m: frozen coefficients
+    /// say something of waves much shorter than that. 0 for a uniform background.
+    pub fn gradient_wave_number(&self, flow: &Flow) -> f64 {
+        let size = |g: [f64; 2]| g[0].hypot(g[1]);
+        let inertia = match self {
+            Self::HarrisGrekova(m) => size(flow.inertia_gradient) / m.moment_of_inertia,
+            _ => 0.0,
+        };
+        [
+            size(flow.pressure_gradient) * self.coulomb().friction_angle.sin()
+                / flow.stress.deviator.value,
+            size(flow.stress_angle_gradient),
+            size(flow.density_gradient) / flow.density,
+            size(flow.spin_gradient) / flow.shear_rate,
+            inertia,
+        ]
+        .into_iter()
+        .fold(0.0, f64::max)
+    }
+
     /// The bound on |Δ| inside which the leading growth rate is nowhere positive, rad; `None` for
     /// a model whose verdict does not turn on the non-coaxiality.
     pub fn noncoaxiality_bound(&self) -> Option<f64> {

@@ -1,0 +1,504 @@
+//! Growth rates against the direction and the number of a wave.
+
+use plotters::style::RGBColor;
+
+use crate::page::{self, Entry, Legend, MARGIN, RULE};
+use crate::picture::{
+    Anchor, Colour, INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, clip, text_width,
+};
+use crate::scale::{self, SymmetricLog, Tick};
+use crate::{FigureError, Format};
+
+/// The growth rate of one model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// The words of the legend. Lines of the same label in both panels look alike and are listed
+    /// once.
+    pub label: String,
+    /// Points in the units of the axes. Not-a-number interrupts the line, an infinite growth rate
+    /// is drawn at the edge of the panel.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// A place of note on the horizontal axis, drawn as a thin upright line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    /// A few words, written above the panel.
+    pub label: String,
+    /// Where, in the unit of the horizontal axis.
+    pub x: f64,
+}
+
+/// Growth rates over one quantity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// Name, symbol and unit of the horizontal axis.
+    pub x_label: String,
+    /// Name, symbol and unit of the growth rate.
+    pub y_label: String,
+    /// Whether the horizontal axis is logarithmic; points that are not positive are left out then.
+    pub x_log: bool,
+    /// The lines, one per model; four have looks of their own.
+    pub curves: Vec<Line>,
+    /// Places of note, such as characteristic directions.
+    pub marks: Vec<Mark>,
+}
+
+/// Growth rates against the direction and against the number of the wave, side by side.
+///
+/// The vertical axes are linear about zero and logarithmic on both sides beyond, so that growth
+/// and decay over many decades show in one picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GrowthFigure {
+    /// Headline.
+    pub title: String,
+    /// What is held fixed.
+    pub subtitle: String,
+    /// The left panel.
+    pub by_direction: Panel,
+    /// The right panel.
+    pub by_wave_number: Panel,
+}
+
+/// What tells lines apart, in colour and in grey.
+struct Look {
+    colour: Colour,
+    dashes: &'static [f64],
+    marker: Marker,
+}
+
+#[derive(Clone, Copy)]
+enum Marker {
+    None,
+    Disc,
+    Square,
+    Triangle,
+}
+
+/// Colours after Okabe and Ito (2008), told apart by colour-blind readers.
+const LOOKS: [Look; 4] = [
+    Look { colour: RGBColor(0, 0, 0), dashes: &[], marker: Marker::None },
+    Look { colour: RGBColor(213, 94, 0), dashes: &[16.0, 8.0], marker: Marker::Disc },
+    Look { colour: RGBColor(0, 114, 178), dashes: &[4.0, 6.0], marker: Marker::Square },
+    Look {
+        colour: RGBColor(0, 138, 100),
+        dashes: &[20.0, 6.0, 4.0, 6.0],
+        marker: Marker::Triangle,
+    },
+];
+
+/// Ground of the linear part of a vertical axis.
+const LINEAR: Colour = RGBColor(240, 240, 236);
+const GRID: Colour = RGBColor(226, 226, 226);
+const LINE_WIDTH: f64 = 3.4;
+const MARKER_RADIUS: f64 = 8.0;
+/// Distance between the markers of a line in pixels.
+const MARKER_SPACING: f64 = 84.0;
+/// Size of the words above marks.
+const MARK_LABEL: f64 = 22.0;
+const MARK_ROW: f64 = 1.35 * MARK_LABEL;
+
+impl GrowthFigure {
+    /// Draws the figure into the bytes of a file.
+    pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
+        self.picture().render(format)
+    }
+
+    fn picture(&self) -> Picture {
+        let legend = Legend::new(self.legend(), page::WIDTH - 2.0 * MARGIN);
+        let scales = [Scales::of(&self.by_direction), Scales::of(&self.by_wave_number)];
+
+        let mut sheet = Picture::new(page::WIDTH as u32, 1);
+        let heading = page::heading(&mut sheet, &self.title, &self.subtitle);
+        let below = page::BOTTOM_AXIS + 22.0 + legend.height() + MARGIN - 12.0;
+
+        // Widths first: they say how many rows the labels of the marks need.
+        let half = 0.5 * (page::WIDTH - 2.0 * MARGIN - 40.0);
+        let panels = [&self.by_direction, &self.by_wave_number];
+        let mut frames = [0, 1].map(|side| {
+            let left = MARGIN + side as f64 * (half + 40.0);
+            let y_ticks = scales[side].y_ticks(600.0);
+            let axis = page::left_axis_width(&y_ticks);
+            Rectangle { left: left + axis, top: 0.0, right: left + half - 16.0, bottom: 0.0 }
+        });
+        let marks = [0, 1].map(|side| place_marks(panels[side], &scales[side], frames[side]));
+        let rows = marks.iter().flatten().map(|mark| mark.row + 1).max().unwrap_or(0);
+        let top = heading + rows as f64 * MARK_ROW + 14.0;
+        let height = page::HEIGHT.max(top + 480.0 + below).ceil();
+
+        let mut picture = Picture::new(page::WIDTH as u32, height as u32);
+        page::heading(&mut picture, &self.title, &self.subtitle);
+        for side in [0, 1] {
+            frames[side].top = top;
+            frames[side].bottom = height - below;
+            self.draw_panel(&mut picture, panels[side], &scales[side], frames[side], &marks[side]);
+        }
+        legend.draw(&mut picture, MARGIN, height - below + page::BOTTOM_AXIS + 22.0);
+        picture
+    }
+
+    /// The labels of all lines, in the order of their first appearance.
+    fn labels(&self) -> Vec<&str> {
+        let mut labels: Vec<&str> = Vec::new();
+        for line in self.by_direction.curves.iter().chain(&self.by_wave_number.curves) {
+            if !labels.contains(&line.label.as_str()) {
+                labels.push(&line.label);
+            }
+        }
+        labels
+    }
+
+    fn legend(&self) -> Vec<Entry> {
+        let mut entries: Vec<Entry> = Vec::new();
+        for (index, label) in self.labels().into_iter().enumerate() {
+            let swatch = move |picture: &mut Picture, area: Rectangle| {
+                let look = &LOOKS[index % LOOKS.len()];
+                let middle = 0.5 * (area.top + area.bottom);
+                let ends = [[area.left, middle], [area.right, middle]];
+                picture.dashed(&ends, look.dashes, LINE_WIDTH, look.colour);
+                draw_marker(picture, [0.5 * (area.left + area.right), middle], look);
+            };
+            entries.push((label.to_owned(), Box::new(swatch)));
+        }
+        let swatch = |picture: &mut Picture, area: Rectangle| {
+            picture.fill(area, LINEAR);
+            picture.frame(area, 1.5, PALE_INK);
+        };
+        entries.push(("linear scale about 0".to_owned(), Box::new(swatch)));
+        entries
+    }
+
+    fn draw_panel(
+        &self,
+        picture: &mut Picture,
+        panel: &Panel,
+        scales: &Scales,
+        frame: Rectangle,
+        marks: &[PlacedMark],
+    ) {
+        let x_ticks = page::spaced(frame.width(), false, |most| scales.x_ticks(panel, most));
+        let placed_x: Vec<Tick> =
+            x_ticks.into_iter().map(|(x, label)| (scales.place_x(x, frame), label)).collect();
+        let placed_y: Vec<Tick> = scales
+            .y_ticks(frame.height())
+            .into_iter()
+            .map(|(y, label)| (scales.place_y(y, frame), label))
+            .collect();
+        let [below, above] = [-1.0_f64, 1.0]
+            .map(|place| scales.place_y(place.clamp(scales.low, scales.high), frame));
+        picture.fill(Rectangle { top: above, bottom: below, ..frame }, LINEAR);
+        for (x, _) in placed_x.iter().filter(|(_, label)| !label.is_empty()) {
+            picture.line([[*x, frame.top], [*x, frame.bottom]], 1.2, GRID);
+        }
+        for (y, _) in placed_y.iter().filter(|(_, label)| !label.is_empty()) {
+            picture.line([[frame.left, *y], [frame.right, *y]], 1.2, GRID);
+        }
+        let zero = scales.place_y(0.0, frame);
+        picture.line([[frame.left, zero], [frame.right, zero]], 3.4, RGBColor(110, 110, 110));
+
+        let baseline = |row: usize| frame.top - 8.0 - row as f64 * MARK_ROW - 0.24 * MARK_LABEL;
+        for PlacedMark { x, row, label, left } in marks {
+            // A line beside its label rises to the label's full height.
+            let beside = *x < *left || *x > left + text_width(label, MARK_LABEL, false);
+            let end = baseline(*row) + MARK_LABEL * if beside { -0.76 } else { 0.3 };
+            picture.dashed(&[[*x, frame.bottom], [*x, end]], &[8.0, 5.0], 1.6, PALE_INK);
+        }
+        for PlacedMark { row, label, left, .. } in marks {
+            let text = Text::new([*left, baseline(*row)], Anchor::Start, MARK_LABEL, label);
+            // Where marks crowd so that a line must pass through a label, the label wins.
+            picture.fill(text.bounds(), WHITE);
+            picture.text(Text { colour: PALE_INK, ..text });
+        }
+
+        let labels = self.labels();
+        for line in &panel.curves {
+            let index = labels.iter().position(|label| *label == line.label).unwrap_or(0);
+            let look = &LOOKS[index % LOOKS.len()];
+            // Infinite values run just inside the frame, which would cover them.
+            let inset = 0.012 * (scales.high - scales.low);
+            let (lowest, highest) = (scales.low + inset, scales.high - inset);
+            let points: Vec<Point> = line
+                .points
+                .iter()
+                .map(|&[x, y]| {
+                    let place = scales.y.forward(y).clamp(lowest, highest);
+                    let x = if panel.x_log { x.log10() } else { x };
+                    [scales.place_x(x, frame), scales.place_y(place, frame)]
+                })
+                .collect();
+            for part in clip(&points, frame) {
+                picture.dashed(&part, look.dashes, LINE_WIDTH, look.colour);
+            }
+            // Each line's markers start elsewhere, so that lines on top of each other show all.
+            let mut next = frame.left + MARKER_SPACING * (0.25 + 0.28 * index as f64);
+            let inside = |[x, y]: Point| {
+                x >= frame.left && x <= frame.right && y >= frame.top && y <= frame.bottom
+            };
+            for &point in points.iter().filter(|&&point| inside(point)) {
+                if point[0] >= next {
+                    draw_marker(picture, point, look);
+                    next = point[0] + MARKER_SPACING;
+                }
+            }
+        }
+        picture.frame(frame, RULE, INK);
+        page::bottom_axis(picture, frame, &placed_x, &panel.x_label);
+        page::left_axis(picture, frame, &placed_y, &panel.y_label);
+    }
+}
+
+fn draw_marker(picture: &mut Picture, [x, y]: Point, look: &Look) {
+    let shape = |radius: f64| match look.marker {
+        Marker::None => None,
+        Marker::Disc => Some(crate::picture::circle([x, y], radius, 24)),
+        Marker::Square => {
+            let r = 0.88 * radius;
+            Some(vec![[x - r, y - r], [x + r, y - r], [x + r, y + r], [x - r, y + r]])
+        }
+        Marker::Triangle => {
+            let r = 1.2 * radius;
+            Some(vec![[x, y - r], [x + 0.9 * r, y + 0.6 * r], [x - 0.9 * r, y + 0.6 * r]])
+        }
+    };
+    if let (Some(rim), Some(body)) = (shape(MARKER_RADIUS + 2.0), shape(MARKER_RADIUS)) {
+        picture.polygon(rim, WHITE);
+        picture.polygon(body, look.colour);
+    }
+}
+
+/// The ranges of a panel. Horizontally in the axis's unit or its log₁₀, vertically in places of
+/// the symmetric logarithm.
+struct Scales {
+    left: f64,
+    right: f64,
+    y: SymmetricLog,
+    low: f64,
+    high: f64,
+}
+
+/// Numbers beyond are treated as infinite: differences of larger ones overflow.
+const FINITE: f64 = 1e300;
+
+impl Scales {
+    fn of(panel: &Panel) -> Self {
+        let points = || panel.curves.iter().flat_map(|line| &line.points);
+        let place = |x: f64| if panel.x_log { x.log10() } else { x };
+        let marks = panel.marks.iter().map(|mark| mark.x);
+        let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+        for x in points().map(|point| point[0]).chain(marks).map(place) {
+            if x.abs() < FINITE {
+                (left, right) = (left.min(x), right.max(x));
+            }
+        }
+        if left > right {
+            (left, right) = (0.0, 1.0);
+        } else if right - left <= 1e-9 * right.abs().max(left.abs()) || left == right {
+            let half = 0.5 * left.abs().max(1.0);
+            (left, right) = (left - half, right + half);
+        }
+
+        let growth = || points().map(|point| point[1]).filter(|growth| growth.abs() < FINITE);
+        let y = SymmetricLog::for_values(growth());
+        let (mut low, mut high) = (0.0_f64, 0.0_f64);
+        for place in growth().map(|growth| y.forward(growth)) {
+            (low, high) = (low.min(place), high.max(place));
+        }
+        if low == high {
+            (low, high) = (-1.0, 1.0);
+        }
+        // Room on both sides of zero and beyond the extremes, where infinite values are drawn.
+        let room = 0.05 * (high - low);
+        Self { left, right, y, low: low - room, high: high + room }
+    }
+
+    fn place_x(&self, x: f64, frame: Rectangle) -> f64 {
+        frame.left + (x - self.left) / (self.right - self.left) * frame.width()
+    }
+
+    fn place_y(&self, place: f64, frame: Rectangle) -> f64 {
+        frame.bottom - (place - self.low) / (self.high - self.low) * frame.height()
+    }
+
+    fn x_ticks(&self, panel: &Panel, most: usize) -> Vec<Tick> {
+        if panel.x_log {
+            scale::log_ticks(self.left, self.right, most)
+        } else {
+            scale::ticks(self.left, self.right, most, panel.x_label.contains('°'))
+        }
+    }
+
+    fn y_ticks(&self, length: f64) -> Vec<Tick> {
+        let ticks = self.y.ticks(self.low, self.high, (length / 48.0) as usize);
+        ticks.into_iter().filter(|(place, _)| (self.low..=self.high).contains(place)).collect()
+    }
+}
+
+/// A mark and the place of its label, in rows above the panel.
+struct PlacedMark {
+    x: f64,
+    row: usize,
+    label: String,
+    left: f64,
+}
+
+/// Places the labels of marks so that none lies on another or is crossed by another's line.
+fn place_marks(panel: &Panel, scales: &Scales, frame: Rectangle) -> Vec<PlacedMark> {
+    let mut marks: Vec<(f64, &str)> = panel
+        .marks
+        .iter()
+        .map(|mark| (if panel.x_log { mark.x.log10() } else { mark.x }, mark.label.as_str()))
+        .filter(|(x, _)| x.abs() < FINITE)
+        .map(|(x, label)| (scales.place_x(x, frame), label))
+        .collect();
+    // From the right: a label to the right of its line is then above those it would cover, and its
+    // line passes them on the left.
+    marks.sort_by(|a, b| b.0.total_cmp(&a.0));
+    const APART: f64 = 7.0;
+    let mut placed: Vec<(PlacedMark, f64)> = Vec::new();
+    for (index, &(x, label)) in marks.iter().enumerate() {
+        let to_come = &marks[index + 1..];
+        let label = page::wrap(label, MARK_LABEL, false, 0.7 * frame.width(), 1);
+        let label = label.into_iter().next().unwrap_or_default();
+        let width = text_width(&label, MARK_LABEL, false);
+        let lefts = [x + APART, x - 0.5 * width, x - APART - width]
+            .map(|left| left.clamp(frame.left, (frame.right - width).max(frame.left)));
+        let crosses =
+            |at: f64, from: f64, to: f64| at > from - 0.9 * APART && at < to + 0.9 * APART;
+        let free = |row: usize, left: f64| {
+            let right = left + width;
+            placed.iter().all(|(other, other_right)| match row.cmp(&other.row) {
+                std::cmp::Ordering::Equal => {
+                    right + 2.0 * APART < other.left || left > other_right + 2.0 * APART
+                }
+                // The line of the higher label passes beside the text of the lower one.
+                std::cmp::Ordering::Less => !crosses(other.x, left, right),
+                std::cmp::Ordering::Greater => !crosses(x, other.left, *other_right),
+            })
+        };
+        // How high the lines of the marks to come will rise is not known yet: a label that would
+        // cover one goes above all of them, as may a label that finds no place below.
+        let covers = |left: f64| to_come.iter().any(|other| crosses(other.0, left, left + width));
+        let count = marks.len();
+        let rows = (0..count).chain((count..=2 * count).rev()).chain(2 * count + 1..=3 * count);
+        let mut places = rows.flat_map(|row| lefts.map(|left| (row, left)));
+        let (row, left) = places
+            .find(|&(row, left)| free(row, left) && (row >= count || !covers(left)))
+            .unwrap_or((3 * count + 1 + index, lefts[0]));
+        placed.push((PlacedMark { x, row, label, left }, left + width));
+    }
+    let mut used: Vec<usize> = placed.iter().map(|(mark, _)| mark.row).collect();
+    used.sort_unstable();
+    used.dedup();
+    for (mark, _) in &mut placed {
+        mark.row = used.binary_search(&mark.row).unwrap_or(0);
+    }
+    placed.into_iter().map(|(mark, _)| mark).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn panel(x_log: bool, points: &[[f64; 2]], marks: &[f64]) -> Panel {
+        Panel {
+            x_label: if x_log { "wave number k (1/m)" } else { "direction θ (°)" }.to_owned(),
+            y_label: "growth rate Re ς (1/s)".to_owned(),
+            x_log,
+            curves: vec![Line { label: "model".to_owned(), points: points.to_vec() }],
+            marks: marks.iter().map(|&x| Mark { label: format!("θ = {x}°"), x }).collect(),
+        }
+    }
+
+    fn figure(points: &[[f64; 2]], marks: &[f64]) -> GrowthFigure {
+        GrowthFigure {
+            title: "Title".to_owned(),
+            subtitle: "subtitle".to_owned(),
+            by_direction: panel(false, points, marks),
+            by_wave_number: panel(true, points, &[]),
+        }
+    }
+
+    fn check(figure: &GrowthFigure) {
+        figure.picture().assert_texts_are_apart();
+        let png = figure.draw(Format::Png).unwrap();
+        assert_eq!(crate::tests::png_size(&png)[0], 1600);
+        assert_eq!(png, figure.draw(Format::Png).unwrap());
+        let svg = String::from_utf8(figure.draw(Format::Svg).unwrap()).unwrap();
+        assert!(svg.trim_end().ends_with("</svg>") && !svg.contains("NaN"));
+    }
+
+    #[test]
+    fn any_points_are_drawn() {
+        let (nan, inf) = (f64::NAN, f64::INFINITY);
+        let sets: [&[[f64; 2]]; 10] = [
+            &[],
+            &[[1.0, 1.0]],
+            &[[0.0, 0.0], [1.0, 0.0]],
+            &[[nan, nan], [1.0, nan]],
+            &[[1.0, inf], [2.0, -inf], [inf, 1.0]],
+            &[[1.0, -1e6], [10.0, 1e4], [100.0, 3e-7]],
+            &[[1.0, 5.0], [2.0, 5.0], [3.0, 5.0]],
+            &[[1e-300, 1e-300], [1e300, 1e300], [f64::MAX, f64::MAX], [1.0, f64::MIN]],
+            &[[1.0, 5e-324], [5e-324, 1.0]],
+            &[[1000.0, 1.0], [1000.0000000001, 2.0]],
+        ];
+        for points in sets {
+            check(&figure(points, &[]));
+        }
+    }
+
+    #[test]
+    fn labels_of_marks_keep_apart() {
+        let points = [[0.0, -1e6], [180.0, 1e4]];
+        check(&figure(&points, &[0.0, 27.5, 57.5, 62.0, 117.5, 152.5, 180.0]));
+        check(&figure(&points, &[90.0, 90.0, 90.5, 91.0, 170.0, 171.0]));
+        check(&figure(&[], &[f64::NAN, 45.0, f64::INFINITY]));
+        let mut long = figure(&points, &[10.0, 20.0]);
+        for mark in &mut long.by_direction.marks {
+            mark.label = "a characteristic direction of the steady equations ".repeat(5);
+        }
+        long.by_direction.curves[0].label = "model ".repeat(100);
+        long.by_direction.y_label = "growth rate ".repeat(50);
+        check(&long);
+    }
+
+    #[test]
+    fn the_line_of_a_mark_crosses_no_label() {
+        let panel = panel(false, &[[0.0, 0.0], [180.0, 1.0]], &[27.5, 57.5, 62.0, 117.5, 152.5]);
+        let frame = Rectangle { left: 0.0, top: 0.0, right: 600.0, bottom: 600.0 };
+        let placed = place_marks(&panel, &Scales::of(&panel), frame);
+        assert_eq!(placed.len(), 5);
+        for mark in &placed {
+            for other in placed.iter().filter(|other| other.row < mark.row) {
+                let right = other.left + text_width(&other.label, MARK_LABEL, false);
+                assert!(mark.x < other.left || mark.x > right, "{} {}", mark.label, other.label);
+            }
+        }
+    }
+
+    #[test]
+    fn infinite_growth_is_drawn_at_the_upper_edge() {
+        let drawn = |last: f64| {
+            let figure = figure(&[[1.0, 1.0], [2.0, 100.0], [3.0, last], [4.0, last]], &[]);
+            let (width, pixels) = crate::tests::pixels(&figure.draw(Format::Png).unwrap());
+            // Black pixels in the left panel, just below the frame's upper edge.
+            let frame_top = (0..).find(|y| pixels[3 * (y * width + 400)] < 60 && *y > 150).unwrap();
+            let dark = |x: usize, y: usize| pixels[3 * (y * width + x)] < 60;
+            (300..750).filter(|&x| (4..12).any(|below| dark(x, frame_top + below))).count()
+        };
+        assert!(drawn(f64::INFINITY) > drawn(f64::NAN) + 100);
+    }
+
+    #[test]
+    fn lines_of_one_label_share_their_look() {
+        let mut figure = figure(&[[1.0, 1.0], [2.0, 3.0]], &[]);
+        figure.by_wave_number.curves.push(Line { label: "other".to_owned(), points: vec![] });
+        assert_eq!(figure.labels(), ["model", "other"]);
+        for count in [0, 1, 4, 9] {
+            figure.by_direction.curves = (0..count)
+                .map(|index| Line { label: format!("model {index}"), points: vec![[1.0, 2.0]] })
+                .collect();
+            check(&figure);
+        }
+    }
+}

@@ -1,0 +1,293 @@
+//! From numbers to places along an axis and to the words beside it.
+
+/// A tick: its value and its label.
+pub(crate) type Tick = (f64, String);
+
+/// Round values between `low` and `high`, at most `most` of them (at least two are allowed).
+/// Degrees are divided as circles are: by 15, 30, 45 and 90.
+pub(crate) fn ticks(low: f64, high: f64, most: usize, degrees: bool) -> Vec<Tick> {
+    let rough = (high - low) / most.max(2) as f64;
+    if !(rough > 0.0 && rough.is_finite()) {
+        return Vec::new();
+    }
+    let power = 10_f64.powf(rough.log10().floor());
+    let decimal = [1.0, 2.0, 5.0, 10.0, 20.0].map(|factor| factor * power);
+    let round: &[f64] =
+        if degrees && rough > 2.0 { &[5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0] } else { &decimal };
+    // One more than steps fit when both ends are ticks.
+    let fits = |step: f64| (high / step + 1e-9).floor() - (low / step - 1e-9).ceil() < most as f64;
+    let largest = decimal[4];
+    let step = round.iter().copied().find(|&step| fits(step)).unwrap_or(largest);
+    let first = (low / step - 1e-9).ceil();
+    let last = (high / step + 1e-9).floor();
+    // Beyond 2^53 steps from zero neighbouring ticks are the same number.
+    if first.abs().max(last.abs()) > 9e15 {
+        return Vec::new();
+    }
+    let values: Vec<f64> = (first as i64..=last as i64).map(|count| count as f64 * step).collect();
+    let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    values.into_iter().map(|value| (value, number(value, step, largest))).collect()
+}
+
+/// A number as it stands beside an axis with ticks `step` apart and none larger than `largest`.
+fn number(value: f64, step: f64, largest: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if (1e-4..1e5).contains(&largest) {
+        let decimals = (-step.log10().floor()).max(0.0) as usize;
+        return format!("{value:.decimals$}").replace('-', "−");
+    }
+    // As many digits as tell neighbouring ticks apart.
+    let digits = (value.abs() / step).log10().floor().max(0.0) as usize;
+    scientific(value, digits)
+}
+
+/// A single number with up to `digits` decimals of its leading figure: 3.2×10⁵.
+fn scientific(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$e}");
+    let Some((mantissa, exponent)) = text.split_once('e') else { return text };
+    let mantissa = match mantissa.split_once('.') {
+        Some(_) => mantissa.trim_end_matches('0').trim_end_matches('.'),
+        None => mantissa,
+    };
+    let power = format!("10{}", superscript(exponent));
+    match mantissa {
+        "1" => power,
+        "-1" => format!("−{power}"),
+        _ => format!("{}×{power}", mantissa.replace('-', "−")),
+    }
+}
+
+/// A number on its own, in at most four figures.
+pub(crate) fn plain(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 || (1e-3..1e5).contains(&size) {
+        let decimals = if size == 0.0 { 0 } else { (3.0 - size.log10().floor()).max(0.0) as usize };
+        let text = format!("{value:.decimals$}").replace('-', "−");
+        match text.split_once('.') {
+            Some(_) => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+            None => text,
+        }
+    } else {
+        scientific(value, 3)
+    }
+}
+
+/// A power of ten, with its sign: −10⁴.
+pub(crate) fn power_of_ten(negative: bool, exponent: i32) -> String {
+    let sign = if negative { "−" } else { "" };
+    match exponent {
+        0 => format!("{sign}1"),
+        1 => format!("{sign}10"),
+        _ => format!("{sign}10{}", superscript(&exponent.to_string())),
+    }
+}
+
+fn superscript(digits: &str) -> String {
+    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let raise = |c: char| c.to_digit(10).map_or('⁻', |digit| RAISED[digit as usize]);
+    digits.chars().map(raise).collect()
+}
+
+/// Ticks of a logarithmic scale, given and returned as log₁₀: powers of ten where the range holds
+/// several, otherwise 1-2-5 or round values between them.
+pub(crate) fn log_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
+    let (first, last) = ((low - 1e-9).ceil() as i32, (high + 1e-9).floor() as i32);
+    if last - first >= 2 {
+        let step = (last - first) / most.max(2) as i32 + 1;
+        return (first..=last)
+            .filter(|exponent| exponent.rem_euclid(step) == 0)
+            .map(|exponent| (f64::from(exponent), power_of_ten(false, exponent)))
+            .collect();
+    }
+    let fine: Vec<Tick> = (first - 1..=last)
+        .flat_map(|exponent| [1.0, 2.0, 5.0].map(|m: f64| (m.log10() + f64::from(exponent), m)))
+        .filter(|(value, _)| (low - 1e-9..=high + 1e-9).contains(value))
+        .map(|(value, _)| (value, plain(10_f64.powf(value))))
+        .collect();
+    if fine.len() >= 3 {
+        return fine;
+    }
+    let values = ticks(10_f64.powf(low), 10_f64.powf(high), most.min(6), false);
+    values.into_iter().map(|(value, label)| (value.log10(), label)).collect()
+}
+
+/// A scale for values of both signs over many decades: proportional to the value up to a
+/// threshold, where it reaches one, and growing by one with each decade beyond.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SymmetricLog {
+    /// The end of the linear part, a power of ten.
+    pub exponent: i32,
+}
+
+impl SymmetricLog {
+    /// The scale that shows all but the smallest tenth of the sizes outside its linear part, within
+    /// seven decades of the largest.
+    pub fn for_values(values: impl Iterator<Item = f64>) -> Self {
+        let mut sizes: Vec<f64> =
+            values.map(f64::abs).filter(|size| *size > 0.0 && size.is_finite()).collect();
+        sizes.sort_by(f64::total_cmp);
+        let Some(largest) = sizes.last() else { return Self { exponent: -1 } };
+        let most = (largest.log10() - 1e-9).floor() as i32;
+        let small = sizes[sizes.len() / 10].log10().floor() as i32;
+        Self { exponent: small.clamp(most - 7, most) }
+    }
+
+    /// The place of a value.
+    pub fn forward(self, value: f64) -> f64 {
+        let size = value.abs() / self.threshold();
+        if size <= 1.0 {
+            value / self.threshold()
+        } else {
+            (1.0 + value.abs().log10() - f64::from(self.exponent)).copysign(value)
+        }
+    }
+
+    fn threshold(self) -> f64 {
+        10_f64.powi(self.exponent)
+    }
+
+    /// The value at a place.
+    #[cfg(test)]
+    fn inverse(self, place: f64) -> f64 {
+        if place.abs() <= 1.0 {
+            place * self.threshold()
+        } else {
+            10_f64.powf(place.abs() - 1.0 + f64::from(self.exponent)).copysign(place)
+        }
+    }
+
+    /// Ticks between two places, by place: zero and powers of ten, with labels on at most about
+    /// `most` of them and empty labels between.
+    pub fn ticks(self, low: f64, high: f64, most: usize) -> Vec<Tick> {
+        let step = ((high - low) / most.max(2) as f64).ceil().max(1.0) as i32;
+        let mut ticks = vec![(0.0, "0".to_owned())];
+        for negative in [false, true] {
+            let end = if negative { -low } else { high };
+            for decade in 0..end.floor().max(0.0) as i32 {
+                let exponent = self.exponent + decade;
+                let place = f64::from(decade + 1);
+                let labelled = exponent.rem_euclid(step) == 0 && place + 0.3 >= f64::from(step);
+                let label = if labelled { power_of_ten(negative, exponent) } else { String::new() };
+                ticks.push((if negative { -place } else { place }, label));
+            }
+        }
+        ticks
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(ticks: &[Tick]) -> Vec<&str> {
+        ticks.iter().map(|(_, label)| label.as_str()).collect()
+    }
+
+    #[test]
+    fn round_ticks() {
+        let degrees = ticks(-91.0, 91.0, 13, true);
+        assert_eq!(labels(&degrees)[..3], ["−90", "−75", "−60"]);
+        assert_eq!(degrees.len(), 13);
+        assert_eq!(labels(&ticks(0.0, 1.0, 6, false)), ["0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        let far = ticks(1000.0, 1000.003, 4, false);
+        assert_eq!(labels(&far), ["1000.000", "1000.001", "1000.002", "1000.003"]);
+        assert_eq!(labels(&ticks(0.0, 2.5e6, 4, false)), ["0", "10⁶", "2×10⁶"]);
+        let short = ticks(1.5e6, 1.52e6, 3, false);
+        assert_eq!(labels(&short), ["1.5×10⁶", "1.51×10⁶", "1.52×10⁶"]);
+        for (low, high) in [(1.0, 1.0), (0.0, f64::INFINITY), (f64::NAN, 1.0), (2.0, 1.0)] {
+            assert!(ticks(low, high, 5, false).is_empty());
+        }
+    }
+
+    #[test]
+    fn ticks_keep_to_the_number_asked_for() {
+        for most in 2..20 {
+            for exponent in -12..12 {
+                for (low, high) in [(0.0, 1.0), (-3.3, 7.1), (99.0, 100.0), (-1.0, -0.93)] {
+                    let scale = 10_f64.powi(exponent);
+                    let ticks = ticks(low * scale, high * scale, most, exponent % 2 == 0);
+                    assert!(
+                        ticks.len() <= most && !ticks.is_empty(),
+                        "{low} {high} {scale} {most}"
+                    );
+                    let inside = |value: f64| {
+                        value >= (low - 1e-6) * scale && value <= (high + 1e-6) * scale
+                    };
+                    assert!(ticks.iter().all(|(value, _)| inside(*value)));
+                    let mut labels = labels(&ticks);
+                    labels.dedup();
+                    assert_eq!(labels.len(), ticks.len(), "{labels:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn logarithmic_ticks() {
+        assert_eq!(
+            labels(&log_ticks(-1.2, 3.1, 9)),
+            ["0.1", "1", "10", "100"]
+                .map(|s| match s {
+                    "0.1" => "10⁻¹",
+                    "100" => "10²",
+                    other => other,
+                })
+                .into_iter()
+                .chain(["10³"])
+                .collect::<Vec<_>>()
+        );
+        assert_eq!(labels(&log_ticks(0.0, 1.0, 9)), ["1", "2", "5", "10"]);
+        assert_eq!(labels(&log_ticks(4.01_f64.log10(), 4.05_f64.log10(), 6)).len(), 5);
+        assert!(log_ticks(-300.0, 300.0, 8).len() <= 10);
+    }
+
+    #[test]
+    fn numbers_on_their_own() {
+        let texts = [0.0, 45.0, -0.25, 1234.0, 3.0e7, -1e-9].map(plain);
+        assert_eq!(texts, ["0", "45", "−0.25", "1234", "3×10⁷", "−10⁻⁹"]);
+    }
+
+    #[test]
+    fn symmetric_logarithm_is_monotone_odd_and_inverts() {
+        for exponent in [-7, 0, 3] {
+            let scale = SymmetricLog { exponent };
+            let sizes = (-1400..1400).map(|step| 10_f64.powf(0.01 * f64::from(step)));
+            let mut last = 0.0;
+            for size in sizes {
+                let place = scale.forward(size);
+                assert!(place > last, "{size}");
+                last = place;
+                assert_eq!(scale.forward(-size), -place);
+                let back = scale.inverse(place);
+                assert!((back - size).abs() <= 1e-12 * size, "{size} {back}");
+            }
+            assert_eq!(scale.forward(0.0), 0.0);
+            assert!((scale.forward(10_f64.powi(exponent)) - 1.0).abs() < 1e-12);
+            assert!((scale.forward(10_f64.powi(exponent + 3)) - 4.0).abs() < 1e-12);
+            assert_eq!(scale.forward(f64::NEG_INFINITY), f64::NEG_INFINITY);
+        }
+    }
+
+    #[test]
+    fn the_linear_part_follows_the_data() {
+        let of = |values: &[f64]| SymmetricLog::for_values(values.iter().copied()).exponent;
+        assert_eq!(of(&[-1e6, 250.0, 1e4, f64::INFINITY, f64::NAN, 0.0]), 2);
+        assert_eq!(of(&[1e-30, 1e4]), -4);
+        assert_eq!(of(&[0.0]), -1);
+        assert_eq!(of(&[3.0; 5]), 0);
+    }
+
+    #[test]
+    fn symmetric_logarithmic_ticks() {
+        let ticks = SymmetricLog { exponent: 2 }.ticks(-5.2, 3.4, 20);
+        let mut sorted = ticks.clone();
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let expected = ["−10⁶", "−10⁵", "−10⁴", "−10³", "−10²", "0", "10²", "10³", "10⁴"];
+        assert_eq!(labels(&sorted), expected);
+        let few = SymmetricLog { exponent: 2 }.ticks(-5.2, 3.4, 5);
+        let few: Vec<&str> = labels(&few).into_iter().filter(|label| !label.is_empty()).collect();
+        assert_eq!(few, ["0", "10⁴", "−10⁴", "−10⁶"]);
+    }
+}

@@ -1,0 +1,327 @@
+//! Named arrays in NumPy's NPZ format.
+//!
+//! An NPZ file is a ZIP archive with one `.npy` entry per array. `numpy.load` opens it without
+//! `allow_pickle`: numbers and Unicode strings are plain data.
+
+use std::io::{self, Cursor, Read, Write};
+
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
+
+/// The archive could not be put together or taken apart.
+#[derive(Debug, thiserror::Error)]
+pub enum NpzError {
+    /// The number of values is not the product of the shape.
+    #[error("array \"{name}\" has {found} values, which do not fill the shape {shape:?}")]
+    Shape {
+        /// Name of the array.
+        name: String,
+        /// Length along each dimension, slowest first.
+        shape: Vec<usize>,
+        /// Number of values given.
+        found: usize,
+    },
+    /// The archive's container refused: a name used twice, a damaged archive.
+    #[error("array archive: {0}")]
+    Container(#[from] zip::result::ZipError),
+    /// Compressing or decompressing failed.
+    #[error("array archive: {0}")]
+    Stream(#[from] io::Error),
+    /// An entry is not an array of a kind that this module writes.
+    #[error("entry \"{name}\" of the array archive {problem}")]
+    Entry {
+        /// Name of the array.
+        name: String,
+        /// What is wrong, as a phrase that follows the name.
+        problem: &'static str,
+    },
+}
+
+/// An archive under construction. Arrays are compressed as they are added; the same arrays added
+/// in the same order give the same bytes.
+pub struct Npz {
+    archive: ZipWriter<Cursor<Vec<u8>>>,
+}
+
+impl Default for Npz {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Npz {
+    /// An archive without arrays.
+    pub fn new() -> Self {
+        Self { archive: ZipWriter::new(Cursor::new(Vec::new())) }
+    }
+
+    /// Adds an array of floating-point numbers (`<f8`) in row-major order; an empty shape is a
+    /// single number.
+    pub fn add_f64(&mut self, name: &str, shape: &[usize], data: &[f64]) -> Result<(), NpzError> {
+        self.add(name, "<f8", 8, shape, data, |value, bytes| bytes.extend(value.to_le_bytes()))
+    }
+
+    /// Adds an array of small integers (`|i1`) in row-major order.
+    pub fn add_i8(&mut self, name: &str, shape: &[usize], data: &[i8]) -> Result<(), NpzError> {
+        self.add(name, "|i1", 1, shape, data, |value, bytes| bytes.extend(value.to_le_bytes()))
+    }
+
+    /// Adds an array of integers (`<i4`) in row-major order.
+    pub fn add_i32(&mut self, name: &str, shape: &[usize], data: &[i32]) -> Result<(), NpzError> {
+        self.add(name, "<i4", 4, shape, data, |value, bytes| bytes.extend(value.to_le_bytes()))
+    }
+
+    /// Adds an array of Unicode strings (`<U…`) in row-major order. The format pads with zero
+    /// characters, so those at the end of a string are not kept.
+    pub fn add_text(
+        &mut self,
+        name: &str,
+        shape: &[usize],
+        data: &[impl AsRef<str>],
+    ) -> Result<(), NpzError> {
+        let longest = data.iter().map(|text| text.as_ref().chars().count()).max();
+        let width = longest.unwrap_or(0).max(1);
+        self.add(name, &format!("<U{width}"), 4 * width, shape, data, |text, bytes| {
+            let end = bytes.len() + 4 * width;
+            bytes.extend(text.as_ref().chars().flat_map(|c| u32::from(c).to_le_bytes()));
+            bytes.resize(end, 0);
+        })
+    }
+
+    /// Closes the archive and gives its bytes.
+    pub fn finish(self) -> Result<Vec<u8>, NpzError> {
+        Ok(self.archive.finish()?.into_inner())
+    }
+
+    /// Adds an entry whose values `put` turns into `width` bytes each.
+    fn add<T>(
+        &mut self,
+        name: &str,
+        kind: &str,
+        width: usize,
+        shape: &[usize],
+        data: &[T],
+        put: impl Fn(&T, &mut Vec<u8>),
+    ) -> Result<(), NpzError> {
+        if count(shape) != Some(data.len()) {
+            let (name, shape) = (name.to_owned(), shape.to_vec());
+            return Err(NpzError::Shape { name, shape, found: data.len() });
+        }
+        let mut bytes = header(kind, shape);
+        bytes.reserve(width * data.len());
+        data.iter().for_each(|value| put(value, &mut bytes));
+        // A fixed date keeps the bytes free of the moment of writing. Archives need a wider form
+        // of their records from 4 GiB on.
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Deflated)
+            .last_modified_time(DateTime::default())
+            .large_file(bytes.len() >= u32::MAX as usize);
+        self.archive.start_file(format!("{name}.npy"), options)?;
+        self.archive.write_all(&bytes)?;
+        Ok(())
+    }
+}
+
+/// Number of values of a shape, none where it exceeds the machine's integers.
+fn count(shape: &[usize]) -> Option<usize> {
+    shape.iter().try_fold(1_usize, |product, &length| product.checked_mul(length))
+}
+
+const MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
+
+/// The header of a `.npy` file, format version 1.0, padded so that the data starts at a multiple
+/// of 64 bytes.
+fn header(kind: &str, shape: &[usize]) -> Vec<u8> {
+    // A Python tuple of a single item needs its comma, longer ones do not mind it.
+    let lengths: String = shape.iter().map(|length| format!("{length}, ")).collect();
+    let mut text = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({lengths}), }}");
+    let unpadded = MAGIC.len() + 2 + text.len() + 1;
+    text.push_str(&" ".repeat(unpadded.next_multiple_of(64) - unpadded));
+    text.push('\n');
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend((text.len() as u16).to_le_bytes());
+    bytes.extend(text.as_bytes());
+    bytes
+}
+
+/// The values of an array, in row-major order.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Floating-point numbers, `<f8`.
+    F64(Vec<f64>),
+    /// Small integers, `|i1`.
+    I8(Vec<i8>),
+    /// Integers, `<i4`.
+    I32(Vec<i32>),
+    /// Unicode strings, `<U…`.
+    Text(Vec<String>),
+}
+
+/// An array read from an archive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Array {
+    /// The array's name in the archive.
+    pub name: String,
+    /// Length along each dimension, slowest first.
+    pub shape: Vec<usize>,
+    /// The values.
+    pub values: Values,
+}
+
+/// Reads back an archive that [`Npz`] wrote, in the order of writing. Other programs' archives
+/// are read where they keep to the same kinds of arrays, in row-major order.
+pub fn read(bytes: &[u8]) -> Result<Vec<Array>, NpzError> {
+    let mut archive = ZipArchive::new(Cursor::new(bytes))?;
+    (0..archive.len())
+        .map(|index| {
+            let mut entry = archive.by_index(index)?;
+            let name = entry.name()?;
+            let name = name.strip_suffix(".npy").unwrap_or(&name).to_owned();
+            let mut bytes = Vec::new();
+            entry.read_to_end(&mut bytes)?;
+            let (shape, values) =
+                parse(&bytes).map_err(|problem| NpzError::Entry { name: name.clone(), problem })?;
+            Ok(Array { name, shape, values })
+        })
+        .collect()
+}
+
+/// The text between `open` and the next `close`.
+fn between<'a>(text: &'a str, open: &str, close: char) -> Option<&'a str> {
+    let rest = &text[text.find(open)? + open.len()..];
+    Some(&rest[..rest.find(close)?])
+}
+
+fn parse(bytes: &[u8]) -> Result<(Vec<usize>, Values), &'static str> {
+    const HEADER: &str = "has no readable header of format version 1.0";
+    let rest = bytes.strip_prefix(MAGIC).ok_or(HEADER)?;
+    let (length, rest) = rest.split_first_chunk::<2>().ok_or(HEADER)?;
+    let length = usize::from(u16::from_le_bytes(*length));
+    let (header, data) = rest.split_at_checked(length).ok_or(HEADER)?;
+    let header = str::from_utf8(header).map_err(|_| HEADER)?;
+    if !header.contains("'fortran_order': False") {
+        return Err("is not in row-major order");
+    }
+    let kind = between(header, "'descr': '", '\'').ok_or(HEADER)?;
+    let shape = between(header, "'shape': (", ')').ok_or(HEADER)?;
+    let shape = shape.split(',').map(str::trim).filter(|length| !length.is_empty());
+    let shape = shape.map(str::parse).collect::<Result<Vec<usize>, _>>().map_err(|_| HEADER)?;
+
+    const KIND: &str = "holds values of a kind that is not read here";
+    let width = match kind {
+        "<f8" => 8,
+        "|i1" => 1,
+        "<i4" => 4,
+        _ => {
+            let characters = kind.strip_prefix("<U").and_then(|width| width.parse().ok());
+            let width = characters.and_then(|width: usize| width.checked_mul(4)).ok_or(KIND)?;
+            if width == 0 {
+                return Err(KIND);
+            }
+            width
+        }
+    };
+    if count(&shape).and_then(|count| count.checked_mul(width)) != Some(data.len()) {
+        return Err("has another length than its shape says");
+    }
+    let items = data.chunks_exact(width);
+    let values = match kind {
+        "<f8" => Values::F64(data.as_chunks().0.iter().map(|&b| f64::from_le_bytes(b)).collect()),
+        "|i1" => Values::I8(data.iter().map(|&b| i8::from_le_bytes([b])).collect()),
+        "<i4" => Values::I32(data.as_chunks().0.iter().map(|&b| i32::from_le_bytes(b)).collect()),
+        _ => Values::Text(items.map(text).collect::<Option<_>>().ok_or("holds a broken string")?),
+    };
+    Ok((shape, values))
+}
+
+/// A string from its padded code points.
+fn text(item: &[u8]) -> Option<String> {
+    let points = item.as_chunks().0.iter().map(|&b| char::from_u32(u32::from_le_bytes(b)));
+    let padded: String = points.collect::<Option<_>>()?;
+    Some(padded.trim_end_matches('\0').to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Vec<u8> {
+        let mut npz = Npz::new();
+        let grid = [1.0, -0.0, f64::INFINITY, f64::NAN, 5e-324, 1.0 / 3.0];
+        npz.add_f64("rate", &[2, 3], &grid).unwrap();
+        npz.add_f64("single", &[], &[2.5]).unwrap();
+        npz.add_f64("nothing", &[0, 4], &[]).unwrap();
+        npz.add_i8("verdict", &[3], &[-1, 0, 127]).unwrap();
+        npz.add_i32("count", &[1, 1, 2], &[i32::MIN, 7]).unwrap();
+        npz.add_text("axis Δ", &[2], &["Δ (°)", ""]).unwrap();
+        npz.finish().unwrap()
+    }
+
+    #[test]
+    fn arrays_come_back() {
+        let arrays = read(&sample()).unwrap();
+        let names: Vec<&str> = arrays.iter().map(|array| array.name.as_str()).collect();
+        assert_eq!(names, ["rate", "single", "nothing", "verdict", "count", "axis Δ"]);
+        let shapes: Vec<&[usize]> = arrays.iter().map(|array| &array.shape[..]).collect();
+        assert_eq!(shapes, [&[2, 3][..], &[], &[0, 4], &[3], &[1, 1, 2], &[2]]);
+        let Values::F64(rate) = &arrays[0].values else { panic!("numbers expected") };
+        let expected = [1.0, -0.0, f64::INFINITY, f64::NAN, 5e-324, 1.0 / 3.0];
+        let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(rate), bits(&expected));
+        assert_eq!(arrays[1].values, Values::F64(vec![2.5]));
+        assert_eq!(arrays[3].values, Values::I8(vec![-1, 0, 127]));
+        assert_eq!(arrays[4].values, Values::I32(vec![i32::MIN, 7]));
+        assert_eq!(arrays[5].values, Values::Text(vec!["Δ (°)".to_owned(), String::new()]));
+    }
+
+    #[test]
+    fn headers_follow_the_format() {
+        let header = header("<f8", &[2, 3]);
+        assert_eq!(&header[..8], b"\x93NUMPY\x01\x00");
+        assert_eq!(header.len() % 64, 0);
+        assert_eq!(usize::from(u16::from_le_bytes([header[8], header[9]])) + 10, header.len());
+        let text = str::from_utf8(&header[10..]).unwrap();
+        let dictionary = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3, ), }";
+        assert_eq!(text.trim_end(), dictionary);
+        assert!(text.ends_with('\n'));
+    }
+
+    #[test]
+    fn equal_content_gives_equal_bytes() {
+        let bytes = sample();
+        assert_eq!(bytes, sample());
+        // Nor do they tell when they were written.
+        let mut archive = ZipArchive::new(Cursor::new(&bytes[..])).unwrap();
+        for index in 0..archive.len() {
+            let date = archive.by_index(index).unwrap().last_modified();
+            assert_eq!(date, Some(DateTime::default()));
+        }
+    }
+
+    #[test]
+    fn a_wrong_shape_or_a_name_used_twice_is_refused() {
+        let mut npz = Npz::new();
+        let refused = npz.add_f64("a", &[2, 2], &[1.0; 3]).unwrap_err();
+        assert!(matches!(refused, NpzError::Shape { found: 3, .. }), "{refused}");
+        assert!(npz.add_i8("huge", &[usize::MAX, 2], &[1]).is_err());
+        npz.add_i8("a", &[1], &[1]).unwrap();
+        assert!(matches!(npz.add_i8("a", &[1], &[1]), Err(NpzError::Container(_))));
+    }
+
+    #[test]
+    fn damage_is_an_error() {
+        let whole = sample();
+        assert!(read(&whole[..whole.len() / 2]).is_err());
+        let mut flipped = 0;
+        for at in 0..whole.len() {
+            let mut bytes = whole.clone();
+            bytes[at] ^= 0x10;
+            flipped += usize::from(read(&bytes).is_err());
+        }
+        assert!(flipped > whole.len() / 2, "only {flipped} of {} noticed", whole.len());
+        assert!(parse(b"\x93NUMPY\x01\x00\xff\xff{}").is_err());
+        assert!(parse(&header("<U0", &[3])).is_err());
+        assert!(parse(&header("|O", &[0])).is_err());
+        assert!(parse(&header("<f8", &[usize::MAX, usize::MAX])).is_err());
+    }
+}

@@ -1,0 +1,427 @@
+//! The one table of keys that a case file may hold.
+//!
+//! Parsing, refusal of unknown and unused keys, `--set`, the commented files of `wellposed new`
+//! and the parameters that a map can sweep all read this table. To add a key: add a field to
+//! [`Numbers`] and a row here.
+
+use models::granular_flow::Kind;
+
+/// The numbers of a case exactly as its file states them: SI units, angles in degrees, `None`
+/// where a key without default is absent.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Numbers {
+    /// Constants of the material.
+    pub model: ModelNumbers,
+    /// State of the flow at the point.
+    pub background: BackgroundNumbers,
+    /// Wave at which roots are listed.
+    pub wave: Wave,
+}
+
+/// Section `[model]`; units and meanings in [`KEYS`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(missing_docs)] // one row of `KEYS` per field says it once
+pub struct ModelNumbers {
+    pub friction_angle_deg: f64,
+    pub dilatancy_angle_deg: f64,
+    pub cohesion: f64,
+    pub moment_of_inertia: Option<f64>,
+    pub rotational_strength: Option<f64>,
+}
+
+/// Section `[background]`; units and meanings in [`KEYS`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(missing_docs)] // one row of `KEYS` per field says it once
+pub struct BackgroundNumbers {
+    pub density: f64,
+    pub pressure: f64,
+    pub stress_angle_deg: f64,
+    pub shear_rate: f64,
+    pub velocity: [f64; 2],
+    pub half_vorticity: f64,
+    pub noncoaxiality_deg: Option<f64>,
+    pub spin: Option<f64>,
+    pub pressure_gradient: [f64; 2],
+    pub stress_angle_gradient_deg: [f64; 2],
+    pub density_gradient: [f64; 2],
+    pub spin_gradient: [f64; 2],
+    pub spin_acceleration: f64,
+    pub inertia_rate: f64,
+    pub inertia_gradient: [f64; 2],
+    pub rotational_stress: Option<f64>,
+    pub deviatoric_stress: Option<f64>,
+    pub velocity_gradient: Option<[[f64; 2]; 2]>,
+    pub acceleration: Option<[f64; 2]>,
+    pub body_moment: Option<f64>,
+    pub stress_angle_rate_deg: Option<f64>,
+}
+
+/// Section `[wave]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wave {
+    /// Wave number k, 1/m; positive.
+    pub number: f64,
+    /// Direction ψ_K of the wave vector, degrees anticlockwise from x₁.
+    pub direction_deg: f64,
+}
+
+/// A row of the table.
+#[derive(Debug)]
+pub struct Key {
+    /// Section and name, as in `--set`.
+    pub name: &'static str,
+    /// Quantity and symbol, for axes and legends.
+    pub label: &'static str,
+    /// Unit; empty for text and pure numbers.
+    pub unit: &'static str,
+    /// What the quantity is and what is allowed, in one line.
+    pub meaning: &'static str,
+    /// The kinds of model that use it.
+    pub kinds: &'static [Kind],
+    /// What holds where the key is absent.
+    pub presence: Presence,
+    pub(super) field: Field,
+}
+
+/// What holds where a key is absent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Presence {
+    /// It must be given; `wellposed new` writes this number.
+    Required(f64),
+    /// This number stands (for each component).
+    Default(f64),
+    /// Nothing: the quantity is derived, or not asked for.
+    Optional,
+}
+
+/// Type of a value and, for the numbers of a case, where it is kept.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Field {
+    Text,
+    Texts,
+    Count,
+    Plain,
+    Number(fn(&mut Numbers) -> &mut f64),
+    OptionalNumber(fn(&mut Numbers) -> &mut Option<f64>),
+    Pair(fn(&mut Numbers) -> &mut [f64; 2]),
+    OptionalPair(fn(&mut Numbers) -> &mut Option<[f64; 2]>),
+    OptionalMatrix(fn(&mut Numbers) -> &mut Option<[[f64; 2]; 2]>),
+}
+
+/// A value of one of the types in the table.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Value {
+    Text(String),
+    Texts(Vec<String>),
+    Count(usize),
+    Number(f64),
+    Pair([f64; 2]),
+    Matrix([[f64; 2]; 2]),
+}
+
+impl Field {
+    /// The type in words.
+    pub(super) fn expected(self) -> &'static str {
+        match self {
+            Self::Text => "text in quotes",
+            Self::Texts => "a list of texts in brackets",
+            Self::Count => "a whole number of at least 1",
+            Self::Plain | Self::Number(_) | Self::OptionalNumber(_) => "a finite number",
+            Self::Pair(_) | Self::OptionalPair(_) => "a pair of finite numbers [x1, x2]",
+            Self::OptionalMatrix(_) => "a matrix of finite numbers [[a11, a12], [a21, a22]]",
+        }
+    }
+
+    /// Whether the value is kept in [`Numbers`].
+    pub(super) fn is_kept(self) -> bool {
+        !matches!(self, Self::Text | Self::Texts | Self::Count | Self::Plain)
+    }
+
+    /// Number of components that a map can sweep: 0 for what is no scalar or pair.
+    fn components(self) -> usize {
+        match self {
+            Self::Number(_) | Self::OptionalNumber(_) => 1,
+            Self::Pair(_) | Self::OptionalPair(_) => 2,
+            _ => 0,
+        }
+    }
+
+    /// The value kept, if there is one.
+    pub(super) fn load(self, mut numbers: Numbers) -> Option<Value> {
+        match self {
+            Self::Number(f) => Some(Value::Number(*f(&mut numbers))),
+            Self::OptionalNumber(f) => f(&mut numbers).map(Value::Number),
+            Self::Pair(f) => Some(Value::Pair(*f(&mut numbers))),
+            Self::OptionalPair(f) => f(&mut numbers).map(Value::Pair),
+            Self::OptionalMatrix(f) => f(&mut numbers).map(Value::Matrix),
+            _ => None,
+        }
+    }
+
+    /// Keeps a value of this type.
+    pub(super) fn store(self, numbers: &mut Numbers, value: &Value) {
+        match (self, value) {
+            (Self::Number(f), Value::Number(x)) => *f(numbers) = *x,
+            (Self::OptionalNumber(f), Value::Number(x)) => *f(numbers) = Some(*x),
+            (Self::Pair(f), Value::Pair(x)) => *f(numbers) = *x,
+            (Self::OptionalPair(f), Value::Pair(x)) => *f(numbers) = Some(*x),
+            (Self::OptionalMatrix(f), Value::Matrix(x)) => *f(numbers) = Some(*x),
+            _ => debug_assert!(!self.is_kept(), "a value of another type than its key's"),
+        }
+    }
+}
+
+impl Key {
+    /// The row of that name.
+    pub fn find(name: &str) -> Option<&'static Self> {
+        KEYS.iter().find(|key| key.name == name)
+    }
+
+    /// Section, and name inside it.
+    pub fn split(&self) -> (&'static str, &'static str) {
+        self.name.rsplit_once('.').unwrap_or(("", self.name))
+    }
+
+    /// Whether models of this kind use the key.
+    pub fn is_used_by(&self, kind: Kind) -> bool {
+        self.kinds.contains(&kind)
+    }
+
+    /// Takes the key back to what holds where it is absent.
+    pub(super) fn clear(&self, numbers: &mut Numbers) {
+        let absent = match self.presence {
+            Presence::Default(value) => value,
+            _ => 0.0,
+        };
+        match self.field {
+            Field::Number(f) => *f(numbers) = absent,
+            Field::OptionalNumber(f) => *f(numbers) = None,
+            Field::Pair(f) => *f(numbers) = [absent; 2],
+            Field::OptionalPair(f) => *f(numbers) = None,
+            Field::OptionalMatrix(f) => *f(numbers) = None,
+            _ => {}
+        }
+    }
+
+    /// The value that `wellposed new` shows: default or example, as TOML; `None` for what is no
+    /// number of the case.
+    pub fn example(&self) -> Option<String> {
+        let number = match self.presence {
+            Presence::Required(value) | Presence::Default(value) => value,
+            Presence::Optional => 0.0,
+        };
+        let value = match self.field {
+            Field::Number(_) | Field::OptionalNumber(_) => Value::Number(number),
+            Field::Pair(_) | Field::OptionalPair(_) => Value::Pair([number; 2]),
+            Field::OptionalMatrix(_) => Value::Matrix([[number; 2]; 2]),
+            _ => return None,
+        };
+        Some(value.to_string())
+    }
+}
+
+/// A scalar that a map can sweep: a number of `[model]`, `[background]` or `[wave]`, or a
+/// component of a pair. Cheap to copy and to set.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameter {
+    key: &'static Key,
+    component: usize,
+}
+
+impl PartialEq for Parameter {
+    fn eq(&self, other: &Self) -> bool {
+        (self.key.name, self.component) == (other.key.name, other.component)
+    }
+}
+
+impl Parameter {
+    /// The parameter of that name: `background.pressure`, `background.velocity[0]`.
+    pub fn find(name: &str) -> Option<Self> {
+        Self::all().find(|parameter| parameter.name() == name)
+    }
+
+    /// All parameters, in the order of the table.
+    pub fn all() -> impl Iterator<Item = Self> {
+        KEYS.iter().flat_map(|key| {
+            (0..key.field.components()).map(move |component| Self { key, component })
+        })
+    }
+
+    /// Name as in `[map]`.
+    pub fn name(self) -> String {
+        self.numbered(self.key.name)
+    }
+
+    /// Quantity and symbol, for axes.
+    pub fn label(self) -> String {
+        self.numbered(self.key.label)
+    }
+
+    /// Unit, as written on an axis.
+    pub fn unit(self) -> &'static str {
+        self.key.unit
+    }
+
+    /// The row of the table.
+    pub fn key(self) -> &'static Key {
+        self.key
+    }
+
+    /// The number, if the case has one.
+    pub fn get(self, numbers: &Numbers) -> Option<f64> {
+        match self.key.field.load(*numbers)? {
+            Value::Number(x) => Some(x),
+            Value::Pair(pair) => Some(pair[self.component]),
+            _ => None,
+        }
+    }
+
+    /// Sets the number; the other component of an absent pair becomes 0.
+    pub fn set(self, numbers: &mut Numbers, value: f64) {
+        match self.key.field {
+            Field::Number(f) => *f(numbers) = value,
+            Field::OptionalNumber(f) => *f(numbers) = Some(value),
+            Field::Pair(f) => f(numbers)[self.component] = value,
+            Field::OptionalPair(f) => {
+                f(numbers).get_or_insert_default()[self.component] = value;
+            }
+            // `all` makes no parameters of other types.
+            _ => {}
+        }
+    }
+
+    fn numbered(self, name: &str) -> String {
+        match self.key.field.components() {
+            1 => name.to_owned(),
+            _ => format!("{name}[{}]", self.component),
+        }
+    }
+}
+
+use Field::{
+    Count, Number, OptionalMatrix, OptionalNumber, OptionalPair, Pair, Plain, Text, Texts,
+};
+use Presence::{Default as Or, Optional, Required};
+
+const ALL: &[Kind] = &Kind::ALL;
+const COSSERAT: &[Kind] = &[Kind::HarrisGrekova];
+const WITH_SPIN: &[Kind] = &[Kind::HarrisGrekova, Kind::FreeRotating];
+const WITH_STRESS_ANGLE_RATE: &[Kind] = &[Kind::DoubleShearing];
+
+/// Writes one row per key: name; label, unit; meaning; kinds, presence, field.
+macro_rules! keys {
+    ($($name:literal: $label:literal [$unit:literal] $meaning:literal;
+       $kinds:expr, $presence:expr, $field:expr;)*) => {
+        &[$(Key {
+            name: $name,
+            label: $label,
+            unit: $unit,
+            meaning: $meaning,
+            kinds: $kinds,
+            presence: $presence,
+            field: $field,
+        }),*]
+    };
+}
+
+/// Every key of a case file, in the order in which files are written. Those of `[map]` and
+/// `[compare]` are required where their section stands.
+pub static KEYS: &[Key] = keys! {
+    "title": "title" [""] "one line that says what the case is";
+        ALL, Optional, Text;
+
+    "model.kind": "kind of model" [""] "harris-grekova, double-shearing, plastic-potential or free-rotating";
+        ALL, Required(0.0), Text;
+    "model.friction_angle_deg": "friction angle φ" ["deg"] "angle of internal friction φ; 0 < φ < 90";
+        ALL, Required(30.0), Number(|n| &mut n.model.friction_angle_deg);
+    "model.dilatancy_angle_deg": "dilatancy angle ν" ["deg"] "angle of dilatancy ν; 0 ≤ ν < φ, for plastic-potential 0 ≤ ν < 90";
+        ALL, Or(0.0), Number(|n| &mut n.model.dilatancy_angle_deg);
+    "model.cohesion": "cohesion c" ["Pa"] "cohesion c; ≥ 0";
+        ALL, Or(0.0), Number(|n| &mut n.model.cohesion);
+    "model.moment_of_inertia": "moment of inertia I" ["m²"] "moment of inertia per unit mass I; > 0, for discs of diameter d it is d²/8";
+        COSSERAT, Required(1.25e-7), OptionalNumber(|n| &mut n.model.moment_of_inertia);
+    "model.rotational_strength": "rotational strength m" ["Pa"] "rotational yield strength m; ≥ 0";
+        COSSERAT, Required(0.0), OptionalNumber(|n| &mut n.model.rotational_strength);
+
+    "background.density": "density ρ" ["kg/m³"] "density ρ; > 0";
+        ALL, Required(1600.0), Number(|n| &mut n.background.density);
+    "background.pressure": "pressure p" ["Pa"] "pressure p, positive in compression; > −c cot φ";
+        ALL, Required(1000.0), Number(|n| &mut n.background.pressure);
+    "background.stress_angle_deg": "stress angle Ψ_Σ" ["deg"] "angle Ψ_Σ of the greater (more tensile) principal stress from x₁, anticlockwise";
+        ALL, Required(45.0), Number(|n| &mut n.background.stress_angle_deg);
+    "background.shear_rate": "shear rate Q_D" ["1/s"] "magnitude Q_D of the deviatoric deformation rate; > 0";
+        ALL, Required(1.0), Number(|n| &mut n.background.shear_rate);
+    "background.velocity": "velocity V" ["m/s"] "velocity V";
+        ALL, Or(0.0), Pair(|n| &mut n.background.velocity);
+    "background.half_vorticity": "half the vorticity s₂₁" ["1/s"] "half the vorticity s₂₁ = ½(∂₁V₂ − ∂₂V₁), positive anticlockwise";
+        ALL, Or(0.0), Number(|n| &mut n.background.half_vorticity);
+    "background.noncoaxiality_deg": "non-coaxiality Δ" ["deg"] "non-coaxiality Δ = Ψ_D − Ψ_Σ; absent: from the spin where that is given, else 0; 0 for plastic-potential";
+        ALL, Optional, OptionalNumber(|n| &mut n.background.noncoaxiality_deg);
+    "background.spin": "spin Ω" ["rad/s"] "intrinsic spin Ω, anticlockwise; may stand in place of noncoaxiality_deg";
+        WITH_SPIN, Optional, OptionalNumber(|n| &mut n.background.spin);
+    "background.pressure_gradient": "pressure gradient ∇p" ["Pa/m"] "gradient of the pressure";
+        ALL, Or(0.0), Pair(|n| &mut n.background.pressure_gradient);
+    "background.stress_angle_gradient_deg": "stress-angle gradient ∇Ψ_Σ" ["deg/m"] "gradient of the stress angle";
+        ALL, Or(0.0), Pair(|n| &mut n.background.stress_angle_gradient_deg);
+    "background.density_gradient": "density gradient ∇ρ" ["kg/m⁴"] "gradient of the density; 0 where ν = 0";
+        ALL, Or(0.0), Pair(|n| &mut n.background.density_gradient);
+    "background.spin_gradient": "spin gradient ∇Ω" ["rad/(s·m)"] "gradient of the spin";
+        COSSERAT, Or(0.0), Pair(|n| &mut n.background.spin_gradient);
+    "background.spin_acceleration": "spin acceleration DΩ/Dt" ["rad/s²"] "material rate DΩ/Dt of the spin";
+        COSSERAT, Or(0.0), Number(|n| &mut n.background.spin_acceleration);
+    "background.inertia_rate": "rate of inertia DI/Dt" ["m²/s"] "material rate DI/Dt of the moment of inertia";
+        COSSERAT, Or(0.0), Number(|n| &mut n.background.inertia_rate);
+    "background.inertia_gradient": "inertia gradient ∇I" ["m"] "gradient of the moment of inertia";
+        COSSERAT, Or(0.0), Pair(|n| &mut n.background.inertia_gradient);
+    "background.rotational_stress": "rotational stress r" ["Pa"] "r = ½(σ₁₂ − σ₂₁), first index the face normal; absent: −m sign(Ω − s₂₁)";
+        COSSERAT, Optional, OptionalNumber(|n| &mut n.background.rotational_stress);
+    "background.deviatoric_stress": "deviatoric stress q" ["Pa"] "deviatoric stress q; absent: on yield";
+        ALL, Optional, OptionalNumber(|n| &mut n.background.deviatoric_stress);
+    "background.velocity_gradient": "velocity gradient ∇V" ["1/s"] "velocity gradient, entry [i][j] = ∂ⱼVᵢ; derived, checked where given";
+        ALL, Optional, OptionalMatrix(|n| &mut n.background.velocity_gradient);
+    "background.acceleration": "acceleration DV/Dt − F" ["m/s²"] "material acceleration less body force; derived, checked where given";
+        ALL, Optional, OptionalPair(|n| &mut n.background.acceleration);
+    "background.body_moment": "body moment G" ["m²/s²"] "body moment per unit mass; derived, checked where given";
+        COSSERAT, Optional, OptionalNumber(|n| &mut n.background.body_moment);
+    "background.stress_angle_rate_deg": "stress-angle rate DΨ_Σ/Dt" ["deg/s"] "material rate of the stress angle; derived, checked where given";
+        WITH_STRESS_ANGLE_RATE, Optional, OptionalNumber(|n| &mut n.background.stress_angle_rate_deg);
+
+    "wave.number": "wave number k" ["1/m"] "wave number k at which roots are listed; > 0";
+        ALL, Or(1000.0), Number(|n| &mut n.wave.number);
+    "wave.direction_deg": "wave direction ψ_K" ["deg"] "direction ψ_K of the wave vector from x₁, anticlockwise";
+        ALL, Or(0.0), Number(|n| &mut n.wave.direction_deg);
+
+    "map.x.parameter": "parameter" [""] "name of the number along the x axis";
+        ALL, Required(0.0), Text;
+    "map.x.from": "first value" [""] "first value along the x axis";
+        ALL, Required(0.0), Plain;
+    "map.x.to": "last value" [""] "last value along the x axis";
+        ALL, Required(0.0), Plain;
+    "map.x.points": "points" [""] "number of points along the x axis";
+        ALL, Required(0.0), Count;
+    "map.y.parameter": "parameter" [""] "name of the number along the y axis";
+        ALL, Required(0.0), Text;
+    "map.y.from": "first value" [""] "first value along the y axis";
+        ALL, Required(0.0), Plain;
+    "map.y.to": "last value" [""] "last value along the y axis";
+        ALL, Required(0.0), Plain;
+    "map.y.points": "points" [""] "number of points along the y axis";
+        ALL, Required(0.0), Count;
+
+    "compare.kinds": "kinds of model" [""] "kinds of model to compare on this state";
+        ALL, Required(0.0), Texts;
+};
+
+/// As TOML; numbers in their shortest form that reads back to the same double.
+impl std::fmt::Display for Value {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Text(text) => write!(formatter, "{}", toml::Value::from(text.as_str())),
+            Self::Texts(texts) => write!(formatter, "{}", toml::Value::from(texts.clone())),
+            Self::Count(count) => write!(formatter, "{count}"),
+            Self::Number(number) => write!(formatter, "{number:?}"),
+            Self::Pair(pair) => write!(formatter, "{pair:?}"),
+            Self::Matrix(matrix) => write!(formatter, "{matrix:?}"),
+        }
+    }
+}

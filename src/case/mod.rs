@@ -1,0 +1,405 @@
+//! Case files: parsing, `--set`, diagnostics with place and remedy, and conversion to the checked
+//! structs of the models.
+
+mod error;
+mod keys;
+mod read;
+
+pub use error::{CaseError, Place};
+pub use keys::{BackgroundNumbers, KEYS, Key, ModelNumbers, Numbers, Parameter, Presence, Wave};
+
+use keys::Value;
+use models::granular_flow::state::State;
+use models::granular_flow::{InputError, Kind, Model, Parameters};
+use read::{Entries, Places};
+use std::fmt::Write;
+use std::io::Read;
+use std::path::Path;
+
+/// Largest number of points of a map.
+pub const MOST_POINTS: usize = 100_000_000;
+
+/// Largest case file, bytes: more is no case, and is not read into memory.
+const LARGEST_FILE: u64 = 1 << 20;
+
+/// A case as its file states it, with defaults filled in.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// Stem of the file's name; names the folder of results.
+    pub name: String,
+    /// One line that says what the case is; may be empty.
+    pub title: String,
+    /// Kind of model.
+    pub kind: Kind,
+    /// The numbers; SI units, angles in degrees.
+    pub numbers: Numbers,
+    /// What `wellposed map` sweeps.
+    pub map: Option<Map>,
+    /// Kinds of model to compare on this state.
+    pub compare: Option<Vec<Kind>>,
+    places: Places,
+}
+
+/// Equal content; where it stands in the file does not matter.
+impl PartialEq for Case {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+            && self.title == other.title
+            && self.kind == other.kind
+            && self.numbers == other.numbers
+            && self.map == other.map
+            && self.compare == other.compare
+    }
+}
+
+/// The two parameters of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Map {
+    /// Along the horizontal axis.
+    pub x: Sweep,
+    /// Along the vertical axis.
+    pub y: Sweep,
+}
+
+/// One axis of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sweep {
+    /// What is swept.
+    pub parameter: Parameter,
+    /// First value, in the parameter's unit.
+    pub from: f64,
+    /// Last value, in the parameter's unit.
+    pub to: f64,
+    /// Number of values; at least 1, and 2 values differ.
+    pub points: usize,
+}
+
+impl Sweep {
+    /// The value at `index` < `points`, evenly spaced from `from` to `to`.
+    ///
+    /// One division, last: ends that are whole numbers give whole numbers where they should.
+    pub fn value(&self, index: usize) -> f64 {
+        if index == 0 || self.points < 2 {
+            return self.from;
+        }
+        let (last, index) = ((self.points - 1) as f64, index as f64);
+        let value = (self.from * (last - index) + self.to * index) / last;
+        if value.is_finite() {
+            value
+        } else {
+            // The products of huge ends overflow; the ends themselves do not.
+            self.from * ((last - index) / last) + self.to * (index / last)
+        }
+    }
+}
+
+impl Case {
+    /// Reads a case file, with `--set` options (`key=value`) over it.
+    ///
+    /// # Errors
+    /// What is wrong, where, and what is allowed.
+    pub fn load(path: &Path, sets: &[String]) -> Result<Self, CaseError> {
+        let unreadable = |cause: String| CaseError::Unreadable { path: path.to_owned(), cause };
+        let mut bytes = Vec::new();
+        std::fs::File::open(path)
+            .and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes))
+            .map_err(|error| unreadable(error.to_string()))?;
+        if bytes.len() as u64 > LARGEST_FILE {
+            return Err(unreadable("larger than 1 MiB, so no case file".into()));
+        }
+        let file = path.display().to_string();
+        match std::str::from_utf8(&bytes) {
+            Ok(text) => Self::parse(text, &file, sets),
+            Err(error) => {
+                let before = &bytes[..error.valid_up_to()];
+                let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+                let cause = "a byte that is not UTF-8 text".to_owned();
+                Err(CaseError::Syntax { place: Place::Line { file, line }, cause })
+            }
+        }
+    }
+
+    /// Reads the text of a case file called `file`, with `--set` options over it.
+    ///
+    /// # Errors
+    /// What is wrong, where, and what is allowed.
+    pub fn parse(text: &str, file: &str, sets: &[String]) -> Result<Self, CaseError> {
+        let entries = Entries::read(text, file, sets)?;
+        let kind = read::kind(entries.text("model.kind")?, "model.kind", &entries.places)?;
+        let compare = compare(&entries)?;
+        let kinds: Vec<Kind> =
+            [kind].into_iter().chain(compare.iter().flatten().copied()).collect();
+        let numbers = numbers(&entries, &kinds)?;
+        let map = entries.has_section("map").then(|| map(&entries, kind)).transpose()?;
+        let title = match entries.get("title") {
+            Some(Value::Text(title)) => title.clone(),
+            _ => String::new(),
+        };
+        let name = Path::new(file)
+            .file_stem()
+            .map_or("case".to_owned(), |stem| stem.to_string_lossy().into_owned());
+        Ok(Self { name, title, kind, numbers, map, compare, places: entries.places })
+    }
+
+    /// The number of that name, if the case has one.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        Parameter::find(name)?.get(&self.numbers)
+    }
+
+    /// Sets a number, as a sweep does.
+    pub fn set(&mut self, parameter: Parameter, value: f64) {
+        parameter.set(&mut self.numbers, value);
+    }
+
+    /// The same state for another kind of model, without what that kind does not use.
+    pub fn for_kind(&self, kind: Kind) -> Self {
+        let mut case = Self { kind, compare: None, ..self.clone() };
+        for key in KEYS.iter().filter(|key| !key.is_used_by(kind)) {
+            key.clear(&mut case.numbers);
+        }
+        case
+    }
+
+    /// Constants of the material in the units of the models.
+    pub fn parameters(&self) -> Parameters {
+        let given = &self.numbers.model;
+        Parameters {
+            friction_angle: given.friction_angle_deg.to_radians(),
+            dilatancy_angle: given.dilatancy_angle_deg.to_radians(),
+            cohesion: given.cohesion,
+            moment_of_inertia: given.moment_of_inertia,
+            rotational_strength: given.rotational_strength,
+        }
+    }
+
+    /// The state in the units of the models.
+    pub fn state(&self) -> State {
+        let given = &self.numbers.background;
+        State {
+            density: given.density,
+            pressure: given.pressure,
+            deviatoric_stress: given.deviatoric_stress,
+            rotational_stress: given.rotational_stress,
+            stress_angle: given.stress_angle_deg.to_radians(),
+            shear_rate: given.shear_rate,
+            velocity: given.velocity,
+            half_vorticity: given.half_vorticity,
+            noncoaxiality: given.noncoaxiality_deg.map(f64::to_radians),
+            spin: given.spin,
+            pressure_gradient: given.pressure_gradient,
+            stress_angle_gradient: given.stress_angle_gradient_deg.map(f64::to_radians),
+            spin_gradient: given.spin_gradient,
+            density_gradient: given.density_gradient,
+            spin_acceleration: given.spin_acceleration,
+            inertia_rate: given.inertia_rate,
+            inertia_gradient: given.inertia_gradient,
+            velocity_gradient: given.velocity_gradient,
+            acceleration: given.acceleration,
+            body_moment: given.body_moment,
+            stress_angle_rate: given.stress_angle_rate_deg.map(f64::to_radians),
+        }
+    }
+
+    /// The model, with its constants checked.
+    ///
+    /// # Errors
+    /// The constant that is out of range, and where it stands.
+    pub fn model(&self) -> Result<Model, CaseError> {
+        Model::new(self.kind, &self.parameters()).map_err(|error| self.locate(error))
+    }
+
+    /// The map that the case asks for.
+    ///
+    /// # Errors
+    /// That the case has none, and how to add one.
+    pub fn required_map(&self) -> Result<&Map, CaseError> {
+        self.map.as_ref().ok_or_else(|| {
+            let axis =
+                "{ parameter = \"model.friction_angle_deg\", from = 5, to = 60, points = 56 }";
+            self.places.error(
+                "map",
+                "missing",
+                format!("add a section [map] with x = {axis} and y"),
+            )
+        })
+    }
+
+    /// Adds the place to an error that a model found.
+    pub fn locate(&self, error: InputError) -> CaseError {
+        self.places.error(error.key, format!("found {}", error.found), error.allowed)
+    }
+
+    /// The resolved case as TOML: every value that the kind uses, defaults included, numbers in
+    /// their shortest form that reads back to the same double.
+    pub fn to_toml(&self) -> String {
+        let mut text = String::new();
+        if !self.title.is_empty() {
+            let _ = writeln!(text, "title = {}", toml::Value::from(self.title.as_str()));
+        }
+        let mut section = "";
+        for key in KEYS.iter().filter(|key| key.name != "title") {
+            let value = match key.name {
+                "model.kind" => Some(Value::Text(self.kind.name().to_owned())),
+                _ if self.kinds().any(|kind| key.is_used_by(kind)) => key.field.load(self.numbers),
+                _ => None,
+            };
+            if let Some(value) = value {
+                let (own, name) = key.split();
+                if own != section {
+                    let _ = write!(text, "\n[{own}]\n");
+                    section = own;
+                }
+                let _ = writeln!(text, "{name} = {value}");
+            }
+        }
+        if let Some(map) = &self.map {
+            let _ = write!(text, "\n[map]\nx = {}\ny = {}\n", map.x, map.y);
+        }
+        if let Some(kinds) = &self.compare {
+            let names = kinds.iter().map(|kind| kind.name().to_owned()).collect();
+            let _ = write!(text, "\n[compare]\nkinds = {}\n", Value::Texts(names));
+        }
+        text.trim_start().to_owned()
+    }
+
+    /// The kind of model, and those to compare.
+    fn kinds(&self) -> impl Iterator<Item = Kind> {
+        [self.kind].into_iter().chain(self.compare.iter().flatten().copied())
+    }
+}
+
+/// As TOML.
+impl std::fmt::Display for Sweep {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (name, points) = (Value::Text(self.parameter.name()), self.points);
+        let (from, to) = (Value::Number(self.from), Value::Number(self.to));
+        write!(formatter, "{{ parameter = {name}, from = {from}, to = {to}, points = {points} }}")
+    }
+}
+
+/// The numbers of a case: defaults, what was given, and nothing that no kind uses.
+fn numbers(entries: &Entries, kinds: &[Kind]) -> Result<Numbers, CaseError> {
+    let mut numbers = Numbers::default();
+    for key in KEYS.iter().filter(|key| key.field.is_kept()) {
+        key.clear(&mut numbers);
+        let is_used = kinds.iter().any(|&kind| key.is_used_by(kind));
+        match entries.get(key.name) {
+            Some(_) if !is_used => {
+                let names =
+                    |kinds: &[Kind]| kinds.iter().map(|k| k.name()).collect::<Vec<_>>().join(", ");
+                return Err(entries.places.error(
+                    key.name,
+                    format!("not used by the model {}", names(kinds)),
+                    format!("leave it out (it belongs to {})", names(key.kinds)),
+                ));
+            }
+            Some(value) => key.field.store(&mut numbers, value),
+            None if is_used && matches!(key.presence, Presence::Required(_)) => {
+                entries.require(key.name)?;
+            }
+            None => {}
+        }
+    }
+    let number = numbers.wave.number;
+    if number <= 0.0 {
+        return Err(wave_number(entries, "wave.number", number));
+    }
+    Ok(numbers)
+}
+
+fn wave_number(entries: &Entries, key: &str, found: f64) -> CaseError {
+    entries.places.error(key, format!("found {found:?}"), "a wave number must be positive")
+}
+
+/// The kinds of `[compare]`.
+fn compare(entries: &Entries) -> Result<Option<Vec<Kind>>, CaseError> {
+    const KEY: &str = "compare.kinds";
+    if !entries.has_section("compare") {
+        return Ok(None);
+    }
+    let mut kinds = Vec::new();
+    if let Value::Texts(names) = entries.require(KEY)? {
+        for name in names {
+            let kind = read::kind(name, KEY, &entries.places)?;
+            if kinds.contains(&kind) {
+                let found = format!("found {name} twice");
+                return Err(entries.places.error(KEY, found, "name each kind once"));
+            }
+            kinds.push(kind);
+        }
+    }
+    if kinds.is_empty() {
+        return Err(entries.places.error(KEY, "an empty list", "name at least one kind of model"));
+    }
+    Ok(Some(kinds))
+}
+
+/// The axes of `[map]`.
+fn map(entries: &Entries, kind: Kind) -> Result<Map, CaseError> {
+    let x = sweep(entries, kind, ["map.x.parameter", "map.x.from", "map.x.to", "map.x.points"])?;
+    let y = sweep(entries, kind, ["map.y.parameter", "map.y.from", "map.y.to", "map.y.points"])?;
+    if x.parameter == y.parameter {
+        return Err(entries.places.error(
+            "map.y.parameter",
+            format!("found {} on both axes", y.parameter.name()),
+            "sweep two different parameters",
+        ));
+    }
+    if x.points.checked_mul(y.points).is_none_or(|points| points > MOST_POINTS) {
+        let larger = if x.points > y.points { "map.x.points" } else { "map.y.points" };
+        return Err(entries.places.error(
+            larger,
+            format!("a grid of {} × {} points", x.points, y.points),
+            format!("expected at most {MOST_POINTS} points in all"),
+        ));
+    }
+    Ok(Map { x, y })
+}
+
+fn sweep(
+    entries: &Entries,
+    kind: Kind,
+    [parameter_key, from_key, to_key, points_key]: [&'static str; 4],
+) -> Result<Sweep, CaseError> {
+    let name = entries.text(parameter_key)?;
+    let found = Parameter::find(name).filter(|parameter| parameter.key().is_used_by(kind));
+    let Some(parameter) = found else {
+        return Err(no_parameter(entries, kind, parameter_key, name));
+    };
+    let (from, to) = (entries.number(from_key)?, entries.number(to_key)?);
+    let points = match entries.require(points_key)? {
+        Value::Count(points) => *points,
+        _ => 1, // the table says that it is a count
+    };
+    if points > 1 && from == to {
+        let found = format!("found {to:?} at both ends");
+        return Err(entries.places.error(to_key, found, "give two different ends, or 1 point"));
+    }
+    if parameter.key().name == "wave.number" && from.min(to) <= 0.0 {
+        let key = if from <= 0.0 { from_key } else { to_key };
+        return Err(wave_number(entries, key, from.min(to)));
+    }
+    Ok(Sweep { parameter, from, to, points })
+}
+
+/// Why a name is no parameter to sweep.
+fn no_parameter(entries: &Entries, kind: Kind, place: &str, name: &str) -> CaseError {
+    let names: Vec<String> = Parameter::all()
+        .filter(|parameter| parameter.key().is_used_by(kind))
+        .map(Parameter::name)
+        .collect();
+    let shown = error::shown(name);
+    let component = Parameter::find(name).map(Parameter::key);
+    let mut meant = String::new();
+    let found = match Key::find(name).or(component) {
+        Some(key) if !key.is_used_by(kind) => {
+            format!("'{shown}' is not used by the model {}", kind.name())
+        }
+        Some(_) => format!("'{shown}' is no single number"),
+        None => {
+            meant = read::suggestion(read::nearest(name, names.iter().map(String::as_str)));
+            format!("there is no '{shown}' to sweep")
+        }
+    };
+    entries.places.error(place, found, format!("{meant}allowed: {}", names.join(", ")))
+}

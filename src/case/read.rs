@@ -1,0 +1,376 @@
+//! From TOML text and `--set` options to values by key, each with its place.
+
+use super::error::{CaseError, Place, shown};
+use super::keys::{Field, KEYS, Key, Value};
+use models::granular_flow::Kind;
+use std::collections::BTreeMap;
+use toml::de::{DeArray, DeTable, DeValue};
+
+/// Where the keys and sections of a case stand, to answer for them later.
+#[derive(Clone, Debug)]
+pub(super) struct Places {
+    file: String,
+    lines: BTreeMap<String, usize>,
+    options: BTreeMap<&'static str, String>,
+}
+
+impl Places {
+    /// The place of a key, or else of the innermost section around it, or else of the file.
+    pub(super) fn of(&self, key: &str) -> Place {
+        if let Some(text) = self.options.get(key) {
+            return Place::Option(text.clone());
+        }
+        let mut name = key;
+        loop {
+            if let Some(&line) = self.lines.get(name) {
+                return Place::Line { file: self.file.clone(), line };
+            }
+            match name.rsplit_once('.') {
+                Some((section, _)) => name = section,
+                None => return Place::Line { file: self.file.clone(), line: 1 },
+            }
+        }
+    }
+
+    /// An error at a key.
+    pub(super) fn error(
+        &self,
+        key: &str,
+        found: impl Into<String>,
+        allowed: impl Into<String>,
+    ) -> CaseError {
+        CaseError::Key {
+            place: self.of(key),
+            key: shown(key),
+            found: found.into(),
+            allowed: allowed.into(),
+        }
+    }
+}
+
+/// The values of a case by key, before their meaning is looked at.
+pub(super) struct Entries {
+    values: BTreeMap<&'static str, Value>,
+    pub(super) places: Places,
+}
+
+impl Entries {
+    /// Reads the text of a file, then the `--set` options over it; the last one of a key holds.
+    pub(super) fn read(text: &str, file: &str, sets: &[String]) -> Result<Self, CaseError> {
+        let line = |offset: usize| {
+            let before = &text.as_bytes()[..offset.min(text.len())];
+            1 + before.iter().filter(|&&byte| byte == b'\n').count()
+        };
+        let document = DeTable::parse(text).map_err(|error| {
+            let line = line(error.span().map_or(0, |span| span.start));
+            let content = text.lines().nth(line - 1).unwrap_or_default().trim();
+            CaseError::Syntax {
+                place: Place::Line { file: file.to_owned(), line },
+                cause: format!("{} in '{}'", shown(error.message()), shown(content)),
+            }
+        })?;
+
+        let mut found = Vec::new();
+        collect("", document.get_ref(), &mut found);
+        found.sort_by_key(|entry| entry.offset);
+
+        let mut places =
+            Places { file: file.to_owned(), lines: BTreeMap::new(), options: BTreeMap::new() };
+        for entry in &found {
+            // A dotted section has several headers; the first one answers for it.
+            places.lines.entry(entry.name.clone()).or_insert_with(|| line(entry.offset));
+        }
+        let mut entries = Self { values: BTreeMap::new(), places };
+        let mut unknown = None;
+        for Found { name, value, .. } in &found {
+            match Key::find(name) {
+                Some(key) => entries.insert(key, value)?,
+                None if !is_section(name) => {
+                    unknown.get_or_insert_with(|| (name.clone(), entries.places.of(name)));
+                }
+                None if value.as_table().is_none() => {
+                    let allowed = format!("expected a section [{name}]");
+                    return Err(entries.places.error(name, describe(value), allowed));
+                }
+                None => {}
+            }
+        }
+        for set in sets {
+            let name = entries.set(set)?;
+            unknown = unknown.or(name.map(|name| (name, Place::Option(set.clone()))));
+        }
+        // Last, when the kind of model is known and with it what is allowed.
+        match unknown {
+            Some((name, place)) => Err(entries.unknown(&name, place)),
+            None => Ok(entries),
+        }
+    }
+
+    fn insert(&mut self, key: &'static Key, value: &DeValue) -> Result<(), CaseError> {
+        let read = read_value(key, value).ok_or_else(|| {
+            self.places.error(key.name, format!("found {}", describe(value)), allowed(key))
+        })?;
+        self.values.insert(key.name, read);
+        Ok(())
+    }
+
+    /// Reads one `--set key=value`; hands back the key if it is unknown.
+    fn set(&mut self, set: &str) -> Result<Option<String>, CaseError> {
+        let refused = |key: &str, found: &str, allowed: String| {
+            let (place, key) = (Place::Option(set.to_owned()), shown(key));
+            Err(CaseError::Key { place, key, found: found.to_owned(), allowed })
+        };
+        let Some((name, text)) = set.split_once('=') else {
+            return refused(set, "no '='", "write --set section.key=value".into());
+        };
+        let (name, text) = (name.trim(), text.trim());
+        let Some(key) = Key::find(name) else {
+            if is_section(name) {
+                let inside = names_inside(name, |_| true).join(", ");
+                return refused(name, "a section", format!("name a key inside it: {inside}"));
+            }
+            return Ok(Some(name.to_owned()));
+        };
+        self.places.options.insert(key.name, set.to_owned());
+        // Quotes around text may be left out, as the shell takes them away.
+        let bare = || DeValue::String(text.into());
+        let value = match DeValue::parse(text) {
+            Ok(value) if value.get_ref().is_str() => value.into_inner(),
+            _ if matches!(key.field, Field::Text) => bare(),
+            Ok(value) => value.into_inner(),
+            Err(_) => bare(),
+        };
+        self.insert(key, &value)?;
+        Ok(None)
+    }
+
+    /// What to say of a key that the table does not have: what it may mean, and what is allowed.
+    fn unknown(&self, name: &str, place: Place) -> CaseError {
+        let kind = match self.get("model.kind") {
+            Some(Value::Text(name)) => Kind::from_name(name),
+            _ => None,
+        };
+        let is_usable = |key: &Key| kind.is_none_or(|kind| key.is_used_by(kind));
+        let (mut section, last) = name.rsplit_once('.').unwrap_or(("", name));
+        while !section.is_empty() && !is_section(section) {
+            section = section.rsplit_once('.').map_or("", |(outer, _)| outer);
+        }
+        let siblings = names_inside(section, is_usable);
+        let bare = siblings.iter().map(|sibling| sibling.trim_matches(['[', ']']));
+        // The right name in the wrong section, else the nearest name in this one.
+        let misplaced = KEYS.iter().find(|key| is_usable(key) && key.split().1 == last);
+        let meant = misplaced.map(|key| key.name).or_else(|| nearest(last, bare));
+        let allowed = format!("{}allowed here: {}", suggestion(meant), siblings.join(", "));
+        CaseError::Key { place, key: shown(name), found: "unknown key".into(), allowed }
+    }
+
+    /// The value of a key, if it was given.
+    pub(super) fn get(&self, key: &str) -> Option<&Value> {
+        self.values.get(key)
+    }
+
+    /// Whether a section stands in the file or was set.
+    pub(super) fn has_section(&self, section: &str) -> bool {
+        self.places.lines.contains_key(section)
+            || self.values.keys().any(|key| is_inside(key, section))
+    }
+
+    /// The value of a key that must be there.
+    pub(super) fn require(&self, key: &'static str) -> Result<&Value, CaseError> {
+        self.get(key).ok_or_else(|| {
+            let row = Key::find(key);
+            let section = key.rsplit_once('.').map_or("", |(section, _)| section);
+            let allowed = row.map_or(String::new(), |row| {
+                format!("add {} to [{section}]: {}", row.split().1, allowed(row))
+            });
+            self.places.error(key, "missing", allowed)
+        })
+    }
+
+    /// The text of a key that must be there.
+    pub(super) fn text(&self, key: &'static str) -> Result<&str, CaseError> {
+        match self.require(key)? {
+            Value::Text(text) => Ok(text),
+            _ => Ok(""), // the table says that it is text
+        }
+    }
+
+    /// The number of a key that must be there.
+    pub(super) fn number(&self, key: &'static str) -> Result<f64, CaseError> {
+        match self.require(key)? {
+            Value::Number(number) => Ok(*number),
+            Value::Count(count) => Ok(*count as f64),
+            _ => Ok(0.0), // the table says that it is a number
+        }
+    }
+}
+
+/// What the table says is allowed for a key.
+pub(super) fn allowed(key: &Key) -> String {
+    let unit = if key.unit.is_empty() { String::new() } else { format!(" in {}", key.unit) };
+    format!("expected {}{unit} ({})", key.field.expected(), key.meaning)
+}
+
+/// The name nearest to a misspelt one, where one is near.
+pub(super) fn nearest<'a>(
+    name: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
+    const NEAR: f64 = 0.3; // a third of the letters right
+    let name: String = name.chars().take(80).collect();
+    candidates
+        .into_iter()
+        .map(|candidate| (strsim::normalized_damerau_levenshtein(&name, candidate), candidate))
+        .filter(|(likeness, _)| *likeness >= NEAR)
+        .max_by(|(a, _), (b, _)| a.total_cmp(b))
+        .map(|(_, candidate)| candidate)
+}
+
+/// A question in front of what is allowed, or nothing.
+pub(super) fn suggestion(name: Option<&str>) -> String {
+    name.map_or(String::new(), |name| format!("did you mean '{name}'? "))
+}
+
+struct Found<'a> {
+    name: String,
+    value: &'a DeValue<'a>,
+    offset: usize,
+}
+
+/// Lists a table and the sections inside it by dotted names.
+fn collect<'a>(prefix: &str, table: &'a DeTable<'a>, found: &mut Vec<Found<'a>>) {
+    for (key, value) in table {
+        // "model.kind" in quotes is one odd name, not a key of a section.
+        let segment = key.get_ref();
+        let segment =
+            if segment.contains('.') { format!("{segment:?}") } else { segment.to_string() };
+        let name = if prefix.is_empty() { segment } else { format!("{prefix}.{segment}") };
+        let value = value.get_ref();
+        if let (Some(inner), true) = (value.as_table(), is_section(&name)) {
+            collect(&name, inner, found);
+        }
+        found.push(Found { name, value, offset: key.span().start });
+    }
+}
+
+fn is_inside(key: &str, section: &str) -> bool {
+    key.strip_prefix(section).is_some_and(|rest| rest.starts_with('.'))
+}
+
+fn is_section(name: &str) -> bool {
+    KEYS.iter().any(|key| is_inside(key.name, name))
+}
+
+/// The usable names directly inside a section, and the sections among them in brackets.
+fn names_inside(section: &str, is_usable: impl Fn(&Key) -> bool) -> Vec<String> {
+    let mut names = Vec::new();
+    for key in KEYS.iter().filter(|key| is_usable(key)) {
+        let rest = match section {
+            "" => Some(key.name),
+            _ => key.name.strip_prefix(section).and_then(|rest| rest.strip_prefix('.')),
+        };
+        let name = rest.map(|rest| match rest.split_once('.') {
+            Some((inner, _)) => format!("[{inner}]"),
+            None => rest.to_owned(),
+        });
+        names.extend(name);
+    }
+    names.dedup();
+    names
+}
+
+/// A value of the type that the table gives to the key.
+fn read_value(key: &Key, value: &DeValue) -> Option<Value> {
+    match key.field {
+        Field::Text => value
+            .as_str()
+            .filter(|text| !text.chars().any(char::is_control))
+            .map(|text| Value::Text(text.to_owned())),
+        Field::Texts => texts(value).map(Value::Texts),
+        Field::Count => count(value).map(Value::Count),
+        Field::Plain | Field::Number(_) | Field::OptionalNumber(_) => {
+            number(value).map(Value::Number)
+        }
+        Field::Pair(_) | Field::OptionalPair(_) => pair(value, number).map(Value::Pair),
+        Field::OptionalMatrix(_) => pair(value, |row| pair(row, number)).map(Value::Matrix),
+    }
+}
+
+/// Integers count as numbers as far as doubles hold them exactly.
+fn number(value: &DeValue) -> Option<f64> {
+    const EXACT: i64 = 1 << f64::MANTISSA_DIGITS;
+    match value {
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        DeValue::Integer(_) => {
+            integer(value).filter(|i| (-EXACT..=EXACT).contains(i)).map(|i| i as f64)
+        }
+        _ => None,
+    }
+    .filter(|number: &f64| number.is_finite())
+}
+
+fn integer(value: &DeValue) -> Option<i64> {
+    let integer = value.as_integer()?;
+    i64::from_str_radix(integer.as_str(), integer.radix()).ok()
+}
+
+fn count(value: &DeValue) -> Option<usize> {
+    integer(value).filter(|&count| count >= 1).and_then(|count| count.try_into().ok())
+}
+
+fn texts(value: &DeValue) -> Option<Vec<String>> {
+    value.as_array()?.iter().map(|text| text.get_ref().as_str().map(str::to_owned)).collect()
+}
+
+fn pair<T>(value: &DeValue, read: impl Fn(&DeValue) -> Option<T>) -> Option<[T; 2]> {
+    let array: &DeArray = value.as_array()?;
+    let items: Option<Vec<T>> = array.iter().map(|item| read(item.get_ref())).collect();
+    items?.try_into().ok()
+}
+
+/// A value as it is named in a message.
+fn describe(value: &DeValue) -> String {
+    match value {
+        DeValue::String(text) => format!("the text '{}'", shown(text)),
+        DeValue::Integer(integer) => {
+            let digits = shown(&integer.to_string());
+            match number(value) {
+                Some(_) => format!("the integer {digits}"),
+                None => format!("the integer {digits}, too large to be exact; write it as 1e20"),
+            }
+        }
+        DeValue::Float(float) => {
+            let digits = shown(float.as_str());
+            match number(value) {
+                Some(_) => format!("the number {digits}"),
+                None => format!("{digits}, which is not finite"),
+            }
+        }
+        DeValue::Boolean(boolean) => format!("the truth value {boolean}"),
+        DeValue::Datetime(datetime) => format!("the date {datetime}"),
+        DeValue::Array(array) => {
+            // The item that does not go with the others.
+            let items = || array.iter().map(|item| item.get_ref());
+            let is_of_texts = items().next().is_some_and(DeValue::is_str);
+            let odd = items().find(|item| match is_of_texts {
+                true => !item.is_str(),
+                false => !item.is_array() && number(item).is_none(),
+            });
+            match odd {
+                Some(item) => format!("a list that holds {}", describe(item)),
+                None => format!("a list of {}", array.len()),
+            }
+        }
+        DeValue::Table(_) => "a section".to_owned(),
+    }
+}
+
+/// The kind of model of that name, for the key that names it.
+pub(super) fn kind(name: &str, key: &str, places: &Places) -> Result<Kind, CaseError> {
+    Kind::from_name(name).ok_or_else(|| {
+        let names = Kind::ALL.map(Kind::name);
+        let meant = suggestion(nearest(name, names));
+        let found = format!("found '{}'", shown(name));
+        places.error(key, found, format!("{meant}allowed: {}", names.join(", ")))
+    })
+}

@@ -1,0 +1,20 @@
+//! `wellposed cases`: the cases that come with the program.
+
+use crate::Error;
+use crate::case::Case;
+use std::io::Write;
+
+// `CASES`: path and text of every file under `cases/`, sorted by path.
+include!(concat!(env!("OUT_DIR"), "/cases.rs"));
+
+/// Prints one line per case: path and title.
+///
+/// # Errors
+/// Standard output does not take it.
+pub fn run(stdout: &mut dyn Write) -> Result<(), Error> {
+    let width = CASES.iter().map(|(path, _)| path.len()).max().unwrap_or(0);
+    for (path, text) in CASES {
+        writeln!(stdout, "{path:width$}  {}", Case::parse(text, path, &[])?.title)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,75 @@
+//! A frozen state: from the numbers of a case to an assessed system. What all verbs share.
+
+use crate::Error;
+use crate::case::Case;
+use analysis::AnalysisError;
+use analysis::growth::{self, Assessment};
+use analysis::pencil::Pencil;
+use models::LinearisedSystem;
+use models::granular_flow::state::{Background, Flow};
+use models::granular_flow::{InputError, Model};
+
+/// Memory for one state after another; one per thread.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    /// The linearised equations of the last state.
+    pub system: LinearisedSystem<2>,
+    /// What the analysis made of them.
+    pub pencil: Pencil,
+}
+
+/// Why a state cannot be judged.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StateError {
+    /// The model does not take it.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The analysis does not.
+    #[error(transparent)]
+    Analysis(#[from] AnalysisError),
+}
+
+impl StateError {
+    /// With the place in the case file where there is one.
+    pub fn locate(self, case: &Case) -> Error {
+        match self {
+            Self::Input(error) => case.locate(error).into(),
+            Self::Analysis(error) => {
+                Error::Analysis { case: case.name.clone(), cause: error.to_string() }
+            }
+        }
+    }
+}
+
+/// A state that was looked at.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "one at a time")]
+pub enum Frozen {
+    /// Fully deforming, and judged.
+    Flowing {
+        /// The background.
+        flow: Flow,
+        /// The verdict with its evidence.
+        assessment: Assessment,
+    },
+    /// Not fully deforming: nothing to judge.
+    Elsewhere(Background),
+}
+
+impl Workspace {
+    /// Judges the state of a case.
+    ///
+    /// # Errors
+    /// See [`StateError`].
+    pub fn judge(&mut self, case: &Case) -> Result<(Model, Frozen), StateError> {
+        let model = Model::new(case.kind, &case.parameters())?;
+        let background = model.background(&case.state())?;
+        let Background::FullyDeforming(flow) = background else {
+            return Ok((model, Frozen::Elsewhere(background)));
+        };
+        model.symbol(&flow, &mut self.system);
+        self.pencil.update(&self.system)?;
+        let assessment = growth::assess(&self.pencil)?;
+        Ok((model, Frozen::Flowing { flow, assessment }))
+    }
+}

@@ -1,0 +1,630 @@
+//! `wellposed map`: the verdict over two parameters of a case.
+
+use crate::case::{Case, Map, Parameter, Sweep};
+use crate::frozen::{Frozen, StateError, Workspace};
+use crate::output::ResultFolder;
+use crate::progress::Progress;
+use crate::{Error, Format, Options};
+use analysis::bound;
+use analysis::growth::Verdict;
+use figures::{Axis, Category, Curve, Look, VerdictMap};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use std::io::Write;
+
+/// The verdict at one point of a map; numbers are NaN where there is none.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    code: Code,
+    order: f64,
+    coefficient: f64,
+    direction_deg: f64,
+    bound: f64,
+    noncoaxiality_bound_deg: f64,
+}
+
+/// What can be said of a point; the numbers stand in `map.npz`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Code {
+    WellPosed = 0,
+    IllPosed = 1,
+    Marginal = 2,
+    Indeterminate = 3,
+    NotFullyDeforming = 4,
+    OutsideModel = 5,
+}
+
+impl Code {
+    const ALL: [Self; 6] = [
+        Self::WellPosed,
+        Self::IllPosed,
+        Self::Marginal,
+        Self::Indeterminate,
+        Self::NotFullyDeforming,
+        Self::OutsideModel,
+    ];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::WellPosed => "well-posed",
+            Self::IllPosed => "ill-posed",
+            Self::Marginal => "marginal",
+            Self::Indeterminate => "indeterminate",
+            Self::NotFullyDeforming => "not fully deforming",
+            Self::OutsideModel => "outside the model",
+        }
+    }
+
+    /// Whether there is a state to judge at all.
+    fn is_state(self) -> bool {
+        !matches!(self, Self::NotFullyDeforming | Self::OutsideModel)
+    }
+}
+
+/// Files that a map writes.
+const FILES: [&str; 6] = ["map.png", "map.svg", "map.csv", "map.npz", "map.json", "map.txt"];
+
+/// Runs the map of a case; with `bound`, also the supremum of the growth rate at every point.
+///
+/// # Errors
+/// The case is wrong everywhere on the map, or results cannot be written.
+pub fn run(options: &Options, bound: bool, stdout: &mut dyn Write) -> Result<(), Error> {
+    let case = Case::load(&options.case, &options.sets)?;
+    let map = *case.required_map()?;
+    let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
+    if options.dry_run {
+        // Some state of the map must make sense.
+        let mut workspace = Workspace::default();
+        judge(&case, &map, 0, 0, false, &mut workspace)
+            .or_else(|_| {
+                let (x, y) = (map.x.points - 1, map.y.points - 1);
+                judge(&case, &map, x, y, false, &mut workspace)
+            })
+            .or_else(|_| {
+                judge(&case, &map, map.x.points / 2, map.y.points / 2, false, &mut workspace)
+            })
+            .map_err(|error| error.locate(&case))?;
+        let points = map.x.points * map.y.points;
+        writeln!(stdout, "would judge {points} states: {} × {}", map.x, map.y)?;
+        for name in FILES {
+            writeln!(stdout, "would write {}", folder.path().join(name).display())?;
+        }
+        return Ok(());
+    }
+    let points = sweep(options, &case, &map, bound)?;
+    let figure = figure(&case, &map, &points);
+    let summary = Summary::new(&case, &map, &points);
+    let words = summary.words(&case, &map);
+    let json = format!("{:#}\n", summary.json(&case, &map));
+
+    folder.open()?;
+    folder.write("map.png", &figure.draw(figures::Format::Png)?)?;
+    folder.write("map.svg", &figure.draw(figures::Format::Svg)?)?;
+    folder.write("map.csv", &csv(&map, &points, bound)?)?;
+    folder.write("map.npz", &npz(&map, &points, bound)?)?;
+    folder.write("map.json", json.as_bytes())?;
+    folder.write("map.txt", words.as_bytes())?;
+    match options.format {
+        Format::Json => stdout.write_all(json.as_bytes())?,
+        Format::Text => {
+            stdout.write_all(words.as_bytes())?;
+            writeln!(stdout, "picture: {}", folder.path().join("map.png").display())?;
+        }
+    }
+    Ok(())
+}
+
+fn judge(
+    case: &Case,
+    map: &Map,
+    x: usize,
+    y: usize,
+    with_bound: bool,
+    workspace: &mut Workspace,
+) -> Result<Point, StateError> {
+    let mut case = case.clone();
+    case.set(map.x.parameter, map.x.value(x));
+    case.set(map.y.parameter, map.y.value(y));
+    let mut point = Point {
+        code: Code::NotFullyDeforming,
+        order: f64::NAN,
+        coefficient: f64::NAN,
+        direction_deg: f64::NAN,
+        bound: f64::NAN,
+        noncoaxiality_bound_deg: f64::NAN,
+    };
+    let (model, frozen) = workspace.judge(&case)?;
+    let Frozen::Flowing { flow, assessment } = frozen else { return Ok(point) };
+    point.noncoaxiality_bound_deg = model.noncoaxiality_bound().map_or(f64::NAN, f64::to_degrees);
+    point.code = match &assessment.verdict {
+        Verdict::WellPosed => {
+            if with_bound {
+                let least = model.gradient_wave_number(&flow);
+                point.bound = bound::supremum(&workspace.pencil, &assessment, least)
+                    .map_or(f64::NAN, |s| s.rate);
+            }
+            Code::WellPosed
+        }
+        Verdict::IllPosed { growth, direction } => {
+            point.direction_deg = direction.to_degrees();
+            if let Some(growth) = growth {
+                (point.order, point.coefficient) = (growth.order.value(), growth.coefficient);
+            }
+            Code::IllPosed
+        }
+        Verdict::Marginal { .. } => Code::Marginal,
+        Verdict::Indeterminate { .. } => Code::Indeterminate,
+    };
+    Ok(point)
+}
+
+/// All points, x running fastest. The same for any number of threads: each point is judged alone.
+fn sweep(options: &Options, case: &Case, map: &Map, bound: bool) -> Result<Vec<Point>, Error> {
+    let (nx, ny) = (map.x.points, map.y.points);
+    let outside = Point {
+        code: Code::OutsideModel,
+        order: f64::NAN,
+        coefficient: f64::NAN,
+        direction_deg: f64::NAN,
+        bound: f64::NAN,
+        noncoaxiality_bound_deg: f64::NAN,
+    };
+    let mut points: Vec<Point> = Vec::new();
+    points.try_reserve_exact(nx * ny).map_err(|_| Error::Memory { points: nx * ny })?;
+    points.resize(nx * ny, outside);
+
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads.unwrap_or(0))
+        .build()
+        .map_err(|error| Error::Threads(error.to_string()))?;
+    let progress = Progress::new("judging states", (nx * ny) as u64);
+    let first_error = pool.install(|| {
+        points
+            .par_chunks_mut(64)
+            .enumerate()
+            .map_init(Workspace::default, |workspace, (chunk, block)| {
+                let mut first_error = None;
+                for (offset, point) in block.iter_mut().enumerate() {
+                    let index = chunk * 64 + offset;
+                    match judge(case, map, index % nx, index / nx, bound, workspace) {
+                        Ok(judged) => *point = judged,
+                        Err(error) => {
+                            first_error.get_or_insert((index, error));
+                        }
+                    }
+                }
+                progress.tick(block.len() as u64);
+                first_error
+            })
+            .flatten()
+            .min_by_key(|(index, _)| *index)
+    });
+    drop(progress);
+    // A map may reach beyond the model's range; a map that lies outside altogether is a mistake.
+    match first_error {
+        Some((_, error)) if points.iter().all(|p| p.code == Code::OutsideModel) => {
+            Err(error.locate(case))
+        }
+        _ => Ok(points),
+    }
+}
+
+fn columns(points: &[Point], bound: bool) -> Vec<(&'static str, Vec<f64>)> {
+    let column = |f: fn(&Point) -> f64| points.iter().map(f).collect::<Vec<_>>();
+    let mut columns = vec![
+        ("order", column(|p| p.order)),
+        ("coefficient", column(|p| p.coefficient)),
+        ("direction_deg", column(|p| p.direction_deg)),
+        ("noncoaxiality_bound_deg", column(|p| p.noncoaxiality_bound_deg)),
+    ];
+    if bound {
+        columns.push(("bound", column(|p| p.bound)));
+    }
+    columns
+}
+
+fn values(sweep: &Sweep) -> Vec<f64> {
+    (0..sweep.points).map(|i| sweep.value(i)).collect()
+}
+
+fn csv(map: &Map, points: &[Point], bound: bool) -> Result<Vec<u8>, Error> {
+    let columns = columns(points, bound);
+    let (x, y) = (map.x.parameter.name(), map.y.parameter.name());
+    let mut header = vec![x.as_str(), y.as_str(), "verdict"];
+    header.extend(columns.iter().map(|(name, _)| *name));
+    let rows = points.iter().enumerate().map(|(index, point)| {
+        let mut row: Vec<files::csv::Cell> = vec![
+            map.x.value(index % map.x.points).into(),
+            map.y.value(index / map.x.points).into(),
+            point.code.name().into(),
+        ];
+        row.extend(columns.iter().map(|(_, values)| files::csv::Cell::from(values[index])));
+        row
+    });
+    Ok(files::csv::table(&header, rows)?)
+}
+
+/// Axes stand under their parameters' names; fields have shape (y, x).
+fn npz(map: &Map, points: &[Point], bound: bool) -> Result<Vec<u8>, Error> {
+    let shape = [map.y.points, map.x.points];
+    let mut npz = files::npz::Npz::new();
+    let (x, y) = (map.x.parameter.name(), map.y.parameter.name());
+    npz.add_f64(&x, &[map.x.points], &values(&map.x))?;
+    npz.add_f64(&y, &[map.y.points], &values(&map.y))?;
+    npz.add_text("axes", &[2], &[&y, &x])?;
+    npz.add_text("units", &[2], &[map.y.parameter.unit(), map.x.parameter.unit()])?;
+    npz.add_text("verdict_names", &[Code::ALL.len()], &Code::ALL.map(Code::name))?;
+    npz.add_i8("verdict", &shape, &points.iter().map(|p| p.code as i8).collect::<Vec<_>>())?;
+    for (name, values) in columns(points, bound) {
+        npz.add_f64(name, &shape, &values)?;
+    }
+    Ok(npz.finish()?)
+}
+
+/// A number for a reader: four significant digits.
+pub(crate) fn short(x: f64) -> String {
+    if x == 0.0 {
+        return "0".into();
+    }
+    if !(1e-3..1e5).contains(&x.abs()) {
+        return format!("{x:.3e}");
+    }
+    let digits = (3 - x.abs().log10().floor() as i32).max(0) as usize;
+    let text = format!("{x:.digits$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+/// A unit as printed.
+pub(crate) fn unit(unit: &str) -> String {
+    match unit {
+        "" => String::new(),
+        "deg" => "°".into(),
+        other => format!(" {other}"),
+    }
+}
+
+/// An order as a fraction where it is one.
+pub(crate) fn order_words(order: f64) -> String {
+    for denominator in 1..=12 {
+        let numerator = order * f64::from(denominator);
+        if (numerator - numerator.round()).abs() < 1e-9 {
+            return match denominator {
+                1 => format!("{}", numerator.round()),
+                _ => format!("{}/{denominator}", numerator.round()),
+            };
+        }
+    }
+    format!("{order}")
+}
+
+/// What a map says in numbers.
+struct Summary {
+    /// Points by [`Code`].
+    counts: [usize; 6],
+    /// Ill-posed points without order: unbounded at finite wave numbers.
+    unbounded: usize,
+    /// Index and point of the worst growth: highest order, then greatest coefficient.
+    worst: Option<(usize, Point)>,
+    /// For some values of y: the intervals of x that are well-posed.
+    intervals: Vec<(f64, Vec<[f64; 2]>)>,
+}
+
+impl Summary {
+    fn new(_case: &Case, map: &Map, points: &[Point]) -> Self {
+        let mut counts = [0; 6];
+        let mut worst: Option<(usize, Point)> = None;
+        for (index, point) in points.iter().enumerate() {
+            counts[point.code as usize] += 1;
+            let key = |p: &Point| (p.order, p.coefficient);
+            if point.order.is_finite() && worst.is_none_or(|(_, w)| key(point) > key(&w)) {
+                worst = Some((index, *point));
+            }
+        }
+        let unbounded =
+            points.iter().filter(|p| p.code == Code::IllPosed && p.order.is_nan()).count();
+        let last = map.y.points - 1;
+        let mut rows = vec![0, last / 4, last / 2, 3 * last / 4, last];
+        rows.dedup();
+        let intervals = rows
+            .into_iter()
+            .map(|row| {
+                let codes = &points[row * map.x.points..][..map.x.points];
+                (map.y.value(row), well_posed_intervals(&map.x, codes))
+            })
+            .collect();
+        Self { counts, unbounded, worst, intervals }
+    }
+
+    fn states(&self) -> usize {
+        Code::ALL.iter().filter(|c| c.is_state()).map(|&c| self.counts[c as usize]).sum()
+    }
+
+    /// Share of the states that are well-posed.
+    fn share(&self) -> Option<f64> {
+        let states = self.states();
+        (states > 0).then(|| self.counts[Code::WellPosed as usize] as f64 / states as f64)
+    }
+
+    fn words(&self, case: &Case, map: &Map) -> String {
+        let mut lines = vec![case_title(case)];
+        let (x, y) = (map.x.parameter, map.y.parameter);
+        lines.push(format!(
+            "{}: {} × {} points over {} ({}) and {} ({})",
+            case.kind.title(),
+            map.x.points,
+            map.y.points,
+            x.label(),
+            x.name(),
+            y.label(),
+            y.name()
+        ));
+        for code in Code::ALL {
+            let count = self.counts[code as usize];
+            if count > 0 {
+                let all = (map.x.points * map.y.points) as f64;
+                lines.push(format!(
+                    "  {:5.1} %  {} ({count} points)",
+                    100.0 * count as f64 / all,
+                    code.name()
+                ));
+            }
+        }
+        if let Some(share) = self.share() {
+            lines.push(format!(
+                "Of the states that flow, {} % are well-posed.",
+                short(100.0 * share)
+            ));
+        }
+        if self.unbounded > 0 {
+            lines.push(format!(
+                "At {} ill-posed points the growth rate is unbounded at finite wave numbers already.",
+                self.unbounded
+            ));
+        }
+        lines.push("Where the boundary of the well-posed states runs:".into());
+        for (value, intervals) in &self.intervals {
+            let at = format!("  at {} = {}{}:", y.label(), short(*value), unit(y.unit()));
+            let list: Vec<String> = intervals
+                .iter()
+                .map(|[a, b]| format!("{}{u} … {}{u}", short(*a), short(*b), u = unit(x.unit())))
+                .collect();
+            lines.push(if list.is_empty() {
+                format!("{at} nowhere well-posed")
+            } else {
+                format!("{at} well-posed for {} in {}", x.label(), list.join(" and "))
+            });
+        }
+        if let Some((index, worst)) = self.worst {
+            let order = order_words(worst.order);
+            lines.push(format!(
+                "Worst growth: Re ς ≈ {} k^{order} (1/s, k in 1/m) as k → ∞, for waves at {}°, at {} = {}{}, {} = {}{}.",
+                short(worst.coefficient),
+                short(worst.direction_deg),
+                x.label(),
+                short(map.x.value(index % map.x.points)),
+                unit(x.unit()),
+                y.label(),
+                short(map.y.value(index / map.x.points)),
+                unit(y.unit()),
+            ));
+        }
+        lines.push(format!("Route: {ROUTE}"));
+        lines.push(VALIDITY.into());
+        lines.join("\n") + "\n"
+    }
+
+    fn json(&self, case: &Case, map: &Map) -> Value {
+        let axis = |s: &Sweep| {
+            json!({
+                "parameter": s.parameter.name(), "unit": s.parameter.unit(),
+                "from": s.from, "to": s.to, "points": s.points,
+            })
+        };
+        let intervals: Vec<Value> =
+            self.intervals.iter().map(|(y, intervals)| json!({ "y": y, "x": intervals })).collect();
+        let (x, y) = (&map.x, &map.y);
+        json!({
+            "title": case.title,
+            "model": case.kind.name(),
+            "x": axis(x),
+            "y": axis(y),
+            "points": Code::ALL.iter().map(|&c| (c.name().to_owned(), self.counts[c as usize].into()))
+                .collect::<serde_json::Map<_, _>>(),
+            "unbounded_at_finite_wave_number": self.unbounded,
+            "well_posed_share": self.share(),
+            "well_posed_intervals": intervals,
+            "worst": self.worst.map(|(index, p)| json!({
+                "x": x.value(index % x.points), "y": y.value(index / x.points),
+                "order": p.order, "coefficient": p.coefficient, "direction_deg": p.direction_deg,
+            })),
+            "route": ROUTE,
+        })
+    }
+}
+
+/// How the verdicts came about.
+pub(crate) const ROUTE: &str = "exact dispersion polynomial of the linearised equations, all directions (no model's closed form)";
+
+/// What a verdict on frozen coefficients means.
+pub(crate) const VALIDITY: &str = "Validity: coefficients are frozen, which says little of waves that are not much shorter than \
+     the length on which the background varies.";
+
+/// Title for people, whatever the case has.
+pub(crate) fn case_title(case: &Case) -> String {
+    if case.title.is_empty() { case.name.clone() } else { case.title.clone() }
+}
+
+/// Intervals of x in which neighbouring points are well-posed; an end between two points stands
+/// half-way, one at a marginal point on it.
+fn well_posed_intervals(x: &Sweep, row: &[Point]) -> Vec<[f64; 2]> {
+    let mut intervals = Vec::new();
+    let mut start = None;
+    let edge = |inside: usize, outside: usize| match row[outside].code {
+        Code::Marginal => x.value(outside),
+        _ => 0.5 * x.value(inside) + 0.5 * x.value(outside),
+    };
+    for (i, point) in row.iter().enumerate() {
+        let well = point.code == Code::WellPosed;
+        if well && start.is_none() {
+            start = Some(if i == 0 { x.value(0) } else { edge(i, i - 1) });
+        }
+        if let (false, Some(from)) = (well, start) {
+            intervals.push([from, edge(i - 1, i)]);
+            start = None;
+        }
+    }
+    if let Some(from) = start {
+        intervals.push([from, x.value(row.len() - 1)]);
+    }
+    intervals
+}
+
+fn figure(case: &Case, map: &Map, points: &[Point]) -> VerdictMap {
+    let axis = |s: &Sweep| Axis {
+        label: match s.parameter.unit() {
+            "" => s.parameter.label(),
+            "deg" => format!("{} (°)", s.parameter.label()),
+            unit => format!("{} ({unit})", s.parameter.label()),
+        },
+        values: values(s),
+    };
+    // One category per order of growth, highest first.
+    let mut orders: Vec<f64> = points.iter().map(|p| p.order).filter(|o| o.is_finite()).collect();
+    orders.sort_by(|a, b| b.total_cmp(a));
+    orders.dedup();
+    let mut categories = vec![Category { label: "well-posed".into(), look: Look::WellPosed }];
+    categories.extend(orders.iter().map(|&o| Category {
+        label: format!("ill-posed: Re ς grows as k{}", superscript(o)),
+        look: Look::IllPosed,
+    }));
+    let first_other = categories.len();
+    categories.extend(
+        [
+            ("ill-posed: unbounded at finite k", Look::UnboundedAtFiniteWaveNumber),
+            ("marginal: no sign asserted", Look::Marginal),
+            ("indeterminate", Look::Indeterminate),
+            ("not fully deforming", Look::Indeterminate),
+            ("outside the model", Look::OutsideModel),
+        ]
+        .map(|(label, look)| Category { label: label.into(), look }),
+    );
+    let category = points
+        .iter()
+        .map(|p| {
+            let index = match p.code {
+                Code::WellPosed => 0,
+                Code::IllPosed => match orders.iter().position(|&o| o == p.order) {
+                    Some(i) => 1 + i,
+                    None => first_other,
+                },
+                Code::Marginal => first_other + 1,
+                Code::Indeterminate => first_other + 2,
+                Code::NotFullyDeforming => first_other + 3,
+                Code::OutsideModel => first_other + 4,
+            };
+            u8::try_from(index).unwrap_or(u8::MAX)
+        })
+        .collect();
+    let level_label = match orders[..] {
+        [order] => format!(
+            "growth coefficient lim Re ς / k{} ({})",
+            superscript(order),
+            coefficient_unit(order)
+        ),
+        _ => "growth coefficient lim Re ς / kᵐ (mᵐ/s)".into(),
+    };
+    VerdictMap {
+        title: case_title(case),
+        subtitle: subtitle(case, map),
+        x: axis(&map.x),
+        y: axis(&map.y),
+        categories,
+        category,
+        level: points.iter().map(|p| p.coefficient).collect(),
+        level_label,
+        curves: noncoaxiality_curves(map, points),
+    }
+}
+
+/// The model, and the numbers that the map holds fixed and that matter most for the verdict.
+fn subtitle(case: &Case, map: &Map) -> String {
+    let fixed = [
+        "model.friction_angle_deg",
+        "model.dilatancy_angle_deg",
+        "model.rotational_strength",
+        "background.noncoaxiality_deg",
+    ]
+    .into_iter()
+    .filter_map(Parameter::find)
+    .filter(|&parameter| parameter != map.x.parameter && parameter != map.y.parameter)
+    .filter_map(|parameter| {
+        let value = parameter.get(&case.numbers)?;
+        Some(format!("{} = {}{}", parameter.label(), short(value), unit(parameter.unit())))
+    });
+    [case.kind.title().to_owned()].into_iter().chain(fixed).collect::<Vec<_>>().join(", ")
+}
+
+/// The model's own bound on |Δ|, where Δ is one of the axes.
+fn noncoaxiality_curves(map: &Map, points: &[Point]) -> Vec<Curve> {
+    const DELTA: &str = "background.noncoaxiality_deg";
+    let (nx, ny) = (map.x.points, map.y.points);
+    let (along_x, count) = match (map.x.parameter.name(), map.y.parameter.name()) {
+        (x, _) if x == DELTA => (true, ny),
+        (_, y) if y == DELTA => (false, nx),
+        _ => return Vec::new(),
+    };
+    let curve = |sign: f64| {
+        let points: Vec<[f64; 2]> = (0..count)
+            .filter_map(|i| {
+                let slice: &mut dyn Iterator<Item = &Point> = if along_x {
+                    &mut points[i * nx..][..nx].iter()
+                } else {
+                    &mut points[i..].iter().step_by(nx)
+                };
+                let bound =
+                    slice.map(|p| p.noncoaxiality_bound_deg).find(|b| b.is_finite())? * sign;
+                let (range, other) = if along_x { (&map.x, &map.y) } else { (&map.y, &map.x) };
+                let inside = bound >= range.from.min(range.to) && bound <= range.from.max(range.to);
+                let other = other.value(i);
+                inside.then_some(if along_x { [bound, other] } else { [other, bound] })
+            })
+            .collect();
+        Curve { label: "bound on |Δ|, closed form".into(), points }
+    };
+    [curve(-1.0), curve(1.0)].into_iter().filter(|c| c.points.len() > 1).collect()
+}
+
+/// `²` for 2, `^(2/5)` for 0.4.
+pub(crate) fn superscript(order: f64) -> String {
+    let words = order_words(order);
+    let raised: Option<String> = words
+        .chars()
+        .map(|c| match c {
+            '0' => Some('⁰'),
+            '1' => Some('¹'),
+            '2' => Some('²'),
+            '3' => Some('³'),
+            '4' => Some('⁴'),
+            '5' => Some('⁵'),
+            '6' => Some('⁶'),
+            '7' => Some('⁷'),
+            '8' => Some('⁸'),
+            '9' => Some('⁹'),
+            _ => None,
+        })
+        .collect();
+    match raised {
+        Some(_) if words == "1" => String::new(),
+        Some(raised) => raised,
+        None => format!("^({words})"),
+    }
+}
+
+/// Unit of lim Re ς / k^order.
+pub(crate) fn coefficient_unit(order: f64) -> String {
+    format!("m{}/s", superscript(order))
+}

@@ -1,0 +1,313 @@
+//! The program from outside: verbs, exit codes, folders of results, spoiled files.
+
+mod mutation;
+
+use mutation::{mutants, shrunk};
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+use wellposed::case::Case;
+use wellposed::cases::CASES;
+use wellposed::output::RESULTS;
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");
+
+/// An empty folder of that name for one test.
+fn folder(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("command_line").join(name);
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(&path).unwrap();
+    path
+}
+
+/// Runs the program in a folder with arguments in one line.
+fn wellposed(folder: &Path, arguments: &str) -> Output {
+    let arguments = arguments.split_whitespace();
+    Command::new(PROGRAM).current_dir(folder).args(arguments).output().unwrap()
+}
+
+/// Runs the program, which must end with `code`; gives what it printed.
+fn ends_with(code: i32, folder: &Path, arguments: &str) -> (String, String) {
+    let output = wellposed(folder, arguments);
+    let stdout = String::from_utf8(output.stdout).unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{arguments}\n{stdout}\n{stderr}");
+    (stdout, stderr)
+}
+
+/// Names in a folder, sorted; none where there is no folder.
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).into_iter().flatten();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn usage_errors_end_with_2_and_help_with_0() {
+    let here = folder("usage");
+    for arguments in [
+        "",
+        "plot",
+        "map",
+        "map a.toml --format xml",
+        "point a.toml --threads 0",
+        "point a.toml --bound",
+        "new granite",
+    ] {
+        let (stdout, stderr) = ends_with(2, &here, arguments);
+        assert!(stdout.is_empty(), "{arguments}: {stdout}");
+        assert!(stderr.contains("Usage:") || stderr.contains("error:"), "{arguments}: {stderr}");
+    }
+    for arguments in ["--help", "map --help", "point --help", "new --help"] {
+        assert!(ends_with(0, &here, arguments).0.contains("Usage:"));
+    }
+    assert!(names(&here).is_empty());
+}
+
+#[test]
+fn the_version_names_the_commit() {
+    let (stdout, _) = ends_with(0, &folder("version"), "--version");
+    let (version, commit) = stdout.trim_end().split_once(" (").unwrap();
+    assert_eq!(version, concat!("wellposed ", env!("CARGO_PKG_VERSION")));
+    let commit = commit.strip_suffix(')').unwrap();
+    let is_hash = commit.len() >= 9 && commit.bytes().all(|byte| byte.is_ascii_hexdigit());
+    assert!(is_hash || commit == "unknown", "{commit}");
+}
+
+#[test]
+fn cases_are_listed_with_their_titles() {
+    let (stdout, _) = ends_with(0, &folder("cases"), "cases");
+    assert_eq!(stdout.lines().count(), CASES.len());
+    for (line, (path, text)) in stdout.lines().zip(CASES) {
+        let title = Case::parse(text, path, &[]).unwrap().title;
+        assert!(line.starts_with(path) && line.ends_with(&title), "{line}");
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+        assert_eq!(fs::read_to_string(file).unwrap(), *text, "{path}");
+    }
+}
+
+#[test]
+fn every_bundled_case_runs() {
+    let here = folder("bundled");
+    for (path, text) in CASES {
+        let name = Path::new(path).file_name().unwrap().to_str().unwrap();
+        fs::write(here.join(name), shrunk(text)).unwrap();
+        let verb = if text.contains("[map]") { "map" } else { "point" };
+        let (stdout, _) = ends_with(0, &here, &format!("{verb} {name}"));
+        assert!(!stdout.is_empty());
+        let out = here.join("out").join(name.trim_end_matches(".toml"));
+        let case = Case::load(&here.join(name), &[]).unwrap();
+        assert_eq!(fs::read_to_string(out.join("case.toml")).unwrap(), case.to_toml());
+        let program = fs::read_to_string(out.join("program.json")).unwrap();
+        let program: serde_json::Value = serde_json::from_str(&program).unwrap();
+        assert_eq!(program["name"], "wellposed");
+        assert_eq!(program["version"], env!("CARGO_PKG_VERSION"));
+        assert!(program["commit"].is_string());
+    }
+}
+
+#[test]
+fn new_writes_a_case_once() {
+    let here = folder("new");
+    for kind in models::granular_flow::Kind::ALL.map(|kind| kind.name()) {
+        let (_, stderr) = ends_with(0, &here, &format!("new {kind}"));
+        assert!(stderr.contains(&format!("{kind}.toml")));
+        ends_with(0, &here, &format!("point {kind}.toml --dry-run"));
+        ends_with(0, &here, &format!("map {kind}.toml --dry-run"));
+
+        fs::write(here.join(format!("{kind}.toml")), "mine").unwrap();
+        let (_, stderr) = ends_with(2, &here, &format!("new {kind}"));
+        assert!(stderr.contains("exists already") && stderr.contains("--force"), "{stderr}");
+        assert_eq!(fs::read_to_string(here.join(format!("{kind}.toml"))).unwrap(), "mine");
+        ends_with(0, &here, &format!("new {kind} --force"));
+        assert_ne!(fs::read_to_string(here.join(format!("{kind}.toml"))).unwrap(), "mine");
+    }
+    ends_with(0, &here, "new free-rotating other.toml");
+    ends_with(2, &here, "new free-rotating other.toml/below.toml");
+    assert_eq!(names(&here).len(), 5, "{:?}", names(&here));
+}
+
+#[test]
+fn bad_requests_end_with_2_and_leave_nothing() {
+    let here = folder("bad");
+    ends_with(0, &here, "new harris-grekova case.toml");
+    fs::write(here.join("file"), "").unwrap();
+    let before = names(&here);
+    for (arguments, words) in [
+        ("map absent.toml", "error: absent.toml: No such file"),
+        ("point .", "error: .: "),
+        ("point case.toml --set background.presure=1", "error: --set background.presure=1: "),
+        ("point case.toml --set model.friction_angle_deg=90", "--set model.friction_angle_deg=90"),
+        ("map case.toml --set map.x.points=100000000", "at most 100000000 points"),
+        ("map case.toml --set map.x.parameter=background.nothing", "'background.nothing'"),
+        ("point case.toml --out file", "error: file: "),
+        ("point case.toml --out file/below", "error: file"),
+        ("point case.toml --out file/below --dry-run", "error: file"),
+        ("point case.toml --out .", "--force"),
+    ] {
+        let (stdout, stderr) = ends_with(2, &here, arguments);
+        assert!(stderr.contains(words), "{arguments}: {stderr}");
+        assert_eq!((stdout.as_str(), stderr.lines().count()), ("", 1), "{arguments}: {stderr}");
+        assert_eq!(names(&here), before, "{arguments}");
+    }
+}
+
+#[test]
+fn a_dry_run_writes_nothing() {
+    let here = folder("dry");
+    ends_with(0, &here, "new harris-grekova case.toml");
+    for verb in ["map", "point"] {
+        let (stdout, _) = ends_with(0, &here, &format!("{verb} case.toml --dry-run"));
+        assert!(stdout.contains("out/case"), "{stdout}");
+    }
+    assert_eq!(names(&here), ["case.toml"]);
+}
+
+#[test]
+fn results_of_another_case_are_overwritten_by_force_alone() {
+    let here = folder("force");
+    ends_with(0, &here, "new harris-grekova case.toml");
+    let point = "point case.toml --out results";
+    ends_with(0, &here, point);
+    // The very same case again, as often as one likes, and beside it a map's results.
+    ends_with(0, &here, point);
+    fs::write(here.join("results/map.csv"), "of the first case").unwrap();
+    fs::write(here.join("results/notes"), "of the user").unwrap();
+    ends_with(0, &here, point);
+    assert_eq!(fs::read(here.join("results/map.csv")).unwrap(), b"of the first case");
+
+    let other = format!("{point} --set background.pressure=2000");
+    let (_, stderr) = ends_with(2, &here, &other);
+    assert!(stderr.contains("results: ") && stderr.contains("--force"), "{stderr}");
+    let kept = fs::read_to_string(here.join("results/case.toml")).unwrap();
+    assert!(kept.contains("pressure = 1000.0"), "{kept}");
+
+    ends_with(0, &here, &format!("{other} --force"));
+    let kept = fs::read_to_string(here.join("results/case.toml")).unwrap();
+    assert!(kept.contains("pressure = 2000.0"), "{kept}");
+    assert!(!here.join("results/map.csv").exists(), "a stale result stands beside another case");
+    assert!(here.join("results/notes").exists(), "a file of the user is gone");
+
+    // A folder of anything else is not taken either.
+    fs::create_dir(here.join("full")).unwrap();
+    fs::write(here.join("full/notes"), "").unwrap();
+    ends_with(2, &here, "point case.toml --out full");
+    fs::create_dir(here.join("empty")).unwrap();
+    ends_with(0, &here, "point case.toml --out empty");
+}
+
+#[test]
+fn completions_are_printed() {
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let (stdout, _) = ends_with(0, &folder("completions"), &format!("completions {shell}"));
+        assert!(stdout.contains("wellposed") && stdout.contains("dry-run"), "{shell}");
+    }
+}
+
+#[test]
+fn a_closed_pipe_is_success() {
+    for arguments in [&["cases"][..], &["completions", "bash"], &["--help"]] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = Command::new(PROGRAM).args(arguments).stdout(writer).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}");
+        assert_eq!(String::from_utf8_lossy(&output.stderr), "", "{arguments:?}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_device_is_no_success() {
+    let full = File::options().write(true).open("/dev/full").unwrap();
+    let output = Command::new(PROGRAM).arg("cases").stdout(full).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).starts_with("error: standard output: "));
+}
+
+/// What is wrong with how the program takes a mutant, if anything.
+fn run_mutant(folder: &Path, index: usize, mutant: &[u8]) -> Result<bool, String> {
+    const LIMIT: Duration = Duration::from_secs(2);
+    let (case, log) = (folder.join(format!("{index}.toml")), folder.join(format!("{index}.log")));
+    let out = folder.join(format!("{index}"));
+    fs::write(&case, mutant).unwrap();
+    let start = Instant::now();
+    let mut child = Command::new(PROGRAM)
+        .arg(if index.is_multiple_of(2) { "point" } else { "map" })
+        .arg(&case)
+        .args(["--threads", "1", "--out"])
+        .arg(&out)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(File::create(&log).unwrap())
+        .spawn()
+        .unwrap();
+    let status = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        if start.elapsed() > LIMIT {
+            child.kill().unwrap();
+            child.wait().unwrap();
+            return Err(format!("not done after {LIMIT:?}"));
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    };
+    let message = String::from_utf8_lossy(&fs::read(&log).unwrap()).into_owned();
+    let left = names(&out);
+    match status.code() {
+        _ if message.contains("panicked") => Err(message),
+        Some(0) => {
+            let is_known =
+                |name: &String| RESULTS.contains(&name.as_str()) || *name == "program.json";
+            match left.iter().find(|name| !is_known(name) && *name != "case.toml") {
+                Some(name) => Err(format!("{name} was left behind")),
+                None if !left.iter().any(|name| name == "case.toml") => {
+                    Err("no results were written".into())
+                }
+                None => Ok(true),
+            }
+        }
+        Some(2) if !left.is_empty() => Err(format!("refused, but wrote {left:?}")),
+        Some(2) if !message.starts_with("error: ") || message.lines().count() != 1 => {
+            Err(format!("not one message: {message}"))
+        }
+        Some(2) => Ok(false),
+        code => Err(format!("exit code {code:?}: {message}")),
+    }
+}
+
+#[test]
+fn a_thousand_mutants_are_run_or_refused() {
+    const COUNT: usize = 1000;
+    const THREADS: usize = 2;
+    let here = folder("mutants");
+    let mutants: Vec<Vec<u8>> = mutants(2).take(COUNT).collect();
+    let run = |thread: usize| {
+        let (mut done, mut failures) = (0, Vec::new());
+        for index in (thread..COUNT).step_by(THREADS) {
+            match run_mutant(&here, index, &mutants[index]) {
+                Ok(was_done) => done += usize::from(was_done),
+                Err(words) => {
+                    let text = String::from_utf8_lossy(&mutants[index]);
+                    failures.push(format!("mutant {index}: {words}\n{text}"));
+                }
+            }
+        }
+        (done, failures)
+    };
+    let (done, failures) = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..THREADS).map(|i| scope.spawn(move || run(i))).collect();
+        let results = threads.into_iter().map(|thread| thread.join().unwrap());
+        results.fold((0, Vec::new()), |(done, mut failures), (more, others)| {
+            failures.extend(others);
+            (done + more, failures)
+        })
+    });
+    println!("{done} of {COUNT} mutants were run to the end, the others refused");
+    assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures[0]);
+    // Were nearly all refused, or nearly none, the mutants would test little.
+    assert!(done > COUNT / 20 && done < COUNT * 3 / 4, "{done} of {COUNT} were run");
+}
