@@ -1,0 +1,231 @@
+//! `map` and `point` from a case file to their results.
+
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use wellposed::{Format, Options, map, point};
+
+const CASE: &str = "
+[model]
+kind = 'harris-grekova'
+friction_angle_deg = 30
+moment_of_inertia = 1.25e-7
+rotational_strength = 0
+
+[background]
+density = 1600
+pressure = 1000
+stress_angle_deg = 17
+shear_rate = 2
+velocity = [0.4, -0.1]
+noncoaxiality_deg = 20
+
+[wave]
+number = 500
+direction_deg = 33
+
+[map]
+x = { parameter = 'background.noncoaxiality_deg', from = -90, to = 90, points = 25 }
+y = { parameter = 'model.dilatancy_angle_deg', from = 0, to = 40, points = 9 }
+";
+
+fn options(folder: &Path, text: &str, sets: &[&str]) -> Options {
+    let case = folder.join("state.toml");
+    fs::write(&case, text).unwrap();
+    Options {
+        case,
+        sets: sets.iter().map(|s| (*s).to_owned()).collect(),
+        format: Format::Json,
+        out: Some(folder.join("out")),
+        force: true,
+        ..Options::default()
+    }
+}
+
+fn point_of(text: &str, sets: &[&str]) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    let mut printed = Vec::new();
+    point::run(&options(folder.path(), text, sets), &mut printed).unwrap();
+    let written = fs::read(folder.path().join("out/point.json")).unwrap();
+    assert_eq!(printed, written, "what is printed is what is written");
+    serde_json::from_slice(&printed).unwrap()
+}
+
+#[test]
+fn a_point_inside_the_bound_is_well_posed_with_everything_said() {
+    let found = point_of(CASE, &[]);
+    assert_eq!(found["model"], "harris-grekova");
+    assert_eq!(found["verdict"], "well-posed");
+    for key in ["order", "coefficient", "direction_deg"] {
+        assert!(found[key].is_null(), "{key} is null unless ill-posed");
+    }
+    assert_eq!(found["noncoaxiality_bound_deg"], 45.0);
+    assert_eq!(found["region"], "fully-deforming");
+    // 2 Q_D cos 2Δ q with q = p sin φ
+    let power = 2.0 * 2.0 * 40f64.to_radians().cos() * 500.0;
+    assert!((found["power"].as_f64().unwrap() - power).abs() < 1e-9 * power);
+    // Two finite roots; one is the convected spin, exactly −ik·V.
+    let roots = found["roots"].as_array().unwrap();
+    assert_eq!(roots.len(), 2);
+    assert_eq!(found["infinite_roots"], 3);
+    let (sin, cos) = 33f64.to_radians().sin_cos();
+    let convection = -500.0 * (0.4 * cos - 0.1 * sin);
+    assert!(roots.iter().any(|r| r[0].as_f64() == Some(0.0)));
+    for root in roots {
+        assert!((root[1].as_f64().unwrap() - convection).abs() < 1e-9);
+    }
+    // ψ_σ ± (45° + φ/2) double, and the streamline once (ν = 0: no density).
+    let mut wanted = vec![
+        (17.0 + 60.0, 2, "stress and velocity"),
+        (17.0 - 60.0 + 180.0, 2, "stress and velocity"),
+        ((-0.1f64).atan2(0.4).to_degrees() + 180.0, 1, "streamline"),
+    ];
+    wanted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let characteristics = found["characteristics"].as_array().unwrap();
+    assert_eq!(characteristics.len(), 3);
+    for (c, (angle, multiplicity, family)) in characteristics.iter().zip(wanted) {
+        assert!((c["angle_deg"].as_f64().unwrap() - angle).abs() < 1e-12);
+        assert_eq!(c["multiplicity"], multiplicity);
+        assert_eq!(c["family"], family);
+    }
+    assert!(found["bound"].as_f64().is_some_and(|b| b.is_finite() && b > 0.0));
+}
+
+#[test]
+fn a_point_outside_the_bound_grows_as_the_closed_form_says() {
+    let found = point_of(CASE, &["background.noncoaxiality_deg=60"]);
+    assert_eq!(found["verdict"], "ill-posed");
+    assert_eq!(found["order"], 2.0);
+    // Worst direction β = π: Q (1 + sin φ)² / [2 ρ Q_D |cos 2Δ| (1 + sin φ)].
+    let worst = 500.0 * 1.5 / (2.0 * 1600.0 * 2.0 * 0.5);
+    assert!((found["coefficient"].as_f64().unwrap() - worst).abs() < 1e-12 * worst);
+    assert!((found["direction_deg"].as_f64().unwrap() - 107.0).abs() < 1e-5);
+    assert!(found["bound"].is_null() && found["bound_at"].is_null());
+    assert!(found["power"].as_f64().unwrap() < 0.0, "dissipation is negative beyond 45°");
+}
+
+#[test]
+fn at_the_bound_no_sign_is_asserted_and_next_to_it_one_is() {
+    for (delta, verdict) in [
+        ("45", "marginal"),
+        ("45.000000001", "ill-posed"),
+        ("44.999999999", "well-posed"),
+        ("-45", "marginal"),
+    ] {
+        let found = point_of(CASE, &[&format!("background.noncoaxiality_deg={delta}")]);
+        assert_eq!(found["verdict"], verdict, "Δ = {delta}°");
+    }
+}
+
+#[test]
+fn outside_the_fully_deforming_region_nothing_is_analysed() {
+    for (set, region) in [
+        ("background.deviatoric_stress=499", "rigid-or-indeterminate"),
+        ("background.deviatoric_stress=501", "outside-yield"),
+        ("background.rotational_stress=1", "outside-yield"),
+    ] {
+        let found = point_of(CASE, &[set]);
+        assert_eq!(found["region"], region, "{set}");
+        for key in ["verdict", "order", "bound", "power", "roots", "characteristics"] {
+            assert!(found[key].is_null(), "{set}: {key}");
+        }
+    }
+}
+
+#[test]
+fn spin_may_stand_for_the_noncoaxiality() {
+    // sin 2Δ = −(Ω − s₂₁) sin φ / Q_D with sin φ = ½, Q_D = 2: Ω = −2 sin 2Δ/sin φ.
+    let text = CASE.replace("noncoaxiality_deg = 20", "half_vorticity = 0.3");
+    let spin = 0.3 - 4.0 * 40f64.to_radians().sin();
+    let found = point_of(&text, &[&format!("background.spin={spin}")]);
+    let delta = found["background"]["noncoaxiality_deg"].as_f64().unwrap();
+    assert!((delta - 20.0).abs() < 1e-12);
+}
+
+#[test]
+fn compared_models_stand_side_by_side() {
+    let text = format!("{CASE}\n[compare]\nkinds = ['harris-grekova', 'double-shearing']\n");
+    let found = point_of(&text, &[]);
+    let verdicts: Vec<_> =
+        found["compare"].as_array().unwrap().iter().map(|c| &c["verdict"]).collect();
+    assert_eq!(verdicts, ["well-posed", "ill-posed"]);
+    assert_eq!(found["compare"][1]["order"], 1.0);
+}
+
+#[test]
+fn free_rotating_is_indeterminate() {
+    let text = CASE
+        .replace("harris-grekova", "free-rotating")
+        .replace("moment_of_inertia = 1.25e-7\nrotational_strength = 0\n", "");
+    let found = point_of(&text, &[]);
+    assert_eq!(found["verdict"], "indeterminate");
+    assert!(found["roots"].is_null() && found["characteristics"].is_null());
+}
+
+#[test]
+fn a_map_is_the_same_for_any_number_of_threads_and_agrees_with_its_points() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut results = Vec::new();
+    for threads in [1, 2, 5] {
+        let mut options = options(folder.path(), CASE, &[]);
+        options.out = Some(folder.path().join(format!("{threads}")));
+        options.threads = Some(threads);
+        map::run(&options, true, &mut std::io::sink()).unwrap();
+        let mut files: Vec<_> = fs::read_dir(folder.path().join(format!("{threads}")))
+            .unwrap()
+            .map(|entry| entry.unwrap())
+            .map(|entry| (entry.file_name(), fs::read(entry.path()).unwrap()))
+            .collect();
+        files.sort();
+        results.push(files);
+    }
+    assert!(results[0].len() >= 7, "{:?}", results[0].iter().map(|f| &f.0).collect::<Vec<_>>());
+    assert!(results[1..].iter().all(|r| *r == results[0]), "files differ between thread counts");
+
+    // The arrays, by name, against the verdict of single points.
+    let arrays = results[0].iter().find(|(name, _)| name == "map.npz").unwrap();
+    let arrays = files::npz::read(&arrays.1).unwrap();
+    let numbers = |name: &str| {
+        let array = arrays.iter().find(|a| a.name == name).unwrap_or_else(|| panic!("{name}"));
+        match &array.values {
+            files::npz::Values::F64(values) => values.clone(),
+            files::npz::Values::I8(values) => values.iter().map(|&v| f64::from(v)).collect(),
+            other => panic!("{name}: {other:?}"),
+        }
+    };
+    let x = numbers("background.noncoaxiality_deg");
+    let y = numbers("model.dilatancy_angle_deg");
+    let (verdict, order) = (numbers("verdict"), numbers("order"));
+    assert_eq!((x.len(), y.len(), verdict.len()), (25, 9, 225));
+    for (iy, ix) in [(0, 12), (0, 24), (2, 8), (3, 20), (5, 3), (8, 0)] {
+        let sets = [
+            format!("background.noncoaxiality_deg={}", x[ix]),
+            format!("model.dilatancy_angle_deg={}", y[iy]),
+        ];
+        let code = verdict[iy * 25 + ix];
+        if y[iy] >= 30.0 {
+            assert_eq!(code, 5.0, "ν ≥ φ is outside the model");
+            continue;
+        }
+        let found = point_of(CASE, &[&sets[0], &sets[1]]);
+        let wanted = if found["verdict"] == "well-posed" { 0.0 } else { 1.0 };
+        assert_eq!(code, wanted, "{sets:?}");
+        let order = order[iy * 25 + ix];
+        assert_eq!(found["order"].as_f64(), order.is_finite().then_some(order), "{sets:?}");
+    }
+}
+
+#[test]
+fn a_map_outside_the_model_is_refused_with_line_and_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = CASE.replace("density = 1600", "density = -1600");
+    let options = options(folder.path(), &text, &[]);
+    let error = map::run(&options, false, &mut std::io::sink()).unwrap_err();
+    let message = error.to_string();
+    assert_eq!(error.exit_code(), 2);
+    assert!(
+        message.contains("state.toml:9") && message.contains("background.density"),
+        "{message}"
+    );
+    assert!(!folder.path().join("out/map.json").exists());
+}
