@@ -10,6 +10,12 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 /// Half a unit in the last place of 1: the relative error of one rounding.
 pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 
+/// Bounds are themselves rounded to nearest; this factor takes them up.
+const UPWARDS: f64 = 1.0 + 2.0 * f64::EPSILON;
+
+/// The smallest positive double: the error of a product that underflows.
+const SMALLEST: f64 = f64::from_bits(1);
+
 /// A double `value` within `bound` of the number that it stands for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rounded {
@@ -30,9 +36,15 @@ impl Rounded {
         Self { value, bound: 0.0 }
     }
 
-    /// A double that came out of one rounding: a decimal from a file, a converted unit.
+    /// A double that came out of one rounding: a decimal from a file.
     pub fn given(value: f64) -> Self {
         Self { value, bound: UNIT_ROUNDOFF * value.abs() }
+    }
+
+    /// An angle in radians that was a decimal in degrees: the decimal, π/180 and their product
+    /// were rounded.
+    pub fn angle(radians: f64) -> Self {
+        Self { value: radians, bound: 3.0 * UNIT_ROUNDOFF * radians.abs() * UPWARDS }
     }
 
     /// Whether the value is exactly zero by structure, not by rounding.
@@ -53,18 +65,31 @@ impl Rounded {
 
     /// Sine; the library function is taken to be right to one unit in the last place.
     pub fn sin(self) -> Self {
+        if self.is_structural_zero() {
+            return Self::ZERO;
+        }
         let value = self.value.sin();
-        Self { value, bound: self.bound + 2.0 * UNIT_ROUNDOFF * value.abs() }
+        Self::after_rounding(value, self.bound + UNIT_ROUNDOFF * value.abs())
     }
 
     /// Cosine; the library function is taken to be right to one unit in the last place.
     pub fn cos(self) -> Self {
         let value = self.value.cos();
-        Self { value, bound: self.bound + 2.0 * UNIT_ROUNDOFF * value.abs() }
+        Self::after_rounding(value, self.bound + UNIT_ROUNDOFF * value.abs())
+    }
+
+    /// Arc sine of a number whose exact value lies in [−1, 1]; the bound is the distance to the
+    /// arc sines of the ends of the interval that the argument may lie in.
+    pub fn asin(self) -> Self {
+        let at = |x: f64| x.clamp(-1.0, 1.0).asin();
+        let value = at(self.value);
+        let (low, high) = (at(self.value - self.bound), at(self.value + self.bound));
+        let spread = (value - low).max(high - value);
+        Self::after_rounding(value, spread + 3.0 * UNIT_ROUNDOFF * value.abs())
     }
 
     fn after_rounding(value: f64, bound: f64) -> Self {
-        Self { value, bound: bound + UNIT_ROUNDOFF * value.abs() }
+        Self { value, bound: (bound + UNIT_ROUNDOFF * value.abs()) * UPWARDS + SMALLEST }
     }
 }
 
@@ -104,6 +129,9 @@ impl Neg for Rounded {
 impl Mul for Rounded {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
+        if self.is_structural_zero() || other.is_structural_zero() {
+            return Self::ZERO;
+        }
         Self::after_rounding(
             self.value * other.value,
             self.value.abs() * other.bound
@@ -120,6 +148,9 @@ impl Div for Rounded {
         let value = self.value / other.value;
         let least = other.value.abs() - other.bound;
         if least > 0.0 {
+            if self.is_structural_zero() {
+                return Self::ZERO;
+            }
             Self::after_rounding(value, (self.bound + value.abs() * other.bound) / least)
         } else {
             Self { value, bound: f64::INFINITY }
@@ -147,7 +178,7 @@ mod tests {
 
     #[test]
     fn the_cosine_of_a_right_angle_has_no_sign() {
-        let right_angle = 2.0 * Rounded::given(std::f64::consts::FRAC_PI_4);
+        let right_angle = 2.0 * Rounded::angle(std::f64::consts::FRAC_PI_4);
         assert_eq!(right_angle.cos().sign(), None);
         assert_eq!((right_angle + Rounded::given(1e-14)).cos().sign(), Some(-1));
         assert_eq!((right_angle - Rounded::given(1e-14)).cos().sign(), Some(1));

@@ -32,7 +32,8 @@ fn symbol_is_the_derivative_of_the_nonlinear_equations() {
             let state = states::random_state(&mut random, kind, dilatancy);
             let flow = states::flow(&model, &state);
             let system = states::symbol(&model, &flow);
-            let (given, fields) = states::exact_point(&mut random, &parameters, kind, &state, &flow);
+            let (given, fields) =
+                states::exact_point(&mut random, &parameters, kind, &state, &flow);
             let truth = linearised(&given, &fields);
 
             assert_eq!(system.velocity, state.velocity);
@@ -68,8 +69,7 @@ fn symbol_is_the_derivative_of_the_nonlinear_equations() {
                             truth.value(),
                         );
                         let size = sizes.entry((number, i, j)).or_default();
-                        for (s, x) in size.iter_mut().zip([truth.value().abs(), deviation, bound])
-                        {
+                        for (s, x) in size.iter_mut().zip([truth.value().abs(), deviation, bound]) {
                             *s = s.max(x);
                         }
                     }
@@ -78,8 +78,11 @@ fn symbol_is_the_derivative_of_the_nonlinear_equations() {
         }
         let mut worst = [0.0f64; 2];
         for (place, [size, deviation, bound]) in &sizes {
-            // Structural zeros: no size, no deviation beyond the noise of 31 digits, no bound.
-            let natural = if *size < 1e-18 { 1.0 } else { *size };
+            // Structural zeros: no deviation beyond the noise of 31 digits and no bound, so that
+            // the analysis knows them as such.
+            let structural = *size < 1e-18;
+            assert!(!structural || *bound == 0.0, "{kind:?} {dilatancy:?} {place:?}: {bound:e}");
+            let natural = if structural { 1.0 } else { *size };
             assert!(
                 *bound <= 1e-12 * natural,
                 "{kind:?} {dilatancy:?} {place:?}: bound {bound:e} against size {size:e}"

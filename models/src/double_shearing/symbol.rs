@@ -36,6 +36,6 @@ pub fn write(model: &DoubleShearing, flow: &Flow, system: &mut LinearisedSystem<
     system.a[(3, columns.angle)] = rotation;
     for j in 0..2 {
         system.c[(3, columns.velocity[j])] =
-            rotation * Rounded::given(flow.stress_angle_gradient[j]);
+            rotation * Rounded::angle(flow.stress_angle_gradient[j]);
     }
 }

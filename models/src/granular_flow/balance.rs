@@ -23,7 +23,7 @@ pub struct Columns {
 
 /// sin 2Ψ, cos 2Ψ of the stress angle.
 fn double_angle(flow: &Flow) -> [Rounded; 2] {
-    let angle = 2.0 * Rounded::given(flow.stress.angle);
+    let angle = 2.0 * Rounded::angle(flow.stress.angle);
     [angle.sin(), angle.cos()]
 }
 
@@ -41,12 +41,12 @@ pub fn momentum(
     flow: &Flow,
 ) {
     let density = Rounded::given(flow.density);
-    let sin_phi = Rounded::given(coulomb.friction_angle).sin();
+    let sin_phi = Rounded::angle(coulomb.friction_angle).sin();
     let [s2, c2] = double_angle(flow);
     let (sin_s2, sin_c2) = (sin_phi * s2, sin_phi * c2);
     let twice_q = 2.0 * flow.stress.deviator;
     let [p1, p2] = flow.pressure_gradient.map(Rounded::given);
-    let [a1, a2] = flow.stress_angle_gradient.map(Rounded::given);
+    let [a1, a2] = flow.stress_angle_gradient.map(Rounded::angle);
     let Columns { velocity, pressure, angle, .. } = *columns;
 
     system.b[0][(0, pressure)] = Rounded::ONE - sin_c2;
@@ -117,7 +117,7 @@ pub fn flow_rule(
 
     // With D₁₁ − D₂₂ = 2 Q_D cos 2Ψ_D, 2 D₁₂ = 2 Q_D sin 2Ψ_D the derivatives of the brackets
     // with respect to ψ are −4 Q_D sin 2(Ψ_Σ − Ψ_D) and 4 Q_D cos 2(Ψ_Σ − Ψ_D).
-    let twice_delta = 2.0 * Rounded::given(flow.noncoaxiality);
+    let twice_delta = 2.0 * flow.rounded_noncoaxiality();
     let rate = 4.0 * Rounded::given(flow.shear_rate);
     system.c[(volume, columns.angle)] = -(rule.dilatancy * rate * twice_delta.sin());
     system.c[(rotation, columns.angle)] = -(rule.shear * rate * twice_delta.cos());

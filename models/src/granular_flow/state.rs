@@ -41,7 +41,7 @@ impl Coulomb {
 
     /// The deviatoric stress on yield, `p sin φ + c cos φ`, Pa.
     pub fn yield_deviator(&self, pressure: f64) -> Rounded {
-        let phi = Rounded::given(self.friction_angle);
+        let phi = Rounded::angle(self.friction_angle);
         Rounded::given(pressure) * phi.sin() + Rounded::given(self.cohesion) * phi.cos()
     }
 }
@@ -77,8 +77,8 @@ pub struct FlowRule {
 impl FlowRule {
     /// Double shearing, whatever is taken for the rotation (eqs 41, 42).
     pub fn double_shearing(friction_angle: f64, dilatancy_angle: f64) -> Self {
-        let nu = Rounded::given(dilatancy_angle);
-        let difference = Rounded::given(friction_angle) - nu;
+        let nu = Rounded::angle(dilatancy_angle);
+        let difference = Rounded::angle(friction_angle) - nu;
         Self {
             volume: difference.cos(),
             dilatancy: if dilatancy_angle == 0.0 { Rounded::ZERO } else { nu.sin() },
@@ -241,6 +241,9 @@ pub struct Flow {
     pub shear_rate: f64,
     /// Non-coaxiality Δ = Ψ_D − Ψ_Σ, rad.
     pub noncoaxiality: f64,
+    /// Bound on the error of `noncoaxiality`, rad: large where it follows from a spin near the
+    /// greatest one.
+    pub noncoaxiality_rounding: f64,
     /// Velocity V, m/s.
     pub velocity: [f64; 2],
     /// Velocity gradient, entry \[i\]\[j\] = ∂ⱼVᵢ, 1/s.
@@ -273,18 +276,25 @@ pub struct Flow {
     pub power: f64,
 }
 
+impl Flow {
+    /// Non-coaxiality with its bound, rad.
+    pub fn rounded_noncoaxiality(&self) -> Rounded {
+        Rounded { value: self.noncoaxiality, bound: self.noncoaxiality_rounding }
+    }
+}
+
 /// See [`Model::background`].
 pub(super) fn background(model: &Model, state: &State) -> Result<Background, InputError> {
     check_ranges(model, state)?;
     let rule = model.flow_rule();
-    let noncoaxiality = noncoaxiality(model, &rule, state)?;
+    let noncoaxiality = noncoaxiality(&rule, state)?;
 
     // Rotation against half the vorticity: second line of the flow rule with
     // (d₁₁ − d₂₂) sin 2ψ − 2 d₁₂ cos 2ψ = −2 Q_D sin 2Δ.
-    let twice = 2.0 * Rounded::given(noncoaxiality);
+    let twice = 2.0 * noncoaxiality;
     let shear_rate = Rounded::given(state.shear_rate);
     let coaxial = rule.rotation.is_structural_zero();
-    let relative_rotation = if coaxial || noncoaxiality == 0.0 {
+    let relative_rotation = if coaxial {
         Rounded::ZERO
     } else {
         -(rule.shear / rule.rotation * shear_rate * twice.sin())
@@ -301,7 +311,8 @@ pub(super) fn background(model: &Model, state: &State) -> Result<Background, Inp
         density: state.density,
         stress,
         shear_rate: state.shear_rate,
-        noncoaxiality,
+        noncoaxiality: noncoaxiality.value,
+        noncoaxiality_rounding: noncoaxiality.bound,
         velocity: state.velocity,
         velocity_gradient,
         relative_rotation,
@@ -337,7 +348,56 @@ pub(super) fn background(model: &Model, state: &State) -> Result<Background, Inp
     Ok(Background::FullyDeforming(flow))
 }
 
+/// Every number of a state, by its key.
+fn numbers(state: &State) -> impl Iterator<Item = (&'static str, f64)> {
+    let pairs = [
+        ("background.velocity", Some(state.velocity)),
+        ("background.pressure_gradient", Some(state.pressure_gradient)),
+        ("background.stress_angle_gradient_deg", Some(state.stress_angle_gradient)),
+        ("background.spin_gradient", Some(state.spin_gradient)),
+        ("background.density_gradient", Some(state.density_gradient)),
+        ("background.inertia_gradient", Some(state.inertia_gradient)),
+        ("background.acceleration", state.acceleration),
+        ("background.velocity_gradient", state.velocity_gradient.map(|g| g[0])),
+        ("background.velocity_gradient", state.velocity_gradient.map(|g| g[1])),
+    ];
+    let single = [
+        ("background.density", Some(state.density)),
+        ("background.pressure", Some(state.pressure)),
+        ("background.deviatoric_stress", state.deviatoric_stress),
+        ("background.rotational_stress", state.rotational_stress),
+        ("background.stress_angle_deg", Some(state.stress_angle)),
+        ("background.shear_rate", Some(state.shear_rate)),
+        ("background.half_vorticity", Some(state.half_vorticity)),
+        ("background.noncoaxiality_deg", state.noncoaxiality),
+        ("background.spin", state.spin),
+        ("background.spin_acceleration", Some(state.spin_acceleration)),
+        ("background.inertia_rate", Some(state.inertia_rate)),
+        ("background.body_moment", state.body_moment),
+        ("background.stress_angle_rate_deg", state.stress_angle_rate),
+    ];
+    let pairs =
+        pairs.into_iter().flat_map(|(key, pair)| pair.into_iter().flatten().map(move |x| (key, x)));
+    pairs.chain(single.into_iter().filter_map(|(key, x)| Some((key, x?))))
+}
+
 fn check_ranges(model: &Model, state: &State) -> Result<(), InputError> {
+    for (key, x) in numbers(state) {
+        ensure(x.is_finite(), key, x, "a finite number is needed")?;
+    }
+    let kind = model.kind();
+    ensure(
+        state.spin.is_none() || matches!(kind, Kind::HarrisGrekova | Kind::FreeRotating),
+        "background.spin",
+        state.spin.unwrap_or_default(),
+        "this model has no spin of its own: leave the key out",
+    )?;
+    ensure(
+        state.body_moment.is_none() || kind == Kind::HarrisGrekova,
+        "background.body_moment",
+        state.body_moment.unwrap_or_default(),
+        "this model has no balance of spin: leave the key out",
+    )?;
     let positive = |key, value: f64, what: &str| {
         ensure(value > 0.0 && value.is_finite(), key, value, format!("{what} must be positive"))
     };
@@ -376,40 +436,36 @@ fn check_ranges(model: &Model, state: &State) -> Result<(), InputError> {
 }
 
 /// Δ as given, or the root with cos 2Δ > 0 for a given spin, or 0.
-fn noncoaxiality(model: &Model, rule: &FlowRule, state: &State) -> Result<f64, InputError> {
-    let Some(spin) = state.spin else { return Ok(state.noncoaxiality.unwrap_or(0.0)) };
-    debug_assert!(matches!(model.kind(), Kind::HarrisGrekova | Kind::FreeRotating));
+fn noncoaxiality(rule: &FlowRule, state: &State) -> Result<Rounded, InputError> {
+    let given = Rounded::angle(state.noncoaxiality.unwrap_or(0.0));
+    let Some(spin) = state.spin else { return Ok(given) };
     // sin 2Δ = −(ω − s₂₁) sin(φ − ν) / (Q_D cos ν)
-    let factor = rule.rotation.value / rule.shear.value / state.shear_rate;
-    let sine = -(spin - state.half_vorticity) * factor;
-    match state.noncoaxiality {
-        Some(delta) => {
-            let residual = sine - (2.0 * delta).sin();
-            let size = 1.0f64.max((spin.abs() + state.half_vorticity.abs()) * factor);
-            ensure(
-                residual.abs() <= AGREEMENT * size,
-                "background.spin",
-                spin,
-                format!(
-                    "spin and non-coaxiality contradict each other: the flow rule leaves the \
-                     residual {residual:e} in sin 2Δ; give one of them"
-                ),
-            )?;
-            Ok(delta)
-        }
-        None => {
-            ensure(
-                sine.abs() <= 1.0,
-                "background.spin",
-                spin,
-                format!(
-                    "the flow rule allows spins within {:e} rad/s of the half vorticity",
-                    1.0 / factor
-                ),
-            )?;
-            Ok(0.5 * sine.asin())
-        }
+    let factor = rule.rotation / rule.shear / Rounded::given(state.shear_rate);
+    let sine = (Rounded::given(state.half_vorticity) - Rounded::given(spin)) * factor;
+    if state.noncoaxiality.is_some() {
+        let residual = sine.value - (2.0 * given.value).sin();
+        let size = 1.0f64.max((spin.abs() + state.half_vorticity.abs()) * factor.value);
+        return ensure(
+            residual.abs() <= AGREEMENT * size,
+            "background.spin",
+            spin,
+            format!(
+                "spin and non-coaxiality contradict each other: the flow rule leaves the residual \
+                 {residual:e} in sin 2Δ; give one of them"
+            ),
+        )
+        .map(|()| given);
     }
+    ensure(
+        sine.value.abs() <= 1.0,
+        "background.spin",
+        spin,
+        format!(
+            "the flow rule allows spins within {:e} rad/s of the half vorticity",
+            1.0 / factor.value
+        ),
+    )?;
+    Ok(0.5 * sine.asin())
 }
 
 fn stress_and_region(
@@ -470,10 +526,9 @@ fn stress_and_region(
 }
 
 /// ∂ⱼVᵢ from the deviatoric rate (Q_D, Ψ_D), the flow rule's tr d and the half vorticity.
-fn velocity_gradient(rule: &FlowRule, state: &State, noncoaxiality: f64) -> [[Rounded; 2]; 2] {
-    let delta = Rounded::given(noncoaxiality);
+fn velocity_gradient(rule: &FlowRule, state: &State, delta: Rounded) -> [[Rounded; 2]; 2] {
     let rate = Rounded::given(state.shear_rate);
-    let angle = 2.0 * (Rounded::given(state.stress_angle) + delta);
+    let angle = 2.0 * (Rounded::angle(state.stress_angle) + delta);
     let half_trace =
         if rule.dilatant { rule.dilatation() * rate * (2.0 * delta).cos() } else { Rounded::ZERO };
     let (normal, shear) = (rate * angle.cos(), rate * angle.sin());
@@ -483,11 +538,11 @@ fn velocity_gradient(rule: &FlowRule, state: &State, noncoaxiality: f64) -> [[Ro
 
 /// DV/Dt − F from the balance of momentum (eqs 16, 17).
 fn acceleration(coulomb: &Coulomb, state: &State, stress: &Stress) -> [Rounded; 2] {
-    let angle = 2.0 * Rounded::given(stress.angle);
+    let angle = 2.0 * Rounded::angle(stress.angle);
     let (s2, c2) = (angle.sin(), angle.cos());
-    let sin_phi = Rounded::given(coulomb.friction_angle).sin();
+    let sin_phi = Rounded::angle(coulomb.friction_angle).sin();
     let [p1, p2] = state.pressure_gradient.map(Rounded::given);
-    let [a1, a2] = state.stress_angle_gradient.map(Rounded::given);
+    let [a1, a2] = state.stress_angle_gradient.map(Rounded::angle);
     let q = stress.deviator;
     let force = [
         (Rounded::ONE - sin_phi * c2) * p1 - sin_phi * s2 * p2 + 2.0 * (q * (s2 * a1 - c2 * a2)),
@@ -498,7 +553,7 @@ fn acceleration(coulomb: &Coulomb, state: &State, stress: &Stress) -> [Rounded; 
 
 /// `2 Q_D cos 2Δ (q − p tr d/(2 Q_D cos 2Δ)) − 2 r (ω − s₂₁)`, W/m³.
 fn internal_power(rule: &FlowRule, flow: &Flow) -> f64 {
-    let cosine = (2.0 * Rounded::given(flow.noncoaxiality)).cos().value;
+    let cosine = (2.0 * flow.rounded_noncoaxiality()).cos().value;
     let dilatation = if rule.dilatant { rule.dilatation().value } else { 0.0 };
     2.0 * flow.shear_rate
         * cosine

@@ -33,7 +33,7 @@ impl PlasticPotential {
         FlowRule {
             volume: Rounded::ONE,
             dilatancy: if dilatant {
-                Rounded::given(self.dilatancy_angle).sin()
+                Rounded::angle(self.dilatancy_angle).sin()
             } else {
                 Rounded::ZERO
             },

@@ -170,10 +170,7 @@ fn potential<T: Real>(given: &Prescribed<T>, fields: &Fields<T>) -> [T; 2] {
     let quarter = T::constant(0.25);
     let (by_difference, by_shear) = (quarter * difference / q, quarter * shear / q);
     let half_sine = T::constant(0.5) * given.dilatancy_angle.sin();
-    let gradient = [
-        [by_difference + half_sine, by_shear],
-        [by_shear, half_sine - by_difference],
-    ];
+    let gradient = [[by_difference + half_sine, by_shear], [by_shear, half_sine - by_difference]];
     let [m_trace, m_normal, m_shear, _] = parts(gradient);
     let [trace, normal, shear, _] = parts(velocity_gradient(fields));
     let lambda = (normal * m_normal + shear * m_shear) / (m_normal * m_normal + m_shear * m_shear);
@@ -184,8 +181,8 @@ fn potential<T: Real>(given: &Prescribed<T>, fields: &Fields<T>) -> [T; 2] {
 pub fn residuals<T: Real>(given: &Prescribed<T>, fields: &Fields<T>) -> [T; 6] {
     let density = fields.z[DENSITY];
     let forces = divergence(given, fields);
-    let momentum = [0, 1]
-        .map(|i| density * fields.material(i) - forces[i] - density * given.body_force[i]);
+    let momentum =
+        [0, 1].map(|i| density * fields.material(i) - forces[i] - density * given.body_force[i]);
 
     let inertia_rate = given.inertia_by_time
         + fields.z[0] * given.inertia_gradient[0]

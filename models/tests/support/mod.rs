@@ -73,7 +73,8 @@ pub const fn wide(value: f64) -> Wide {
 }
 
 /// π/2 to 33 digits.
-pub const RIGHT_ANGLE: Wide = Wide { high: 1.570_796_326_794_896_6, low: 6.123_233_995_736_766e-17 };
+pub const RIGHT_ANGLE: Wide =
+    Wide { high: std::f64::consts::FRAC_PI_2, low: 6.123_233_995_736_766e-17 };
 
 fn two_sum(a: f64, b: f64) -> Wide {
     let high = a + b;
@@ -408,9 +409,7 @@ pub fn permanent(matrix: &[Vec<f64>]) -> f64 {
 
 /// det of numbers.
 pub fn number_determinant(matrix: &[Vec<Complex>]) -> Complex {
-    let polynomials: Vec<Vec<Polynomial>> = matrix
-        .iter()
-        .map(|row| row.iter().map(|&x| trimmed(vec![x])).collect())
-        .collect();
+    let polynomials: Vec<Vec<Polynomial>> =
+        matrix.iter().map(|row| row.iter().map(|&x| trimmed(vec![x])).collect()).collect();
     determinant(&polynomials).first().copied().unwrap_or_default()
 }

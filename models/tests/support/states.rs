@@ -48,7 +48,8 @@ pub fn random_parameters(random: &mut Random, kind: Kind, dilatancy: Dilatancy) 
 
 /// Everything non-zero that the model admits; |Δ| up to 85 degrees.
 pub fn random_state(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> State {
-    let mut pair = |least: f64, most: f64| [random.generic(least, most), random.generic(least, most)];
+    let mut pair =
+        |least: f64, most: f64| [random.generic(least, most), random.generic(least, most)];
     let velocity = pair(0.3, 3.0);
     let pressure_gradient = pair(200.0, 4000.0);
     let stress_angle_gradient = pair(0.2, 2.0);
@@ -104,12 +105,11 @@ pub fn point(
     let exact = |x: Rounded| wide(x.value);
     let body_force = [random.generic(1.0, 10.0), random.generic(1.0, 10.0)].map(wide);
     let velocity = flow.velocity.map(wide);
-    let along = |gradient: [f64; 2]| {
-        velocity[0] * wide(gradient[0]) + velocity[1] * wide(gradient[1])
-    };
+    let along =
+        |gradient: [f64; 2]| velocity[0] * wide(gradient[0]) + velocity[1] * wide(gradient[1]);
     let gradient = flow.velocity_gradient;
-    let convected = [0, 1]
-        .map(|i| velocity[0] * exact(gradient[i][0]) + velocity[1] * exact(gradient[i][1]));
+    let convected =
+        [0, 1].map(|i| velocity[0] * exact(gradient[i][0]) + velocity[1] * exact(gradient[i][1]));
     let density = wide(flow.density);
     let spin = flow.spin.map_or(wide(0.3), exact);
     let angle_rate = wide(flow.stress_angle_rate.unwrap_or_else(|| random.generic(0.3, 1.0)));
@@ -214,7 +214,8 @@ pub fn columns(system: &LinearisedSystem<2>) -> Vec<usize> {
 /// The crate's rows as indices of [`equations::EQUATIONS`], by name.
 pub fn rows(system: &LinearisedSystem<2>) -> Vec<usize> {
     let place = |name: &str| {
-        let name = name.strip_prefix("flow rule: ").unwrap_or(name).replace("coaxiality", "rotation");
+        let name =
+            name.strip_prefix("flow rule: ").unwrap_or(name).replace("coaxiality", "rotation");
         equations::EQUATIONS.iter().position(|&own| own == name)
     };
     system.equations.iter().map(|name| place(name).expect(name)).collect()

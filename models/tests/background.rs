@@ -1,0 +1,525 @@
+//! From a state to a background: regions, defaults, derived quantities, refusals; and the index
+//! order of the stress, which matters wherever the stress is not symmetric.
+
+mod support;
+
+use support::states::{self, Dilatancy, VARIANTS};
+use support::{Random, Real, wide};
+use wellposed_models::granular_flow::state::{Background, Coulomb, Region, State, Stress};
+use wellposed_models::granular_flow::{InputError, Kind, Model, Parameters};
+
+const STATES: usize = 250;
+
+fn harris_grekova(random: &mut Random, dilatancy: Dilatancy) -> (Parameters, Model, State) {
+    let parameters = states::random_parameters(random, Kind::HarrisGrekova, dilatancy);
+    let model = states::model(Kind::HarrisGrekova, &parameters);
+    let state = states::random_state(random, Kind::HarrisGrekova, dilatancy);
+    (parameters, model, state)
+}
+
+fn region(model: &Model, state: &State) -> Region {
+    model.background(state).expect("admissible").region()
+}
+
+fn refusal(model: &Model, state: &State) -> InputError {
+    match model.background(state) {
+        Err(error) => error,
+        Ok(_) => panic!("accepted: {state:?}"),
+    }
+}
+
+/// The number behind "residual" in a message.
+fn residual(error: &InputError) -> f64 {
+    let (_, rest) = error.allowed.split_once("residual ").expect("the message names a residual");
+    let end = rest.find([';', ' ', ',']).unwrap_or(rest.len());
+    rest[..end].parse().expect("the residual is a number")
+}
+
+/// q on yield to 1e-12 relative is on yield and taken for it; below and above it is not. Yield is
+/// computed here in 31 digits (eq. 13).
+#[test]
+fn deviator_decides_the_region() {
+    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
+        let mut random = Random::new(600 + seed as u64);
+        for _ in 0..STATES {
+            let parameters = states::random_parameters(&mut random, kind, dilatancy);
+            let model = states::model(kind, &parameters);
+            let state = states::random_state(&mut random, kind, dilatancy);
+            let phi = wide(parameters.friction_angle);
+            let q =
+                (wide(state.pressure) * phi.sin() + wide(parameters.cohesion) * phi.cos()).value();
+            let with = |factor: f64| State { deviatoric_stress: Some(q * factor), ..state };
+            assert_eq!(region(&model, &state), Region::FullyDeforming);
+            for factor in [1.0, 1.0 + 9e-13, 1.0 - 9e-13] {
+                assert_eq!(region(&model, &with(factor)), Region::FullyDeforming);
+                // Taken for the yield deviator itself: the analysis must not see 1e-12.
+                let (own, exact) =
+                    (states::flow(&model, &with(factor)), states::flow(&model, &state));
+                assert_eq!(own.stress.deviator, exact.stress.deviator);
+            }
+            for factor in [0.0, 0.5, 1.0 - 1.1e-12, 1.0 - 1e-9] {
+                assert_eq!(region(&model, &with(factor)), Region::RigidOrIndeterminate);
+            }
+            for factor in [1.0 + 1.1e-12, 1.0 + 1e-9, 3.0] {
+                assert_eq!(region(&model, &with(factor)), Region::OutsideYield);
+            }
+            // What lies elsewhere carries its own stress.
+            let background = model.background(&with(0.5)).unwrap();
+            assert!(background.flow().is_none());
+            assert_eq!(background.stress().deviator.value, q * 0.5);
+        }
+    }
+}
+
+/// r must be 0, m or −m to 1e-12 relative; inside ±m it is indeterminate, beyond it outside yield;
+/// a deviator outside yield is not excused by r, nor the other way round.
+#[test]
+fn rotational_stress_decides_the_region() {
+    let mut random = Random::new(620);
+    for _ in 0..STATES {
+        let (parameters, model, state) = harris_grekova(&mut random, Dilatancy::Zero);
+        let m = parameters.rotational_strength.unwrap();
+        let with = |r: f64| State { rotational_stress: Some(r), ..state };
+        for (given, taken) in
+            [(0.0, 0.0), (m, m), (-m, -m), (m * (1.0 + 9e-13), m), (-m * (1.0 - 9e-13), -m)]
+        {
+            let flow = states::flow(&model, &with(given));
+            assert_eq!(flow.stress.rotational, taken);
+        }
+        for factor in [0.5, -0.5, 1.0 - 1.1e-12, -1.0 + 1e-9, 1e-9] {
+            assert_eq!(region(&model, &with(factor * m)), Region::RigidOrIndeterminate);
+        }
+        for factor in [1.0 + 1.1e-12, -1.0 - 1e-9, 2.0] {
+            assert_eq!(region(&model, &with(factor * m)), Region::OutsideYield);
+        }
+        let q = model.coulomb().yield_deviator(state.pressure).value;
+        let both = |q: f64, r: f64| State {
+            deviatoric_stress: Some(q),
+            rotational_stress: Some(r),
+            ..state
+        };
+        assert_eq!(region(&model, &both(2.0 * q, 0.5 * m)), Region::OutsideYield);
+        assert_eq!(region(&model, &both(0.5 * q, 2.0 * m)), Region::OutsideYield);
+        assert_eq!(region(&model, &both(0.5 * q, m)), Region::RigidOrIndeterminate);
+    }
+    // Without rotational strength r = 0 is the only admissible one.
+    let (parameters, _, state) = harris_grekova(&mut random, Dilatancy::Zero);
+    let weak = Parameters { rotational_strength: Some(0.0), ..parameters };
+    let model = states::model(Kind::HarrisGrekova, &weak);
+    assert_eq!(states::flow(&model, &state).stress.rotational, 0.0);
+    assert_eq!(
+        region(&model, &State { rotational_stress: Some(0.0), ..state }),
+        Region::FullyDeforming
+    );
+    assert_eq!(
+        region(&model, &State { rotational_stress: Some(1e-9), ..state }),
+        Region::OutsideYield
+    );
+}
+
+/// Absent, r is −m sign(ω − s₂₁), so that the power of rotation −2r(ω − s₂₁) is not negative; zero
+/// in a coaxial flow, and never −0.
+#[test]
+fn default_rotational_stress_does_positive_work() {
+    for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
+        let mut random = Random::new(630);
+        for _ in 0..STATES {
+            let (parameters, model, state) = harris_grekova(&mut random, dilatancy);
+            let m = parameters.rotational_strength.unwrap();
+            let flow = states::flow(&model, &state);
+            let relative = flow.spin.unwrap().value - state.half_vorticity;
+            assert_eq!(flow.stress.rotational, -m * relative.signum());
+            // The flow rule turns the material against Δ.
+            assert_eq!(flow.stress.rotational.signum(), flow.noncoaxiality.signum());
+            for delta in [Some(0.0), None] {
+                let coaxial = states::flow(&model, &State { noncoaxiality: delta, ..state });
+                assert_eq!(coaxial.stress.rotational.to_bits(), 0.0f64.to_bits());
+                assert_eq!(coaxial.spin.unwrap().value, state.half_vorticity);
+            }
+        }
+    }
+}
+
+/// A given spin yields the Δ with cos 2Δ > 0 whose flow rule returns that spin; given both, the
+/// other root is accepted as well, and a contradiction is refused by key with its residual in sin 2Δ.
+#[test]
+fn spin_instead_of_noncoaxiality() {
+    for kind in [Kind::HarrisGrekova, Kind::FreeRotating] {
+        for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
+            let mut random = Random::new(640);
+            for _ in 0..STATES {
+                let parameters = states::random_parameters(&mut random, kind, dilatancy);
+                let model = states::model(kind, &parameters);
+                let state = states::random_state(&mut random, kind, dilatancy);
+                let delta = random.generic(0.01, 0.78);
+                // Eq. (42) with Δ: ω − s₂₁ = −Q_D cos ν sin 2Δ / sin(φ − ν).
+                let (phi, nu) = (parameters.friction_angle, parameters.dilatancy_angle);
+                let turn = |delta: f64| {
+                    -state.shear_rate * nu.cos() * (2.0 * delta).sin() / (phi - nu).sin()
+                };
+                let spin = state.half_vorticity + turn(delta);
+                let only = State { noncoaxiality: None, spin: Some(spin), ..state };
+                let flow = states::flow(&model, &only);
+                assert!((2.0 * flow.noncoaxiality).cos() > 0.0);
+                // asin loses half the digits towards 45°: tolerance from cos 2Δ ≥ 0.01.
+                let size = 1.0 + state.half_vorticity.abs() / turn(delta).abs();
+                assert!((flow.noncoaxiality - delta).abs() < 1e-13 * size);
+                let size = spin.abs() + 2.0 * state.half_vorticity.abs();
+                assert!((flow.spin.unwrap().value - spin).abs() < 1e-14 * size);
+
+                let other = std::f64::consts::FRAC_PI_2 - delta;
+                for delta in [delta, other] {
+                    let both = State { noncoaxiality: Some(delta), ..only };
+                    let flow = states::flow(&model, &both);
+                    assert_eq!(flow.noncoaxiality, delta);
+                }
+                // Eleven digits agree.
+                let printed = State { noncoaxiality: Some(delta * (1.0 + 1e-11)), ..only };
+                assert_eq!(region(&model, &printed), Region::FullyDeforming);
+                let wrong = delta + 1e-3 * (1.0 + random.within(0.0, 1.0));
+                let error = refusal(&model, &State { noncoaxiality: Some(wrong), ..only });
+                assert_eq!(error.key, "background.spin");
+                let expected = (2.0 * delta).sin() - (2.0 * wrong).sin();
+                assert!((residual(&error).abs() / expected.abs() - 1.0).abs() < 1e-6);
+
+                // More spin than any Δ allows.
+                let too_much = State {
+                    spin: Some(state.half_vorticity + 1.001 * turn(std::f64::consts::FRAC_PI_4)),
+                    noncoaxiality: None,
+                    ..state
+                };
+                assert_eq!(refusal(&model, &too_much).key, "background.spin");
+            }
+        }
+    }
+}
+
+/// What a state may give besides is accepted when it is what follows, and refused by its key with
+/// the residual of the equation it breaks when it is off by 1e-6 of its size.
+#[test]
+fn contradictions_are_refused_with_their_residual() {
+    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
+        let mut random = Random::new(660 + seed as u64);
+        for _ in 0..STATES {
+            let parameters = states::random_parameters(&mut random, kind, dilatancy);
+            let model = states::model(kind, &parameters);
+            let state = states::random_state(&mut random, kind, dilatancy);
+            let flow = states::flow(&model, &state);
+            let gradient = flow.velocity_gradient.map(|row| row.map(|x| x.value));
+            let acceleration = flow.acceleration.map(|x| x.value);
+            let all = State {
+                velocity_gradient: Some(gradient),
+                acceleration: Some(acceleration),
+                body_moment: flow.body_moment,
+                stress_angle_rate: flow.stress_angle_rate,
+                ..state
+            };
+            assert_eq!(states::flow(&model, &all), flow);
+
+            // Written with ten or eleven digits they still agree; derived numbers stay.
+            let mut printed = |x: f64, size: f64| x + random.generic(0.5, 1.0) * 1e-10 * size;
+            let rates = state.shear_rate + state.half_vorticity.abs();
+            let force = acceleration[0].abs().max(acceleration[1].abs());
+            let rounded = State {
+                velocity_gradient: Some(gradient.map(|row| row.map(|x| printed(x, rates)))),
+                acceleration: Some(acceleration.map(|x| printed(x, force))),
+                body_moment: flow.body_moment.map(|x| printed(x, x.abs())),
+                stress_angle_rate: flow.stress_angle_rate.map(|x| printed(x, x.abs())),
+                ..state
+            };
+            assert_eq!(states::flow(&model, &rounded), flow);
+
+            let size = state.shear_rate + state.half_vorticity.abs();
+            // Trace, d₁₁ − d₂₂, 2 d₁₂, vorticity: one at a time, the others untouched.
+            for (change, part, factor) in [
+                ([[1.0, 0.0], [0.0, 1.0]], "tr d", 2.0),
+                ([[1.0, 0.0], [0.0, -1.0]], "d₁₁ − d₂₂", 2.0),
+                ([[0.0, 1.0], [1.0, 0.0]], "2 d₁₂", 2.0),
+                ([[0.0, -1.0], [1.0, 0.0]], "half_vorticity", 2.0),
+            ] {
+                let step = 1e-6 * size;
+                let wrong = [0, 1]
+                    .map(|i: usize| [0, 1].map(|j: usize| gradient[i][j] + step * change[i][j]));
+                let error = refusal(&model, &State { velocity_gradient: Some(wrong), ..all });
+                assert_eq!(error.key, "background.velocity_gradient");
+                assert!(error.allowed.contains(part), "{}", error.allowed);
+                assert!((residual(&error) / (factor * step) - 1.0).abs() < 1e-6);
+            }
+            let size = acceleration[0].abs().max(acceleration[1].abs());
+            for i in 0..2 {
+                let mut wrong = acceleration;
+                wrong[i] += 1e-6 * size;
+                let error = refusal(&model, &State { acceleration: Some(wrong), ..all });
+                assert_eq!(error.key, "background.acceleration");
+                assert!(error.allowed.contains(["first", "second"][i]), "{}", error.allowed);
+                assert!((residual(&error) / (1e-6 * size) - 1.0).abs() < 1e-6);
+            }
+            if let Some(moment) = flow.body_moment {
+                let size = (parameters.moment_of_inertia.unwrap() * state.spin_acceleration).abs()
+                    + (state.inertia_rate * flow.spin.unwrap().value).abs()
+                    + 2.0 * (flow.stress.rotational / state.density).abs();
+                let wrong = moment + 1e-6 * size;
+                let error = refusal(&model, &State { body_moment: Some(wrong), ..all });
+                assert_eq!(error.key, "background.body_moment");
+                assert!((residual(&error) / (1e-6 * size) - 1.0).abs() < 1e-6);
+            }
+            if let Some(rate) = flow.stress_angle_rate {
+                let size = rate.abs() + 2.0 * state.half_vorticity.abs();
+                let wrong = rate + 1e-6 * size;
+                let error = refusal(&model, &State { stress_angle_rate: Some(wrong), ..all });
+                assert_eq!(error.key, "background.stress_angle_rate_deg");
+                let expected = (1e-6 * size).to_degrees();
+                assert!((residual(&error) / expected - 1.0).abs() < 1e-3);
+            } else {
+                let given = State { stress_angle_rate: Some(0.1), ..all };
+                assert_eq!(refusal(&model, &given).key, "background.stress_angle_rate_deg");
+            }
+        }
+    }
+}
+
+/// Constants out of range, by key; the ends of the ranges that belong to them are accepted.
+#[test]
+fn constants_out_of_range_are_refused_by_key() {
+    let right = std::f64::consts::FRAC_PI_2;
+    let good = Parameters {
+        friction_angle: 0.6,
+        dilatancy_angle: 0.2,
+        cohesion: 120.0,
+        moment_of_inertia: Some(0.05),
+        rotational_strength: Some(30.0),
+    };
+    let nan_inf = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+    let refused = |kind: Kind, key: &str, change: &dyn Fn(&mut Parameters, f64), bad: &[f64]| {
+        for &value in bad.iter().chain(&nan_inf) {
+            let mut parameters = good;
+            change(&mut parameters, value);
+            let error = Model::new(kind, &parameters).expect_err("out of range");
+            assert_eq!(error.key, key, "{kind:?} {value}");
+        }
+    };
+    for kind in Kind::ALL {
+        assert!(Model::new(kind, &good).is_ok());
+        refused(
+            kind,
+            "model.friction_angle_deg",
+            &|p, x| p.friction_angle = x,
+            &[0.0, -0.1, right, 2.0],
+        );
+        refused(kind, "model.cohesion", &|p, x| p.cohesion = x, &[-1e-9]);
+        let limit = if kind == Kind::PlasticPotential { right } else { good.friction_angle };
+        refused(
+            kind,
+            "model.dilatancy_angle_deg",
+            &|p, x| p.dilatancy_angle = x,
+            &[-1e-9, limit, limit + 0.1],
+        );
+        for nu in [0.0, limit * (1.0 - 1e-9)] {
+            assert!(Model::new(kind, &Parameters { dilatancy_angle: nu, ..good }).is_ok());
+        }
+        assert!(Model::new(kind, &Parameters { cohesion: 0.0, ..good }).is_ok());
+    }
+    let kind = Kind::HarrisGrekova;
+    refused(kind, "model.moment_of_inertia", &|p, x| p.moment_of_inertia = Some(x), &[0.0, -1.0]);
+    refused(kind, "model.rotational_strength", &|p, x| p.rotational_strength = Some(x), &[-1e-9]);
+    for (key, missing) in [
+        ("model.moment_of_inertia", Parameters { moment_of_inertia: None, ..good }),
+        ("model.rotational_strength", Parameters { rotational_strength: None, ..good }),
+    ] {
+        assert_eq!(Model::new(kind, &missing).expect_err("missing").key, key);
+    }
+}
+
+/// States out of range, by key.
+#[test]
+fn states_out_of_range_are_refused_by_key() {
+    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
+        let mut random = Random::new(680 + seed as u64);
+        let parameters = states::random_parameters(&mut random, kind, dilatancy);
+        let model = states::model(kind, &parameters);
+        let state = states::random_state(&mut random, kind, dilatancy);
+        let strength = -parameters.cohesion / parameters.friction_angle.tan();
+        let nan_inf = [f64::NAN, f64::INFINITY];
+        let refused = |key: &str, change: &dyn Fn(&mut State, f64), bad: &[f64]| {
+            for &value in bad.iter().chain(&nan_inf) {
+                let mut wrong = state;
+                change(&mut wrong, value);
+                assert_eq!(refusal(&model, &wrong).key, key, "{kind:?} {value}");
+            }
+        };
+        refused("background.density", &|s, x| s.density = x, &[0.0, -1.0]);
+        refused("background.shear_rate", &|s, x| s.shear_rate = x, &[0.0, -1.0]);
+        refused(
+            "background.pressure",
+            &|s, x| s.pressure = x,
+            &[strength * (1.0 + 1e-9), 2.0 * strength],
+        );
+        refused("background.deviatoric_stress", &|s, x| s.deviatoric_stress = Some(x), &[-1e-9]);
+        // Tension within the cohesion is a state.
+        let tension = State { pressure: 0.9 * strength, ..state };
+        assert_eq!(region(&model, &tension), Region::FullyDeforming);
+
+        if kind == Kind::PlasticPotential {
+            let turned = State { noncoaxiality: Some(0.1), ..state };
+            assert_eq!(refusal(&model, &turned).key, "background.noncoaxiality_deg");
+            let coaxial = State { noncoaxiality: Some(0.0), ..state };
+            assert_eq!(region(&model, &coaxial), Region::FullyDeforming);
+        }
+        if dilatancy == Dilatancy::Zero {
+            let varying = State { density_gradient: [0.0, 1.0], ..state };
+            assert_eq!(refusal(&model, &varying).key, "background.density_gradient");
+        }
+    }
+}
+
+/// |Δ| beyond 45 degrees, negative power and either sign of r are states like others.
+#[test]
+fn noncoaxiality_beyond_45_degrees_is_admitted() {
+    let mut random = Random::new(700);
+    let mut negative = 0;
+    for _ in 0..STATES {
+        let (parameters, model, state) = harris_grekova(&mut random, Dilatancy::Zero);
+        let m = parameters.rotational_strength.unwrap();
+        let delta = random.generic(0.9, 3.0);
+        for r in [None, Some(m), Some(-m), Some(0.0)] {
+            let state = State { noncoaxiality: Some(delta), rotational_stress: r, ..state };
+            negative += usize::from(states::flow(&model, &state).power < 0.0);
+        }
+    }
+    assert!(negative > 200);
+}
+
+/// Internal power is the full contraction σᵢⱼ(∂ⱼvᵢ + εᵢⱼₖωₖ), second index of σ = face normal, in
+/// 2 dimensions σᵢⱼ∂ⱼvᵢ + (σ₁₂ − σ₂₁) ω. Fails if the transpose of the stress is lost (the power of
+/// rotation changes sign) and beyond 45 degrees, where the power is negative, as well as below.
+///
+/// Tolerance: a hundred roundings of the largest stress × rate in the sum.
+#[test]
+fn power_is_the_full_contraction() {
+    let (mut negative, mut worst) = (0, 0.0f64);
+    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
+        let mut random = Random::new(720 + seed as u64);
+        for number in 0..STATES {
+            let parameters = states::random_parameters(&mut random, kind, dilatancy);
+            let model = states::model(kind, &parameters);
+            let mut state = states::random_state(&mut random, kind, dilatancy);
+            if let Some(m) = parameters.rotational_strength {
+                state.rotational_stress = [None, Some(m), Some(-m), Some(0.0)][number % 4];
+            }
+            let flow = states::flow(&model, &state);
+            let stress = flow.stress.tensor();
+            // The rotation that works on an asymmetric stress; any, where it is symmetric.
+            let spin = flow.spin.map_or(0.7, |x| x.value);
+            let levi_civita = [[0.0, 1.0], [-1.0, 0.0]];
+            let (mut power, mut size) = (0.0, 0.0f64);
+            for i in 0..2 {
+                for j in 0..2 {
+                    let strain = flow.velocity_gradient[i][j].value + levi_civita[i][j] * spin;
+                    power += stress[i][j] * strain;
+                    let terms = flow.velocity_gradient[i][j].value.abs() + spin.abs();
+                    size += stress[i][j].abs() * terms;
+                }
+            }
+            negative += usize::from(power < 0.0);
+            worst = worst.max((flow.power - power).abs() / size);
+            assert!(
+                (flow.power - power).abs() <= 1e-14 * size,
+                "{kind:?} {dilatancy:?}: {} against {power}",
+                flow.power
+            );
+        }
+    }
+    assert!(negative > 200);
+    println!("power: {worst:.1e}");
+}
+
+/// The stress tensor by its tractions: t = σn with the second index the face normal. The torque of
+/// the tractions on a small square about its centre is 2r per area, the source of spin in eq. (9);
+/// were the paper's index order left as it is, it would be −2r. The symmetric part has its greater
+/// principal value −p + q along ψ.
+#[test]
+fn stress_tensor_has_the_face_normal_second() {
+    let mut random = Random::new(740);
+    for _ in 0..STATES {
+        let coulomb = Coulomb::new(random.within(0.1, 1.3), random.within(1.0, 100.0)).unwrap();
+        let pressure = random.within(10.0, 900.0);
+        let stress = Stress {
+            pressure,
+            deviator: coulomb.yield_deviator(pressure),
+            rotational: random.generic(1.0, 50.0),
+            angle: random.generic(0.1, 3.0),
+        };
+        let tensor = stress.tensor();
+        let size = pressure + stress.deviator.value + stress.rotational.abs();
+        let side = 0.01;
+        let mut torque = 0.0;
+        for normal in [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]] {
+            let centre = normal.map(|n| 0.5 * side * n);
+            let traction =
+                [0, 1].map(|i: usize| tensor[i][0] * normal[0] + tensor[i][1] * normal[1]);
+            torque += side * (centre[0] * traction[1] - centre[1] * traction[0]);
+        }
+        let expected = 2.0 * stress.rotational;
+        assert!((torque / (side * side) - expected).abs() < 1e-14 * size);
+
+        let shear = 0.5 * (tensor[0][1] + tensor[1][0]);
+        let symmetric = [[tensor[0][0], shear], [shear, tensor[1][1]]];
+        let along = [stress.angle.cos(), stress.angle.sin()];
+        for i in 0..2 {
+            let image = symmetric[i][0] * along[0] + symmetric[i][1] * along[1];
+            let value = -pressure + stress.deviator.value;
+            assert!((image - value * along[i]).abs() < 1e-14 * size);
+        }
+        // Definition (4) of r in the paper's order, which is the transpose.
+        let paper = [[tensor[0][0], tensor[1][0]], [tensor[0][1], tensor[1][1]]];
+        assert!((0.5 * (paper[0][1] - paper[1][0]) - stress.rotational).abs() < 1e-14 * size);
+    }
+}
+
+/// The same r drives the derived body moment: I Dω/Dt + ω DI/Dt = (torque per area)/ρ + G.
+#[test]
+fn body_moment_balances_the_torque_of_the_stress() {
+    let mut random = Random::new(750);
+    for _ in 0..STATES {
+        let (parameters, model, state) = harris_grekova(&mut random, Dilatancy::Positive);
+        let flow = states::flow(&model, &state);
+        let tensor = flow.stress.tensor();
+        let gain = parameters.moment_of_inertia.unwrap() * state.spin_acceleration
+            + state.inertia_rate * flow.spin.unwrap().value;
+        let torque = tensor[1][0] - tensor[0][1];
+        let moment = flow.body_moment.unwrap();
+        let size = gain.abs() + moment.abs() + state.pressure / state.density;
+        assert!((gain - torque / state.density - moment).abs() < 1e-13 * size);
+    }
+}
+
+/// A background elsewhere reports its region and stress and no flow.
+#[test]
+fn elsewhere_there_is_no_flow() {
+    let mut random = Random::new(760);
+    let (_, model, state) = harris_grekova(&mut random, Dilatancy::Zero);
+    let state = State { deviatoric_stress: Some(1e9), ..state };
+    let background = model.background(&state).unwrap();
+    assert!(matches!(background, Background::Elsewhere { region: Region::OutsideYield, .. }));
+    assert!(background.flow().is_none());
+    assert_eq!(background.stress().deviator.value, 1e9);
+}
+
+/// Names lead back to their models, and a refusal reads as key, what was found, what is allowed.
+#[test]
+fn names_and_messages() {
+    for kind in Kind::ALL {
+        assert_eq!(Kind::from_name(kind.name()), Some(kind));
+        let mut random = Random::new(770);
+        let parameters = states::random_parameters(&mut random, kind, Dilatancy::Positive);
+        let model = states::model(kind, &parameters);
+        assert_eq!(model.kind(), kind);
+        assert!(model.is_dilatant());
+        assert_eq!(model.noncoaxiality_bound().is_some(), kind == Kind::HarrisGrekova);
+        let error = Model::new(kind, &Parameters { cohesion: -2.5, ..parameters }).unwrap_err();
+        let text = error.to_string();
+        assert!(text.starts_with("model.cohesion: found -2.5; "), "{text}");
+        assert!(text.ends_with(&error.allowed));
+    }
+    assert_eq!(Kind::from_name("harris_grekova"), None);
+}

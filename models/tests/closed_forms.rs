@@ -1,0 +1,315 @@
+//! Closed forms of the models against the roots of det(ςA + i k·B + C) at large k.
+//!
+//! The determinant is expanded over all permutations in 31 digits from the crate's matrices in a
+//! background without gradients (but the velocity's), where the corrections to the leading terms
+//! are of relative size (rates of the background)/(leading growth rate).
+
+mod support;
+
+use support::states::{self, Dilatancy};
+use support::{Complex, Polynomial, Random, Real, Wide, complex, evaluate, quadratic_roots, wide};
+use wellposed_models::granular_flow::state::{Flow, State};
+use wellposed_models::granular_flow::{Kind, Model, Parameters};
+
+const STATES: usize = 300;
+
+fn uniform(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> (Parameters, State) {
+    let parameters = states::random_parameters(random, kind, dilatancy);
+    let full = states::random_state(random, kind, dilatancy);
+    let state = State {
+        velocity: [0.0; 2],
+        pressure_gradient: [0.0; 2],
+        stress_angle_gradient: [0.0; 2],
+        spin_gradient: [0.0; 2],
+        density_gradient: [0.0; 2],
+        inertia_gradient: [0.0; 2],
+        inertia_rate: 0.0,
+        ..full
+    };
+    (parameters, state)
+}
+
+/// The determinant in the direction of β = 2(Ψ_Σ − ψ_K).
+fn dispersion(model: &Model, flow: &Flow, k: f64, beta: Wide) -> Polynomial {
+    let (s, c) = (wide(flow.stress.angle) - beta * wide(0.5)).sin_cos();
+    states::dispersion(&states::symbol(model, flow), [wide(k) * c, wide(k) * s])
+}
+
+/// Newton's method from a guess; the relative step must vanish.
+fn root_near(polynomial: &[Complex], guess: Complex) -> Complex {
+    let slope: Polynomial =
+        polynomial.iter().enumerate().skip(1).map(|(n, &c)| c * complex(n as f64, 0.0)).collect();
+    let mut x = guess;
+    for _ in 0..60 {
+        x = x - evaluate(polynomial, x) / evaluate(&slope, x);
+    }
+    let step = evaluate(polynomial, x) / evaluate(&slope, x);
+    assert!(step.abs() <= 1e-20 * x.abs(), "no root near the guess");
+    x
+}
+
+/// Minus the sum of all roots: the next coefficient below the leading one.
+fn sum_of_roots(polynomial: &[Complex]) -> Complex {
+    let [.., next, last] = polynomial else { panic!("a constant") };
+    -(*next / *last)
+}
+
+/// Harris–Grekova, ν = 0, gradients zero and |Δ| on both sides of 45°: `leading_coefficient` is
+/// lim ς/k². The other root is of order one, so the sum of roots over k² has relative error
+/// (rates ~ 10)/(k² × 1e-3): below 1e-13 at k = 1e9. The doubles of the entries are right to 1e-15,
+/// amplified by the distance from 𝒜 = 0 and from |Δ| = 45° (1/0.05 each): tolerance 1e-12.
+#[test]
+fn harris_grekova_leading_coefficient() {
+    let mut random = Random::new(500);
+    let (mut worst, mut used) = (0.0f64, 0);
+    while used < STATES {
+        let (parameters, state) = uniform(&mut random, Kind::HarrisGrekova, Dilatancy::Zero);
+        let model = states::model(Kind::HarrisGrekova, &parameters);
+        let flow = states::flow(&model, &state);
+        let Model::HarrisGrekova(own) = &model else { unreachable!() };
+        let beta = random.generic(0.0, 3.1);
+        let gap = beta.cos() - parameters.friction_angle.sin();
+        if gap.abs() < 0.05 || (2.0 * flow.noncoaxiality).cos().abs() < 0.05 {
+            continue;
+        }
+        used += 1;
+        let k = 1e9;
+        let root = sum_of_roots(&dispersion(&model, &flow, k, wide(beta)));
+        let truth = (root / complex(k * k, 0.0)).re.value();
+        let (q, rho, rate) = (flow.stress.deviator.value, flow.density, flow.shear_rate);
+        let closed = own.leading_coefficient(q, rho, rate, flow.noncoaxiality, beta);
+        worst = worst.max((closed / truth - 1.0).abs());
+        assert!((closed / truth - 1.0).abs() < 1e-12, "{closed:e} against {truth:e}");
+    }
+    println!("Harris–Grekova: {worst:.1e}");
+}
+
+/// Double shearing, ν = 0: roots ±k × `leading_coefficient` − ik·V. At k = 1e12 the roots' product
+/// is −k² × square with relative corrections (rates)/(k c), c of order 0.1 m/s: below 1e-9.
+#[test]
+fn double_shearing_leading_coefficient() {
+    let mut random = Random::new(510);
+    let mut worst = 0.0f64;
+    for _ in 0..STATES {
+        let (parameters, state) = uniform(&mut random, Kind::DoubleShearing, Dilatancy::Zero);
+        let model = states::model(Kind::DoubleShearing, &parameters);
+        let flow = states::flow(&model, &state);
+        let Model::DoubleShearing(own) = &model else { unreachable!() };
+        let beta = random.generic(0.0, 3.1);
+        if (beta.cos() - parameters.friction_angle.sin()).abs() < 0.05 {
+            continue;
+        }
+        let k = 1e12;
+        let polynomial = dispersion(&model, &flow, k, wide(beta));
+        let roots = quadratic_roots(&polynomial).map(|x| (x / complex(k, 0.0)).re.value());
+        let closed = own.leading_coefficient(flow.stress.deviator.value, flow.density, beta);
+        for truth in roots {
+            worst = worst.max((closed / truth.abs() - 1.0).abs());
+            assert!((closed / truth.abs() - 1.0).abs() < 1e-9, "{closed:e} against {truth:e}");
+        }
+        assert!(roots[0] * roots[1] < 0.0, "one grows, one decays");
+    }
+    println!("double shearing: {worst:.1e}");
+}
+
+/// With all gradients and a velocity the roots of double shearing are −ik·V ± k c to order k: the
+/// drift −ik·V is common to both. Fails if V A were left out or taken twice.
+#[test]
+fn double_shearing_drifts_with_the_material() {
+    let mut random = Random::new(511);
+    for _ in 0..STATES {
+        let kind = Kind::DoubleShearing;
+        let parameters = states::random_parameters(&mut random, kind, Dilatancy::Zero);
+        let state = states::random_state(&mut random, kind, Dilatancy::Zero);
+        let model = states::model(kind, &parameters);
+        let flow = states::flow(&model, &state);
+        let (k, beta) = (1e12, random.generic(0.0, 3.1));
+        if (beta.cos() - parameters.friction_angle.sin()).abs() < 0.05 {
+            continue;
+        }
+        let roots = quadratic_roots(&dispersion(&model, &flow, k, wide(beta)));
+        let (s, c) = (state.stress_angle - 0.5 * beta).sin_cos();
+        let drift = c * state.velocity[0] + s * state.velocity[1];
+        for root in roots {
+            // Corrections: rates and gradients × velocities over k, below 1e-6 of metres per second.
+            assert!((root.im.value() / k + drift).abs() < 1e-6);
+        }
+    }
+}
+
+/// Plastic potential, every ν: `leading_coefficient` is lim ς/k² in every direction, with its sign
+/// (positive exactly in the sector between sin ν and sin φ).
+#[test]
+fn plastic_potential_leading_coefficient() {
+    for dilatancy in [Dilatancy::Zero, Dilatancy::Positive, Dilatancy::Associated] {
+        let mut random = Random::new(520);
+        let (mut worst, mut inside, mut used) = (0.0f64, 0, 0);
+        while used < STATES {
+            let (parameters, state) = uniform(&mut random, Kind::PlasticPotential, dilatancy);
+            let model = states::model(Kind::PlasticPotential, &parameters);
+            let flow = states::flow(&model, &state);
+            let Model::PlasticPotential(own) = &model else { unreachable!() };
+            let beta = random.generic(0.0, 3.1);
+            let (phi, nu) = (parameters.friction_angle.sin(), parameters.dilatancy_angle.sin());
+            let gaps = (beta.cos() - phi) * (beta.cos() - nu);
+            if gaps.abs() < 1e-3 {
+                continue;
+            }
+            used += 1;
+            let k = 1e12;
+            let (q, rho, rate) = (flow.stress.deviator.value, flow.density, flow.shear_rate);
+            let closed = own.leading_coefficient(q, rho, rate, beta);
+            assert_eq!(closed > 0.0, gaps < 0.0);
+            inside += usize::from(closed > 0.0);
+            let polynomial = dispersion(&model, &flow, k, wide(beta));
+            let root = root_near(&polynomial, complex(closed * k * k, 0.0));
+            let truth = (root / complex(k * k, 0.0)).re.value();
+            // The largest root: the sum of all agrees (the others are of order k at most).
+            let sum = (sum_of_roots(&polynomial) / complex(k * k, 0.0)).re.value();
+            assert!((sum / truth - 1.0).abs() < 1e-6);
+            // Entries to 1e-15, over gaps down to 1e-3 from either zero.
+            worst = worst.max((closed / truth - 1.0).abs());
+            assert!((closed / truth - 1.0).abs() < 1e-11, "{closed:e} against {truth:e}");
+        }
+        // Thin or absent where associated.
+        assert_eq!(inside == 0, dilatancy == Dilatancy::Associated);
+        println!("plastic potential {dilatancy:?}: {worst:.1e}");
+    }
+}
+
+/// `worst`: no direction grows faster, and that one grows so fast. Against the pencil, by a fine
+/// scan of the sector.
+#[test]
+fn plastic_potential_worst_direction() {
+    let mut random = Random::new(530);
+    let mut used = 0;
+    while used < 200 {
+        let (parameters, state) = uniform(&mut random, Kind::PlasticPotential, Dilatancy::Positive);
+        let (phi, nu) = (parameters.friction_angle, parameters.dilatancy_angle);
+        if (phi - nu).abs() < 0.1 {
+            continue;
+        }
+        used += 1;
+        let model = states::model(Kind::PlasticPotential, &parameters);
+        let flow = states::flow(&model, &state);
+        let Model::PlasticPotential(own) = &model else { unreachable!() };
+        let (rate, cosine) = own.worst(flow.stress.deviator.value, flow.density, flow.shear_rate);
+        assert!(phi.sin().min(nu.sin()) < cosine && cosine < phi.sin().max(nu.sin()));
+        let k = 1e12;
+        let at = |beta: f64| {
+            let sum = sum_of_roots(&dispersion(&model, &flow, k, wide(beta)));
+            (sum / complex(k * k, 0.0)).re.value()
+        };
+        let beta = cosine.acos();
+        // Second order in the direction, so to rounding over the gap squared.
+        assert!((at(beta) / rate - 1.0).abs() < 1e-11, "{} {rate}", at(beta));
+        for n in 0..100 {
+            let other = at(std::f64::consts::PI * f64::from(n) / 100.0);
+            assert!(other <= rate * (1.0 + 1e-12));
+        }
+        for h in [-1e-3, 1e-3] {
+            assert!(at(beta + h) < rate, "a maximum");
+        }
+    }
+}
+
+/// The bound on |Δ| of Harris–Grekova, ν = 0 and ν > 0, from the pencil: outside it the coefficient of
+/// the highest power of ς has the wrong sign in some direction, inside it has it in none. In a uniform background
+/// that coefficient is k² (a + b cos β + c sin β) (measured at three directions, checked at a
+/// fourth), so it keeps its sign exactly while |a| > √(b² + c²). The root in Δ by bisection.
+///
+/// Tolerance: entries to 1e-15 over the slope of the deciding quantity, which is of order of
+/// the quantity itself per radian but for ν near φ or 0: 1e-10.
+#[test]
+fn noncoaxiality_bound_is_where_the_leading_coefficient_vanishes() {
+    for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
+        let mut random = Random::new(540);
+        let mut worst = 0.0f64;
+        for _ in 0..200 {
+            let (parameters, state) = uniform(&mut random, Kind::HarrisGrekova, dilatancy);
+            let model = states::model(Kind::HarrisGrekova, &parameters);
+            let closed = model.noncoaxiality_bound().unwrap();
+            let k = 7.0;
+            // Mean and amplitude of the highest coefficient over the directions.
+            let decides = |delta: f64| {
+                let flow = states::flow(&model, &State { noncoaxiality: Some(delta), ..state });
+                let highest = |beta: f64| {
+                    // ik·(number) or a number: take the part that there is.
+                    let polynomial = dispersion(&model, &flow, k, wide(beta));
+                    assert_eq!(polynomial.len(), if dilatancy == Dilatancy::Zero { 3 } else { 4 });
+                    let last = *polynomial.last().unwrap();
+                    assert!(last.im.value().abs() <= 1e-25 * last.abs());
+                    last.re.value()
+                };
+                let (east, north, west) = (highest(0.0), highest(1.25), highest(2.5));
+                // a + b cos β + c sin β through three points.
+                let rows = [
+                    [1.0, 1.0, 0.0],
+                    [1.0, 1.25f64.cos(), 1.25f64.sin()],
+                    [1.0, 2.5f64.cos(), 2.5f64.sin()],
+                ];
+                let solved = nalgebra::Matrix3::from_fn(|i, j| rows[i][j])
+                    .lu()
+                    .solve(&nalgebra::Vector3::new(east, north, west))
+                    .unwrap();
+                let (a, b, c) = (solved[0], solved[1], solved[2]);
+                let fourth = a + b * 4.0f64.cos() + c * 4.0f64.sin();
+                let size = a.abs() + b.abs() + c.abs();
+                assert!((highest(4.0) - fourth).abs() < 1e-11 * size, "no trigonometric line");
+                [a / size, b.hypot(c) / size]
+            };
+            // Positive: has the sign that it has in a coaxial flow, in all directions. (For ν = 0 it
+            // changes sign in all directions at once.)
+            let coaxial = decides(0.0)[0].signum();
+            let decides = |delta: f64| {
+                let [mean, amplitude] = decides(delta);
+                coaxial * mean - amplitude
+            };
+            let (mut inside, mut outside) = (0.0, std::f64::consts::FRAC_PI_4 + 0.01);
+            assert!(decides(inside) > 0.0 && decides(outside) < 0.0);
+            for _ in 0..50 {
+                let middle = 0.5 * (inside + outside);
+                if decides(middle) > 0.0 {
+                    inside = middle;
+                } else {
+                    outside = middle;
+                }
+            }
+            worst = worst.max((inside - closed).abs());
+            assert!((inside - closed).abs() < 1e-10, "{inside} from the pencil, {closed} closed");
+            // The other sign of Δ has the same bound.
+            assert!(decides(-closed + 1e-6) > 0.0 && decides(-closed - 1e-6) < 0.0);
+        }
+        println!("bound on Δ, {dilatancy:?}: {worst:.1e}");
+    }
+}
+
+/// Inside the bound the leading growth rate of dilatant Harris–Grekova is nowhere positive, outside it
+/// is in some direction, positive and as large as one likes: roots at k = 1e9, not only the highest
+/// coefficient.
+#[test]
+fn noncoaxiality_bound_separates_growth() {
+    let mut random = Random::new(550);
+    for _ in 0..200 {
+        let (parameters, state) = uniform(&mut random, Kind::HarrisGrekova, Dilatancy::Positive);
+        let model = states::model(Kind::HarrisGrekova, &parameters);
+        let bound = model.noncoaxiality_bound().unwrap();
+        let sign = random.generic(1.0, 1.1).signum();
+        let greatest = |delta: f64| {
+            let flow = states::flow(&model, &State { noncoaxiality: Some(sign * delta), ..state });
+            let k = 1e9;
+            (0..240)
+                .map(|n| {
+                    let beta = wide(std::f64::consts::TAU * f64::from(n) / 240.0);
+                    let sum = sum_of_roots(&dispersion(&model, &flow, k, beta));
+                    (sum / complex(k * k, 0.0)).re.value()
+                })
+                .fold(f64::MIN, f64::max)
+        };
+        // The sum of the roots is the leading one: the others are of lower order in k. Next to the
+        // directions with 𝒜 = 0 it is zero to the accuracy of the entries.
+        let scale = state.pressure / state.density / state.shear_rate;
+        assert!(greatest(0.95 * bound) <= 1e-9 * scale);
+        assert!(greatest(bound + 0.05) > 1e-6 * scale);
+    }
+}

@@ -1,0 +1,334 @@
+//! Invariances of the linearised equations: rotation of the frame, superposed rigid spin, Galilean
+//! shift, units.
+
+mod support;
+
+use std::f64::consts::FRAC_PI_2;
+use support::Random;
+use support::states::{self, VARIANTS};
+use wellposed_models::granular_flow::Parameters;
+use wellposed_models::granular_flow::state::State;
+use wellposed_models::{LinearisedSystem, Rounded};
+
+const STATES: usize = 250;
+
+fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
+    let (s, c) = angle.sin_cos();
+    [c * x - s * y, s * x + c * y]
+}
+
+fn each_vector(state: &State, f: impl Fn([f64; 2]) -> [f64; 2]) -> State {
+    State {
+        velocity: f(state.velocity),
+        pressure_gradient: f(state.pressure_gradient),
+        stress_angle_gradient: f(state.stress_angle_gradient),
+        spin_gradient: f(state.spin_gradient),
+        density_gradient: f(state.density_gradient),
+        inertia_gradient: f(state.inertia_gradient),
+        ..*state
+    }
+}
+
+/// The matrix that turns the first two entries of a column of unknowns (of residuals) and leaves
+/// the others: in all models the velocities (the momenta) stand first.
+fn turning(size: usize, angle: f64) -> Vec<Vec<f64>> {
+    let (s, c) = angle.sin_cos();
+    let mut matrix = vec![vec![0.0; size]; size];
+    for (i, row) in matrix.iter_mut().enumerate() {
+        row[i] = 1.0;
+    }
+    matrix[0][..2].copy_from_slice(&[c, -s]);
+    matrix[1][..2].copy_from_slice(&[s, c]);
+    matrix
+}
+
+/// L M Rᵀ with its rounding bounds.
+fn transformed(
+    left: &[Vec<f64>],
+    matrix: impl Fn(usize, usize) -> Rounded,
+    right: &[Vec<f64>],
+) -> Vec<Vec<Rounded>> {
+    (0..left.len())
+        .map(|i| {
+            (0..right.len())
+                .map(|j| {
+                    let mut sum = Rounded::ZERO;
+                    for (m, &l) in left[i].iter().enumerate() {
+                        for (n, &r) in right[j].iter().enumerate() {
+                            if l * r != 0.0 {
+                                sum += Rounded::given(l * r) * matrix(m, n);
+                            }
+                        }
+                    }
+                    sum
+                })
+                .collect()
+        })
+        .collect()
+}
+
+/// In a frame turned by an angle A and C turn as tensors in their velocity columns and momentum rows,
+/// and Bⁱ as well as the components of a vector besides.
+///
+/// Tolerance: twice the rounding bounds of both sides. The turned state is itself rounded, by a few
+/// units in the last place of each of its vectors, and the bound of every term that such a vector
+/// enters has collected as many.
+#[test]
+fn rotation_of_the_frame() {
+    let mut worst = 0.0f64;
+    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
+        let mut random = Random::new(900 + seed as u64);
+        for _ in 0..STATES {
+            let parameters = states::random_parameters(&mut random, kind, dilatancy);
+            let model = states::model(kind, &parameters);
+            let state = states::random_state(&mut random, kind, dilatancy);
+            let angle = random.generic(0.1, 3.0);
+            let after = State {
+                stress_angle: state.stress_angle + angle,
+                ..each_vector(&state, |v| turned(v, angle))
+            };
+            let before = states::symbol(&model, &states::flow(&model, &state));
+            let after = states::symbol(&model, &states::flow(&model, &after));
+            let left = turning(before.equations.len(), angle);
+            let right = turning(before.unknowns.len(), angle);
+
+            let (s, c) = angle.sin_cos();
+            let vector = |i: usize, j: usize, k: usize| {
+                let (b1, b2) = (before.b[0][(i, j)], before.b[1][(i, j)]);
+                if k == 0 { c * b1 - s * b2 } else { s * b1 + c * b2 }
+            };
+            let pairs = [
+                (&after.a, transformed(&left, |i, j| before.a[(i, j)], &right)),
+                (&after.b[0], transformed(&left, |i, j| vector(i, j, 0), &right)),
+                (&after.b[1], transformed(&left, |i, j| vector(i, j, 1), &right)),
+                (&after.c, transformed(&left, |i, j| before.c[(i, j)], &right)),
+            ];
+            for (number, (own, expected)) in pairs.iter().enumerate() {
+                for (i, row) in expected.iter().enumerate() {
+                    for (j, expected) in row.iter().enumerate() {
+                        let own = own[(i, j)];
+                        let bound = 2.0 * (own.bound + expected.bound);
+                        let off = (own.value - expected.value).abs();
+                        worst = worst.max(off / (bound + 1e-300));
+                        assert!(
+                            off <= bound,
+                            "{kind:?} {dilatancy:?} matrix {number} ({i}, {j}): {} for {}",
+                            own.value,
+                            expected.value
+                        );
+                    }
+                }
+            }
+        }
+    }
+    println!("rotation of the frame: {worst:.2} of the tolerance");
+}
+
+/// A quarter turn of a state maps axes on axes: B¹ → B² and so on with exact permutations of the
+/// entries' names, a case in which nothing cancels.
+#[test]
+fn quarter_turn_swaps_axes() {
+    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
+        let mut random = Random::new(920 + seed as u64);
+        for _ in 0..STATES {
+            let parameters = states::random_parameters(&mut random, kind, dilatancy);
+            let model = states::model(kind, &parameters);
+            let state = states::random_state(&mut random, kind, dilatancy);
+            let after = State {
+                stress_angle: state.stress_angle + FRAC_PI_2,
+                ..each_vector(&state, |[x, y]| [-y, x])
+            };
+            let before = states::symbol(&model, &states::flow(&model, &state));
+            let after = states::symbol(&model, &states::flow(&model, &after));
+            // The new first axis is the old second: ∂₁' = ∂₂ up to sign, v₁' = −v₂, v₂' = v₁.
+            let old = |i: usize| [(1, -1.0), (0, 1.0)].get(i).copied().unwrap_or((i, 1.0));
+            for i in 0..before.equations.len() {
+                for j in 0..before.unknowns.len() {
+                    let ((m, row), (n, column)) = (old(i), old(j));
+                    let sign = row * column;
+                    for (own, expected) in [
+                        (after.a[(i, j)], sign * before.a[(m, n)]),
+                        (after.b[0][(i, j)], -sign * before.b[1][(m, n)]),
+                        (after.b[1][(i, j)], sign * before.b[0][(m, n)]),
+                        (after.c[(i, j)], sign * before.c[(m, n)]),
+                    ] {
+                        let off = (own.value - expected.value).abs();
+                        assert!(off <= 4.0 * (own.bound + expected.bound));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Superposed rigid spin: half the vorticity and the spin shift together (Δ stays). Then C changes
+/// by ρ w (∇V's antisymmetric part) in the momentum rows and by ρ w ∇I in the spin row, and nothing
+/// else changes: not A, not B, not the trace, not the columns of stress.
+#[test]
+fn superposed_rigid_spin() {
+    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
+        let mut random = Random::new(940 + seed as u64);
+        for _ in 0..STATES {
+            let parameters = states::random_parameters(&mut random, kind, dilatancy);
+            let model = states::model(kind, &parameters);
+            let state = states::random_state(&mut random, kind, dilatancy);
+            let w = random.generic(0.3, 3.0);
+            let after = State { half_vorticity: state.half_vorticity + w, ..state };
+            let (flow, spun) = (states::flow(&model, &state), states::flow(&model, &after));
+            if let (Some(before), Some(after)) = (flow.spin, spun.spin) {
+                assert!((after.value - before.value - w).abs() <= after.bound + before.bound);
+            }
+            assert_eq!(flow.relative_rotation, spun.relative_rotation);
+            assert_eq!(flow.power, spun.power, "power is objective");
+            let (before, after) = (states::symbol(&model, &flow), states::symbol(&model, &spun));
+            assert_eq!(before.a, after.a);
+            assert_eq!(before.b, after.b);
+            let momentum = |i: usize| (i < 2).then_some(i);
+            let spin_row = before.equations.iter().position(|name| *name == "spin");
+            for i in 0..before.equations.len() {
+                for j in 0..before.unknowns.len() {
+                    let change = match (momentum(i), j) {
+                        (Some(0), 1) => -state.density * w,
+                        (Some(1), 0) => state.density * w,
+                        (None, 0 | 1) if Some(i) == spin_row => {
+                            state.density * w * state.inertia_gradient[j]
+                        }
+                        _ => {
+                            assert_eq!(before.c[(i, j)], after.c[(i, j)], "{kind:?} ({i}, {j})");
+                            continue;
+                        }
+                    };
+                    let (old, new) = (before.c[(i, j)], after.c[(i, j)]);
+                    let off = (new.value - old.value - change).abs();
+                    // w and s₂₁ + w are rounded once more each.
+                    let bound = old.bound + new.bound + 4.0 * f64::EPSILON * change.abs();
+                    assert!(off <= bound, "{kind:?} ({i}, {j})");
+                }
+            }
+        }
+    }
+}
+
+/// Galilean shift: only `velocity` changes, A, B, C keep every bit.
+#[test]
+fn galilean_shift() {
+    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
+        let mut random = Random::new(960 + seed as u64);
+        for _ in 0..STATES {
+            let parameters = states::random_parameters(&mut random, kind, dilatancy);
+            let model = states::model(kind, &parameters);
+            let state = states::random_state(&mut random, kind, dilatancy);
+            let velocity = [random.generic(1.0, 1e6), random.generic(1.0, 1e6)];
+            let after = State { velocity, ..state };
+            let before = states::symbol(&model, &states::flow(&model, &state));
+            let after = states::symbol(&model, &states::flow(&model, &after));
+            assert_eq!(before.velocity, state.velocity);
+            assert_eq!(after.velocity, velocity);
+            assert_eq!((&before.a, &before.b, &before.c), (&after.a, &after.b, &after.c));
+        }
+    }
+}
+
+/// Units changed by powers of two: every entry scales by the unit of its equation over the unit of
+/// its unknown, to the bit (no constant with a hidden unit, no absolute threshold).
+#[test]
+fn scaling_of_units() {
+    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
+        let mut random = Random::new(980 + seed as u64);
+        for _ in 0..STATES {
+            let parameters = states::random_parameters(&mut random, kind, dilatancy);
+            let state = states::random_state(&mut random, kind, dilatancy);
+            let mut unit = || 2f64.powi(random.below(21) as i32 - 10);
+            let (length, time, mass) = (unit(), unit(), unit());
+            let stress = mass / length / time / time;
+            let density = mass / length / length / length;
+            let by = |[x, y]: [f64; 2], unit: f64| [x * unit, y * unit];
+            let other = Parameters {
+                cohesion: parameters.cohesion * stress,
+                moment_of_inertia: parameters.moment_of_inertia.map(|x| x * length * length),
+                rotational_strength: parameters.rotational_strength.map(|x| x * stress),
+                ..parameters
+            };
+            let after = State {
+                density: state.density * density,
+                pressure: state.pressure * stress,
+                shear_rate: state.shear_rate / time,
+                half_vorticity: state.half_vorticity / time,
+                velocity: by(state.velocity, length / time),
+                pressure_gradient: by(state.pressure_gradient, stress / length),
+                stress_angle_gradient: by(state.stress_angle_gradient, 1.0 / length),
+                spin_gradient: by(state.spin_gradient, 1.0 / time / length),
+                density_gradient: by(state.density_gradient, density / length),
+                inertia_gradient: by(state.inertia_gradient, length),
+                inertia_rate: state.inertia_rate * length * length / time,
+                spin_acceleration: state.spin_acceleration / time / time,
+                ..state
+            };
+            let model = states::model(kind, &parameters);
+            let flow = states::flow(&model, &state);
+            let before = states::symbol(&model, &flow);
+            let model = states::model(kind, &other);
+            let scaled = states::flow(&model, &after);
+            let after = states::symbol(&model, &scaled);
+            assert_eq!(scaled.power, flow.power * stress / time);
+            if let (Some(g), Some(scaled)) = (flow.body_moment, scaled.body_moment) {
+                assert_eq!(scaled, g * length * length / time / time);
+            }
+
+            let row = |name: &str| match name {
+                "momentum 1" | "momentum 2" => stress / length,
+                "spin" => stress,
+                "mass" => density / time,
+                _ => 1.0 / time,
+            };
+            let column = |name: &str| match name {
+                "velocity 1" | "velocity 2" => length / time,
+                "spin" => 1.0 / time,
+                "pressure" => stress,
+                "density" => density,
+                _ => 1.0,
+            };
+            let check = |own: Rounded, was: Rounded, factor: f64, what: &str| {
+                assert_eq!(
+                    (own.value, own.bound),
+                    (was.value * factor, was.bound * factor),
+                    "{what}"
+                );
+            };
+            let names = |s: &LinearisedSystem<2>, i: usize, j: usize| {
+                (row(s.equations[i]), column(s.unknowns[j].name))
+            };
+            for i in 0..before.equations.len() {
+                for j in 0..before.unknowns.len() {
+                    let (row, column) = names(&before, i, j);
+                    check(after.a[(i, j)], before.a[(i, j)], row * time / column, "A");
+                    for d in 0..2 {
+                        let factor = row * length / column;
+                        check(after.b[d][(i, j)], before.b[d][(i, j)], factor, "B");
+                    }
+                    check(after.c[(i, j)], before.c[(i, j)], row / column, "C");
+                }
+            }
+        }
+    }
+}
+
+/// Filling a system again leaves nothing of the model before, whatever its size.
+#[test]
+fn reused_system_holds_nothing_of_the_last_model() {
+    let mut random = Random::new(990);
+    let mut reused = LinearisedSystem::default();
+    for _ in 0..STATES {
+        // In any order: a model must not inherit from another of the same size.
+        let (kind, dilatancy) = VARIANTS[random.below(VARIANTS.len())];
+        let parameters = states::random_parameters(&mut random, kind, dilatancy);
+        let model = states::model(kind, &parameters);
+        let state = states::random_state(&mut random, kind, dilatancy);
+        let flow = states::flow(&model, &state);
+        model.symbol(&flow, &mut reused);
+        let fresh = states::symbol(&model, &flow);
+        assert_eq!((&fresh.a, &fresh.b, &fresh.c), (&reused.a, &reused.b, &reused.c));
+        assert_eq!(fresh.velocity, reused.velocity);
+        assert_eq!((fresh.unknowns, fresh.equations), (reused.unknowns, reused.equations));
+    }
+}
