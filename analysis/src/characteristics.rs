@@ -6,8 +6,7 @@
 //! characteristics, and roots shared by two families are simple roots of each: well-conditioned.
 
 use crate::form::Form;
-use crate::pencil::Pencil;
-use crate::roots;
+use crate::{polynomial, roots};
 use models::{LinearisedSystem, Rounded};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -75,10 +74,9 @@ pub fn characteristics(system: &LinearisedSystem<2>) -> Result<Characteristics, 
         arbitrary: Vec::new(),
         kind: None,
     };
-    let mut pencil = Pencil::default();
     for (rows, columns) in blocks {
         let family = family(system, &columns);
-        let form = determinant(&steady, &rows, &columns, &mut pencil);
+        let form = determinant(&steady, &rows, &columns);
         let Some(form) = form.filter(Form::is_certain) else {
             found.arbitrary.push(family);
             continue;
@@ -189,30 +187,13 @@ fn irreducible_blocks(matrix: &[Vec<[Rounded; 2]>]) -> Option<Vec<(Vec<usize>, V
     Some(blocks)
 }
 
-/// det of a block as a form in (ξ₁, ξ₂).
-fn determinant(
-    matrix: &[Vec<[Rounded; 2]>],
-    rows: &[usize],
-    columns: &[usize],
-    pencil: &mut Pencil,
-) -> Option<Form> {
-    const NAMELESS: [&str; crate::polynomial::MAX_SIZE] = [""; crate::polynomial::MAX_SIZE];
-    const UNKNOWN: models::system::Unknown = models::system::Unknown { name: "", family: "" };
-    const UNKNOWNS: [models::system::Unknown; crate::polynomial::MAX_SIZE] =
-        [UNKNOWN; crate::polynomial::MAX_SIZE];
-    let n = rows.len();
-    let mut block = LinearisedSystem::default();
-    block.reset(UNKNOWNS.get(..n)?, NAMELESS.get(..n)?, [0.0; 2]);
-    for (i, &row) in rows.iter().enumerate() {
-        for (j, &column) in columns.iter().enumerate() {
-            for d in 0..2 {
-                block.b[d][(i, j)] = matrix[row][column][d];
-            }
-        }
-    }
-    pencil.update(&block).ok()?;
-    let mut forms = pencil.polynomial.forms();
-    forms.pop().map(|term| term.form)
+/// det of a block as a form in (ξ₁, ξ₂), up to a positive factor.
+fn determinant(matrix: &[Vec<[Rounded; 2]>], rows: &[usize], columns: &[usize]) -> Option<Form> {
+    let entry = |i: usize, j: usize| {
+        let [first, second] = matrix[rows[i]][columns[j]];
+        [Rounded::ZERO, first, second, Rounded::ZERO]
+    };
+    polynomial::of_block(rows.len(), entry)?.pop().map(|term| term.form)
 }
 
 /// Name of the fields of these columns.

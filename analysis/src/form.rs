@@ -6,10 +6,13 @@ use num_complex::Complex64;
 use std::f64::consts::PI;
 
 /// A binary form of degree d by its d + 1 coefficients.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Form {
     /// Entry l belongs to κ₁^(d−l) κ₂^l.
     pub coefficients: Vec<Rounded>,
+    /// The form as a product, where that is known: two factors that vanish next to each other
+    /// tell their zeros apart, the product of their coefficients does not.
+    factors: Vec<Form>,
 }
 
 /// A real direction in which a form vanishes.
@@ -26,7 +29,29 @@ pub struct Zero {
 impl Form {
     /// The zero form of that degree.
     pub fn zero(degree: usize) -> Self {
-        Self { coefficients: vec![Rounded::ZERO; degree + 1] }
+        Self { coefficients: vec![Rounded::ZERO; degree + 1], factors: Vec::new() }
+    }
+
+    /// Remembers that the form is the product of `factors`, up to a positive or negative constant;
+    /// does nothing if it turns out not to be.
+    pub fn factorise(&mut self, mut factors: Vec<Form>) {
+        let product =
+            |angle: f64| factors.iter().map(|f| f.at_angle(angle)).fold(Rounded::ONE, |a, b| a * b);
+        // Where the form is large: the ratio must be the same constant.
+        let mut samples: Vec<(f64, f64)> = (0..4 * factors.len() + 8)
+            .map(|i| 0.1 + 0.37 * i as f64)
+            .map(|angle| (self.at_angle(angle).value, product(angle).value))
+            .collect();
+        samples.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
+        samples.truncate(samples.len() / 2);
+        let ratio = samples[0].0 / samples[0].1;
+        let holds = samples.iter().all(|(f, p)| (f - ratio * p).abs() <= 1e-9 * f.abs());
+        if ratio.is_finite() && ratio != 0.0 && holds {
+            for c in &mut factors[0].coefficients {
+                *c = Rounded::exact(ratio) * *c;
+            }
+            self.factors = factors;
+        }
     }
 
     /// Degree d.
@@ -42,6 +67,9 @@ impl Form {
 
     /// F(cos, sin).
     pub fn at(&self, cos: Rounded, sin: Rounded) -> Rounded {
+        if !self.factors.is_empty() {
+            return self.factors.iter().map(|f| f.at(cos, sin)).fold(Rounded::ONE, |a, b| a * b);
+        }
         let mut value = Rounded::ZERO;
         let mut power = Rounded::ONE;
         for (l, &f) in self.coefficients.iter().enumerate() {
@@ -173,6 +201,11 @@ impl Form {
         if !self.is_certain() {
             return Vec::new();
         }
+        if !self.factors.is_empty() {
+            let mut zeros: Vec<Zero> = self.factors.iter().flat_map(Self::zeros).collect();
+            merge(&mut zeros);
+            return zeros;
+        }
         let extrema = self.extrema();
         let derivative = self.derivative();
         let mut zeros = Vec::new();
@@ -218,12 +251,38 @@ impl Form {
     }
 }
 
+/// Sorts zeros of several factors; those that agree within their bounds become one, which crosses
+/// if an odd number of them does.
+pub fn merge(zeros: &mut Vec<Zero>) {
+    zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));
+    let near = |a: &Zero, b: &Zero, turn: f64| {
+        (b.angle - a.angle + turn).abs() <= 2.0 * (a.bound + b.bound)
+    };
+    zeros.dedup_by(|later, earlier| {
+        let same = near(earlier, later, 0.0);
+        if same {
+            earlier.crosses ^= later.crosses;
+            earlier.bound = earlier.bound.max(later.bound);
+        }
+        same
+    });
+    if let [first, .., last] = zeros[..]
+        && near(&first, &last, -PI)
+    {
+        zeros[0].crosses ^= last.crosses;
+        zeros.pop();
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn form(coefficients: &[f64]) -> Form {
-        Form { coefficients: coefficients.iter().map(|&c| Rounded::given(c)).collect() }
+        Form {
+            coefficients: coefficients.iter().map(|&c| Rounded::given(c)).collect(),
+            ..Form::default()
+        }
     }
 
     /// Π sin(θ − θᵢ) as a form.
@@ -238,7 +297,7 @@ mod tests {
             }
             p = next;
         }
-        Form { coefficients: p }
+        Form { coefficients: p, ..Form::default() }
     }
 
     #[test]
@@ -264,6 +323,26 @@ mod tests {
             assert_eq!(angles.len(), 4, "{width}: {zeros:?}");
             assert!((angles[2] - angles[1] - width).abs() < 1e-3 * width, "{angles:?}");
         }
+    }
+
+    #[test]
+    fn factors_tell_zeros_apart_that_their_product_cannot() {
+        for width in [1e-9, 1e-13] {
+            let (a, b) = ([1.1, 2.0], [1.1 + width, 0.4]);
+            let mut f = with_zeros(&[a[0], a[1], b[0], b[1]]);
+            assert!(f.zeros().len() == 3, "the product touches zero: {:?}", f.zeros());
+            let negated = with_zeros(&b).coefficients.iter().map(|&c| -c).collect();
+            f.factorise(vec![with_zeros(&a), Form { coefficients: negated, ..Form::default() }]);
+            let zeros = f.zeros();
+            assert!(zeros.len() == 4 && zeros.iter().all(|z| z.crosses), "{width}: {zeros:?}");
+            let inside = f.at_angle(0.5 * (zeros[1].angle + zeros[2].angle));
+            let outside = f.at_angle(zeros[1].angle - width);
+            assert_eq!(inside.sign().unwrap(), -outside.sign().unwrap());
+        }
+        // What is no factorisation is not taken for one.
+        let mut f = with_zeros(&[0.3, 1.2]);
+        f.factorise(vec![with_zeros(&[0.3]), with_zeros(&[1.21])]);
+        assert!(f.factors.is_empty());
     }
 
     #[test]

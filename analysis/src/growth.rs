@@ -9,7 +9,8 @@
 //! that compete are the facets of the Newton polytope of the points (i, j, l) of ςⁱ κʲ κ⊥ˡ.
 
 use crate::AnalysisError;
-use crate::form::{Form, Zero};
+use crate::form::{self, Form, Zero};
+use crate::leading;
 use crate::pencil::Pencil;
 use crate::polynomial::Term;
 use crate::roots;
@@ -154,9 +155,10 @@ pub fn assess(pencil: &Pencil) -> Result<Assessment, AnalysisError> {
         return Ok(assessment);
     }
     let terms = pencil.polynomial.forms();
-    let (certain, doubtful): (Vec<Term>, Vec<Term>) =
+    let (mut certain, doubtful): (Vec<Term>, Vec<Term>) =
         terms.into_iter().partition(|term| term.form.is_certain());
     let corners = polygon(&certain);
+    factorise_corners(pencil, &mut certain, &corners);
     let edges = edges(&certain, &corners);
     assessment.orders = edges
         .iter()
@@ -186,14 +188,8 @@ pub fn assess(pencil: &Pencil) -> Result<Assessment, AnalysisError> {
             zeros.extend(corner.form.zeros());
         }
     }
-    zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));
-    zeros.dedup_by(|later, earlier| {
-        let same = later.angle - earlier.angle <= 2.0 * (later.bound + earlier.bound);
-        if same {
-            earlier.crosses |= later.crosses;
-        }
-        same
-    });
+    // Zeros of different corners in one direction are one degenerate direction.
+    form::merge(&mut zeros);
     assessment.degenerate =
         zeros.iter().map(|z| DegenerateDirection { angle: z.angle, bound: z.bound }).collect();
 
@@ -272,6 +268,36 @@ fn polygon(terms: &[Term]) -> Vec<(i64, i64)> {
         corners.push((i, j));
     }
     corners
+}
+
+/// Splits the corner coefficients that vanish in more than one direction into factors: zeros of one
+/// factor are well-conditioned however near those of another lie.
+fn factorise_corners(pencil: &Pencil, terms: &mut [Term], corners: &[(i64, i64)]) {
+    let slope = |a: (i64, i64), b: (i64, i64)| [b.1 - a.1, a.0 - b.0];
+    for (index, &(i, j)) in corners.iter().enumerate() {
+        let steeper = (index > 0).then(|| slope(corners[index - 1], corners[index]));
+        let flatter = corners.get(index + 1).map(|&next| slope(corners[index], next));
+        let is_on_growing_edge = |s: &Option<[i64; 2]>| s.is_some_and(|s| s[0] > 0);
+        if !is_on_growing_edge(&steeper) && !is_on_growing_edge(&flatter) {
+            continue;
+        }
+        let Some(term) =
+            terms.iter_mut().find(|t| (t.time as i64, t.form.degree() as i64) == (i, j))
+        else {
+            continue;
+        };
+        if term.form.degree() < 2 || term.form.zeros().is_empty() {
+            continue;
+        }
+        // An m strictly between the two slopes at which no other powers compete.
+        let low = flatter.unwrap_or([0, 1]);
+        let high = steeper.unwrap_or([low[0] + low[1], low[1]]);
+        let between = [6 * low[0] * high[1] + 5 * high[0] * low[1], 11 * low[1] * high[1]];
+        let factors = leading::factors(&pencil.scaled, between);
+        if !factors.is_empty() {
+            term.form.factorise(factors);
+        }
+    }
 }
 
 /// Edges of positive slope, steepest first.

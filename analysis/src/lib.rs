@@ -15,6 +15,7 @@ pub mod characteristics;
 pub mod extended;
 pub mod form;
 pub mod growth;
+mod leading;
 pub mod pencil;
 pub mod polynomial;
 pub mod roots;

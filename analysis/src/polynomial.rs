@@ -8,7 +8,8 @@ use crate::extended::{Extended, ExtendedComplex};
 use crate::form::Form;
 use crate::scaling::ScaledSystem;
 use crate::{AnalysisError, roots};
-use models::Rounded;
+use models::system::Unknown;
+use models::{LinearisedSystem, Rounded};
 use num_complex::Complex64;
 
 /// Greatest number of equations: the expansion takes 2ⁿ partial determinants.
@@ -239,6 +240,29 @@ impl DispersionPolynomial {
             .map(|root| root * self.rate + convection)
             .collect()
     }
+}
+
+/// The dispersion polynomial of a square block of coefficients, up to a positive factor; entry
+/// (i, j) gives those of A, B¹, B², C. `None` where it cannot be had.
+pub(crate) fn of_block(
+    size: usize,
+    entry: impl Fn(usize, usize) -> [Rounded; 4],
+) -> Option<Vec<Term>> {
+    const UNKNOWNS: [Unknown; MAX_SIZE] = [Unknown { name: "", family: "" }; MAX_SIZE];
+    const EQUATIONS: [&str; MAX_SIZE] = [""; MAX_SIZE];
+    let mut block = LinearisedSystem::default();
+    block.reset(UNKNOWNS.get(..size)?, EQUATIONS.get(..size)?, [0.0; 2]);
+    for i in 0..size {
+        for j in 0..size {
+            let at = (i, j);
+            let [first, second] = &mut block.b;
+            [block.a[at], first[at], second[at], block.c[at]] = entry(i, j);
+        }
+    }
+    let (mut scaled, mut polynomial) = (ScaledSystem::default(), DispersionPolynomial::default());
+    scaled.update(&block).ok()?;
+    polynomial.update(&scaled).ok()?;
+    Some(polynomial.forms())
 }
 
 /// A term ςⁱ F(κ₁, κ₂) of the dispersion polynomial.

@@ -1,0 +1,102 @@
+//! The coefficients at the corners of the Newton polygon as products.
+//!
+//! With ς = O(k^m) for an m between the slopes that meet in a corner, every entry of
+//! ςA + κ₁B¹ + κ₂B² + C has a leading part, and the corner's coefficient is the determinant of
+//! those leading entries that take part in a transversal of the greatest order. Their pattern falls
+//! apart into blocks, and the determinant into the product of the blocks': for a granular flow, that
+//! of the stresses and that of the velocities.
+
+use crate::form::Form;
+use crate::polynomial;
+use crate::scaling::ScaledSystem;
+use models::Rounded;
+
+/// Factors of the corner coefficient for ς = O(k^m), m = `slope`\[0\]/`slope`\[1\]; none where the
+/// determinant does not fall apart.
+pub(crate) fn factors(scaled: &ScaledSystem, slope: [i64; 2]) -> Vec<Form> {
+    let system = &scaled.system;
+    let n = system.equations.len();
+    let [time, space] = slope;
+    // Order in k (times the slope's denominator) of the leading part of an entry, and that part.
+    let leading = |i: usize, j: usize| -> Option<(i64, [Rounded; 4])> {
+        let at = (i, j);
+        let (a, b, c) = (system.a[at], [system.b[0][at], system.b[1][at]], system.c[at]);
+        let zero = Rounded::ZERO;
+        let wave = !(b[0].is_structural_zero() && b[1].is_structural_zero());
+        [
+            (!a.is_structural_zero(), time, [a, zero, zero, zero]),
+            (wave, space, [zero, b[0], b[1], zero]),
+            (!c.is_structural_zero(), 0, [zero, zero, zero, c]),
+        ]
+        .into_iter()
+        .filter(|(present, _, _)| *present)
+        .max_by_key(|(_, order, _)| *order)
+        .map(|(_, order, part)| (order, part))
+    };
+    let entries: Vec<Vec<_>> = (0..n).map(|i| (0..n).map(|j| leading(i, j)).collect()).collect();
+
+    // Greatest order of a transversal of the first rows with a set of columns, and of the last rows
+    // with the others.
+    const NONE: i64 = i64::MIN / 4;
+    let mut first = vec![NONE; 1 << n];
+    let mut last = vec![NONE; 1 << n];
+    (first[0], last[(1 << n) - 1]) = (0, 0);
+    for set in 0..1usize << n {
+        let row = set.count_ones() as usize;
+        for column in (0..n).filter(|c| set >> c & 1 == 0) {
+            if let Some((order, _)) = entries[row][column] {
+                let with = set | 1 << column;
+                first[with] = first[with].max(first[set] + order);
+            }
+        }
+    }
+    for set in (0..(1usize << n) - 1).rev() {
+        let row = set.count_ones() as usize;
+        for column in (0..n).filter(|c| set >> c & 1 == 0) {
+            if let Some((order, _)) = entries[row][column] {
+                last[set] = last[set].max(last[set | 1 << column] + order);
+            }
+        }
+    }
+    let greatest = last[0];
+    if greatest < 0 {
+        return Vec::new();
+    }
+
+    // Entries of the greatest transversals connect rows and columns into blocks.
+    let mut block: Vec<usize> = (0..2 * n).collect();
+    let mut takes_part = vec![vec![false; n]; n];
+    for set in 0..(1usize << n) - 1 {
+        let row = set.count_ones() as usize;
+        for column in (0..n).filter(|c| set >> c & 1 == 0) {
+            let Some((order, _)) = entries[row][column] else { continue };
+            if first[set] + order + last[set | 1 << column] == greatest {
+                takes_part[row][column] = true;
+                let (old, new) = (block[n + column], block[row]);
+                block.iter_mut().filter(|b| **b == old).for_each(|b| *b = new);
+            }
+        }
+    }
+    let mut names = block[..n].to_vec();
+    names.sort_unstable();
+    names.dedup();
+    if names.len() < 2 {
+        return Vec::new();
+    }
+    let factor = |name: usize| {
+        let rows: Vec<usize> = (0..n).filter(|&i| block[i] == name).collect();
+        let columns: Vec<usize> = (0..n).filter(|&j| block[n + j] == name).collect();
+        let terms = polynomial::of_block(rows.len(), |i, j| {
+            let (row, column) = (rows[i], columns[j]);
+            match entries[row][column] {
+                Some((_, part)) if takes_part[row][column] => part,
+                _ => [Rounded::ZERO; 4],
+            }
+        })?;
+        match <[_; 1]>::try_from(terms) {
+            Ok([term]) => Some(term.form),
+            Err(_) => None,
+        }
+    };
+    names.into_iter().map(factor).collect::<Option<Vec<_>>>().unwrap_or_default()
+}
