@@ -43,7 +43,6 @@ impl StateError {
 
 /// A state that was looked at.
 #[derive(Clone, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "one at a time")]
 pub enum Frozen {
     /// Fully deforming, and judged.
     Flowing {

@@ -71,10 +71,7 @@ fn initial(coefficients: &[Complex64], guesses: &[Complex64]) -> Vec<Complex64> 
     }
     let log = |i: usize| coefficients[i].norm().max(f64::MIN_POSITIVE).log2();
     let mut hull: Vec<usize> = Vec::new();
-    for i in 0..=degree {
-        if coefficients[i] == Complex64::ZERO {
-            continue;
-        }
+    for i in (0..=degree).filter(|&i| coefficients[i] != Complex64::ZERO) {
         while let [.., a, b] = hull[..] {
             let above = (log(b) - log(a)) * (i - a) as f64 <= (log(i) - log(a)) * (b - a) as f64;
             if !above {

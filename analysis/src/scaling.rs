@@ -137,11 +137,10 @@ mod tests {
         // |entry| = 2^(rᵢ + cⱼ + g): the scales must undo all of it.
         let (r, c, g) = ([10.0, -7.0, 33.0], [4.0, 0.0, -21.0], [0.0, 50.0]);
         let mut entries = Vec::new();
-        for row in 0..3 {
-            for column in 0..3 {
-                for group in 0..2 {
-                    let log = r[row] + c[column] + g[group];
-                    entries.push(Entry { row, column, group, log });
+        for (row, r) in r.iter().enumerate() {
+            for (column, c) in c.iter().enumerate() {
+                for (group, g) in g.iter().enumerate() {
+                    entries.push(Entry { row, column, group, log: r + c + g });
                 }
             }
         }

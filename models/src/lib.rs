@@ -11,6 +11,7 @@
 #![deny(missing_docs)]
 
 pub mod granular_flow;
+mod input;
 pub mod rounding;
 pub mod system;
 

@@ -1,7 +1,7 @@
 //! Constants of the double-shearing model and what is known of it in closed form.
 
-use crate::granular_flow::InputError;
 use crate::granular_flow::state::{Coulomb, FlowRule, check_dilatancy};
+use crate::input::InputError;
 
 /// Checked constants (Spencer 1964; Mehrabadi & Cowin 1978).
 #[derive(Clone, Copy, Debug, PartialEq)]

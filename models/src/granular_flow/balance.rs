@@ -6,19 +6,58 @@
 
 use super::state::{Coulomb, Flow, FlowRule};
 use crate::rounding::Rounded;
-use crate::system::LinearisedSystem;
+use crate::system::{LinearisedSystem, Unknown};
 
-/// Columns of the unknowns.
+const VELOCITY_1: Unknown = Unknown { name: "velocity 1", family: "velocity" };
+const VELOCITY_2: Unknown = Unknown { name: "velocity 2", family: "velocity" };
+const SPIN: Unknown = Unknown { name: "spin", family: "spin" };
+const PRESSURE: Unknown = Unknown { name: "pressure", family: "stress" };
+const ANGLE: Unknown = Unknown { name: "stress angle", family: "stress" };
+const DENSITY: Unknown = Unknown { name: "density", family: "density" };
+
+// The density stands last: without dilatancy it is left off.
+const UNKNOWNS: &[Unknown] = &[VELOCITY_1, VELOCITY_2, PRESSURE, ANGLE, DENSITY];
+const WITH_SPIN: &[Unknown] = &[VELOCITY_1, VELOCITY_2, SPIN, PRESSURE, ANGLE, DENSITY];
+
+/// Column of the intrinsic spin ω, in a model that has one.
+pub const SPIN_COLUMN: usize = 2;
+
+/// Columns of the other unknowns.
 #[derive(Clone, Copy, Debug)]
 pub struct Columns {
     /// Velocity v₁, v₂.
     pub velocity: [usize; 2],
-    /// Density ρ, where it evolves.
-    pub density: Option<usize>,
     /// Pressure p.
     pub pressure: usize,
     /// Stress angle ψ.
     pub angle: usize,
+    /// Density ρ, where it evolves.
+    pub density: Option<usize>,
+}
+
+impl Columns {
+    /// Resets `system` to the unknowns of a model with or without intrinsic spin, and to these
+    /// equations, the last of which is the balance of mass; without dilatancy, density and balance
+    /// of mass drop out.
+    pub fn reset(
+        system: &mut LinearisedSystem<2>,
+        with_spin: bool,
+        equations: &'static [&'static str],
+        rule: &FlowRule,
+        flow: &Flow,
+    ) -> Self {
+        let left_off = usize::from(!rule.dilatant);
+        let all = if with_spin { WITH_SPIN } else { UNKNOWNS };
+        let unknowns = &all[..all.len() - left_off];
+        system.reset(unknowns, &equations[..equations.len() - left_off], flow.velocity);
+        let after_velocity = if with_spin { SPIN_COLUMN + 1 } else { 2 };
+        Self {
+            velocity: [0, 1],
+            pressure: after_velocity,
+            angle: after_velocity + 1,
+            density: rule.dilatant.then_some(after_velocity + 2),
+        }
+    }
 }
 
 /// sin 2Ψ, cos 2Ψ of the stress angle.

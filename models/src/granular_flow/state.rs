@@ -1,6 +1,6 @@
 //! The state of a granular flow at a point, and all that flow rule and balance laws make of it.
 
-use super::{InputError, Kind, Model, degrees, ensure};
+use crate::input::{InputError, degrees, ensure};
 use crate::rounding::Rounded;
 
 /// Relative tolerance to which over-determined input must agree.
@@ -92,6 +92,24 @@ impl FlowRule {
     pub fn dilatation(&self) -> Rounded {
         self.dilatancy / self.volume
     }
+}
+
+/// What a model takes for the rotation of the material in the second line of its [`FlowRule`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rotation {
+    /// An intrinsic spin with a balance of its own.
+    IntrinsicSpin {
+        /// Moment of inertia per unit mass I, m².
+        moment_of_inertia: f64,
+        /// Rotational yield strength m, Pa.
+        strength: f64,
+    },
+    /// The rotation of the principal axes of stress.
+    StressAxes,
+    /// A rotation that nothing determines.
+    Free,
+    /// None: the model is coaxial.
+    None,
 }
 
 /// A state as a case gives it; SI units, radians. Absent numbers are derived.
@@ -283,30 +301,33 @@ impl Flow {
     }
 }
 
-/// See [`Model::background`].
-pub(super) fn background(model: &Model, state: &State) -> Result<Background, InputError> {
-    check_ranges(model, state)?;
-    let rule = model.flow_rule();
-    let noncoaxiality = noncoaxiality(&rule, state)?;
+/// The background that a state, a yield condition, a flow rule and the balance laws determine.
+pub(super) fn background(
+    coulomb: &Coulomb,
+    rule: &FlowRule,
+    rotation: Rotation,
+    state: &State,
+) -> Result<Background, InputError> {
+    check_ranges(coulomb, rule, rotation, state)?;
+    let noncoaxiality = noncoaxiality(rule, state)?;
 
     // Rotation against half the vorticity: second line of the flow rule with
     // (d₁₁ − d₂₂) sin 2ψ − 2 d₁₂ cos 2ψ = −2 Q_D sin 2Δ.
     let twice = 2.0 * noncoaxiality;
     let shear_rate = Rounded::given(state.shear_rate);
-    let coaxial = rule.rotation.is_structural_zero();
-    let relative_rotation = if coaxial {
+    let relative_rotation = if rotation == Rotation::None {
         Rounded::ZERO
     } else {
         -(rule.shear / rule.rotation * shear_rate * twice.sin())
     };
 
-    let (stress, region) = stress_and_region(model, state, relative_rotation)?;
+    let (stress, region) = stress_and_region(coulomb, rotation, state, relative_rotation)?;
     if region != Region::FullyDeforming {
         return Ok(Background::Elsewhere { region, stress });
     }
 
-    let velocity_gradient = velocity_gradient(&rule, state, noncoaxiality);
-    let acceleration = acceleration(model.coulomb(), state, &stress);
+    let velocity_gradient = velocity_gradient(rule, state, noncoaxiality);
+    let acceleration = acceleration(coulomb, state, &stress);
     let mut flow = Flow {
         density: state.density,
         stress,
@@ -317,15 +338,15 @@ pub(super) fn background(model: &Model, state: &State) -> Result<Background, Inp
         velocity_gradient,
         relative_rotation,
         half_vorticity: state.half_vorticity,
-        spin: match model.kind() {
-            Kind::HarrisGrekova | Kind::FreeRotating => {
+        spin: match rotation {
+            Rotation::IntrinsicSpin { .. } | Rotation::Free => {
                 Some(relative_rotation + Rounded::given(state.half_vorticity))
             }
-            _ => None,
+            Rotation::StressAxes | Rotation::None => None,
         },
         acceleration,
         body_moment: None,
-        stress_angle_rate: (model.kind() == Kind::DoubleShearing)
+        stress_angle_rate: (rotation == Rotation::StressAxes)
             .then(|| (relative_rotation + Rounded::given(state.half_vorticity)).value),
         pressure_gradient: state.pressure_gradient,
         stress_angle_gradient: state.stress_angle_gradient,
@@ -335,16 +356,16 @@ pub(super) fn background(model: &Model, state: &State) -> Result<Background, Inp
         inertia_gradient: state.inertia_gradient,
         power: 0.0,
     };
-    if let Model::HarrisGrekova(own) = model {
+    if let Rotation::IntrinsicSpin { moment_of_inertia, .. } = rotation {
         // Balance of spin (eq. 9) with r uniform, for the body moment.
         let spin = flow.spin.unwrap_or_default().value;
         flow.body_moment = Some(
-            own.moment_of_inertia * state.spin_acceleration + state.inertia_rate * spin
+            moment_of_inertia * state.spin_acceleration + state.inertia_rate * spin
                 - 2.0 * stress.rotational / state.density,
         );
     }
-    flow.power = internal_power(&rule, &flow);
-    check_agreement(model, state, &flow)?;
+    flow.power = internal_power(rule, &flow);
+    check_agreement(rotation, state, &flow)?;
     Ok(Background::FullyDeforming(flow))
 }
 
@@ -381,19 +402,24 @@ fn numbers(state: &State) -> impl Iterator<Item = (&'static str, f64)> {
     pairs.chain(single.into_iter().filter_map(|(key, x)| Some((key, x?))))
 }
 
-fn check_ranges(model: &Model, state: &State) -> Result<(), InputError> {
+fn check_ranges(
+    coulomb: &Coulomb,
+    rule: &FlowRule,
+    rotation: Rotation,
+    state: &State,
+) -> Result<(), InputError> {
     for (key, x) in numbers(state) {
         ensure(x.is_finite(), key, x, "a finite number is needed")?;
     }
-    let kind = model.kind();
+    let has_balance = matches!(rotation, Rotation::IntrinsicSpin { .. });
     ensure(
-        state.spin.is_none() || matches!(kind, Kind::HarrisGrekova | Kind::FreeRotating),
+        state.spin.is_none() || has_balance || rotation == Rotation::Free,
         "background.spin",
         state.spin.unwrap_or_default(),
         "this model has no spin of its own: leave the key out",
     )?;
     ensure(
-        state.body_moment.is_none() || kind == Kind::HarrisGrekova,
+        state.body_moment.is_none() || has_balance,
         "background.body_moment",
         state.body_moment.unwrap_or_default(),
         "this model has no balance of spin: leave the key out",
@@ -403,7 +429,6 @@ fn check_ranges(model: &Model, state: &State) -> Result<(), InputError> {
     };
     positive("background.density", state.density, "the density")?;
     positive("background.shear_rate", state.shear_rate, "the shear rate Q_D")?;
-    let coulomb = model.coulomb();
     let on_yield = coulomb.yield_deviator(state.pressure);
     ensure(
         on_yield.value > 0.0 && on_yield.value.is_finite(),
@@ -415,20 +440,19 @@ fn check_ranges(model: &Model, state: &State) -> Result<(), InputError> {
         ),
     )?;
     ensure(
-        state.noncoaxiality.is_none_or(|delta| delta == 0.0)
-            || model.kind() != Kind::PlasticPotential,
+        state.noncoaxiality.is_none_or(|delta| delta == 0.0) || rotation != Rotation::None,
         "background.noncoaxiality_deg",
         degrees(state.noncoaxiality.unwrap_or_default()),
         "the plastic potential is coaxial: leave the key out or set it to 0",
     )?;
     ensure(
-        model.is_dilatant() || state.density_gradient == [0.0; 2],
+        rule.dilatant || state.density_gradient == [0.0; 2],
         "background.density_gradient",
         format!("{:?}", state.density_gradient),
         "the density is constant when the dilatancy angle is 0: leave the key out or set it to 0",
     )?;
     ensure(
-        state.stress_angle_rate.is_none() || model.kind() == Kind::DoubleShearing,
+        state.stress_angle_rate.is_none() || rotation == Rotation::StressAxes,
         "background.stress_angle_rate_deg",
         degrees(state.stress_angle_rate.unwrap_or_default()),
         "only the double-shearing model determines the rate of the stress angle: leave the key out",
@@ -469,13 +493,14 @@ fn noncoaxiality(rule: &FlowRule, state: &State) -> Result<Rounded, InputError> 
 }
 
 fn stress_and_region(
-    model: &Model,
+    coulomb: &Coulomb,
+    rotation: Rotation,
     state: &State,
     relative_rotation: Rounded,
 ) -> Result<(Stress, Region), InputError> {
-    let on_yield = model.coulomb().yield_deviator(state.pressure);
-    let strength = match model {
-        Model::HarrisGrekova(own) => own.rotational_strength,
+    let on_yield = coulomb.yield_deviator(state.pressure);
+    let strength = match rotation {
+        Rotation::IntrinsicSpin { strength, .. } => strength,
         _ => 0.0,
     };
     let mut region = Region::FullyDeforming;
@@ -562,7 +587,7 @@ fn internal_power(rule: &FlowRule, flow: &Flow) -> f64 {
 }
 
 /// What may be given besides must agree with what follows.
-fn check_agreement(model: &Model, state: &State, flow: &Flow) -> Result<(), InputError> {
+fn check_agreement(rotation: Rotation, state: &State, flow: &Flow) -> Result<(), InputError> {
     let agree = |key, equation: &str, given: f64, derived: f64, size: f64| {
         ensure(
             (given - derived).abs() <= AGREEMENT * size,
@@ -606,11 +631,11 @@ fn check_agreement(model: &Model, state: &State, flow: &Flow) -> Result<(), Inpu
             agree("background.acceleration", equation, given, derived.value, size)?;
         }
     }
-    if let (Some(given), Some(derived), Model::HarrisGrekova(own)) =
-        (state.body_moment, flow.body_moment, model)
+    if let (Some(given), Some(derived), Rotation::IntrinsicSpin { moment_of_inertia, .. }) =
+        (state.body_moment, flow.body_moment, rotation)
     {
         let spin = flow.spin.unwrap_or_default().value;
-        let size = (own.moment_of_inertia * state.spin_acceleration).abs()
+        let size = (moment_of_inertia * state.spin_acceleration).abs()
             + (state.inertia_rate * spin).abs()
             + (2.0 * flow.stress.rotational / flow.density).abs();
         agree("background.body_moment", "the balance of spin", given, derived, size)?;

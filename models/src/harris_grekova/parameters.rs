@@ -1,7 +1,7 @@
 //! Constants of the Harris–Grekova model and what is known of it in closed form.
 
 use crate::granular_flow::state::{Coulomb, FlowRule, check_dilatancy};
-use crate::granular_flow::{InputError, ensure};
+use crate::input::{InputError, ensure};
 
 /// Checked constants (Harris & Grekova 2005, section 2).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,34 +5,24 @@
 //! with the density evolving for ν > 0, which the paper leaves out.
 
 use super::parameters::HarrisGrekova;
-use crate::granular_flow::balance::{Columns, flow_rule, mass, momentum};
+use crate::granular_flow::balance::{Columns, SPIN_COLUMN, flow_rule, mass, momentum};
 use crate::granular_flow::state::Flow;
 use crate::rounding::Rounded;
-use crate::system::{LinearisedSystem, Unknown};
+use crate::system::LinearisedSystem;
 
-const UNKNOWNS: [Unknown; 6] = [
-    Unknown { name: "velocity 1", family: "velocity" },
-    Unknown { name: "velocity 2", family: "velocity" },
-    Unknown { name: "spin", family: "spin" },
-    Unknown { name: "pressure", family: "stress" },
-    Unknown { name: "stress angle", family: "stress" },
-    Unknown { name: "density", family: "density" },
-];
 const EQUATIONS: [&str; 6] =
     ["momentum 1", "momentum 2", "spin", "flow rule: volume", "flow rule: rotation", "mass"];
+/// Row of the balance of spin.
 const SPIN: usize = 2;
 
 /// Writes the linearised system about `flow`.
 pub fn write(model: &HarrisGrekova, flow: &Flow, system: &mut LinearisedSystem<2>) {
     let rule = model.flow_rule();
-    let size = if rule.dilatant { 6 } else { 5 };
-    let density = rule.dilatant.then_some(5);
-    let columns = Columns { velocity: [0, 1], density, pressure: 3, angle: 4 };
-    system.reset(&UNKNOWNS[..size], &EQUATIONS[..size], flow.velocity);
+    let columns = Columns::reset(system, true, &EQUATIONS, &rule, flow);
 
     momentum(system, &columns, &model.coulomb, flow);
     flow_rule(system, 3, &columns, &rule, flow);
-    system.c[(4, SPIN)] = 2.0 * rule.rotation;
+    system.c[(4, SPIN_COLUMN)] = 2.0 * rule.rotation;
     mass(system, 5, &columns, flow);
 
     // Spin (eq. 9): ρ I Dω/Dt + ρ (DI/Dt) ω − 2r − ρG = 0. The perturbed velocity carries both
@@ -41,8 +31,8 @@ pub fn write(model: &HarrisGrekova, flow: &Flow, system: &mut LinearisedSystem<2
     let rho = Rounded::given(flow.density);
     let inertia = Rounded::given(model.moment_of_inertia);
     let spin = flow.spin.unwrap_or_default();
-    system.a[(SPIN, SPIN)] = rho * inertia;
-    system.c[(SPIN, SPIN)] = rho * Rounded::given(flow.inertia_rate);
+    system.a[(SPIN, SPIN_COLUMN)] = rho * inertia;
+    system.c[(SPIN, SPIN_COLUMN)] = rho * Rounded::given(flow.inertia_rate);
     for j in 0..2 {
         system.c[(SPIN, columns.velocity[j])] = rho
             * (inertia * Rounded::given(flow.spin_gradient[j])

@@ -1,7 +1,7 @@
 //! Constants of the plastic-potential model and what is known of it in closed form.
 
-use crate::granular_flow::InputError;
 use crate::granular_flow::state::{Coulomb, FlowRule, check_dilatancy};
+use crate::input::InputError;
 use crate::rounding::Rounded;
 
 /// Checked constants; associated when ν = φ.

@@ -1,0 +1,34 @@
+//! Inputs that a model cannot take.
+
+/// An input that a model cannot take.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{key}: found {found}; {allowed}")]
+pub struct InputError {
+    /// Name of the input in a case file, with its section.
+    pub key: &'static str,
+    /// What was found.
+    pub found: String,
+    /// What is allowed, as a sentence fragment.
+    pub allowed: String,
+}
+
+/// `Ok` when `holds`; otherwise what was found and what is allowed.
+pub(crate) fn ensure(
+    holds: bool,
+    key: &'static str,
+    found: impl std::fmt::Display,
+    allowed: impl Into<String>,
+) -> Result<(), InputError> {
+    if holds {
+        Ok(())
+    } else {
+        Err(InputError { key, found: found.to_string(), allowed: allowed.into() })
+    }
+}
+
+/// An angle in degrees without the noise of the conversion.
+pub(crate) fn degrees(radians: f64) -> f64 {
+    let degrees = radians.to_degrees();
+    let rounded = (degrees * 1e10).round() / 1e10;
+    if rounded.is_finite() { rounded } else { degrees }
+}
