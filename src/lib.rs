@@ -13,6 +13,7 @@ pub mod new;
 pub mod output;
 pub mod point;
 pub mod progress;
+pub mod words;
 
 use std::path::PathBuf;
 

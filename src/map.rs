@@ -2,8 +2,11 @@
 
 use crate::case::{Case, Map, Parameter, Sweep};
 use crate::frozen::{Frozen, StateError, Workspace};
-use crate::output::ResultFolder;
+use crate::output::{self, ResultFolder};
 use crate::progress::Progress;
+use crate::words::{
+    ROUTE, VALIDITY, case_title, coefficient_unit, order_words, short, superscript, unit,
+};
 use crate::{Error, Format, Options};
 use analysis::bound;
 use analysis::growth::Verdict;
@@ -21,6 +24,19 @@ struct Point {
     direction_deg: f64,
     bound: f64,
     noncoaxiality_bound_deg: f64,
+}
+
+impl Point {
+    fn empty(code: Code) -> Self {
+        Self {
+            code,
+            order: f64::NAN,
+            coefficient: f64::NAN,
+            direction_deg: f64::NAN,
+            bound: f64::NAN,
+            noncoaxiality_bound_deg: f64::NAN,
+        }
+    }
 }
 
 /// What can be said of a point; the numbers stand in `map.npz`.
@@ -61,9 +77,6 @@ impl Code {
     }
 }
 
-/// Files that a map writes.
-const FILES: [&str; 6] = ["map.png", "map.svg", "map.csv", "map.npz", "map.json", "map.txt"];
-
 /// Runs the map of a case; with `bound`, also the supremum of the growth rate at every point.
 ///
 /// # Errors
@@ -86,14 +99,14 @@ pub fn run(options: &Options, bound: bool, stdout: &mut dyn Write) -> Result<(),
             .map_err(|error| error.locate(&case))?;
         let points = map.x.points * map.y.points;
         writeln!(stdout, "would judge {points} states: {} × {}", map.x, map.y)?;
-        for name in FILES {
+        for name in output::MAP {
             writeln!(stdout, "would write {}", folder.path().join(name).display())?;
         }
         return Ok(());
     }
     let points = sweep(options, &case, &map, bound)?;
     let figure = figure(&case, &map, &points);
-    let summary = Summary::new(&case, &map, &points);
+    let summary = Summary::new(&map, &points);
     let words = summary.words(&case, &map);
     let json = format!("{:#}\n", summary.json(&case, &map));
 
@@ -125,14 +138,7 @@ fn judge(
     let mut case = case.clone();
     case.set(map.x.parameter, map.x.value(x));
     case.set(map.y.parameter, map.y.value(y));
-    let mut point = Point {
-        code: Code::NotFullyDeforming,
-        order: f64::NAN,
-        coefficient: f64::NAN,
-        direction_deg: f64::NAN,
-        bound: f64::NAN,
-        noncoaxiality_bound_deg: f64::NAN,
-    };
+    let mut point = Point::empty(Code::NotFullyDeforming);
     let (model, frozen) = workspace.judge(&case)?;
     let Frozen::Flowing { flow, assessment } = frozen else { return Ok(point) };
     point.noncoaxiality_bound_deg = model.noncoaxiality_bound().map_or(f64::NAN, f64::to_degrees);
@@ -161,17 +167,9 @@ fn judge(
 /// All points, x running fastest. The same for any number of threads: each point is judged alone.
 fn sweep(options: &Options, case: &Case, map: &Map, bound: bool) -> Result<Vec<Point>, Error> {
     let (nx, ny) = (map.x.points, map.y.points);
-    let outside = Point {
-        code: Code::OutsideModel,
-        order: f64::NAN,
-        coefficient: f64::NAN,
-        direction_deg: f64::NAN,
-        bound: f64::NAN,
-        noncoaxiality_bound_deg: f64::NAN,
-    };
     let mut points: Vec<Point> = Vec::new();
     points.try_reserve_exact(nx * ny).map_err(|_| Error::Memory { points: nx * ny })?;
-    points.resize(nx * ny, outside);
+    points.resize(nx * ny, Point::empty(Code::OutsideModel));
 
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads.unwrap_or(0))
@@ -261,46 +259,6 @@ fn npz(map: &Map, points: &[Point], bound: bool) -> Result<Vec<u8>, Error> {
     Ok(npz.finish()?)
 }
 
-/// A number for a reader: four significant digits.
-pub(crate) fn short(x: f64) -> String {
-    if x == 0.0 {
-        return "0".into();
-    }
-    if !(1e-3..1e5).contains(&x.abs()) {
-        return format!("{x:.3e}");
-    }
-    let digits = (3 - x.abs().log10().floor() as i32).max(0) as usize;
-    let text = format!("{x:.digits$}");
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
-    }
-}
-
-/// A unit as printed.
-pub(crate) fn unit(unit: &str) -> String {
-    match unit {
-        "" => String::new(),
-        "deg" => "°".into(),
-        other => format!(" {other}"),
-    }
-}
-
-/// An order as a fraction where it is one.
-pub(crate) fn order_words(order: f64) -> String {
-    for denominator in 1..=12 {
-        let numerator = order * f64::from(denominator);
-        if (numerator - numerator.round()).abs() < 1e-9 {
-            return match denominator {
-                1 => format!("{}", numerator.round()),
-                _ => format!("{}/{denominator}", numerator.round()),
-            };
-        }
-    }
-    format!("{order}")
-}
-
 /// What a map says in numbers.
 struct Summary {
     /// Points by [`Code`].
@@ -314,7 +272,7 @@ struct Summary {
 }
 
 impl Summary {
-    fn new(_case: &Case, map: &Map, points: &[Point]) -> Self {
+    fn new(map: &Map, points: &[Point]) -> Self {
         let mut counts = [0; 6];
         let mut worst: Option<(usize, Point)> = None;
         for (index, point) in points.iter().enumerate() {
@@ -444,18 +402,6 @@ impl Summary {
             "route": ROUTE,
         })
     }
-}
-
-/// How the verdicts came about.
-pub(crate) const ROUTE: &str = "exact dispersion polynomial of the linearised equations, all directions (no model's closed form)";
-
-/// What a verdict on frozen coefficients means.
-pub(crate) const VALIDITY: &str = "Validity: coefficients are frozen, which says little of waves that are not much shorter than \
-     the length on which the background varies.";
-
-/// Title for people, whatever the case has.
-pub(crate) fn case_title(case: &Case) -> String {
-    if case.title.is_empty() { case.name.clone() } else { case.title.clone() }
 }
 
 /// Intervals of x in which neighbouring points are well-posed; an end between two points stands
@@ -596,35 +542,4 @@ fn noncoaxiality_curves(map: &Map, points: &[Point]) -> Vec<Curve> {
         Curve { label: "bound on |Δ|, closed form".into(), points }
     };
     [curve(-1.0), curve(1.0)].into_iter().filter(|c| c.points.len() > 1).collect()
-}
-
-/// `²` for 2, `^(2/5)` for 0.4.
-pub(crate) fn superscript(order: f64) -> String {
-    let words = order_words(order);
-    let raised: Option<String> = words
-        .chars()
-        .map(|c| match c {
-            '0' => Some('⁰'),
-            '1' => Some('¹'),
-            '2' => Some('²'),
-            '3' => Some('³'),
-            '4' => Some('⁴'),
-            '5' => Some('⁵'),
-            '6' => Some('⁶'),
-            '7' => Some('⁷'),
-            '8' => Some('⁸'),
-            '9' => Some('⁹'),
-            _ => None,
-        })
-        .collect();
-    match raised {
-        Some(_) if words == "1" => String::new(),
-        Some(raised) => raised,
-        None => format!("^({words})"),
-    }
-}
-
-/// Unit of lim Re ς / k^order.
-pub(crate) fn coefficient_unit(order: f64) -> String {
-    format!("m{}/s", superscript(order))
 }

@@ -9,15 +9,11 @@ const CASE: &str = "case.toml";
 /// Name, version and commit of the program that wrote a folder.
 const PROGRAM: &str = "program.json";
 
-/// Every file that a verb may write besides. `--force` removes the ones of another case, so that
-/// no result ever stands beside a case that it does not belong to.
-pub const RESULTS: &[&str] = &[
-    "map.csv",
-    "map.npz",
-    "map.png",
-    "map.svg",
-    "map.json",
-    "map.txt",
+/// What `map` writes besides.
+pub const MAP: [&str; 6] = ["map.png", "map.svg", "map.csv", "map.npz", "map.json", "map.txt"];
+
+/// What `point` writes besides: the first two always, the others where there is a flow.
+pub const POINT: [&str; 8] = [
     "point.json",
     "point.txt",
     "growth.png",
@@ -27,6 +23,12 @@ pub const RESULTS: &[&str] = &[
     "directions.png",
     "directions.svg",
 ];
+
+/// Every file that a verb may write. `--force` removes the ones of another case, so that no result
+/// ever stands beside a case that it does not belong to.
+pub fn results() -> impl Iterator<Item = &'static str> {
+    MAP.into_iter().chain(POINT)
+}
 
 /// Results cannot be written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -104,7 +106,7 @@ impl ResultFolder {
     pub fn open(&self) -> Result<(), OutputError> {
         std::fs::create_dir_all(&self.path).map_err(|e| OutputError::new(&self.path, e))?;
         if self.is_foreign {
-            for name in RESULTS {
+            for name in results() {
                 let path = self.path.join(name);
                 match std::fs::remove_file(&path) {
                     Err(error) if error.kind() != ErrorKind::NotFound => {
@@ -123,12 +125,12 @@ impl ResultFolder {
         write_file(&self.path.join(PROGRAM), format!("{program:#}\n").as_bytes())
     }
 
-    /// Writes one of [`RESULTS`], whole or not at all.
+    /// Writes one of the [`results`], whole or not at all.
     ///
     /// # Errors
     /// The file, and why it cannot be written.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
-        debug_assert!(RESULTS.contains(&name), "{name} is not listed in RESULTS");
+        debug_assert!(results().any(|known| known == name), "{name} is not listed");
         write_file(&self.path.join(name), bytes)
     }
 }

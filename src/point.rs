@@ -2,8 +2,10 @@
 
 use crate::case::Case;
 use crate::frozen::{Frozen, Workspace};
-use crate::map::{ROUTE, VALIDITY, case_title, coefficient_unit, order_words, short, superscript};
-use crate::output::ResultFolder;
+use crate::output::{self, ResultFolder};
+use crate::words::{
+    ROUTE, VALIDITY, case_title, coefficient_unit, order_words, short, superscript,
+};
 use crate::{Error, Format, Options};
 use analysis::bound::{self, Place, Supremum};
 use analysis::characteristics::{self, Characteristics, Type};
@@ -22,18 +24,6 @@ const DIRECTIONS: usize = 360;
 /// Samples over wave numbers, and how many decades they reach to both sides of the given one.
 const WAVE_NUMBERS: usize = 241;
 const DECADES: f64 = 4.0;
-
-/// Files that a point writes.
-const FILES: [&str; 8] = [
-    "point.json",
-    "point.txt",
-    "growth.png",
-    "growth.svg",
-    "growth_by_direction.csv",
-    "growth_by_wave_number.csv",
-    "directions.png",
-    "directions.svg",
-];
 
 /// One model on the state.
 struct Analysed {
@@ -65,7 +55,7 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let flows = matches!(own.frozen, Frozen::Flowing { .. });
     if options.dry_run {
         writeln!(stdout, "would analyse {}", case_title(&case))?;
-        for name in if flows { &FILES[..] } else { &FILES[..2] } {
+        for name in if flows { &output::POINT[..] } else { &output::POINT[..2] } {
             writeln!(stdout, "would write {}", folder.path().join(name).display())?;
         }
         return Ok(());

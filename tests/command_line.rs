@@ -9,7 +9,7 @@ use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use wellposed::case::Case;
 use wellposed::cases::CASES;
-use wellposed::output::RESULTS;
+use wellposed::output::results;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");
 
@@ -261,7 +261,7 @@ fn run_mutant(folder: &Path, index: usize, mutant: &[u8]) -> Result<bool, String
         _ if message.contains("panicked") => Err(message),
         Some(0) => {
             let is_known =
-                |name: &String| RESULTS.contains(&name.as_str()) || *name == "program.json";
+                |name: &String| results().any(|known| known == name) || *name == "program.json";
             match left.iter().find(|name| !is_known(name) && *name != "case.toml") {
                 Some(name) => Err(format!("{name} was left behind")),
                 None if !left.iter().any(|name| name == "case.toml") => {

@@ -1,0 +1,86 @@
+//! Numbers, units and orders as words for a reader.
+
+use crate::case::Case;
+
+/// How the verdicts came about.
+pub const ROUTE: &str = "exact dispersion polynomial of the linearised equations, all directions (no model's closed form)";
+
+/// What a verdict on frozen coefficients means.
+pub const VALIDITY: &str = "Validity: coefficients are frozen, which says little of waves that are not much shorter than \
+     the length on which the background varies.";
+
+/// Title for people, whatever the case has.
+pub fn case_title(case: &Case) -> String {
+    if case.title.is_empty() { case.name.clone() } else { case.title.clone() }
+}
+
+/// A number for a reader: four significant digits.
+pub fn short(x: f64) -> String {
+    if x == 0.0 {
+        return "0".into();
+    }
+    if !(1e-3..1e5).contains(&x.abs()) {
+        return format!("{x:.3e}");
+    }
+    let digits = (3 - x.abs().log10().floor() as i32).max(0) as usize;
+    let text = format!("{x:.digits$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+/// A unit as printed.
+pub fn unit(unit: &str) -> String {
+    match unit {
+        "" => String::new(),
+        "deg" => "°".into(),
+        other => format!(" {other}"),
+    }
+}
+
+/// An order as a fraction where it is one.
+pub fn order_words(order: f64) -> String {
+    for denominator in 1..=12 {
+        let numerator = order * f64::from(denominator);
+        if (numerator - numerator.round()).abs() < 1e-9 {
+            return match denominator {
+                1 => format!("{}", numerator.round()),
+                _ => format!("{}/{denominator}", numerator.round()),
+            };
+        }
+    }
+    format!("{order}")
+}
+
+/// `²` for 2, `^(2/5)` for 0.4.
+pub fn superscript(order: f64) -> String {
+    let words = order_words(order);
+    let raised: Option<String> = words
+        .chars()
+        .map(|c| match c {
+            '0' => Some('⁰'),
+            '1' => Some('¹'),
+            '2' => Some('²'),
+            '3' => Some('³'),
+            '4' => Some('⁴'),
+            '5' => Some('⁵'),
+            '6' => Some('⁶'),
+            '7' => Some('⁷'),
+            '8' => Some('⁸'),
+            '9' => Some('⁹'),
+            _ => None,
+        })
+        .collect();
+    match raised {
+        Some(_) if words == "1" => String::new(),
+        Some(raised) => raised,
+        None => format!("^({words})"),
+    }
+}
+
+/// Unit of lim Re ς / k^order.
+pub fn coefficient_unit(order: f64) -> String {
+    format!("m{}/s", superscript(order))
+}
