@@ -468,7 +468,11 @@ fn verdict_words(of: &Analysed) -> String {
         );
     }
     if let Some(bound) = of.model.noncoaxiality_bound() {
-        let _ = writeln!(text, "  bound on |Δ|: {}°", short(degrees(bound)));
+        let _ = writeln!(
+            text,
+            "  bound on |Δ| for the leading order of growth: {}°",
+            short(degrees(bound))
+        );
     }
     text
 }

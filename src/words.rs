@@ -84,3 +84,32 @@ pub fn superscript(order: f64) -> String {
 pub fn coefficient_unit(order: f64) -> String {
     format!("m{}/s", superscript(order))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (number, words) in [
+            (0.0, "0"),
+            (-45.0, "-45"),
+            (0.968_245_8, "0.9682"),
+            (22.25, "22.25"),
+            (9_999.96, "10000"),
+            (234_376.0, "2.344e5"),
+            (-1e-7, "-1.000e-7"),
+        ] {
+            assert_eq!(short(number), words);
+        }
+    }
+
+    #[test]
+    fn orders_are_fractions() {
+        assert_eq!(order_words(2.0 / 5.0), "2/5");
+        assert_eq!(superscript(2.0), "²");
+        assert_eq!(superscript(1.0), "");
+        assert_eq!(superscript(0.5), "^(1/2)");
+        assert_eq!(coefficient_unit(2.0), "m²/s");
+    }
+}

@@ -214,13 +214,16 @@ impl Form {
         }
         for (index, &left) in extrema.iter().enumerate() {
             let value = self.at_angle(left);
-            let Some(sign) = value.sign() else {
+            let curvature = derivative.derivative().at_angle(left).value.abs();
+            // The extremum's own place is uncertain by about a unit in the last place.
+            let reach = value.bound + 0.5 * curvature * (4.0 * f64::EPSILON).powi(2);
+            if value.value.abs() <= reach {
                 // A touching zero: its place is that of the extremum.
-                let curvature = derivative.derivative().at_angle(left).value.abs();
                 let bound = derivative.at_angle(left).bound / curvature + f64::EPSILON;
                 zeros.push(Zero { angle: left, bound, crosses: false });
                 continue;
-            };
+            }
+            let sign = if value.value > 0.0 { 1 } else { -1 };
             let (right, flip) = match extrema.get(index + 1) {
                 Some(&right) => (right, 1),
                 None => (extrema[0] + PI, if self.degree() % 2 == 1 { -1 } else { 1 }),

@@ -142,6 +142,9 @@ const SAMPLES: usize = 12;
 /// than two terms; two terms are judged by exact signs.
 const NEUTRAL: f64 = 1e-7;
 
+/// Roots nearer to each other than this fraction of their modulus may be one repeated root.
+const CLUSTER: f64 = 1e-3;
+
 /// Judges the system that `pencil` holds.
 ///
 /// # Errors
@@ -182,23 +185,32 @@ pub fn assess(pencil: &Pencil) -> Result<Assessment, AnalysisError> {
         return Ok(assessment);
     }
 
-    let mut zeros: Vec<Zero> = Vec::new();
-    for edge in &edges {
-        for corner in [edge.terms[0], edge.terms[edge.terms.len() - 1]] {
-            zeros.extend(corner.form.zeros());
-        }
-    }
+    // Corners off the growing edges count too: where they vanish, other edges may come to grow.
+    let is_corner = |t: &&Term| corners.contains(&(t.time as i64, t.form.degree() as i64));
+    let mut zeros: Vec<Zero> =
+        certain.iter().filter(is_corner).flat_map(|corner| corner.form.zeros()).collect();
     // Zeros of different corners in one direction are one degenerate direction.
     form::merge(&mut zeros);
     assessment.degenerate =
         zeros.iter().map(|z| DegenerateDirection { angle: z.angle, bound: z.bound }).collect();
 
-    if let Some(direction) = unbounded_at_finite_k(&certain, &doubtful) {
-        assessment.verdict = Verdict::IllPosed { growth: None, direction };
-        return Ok(assessment);
+    let mut worst = Worst::default();
+    match unbounded_at_finite_k(&certain, &doubtful) {
+        Some(Zero { angle: direction, crosses: true, .. }) => {
+            assessment.verdict = Verdict::IllPosed { growth: None, direction };
+            return Ok(assessment);
+        }
+        Some(Zero { angle, .. }) => worst.doubts(
+            format!(
+                "coefficient of the highest power of ς for wave vectors at {:.6}°",
+                angle.to_degrees()
+            ),
+            0.0,
+            f64::EPSILON,
+        ),
+        None => {}
     }
 
-    let mut worst = Worst::default();
     for edge in &edges {
         search_directions(&certain, edge, &zeros, &mut worst);
     }
@@ -332,23 +344,31 @@ fn stands_above(term: &Term, corners: &[(i64, i64)]) -> bool {
     })
 }
 
-/// A direction in which the coefficient of the highest power of ς vanishes at every wave number.
-///
-/// Where that coefficient consists of one form, ς passes through infinity as the wave vector turns
-/// through a zero of it.
-fn unbounded_at_finite_k(certain: &[Term], doubtful: &[Term]) -> Option<f64> {
+/// A direction in which the coefficient of the highest power of ς vanishes at every wave number, so
+/// that ς passes through infinity as the wave vector turns: the zero, which crosses or touches.
+fn unbounded_at_finite_k(certain: &[Term], doubtful: &[Term]) -> Option<Zero> {
     let highest = certain.iter().map(|t| t.time).max()?;
-    let mut tops = certain.iter().chain(doubtful).filter(|t| t.time == highest);
-    let (top, None) = (tops.next()?, tops.next()) else { return None };
-    top.form.zeros().into_iter().find_map(|zero| {
-        // Next to the zero ς ≈ −(next coefficient)/(top coefficient), of either sign where the top
-        // crosses zero; unless everything else vanishes there too.
-        let rest = certain.iter().any(|t| {
-            let crosses_real = (t.form.degree() + top.form.degree()) % 2 == 0;
-            (t.time + 1 == highest && crosses_real || t.time + 1 < highest)
-                && t.form.at_angle(zero.angle).value.abs() > 1e-6 * size(&t.form)
-        });
-        (zero.crosses && rest).then_some(zero.angle)
+    if doubtful.iter().any(|t| t.time == highest) {
+        return None;
+    }
+    let of_power = |power: usize| certain.iter().filter(move |t| t.time == power);
+    let tops: Vec<&Term> = of_power(highest).collect();
+    let (top, others) = tops.split_first()?;
+    let vanishes =
+        |t: &Term, angle: f64| t.form.at_angle(angle).value.abs() <= 1e-9 * size(&t.form);
+    top.form.zeros().into_iter().find(|zero| {
+        if !others.iter().all(|t| vanishes(t, zero.angle)) {
+            return false;
+        }
+        // Next to the zero ς ≈ −(next coefficient)/(top coefficient). One that is imaginary against a
+        // single top form leads along the imaginary axis.
+        let mut next = of_power(highest.wrapping_sub(1)).filter(|t| !vanishes(t, zero.angle));
+        let is_real = |t: &Term| (t.form.degree() + top.form.degree()).is_multiple_of(2);
+        match next.next() {
+            Some(first) => !others.is_empty() || is_real(first) || next.any(is_real),
+            // Without it, roots of the ratio to a lower power, some with a positive real part.
+            None => certain.iter().any(|t| t.time + 1 < highest && !vanishes(t, zero.angle)),
+        }
     })
 }
 
@@ -402,16 +422,21 @@ fn trend(points: &[(usize, i64, Rounded)]) -> Trend {
         polynomial[i - i0] += imaginary_power(j) * value.value;
     }
     let roots = roots::of(&polynomial);
-    let worst = roots
-        .iter()
-        .map(|c| (c.re / c.norm(), c.re))
-        .fold((-1.0, -1.0), |a, b| if b.0 > a.0 { b } else { a });
-    if worst.0 > NEUTRAL {
-        Trend::Grows(roots.iter().map(|c| c.re).fold(0.0, f64::max))
-    } else if worst.0 > -NEUTRAL {
-        Trend::Neutral
-    } else {
-        Trend::Decays
+    // A repeated root comes back as a cluster: its real part is known to the cluster's size only.
+    let tolerance = |c: &Complex64| {
+        let nearest = roots
+            .iter()
+            .filter(|other| *other != c)
+            .map(|other| (other - c).norm() / c.norm())
+            .fold(f64::INFINITY, f64::min);
+        if nearest < CLUSTER { 10.0 * nearest.max(NEUTRAL) } else { NEUTRAL }
+    };
+    let grows = |c: &&Complex64| c.re > tolerance(c) * c.norm();
+    let decays = |c: &Complex64| c.re < -tolerance(c) * c.norm();
+    match roots.iter().filter(grows).map(|c| c.re).reduce(f64::max) {
+        Some(worst) => Trend::Grows(worst),
+        None if roots.iter().all(decays) => Trend::Decays,
+        None => Trend::Neutral,
     }
 }
 
@@ -438,13 +463,28 @@ fn search_directions(terms: &[Term], edge: &Edge, zeros: &[Zero], worst: &mut Wo
             Trend::Grows(c) => c,
             _ => 0.0,
         };
+        let next = |x: f64| {
+            let points: Vec<_> = terms
+                .iter()
+                .map(|t| (t.time, t.form.degree() as i64, t.form.at_angle(at(x))))
+                .collect();
+            next_order(&points, edge.order)
+        };
         let mut best = (0.0, 0.5);
+        let mut second = (None, 0.0, 0.5);
         for sample in 0..SAMPLES {
             let x = (sample as f64 + 0.5) / SAMPLES as f64;
             match trend_in_direction(edge, at(x)) {
                 Trend::Grows(c) if c > best.0 => best = (c, x),
                 Trend::Grows(_) | Trend::Decays => {}
-                Trend::Neutral => next_order(terms, edge, at(x), worst),
+                Trend::Neutral => match next(x) {
+                    NextOrder::Bounded => {}
+                    NextOrder::Grows(order, c) if c > second.1 => second = (Some(order), c, x),
+                    NextOrder::Grows(..) => {}
+                    NextOrder::Doubtful(quantity, value, bound) => {
+                        worst.doubts(quantity, value, bound);
+                    }
+                },
                 Trend::Doubtful(value) => worst.doubts(
                     format!(
                         "leading coefficient near the wave vector's direction {:.6}°",
@@ -455,67 +495,85 @@ fn search_directions(terms: &[Term], edge: &Edge, zeros: &[Zero], worst: &mut Wo
                 ),
             }
         }
+        let step = 1.0 / SAMPLES as f64;
+        let refine = |rate: &dyn Fn(f64) -> f64, (value, x): (f64, f64)| {
+            let refined = golden_section(rate, (x - step).max(0.0), (x + step).min(1.0));
+            if rate(refined) >= value { (rate(refined), refined) } else { (value, x) }
+        };
         if best.0 > 0.0 {
-            let step = 1.0 / SAMPLES as f64;
-            let x = golden_section(rate, (best.1 - step).max(0.0), (best.1 + step).min(1.0));
-            let refined = if rate(x) >= best.0 { (rate(x), x) } else { best };
-            worst.grows(edge.order, refined.0, at(refined.1));
+            let (value, x) = refine(&rate, best);
+            worst.grows(edge.order, value, at(x));
+        }
+        if let (Some(order), value, x) = second {
+            let rate = |x: f64| match next(x) {
+                NextOrder::Grows(_, c) => c,
+                _ => 0.0,
+            };
+            let (value, x) = refine(&rate, (value, x));
+            worst.grows(order, value, at(x));
         }
     }
 }
 
-/// Follows roots ς ≈ c k^m with Re c = 0 (waves) to their next order: with the terms that lie γ
-/// below the edge, ς ≈ c k^m + e k^(m−γ), e = −R(c)/E′(c), where E is the edge polynomial and R
-/// collects those terms. While m − γ ≤ 0 simple roots stay bounded.
-fn next_order(terms: &[Term], edge: &Edge, angle: f64, worst: &mut Worst) {
-    let (Some(first), Some(last)) = (edge.terms.first(), edge.terms.last()) else { return };
-    let Order { numerator, denominator } = edge.order;
-    let weight = |t: &Term| numerator * t.time as i64 + denominator * t.form.degree() as i64;
-    let top = weight(first);
-    let gap = terms.iter().map(|t| top - weight(t)).filter(|&gap| gap > 0).min();
-    let coefficient =
-        |t: &Term| imaginary_power(t.form.degree() as i64) * t.form.at_angle(angle).value;
-    let mut polynomial = vec![Complex64::ZERO; first.time - last.time + 1];
-    for term in &edge.terms {
-        polynomial[term.time - last.time] += coefficient(term);
+/// What the next order of neutral roots says.
+enum NextOrder {
+    Bounded,
+    Grows(Order, f64),
+    Doubtful(String, f64, f64),
+}
+
+/// Follows roots ς ≈ c k^m with Re c = 0 (waves) to their next order. `points` holds all coefficients
+/// in one direction as (power of ς, power of κ, value). With those that lie γ below the edge of order
+/// m, ς ≈ c k^m + e k^(m−γ), e = −R(c)/E′(c), where E is the edge polynomial and R collects those
+/// points. While m − γ ≤ 0 simple roots stay bounded.
+fn next_order(points: &[(usize, i64, Rounded)], order: Order) -> NextOrder {
+    let Order { numerator, denominator } = order;
+    let weight = |&(i, j, _): &(usize, i64, Rounded)| numerator * i as i64 + denominator * j;
+    let Some(top) = points.iter().map(weight).max() else { return NextOrder::Bounded };
+    let edge: Vec<_> = points.iter().filter(|p| weight(p) == top).collect();
+    let lowest = edge.iter().map(|p| p.0).min().unwrap_or(0);
+    let highest = edge.iter().map(|p| p.0).max().unwrap_or(0);
+    let gap = points.iter().map(|p| top - weight(p)).filter(|&gap| gap > 0).min();
+    let mut polynomial = vec![Complex64::ZERO; highest - lowest + 1];
+    for &&(i, j, value) in &edge {
+        polynomial[i - lowest] += imaginary_power(j) * value.value;
     }
+    let mut result = NextOrder::Bounded;
     for c in roots::of(&polynomial) {
-        if c.re.abs() > NEUTRAL * c.norm() {
+        // Not neutral, and not part of a cluster around a neutral root.
+        if c.re.abs() > 10.0 * CLUSTER * c.norm() {
             continue;
         }
-        let mut slope = Complex64::ZERO;
-        let mut size = 0.0;
+        let (mut slope, mut size) = (Complex64::ZERO, 0.0);
         for (i, a) in polynomial.iter().enumerate().skip(1) {
             let term = a * c.powi(i as i32 - 1) * i as f64;
             slope += term;
             size += term.norm();
         }
         if slope.norm() <= NEUTRAL * size {
-            worst.doubts(
-                format!("splitting of a repeated root of order {}", edge.order.value()),
-                slope.norm(),
-                NEUTRAL * size,
-            );
-            continue;
+            let quantity = format!("splitting of a repeated root of order {}", order.value());
+            return NextOrder::Doubtful(quantity, slope.norm(), NEUTRAL * size);
         }
         let Some(gap) = gap.filter(|&gap| gap < numerator) else { continue };
-        let rest: Complex64 = terms
+        let rest: Complex64 = points
             .iter()
-            .filter(|t| top - weight(t) == gap)
-            .map(|t| coefficient(t) * c.powi(t.time as i32 - last.time as i32))
+            .filter(|p| top - weight(p) == gap)
+            .map(|&(i, j, value)| {
+                imaginary_power(j) * value.value * c.powi(i as i32 - lowest as i32)
+            })
             .sum();
         let e = -rest / slope;
         let order = Order::new(numerator - gap, denominator);
         if e.re > NEUTRAL * e.norm() {
-            worst.grows(order, e.re, angle);
-        } else if e.re >= -NEUTRAL * e.norm() {
-            worst.doubts(
-                format!("real part of the coefficient of order {}", order.value()),
-                e.re,
-                NEUTRAL * e.norm(),
-            );
+            if !matches!(result, NextOrder::Grows(_, greatest) if greatest >= e.re) {
+                result = NextOrder::Grows(order, e.re);
+            }
+        } else if e.re >= -NEUTRAL * e.norm() && matches!(result, NextOrder::Bounded) {
+            let quantity = format!("real part of the coefficient of order {}", order.value());
+            result = NextOrder::Doubtful(quantity, e.re, NEUTRAL * e.norm());
         }
     }
+    result
 }
 
 /// The place of the greatest value of a function with one maximum in [a, b].
@@ -573,7 +631,22 @@ fn search_layer(terms: &[Term], zero: &Zero, worst: &mut Worst) {
     // In the direction itself only l = 0 counts.
     let line: Vec<Point> = points.iter().copied().filter(|p| p.l == 0).collect();
     for (order, on) in polygon_of(&line) {
-        record(&on, order, 1.0, zero.angle, worst);
+        match trend(&scaled_points(&on, 1.0)) {
+            Trend::Grows(c) => worst.grows(order, c, zero.angle),
+            Trend::Decays => {}
+            Trend::Neutral => match next_order(&scaled_points(&line, 1.0), order) {
+                NextOrder::Bounded => {}
+                NextOrder::Grows(order, c) => worst.grows(order, c, zero.angle),
+                NextOrder::Doubtful(quantity, value, bound) => {
+                    worst.doubts(quantity, value, bound);
+                }
+            },
+            Trend::Doubtful(value) => worst.doubts(
+                "leading coefficient in a degenerate direction".into(),
+                value.value,
+                value.bound,
+            ),
+        }
     }
 
     for (order, on) in facets(&points) {
@@ -592,26 +665,6 @@ fn search_layer(terms: &[Term], zero: &Zero, worst: &mut Worst) {
                 worst.grows(order, rate(x, sign).max(best.0), zero.angle);
             }
         }
-    }
-}
-
-fn record(on: &[Point], order: Order, d: f64, direction: f64, worst: &mut Worst) {
-    match trend(&scaled_points(on, d)) {
-        Trend::Grows(c) => worst.grows(order, c, direction),
-        Trend::Decays => {}
-        Trend::Neutral => worst.doubts(
-            format!(
-                "real part of the coefficient of order {} in a degenerate direction",
-                order.value()
-            ),
-            0.0,
-            f64::EPSILON,
-        ),
-        Trend::Doubtful(value) => worst.doubts(
-            "leading coefficient in a degenerate direction".into(),
-            value.value,
-            value.bound,
-        ),
     }
 }
 

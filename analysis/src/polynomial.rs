@@ -22,9 +22,19 @@ struct Coefficient {
     value: Extended,
     /// How far the rounding bounds of the entries may move it.
     bound: f64,
+    /// How far the roundings of the expansion itself may.
+    expansion: f64,
 }
 
+/// Relative error of a product and a sum in twice the working precision, generously.
+const EXTENDED_ROUNDOFF: f64 = 1e-30;
+
 impl Coefficient {
+    fn total_bound(&self) -> f64 {
+        self.bound * 1.000_001 + self.expansion
+    }
+
+    /// Exact entries that cancel exactly leave a structural zero.
     fn is_structural_zero(&self) -> bool {
         self.value.high == 0.0 && self.bound == 0.0
     }
@@ -35,6 +45,8 @@ impl Coefficient {
         self.bound += other.value.high.abs() * entry.bound
             + entry.value.abs() * other.bound
             + entry.bound * other.bound;
+        self.expansion +=
+            entry.value.abs() * (other.expansion + EXTENDED_ROUNDOFF * other.value.high.abs());
     }
 }
 
@@ -120,7 +132,7 @@ impl DispersionPolynomial {
         self.order.extend(0..n);
         self.order.sort_by_key(|&row| entries(row));
 
-        self.partial[0] = Coefficient { value: Extended::from(1.0), bound: 0.0 };
+        self.partial[0] = Coefficient { value: Extended::from(1.0), ..Coefficient::default() };
         for set in 0usize..(1 << n) - 1 {
             let used = set.count_ones() as usize;
             let row = self.order[used];
@@ -177,8 +189,10 @@ impl DispersionPolynomial {
                     terms.len() - 1
                 });
             let value = coefficient.value.high;
-            terms[index].form.coefficients[usize::from(c)] =
-                Rounded { value, bound: coefficient.bound * 1.000_001 + f64::EPSILON.powi(2) };
+            terms[index].form.coefficients[usize::from(c)] = Rounded {
+                value,
+                bound: coefficient.total_bound() + coefficient.value.low.abs() * 1.000_001,
+            };
         }
         terms
     }
@@ -207,7 +221,7 @@ impl DispersionPolynomial {
             let (a, b, c) = (usize::from(a), usize::from(b), usize::from(c));
             let factor = first[b] * second[c];
             let term = coefficient.value * factor;
-            bounds[a] += coefficient.bound * factor.high.abs();
+            bounds[a] += coefficient.total_bound() * factor.high.abs();
             let slot = &mut result[a];
             // iʲ
             match (b + c) % 4 {

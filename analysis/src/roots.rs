@@ -87,7 +87,8 @@ fn initial(coefficients: &[Complex64], guesses: &[Complex64]) -> Vec<Complex64> 
         let count = pair[1] - pair[0];
         let radius = ((log(pair[0]) - log(pair[1])) / count as f64).exp2();
         for i in 0..count {
-            let angle = std::f64::consts::TAU * (i as f64 / count as f64) + 0.7;
+            // Circles of almost equal radii must not share their points.
+            let angle = std::f64::consts::TAU * (i as f64 / count as f64) + 0.7 + pair[0] as f64;
             start.push(Complex64::from_polar(radius, angle));
         }
     }
@@ -118,11 +119,14 @@ fn iterate(
                 .sum();
             let step = newton / (1.0 - newton * others);
             if !step.is_finite() {
-                settled[i] = true;
+                // The others cancel the correction: anywhere else is better.
+                roots[i] *= Complex64::from_polar(1.001, 0.01);
                 continue;
             }
             roots[i] -= step;
-            settled[i] = step.norm() <= 1e-16 * roots[i].norm();
+            // A step may also be small because another root is in the way.
+            let size = roots[i].norm();
+            settled[i] = step.norm() <= 1e-16 * size && newton.norm() <= 1e-3 * size;
         }
         if settled.iter().all(|s| *s) {
             break;

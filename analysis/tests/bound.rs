@@ -1,0 +1,108 @@
+//! The located supremum of the growth rate against what the exact relation says of it.
+
+use models::LinearisedSystem;
+use models::granular_flow::state::{Flow, State};
+use models::granular_flow::{Kind, Model, Parameters};
+use std::f64::consts::PI;
+use wellposed_analysis::bound::{Place, TOLERANCE, supremum};
+use wellposed_analysis::growth::{Verdict, assess};
+use wellposed_analysis::pencil::Pencil;
+
+fn model(friction_angle: f64) -> Model {
+    let parameters = Parameters {
+        friction_angle,
+        dilatancy_angle: 0.0,
+        cohesion: 30.0,
+        moment_of_inertia: Some(2e-6),
+        rotational_strength: Some(0.0),
+    };
+    Model::new(Kind::HarrisGrekova, &parameters).unwrap()
+}
+
+fn pencil(model: &Model, state: &State) -> (Flow, Pencil) {
+    let flow = *model.background(state).unwrap().flow().unwrap();
+    let mut system = LinearisedSystem::default();
+    model.symbol(&flow, &mut system);
+    let mut pencil = Pencil::default();
+    pencil.update(&system).unwrap();
+    (flow, pencil)
+}
+
+/// For a uniform incompressible Harris–Grekova state the exact dispersion relation has the root
+/// ς = −G⊥·(∇V ξ⊥)/(G·ξ) − k² (something not negative), G = ξ − sin φ n: the supremum is that of the
+/// first term over directions, approached as k → 0, or the neutral spin's 0.
+#[test]
+fn uniform_incompressible_states_against_the_exact_relation() {
+    for (index, phi) in [0.2f64, 0.5, 0.8, 1.1].into_iter().enumerate() {
+        let i = index as f64;
+        let state = State {
+            density: 1300.0 + 200.0 * i,
+            pressure: 700.0,
+            stress_angle: 0.3 + 0.7 * i,
+            shear_rate: 0.5 + i,
+            half_vorticity: 0.9 - 0.5 * i,
+            noncoaxiality: Some(0.2 * i - 0.25),
+            velocity: [0.3, -0.8],
+            ..State::default()
+        };
+        let model = model(phi);
+        let (flow, pencil) = pencil(&model, &state);
+        let assessment = assess(&pencil).unwrap();
+        assert_eq!(assessment.verdict, Verdict::WellPosed);
+        let found = supremum(&pencil, &assessment, 0.0).unwrap();
+
+        let gradient = flow.velocity_gradient.map(|row| row.map(|x| x.value));
+        let rate = |theta: f64| {
+            let (sin, cos) = theta.sin_cos();
+            let (n2, n1) = (2.0 * state.stress_angle - theta).sin_cos();
+            let g = [cos - phi.sin() * n1, sin - phi.sin() * n2];
+            let across = [-sin, cos];
+            let v = gradient.map(|row| row[0] * across[0] + row[1] * across[1]);
+            -(-g[1] * v[0] + g[0] * v[1]) / (g[0] * cos + g[1] * sin)
+        };
+        let steps = 200_000;
+        let exact =
+            (0..steps).map(|s| rate(PI * f64::from(s) / f64::from(steps))).fold(0.0, f64::max);
+        let error = (found.rate - exact).abs();
+        assert!(error <= TOLERANCE * exact.max(state.shear_rate), "{} {exact}", found.rate);
+        assert_eq!(found.place, Place::LongWaves);
+    }
+}
+
+/// Where the stress angle varies in space the frozen growth rate has a pole as k → 0, next to the
+/// direction in which c_G·ξ vanishes: a supremum over all k > 0 does not exist even for a state that
+/// every short wave finds well-posed. That is why the supremum takes a least wave number.
+#[test]
+fn the_frozen_growth_rate_has_a_pole_for_long_waves() {
+    let state = State {
+        density: 1600.0,
+        pressure: 1000.0,
+        shear_rate: 1.0,
+        noncoaxiality: Some(0.1),
+        stress_angle_gradient: [1.0, 0.35],
+        pressure_gradient: [100.0, 2000.0],
+        ..State::default()
+    };
+    let model = model(0.5);
+    let (flow, pencil) = pencil(&model, &state);
+    let assessment = assess(&pencil).unwrap();
+    assert_eq!(assessment.verdict, Verdict::WellPosed);
+
+    // Ψ = 0: c_G = 2 sin φ (−∂₂Ψ, −∂₁Ψ), so c_G·ξ = 0 at tan θ = −∂₂Ψ/∂₁Ψ.
+    let pole = (-0.35f64).atan2(1.0);
+    let greatest = |k: f64| {
+        (-60..=60)
+            .map(|s| pole + 1e-2 * k * f64::from(s))
+            .flat_map(|theta| pencil.polynomial.roots(k, theta, &[]))
+            .map(|root| root.re)
+            .fold(0.0, f64::max)
+    };
+    let growth = [1e-2, 1e-3, 1e-4, 1e-5].map(greatest);
+    for pair in growth.windows(2) {
+        assert!(pair[1] > 8.0 * pair[0], "grows like 1/k: {growth:?}");
+    }
+
+    let least = model.gradient_wave_number(&flow);
+    let found = supremum(&pencil, &assessment, least).unwrap();
+    assert!(found.rate < growth[0], "{found:?}");
+}

@@ -1,0 +1,368 @@
+//! The roots of the crate against the roots of the exact polynomial of the same doubles, expanded
+//! and solved in 256 bits by the tests' own code.
+
+mod support;
+
+use models::granular_flow::Kind;
+use models::{LinearisedSystem, Rounded};
+use num_complex::Complex64;
+use rayon::prelude::*;
+use support::exact::{WideSystem, evaluate, matched, roots};
+use support::planted::{C, T, X, Y, system};
+use support::states::{Dilatancy, Random, Sample, VARIANTS, reference, wild};
+use support::wide::{Wide, WideComplex};
+use wellposed_analysis::extended::ExtendedComplex;
+use wellposed_analysis::pencil::{Pencil, Roots};
+use wellposed_analysis::roots::{of as roots_of, of_extended as roots_of_extended};
+
+const STATES: u64 = 12_000;
+
+/// The exact roots in the frame of the laboratory: those of the material frame less ik·V.
+fn exact_roots(system: &LinearisedSystem<2>, wave: [f64; 2]) -> Vec<WideComplex> {
+    let velocity = system.velocity.map(Wide::from);
+    let convection = velocity[0] * Wide::from(wave[0]) + velocity[1] * Wide::from(wave[1]);
+    roots(&WideSystem::of(system).at_wave(wave))
+        .into_iter()
+        .map(|root| WideComplex { re: root.re, im: root.im - convection })
+        .collect()
+}
+
+/// Σ |∂ς/∂entry| |entry| / |ς| over all entries of A, Bⁱ, C and V, by the cofactors at the root.
+fn condition(system: &LinearisedSystem<2>, wave: [f64; 2], root: WideComplex) -> f64 {
+    let exact = WideSystem::of(system);
+    let velocity = system.velocity.map(Wide::from);
+    let convection = [0, 1].map(|d| velocity[d] * Wide::from(wave[d]));
+    let material = WideComplex { re: root.re, im: root.im + convection[0] + convection[1] };
+    let slope = evaluate(&exact.at_wave(wave), material).1.modulus();
+    let cofactors = exact.cofactors(wave, material);
+    let mut sum = Wide::ZERO;
+    for (row, cofactors) in exact.entries.iter().zip(&cofactors) {
+        for (e, cofactor) in row.iter().zip(cofactors) {
+            let size = e[0].abs() * material.modulus()
+                + (e[1] * Wide::from(wave[0])).abs()
+                + (e[2] * Wide::from(wave[1])).abs()
+                + e[3].abs();
+            sum += size * cofactor.modulus();
+        }
+    }
+    let relative = sum * slope.recip() + convection[0].abs() + convection[1].abs();
+    (relative * root.modulus().recip()).to_f64()
+}
+
+struct Outcome {
+    variant: usize,
+    roots: usize,
+    /// Greatest deviation of the roots that meet 1e-12.
+    plain: f64,
+    /// Roots that need their condition number: (deviation, 1e-15 × condition).
+    conditioned: Vec<(f64, f64)>,
+    /// Roots of an equilibrated QZ that are well conditioned, and those that it misses.
+    generalised: (usize, usize),
+}
+
+fn compare(seed: u64) -> Outcome {
+    let random = &mut Random::new(seed);
+    let variant = seed as usize % VARIANTS.len();
+    let (kind, dilatancy) = VARIANTS[variant];
+    let sample = wild(random, kind, dilatancy);
+    let k = random.decades(1e-2, 1e8);
+    let direction = random.within(0.0, std::f64::consts::TAU);
+    let (sin, cos) = direction.sin_cos();
+    let wave = [k * cos, k * sin];
+
+    let mut pencil = Pencil::default();
+    pencil.update(&sample.system).expect("finite coefficients");
+    let Roots::Regular { finite, infinite } = pencil.roots(k, direction) else {
+        panic!("seed {seed}: singular")
+    };
+    let exact = exact_roots(&sample.system, wave);
+    assert_eq!(finite.len(), exact.len(), "seed {seed}: {sample:?} at {k:e}, {direction}");
+    assert_eq!(infinite, sample.system.equations.len() - exact.len());
+    if variant == 0 {
+        assert_eq!(finite.len(), 2, "Harris–Grekova without dilatancy has two finite roots");
+    }
+
+    let mut outcome = Outcome {
+        variant,
+        roots: exact.len(),
+        plain: 0.0,
+        conditioned: vec![],
+        generalised: (0, 0),
+    };
+    let generalised = pencil.generalised_eigenvalues(k, direction);
+    for (found, &wanted) in matched(&finite, &exact) {
+        if wanted.is_zero() {
+            assert_eq!(*found, Complex64::ZERO, "seed {seed}: a root that is exactly zero");
+            continue;
+        }
+        let error = (WideComplex::from(*found) - wanted).modulus() * wanted.modulus().recip();
+        let error = error.to_f64();
+        if error <= 1e-12 {
+            outcome.plain = outcome.plain.max(error);
+        } else {
+            let allowed = 1e-15 * condition(&sample.system, wave, wanted);
+            assert!(
+                error <= allowed,
+                "seed {seed}: {found} off by {error:e}, allowed {allowed:e}: {sample:?} at {k:e}, \
+                 {direction}"
+            );
+            outcome.conditioned.push((error, allowed));
+        }
+        if seed.is_multiple_of(10) && condition(&sample.system, wave, wanted) < 1e6 {
+            outcome.generalised.0 += 1;
+            let near = |z: &Complex64| (z - found).norm() <= 1e-6 * found.norm();
+            if !generalised.iter().any(near) {
+                outcome.generalised.1 += 1;
+            }
+        }
+    }
+    outcome
+}
+
+/// Every finite root of every model to 1e-12, or 1e-15 × its condition number; as many as the
+/// exact polynomial has; QZ alone finds the well-conditioned ones to 1e-6.
+#[test]
+fn finite_roots_are_those_of_the_exact_polynomial() {
+    let outcomes: Vec<Outcome> = (0..STATES).into_par_iter().map(compare).collect();
+    let mut generalised = (0, 0);
+    for (variant, (kind, dilatancy)) in VARIANTS.iter().enumerate() {
+        let own: Vec<&Outcome> = outcomes.iter().filter(|o| o.variant == variant).collect();
+        let count: usize = own.iter().map(|o| o.roots).sum();
+        let plain = own.iter().map(|o| o.plain).fold(0.0, f64::max);
+        let conditioned: Vec<_> = own.iter().flat_map(|o| &o.conditioned).collect();
+        let worst = conditioned.iter().map(|c| c.0 / c.1).fold(0.0, f64::max);
+        let own_generalised =
+            own.iter().fold((0, 0), |s, o| (s.0 + o.generalised.0, s.1 + o.generalised.1));
+        generalised.0 += own_generalised.0;
+        generalised.1 += own_generalised.1;
+        println!(
+            "{kind:?} {dilatancy:?}: {} states, {count} roots, greatest deviation {plain:.1e}; {} \
+             needed their condition number (at most {worst:.2} of what it allows); QZ alone missed \
+             {} of {}",
+            own.len(),
+            conditioned.len(),
+            own_generalised.1,
+            own_generalised.0,
+        );
+    }
+    assert!(generalised.0 > 500);
+    // QZ is backward stable for the pencil as a whole, not entry by entry: a few may be lost.
+    assert!(
+        generalised.1 * 50 <= generalised.0,
+        "QZ missed {} of {} well-conditioned roots",
+        generalised.1,
+        generalised.0
+    );
+}
+
+/// Polynomials whose starting points lie in symmetric places, where corrections cancel: products of
+/// (x + i c)(x² − c²) and the like, at all scales.
+#[test]
+fn roots_of_symmetric_polynomials() {
+    let sets: [&[(f64, f64)]; 6] = [
+        &[(0.0, -1.0), (1.0, 0.0), (-1.0, 0.0)],
+        &[(0.0, -1.0), (0.0, 1.0), (1.0, 0.0), (-1.0, 0.0)],
+        &[(1.0, 0.0), (-0.5, 0.75f64.sqrt()), (-0.5, -0.75f64.sqrt())],
+        &[(2.0, 0.0), (-2.0, 0.0), (0.0, 1.0), (0.0, -1.0), (0.0, 3.0)],
+        &[(0.0, 1.0), (0.0, 2.0), (0.0, 3.0), (0.0, -6.0)],
+        &[(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0), (0.0, 0.5), (0.0, -0.5)],
+    ];
+    for n in 0..4000 {
+        let scale = if n % 2 == 0 { f64::from(n + 1) / 4000.0 } else { f64::from(n - 2000).exp2() };
+        let scale = if (1e-20..1e20).contains(&scale) { scale } else { 1.0 + f64::from(n) * 1e-3 };
+        for set in sets {
+            let wanted: Vec<WideComplex> =
+                set.iter().map(|&(re, im)| (scale * Complex64::new(re, im)).into()).collect();
+            let mut p = vec![WideComplex::real(Wide::from(1.0))];
+            for &root in &wanted {
+                let mut next = vec![WideComplex::ZERO; p.len() + 1];
+                for (i, &c) in p.iter().enumerate() {
+                    next[i + 1] += c;
+                    next[i] += -(root * c);
+                }
+                p = next;
+            }
+            let rounded: Vec<Complex64> = p.iter().map(|c| c.to_c64()).collect();
+            let extended: Vec<ExtendedComplex> = rounded
+                .iter()
+                .map(|c| ExtendedComplex { re: c.re.into(), im: c.im.into() })
+                .collect();
+            for found in [roots_of(&rounded), roots_of_extended(&extended, &[])] {
+                for (found, wanted) in matched(&found, &wanted) {
+                    let error = (found - wanted.to_c64()).norm();
+                    assert!(error < 1e-10 * scale, "{scale:e} × {set:?}: {found} for {wanted:?}");
+                }
+            }
+        }
+    }
+}
+
+/// Uncoupled equations whose rates nearly agree: each root is perfectly conditioned, but as roots
+/// of a polynomial they need more digits than a double has.
+#[test]
+fn clustered_roots_of_uncoupled_equations() {
+    for (n, bits) in [(2, 24), (3, 16), (3, 20), (4, 12)] {
+        let rate = |i: usize| 1.0 + (i * i + 1) as f64 * (-f64::from(bits)).exp2();
+        let mut entries = Vec::new();
+        for i in 0..n {
+            entries.extend([(i, i, T, 1.0), (i, i, C, rate(i)), (i, i, X, 0.5)]);
+        }
+        let mut pencil = Pencil::default();
+        pencil.update(&system(n, n, &entries)).expect("finite coefficients");
+        let Roots::Regular { finite, infinite } = pencil.roots(2.0, 0.0) else {
+            panic!("singular")
+        };
+        assert_eq!((finite.len(), infinite), (n, 0));
+        let wanted: Vec<WideComplex> =
+            (0..n).map(|i| Complex64::new(-rate(i), -1.0).into()).collect();
+        for (found, wanted) in matched(&finite, &wanted) {
+            let error = (found - wanted.to_c64()).norm();
+            assert!(error < 1e-12, "{n} roots 2^-{bits} apart: {found} off by {error:e}");
+        }
+    }
+}
+
+/// The crate's coefficients with their rounding bounds against the same equations in 256 bits.
+#[test]
+fn rounding_bounds_of_the_coefficients_cover_their_errors() {
+    let worst = (0..7_000u64)
+        .into_par_iter()
+        .map(|seed| {
+            let (kind, dilatancy) = VARIANTS[seed as usize % VARIANTS.len()];
+            let sample = wild(&mut Random::new(0xc0ff + seed), kind, dilatancy);
+            let exact = reference(&sample);
+            let s = &sample.system;
+            let mut worst = 0.0f64;
+            for i in 0..exact.size {
+                for j in 0..exact.size {
+                    let at = (i, j);
+                    let own = [s.a[at], s.b[0][at], s.b[1][at], s.c[at]];
+                    for (own, wanted) in own.into_iter().zip(exact.entries[i][j]) {
+                        let error = (Wide::from(own.value) - wanted).abs().to_f64();
+                        assert!(
+                            error <= own.bound,
+                            "{} / {}: {own:?} off by {error:e} in {sample:?}",
+                            s.equations[i],
+                            s.unknowns[j].name
+                        );
+                        if own.bound > 0.0 {
+                            worst = worst.max(error / own.bound);
+                        }
+                    }
+                }
+            }
+            worst
+        })
+        .reduce(|| 0.0, f64::max);
+    println!("greatest error of a coefficient: {worst:.2} of its bound");
+}
+
+/// Checks the coefficients of the crate's dispersion polynomial against exact ones, up to the common
+/// power of two that the crate's units make; returns the greatest error over bound.
+fn coefficients_within_bounds(pencil: &Pencil, exact: &WideSystem) -> Result<f64, String> {
+    let exact = exact.polynomial();
+    let (rate, wave_number) = (pencil.polynomial.rate.log2(), pencil.polynomial.wave_number.log2());
+    let units =
+        |power: [u8; 3]| f64::from(power[0]) * rate + f64::from(power[1] + power[2]) * wave_number;
+    let forms = pencil.polynomial.forms();
+    let own = |power: [u8; 3]| {
+        let [time, space] = [power[0], power[1] + power[2]].map(usize::from);
+        let term = forms.iter().find(|t| t.time == time && t.form.degree() == space);
+        term.map_or(Rounded::ZERO, |t| t.form.coefficients[usize::from(power[2])])
+    };
+    let certain = exact.terms.iter().find(|(power, _)| {
+        let own = own(*power);
+        own.value.abs() > 1e6 * own.bound
+    });
+    let Some((power, value)) = certain else { return Err("nothing certain".into()) };
+    let common = (own(*power).value.abs().log2() - value.log2() - units(*power)).round();
+    let mut worst = 0.0f64;
+    for (power, value) in &exact.terms {
+        let own = own(*power);
+        let wanted = value.shifted((common + units(*power)) as i64);
+        let error = (Wide::from(own.value).abs() - wanted.abs()).abs().to_f64();
+        if error > own.bound {
+            return Err(format!("ς, κ₁, κ₂ to {power:?}: {own:?} off by {error:e}"));
+        }
+        if own.bound > 0.0 {
+            worst = worst.max(error / own.bound);
+        }
+    }
+    Ok(worst)
+}
+
+/// The coefficients of the dispersion polynomial of every model, with their rounding bounds,
+/// against those of the same equations written anew in 256 bits.
+#[test]
+fn rounding_bounds_of_the_polynomial_cover_its_errors() {
+    let worst = (0..2_100u64)
+        .into_par_iter()
+        .map(|seed| {
+            let (kind, dilatancy) = VARIANTS[seed as usize % VARIANTS.len()];
+            let sample = wild(&mut Random::new(0xb0b + seed), kind, dilatancy);
+            let mut pencil = Pencil::default();
+            pencil.update(&sample.system).expect("finite coefficients");
+            coefficients_within_bounds(&pencil, &reference(&sample))
+                .unwrap_or_else(|e| panic!("seed {seed}, {kind:?} {dilatancy:?}: {e}"))
+        })
+        .reduce(|| 0.0, f64::max);
+    println!("greatest error of a coefficient of the polynomial: {worst:.2} of its bound");
+}
+
+/// The same for coefficients that are meant literally: then only the expansion rounds.
+#[test]
+fn rounding_bounds_of_the_expansion_cover_its_errors() {
+    for seed in 0..500 {
+        let random = &mut Random::new(0xe4 + seed);
+        let n = 2 + (seed % 4) as usize;
+        let mut entries = Vec::new();
+        for i in 0..n {
+            for j in 0..n {
+                for part in [T, X, Y, C] {
+                    entries.push((i, j, part, random.signed(1e-2, 1e2)));
+                }
+            }
+        }
+        let system = system(n, n, &entries);
+        let mut pencil = Pencil::default();
+        pencil.update(&system).expect("finite coefficients");
+        coefficients_within_bounds(&pencil, &WideSystem::of(&system))
+            .unwrap_or_else(|e| panic!("seed {seed}: {e}"));
+    }
+}
+
+/// Two finite roots, never a third, in special directions too, and their values: the condition
+/// for the leading coefficient's zeros, where the roots change their order of magnitude.
+#[test]
+fn no_spurious_third_root_in_degenerate_directions() {
+    for seed in 0..300 {
+        let random = &mut Random::new(0xdead + seed);
+        let sample: Sample = wild(random, Kind::HarrisGrekova, Dilatancy::Zero);
+        let half = std::f64::consts::FRAC_PI_4 - 0.5 * sample.parameters.friction_angle;
+        let mut pencil = Pencil::default();
+        pencil.update(&sample.system).expect("finite coefficients");
+        for direction in [sample.state.stress_angle + half, sample.state.stress_angle - half] {
+            for offset in [0.0, 1e-8, -1e-4] {
+                let k = random.decades(1e-2, 1e8);
+                let Roots::Regular { finite, infinite } = pencil.roots(k, direction + offset)
+                else {
+                    panic!("singular")
+                };
+                assert_eq!((finite.len(), infinite), (2, 3));
+                let (sin, cos) = (direction + offset).sin_cos();
+                let wave = [k * cos, k * sin];
+                let exact = exact_roots(&sample.system, wave);
+                for (found, &wanted) in matched(&finite, &exact) {
+                    if wanted.is_zero() {
+                        assert_eq!(*found, Complex64::ZERO);
+                        continue;
+                    }
+                    let gap = (WideComplex::from(*found) - wanted).modulus();
+                    let error = (gap * wanted.modulus().recip()).to_f64();
+                    let allowed = 1e-15 * condition(&sample.system, wave, wanted);
+                    assert!(error <= allowed.max(1e-12), "{found} off by {error:e} of {allowed:e}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,346 @@
+//! Determinants, polynomials and their roots in 256 bits, by Leibniz's sum over permutations: a
+//! route that has nothing in common with the crate's.
+
+use super::wide::{Wide, WideComplex};
+use models::LinearisedSystem;
+use num_complex::Complex64;
+
+/// The matrices of A ∂ₜz + Σ Bⁱ ∂ᵢz + C z = 0 in 256 bits, row by row.
+#[derive(Clone, Debug)]
+pub struct WideSystem {
+    pub size: usize,
+    /// Entry (i, j) → coefficients of ς, κ₁, κ₂ and 1.
+    pub entries: Vec<Vec<[Wide; 4]>>,
+}
+
+impl WideSystem {
+    /// The doubles of a square system, taken literally; `velocity` is left out.
+    pub fn of(system: &LinearisedSystem<2>) -> Self {
+        let size = system.equations.len();
+        assert_eq!(size, system.unknowns.len());
+        let entry = |i: usize, j: usize| {
+            let at = (i, j);
+            [system.a[at], system.b[0][at], system.b[1][at], system.c[at]]
+                .map(|x| Wide::from(x.value))
+        };
+        let entries = (0..size).map(|i| (0..size).map(|j| entry(i, j)).collect()).collect();
+        Self { size, entries }
+    }
+
+    /// det(ςA + κ₁B¹ + κ₂B² + C), one coefficient for each power of ς, κ₁, κ₂.
+    pub fn polynomial(&self) -> DispersionReference {
+        let one = vec![([0u8; 3], Wide::from(1.0))];
+        let mut result = DispersionReference { terms: Vec::new() };
+        leibniz(
+            self.size,
+            one,
+            &|i, j| self.entries[i][j].iter().any(|x| !x.is_zero()),
+            &|product, i, j| {
+                let mut next = Vec::with_capacity(2 * product.len());
+                for (power, value) in product {
+                    for (variable, &x) in self.entries[i][j].iter().enumerate() {
+                        if !x.is_zero() {
+                            let mut power = *power;
+                            if variable < 3 {
+                                power[variable] += 1;
+                            }
+                            add_term(&mut next, power, *value * x);
+                        }
+                    }
+                }
+                next
+            },
+            &mut |product, negative| {
+                for &(power, value) in product {
+                    add_term(&mut result.terms, power, if negative { -value } else { value });
+                }
+            },
+        );
+        result.terms.retain(|(_, value)| !value.is_zero());
+        result
+    }
+
+    /// det(ςA + i(k₁B¹ + k₂B²) + C) by powers of ς; exact zeros at the top are left out.
+    pub fn at_wave(&self, wave: [f64; 2]) -> Vec<WideComplex> {
+        let wave = wave.map(Wide::from);
+        let constant = |i: usize, j: usize| {
+            let e = &self.entries[i][j];
+            WideComplex { re: e[3], im: wave[0] * e[1] + wave[1] * e[2] }
+        };
+        let mut result = vec![WideComplex::ZERO; self.size + 1];
+        leibniz(
+            self.size,
+            vec![WideComplex::real(Wide::from(1.0))],
+            &|i, j| !(constant(i, j).is_zero() && self.entries[i][j][0].is_zero()),
+            &|product: &Vec<WideComplex>, i, j| {
+                let (a, c) = (self.entries[i][j][0], constant(i, j));
+                let mut next = vec![WideComplex::ZERO; product.len() + usize::from(!a.is_zero())];
+                for (n, &p) in product.iter().enumerate() {
+                    if !c.is_zero() {
+                        next[n] += p * c;
+                    }
+                    if !a.is_zero() {
+                        next[n + 1] += p.scaled(a);
+                    }
+                }
+                next
+            },
+            &mut |product, negative| {
+                for (r, &p) in result.iter_mut().zip(product) {
+                    *r += if negative { -p } else { p };
+                }
+            },
+        );
+        trim(&mut result);
+        result
+    }
+
+    /// The cofactors of ςA + i(k₁B¹ + k₂B²) + C at one ς.
+    pub fn cofactors(&self, wave: [f64; 2], root: WideComplex) -> Vec<Vec<WideComplex>> {
+        let wave = wave.map(Wide::from);
+        let matrix: Vec<Vec<WideComplex>> = self
+            .entries
+            .iter()
+            .map(|row| {
+                row.iter()
+                    .map(|e| {
+                        root.scaled(e[0])
+                            + WideComplex { re: e[3], im: wave[0] * e[1] + wave[1] * e[2] }
+                    })
+                    .collect()
+            })
+            .collect();
+        let n = self.size;
+        (0..n)
+            .map(|row| {
+                (0..n)
+                    .map(|column| {
+                        let at = |i: usize, j: usize| {
+                            matrix[i + usize::from(i >= row)][j + usize::from(j >= column)]
+                        };
+                        let mut sum = WideComplex::ZERO;
+                        leibniz(
+                            n - 1,
+                            WideComplex::real(Wide::from(1.0)),
+                            &|i, j| !at(i, j).is_zero(),
+                            &|&product: &WideComplex, i, j| product * at(i, j),
+                            &mut |&product, negative| {
+                                sum += if negative { -product } else { product };
+                            },
+                        );
+                        if (row + column) % 2 == 1 { -sum } else { sum }
+                    })
+                    .collect()
+            })
+            .collect()
+    }
+}
+
+fn add_term(terms: &mut Vec<([u8; 3], Wide)>, power: [u8; 3], value: Wide) {
+    match terms.iter_mut().find(|(own, _)| *own == power) {
+        Some((_, own)) => *own += value,
+        None => terms.push((power, value)),
+    }
+}
+
+/// Visits all permutations whose entries are present, with their products and parities.
+fn leibniz<P>(
+    size: usize,
+    one: P,
+    present: &dyn Fn(usize, usize) -> bool,
+    times: &dyn Fn(&P, usize, usize) -> P,
+    visit: &mut dyn FnMut(&P, bool),
+) {
+    fn descend<P>(
+        size: usize,
+        chosen: &mut Vec<usize>,
+        product: &P,
+        present: &dyn Fn(usize, usize) -> bool,
+        times: &dyn Fn(&P, usize, usize) -> P,
+        visit: &mut dyn FnMut(&P, bool),
+    ) {
+        let row = chosen.len();
+        if row == size {
+            let inversions: usize =
+                (0..size).map(|i| (i + 1..size).filter(|&j| chosen[j] < chosen[i]).count()).sum();
+            visit(product, inversions % 2 == 1);
+            return;
+        }
+        for column in 0..size {
+            if !chosen.contains(&column) && present(row, column) {
+                let next = times(product, row, column);
+                chosen.push(column);
+                descend(size, chosen, &next, present, times, visit);
+                chosen.pop();
+            }
+        }
+    }
+    descend(size, &mut Vec::new(), &one, present, times, visit);
+}
+
+/// Removes exact zeros at the top.
+pub fn trim(polynomial: &mut Vec<WideComplex>) {
+    while polynomial.len() > 1 && polynomial.last().is_some_and(|c| c.is_zero()) {
+        polynomial.pop();
+    }
+}
+
+/// Value and slope of Σ pᵢ xⁱ.
+pub fn evaluate(polynomial: &[WideComplex], x: WideComplex) -> (WideComplex, WideComplex) {
+    let (mut value, mut slope) = (WideComplex::ZERO, WideComplex::ZERO);
+    for &c in polynomial.iter().rev() {
+        slope = slope * x + value;
+        value = value * x + c;
+    }
+    (value, slope)
+}
+
+/// All roots of Σ pᵢ xⁱ to about 60 digits where they are simple: simultaneous iteration from
+/// circles whose radii come from the slopes of the Newton polygon.
+pub fn roots(polynomial: &[WideComplex]) -> Vec<WideComplex> {
+    let zeros = polynomial.iter().take_while(|c| c.is_zero()).count();
+    let p = &polynomial[zeros.min(polynomial.len() - 1)..];
+    let degree = p.len() - 1;
+    let mut found = vec![WideComplex::ZERO; polynomial.len() - p.len()];
+    if degree == 0 {
+        return found;
+    }
+    let logs: Vec<f64> = p.iter().map(|c| c.modulus().log2()).collect();
+    let mut x = Vec::with_capacity(degree);
+    let mut from = 0;
+    while from < degree {
+        // The steepest descent of log |p| from here is an edge of the polygon.
+        let slope = |to: usize| (logs[to] - logs[from]) / (to - from) as f64;
+        let to = (from + 1..=degree)
+            .fold(from + 1, |best, to| if slope(to) >= slope(best) { to } else { best });
+        let radius = -slope(to);
+        let whole = radius.floor();
+        for n in 0..to - from {
+            let turn = std::f64::consts::TAU * n as f64 / (to - from) as f64 + 0.61;
+            let start = Complex64::from_polar((radius - whole).exp2(), turn);
+            x.push(WideComplex::from(start).shifted(whole as i64));
+        }
+        from = to;
+    }
+    let mut settled = vec![false; degree];
+    for _ in 0..400 {
+        for i in 0..degree {
+            if settled[i] {
+                continue;
+            }
+            let (value, slope) = evaluate(p, x[i]);
+            if value.is_zero() || slope.is_zero() {
+                settled[i] = value.is_zero();
+                continue;
+            }
+            let newton = value.ratio(slope);
+            let one = WideComplex::real(Wide::from(1.0));
+            let mut denominator = one;
+            for j in 0..degree {
+                let gap = x[i] - x[j];
+                if j != i && !gap.is_zero() {
+                    denominator = denominator - newton.ratio(gap);
+                }
+            }
+            let step = if denominator.is_zero() { newton } else { newton.ratio(denominator) };
+            x[i] = x[i] - step;
+            settled[i] = step.exponent() < x[i].exponent() - 200;
+        }
+        if settled.iter().all(|s| *s) {
+            break;
+        }
+    }
+    found.extend(x);
+    found
+}
+
+/// Pairs the numbers of two lists of equal length, nearest pairs first.
+pub fn matched<'a>(
+    found: &'a [Complex64],
+    wanted: &'a [WideComplex],
+) -> Vec<(&'a Complex64, &'a WideComplex)> {
+    let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
+    for (i, &f) in found.iter().enumerate() {
+        for (j, &w) in wanted.iter().enumerate() {
+            let size = w.modulus() + Wide::from(f64::MIN_POSITIVE);
+            let gap = (WideComplex::from(f) - w).modulus() * size.recip();
+            pairs.push((gap.to_f64(), i, j));
+        }
+    }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut left, mut right) = (vec![true; found.len()], vec![true; wanted.len()]);
+    let mut result = Vec::new();
+    for (_, i, j) in pairs {
+        if left[i] && right[j] {
+            (left[i], right[j]) = (false, false);
+            result.push((&found[i], &wanted[j]));
+        }
+    }
+    result
+}
+
+/// The dispersion polynomial in 256 bits: (powers of ς, κ₁, κ₂; coefficient).
+#[derive(Clone, Debug)]
+pub struct DispersionReference {
+    pub terms: Vec<([u8; 3], Wide)>,
+}
+
+impl DispersionReference {
+    /// By powers of ς at the wave vector k (cos, sin).
+    pub fn at(&self, k: Wide, cos: Wide, sin: Wide) -> Vec<WideComplex> {
+        let powers = |x: Wide| {
+            let mut list = vec![Wide::from(1.0)];
+            for n in 0..12 {
+                list.push(list[n] * x);
+            }
+            list
+        };
+        let (first, second) = (powers(k * cos), powers(k * sin));
+        let highest = self.terms.iter().map(|t| t.0[0]).max().unwrap_or(0);
+        let mut result = vec![WideComplex::ZERO; usize::from(highest) + 1];
+        let mut greatest = vec![Wide::ZERO.exponent(); result.len()];
+        for &([a, b, c], value) in &self.terms {
+            let term = value * first[usize::from(b)] * second[usize::from(c)];
+            result[usize::from(a)] += WideComplex::real(term).turned(usize::from(b + c));
+            let size = value.exponent() + i64::from(b + c) * k.exponent();
+            greatest[usize::from(a)] = greatest[usize::from(a)].max(size);
+        }
+        // In a direction that is itself rounded to 256 bits, this much is zero.
+        for (sum, greatest) in result.iter_mut().zip(greatest) {
+            if sum.exponent() < greatest - 235 {
+                *sum = WideComplex::ZERO;
+            }
+        }
+        trim(&mut result);
+        result
+    }
+
+    /// Greatest real part of the roots at a wave vector, with the direction given by a centre and
+    /// an offset so small that their sum would lose it; −∞ without roots.
+    pub fn growth(&self, k: Wide, direction: Wide) -> Wide {
+        let (sin, cos) = direction.sin_cos();
+        roots(&self.at(k, cos, sin))
+            .into_iter()
+            .map(|root| root.re)
+            .reduce(|a, b| if b > a { b } else { a })
+            .unwrap_or(-Wide::from(1.0).shifted(4000))
+    }
+
+    /// Greatest power of ς.
+    pub fn degree(&self) -> u8 {
+        self.terms.iter().map(|t| t.0[0]).max().unwrap_or(0)
+    }
+
+    /// F_ij(cos θ, sin θ).
+    pub fn form(&self, i: u8, j: u8, angle: Wide) -> Wide {
+        let (sin, cos) = angle.sin_cos();
+        let mut sum = Wide::ZERO;
+        for &([a, b, c], value) in &self.terms {
+            if a == i && b + c == j {
+                let power = |x: Wide, n: u8| (0..n).fold(Wide::from(1.0), |p, _| p * x);
+                sum += value * power(cos, b) * power(sin, c);
+            }
+        }
+        sum
+    }
+}

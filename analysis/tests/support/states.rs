@@ -1,0 +1,334 @@
+//! Random fully deforming states of the granular-flow models, and their linearised equations in
+//! 256 bits from formulas written for the tests alone.
+
+use super::exact::WideSystem;
+use super::wide::Wide;
+use models::LinearisedSystem;
+use models::granular_flow::state::{Background, Flow, State};
+use models::granular_flow::{Kind, Model, Parameters};
+
+/// A small generator with a fixed seed (splitmix64).
+pub struct Random(u64);
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        let mut random = Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5bf0_3635);
+        random.unit();
+        random
+    }
+
+    /// Uniform in [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 * (-53f64).exp2()
+    }
+
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    pub fn within(&mut self, least: f64, most: f64) -> f64 {
+        least + (most - least) * self.unit()
+    }
+
+    /// Log-uniform.
+    pub fn decades(&mut self, least: f64, most: f64) -> f64 {
+        self.within(least.ln(), most.ln()).exp()
+    }
+
+    pub fn chance(&mut self, probability: f64) -> bool {
+        self.unit() < probability
+    }
+
+    /// Either sign, log-uniform modulus.
+    pub fn signed(&mut self, least: f64, most: f64) -> f64 {
+        let size = self.decades(least, most);
+        if self.chance(0.5) { -size } else { size }
+    }
+}
+
+/// What a random state is to have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dilatancy {
+    Zero,
+    Positive,
+    Associated,
+}
+
+pub const VARIANTS: [(Kind, Dilatancy); 7] = [
+    (Kind::HarrisGrekova, Dilatancy::Zero),
+    (Kind::HarrisGrekova, Dilatancy::Positive),
+    (Kind::DoubleShearing, Dilatancy::Zero),
+    (Kind::DoubleShearing, Dilatancy::Positive),
+    (Kind::PlasticPotential, Dilatancy::Zero),
+    (Kind::PlasticPotential, Dilatancy::Positive),
+    (Kind::PlasticPotential, Dilatancy::Associated),
+];
+
+/// A model, a state, and all that follows from them.
+#[derive(Clone, Debug)]
+pub struct Sample {
+    pub parameters: Parameters,
+    pub state: State,
+    pub model: Model,
+    pub flow: Flow,
+    pub system: LinearisedSystem<2>,
+}
+
+impl Sample {
+    pub fn new(kind: Kind, parameters: Parameters, state: State) -> Self {
+        let model = Model::new(kind, &parameters).expect("constants within their ranges");
+        let flow = match model.background(&state).expect("an admissible state") {
+            Background::FullyDeforming(flow) => flow,
+            elsewhere => panic!("on yield by construction, yet {elsewhere:?}"),
+        };
+        let mut system = LinearisedSystem::default();
+        model.symbol(&flow, &mut system);
+        Self { parameters, state, model, flow, system }
+    }
+
+    pub fn kind(&self) -> Kind {
+        self.model.kind()
+    }
+}
+
+/// The widest ranges: densities 1e2…1e4 kg/m³, pressures 1…1e6 Pa, shear rates 1e-3…1e3 1/s,
+/// moments of inertia 1e-9…1e-2 m², all angles.
+pub fn wild(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> Sample {
+    let friction_angle = random.within(0.03, 1.5);
+    let cosserat = kind == Kind::HarrisGrekova;
+    let pressure = random.decades(1.0, 1e6);
+    let inertia = random.decades(1e-9, 1e-2);
+    let shear_rate = random.decades(1e-3, 1e3);
+    let density = random.decades(1e2, 1e4);
+    let parameters = Parameters {
+        friction_angle,
+        dilatancy_angle: match dilatancy {
+            Dilatancy::Zero => 0.0,
+            Dilatancy::Associated => friction_angle,
+            Dilatancy::Positive if kind == Kind::PlasticPotential => random.within(0.01, 1.5),
+            Dilatancy::Positive => friction_angle * random.within(0.02, 0.98),
+        },
+        cohesion: if random.chance(0.5) { 0.0 } else { pressure * random.decades(1e-3, 10.0) },
+        moment_of_inertia: cosserat.then_some(inertia),
+        rotational_strength: cosserat
+            .then(|| if random.chance(0.4) { 0.0 } else { pressure * random.decades(1e-3, 1.0) }),
+    };
+    let mut state = State {
+        density,
+        pressure,
+        stress_angle: random.within(-std::f64::consts::PI, std::f64::consts::PI),
+        shear_rate,
+        noncoaxiality: (kind != Kind::PlasticPotential).then(|| random.within(-1.57, 1.57)),
+        ..State::default()
+    };
+    if random.chance(0.6) {
+        state.velocity = [random.signed(1e-2, 10.0), random.signed(1e-2, 10.0)];
+    }
+    if random.chance(0.6) {
+        state.half_vorticity = shear_rate * random.signed(1e-2, 10.0);
+    }
+    if random.chance(0.6) {
+        let mut pair = |size: f64| [0; 2].map(|_| size * random.signed(1e-2, 1e2));
+        state.pressure_gradient = pair(pressure);
+        state.stress_angle_gradient = pair(1.0);
+        if dilatancy != Dilatancy::Zero {
+            state.density_gradient = pair(0.1 * density);
+        }
+        if cosserat {
+            state.spin_gradient = pair(shear_rate);
+        }
+    }
+    if cosserat && random.chance(0.6) {
+        state.inertia_rate = inertia * shear_rate * random.signed(1e-2, 10.0);
+        state.inertia_gradient = [0; 2].map(|_| inertia * random.signed(1e-2, 10.0));
+    }
+    Sample::new(kind, parameters, state)
+}
+
+/// Constants of comparable size, so that the asymptotic behaviour shows at moderate wave numbers.
+pub fn tame(random: &mut Random, kind: Kind, dilatancy: Dilatancy, gradients: bool) -> Sample {
+    let friction_angle = random.within(0.2, 1.2);
+    let cosserat = kind == Kind::HarrisGrekova;
+    let parameters = Parameters {
+        friction_angle,
+        dilatancy_angle: match dilatancy {
+            Dilatancy::Zero => 0.0,
+            Dilatancy::Associated => friction_angle,
+            Dilatancy::Positive if kind == Kind::PlasticPotential => random.within(0.1, 1.3),
+            Dilatancy::Positive => friction_angle * random.within(0.1, 0.9),
+        },
+        cohesion: random.within(0.0, 1.0),
+        moment_of_inertia: cosserat.then(|| random.within(0.1, 1.0)),
+        rotational_strength: cosserat
+            .then(|| if random.chance(0.5) { 0.0 } else { random.within(0.1, 1.0) }),
+    };
+    let mut state = State {
+        density: random.within(0.5, 2.0),
+        pressure: random.within(0.5, 3.0),
+        stress_angle: random.within(-3.0, 3.0),
+        shear_rate: random.within(0.3, 2.0),
+        half_vorticity: random.within(-2.0, 2.0),
+        noncoaxiality: (kind != Kind::PlasticPotential).then(|| random.within(-1.55, 1.55)),
+        velocity: [random.within(-1.0, 1.0), random.within(-1.0, 1.0)],
+        ..State::default()
+    };
+    if gradients {
+        let mut pair = || [0; 2].map(|_| random.signed(0.2, 2.0));
+        state.pressure_gradient = pair();
+        state.stress_angle_gradient = pair();
+        if dilatancy != Dilatancy::Zero {
+            state.density_gradient = pair();
+        }
+        if cosserat {
+            state.spin_gradient = pair();
+            state.inertia_gradient = pair();
+            state.inertia_rate = random.signed(0.2, 2.0);
+        }
+    }
+    Sample::new(kind, parameters, state)
+}
+
+/// The linearised equations of a sample in 256 bits, in the crate's order of rows and columns.
+///
+/// With N(ψ) = [[cos 2ψ, sin 2ψ], [sin 2ψ, −cos 2ψ]] the stress is −p + q N, q = p sin φ + c cos φ;
+/// momentum reads ρ Dv/Dt = −∇p + ∇·(q N), the flow rule e_v tr d = s_v d:N and
+/// 2 e_r (ω − s₂₁) = −½ c_r d:N′, the spin's balance ρ I Dω/Dt + ρ ω DI/Dt = 2r + ρG; all
+/// linearised about D = ½ tr D + Q_D N(Ψ_D), for which D:N = 2 Q_D cos 2Δ, D:N′ = 4 Q_D sin 2Δ,
+/// and N″ = −4N.
+pub fn reference(sample: &Sample) -> WideSystem {
+    let Sample { parameters, state, flow, .. } = sample;
+    let kind = sample.kind();
+    let w = Wide::from;
+    let (one, zero) = (w(1.0), Wide::ZERO);
+    let phi = w(parameters.friction_angle);
+    let nu = w(parameters.dilatancy_angle);
+    let dilatant = parameters.dilatancy_angle > 0.0;
+    let (sin_phi, cos_phi) = phi.sin_cos();
+    let (sin_nu, cos_nu) = nu.sin_cos();
+    let (sin_gap, cos_gap) = (phi - nu).sin_cos();
+    let (e_v, s_v, e_r, c_r) = match kind {
+        Kind::PlasticPotential => (one, sin_nu, zero, one),
+        _ => (cos_gap, sin_nu, sin_gap, cos_nu),
+    };
+    let q = w(state.pressure) * sin_phi + w(parameters.cohesion) * cos_phi;
+    let rho = w(state.density);
+    let tensor = |angle: Wide| {
+        let (s, c) = angle.shifted(1).sin_cos();
+        [[c, s], [s, -c]]
+    };
+    let rate_of = |n: [[Wide; 2]; 2]| {
+        let (c, s) = (n[0][0].shifted(1), n[0][1].shifted(1));
+        [[-s, c], [c, s]]
+    };
+    let psi = w(state.stress_angle);
+    let n = tensor(psi);
+    let n1 = rate_of(n);
+    let delta = w(flow.noncoaxiality);
+    let (sin_2d, cos_2d) = delta.shifted(1).sin_cos();
+    let shear_rate = w(state.shear_rate);
+    let times = |m: [[Wide; 2]; 2], x: [Wide; 2]| [0, 1].map(|i| m[i][0] * x[0] + m[i][1] * x[1]);
+    let grad_p = state.pressure_gradient.map(w);
+    let grad_psi = state.stress_angle_gradient.map(w);
+
+    // ∇V = ½ tr D + Q_D N(Ψ_D) + spin.
+    let half_trace = if dilatant { s_v * e_v.recip() * shear_rate * cos_2d } else { zero };
+    let direction = tensor(psi + delta);
+    let turn = w(state.half_vorticity);
+    let gradient = [
+        [half_trace + shear_rate * direction[0][0], shear_rate * direction[0][1] - turn],
+        [shear_rate * direction[1][0] + turn, half_trace + shear_rate * direction[1][1]],
+    ];
+    let n_p = times(n, grad_p);
+    let n1_psi = times(n1, grad_psi);
+    let n1_p = times(n1, grad_p);
+    let n_psi = times(n, grad_psi);
+
+    // Unknowns v₁, v₂, ω, p, ψ, ρ; equations momentum 1, 2, spin, volume, rotation, mass.
+    let mut m = vec![vec![[Wide::ZERO; 4]; 6]; 6];
+    for i in 0..2 {
+        m[i][i][0] = rho;
+        for j in 0..2 {
+            m[i][j][3] = rho * gradient[i][j];
+            let unit = if i == j { one } else { zero };
+            m[i][3][1 + j] = unit - sin_phi * n[i][j];
+            m[i][4][1 + j] = -(q * n1[i][j]);
+        }
+        m[i][3][3] = -(sin_phi * n1_psi[i]);
+        m[i][4][3] = (q * n_psi[i]).shifted(2) - sin_phi * n1_p[i];
+        m[i][5][3] = (sin_phi * n_p[i] - grad_p[i] + q * n1_psi[i]) * rho.recip();
+    }
+    for i in 0..2 {
+        for j in 0..2 {
+            let unit = if i == j { one } else { zero };
+            m[3][i][1 + j] = e_v * unit - s_v * n[i][j];
+            m[4][i][1 + j] = (c_r * n1[i][j]).shifted(-1);
+        }
+    }
+    m[4][0][2] += e_r;
+    m[4][1][1] += -e_r;
+    m[3][4][3] = -(s_v * shear_rate * sin_2d).shifted(2);
+    m[4][4][3] = -(c_r * shear_rate * cos_2d).shifted(2);
+    match kind {
+        Kind::HarrisGrekova => {
+            let inertia = w(parameters.moment_of_inertia.expect("given"));
+            let spin = turn - c_r * e_r.recip() * shear_rate * sin_2d;
+            m[4][2][3] = e_r.shifted(1);
+            m[2][2][0] = rho * inertia;
+            m[2][2][3] = rho * w(state.inertia_rate);
+            for (j, entry) in m[2].iter_mut().take(2).enumerate() {
+                entry[3] = rho
+                    * (inertia * w(state.spin_gradient[j]) + spin * w(state.inertia_gradient[j]));
+            }
+            // r opposes the relative rotation −(c_r/e_r) Q_D sin 2Δ.
+            let strength = w(parameters.rotational_strength.expect("given"));
+            let rotational = state.rotational_stress.map_or(
+                if sin_2d.is_zero() {
+                    zero
+                } else if sin_2d.is_negative() {
+                    -strength
+                } else {
+                    strength
+                },
+                w,
+            );
+            m[2][5][3] = rotational.shifted(1) * rho.recip();
+        }
+        Kind::DoubleShearing => {
+            m[4][4][0] = e_r.shifted(1);
+            for j in 0..2 {
+                m[4][j][3] = (e_r * grad_psi[j]).shifted(1);
+            }
+        }
+        _ => {}
+    }
+    m[5][5][0] = one;
+    m[5][5][3] = gradient[0][0] + gradient[1][1];
+    for j in 0..2 {
+        m[5][j][1 + j] = rho;
+        m[5][j][3] = w(state.density_gradient[j]);
+    }
+
+    const UNKNOWNS: [&str; 6] =
+        ["velocity 1", "velocity 2", "spin", "pressure", "stress angle", "density"];
+    const EQUATIONS: [&str; 6] =
+        ["momentum 1", "momentum 2", "spin", "flow rule: volume", "flow rule: rotation", "mass"];
+    let place = |names: &[&str], name: &str| {
+        let name = name.replace("coaxiality", "rotation");
+        names.iter().position(|&own| own == name).expect("a known name")
+    };
+    let entries: Vec<Vec<[Wide; 4]>> = sample
+        .system
+        .equations
+        .iter()
+        .map(|equation| {
+            let row = place(&EQUATIONS, equation);
+            let columns = sample.system.unknowns.iter();
+            columns.map(|u| m[row][place(&UNKNOWNS, u.name)]).collect()
+        })
+        .collect();
+    WideSystem { size: entries.len(), entries }
+}
