@@ -34,9 +34,13 @@ impl StateError {
     pub fn locate(self, case: &Case) -> Error {
         match self {
             Self::Input(error) => case.locate(error).into(),
-            Self::Analysis(error) => {
-                Error::Analysis { case: case.name.clone(), cause: error.to_string() }
-            }
+            Self::Analysis(error) => case
+                .locate(InputError {
+                    key: "background",
+                    found: "a state that cannot be analysed".into(),
+                    allowed: error.to_string(),
+                })
+                .into(),
         }
     }
 }
@@ -70,5 +74,21 @@ impl Workspace {
         self.pencil.update(&self.system)?;
         let assessment = growth::assess(&self.pencil)?;
         Ok((model, Frozen::Flowing { flow, assessment }))
+    }
+
+    /// Whether the powers of a wave number (1/m) in the dispersion polynomial of the last state hold
+    /// in doubles with room to spare.
+    pub fn reaches(&self, k: f64) -> bool {
+        (1e-30..1e30).contains(&(k / self.pencil.polynomial.wave_number))
+    }
+
+    /// Greatest Re ς of the last state, 1/s, at the wave number `k` (1/m) and direction (rad); NaN
+    /// where there is no finite root, or where the wave is out of reach.
+    pub fn growth(&self, k: f64, direction: f64) -> f64 {
+        if !self.reaches(k) {
+            return f64::NAN;
+        }
+        let roots = self.pencil.polynomial.roots(k, direction, &[]);
+        roots.iter().map(|root| root.re).fold(f64::NAN, f64::max)
     }
 }

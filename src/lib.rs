@@ -1,4 +1,4 @@
-//! Well-posedness of continuum models of granular and Cosserat media.
+//! Well-posedness of continuum models of granular media.
 //!
 //! Describe a medium and a state in a case file; `wellposed` says whether its equations are
 //! well-posed. One file per verb ([`map`], [`point`], [`cases`], [`new`]); [`case`] reads case
@@ -58,14 +58,6 @@ pub enum Error {
     /// Results cannot be written.
     #[error(transparent)]
     Output(#[from] output::OutputError),
-    /// The analysis does not take the numbers of the case.
-    #[error("{case}: {cause}")]
-    Analysis {
-        /// Name of the case.
-        case: String,
-        /// What it says.
-        cause: String,
-    },
     /// No memory for the map.
     #[error("no memory for a map of {points} points: ask for fewer")]
     Memory {

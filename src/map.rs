@@ -4,9 +4,7 @@ use crate::case::{Case, Map, Parameter, Sweep};
 use crate::frozen::{Frozen, StateError, Workspace};
 use crate::output::{self, ResultFolder};
 use crate::progress::Progress;
-use crate::words::{
-    ROUTE, VALIDITY, case_title, coefficient_unit, order_words, short, superscript, unit,
-};
+use crate::words::{ROUTE, VALIDITY, case_title, coefficient_unit, short, superscript, unit};
 use crate::{Error, Format, Options};
 use analysis::bound;
 use analysis::growth::Verdict;
@@ -23,6 +21,8 @@ struct Point {
     coefficient: f64,
     direction_deg: f64,
     bound: f64,
+    /// Greatest Re ς at the wave of the case, 1/s.
+    growth_rate: f64,
     noncoaxiality_bound_deg: f64,
 }
 
@@ -34,6 +34,7 @@ impl Point {
             coefficient: f64::NAN,
             direction_deg: f64::NAN,
             bound: f64::NAN,
+            growth_rate: f64::NAN,
             noncoaxiality_bound_deg: f64::NAN,
         }
     }
@@ -47,6 +48,7 @@ enum Code {
     Marginal = 2,
     Indeterminate = 3,
     NotFullyDeforming = 4,
+    /// Out of the model's range, contradictory, or beyond what doubles hold.
     OutsideModel = 5,
 }
 
@@ -67,7 +69,7 @@ impl Code {
             Self::Marginal => "marginal",
             Self::Indeterminate => "indeterminate",
             Self::NotFullyDeforming => "not fully deforming",
-            Self::OutsideModel => "outside the model",
+            Self::OutsideModel => "no such state",
         }
     }
 
@@ -88,15 +90,19 @@ pub fn run(options: &Options, bound: bool, stdout: &mut dyn Write) -> Result<(),
     if options.dry_run {
         // Some state of the map must make sense.
         let mut workspace = Workspace::default();
-        judge(&case, &map, 0, 0, false, &mut workspace)
-            .or_else(|_| {
-                let (x, y) = (map.x.points - 1, map.y.points - 1);
-                judge(&case, &map, x, y, false, &mut workspace)
+        let mut first_error = None;
+        let some_state = (0..map.y.points).any(|y| {
+            (0..map.x.points).any(|x| match judge(&case, &map, x, y, false, &mut workspace) {
+                Ok(_) => true,
+                Err(error) => {
+                    first_error.get_or_insert(error);
+                    false
+                }
             })
-            .or_else(|_| {
-                judge(&case, &map, map.x.points / 2, map.y.points / 2, false, &mut workspace)
-            })
-            .map_err(|error| error.locate(&case))?;
+        });
+        if let (false, Some(error)) = (some_state, first_error) {
+            return Err(error.locate(&case));
+        }
         let points = map.x.points * map.y.points;
         writeln!(stdout, "would judge {points} states: {} × {}", map.x, map.y)?;
         for name in output::MAP {
@@ -142,6 +148,10 @@ fn judge(
     let (model, frozen) = workspace.judge(&case)?;
     let Frozen::Flowing { flow, assessment } = frozen else { return Ok(point) };
     point.noncoaxiality_bound_deg = model.noncoaxiality_bound().map_or(f64::NAN, f64::to_degrees);
+    if !workspace.pencil.is_singular() {
+        let wave = case.numbers.wave;
+        point.growth_rate = workspace.growth(wave.number, wave.direction_deg.to_radians());
+    }
     point.code = match &assessment.verdict {
         Verdict::WellPosed => {
             if with_bound {
@@ -213,6 +223,7 @@ fn columns(points: &[Point], bound: bool) -> Vec<(&'static str, Vec<f64>)> {
         ("order", column(|p| p.order)),
         ("coefficient", column(|p| p.coefficient)),
         ("direction_deg", column(|p| p.direction_deg)),
+        ("growth_rate", column(|p| p.growth_rate)),
         ("noncoaxiality_bound_deg", column(|p| p.noncoaxiality_bound_deg)),
     ];
     if bound {
@@ -343,7 +354,12 @@ impl Summary {
                 self.unbounded
             ));
         }
-        lines.push("Where the boundary of the well-posed states runs:".into());
+        let step = if map.x.points > 1 { map.x.value(1) - map.x.value(0) } else { 0.0 };
+        lines.push(format!(
+            "Where the well-posed states lie, to within a step of {}{} of the grid:",
+            short(step.abs()),
+            unit(x.unit())
+        ));
         for (value, intervals) in &self.intervals {
             let at = format!("  at {} = {}{}:", y.label(), short(*value), unit(y.unit()));
             let list: Vec<String> = intervals
@@ -357,9 +373,9 @@ impl Summary {
             });
         }
         if let Some((index, worst)) = self.worst {
-            let order = order_words(worst.order);
+            let order = superscript(worst.order);
             lines.push(format!(
-                "Worst growth: Re ς ≈ {} k^{order} (1/s, k in 1/m) as k → ∞, for waves at {}°, at {} = {}{}, {} = {}{}.",
+                "Worst growth on this grid: Re ς ≈ {} k{order} (1/s, k in 1/m) as k → ∞, for waves at {}°, at {} = {}{}, {} = {}{}.",
                 short(worst.coefficient),
                 short(worst.direction_deg),
                 x.label(),
@@ -404,27 +420,18 @@ impl Summary {
     }
 }
 
-/// Intervals of x in which neighbouring points are well-posed; an end between two points stands
-/// half-way, one at a marginal point on it.
+/// First and last value of x of each run of neighbouring well-posed points.
 fn well_posed_intervals(x: &Sweep, row: &[Point]) -> Vec<[f64; 2]> {
-    let mut intervals = Vec::new();
-    let mut start = None;
-    let edge = |inside: usize, outside: usize| match row[outside].code {
-        Code::Marginal => x.value(outside),
-        _ => 0.5 * x.value(inside) + 0.5 * x.value(outside),
-    };
+    let mut intervals: Vec<[f64; 2]> = Vec::new();
+    let mut was_well = false;
     for (i, point) in row.iter().enumerate() {
-        let well = point.code == Code::WellPosed;
-        if well && start.is_none() {
-            start = Some(if i == 0 { x.value(0) } else { edge(i, i - 1) });
+        let is_well = point.code == Code::WellPosed;
+        match intervals.last_mut() {
+            Some(last) if is_well && was_well => last[1] = x.value(i),
+            _ if is_well => intervals.push([x.value(i); 2]),
+            _ => {}
         }
-        if let (false, Some(from)) = (well, start) {
-            intervals.push([from, edge(i - 1, i)]);
-            start = None;
-        }
-    }
-    if let Some(from) = start {
-        intervals.push([from, x.value(row.len() - 1)]);
+        was_well = is_well;
     }
     intervals
 }
@@ -454,7 +461,7 @@ fn figure(case: &Case, map: &Map, points: &[Point]) -> VerdictMap {
             ("marginal: no sign asserted", Look::Marginal),
             ("indeterminate", Look::Indeterminate),
             ("not fully deforming", Look::Indeterminate),
-            ("outside the model", Look::OutsideModel),
+            ("no such state", Look::OutsideModel),
         ]
         .map(|(label, look)| Category { label: label.into(), look }),
     );
@@ -475,13 +482,22 @@ fn figure(case: &Case, map: &Map, points: &[Point]) -> VerdictMap {
             u8::try_from(index).unwrap_or(u8::MAX)
         })
         .collect();
-    let level_label = match orders[..] {
-        [order] => format!(
-            "growth coefficient lim Re ς / k{} ({})",
-            superscript(order),
-            coefficient_unit(order)
-        ),
-        _ => "growth coefficient lim Re ς / kᵐ (mᵐ/s)".into(),
+    // Coefficients of different orders do not compare; rates at one wave number do.
+    let wave_number = case.numbers.wave.number;
+    let (level_label, level): (String, fn(&Point, f64) -> f64) = match orders[..] {
+        [] | [_] => {
+            let order = orders.first().copied().unwrap_or(1.0);
+            let label = format!(
+                "growth coefficient lim Re ς / k{} ({})",
+                superscript(order),
+                coefficient_unit(order)
+            );
+            (label, |p, _| p.coefficient)
+        }
+        _ => {
+            let label = format!("leading growth rate at k = {} 1/m (1/s)", short(wave_number));
+            (label, |p, k| p.coefficient * k.powf(p.order))
+        }
     };
     VerdictMap {
         title: case_title(case),
@@ -490,7 +506,7 @@ fn figure(case: &Case, map: &Map, points: &[Point]) -> VerdictMap {
         y: axis(&map.y),
         categories,
         category,
-        level: points.iter().map(|p| p.coefficient).collect(),
+        level: points.iter().map(|p| level(p, wave_number)).collect(),
         level_label,
         curves: noncoaxiality_curves(map, points),
     }
@@ -539,7 +555,7 @@ fn noncoaxiality_curves(map: &Map, points: &[Point]) -> Vec<Curve> {
                 inside.then_some(if along_x { [bound, other] } else { [other, bound] })
             })
             .collect();
-        Curve { label: "bound on |Δ|, closed form".into(), points }
+        Curve { label: "bound on |Δ| for the leading order, closed form".into(), points }
     };
     [curve(-1.0), curve(1.0)].into_iter().filter(|c| c.points.len() > 1).collect()
 }

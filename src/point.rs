@@ -10,17 +10,20 @@ use crate::{Error, Format, Options};
 use analysis::bound::{self, Place, Supremum};
 use analysis::characteristics::{self, Characteristics, Type};
 use analysis::growth::{Assessment, Verdict};
-use analysis::pencil::{Pencil, Roots};
+use analysis::pencil::Roots;
 use figures::{Direction, DirectionsFigure, GrowthFigure, Line, Mark, Panel, Style};
 use models::Rounded;
 use models::granular_flow::state::{Background, Flow};
-use models::granular_flow::{Kind, Model};
+use models::granular_flow::{InputError, Kind, Model};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::Write;
 
-/// Samples of the growth rate over directions, one per degree and the degenerate ones.
+/// Samples of the growth rate over directions, two per degree; layers around the degenerate ones are
+/// sampled in steps of equal ratio.
 const DIRECTIONS: usize = 360;
+/// Exponents of ten of the distances from a degenerate direction, degrees: first, step, number.
+const LAYER: (f64, f64, usize) = (-9.0, 0.1, 90);
 /// Samples over wave numbers, and how many decades they reach to both sides of the given one.
 const WAVE_NUMBERS: usize = 241;
 const DECADES: f64 = 4.0;
@@ -52,10 +55,18 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
         .flatten()
         .map(|&kind| analyse(&case.for_kind(kind)))
         .collect::<Result<Vec<_>, _>>()?;
-    let flows = matches!(own.frozen, Frozen::Flowing { .. });
+    let shown: Vec<&Analysed> =
+        if compared.is_empty() { vec![&own] } else { compared.iter().collect() };
+    let has_curves = shown.iter().any(|a| !a.by_direction.is_empty());
+    let has_directions = matches!(own.frozen, Frozen::Flowing { .. });
     if options.dry_run {
         writeln!(stdout, "would analyse {}", case_title(&case))?;
-        for name in if flows { &output::POINT[..] } else { &output::POINT[..2] } {
+        let written = |name: &&&str| match **name {
+            name if name.starts_with("growth") => has_curves,
+            name if name.starts_with("directions") => has_directions,
+            _ => true,
+        };
+        for name in output::POINT.iter().filter(written) {
             writeln!(stdout, "would write {}", folder.path().join(name).display())?;
         }
         return Ok(());
@@ -73,12 +84,10 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
         }
     }
 
-    let shown: Vec<&Analysed> =
-        if compared.is_empty() { vec![&own] } else { compared.iter().collect() };
     folder.open()?;
     folder.write("point.json", json.as_bytes())?;
     folder.write("point.txt", words.as_bytes())?;
-    if flows {
+    if has_curves {
         let growth = growth_figure(&case, &shown);
         folder.write("growth.png", &growth.draw(figures::Format::Png)?)?;
         folder.write("growth.svg", &growth.draw(figures::Format::Svg)?)?;
@@ -86,6 +95,8 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
         folder.write("growth_by_direction.csv", &by_direction)?;
         let by_wave_number = csv("number", &shown, |a| &a.by_wave_number)?;
         folder.write("growth_by_wave_number.csv", &by_wave_number)?;
+    }
+    if has_directions {
         let directions = directions_figure(&case, &own);
         folder.write("directions.png", &directions.draw(figures::Format::Png)?)?;
         folder.write("directions.svg", &directions.draw(figures::Format::Svg)?)?;
@@ -117,31 +128,45 @@ fn analyse(case: &Case) -> Result<Analysed, Error> {
     let wave = case.numbers.wave;
     let direction = wave.direction_deg.to_radians();
     let pencil = &workspace.pencil;
+    let out_of_reach = |key, found: f64, allowed: &str| {
+        case.locate(InputError { key, found: format!("{found:?}"), allowed: allowed.into() })
+    };
+    if !pencil.is_singular() && !workspace.reaches(wave.number) {
+        let allowed =
+            "a wave number that far from the state's own scale leaves the range of doubles";
+        return Err(out_of_reach("wave.number", wave.number, allowed).into());
+    }
     analysed.roots = pencil.roots(wave.number, direction);
+    if let Roots::Regular { finite, .. } = &analysed.roots
+        && finite.iter().any(|root| !root.is_finite())
+    {
+        let allowed = "k·V leaves the range of doubles";
+        return Err(out_of_reach("background.velocity", flow.velocity[0], allowed).into());
+    }
     analysed.characteristics = characteristics::characteristics(&workspace.system).ok();
     analysed.supremum = bound::supremum(pencil, assessment, model.gradient_wave_number(flow));
     if !pencil.is_singular() {
         let step = 180.0 / DIRECTIONS as f64;
         let mut degrees: Vec<f64> = (0..=DIRECTIONS).map(|i| i as f64 * step).collect();
-        degrees.extend(assessment.degenerate.iter().map(|d| d.angle.to_degrees()));
+        for centre in assessment.degenerate.iter().map(|d| d.angle.to_degrees()) {
+            let (first, ratio, number) = LAYER;
+            let offsets = (0..number).map(|i| 10f64.powf(first + ratio * i as f64));
+            degrees.extend(offsets.flat_map(|offset| [centre - offset, centre + offset]));
+            degrees.push(centre);
+        }
+        degrees.retain(|d| (0.0..=180.0).contains(d));
         degrees.sort_by(f64::total_cmp);
         analysed.by_direction =
-            degrees.iter().map(|&d| [d, growth(pencil, wave.number, d.to_radians())]).collect();
+            degrees.iter().map(|&d| [d, workspace.growth(wave.number, d.to_radians())]).collect();
         analysed.by_wave_number = (0..WAVE_NUMBERS)
             .map(|i| {
                 let exponent = (2.0 * i as f64 / (WAVE_NUMBERS - 1) as f64 - 1.0) * DECADES;
                 let k = wave.number * 10f64.powf(exponent);
-                [k, growth(pencil, k, direction)]
+                [k, workspace.growth(k, direction)]
             })
             .collect();
     }
     Ok(analysed)
-}
-
-/// max Re ς at a wave; NaN where there is no finite root.
-fn growth(pencil: &Pencil, k: f64, direction: f64) -> f64 {
-    let roots = pencil.polynomial.roots(k, direction, &[]);
-    roots.iter().map(|root| root.re).fold(f64::NAN, f64::max)
 }
 
 fn degrees(x: f64) -> f64 {
@@ -256,7 +281,7 @@ fn report_flow(case: &Case, of: &Analysed, flow: &Flow, assessment: &Assessment)
             "half_vorticity": flow.half_vorticity,
             "velocity_gradient": flow.velocity_gradient.map(|row| row.map(|x| x.value)),
             "spin": flow.spin.map(|s| s.value),
-            "acceleration": flow.acceleration.map(|a| a.value),
+            "acceleration": flow.acceleration.map(|a| a.value + 0.0),
             "body_moment": flow.body_moment,
             "stress_angle_rate_deg": flow.stress_angle_rate.map(degrees),
         },
@@ -392,7 +417,9 @@ fn words(case: &Case, of: &Analysed) -> String {
                 let _ = writeln!(text, "  every direction  {family} (no convection)");
             }
             if let Some(kind) = found.kind {
-                let _ = writeln!(text, "  type: {}", type_name(kind));
+                let aside =
+                    if found.arbitrary.is_empty() { "" } else { " (fields at rest left aside)" };
+                let _ = writeln!(text, "  type: {}{aside}", type_name(kind));
             }
         }
     }
@@ -512,7 +539,7 @@ fn growth_figure(case: &Case, shown: &[&Analysed]) -> GrowthFigure {
     GrowthFigure {
         title: case_title(case),
         subtitle: format!(
-            "greatest growth rate of all waves; left k = {} 1/m, right {}°; marked: degenerate directions",
+            "greatest growth rate of all roots; left k = {} 1/m, right {}°; marked: degenerate directions",
             short(wave.number),
             short(wave.direction_deg)
         ),

@@ -29,16 +29,15 @@ pub enum Place {
     ShortWaves,
 }
 
-/// Relative tolerance to which the supremum is located (of the greater of S and the system's own
-/// rate).
+/// Relative tolerance to which the supremum is located.
 pub const TOLERANCE: f64 = 1e-5;
 
 /// Wave numbers are searched up to this many of the system's own units. Further out the rounding
 /// of the coefficients, times k², would be taken for growth.
 const GREATEST: f64 = 1e5;
 /// And down to this many where the background sets no length.
-const LEAST: f64 = 1e-5;
-const STEPS: usize = 48;
+const LEAST: f64 = 1e-16;
+const STEPS: usize = 96;
 const DIRECTIONS: usize = 48;
 
 /// Locates S over k ≥ `least` (1/m; 0 for a uniform background) for a well-posed system.

@@ -138,6 +138,12 @@ enum Trend {
 /// Directions tried between two degenerate ones.
 const SAMPLES: usize = 12;
 
+/// By how much a layer's coefficient must exceed that of the sectors beside it to be news.
+const LAYER_EXCESS: f64 = 1.01;
+
+/// Layers are scanned over widths of 2^−SCAN to 2^SCAN in the system's own units.
+const SCAN: i32 = 30;
+
 /// |Re c| below this fraction of |c| counts as zero where c is a root of a polynomial with more
 /// than two terms; two terms are judged by exact signs.
 const NEUTRAL: f64 = 1e-7;
@@ -160,7 +166,7 @@ pub fn assess(pencil: &Pencil) -> Result<Assessment, AnalysisError> {
     let terms = pencil.polynomial.forms();
     let (mut certain, doubtful): (Vec<Term>, Vec<Term>) =
         terms.into_iter().partition(|term| term.form.is_certain());
-    let corners = polygon(&certain);
+    let corners = corners_of(certain.iter().map(powers));
     factorise_corners(pencil, &mut certain, &corners);
     let edges = edges(&certain, &corners);
     assessment.orders = edges
@@ -186,7 +192,7 @@ pub fn assess(pencil: &Pencil) -> Result<Assessment, AnalysisError> {
     }
 
     // Corners off the growing edges count too: where they vanish, other edges may come to grow.
-    let is_corner = |t: &&Term| corners.contains(&(t.time as i64, t.form.degree() as i64));
+    let is_corner = |t: &&Term| corners.contains(&powers(t));
     let mut zeros: Vec<Zero> =
         certain.iter().filter(is_corner).flat_map(|corner| corner.form.zeros()).collect();
     // Zeros of different corners in one direction are one degenerate direction.
@@ -214,6 +220,7 @@ pub fn assess(pencil: &Pencil) -> Result<Assessment, AnalysisError> {
     for edge in &edges {
         search_directions(&certain, edge, &zeros, &mut worst);
     }
+    worst.sectors = worst.growth.map(|(order, coefficient, _)| (order, coefficient));
     for zero in &zeros {
         search_layer(&certain, zero, &mut worst);
     }
@@ -226,6 +233,8 @@ pub fn assess(pencil: &Pencil) -> Result<Assessment, AnalysisError> {
 struct Worst {
     /// (order, scaled coefficient, direction)
     growth: Option<(Order, f64, f64)>,
+    /// (order, scaled coefficient) of the sectors alone.
+    sectors: Option<(Order, f64)>,
     doubt: Option<(String, f64, f64)>,
 }
 
@@ -237,6 +246,15 @@ impl Worst {
         });
         if better {
             self.growth = Some((order, coefficient, direction));
+        }
+    }
+
+    /// Growth in a layer. Of equal order it is mostly that of the sectors beside it again, which
+    /// know it more accurately.
+    fn grows_in_layer(&mut self, order: Order, coefficient: f64, direction: f64) {
+        let again = self.sectors.is_some_and(|(o, c)| o == order && coefficient < LAYER_EXCESS * c);
+        if !again {
+            self.grows(order, coefficient, direction);
         }
     }
 
@@ -262,14 +280,14 @@ impl Worst {
     }
 }
 
-/// Corners (i, j) of the upper boundary of the Newton polygon, by descending i.
-fn polygon(terms: &[Term]) -> Vec<(i64, i64)> {
-    let top = |i: usize| terms.iter().filter(|t| t.time == i).map(|t| t.form.degree() as i64).max();
-    let highest = terms.iter().map(|t| t.time).max().unwrap_or(0);
+/// Corners of the upper boundary of the Newton polygon of points (i, j), by descending i.
+fn corners_of(points: impl Iterator<Item = (i64, i64)>) -> Vec<(i64, i64)> {
+    let mut sorted: Vec<_> = points.collect();
+    // Of equal i only the greatest j counts.
+    sorted.sort_by_key(|&(i, j)| (std::cmp::Reverse(i), std::cmp::Reverse(j)));
+    sorted.dedup_by_key(|point| point.0);
     let mut corners: Vec<(i64, i64)> = Vec::new();
-    for i in (0..=highest).rev() {
-        let Some(j) = top(i) else { continue };
-        let i = i as i64;
+    for (i, j) in sorted {
         while let [.., a, b] = corners[..] {
             // b below or on the chord from a to the new point goes.
             if (b.1 - a.1) * (a.0 - i) > (j - a.1) * (a.0 - b.0) {
@@ -280,6 +298,16 @@ fn polygon(terms: &[Term]) -> Vec<(i64, i64)> {
         corners.push((i, j));
     }
     corners
+}
+
+/// Whether (i, j) lies on the edge between two corners.
+fn is_on((i, j): (i64, i64), ((i1, j1), (i0, j0)): ((i64, i64), (i64, i64))) -> bool {
+    i0 <= i && i <= i1 && (j - j1) * (i1 - i0) == (j0 - j1) * (i1 - i)
+}
+
+/// Power of ς and degree of the form.
+fn powers(term: &Term) -> (i64, i64) {
+    (term.time as i64, term.form.degree() as i64)
 }
 
 /// Splits the corner coefficients that vanish in more than one direction into factors: zeros of one
@@ -318,14 +346,10 @@ fn edges<'a>(terms: &'a [Term], corners: &[(i64, i64)]) -> Vec<Edge<'a>> {
         .windows(2)
         .filter(|pair| pair[1].1 > pair[0].1)
         .map(|pair| {
-            let ((i1, j1), (i0, j0)) = (pair[0], pair[1]);
-            let on = |t: &&Term| {
-                let (i, j) = (t.time as i64, t.form.degree() as i64);
-                i0 <= i && i <= i1 && (j - j1) * (i1 - i0) == (j0 - j1) * (i1 - i)
-            };
-            let mut terms: Vec<&Term> = terms.iter().filter(on).collect();
+            let (a, b) = (pair[0], pair[1]);
+            let mut terms: Vec<&Term> = terms.iter().filter(|t| is_on(powers(t), (a, b))).collect();
             terms.sort_by_key(|t| std::cmp::Reverse(t.time));
-            Edge { order: Order::new(j0 - j1, i1 - i0), terms }
+            Edge { order: Order::new(b.1 - a.1, a.0 - b.0), terms }
         })
         .collect()
 }
@@ -607,15 +631,33 @@ struct Point {
     value: Rounded,
 }
 
+/// Coefficients in the axes of a direction that is known to within `bound`: those in the axes as they
+/// stand, their bounds widened by what a turn by `bound` does to them.
+fn rotated(form: &Form, cos: Rounded, sin: Rounded, bound: f64) -> Vec<Rounded> {
+    let turned = form.rotated(cos, sin);
+    let slope = turned.derivative();
+    let curvature = slope.derivative();
+    let widened = |l: usize| {
+        bound * slope.coefficients[l].value.abs()
+            + bound * bound * curvature.coefficients[l].value.abs()
+    };
+    turned
+        .coefficients
+        .iter()
+        .enumerate()
+        .map(|(l, c)| Rounded { value: c.value, bound: c.bound + widened(l) })
+        .collect()
+}
+
 /// Growth in the layers around a degenerate direction, and in that direction itself.
 fn search_layer(terms: &[Term], zero: &Zero, worst: &mut Worst) {
-    let axis = Rounded { value: zero.angle, bound: zero.bound };
+    let axis = Rounded::exact(zero.angle);
     let (cos, sin) = (axis.cos(), axis.sin());
     // Of all points with equal i and l the one with the greatest j dominates.
     let mut points: Vec<Point> = Vec::new();
     for term in terms {
         let d = term.form.degree();
-        for (l, &value) in term.form.rotated(cos, sin).coefficients.iter().enumerate() {
+        for (l, &value) in rotated(&term.form, cos, sin, zero.bound).iter().enumerate() {
             if !matches!(value.sign(), Some(1 | -1)) {
                 continue;
             }
@@ -632,11 +674,11 @@ fn search_layer(terms: &[Term], zero: &Zero, worst: &mut Worst) {
     let line: Vec<Point> = points.iter().copied().filter(|p| p.l == 0).collect();
     for (order, on) in polygon_of(&line) {
         match trend(&scaled_points(&on, 1.0)) {
-            Trend::Grows(c) => worst.grows(order, c, zero.angle),
+            Trend::Grows(c) => worst.grows_in_layer(order, c, zero.angle),
             Trend::Decays => {}
             Trend::Neutral => match next_order(&scaled_points(&line, 1.0), order) {
                 NextOrder::Bounded => {}
-                NextOrder::Grows(order, c) => worst.grows(order, c, zero.angle),
+                NextOrder::Grows(order, c) => worst.grows_in_layer(order, c, zero.angle),
                 NextOrder::Doubtful(quantity, value, bound) => {
                     worst.doubts(quantity, value, bound);
                 }
@@ -651,18 +693,37 @@ fn search_layer(terms: &[Term], zero: &Zero, worst: &mut Worst) {
 
     for (order, on) in facets(&points) {
         // κ⊥ = d k^τ: scan the size of d over the range in which the terms exchange dominance.
-        let rate = |log: f64, sign: f64| match trend(&scaled_points(&on, sign * log.exp2())) {
+        let at = |log: f64, sign: f64| trend(&scaled_points(&on, sign * log.exp2()));
+        let rate = |log: f64, sign: f64| match at(log, sign) {
             Trend::Grows(c) => c,
             _ => 0.0,
         };
         for sign in [1.0, -1.0] {
-            let steps = (-30..=30).map(f64::from);
-            let best = steps
-                .map(|s| (rate(s, sign), s))
-                .fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
-            if best.0 > 0.0 {
-                let x = golden_section(|s| rate(s, sign), best.1 - 1.0, best.1 + 1.0);
-                worst.grows(order, rate(x, sign).max(best.0), zero.angle);
+            let mut best = (0.0, 0.0);
+            let mut neutral = 0;
+            for log in (-SCAN..=SCAN).step_by(2).map(f64::from) {
+                match at(log, sign) {
+                    Trend::Grows(c) if c > best.0 => best = (c, log),
+                    Trend::Neutral => neutral += 1,
+                    _ => {}
+                }
+            }
+            if best.0 > 0.0 && best.1.abs() == f64::from(SCAN) {
+                // Still rising where the scan ends: not the growth of this layer.
+                worst.doubts(
+                    format!("growth of order {} in a layer", order.value()),
+                    best.0,
+                    f64::INFINITY,
+                );
+            } else if best.0 > 0.0 {
+                let x = golden_section(|s| rate(s, sign), best.1 - 2.0, best.1 + 2.0);
+                worst.grows_in_layer(order, rate(x, sign).max(best.0), zero.angle);
+            } else if neutral > SCAN / 2 {
+                worst.doubts(
+                    format!("real part of the coefficient of order {} in a layer", order.value()),
+                    0.0,
+                    f64::EPSILON,
+                );
             }
         }
     }
@@ -685,27 +746,13 @@ fn scaled_points(on: &[Point], d: f64) -> Vec<(usize, i64, Rounded)> {
 
 /// Edges of positive order of the polygon of points with one l each.
 fn polygon_of(points: &[Point]) -> Vec<(Order, Vec<Point>)> {
-    let mut corners: Vec<Point> = Vec::new();
-    let mut sorted = points.to_vec();
-    sorted.sort_by_key(|p| std::cmp::Reverse(p.i));
-    for p in sorted {
-        while let [.., a, b] = corners[..] {
-            if (b.j - a.j) * (a.i - p.i) > (p.j - a.j) * (a.i - b.i) {
-                break;
-            }
-            corners.pop();
-        }
-        corners.push(p);
-    }
-    corners
+    corners_of(points.iter().map(|p| (p.i, p.j)))
         .windows(2)
-        .filter(|pair| pair[1].j > pair[0].j)
+        .filter(|pair| pair[1].1 > pair[0].1)
         .map(|pair| {
             let (a, b) = (pair[0], pair[1]);
-            let on = |p: &&Point| {
-                b.i <= p.i && p.i <= a.i && (p.j - a.j) * (a.i - b.i) == (b.j - a.j) * (a.i - p.i)
-            };
-            (Order::new(b.j - a.j, a.i - b.i), points.iter().filter(on).copied().collect())
+            let on = points.iter().filter(|p| is_on((p.i, p.j), (a, b))).copied().collect();
+            (Order::new(b.1 - a.1, a.0 - b.0), on)
         })
         .collect()
 }
