@@ -30,17 +30,24 @@ pub enum StateError {
 }
 
 impl StateError {
-    /// With the place in the case file where there is one.
+    /// With the place in the case file.
     pub fn locate(self, case: &Case) -> Error {
+        case.locate(self.into_input()).into()
+    }
+
+    /// The same for a state of the case's map, whose swept numbers stand in \[map\].
+    pub fn locate_in_map(self, case: &Case) -> Error {
+        case.locate_in_map(self.into_input()).into()
+    }
+
+    fn into_input(self) -> InputError {
         match self {
-            Self::Input(error) => case.locate(error).into(),
-            Self::Analysis(error) => case
-                .locate(InputError {
-                    key: "background",
-                    found: "a state that cannot be analysed".into(),
-                    allowed: error.to_string(),
-                })
-                .into(),
+            Self::Input(error) => error,
+            Self::Analysis(error) => InputError {
+                key: "background",
+                found: "a state that cannot be analysed".into(),
+                allowed: error.to_string(),
+            },
         }
     }
 }

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use wellposed::{Error, Format, Options, VERSION, cases, map, new, point};
 
-/// Well-posedness of continuum models of granular and Cosserat media.
+/// Well-posedness of continuum models of granular media.
 #[derive(Parser)]
 #[command(name = "wellposed", version = VERSION)]
 struct CommandLine {

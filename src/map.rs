@@ -1,6 +1,6 @@
 //! `wellposed map`: the verdict over two parameters of a case.
 
-use crate::case::{Case, Map, Parameter, Sweep};
+use crate::case::{Case, Map, Parameter, Sweep, radians};
 use crate::frozen::{Frozen, StateError, Workspace};
 use crate::output::{self, ResultFolder};
 use crate::progress::Progress;
@@ -101,7 +101,7 @@ pub fn run(options: &Options, bound: bool, stdout: &mut dyn Write) -> Result<(),
             })
         });
         if let (false, Some(error)) = (some_state, first_error) {
-            return Err(error.locate(&case));
+            return Err(error.locate_in_map(&case));
         }
         let points = map.x.points * map.y.points;
         writeln!(stdout, "would judge {points} states: {} × {}", map.x, map.y)?;
@@ -150,7 +150,7 @@ fn judge(
     point.noncoaxiality_bound_deg = model.noncoaxiality_bound().map_or(f64::NAN, f64::to_degrees);
     if !workspace.pencil.is_singular() {
         let wave = case.numbers.wave;
-        point.growth_rate = workspace.growth(wave.number, wave.direction_deg.to_radians());
+        point.growth_rate = workspace.growth(wave.number, radians(wave.direction_deg));
     }
     point.code = match &assessment.verdict {
         Verdict::WellPosed => {
@@ -211,7 +211,7 @@ fn sweep(options: &Options, case: &Case, map: &Map, bound: bool) -> Result<Vec<P
     // A map may reach beyond the model's range; a map that lies outside altogether is a mistake.
     match first_error {
         Some((_, error)) if points.iter().all(|p| p.code == Code::OutsideModel) => {
-            Err(error.locate(case))
+            Err(error.locate_in_map(case))
         }
         _ => Ok(points),
     }

@@ -35,6 +35,7 @@ pub fn text(kind: Kind) -> String {
 # wellposed map FILE      verdict over the two parameters of [map]
 
 title = \"{title}: a first case\"
+# name = \"{name}\"  # names the folder of results; absent: the name of this file
 
 [model]
 kind = \"{name}\"

@@ -1,13 +1,18 @@
 //! Folders of results: which may be written to, and what stands in every one of them.
 
 use crate::case::Case;
+use std::fs::{self, File};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The resolved case of a folder.
 const CASE: &str = "case.toml";
 /// Name, version and commit of the program that wrote a folder.
 const PROGRAM: &str = "program.json";
+
+/// File of a moment that tells whether a folder takes files.
+const PROBE: &str = "probe";
 
 /// What `map` writes besides.
 pub const MAP: [&str; 6] = ["map.png", "map.svg", "map.csv", "map.npz", "map.json", "map.txt"];
@@ -62,35 +67,35 @@ pub struct ResultFolder {
 }
 
 impl ResultFolder {
-    /// The folder `out`, or else `out/<case name>`. Looks, and writes nothing.
+    /// The folder `out`, or else `out/<case name>`. Looks whether it takes files, and leaves
+    /// nothing behind.
     ///
-    /// An absent or empty folder will do, and one that holds results of the very same case: they
-    /// will be the same bits. Anything else needs `force`.
+    /// An absent or empty folder will do, and one that holds results of the very same case from
+    /// the very same program: they will be the same bits. Anything else needs `force`. The file
+    /// that the case was loaded from is never overwritten by anything else than itself.
     ///
     /// # Errors
     /// What stands in the way, and the remedy.
     pub fn check(case: &Case, out: Option<&Path>, force: bool) -> Result<Self, OutputError> {
         let path = out.map_or_else(|| Path::new("out").join(&case.name), Path::to_owned);
-        let case = case.to_toml();
-        let is_foreign = match std::fs::read_dir(&path) {
-            Ok(mut content) => {
-                content.next().is_some()
-                    && std::fs::read(path.join(CASE)).ok().as_deref() != Some(case.as_bytes())
-            }
-            Err(error) if error.kind() == ErrorKind::NotFound => {
-                check_parent(&path)?;
-                false
-            }
-            Err(error) => return Err(OutputError::new(&path, error)),
-        };
-        if is_foreign && !force {
+        let text = case.to_toml();
+        let foreign = foreign(&path, &text)?;
+        if let Some(name) = case.source().and_then(|source| overwritten(&path, source, &text)) {
+            return Err(OutputError {
+                path: path.join(name),
+                cause: "this is the case file itself, which would be overwritten".into(),
+                remedy: "name another folder with --out",
+            });
+        }
+        if let (Some(cause), false) = (foreign, force) {
             return Err(OutputError {
                 path,
-                cause: "the folder holds something other than results of this case".into(),
+                cause: cause.into(),
                 remedy: "name another folder with --out, or overwrite with --force",
             });
         }
-        Ok(Self { path, case, is_foreign })
+        probe(&path)?;
+        Ok(Self { path, case: text, is_foreign: foreign.is_some() })
     }
 
     /// The folder.
@@ -98,31 +103,29 @@ impl ResultFolder {
         &self.path
     }
 
-    /// Makes the folder ready before anything is computed: creates it, removes results of another
-    /// case, writes the resolved case and the program's version.
+    /// Makes the folder ready: creates it, removes results of another case and what a killed run
+    /// left half-written, writes the resolved case and the program's version.
     ///
     /// # Errors
     /// What cannot be written, and why.
     pub fn open(&self) -> Result<(), OutputError> {
-        std::fs::create_dir_all(&self.path).map_err(|e| OutputError::new(&self.path, e))?;
-        if self.is_foreign {
-            for name in results() {
-                let path = self.path.join(name);
-                match std::fs::remove_file(&path) {
-                    Err(error) if error.kind() != ErrorKind::NotFound => {
-                        return Err(OutputError::new(&path, error));
-                    }
-                    _ => {}
+        fs::create_dir_all(&self.path).map_err(|e| OutputError::new(&self.path, e))?;
+        let half_written = names(&self.path)?.into_iter().filter(|name| is_half_written(name));
+        let stale = results().filter(|_| self.is_foreign).map(str::to_owned);
+        for name in half_written.chain(stale) {
+            let path = self.path.join(name);
+            match fs::remove_file(&path) {
+                Err(error) if error.kind() != ErrorKind::NotFound => {
+                    return Err(OutputError::new(&path, error));
                 }
+                _ => {}
             }
         }
-        let program = serde_json::json!({
-            "name": env!("CARGO_PKG_NAME"),
-            "version": env!("CARGO_PKG_VERSION"),
-            "commit": env!("WELLPOSED_COMMIT"),
-        });
-        write_file(&self.path.join(CASE), self.case.as_bytes())?;
-        write_file(&self.path.join(PROGRAM), format!("{program:#}\n").as_bytes())
+        // The case file itself may stand here, word for word.
+        if !holds(&self.path.join(CASE), &self.case) {
+            write_file(&self.path.join(CASE), self.case.as_bytes())?;
+        }
+        write_file(&self.path.join(PROGRAM), program().as_bytes())
     }
 
     /// Writes one of the [`results`], whole or not at all.
@@ -135,20 +138,88 @@ impl ResultFolder {
     }
 }
 
-/// That a folder can be created: the nearest thing above it that exists is a folder.
-fn check_parent(path: &Path) -> Result<(), OutputError> {
-    let above =
-        path.ancestors().skip(1).find(|above| above.as_os_str().is_empty() || above.exists());
-    match above {
-        Some(above) if !above.as_os_str().is_empty() => match std::fs::metadata(above) {
-            Ok(found) if !found.is_dir() => Err(OutputError::new(above, "not a folder")),
-            Ok(found) if found.permissions().readonly() => {
-                Err(OutputError::new(above, "no permission to write"))
-            }
-            Ok(_) => Ok(()),
-            Err(error) => Err(OutputError::new(above, error)),
-        },
-        _ => Ok(()),
+/// What [`PROGRAM`] holds.
+fn program() -> String {
+    let program = serde_json::json!({
+        "name": env!("CARGO_PKG_NAME"),
+        "version": env!("CARGO_PKG_VERSION"),
+        "commit": env!("WELLPOSED_COMMIT"),
+    });
+    format!("{program:#}\n")
+}
+
+fn holds(path: &Path, text: &str) -> bool {
+    fs::read(path).is_ok_and(|bytes| bytes == text.as_bytes())
+}
+
+/// Why what stands in the folder is not to be overwritten unasked, if anything.
+fn foreign(folder: &Path, case: &str) -> Result<Option<&'static str>, OutputError> {
+    let mut names = names(folder)?;
+    names.retain(|name| !is_half_written(name));
+    if names.is_empty() {
+        return Ok(None);
+    }
+    if !holds(&folder.join(CASE), case) {
+        return Ok(Some("the folder holds something other than results of this case"));
+    }
+    // A run killed early may have left the case alone; there is no result to be taken for another.
+    let has_origin = names.iter().any(|name| name == PROGRAM || results().any(|r| r == name));
+    if has_origin && !holds(&folder.join(PROGRAM), &program()) {
+        return Ok(Some("the folder holds results of another version of this program"));
+    }
+    Ok(None)
+}
+
+/// Names in a folder; none where there is no folder.
+fn names(folder: &Path) -> Result<Vec<String>, OutputError> {
+    let at = |error| OutputError::new(folder, error);
+    let entries = match fs::read_dir(folder) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries.map_err(at)?,
+    };
+    entries.map(|entry| Ok(entry.map_err(at)?.file_name().to_string_lossy().into_owned())).collect()
+}
+
+/// Whether a killed run of this program left the file: `.NAME.PROCESS.partial`. Hidden files of
+/// anyone else are none of its business.
+fn is_half_written(name: &str) -> bool {
+    let inner = name.strip_prefix('.').and_then(|name| name.strip_suffix(".partial"));
+    inner.and_then(|inner| inner.rsplit_once('.')).is_some_and(|(name, process)| {
+        let is_number = process.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-');
+        let is_own = results().chain([CASE, PROGRAM, PROBE]).any(|own| own == name);
+        is_number && is_own
+    })
+}
+
+/// The file of the folder that is the case file `source` and would be overwritten with anything
+/// else than it holds.
+fn overwritten(folder: &Path, source: &Path, case: &str) -> Option<&'static str> {
+    let source = source.canonicalize().ok()?;
+    let is_source = |name: &&str| folder.join(name).canonicalize().is_ok_and(|p| p == source);
+    let name = results().chain([CASE, PROGRAM]).find(is_source)?;
+    (name != CASE || !holds(&source, case)).then_some(name)
+}
+
+/// Creates a file in the folder, or in the nearest one above that exists, and removes it again:
+/// permission bits do not tell what a file system takes.
+fn probe(folder: &Path) -> Result<(), OutputError> {
+    static COUNT: AtomicUsize = AtomicUsize::new(0);
+    // A link that leads nowhere stands in the way as well.
+    let nearest = folder.ancestors().find(|above| above.symlink_metadata().is_ok());
+    let nearest = nearest.unwrap_or(Path::new("."));
+    let at = |error| OutputError::new(nearest, error);
+    if !fs::metadata(nearest).map_err(at)?.is_dir() {
+        return Err(OutputError::new(nearest, "not a folder"));
+    }
+    loop {
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let path = nearest.join(format!(".{PROBE}.{}-{count}.partial", std::process::id()));
+        match File::create_new(&path) {
+            // Left by a process that had the same number.
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(at(error)),
+            Ok(_) => return fs::remove_file(&path).map_err(at),
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! `wellposed point`: everything about one state.
 
-use crate::case::Case;
+use crate::case::{Case, radians};
 use crate::frozen::{Frozen, Workspace};
 use crate::output::{self, ResultFolder};
 use crate::words::{
@@ -39,6 +39,8 @@ struct Analysed {
     supremum: Option<Supremum>,
     by_direction: Vec<[f64; 2]>,
     by_wave_number: Vec<[f64; 2]>,
+    /// Non-coaxiality of the compared state that this model, being coaxial, cannot have.
+    lost_noncoaxiality_deg: Option<f64>,
 }
 
 /// Analyses the state of a case.
@@ -48,13 +50,19 @@ struct Analysed {
 pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let case = Case::load(&options.case, &options.sets)?;
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
-    let own = analyse(&case)?;
-    let compared = case
-        .compare
-        .iter()
-        .flatten()
-        .map(|&kind| analyse(&case.for_kind(kind)))
-        .collect::<Result<Vec<_>, _>>()?;
+    // Keys that only a compared kind uses are nothing to this one.
+    let own = analyse(&case.for_kind(case.kind))?;
+    let noncoaxiality = match &own.frozen {
+        Frozen::Flowing { flow, .. } => Some(degrees(flow.noncoaxiality)),
+        Frozen::Elsewhere(_) => None,
+    };
+    let mut compared = Vec::new();
+    for &kind in case.compare.iter().flatten() {
+        let converted = case.for_kind_with(kind, noncoaxiality);
+        let mut other = analyse(&converted.case)?;
+        other.lost_noncoaxiality_deg = converted.lost_noncoaxiality_deg;
+        compared.push(other);
+    }
     let shown: Vec<&Analysed> =
         if compared.is_empty() { vec![&own] } else { compared.iter().collect() };
     let has_curves = shown.iter().any(|a| !a.by_direction.is_empty());
@@ -80,7 +88,11 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let mut words = words(&case, &own);
     for other in &compared {
         if other.kind != own.kind {
-            let _ = write!(words, "\nCompared: {}\n{}", other.kind.title(), verdict_words(other));
+            let _ = write!(words, "\nCompared: {}\n", other.kind.title());
+            if let Some(delta) = other.lost_noncoaxiality_deg {
+                let _ = writeln!(words, "  (coaxial: Δ = 0 in place of {}°)", short(delta));
+            }
+            words += &verdict_words(other);
         }
     }
 
@@ -123,10 +135,11 @@ fn analyse(case: &Case) -> Result<Analysed, Error> {
         supremum: None,
         by_direction: Vec::new(),
         by_wave_number: Vec::new(),
+        lost_noncoaxiality_deg: None,
     };
     let Frozen::Flowing { flow, assessment } = &analysed.frozen else { return Ok(analysed) };
     let wave = case.numbers.wave;
-    let direction = wave.direction_deg.to_radians();
+    let direction = radians(wave.direction_deg);
     let pencil = &workspace.pencil;
     let out_of_reach = |key, found: f64, allowed: &str| {
         case.locate(InputError { key, found: format!("{found:?}"), allowed: allowed.into() })

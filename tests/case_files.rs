@@ -7,7 +7,7 @@ use mutation::{mutants, shrunk, without_marks};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 use wellposed::Options;
-use wellposed::case::{Case, KEYS, Parameter, Presence};
+use wellposed::case::{Case, KEYS, Parameter, Presence, radians};
 use wellposed::cases::CASES;
 use wellposed::frozen::Workspace;
 
@@ -207,9 +207,15 @@ fn a_sweep_hits_its_ends_and_whole_numbers() {
     for exact in [-45.0, 0.0, 45.0] {
         assert!((0..x.points).any(|i| x.value(i) == exact), "{exact} is not on the grid");
     }
-    let huge = parse_with(&["map.x.from=-1e308", "map.x.to=1.5e308"]).unwrap().map.unwrap().x;
-    assert_eq!((huge.value(0), huge.value(4)), (-1e308, 1.5e308));
-    assert!((0..4).all(|i| huge.value(i) < huge.value(i + 1)));
+    for (from, to) in
+        [("-5e307", "1e308"), ("1e308", "1.5e308"), ("1", "1.0000000000000058"), ("0", "1e-322")]
+    {
+        let sets = [format!("map.x.from={from}"), format!("map.x.to={to}")];
+        let sweep = parse_with(&[&sets[0], &sets[1]]).unwrap().map.unwrap().x;
+        let ends = (from.parse().unwrap(), to.parse().unwrap());
+        assert_eq!((sweep.value(0), sweep.value(4)), ends);
+        assert!((0..4).all(|i| sweep.value(i) < sweep.value(i + 1)), "{from} … {to}");
+    }
 }
 
 /// Replaces a part of [`CASE`] and expects one line that starts with place and key.
@@ -220,7 +226,7 @@ fn bad_input_is_answered_with_line_key_and_remedy() {
         // unknown and misspelt keys
         ("pressure = 1000.25", "presure = 1", "11: background.presure: ", "did you mean 'pressure'? allowed here: density, "),
         ("shear_rate = 2", "shear_rat = 2", "13: background.shear_rat: ", "'shear_rate'"),
-        ("[background]", "[backgroud]", "9: backgroud: ", "'background'? allowed here: title, [model], "),
+        ("[background]", "[backgroud]", "9: backgroud: ", "'background'? allowed here: title, name, [model], "),
         ("title =", "titel =", "1: titel: ", "'title'"),
         ("rotational_strength = 5", "density = 5", "7: model.density: ", "'background.density'"),
         ("title =", "'model.kind' = 'x'\ntitle =", "1: \"model.kind\": ", "unknown key"),
@@ -240,6 +246,10 @@ fn bad_input_is_answered_with_line_key_and_remedy() {
         ("spin = -0.125", "velocity_gradient = [1, 2]", "15: background.velocity_gradient: ", "[[a11, a12], [a21, a22]]"),
         ("'All sections'", "7", "1: title: ", "text in quotes"),
         ("'All sections'", "\"two\\nlines\"", "1: title: ", "text in quotes"),
+        ("title =", "name = 3\ntitle =", "1: name: ", "the integer 3; expected text in quotes"),
+        ("title =", "name = ''\ntitle =", "1: name: ", "found ''; expected text"),
+        ("title =", "name = '..'\ntitle =", "1: name: ", "not dots alone"),
+        ("title =", "name = 'a/b'\ntitle =", "1: name: ", "found 'a/b'"),
         ("kind = 'harris-grekova'", "kind = 3", "3: model.kind: ", "harris-grekova, double-shearing"),
         ("kind = 'harris-grekova'", "kind = 'harris-grekov'", "3: model.kind: ", "did you mean 'harris-grekova'?"),
         ("[wave]\nnumber = 500\ndirection_deg = 30\n", "wave.x = 1", "18: background.wave: ", "unknown key"),
@@ -281,6 +291,11 @@ fn bad_input_is_answered_with_line_key_and_remedy() {
         ("from = 1,", "from = nan,", "23: map.x.from: ", "not finite"),
         ("to = 9,", "to = inf,", "23: map.x.to: ", "not finite"),
         ("to = 9,", "to = 1,", "23: map.x.to: ", "two different ends"),
+        ("from = 1, to = 9,", "from = -1e308, to = 1e308,", "23: map.x.to: ", "whose difference overflows"),
+        ("from = 1, to = 9,", "from = 1.7e308, to = -1e308,", "23: map.x.from: ", "whose difference overflows"),
+        ("to = 9,", "to = 1.0000000000000004,", "23: map.x.points: ", "too close to differ"),
+        ("from = 1, to = 9,", "from = 0, to = 1e-323,", "23: map.x.points: ", "too close to differ"),
+        ("from = 1, to = 9,", "from = -9, to = -8.999999999999998,", "23: map.x.points: ", "too close to differ"),
         ("'background.pressure'", "'background.presure'", "23: map.x.parameter: ", "did you mean 'background.pressure'?"),
         ("'background.pressure'", "'background.velocity'", "23: map.x.parameter: ", "no single number"),
         ("'background.pressure'", "'background.velocity[2]'", "23: map.x.parameter: ", "background.velocity[0]"),
@@ -326,6 +341,98 @@ fn keys_that_no_kind_uses_are_refused() {
 }
 
 #[test]
+fn a_name_can_be_a_folder_and_stays() {
+    for (file, name) in [
+        ("folder/x.toml", "x"),
+        ("a.b.toml", "a.b"),
+        ("plain", "plain"),
+        ("Größe_1.toml", "Größe_1"),
+        ("two words(1).toml", "two-words-1-"),
+        (".toml", "case"),
+        ("..toml", "case"),
+        ("...toml", "case"),
+        ("folder/....toml", "case"),
+        ("..", "case"),
+        ("", "case"),
+    ] {
+        let case = Case::parse(CASE, file, &[]).unwrap();
+        assert_eq!(case.name, name, "{file}");
+        // The resolved case goes by the same name, whatever its file is called.
+        assert_eq!(Case::parse(&case.to_toml(), "case.toml", &[]).unwrap(), case, "{file}");
+    }
+    assert_eq!(parse(&format!("name = 'mine'\n{CASE}")).unwrap().name, "mine");
+    assert_eq!(parse_with(&["name=v1.2_a"]).unwrap().name, "v1.2_a");
+}
+
+#[test]
+fn angles_are_reduced_in_degrees() {
+    let state = |stress: f64, delta: f64| {
+        let mut case = parse(CASE).unwrap();
+        case.set(Parameter::find("background.stress_angle_deg").unwrap(), stress);
+        case.set(Parameter::find("background.noncoaxiality_deg").unwrap(), delta);
+        case.state()
+    };
+    assert_eq!(state(405.0, -725.0), state(45.0, -5.0));
+    assert_eq!(state(359.5, 123.456).stress_angle, 359.5f64.to_radians());
+    assert_eq!(state(1e308, -1e308), state(1e308 % 360.0, -(1e308 % 360.0)));
+    assert!(radians(f64::MAX).abs() < 6.3);
+    assert_eq!(radians(90.0 + 360.0), 90f64.to_radians());
+}
+
+#[test]
+fn an_error_of_a_swept_number_points_at_the_sweep() {
+    let located = |sets: &[&str]| {
+        let case = parse_with(sets).unwrap();
+        let mut corner = case.clone();
+        corner.set(Parameter::find("background.pressure").unwrap(), -3.0);
+        corner.numbers.background.spin = None;
+        let background = corner.model().unwrap().background(&corner.state());
+        case.locate_in_map(background.unwrap_err()).to_string()
+    };
+    let words = "background.pressure: found -3, a value of the sweep map.x; the pressure must";
+    let error = located(&["map.x.points=5"]);
+    assert!(error.starts_with(&format!("--set map.x.points=5: {words}")), "{error}");
+    let error = located(&["map.x.points=5", "map.x.from=-3"]);
+    assert!(error.starts_with(&format!("--set map.x.from=-3: {words}")), "{error}");
+    let error = located(&["background.pressure=5"]);
+    assert!(error.starts_with(&format!("folder/x.toml:23: {words}")), "{error}");
+    // What is not swept stands where it stands.
+    let error = located(&["map.x.parameter=wave.number"]);
+    assert!(error.starts_with("folder/x.toml:11: background.pressure: found -3; "), "{error}");
+}
+
+#[test]
+fn another_kind_keeps_the_noncoaxiality_that_a_spin_stands_for() {
+    let case = parse(CASE).unwrap();
+    let delta = |case: &Case| case.numbers.background.noncoaxiality_deg;
+    // Kinds with a spin take it as it is, to the last bit; others what it stands for.
+    for (kind, expected, lost) in [
+        (Kind::HarrisGrekova, None, None),
+        (Kind::FreeRotating, None, None),
+        (Kind::DoubleShearing, Some(7.5), None),
+        (Kind::PlasticPotential, Some(0.0), Some(7.5)),
+    ] {
+        let converted = case.for_kind_with(kind, Some(7.5));
+        assert_eq!(delta(&converted.case), expected, "{kind:?}");
+        assert_eq!(converted.lost_noncoaxiality_deg, lost, "{kind:?}");
+        assert_eq!(converted.case.get("background.spin").is_some(), expected.is_none());
+        check(&converted.case).unwrap();
+    }
+    // A given non-coaxiality goes before.
+    let given = parse(&CASE.replace("spin = -0.125", "noncoaxiality_deg = 5")).unwrap();
+    let converted = given.for_kind_with(Kind::DoubleShearing, Some(7.5));
+    assert_eq!(converted.case, given.for_kind(Kind::DoubleShearing));
+    let converted = given.for_kind_with(Kind::PlasticPotential, None);
+    assert_eq!((delta(&converted.case), converted.lost_noncoaxiality_deg), (Some(0.0), Some(5.0)));
+    // What is coaxial loses nothing.
+    let coaxial = parse(&CASE.replace("spin = -0.125\n", "")).unwrap();
+    let converted = coaxial.for_kind_with(Kind::PlasticPotential, Some(0.0));
+    assert_eq!(converted.lost_noncoaxiality_deg, None);
+    let converted = coaxial.for_kind_with(Kind::DoubleShearing, Some(0.0));
+    assert_eq!(converted.case, coaxial.for_kind(Kind::DoubleShearing));
+}
+
+#[test]
 fn errors_in_set_name_the_option() {
     for (set, words) in [
         ("background.presure=1", "background.presure: unknown key; did you mean 'pressure'? "),
@@ -339,7 +446,9 @@ fn errors_in_set_name_the_option() {
         ("map.x.points=99999999", "map.x.points: a grid of 99999999 × 3 points"),
         ("map.y.parameter=background.pressure", "map.y.parameter: found background.pressure on"),
         ("model.kind=tensor", "model.kind: found 'tensor'; allowed: harris-grekova"),
-        ("=1", ": unknown key"),
+        ("=1", "no key before '='; write --set section.key=value"),
+        ("background.density=0x", "background.density: found '0x', which is not a number"),
+        ("name=.", "name: found '.'"),
     ] {
         let error = parse_with(&[set]).expect_err(set);
         let start = format!("--set {}: ", set.replace('\n', "\\n"));
@@ -423,8 +532,11 @@ fn files_that_cannot_be_read_say_why() {
     for (path, words) in [
         (folder.join("absent.toml"), "No such file"),
         (folder.clone(), "directory"),
-        (write("empty.toml", b""), "empty.toml:1: model.kind: missing; add kind to [model]"),
-        (write("comment.toml", b"# nothing\n"), "comment.toml:1: model.kind: missing"),
+        (
+            write("empty.toml", b""),
+            "empty.toml: model.kind: missing; add a section [model] with kind: ",
+        ),
+        (write("comment.toml", b"# nothing\n"), "comment.toml: model.kind: missing"),
         (write("latin.toml", b"a = 1\ntitle = '\xe9'"), "latin.toml:2: a byte that is not UTF-8"),
         (write("zero.toml", &[0; 100]), "zero.toml:1: "),
         (write("large.toml", &vec![b'#'; 2 << 20]), "larger than 1 MiB"),
@@ -434,7 +546,11 @@ fn files_that_cannot_be_read_say_why() {
         assert!(error.starts_with(folder.to_str().unwrap()) && error.contains(words), "{error}");
     }
     let error = parse(&CASE[..CASE.find("[map]").unwrap()]).unwrap().required_map().unwrap_err();
-    assert!(error.to_string().contains("map: missing; add a section [map]"), "{error}");
+    assert!(error.to_string().starts_with("folder/x.toml: map: missing; add a section [map]"));
+    let error = parse(&CASE[..CASE.find("[background]").unwrap()]).unwrap_err();
+    let start =
+        "folder/x.toml: background.density: missing; add a section [background] with density";
+    assert!(error.starts_with(start), "{error}");
 }
 
 /// Hands `count` mutants to `run`, which says whether it took them; none may panic or be slow.

@@ -135,6 +135,8 @@ fn bad_requests_end_with_2_and_leave_nothing() {
     let here = folder("bad");
     ends_with(0, &here, "new harris-grekova case.toml");
     fs::write(here.join("file"), "").unwrap();
+    fs::create_dir(here.join("full")).unwrap();
+    fs::write(here.join("full/notes"), "").unwrap();
     let before = names(&here);
     for (arguments, words) in [
         ("map absent.toml", "error: absent.toml: No such file"),
@@ -146,7 +148,9 @@ fn bad_requests_end_with_2_and_leave_nothing() {
         ("point case.toml --out file", "error: file: "),
         ("point case.toml --out file/below", "error: file"),
         ("point case.toml --out file/below --dry-run", "error: file"),
-        ("point case.toml --out .", "--force"),
+        ("point case.toml --out .", "./case.toml: this is the case file itself"),
+        ("point case.toml --out . --force", "name another folder with --out"),
+        ("point case.toml --out full", "--force"),
     ] {
         let (stdout, stderr) = ends_with(2, &here, arguments);
         assert!(stderr.contains(words), "{arguments}: {stderr}");
@@ -197,6 +201,129 @@ fn results_of_another_case_are_overwritten_by_force_alone() {
     ends_with(2, &here, "point case.toml --out full");
     fs::create_dir(here.join("empty")).unwrap();
     ends_with(0, &here, "point case.toml --out empty");
+}
+
+/// Permission bits do not tell: /proc takes no files from anyone, and its bits say that it does.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_that_takes_no_files_is_refused_before_anything_is_computed() {
+    let here = folder("unwritable");
+    ends_with(0, &here, "new harris-grekova case.toml");
+    std::os::unix::fs::symlink("nowhere", here.join("link")).unwrap();
+    for (arguments, start) in [
+        ("--out /proc/absent/below", "error: /proc: "),
+        ("--out /proc/self --force", "error: /proc/self: "),
+        ("--out link", "error: link: "),
+    ] {
+        for verb in ["map", "point"] {
+            let (_, stderr) =
+                ends_with(2, &here, &format!("{verb} case.toml --dry-run {arguments}"));
+            assert!(stderr.starts_with(start), "{stderr}");
+        }
+    }
+    assert_eq!(names(&here), ["case.toml", "link"]);
+}
+
+#[test]
+fn what_a_killed_run_left_is_swept_away() {
+    let here = folder("killed");
+    ends_with(0, &here, "new harris-grekova case.toml");
+    fs::create_dir(here.join("results")).unwrap();
+    for name in [".case.toml.7.partial", ".map.png.123.partial", ".probe.5-0.partial"] {
+        fs::write(here.join("results").join(name), "half").unwrap();
+    }
+    ends_with(0, &here, "point case.toml --out results --dry-run");
+    assert_eq!(names(&here.join("results")).len(), 3);
+    ends_with(0, &here, "point case.toml --out results");
+    let left = names(&here.join("results"));
+    assert!(left.len() > 3 && left.iter().all(|name| !name.ends_with(".partial")), "{left:?}");
+
+    // Partial files of anyone else are something else.
+    for name in [".notes.7.partial", ".map.png.partial", "map.png.7.partial", ".map.png.x.partial"]
+    {
+        let other = here.join("other");
+        fs::create_dir(&other).unwrap();
+        fs::write(other.join(name), "").unwrap();
+        ends_with(2, &here, "point case.toml --out other");
+        ends_with(0, &here, "point case.toml --out other --force");
+        assert!(other.join(name).exists(), "{name} is gone");
+        fs::remove_dir_all(&other).unwrap();
+    }
+}
+
+#[test]
+fn the_case_file_is_never_overwritten() {
+    let here = folder("itself");
+    for (name, out) in [("results/case.toml", "results"), ("results/map.txt", "results/../results")]
+    {
+        fs::create_dir_all(here.join("results")).unwrap();
+        ends_with(0, &here, &format!("new harris-grekova {name}"));
+        let before = fs::read(here.join(name)).unwrap();
+        for force in ["", "--force", "--dry-run --force"] {
+            for verb in ["map", "point"] {
+                let arguments = format!("{verb} {name} --out {out} {force}");
+                let (_, stderr) = ends_with(2, &here, &arguments);
+                assert!(stderr.contains("the case file itself"), "{stderr}");
+                assert!(stderr.contains("name another folder with --out\n"), "{stderr}");
+                assert_eq!(fs::read(here.join(name)).unwrap(), before);
+            }
+        }
+        assert_eq!(names(&here.join("results")).len(), 1);
+        fs::remove_dir_all(here.join("results")).unwrap();
+    }
+}
+
+#[test]
+fn a_resolved_case_gives_the_same_bits_again() {
+    let here = folder("again");
+    let text = wellposed::new::text(models::granular_flow::Kind::DoubleShearing);
+    let text: String =
+        text.lines().filter(|l| !l.starts_with("title")).map(|l| format!("{l}\n")).collect();
+    fs::write(here.join("untitled.toml"), text).unwrap();
+    let bits = |folder: &str| {
+        let read = |name: String| (fs::read(here.join(folder).join(&name)).unwrap(), name);
+        names(&here.join(folder)).into_iter().map(read).collect::<Vec<_>>()
+    };
+    ends_with(0, &here, "point untitled.toml");
+    let first = bits("out/untitled");
+    // In the same folder, whose case file stays the very file that it is, and in another one.
+    let written = || fs::metadata(here.join("out/untitled/case.toml")).unwrap().modified().unwrap();
+    let before = written();
+    let (stdout, _) = ends_with(0, &here, "point out/untitled/case.toml");
+    assert!(stdout.contains("out/untitled"), "{stdout}");
+    assert_eq!(written(), before);
+    ends_with(0, &here, "point out/untitled/case.toml --out elsewhere");
+    assert!(bits("out/untitled") == first && bits("elsewhere") == first);
+    // A case changed by hand or by an option would overwrite itself.
+    ends_with(2, &here, "point out/untitled/case.toml --force --set background.pressure=7");
+    assert!(bits("out/untitled") == first);
+}
+
+#[test]
+fn results_of_another_version_need_force() {
+    let here = folder("version_of_results");
+    ends_with(0, &here, "new harris-grekova case.toml");
+    let point = "point case.toml --out results";
+    let program = here.join("results/program.json");
+    for key in ["version", "commit"] {
+        ends_with(0, &here, point);
+        fs::write(here.join("results/map.csv"), "of the old program").unwrap();
+        let own = fs::read_to_string(&program).unwrap();
+        let mut other: serde_json::Value = serde_json::from_str(&own).unwrap();
+        other[key] = "another".into();
+        fs::write(&program, format!("{other:#}\n")).unwrap();
+        let (_, stderr) = ends_with(2, &here, point);
+        assert!(stderr.contains("another version") && stderr.contains("--force"), "{stderr}");
+        ends_with(0, &here, &format!("{point} --force"));
+        assert_eq!(fs::read_to_string(&program).unwrap(), own);
+        assert!(!here.join("results/map.csv").exists(), "an old result under a new version");
+    }
+    // No version at all is none of this program's either, unless nothing was written yet.
+    fs::remove_file(&program).unwrap();
+    ends_with(2, &here, point);
+    fs::create_dir(here.join("early")).unwrap();
+    fs::copy(here.join("results/case.toml"), here.join("early/case.toml")).unwrap();
+    ends_with(0, &here, "point case.toml --out early");
 }
 
 #[test]

@@ -229,3 +229,48 @@ fn a_map_outside_the_model_is_refused_with_line_and_key() {
     );
     assert!(!folder.path().join("out/map.json").exists());
 }
+
+#[test]
+fn compared_models_stand_in_the_same_state_when_the_spin_is_given() {
+    let text = CASE.replace("noncoaxiality_deg = 20", "spin = -1.5")
+        + "\n[compare]\nkinds = ['harris-grekova', 'double-shearing', 'plastic-potential']\n";
+    let found = point_of(&text, &[]);
+    let delta = |of: &Value| of["background"]["noncoaxiality_deg"].as_f64().unwrap();
+    // sin 2Δ = 1.5 sin φ / Q_D
+    let wanted = 0.5 * (1.5f64 * 0.5 / 2.0).asin().to_degrees();
+    assert!((delta(&found) - wanted).abs() < 1e-12);
+    assert_eq!(delta(&found["compare"][0]), delta(&found));
+    assert!((delta(&found["compare"][1]) - delta(&found)).abs() < 1e-12);
+    assert_eq!(delta(&found["compare"][2]), 0.0, "the plastic potential is coaxial");
+}
+
+#[test]
+fn waves_out_of_reach_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for set in ["wave.number=1e100", "wave.number=1e-100", "background.velocity=[1e308, 0]"] {
+        let options = options(folder.path(), CASE, &[set]);
+        let error = point::run(&options, &mut std::io::sink()).unwrap_err();
+        assert_eq!(error.exit_code(), 2, "{set}");
+        assert!(error.to_string().contains("range of doubles"), "{set}: {error}");
+    }
+}
+
+#[test]
+fn the_curves_of_a_point_reach_the_peaks_of_its_layers() {
+    let text = CASE
+        .replace("rotational_strength = 0", "rotational_strength = 5\ndilatancy_angle_deg = 10")
+        .replace("number = 500", "number = 1e7");
+    let folder = tempfile::tempdir().unwrap();
+    point::run(&options(folder.path(), &text, &[]), &mut std::io::sink()).unwrap();
+    let curve = fs::read_to_string(folder.path().join("out/growth_by_direction.csv")).unwrap();
+    let greatest = curve
+        .lines()
+        .skip(1)
+        .filter_map(|line| line.rsplit(',').next()?.parse::<f64>().ok())
+        .fold(0.0, f64::max);
+    let found: Value =
+        serde_json::from_slice(&fs::read(folder.path().join("out/point.json")).unwrap()).unwrap();
+    assert_eq!(found["order"], 0.4);
+    let predicted = found["coefficient"].as_f64().unwrap() * 1e7f64.powf(0.4);
+    assert!((greatest / predicted - 1.0).abs() < 0.05, "{greatest} for {predicted}");
+}

@@ -1,4 +1,4 @@
-//! Physical models of granular and Cosserat media.
+//! Physical models of granular media.
 //!
 //! The ground floor of `wellposed`: no discretisation, no files, no threads. A model is one folder
 //! of independent statements of the same physics:

@@ -12,6 +12,8 @@ pub enum Place {
         /// The line.
         line: usize,
     },
+    /// A case file as a whole: what is missing stands on no line.
+    File(String),
     /// A `--set` option, with its text.
     Option(String),
 }
@@ -20,6 +22,7 @@ impl std::fmt::Display for Place {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Line { file, line } => write!(formatter, "{file}:{line}"),
+            Self::File(file) => write!(formatter, "{file}"),
             Self::Option(text) => write!(formatter, "--set {}", shown(text)),
         }
     }

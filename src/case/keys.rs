@@ -329,6 +329,8 @@ macro_rules! keys {
 pub static KEYS: &[Key] = keys! {
     "title": "title" [""] "one line that says what the case is";
         ALL, Optional, Text;
+    "name": "name" [""] "names the folder of results: letters, digits, '-', '_' and '.', not dots alone; absent: the name of the file";
+        ALL, Optional, Text;
 
     "model.kind": "kind of model" [""] "harris-grekova, double-shearing, plastic-potential or free-rotating";
         ALL, Required(0.0), Text;

@@ -14,7 +14,7 @@ use models::granular_flow::{InputError, Kind, Model, Parameters};
 use read::{Entries, Places};
 use std::fmt::Write;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Largest number of points of a map.
 pub const MOST_POINTS: usize = 100_000_000;
@@ -25,7 +25,7 @@ const LARGEST_FILE: u64 = 1 << 20;
 /// A case as its file states it, with defaults filled in.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Stem of the file's name; names the folder of results.
+    /// Names the folder of results; by default the stem of the file's name.
     pub name: String,
     /// One line that says what the case is; may be empty.
     pub title: String,
@@ -38,6 +38,22 @@ pub struct Case {
     /// Kinds of model to compare on this state.
     pub compare: Option<Vec<Kind>>,
     places: Places,
+    source: Option<PathBuf>,
+}
+
+/// The state of a case for another kind of model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Converted {
+    /// The state, as far as that kind can take it.
+    pub case: Case,
+    /// The non-coaxiality of the state, degrees, where that kind cannot take it and has 0 instead.
+    pub lost_noncoaxiality_deg: Option<f64>,
+}
+
+/// An angle in radians. Whole turns are taken off in degrees, where that is exact: the sine of
+/// 1e308° means something, that of 1.7e306 rad is noise. Angles below a turn keep every bit.
+pub fn radians(degrees: f64) -> f64 {
+    (degrees % 360.0).to_radians()
 }
 
 /// Equal content; where it stands in the file does not matter.
@@ -109,7 +125,10 @@ impl Case {
         }
         let file = path.display().to_string();
         match std::str::from_utf8(&bytes) {
-            Ok(text) => Self::parse(text, &file, sets),
+            Ok(text) => {
+                let case = Self::parse(text, &file, sets)?;
+                Ok(Self { source: Some(path.to_owned()), ..case })
+            }
             Err(error) => {
                 let before = &bytes[..error.valid_up_to()];
                 let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
@@ -135,10 +154,13 @@ impl Case {
             Some(Value::Text(title)) => title.clone(),
             _ => String::new(),
         };
-        let name = Path::new(file)
-            .file_stem()
-            .map_or("case".to_owned(), |stem| stem.to_string_lossy().into_owned());
-        Ok(Self { name, title, kind, numbers, map, compare, places: entries.places })
+        let name = name(&entries, file)?;
+        Ok(Self { name, title, kind, numbers, map, compare, places: entries.places, source: None })
+    }
+
+    /// The file that the case was loaded from.
+    pub fn source(&self) -> Option<&Path> {
+        self.source.as_deref()
     }
 
     /// The number of that name, if the case has one.
@@ -158,6 +180,26 @@ impl Case {
             key.clear(&mut case.numbers);
         }
         case
+    }
+
+    /// The same state for another kind of model, with the non-coaxiality that a given spin stands
+    /// for: `noncoaxiality_deg` is what the case's own model made of it, in degrees.
+    ///
+    /// A kind without spin would otherwise be given another state, coaxial by default. The plastic
+    /// potential is coaxial by definition: what it loses is handed back, to be told the reader.
+    pub fn for_kind_with(&self, kind: Kind, noncoaxiality_deg: Option<f64>) -> Converted {
+        let mut case = self.for_kind(kind);
+        let mut lost_noncoaxiality_deg = None;
+        let state = self.numbers.background.noncoaxiality_deg.or(noncoaxiality_deg);
+        let other = &mut case.numbers.background;
+        if kind == Kind::PlasticPotential && kind != self.kind {
+            // Axes have no sense: half a turn apart they are the same.
+            lost_noncoaxiality_deg = state.filter(|delta| delta % 180.0 != 0.0);
+            other.noncoaxiality_deg = Some(0.0);
+        } else if self.numbers.background.spin.is_some() && other.spin.is_none() {
+            other.noncoaxiality_deg = state;
+        }
+        Converted { case, lost_noncoaxiality_deg }
     }
 
     /// Constants of the material in the units of the models.
@@ -180,11 +222,11 @@ impl Case {
             pressure: given.pressure,
             deviatoric_stress: given.deviatoric_stress,
             rotational_stress: given.rotational_stress,
-            stress_angle: given.stress_angle_deg.to_radians(),
+            stress_angle: radians(given.stress_angle_deg),
             shear_rate: given.shear_rate,
             velocity: given.velocity,
             half_vorticity: given.half_vorticity,
-            noncoaxiality: given.noncoaxiality_deg.map(f64::to_radians),
+            noncoaxiality: given.noncoaxiality_deg.map(radians),
             spin: given.spin,
             pressure_gradient: given.pressure_gradient,
             stress_angle_gradient: given.stress_angle_gradient_deg.map(f64::to_radians),
@@ -229,6 +271,22 @@ impl Case {
         self.places.error(error.key, format!("found {}", error.found), error.allowed)
     }
 
+    /// Adds the place to an error that a model found at a point of the map: a number that is swept
+    /// has its value from `[map]`, not from where its key stands.
+    pub fn locate_in_map(&self, error: InputError) -> CaseError {
+        let axes = self.map.iter().flat_map(|map| [("map.x", &map.x), ("map.y", &map.y)]);
+        let swept = |(_, sweep): &(&str, &Sweep)| sweep.parameter.key().name == error.key;
+        match axes.into_iter().find(swept) {
+            Some((axis, _)) => CaseError::Key {
+                place: self.places.of_axis(axis),
+                key: error.key.to_owned(),
+                found: format!("found {}, a value of the sweep {axis}", error.found),
+                allowed: error.allowed,
+            },
+            None => self.locate(error),
+        }
+    }
+
     /// The resolved case as TOML: every value that the kind uses, defaults included, numbers in
     /// their shortest form that reads back to the same double.
     pub fn to_toml(&self) -> String {
@@ -236,8 +294,9 @@ impl Case {
         if !self.title.is_empty() {
             let _ = writeln!(text, "title = {}", toml::Value::from(self.title.as_str()));
         }
+        let _ = writeln!(text, "name = {}", toml::Value::from(self.name.as_str()));
         let mut section = "";
-        for key in KEYS.iter().filter(|key| key.name != "title") {
+        for key in KEYS {
             let value = match key.name {
                 "model.kind" => Some(Value::Text(self.kind.name().to_owned())),
                 _ if self.kinds().any(|kind| key.is_used_by(kind)) => key.field.load(self.numbers),
@@ -259,7 +318,7 @@ impl Case {
             let names = kinds.iter().map(|kind| kind.name().to_owned()).collect();
             let _ = write!(text, "\n[compare]\nkinds = {}\n", Value::Texts(names));
         }
-        text.trim_start().to_owned()
+        text
     }
 
     /// The kind of model, and those to compare.
@@ -275,6 +334,29 @@ impl std::fmt::Display for Sweep {
         let (from, to) = (Value::Number(self.from), Value::Number(self.to));
         write!(formatter, "{{ parameter = {name}, from = {from}, to = {to}, points = {points} }}")
     }
+}
+
+/// The name of a case: given, or else from its file.
+fn name(entries: &Entries, file: &str) -> Result<String, CaseError> {
+    const KEY: &str = "name";
+    let may_stand = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.');
+    // `.` and `..` are folders already.
+    let is_dots = |name: &str| name.chars().all(|c| c == '.');
+    if let Some(Value::Text(name)) = entries.get(KEY) {
+        if is_dots(name) || !name.chars().all(may_stand) {
+            let allowed = Key::find(KEY).map_or(String::new(), read::allowed);
+            let found = format!("found '{}'", error::shown(name));
+            return Err(entries.places.error(KEY, found, allowed));
+        }
+        return Ok(name.clone());
+    }
+    let file = Path::new(file).file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
+    let stem = file.rsplit_once('.').map_or(&*file, |(stem, _)| stem);
+    if is_dots(stem) {
+        return Ok("case".to_owned());
+    }
+    // What a resolved case states must read back.
+    Ok(stem.chars().map(|c| if may_stand(c) { c } else { '-' }).collect())
 }
 
 /// The numbers of a case: defaults, what was given, and nothing that no kind uses.
@@ -375,11 +457,41 @@ fn sweep(
         let found = format!("found {to:?} at both ends");
         return Err(entries.places.error(to_key, found, "give two different ends, or 1 point"));
     }
+    // More points than any map may have are answered for as a grid.
+    if (2..=MOST_POINTS).contains(&points) {
+        check_step(entries, [from_key, to_key, points_key], from, to, points)?;
+    }
     if parameter.key().name == "wave.number" && from.min(to) <= 0.0 {
         let key = if from <= 0.0 { from_key } else { to_key };
         return Err(wave_number(entries, key, from.min(to)));
     }
     Ok(Sweep { parameter, from, to, points })
+}
+
+/// That neighbouring values of a sweep of at least 2 points differ.
+fn check_step(
+    entries: &Entries,
+    [from_key, to_key, points_key]: [&'static str; 3],
+    from: f64,
+    to: f64,
+    points: usize,
+) -> Result<(), CaseError> {
+    let range = to - from;
+    let largest = from.abs().max(to.abs());
+    if !range.is_finite() {
+        // Either end may be the huge one; the greater answers for both.
+        let key = if from.abs() > to.abs() { from_key } else { to_key };
+        let found = format!("found {from:?} … {to:?}, whose difference overflows");
+        return Err(entries.places.error(key, found, "give ends whose difference is finite"));
+    }
+    // Rounding moves a value of the sweep by at most three halves of this, or one smallest double.
+    let unit = (f64::EPSILON * largest).max(f64::from_bits(1));
+    if range.abs() / (points - 1) as f64 <= 4.0 * unit {
+        let found =
+            format!("found {points} points between {from:?} and {to:?}, too close to differ");
+        return Err(entries.places.error(points_key, found, "give fewer points, or a wider range"));
+    }
+    Ok(())
 }
 
 /// Why a name is no parameter to sweep.

@@ -4,7 +4,7 @@ use super::error::{CaseError, Place, shown};
 use super::keys::{Field, KEYS, Key, Value};
 use models::granular_flow::Kind;
 use std::collections::BTreeMap;
-use toml::de::{DeArray, DeTable, DeValue};
+use toml::de::{DeArray, DeInteger, DeTable, DeValue};
 
 /// Where the keys and sections of a case stand, to answer for them later.
 #[derive(Clone, Debug)]
@@ -15,7 +15,7 @@ pub(super) struct Places {
 }
 
 impl Places {
-    /// The place of a key, or else of the innermost section around it, or else of the file.
+    /// The place of a key, or else of the innermost section around it, or else the file.
     pub(super) fn of(&self, key: &str) -> Place {
         if let Some(text) = self.options.get(key) {
             return Place::Option(text.clone());
@@ -27,9 +27,17 @@ impl Places {
             }
             match name.rsplit_once('.') {
                 Some((section, _)) => name = section,
-                None => return Place::Line { file: self.file.clone(), line: 1 },
+                None => return Place::File(self.file.clone()),
             }
         }
+    }
+
+    /// The place of an axis of `[map]`: the option that set one of its values, or else its line.
+    pub(super) fn of_axis(&self, axis: &str) -> Place {
+        let set = ["from", "to", "parameter", "points"]
+            .iter()
+            .find_map(|name| self.options.get(format!("{axis}.{name}").as_str()));
+        set.map_or_else(|| self.of(axis), |text| Place::Option(text.clone()))
     }
 
     /// An error at a key.
@@ -124,6 +132,9 @@ impl Entries {
             return refused(set, "no '='", "write --set section.key=value".into());
         };
         let (name, text) = (name.trim(), text.trim());
+        if name.is_empty() {
+            return refused(set, "no key before '='", "write --set section.key=value".into());
+        }
         let Some(key) = Key::find(name) else {
             if is_section(name) {
                 let inside = names_inside(name, |_| true).join(", ");
@@ -181,7 +192,11 @@ impl Entries {
             let row = Key::find(key);
             let section = key.rsplit_once('.').map_or("", |(section, _)| section);
             let allowed = row.map_or(String::new(), |row| {
-                format!("add {} to [{section}]: {}", row.split().1, allowed(row))
+                let name = row.split().1;
+                match self.has_section(section) {
+                    true => format!("add {name} to [{section}]: {}", allowed(row)),
+                    false => format!("add a section [{section}] with {name}: {}", allowed(row)),
+                }
             });
             self.places.error(key, "missing", allowed)
         })
@@ -314,6 +329,12 @@ fn integer(value: &DeValue) -> Option<i64> {
     i64::from_str_radix(integer.as_str(), integer.radix()).ok()
 }
 
+/// Whether what begins like an integer is one, however large: `0x` alone has no digits.
+fn has_digits(integer: &DeInteger) -> bool {
+    let digits = integer.as_str().trim_start_matches(['+', '-']);
+    !digits.is_empty() && digits.chars().all(|digit| digit.is_digit(integer.radix()))
+}
+
 fn count(value: &DeValue) -> Option<usize> {
     integer(value).filter(|&count| count >= 1).and_then(|count| count.try_into().ok())
 }
@@ -336,6 +357,7 @@ fn describe(value: &DeValue) -> String {
             let digits = shown(&integer.to_string());
             match number(value) {
                 Some(_) => format!("the integer {digits}"),
+                None if !has_digits(integer) => format!("'{digits}', which is not a number"),
                 None => format!("the integer {digits}, too large to be exact; write it as 1e20"),
             }
         }
