@@ -79,7 +79,7 @@ impl Workspace {
         };
         model.symbol(&flow, &mut self.system);
         self.pencil.update(&self.system)?;
-        let assessment = growth::assess(&self.pencil)?;
+        let assessment = growth::assess(&self.pencil);
         Ok((model, Frozen::Flowing { flow, assessment }))
     }
 

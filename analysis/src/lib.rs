@@ -6,6 +6,7 @@
 //! - [`polynomial`]: the exact dispersion polynomial det(ςA + κ₁B¹ + κ₂B² + C), κ = ik;
 //! - [`pencil`]: the roots ς at a given wave, by generalised eigenvalues and that polynomial;
 //! - [`characteristics`]: characteristic directions of the steady equations;
+//! - [`newton`]: orders and leading coefficients of roots in one direction;
 //! - [`growth`]: how fast short waves grow, in every direction: the verdict;
 //! - [`bound`]: the supremum of the growth rate, where it is finite.
 #![deny(missing_docs)]
@@ -15,7 +16,9 @@ pub mod characteristics;
 pub mod extended;
 pub mod form;
 pub mod growth;
+mod layers;
 mod leading;
+pub mod newton;
 pub mod pencil;
 pub mod polynomial;
 pub mod roots;
