@@ -3,11 +3,12 @@
 use crate::Error;
 use crate::case::Case;
 use analysis::AnalysisError;
-use analysis::growth::{self, Assessment};
+use analysis::growth::{self, Assessment, Growth, Verdict};
+use analysis::newton::Order;
 use analysis::pencil::Pencil;
-use models::LinearisedSystem;
 use models::granular_flow::state::{Background, Flow};
 use models::granular_flow::{InputError, Model};
+use models::{ClosedForm, LinearisedSystem};
 
 /// Memory for one state after another; one per thread.
 #[derive(Clone, Debug, Default)]
@@ -52,6 +53,43 @@ impl StateError {
     }
 }
 
+/// How a verdict came about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Route {
+    /// By a formula of the model.
+    ClosedForm,
+    /// From the linearised equations as data.
+    ModelBlind,
+}
+
+impl Route {
+    /// Both, in the order in which they are tried.
+    pub const ALL: [Self; 2] = [Self::ClosedForm, Self::ModelBlind];
+
+    /// Name in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ClosedForm => "closed-form",
+            Self::ModelBlind => "model-blind",
+        }
+    }
+}
+
+/// A formula's answer as a verdict.
+pub fn verdict(closed_form: ClosedForm) -> Verdict {
+    match closed_form {
+        ClosedForm::WellPosed => Verdict::WellPosed,
+        ClosedForm::Grows { order, coefficient, direction } => {
+            let order = Order { numerator: order.into(), denominator: 1 };
+            Verdict::IllPosed { growth: Some(Growth { order, coefficient }), direction }
+        }
+        ClosedForm::UnboundedAtFiniteWaveNumber { direction } => {
+            Verdict::IllPosed { growth: None, direction }
+        }
+        ClosedForm::Indeterminate { rank, unknowns } => Verdict::Indeterminate { rank, unknowns },
+    }
+}
+
 /// A state that was looked at.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Frozen {
@@ -67,7 +105,7 @@ pub enum Frozen {
 }
 
 impl Workspace {
-    /// Judges the state of a case.
+    /// Judges the state of a case from its linearised equations.
     ///
     /// # Errors
     /// See [`StateError`].
@@ -77,10 +115,33 @@ impl Workspace {
         let Background::FullyDeforming(flow) = background else {
             return Ok((model, Frozen::Elsewhere(background)));
         };
-        model.symbol(&flow, &mut self.system);
-        self.pencil.update(&self.system)?;
-        let assessment = growth::assess(&self.pencil);
+        let assessment = self.assess(&model, &flow)?;
         Ok((model, Frozen::Flowing { flow, assessment }))
+    }
+
+    /// Judges a flow from its linearised equations, whatever the model.
+    ///
+    /// # Errors
+    /// See [`AnalysisError`].
+    pub fn assess(&mut self, model: &Model, flow: &Flow) -> Result<Assessment, AnalysisError> {
+        model.symbol(flow, &mut self.system);
+        self.pencil.update(&self.system)?;
+        Ok(growth::assess(&self.pencil))
+    }
+
+    /// The verdict on a flow by a formula where one answers, else from the linearised equations.
+    ///
+    /// # Errors
+    /// See [`AnalysisError`].
+    pub fn decide(
+        &mut self,
+        model: &Model,
+        flow: &Flow,
+    ) -> Result<(Verdict, Route), AnalysisError> {
+        match model.closed_form(flow) {
+            Some(closed_form) => Ok((verdict(closed_form), Route::ClosedForm)),
+            None => Ok((self.assess(model, flow)?.verdict, Route::ModelBlind)),
+        }
     }
 
     /// Whether the powers of a wave number (1/m) in the dispersion polynomial of the last state hold

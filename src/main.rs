@@ -6,7 +6,8 @@ use models::granular_flow::Kind;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use wellposed::{Error, Format, Options, VERSION, cases, map, new, point};
+use wellposed::map::{self, Extras};
+use wellposed::{Error, Format, Options, VERSION, cases, new, point};
 
 /// Well-posedness of continuum models of granular media.
 #[derive(Parser)]
@@ -25,6 +26,12 @@ enum Verb {
         /// Also locate the greatest growth rate over all waves at every point
         #[arg(long)]
         bound: bool,
+        /// Also give the greatest growth rate at the wave of the case at every point
+        #[arg(long)]
+        growth_rate: bool,
+        /// Decide every point from the linearised equations, none by a model's closed form
+        #[arg(long)]
+        model_blind: bool,
     },
     /// Everything about one state: background, characteristics, roots, growth, verdict
     Point {
@@ -119,7 +126,10 @@ fn main() -> ExitCode {
 fn carry_out(verb: Verb) -> Result<(), Error> {
     let mut stdout = std::io::stdout().lock();
     match verb {
-        Verb::Map { run, bound } => map::run(&run.into(), bound, &mut stdout)?,
+        Verb::Map { run, bound, growth_rate, model_blind } => {
+            let extras = Extras { bound, growth_rate, model_blind };
+            map::run(&run.into(), extras, &mut stdout)?;
+        }
         Verb::Point { run } => point::run(&run.into(), &mut stdout)?,
         Verb::Cases => cases::run(&mut stdout)?,
         Verb::New { kind, file, force } => {

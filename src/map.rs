@@ -1,22 +1,53 @@
 //! `wellposed map`: the verdict over two parameters of a case.
 
 use crate::case::{Case, Map, Parameter, Sweep, radians};
-use crate::frozen::{Frozen, StateError, Workspace};
+use crate::frozen::{Route, StateError, Workspace};
 use crate::output::{self, ResultFolder};
 use crate::progress::Progress;
-use crate::words::{ROUTE, VALIDITY, case_title, coefficient_unit, short, superscript, unit};
+use crate::words::{
+    CLOSED_FORM, ROUTE, VALIDITY, case_title, coefficient_unit, short, superscript, unit,
+};
 use crate::{Error, Format, Options};
 use analysis::bound;
 use analysis::growth::Verdict;
 use figures::{Axis, Category, Curve, Look, VerdictMap};
+use models::granular_flow::Model;
+use models::granular_flow::state::Background;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::io::Write;
+
+/// What is asked of a map besides the verdicts. Growth rates need the dispersion polynomial of every
+/// state, so with them no verdict is left to a formula.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Extras {
+    /// The supremum of the growth rate over all waves at every well-posed point.
+    pub bound: bool,
+    /// The growth rate at the wave of the case; a map that sweeps the wave has it unasked.
+    pub growth_rate: bool,
+    /// Every verdict from the linearised equations, none by a formula.
+    pub model_blind: bool,
+}
+
+impl Extras {
+    /// The same for a map that sweeps these parameters.
+    fn of_map(self, map: &Map) -> Self {
+        let sweeps_wave =
+            [map.x, map.y].iter().any(|sweep| sweep.parameter.key().name.starts_with("wave."));
+        Self { growth_rate: self.growth_rate || sweeps_wave, ..self }
+    }
+
+    fn admits_closed_forms(self) -> bool {
+        !(self.bound || self.growth_rate || self.model_blind)
+    }
+}
 
 /// The verdict at one point of a map; numbers are NaN where there is none.
 #[derive(Clone, Copy, Debug)]
 struct Point {
     code: Code,
+    /// Where there is a verdict.
+    route: Option<Route>,
     order: f64,
     coefficient: f64,
     direction_deg: f64,
@@ -30,6 +61,7 @@ impl Point {
     fn empty(code: Code) -> Self {
         Self {
             code,
+            route: None,
             order: f64::NAN,
             coefficient: f64::NAN,
             direction_deg: f64::NAN,
@@ -79,20 +111,21 @@ impl Code {
     }
 }
 
-/// Runs the map of a case; with `bound`, also the supremum of the growth rate at every point.
+/// Runs the map of a case.
 ///
 /// # Errors
 /// The case is wrong everywhere on the map, or results cannot be written.
-pub fn run(options: &Options, bound: bool, stdout: &mut dyn Write) -> Result<(), Error> {
+pub fn run(options: &Options, extras: Extras, stdout: &mut dyn Write) -> Result<(), Error> {
     let case = Case::load(&options.case, &options.sets)?;
     let map = *case.required_map()?;
+    let extras = extras.of_map(&map);
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     if options.dry_run {
         // Some state of the map must make sense.
-        let mut workspace = Workspace::default();
+        let mut judge = Judge::new(&case, &map, Extras::default());
         let mut first_error = None;
         let some_state = (0..map.y.points).any(|y| {
-            (0..map.x.points).any(|x| match judge(&case, &map, x, y, false, &mut workspace) {
+            (0..map.x.points).any(|x| match judge.point(x, y) {
                 Ok(_) => true,
                 Err(error) => {
                     first_error.get_or_insert(error);
@@ -110,7 +143,7 @@ pub fn run(options: &Options, bound: bool, stdout: &mut dyn Write) -> Result<(),
         }
         return Ok(());
     }
-    let points = sweep(options, &case, &map, bound)?;
+    let points = sweep(options, &case, &map, extras)?;
     let figure = figure(&case, &map, &points);
     let summary = Summary::new(&map, &points);
     let words = summary.words(&case, &map);
@@ -119,8 +152,8 @@ pub fn run(options: &Options, bound: bool, stdout: &mut dyn Write) -> Result<(),
     folder.open()?;
     folder.write("map.png", &figure.draw(figures::Format::Png)?)?;
     folder.write("map.svg", &figure.draw(figures::Format::Svg)?)?;
-    folder.write("map.csv", &csv(&map, &points, bound)?)?;
-    folder.write("map.npz", &npz(&map, &points, bound)?)?;
+    folder.write("map.csv", &csv(&map, &points, extras)?)?;
+    folder.write("map.npz", &npz(&map, &points, extras)?)?;
     folder.write("map.json", json.as_bytes())?;
     folder.write("map.txt", words.as_bytes())?;
     match options.format {
@@ -133,49 +166,64 @@ pub fn run(options: &Options, bound: bool, stdout: &mut dyn Write) -> Result<(),
     Ok(())
 }
 
-fn judge(
-    case: &Case,
-    map: &Map,
-    x: usize,
-    y: usize,
-    with_bound: bool,
-    workspace: &mut Workspace,
-) -> Result<Point, StateError> {
-    let mut case = case.clone();
-    case.set(map.x.parameter, map.x.value(x));
-    case.set(map.y.parameter, map.y.value(y));
-    let mut point = Point::empty(Code::NotFullyDeforming);
-    let (model, frozen) = workspace.judge(&case)?;
-    let Frozen::Flowing { flow, assessment } = frozen else { return Ok(point) };
-    point.noncoaxiality_bound_deg = model.noncoaxiality_bound().map_or(f64::NAN, f64::to_degrees);
-    if !workspace.pencil.is_singular() {
-        let wave = case.numbers.wave;
-        point.growth_rate = workspace.growth(wave.number, radians(wave.direction_deg));
+/// Judges one point after another; one per thread. Only the swept numbers of its case change.
+struct Judge<'a> {
+    case: Case,
+    map: &'a Map,
+    extras: Extras,
+    workspace: Workspace,
+}
+
+impl<'a> Judge<'a> {
+    fn new(case: &Case, map: &'a Map, extras: Extras) -> Self {
+        Self { case: case.clone(), map, extras, workspace: Workspace::default() }
     }
-    point.code = match &assessment.verdict {
-        Verdict::WellPosed => {
-            if with_bound {
+
+    fn point(&mut self, x: usize, y: usize) -> Result<Point, StateError> {
+        let Self { case, map, extras, workspace } = self;
+        case.set(map.x.parameter, map.x.value(x));
+        case.set(map.y.parameter, map.y.value(y));
+        let mut point = Point::empty(Code::NotFullyDeforming);
+        let model = Model::new(case.kind, &case.parameters())?;
+        let Background::FullyDeforming(flow) = model.background(&case.state())? else {
+            return Ok(point);
+        };
+        point.noncoaxiality_bound_deg =
+            model.noncoaxiality_bound().map_or(f64::NAN, f64::to_degrees);
+        let (verdict, route) = if extras.admits_closed_forms() {
+            workspace.decide(&model, &flow)?
+        } else {
+            let assessment = workspace.assess(&model, &flow)?;
+            if extras.growth_rate && !workspace.pencil.is_singular() {
+                let wave = case.numbers.wave;
+                point.growth_rate = workspace.growth(wave.number, radians(wave.direction_deg));
+            }
+            if extras.bound && assessment.verdict == Verdict::WellPosed {
                 let least = model.gradient_wave_number(&flow);
                 point.bound = bound::supremum(&workspace.pencil, &assessment, least)
                     .map_or(f64::NAN, |s| s.rate);
             }
-            Code::WellPosed
-        }
-        Verdict::IllPosed { growth, direction } => {
-            point.direction_deg = direction.to_degrees();
-            if let Some(growth) = growth {
-                (point.order, point.coefficient) = (growth.order.value(), growth.coefficient);
+            (assessment.verdict, Route::ModelBlind)
+        };
+        point.route = Some(route);
+        point.code = match verdict {
+            Verdict::WellPosed => Code::WellPosed,
+            Verdict::IllPosed { growth, direction } => {
+                point.direction_deg = direction.to_degrees();
+                if let Some(growth) = growth {
+                    (point.order, point.coefficient) = (growth.order.value(), growth.coefficient);
+                }
+                Code::IllPosed
             }
-            Code::IllPosed
-        }
-        Verdict::Marginal { .. } => Code::Marginal,
-        Verdict::Indeterminate { .. } => Code::Indeterminate,
-    };
-    Ok(point)
+            Verdict::Marginal { .. } => Code::Marginal,
+            Verdict::Indeterminate { .. } => Code::Indeterminate,
+        };
+        Ok(point)
+    }
 }
 
 /// All points, x running fastest. The same for any number of threads: each point is judged alone.
-fn sweep(options: &Options, case: &Case, map: &Map, bound: bool) -> Result<Vec<Point>, Error> {
+fn sweep(options: &Options, case: &Case, map: &Map, extras: Extras) -> Result<Vec<Point>, Error> {
     let (nx, ny) = (map.x.points, map.y.points);
     let mut points: Vec<Point> = Vec::new();
     points.try_reserve_exact(nx * ny).map_err(|_| Error::Memory { points: nx * ny })?;
@@ -190,20 +238,23 @@ fn sweep(options: &Options, case: &Case, map: &Map, bound: bool) -> Result<Vec<P
         points
             .par_chunks_mut(64)
             .enumerate()
-            .map_init(Workspace::default, |workspace, (chunk, block)| {
-                let mut first_error = None;
-                for (offset, point) in block.iter_mut().enumerate() {
-                    let index = chunk * 64 + offset;
-                    match judge(case, map, index % nx, index / nx, bound, workspace) {
-                        Ok(judged) => *point = judged,
-                        Err(error) => {
-                            first_error.get_or_insert((index, error));
+            .map_init(
+                || Judge::new(case, map, extras),
+                |judge, (chunk, block)| {
+                    let mut first_error = None;
+                    for (offset, point) in block.iter_mut().enumerate() {
+                        let index = chunk * 64 + offset;
+                        match judge.point(index % nx, index / nx) {
+                            Ok(judged) => *point = judged,
+                            Err(error) => {
+                                first_error.get_or_insert((index, error));
+                            }
                         }
                     }
-                }
-                progress.tick(block.len() as u64);
-                first_error
-            })
+                    progress.tick(block.len() as u64);
+                    first_error
+                },
+            )
             .flatten()
             .min_by_key(|(index, _)| *index)
     });
@@ -217,16 +268,18 @@ fn sweep(options: &Options, case: &Case, map: &Map, bound: bool) -> Result<Vec<P
     }
 }
 
-fn columns(points: &[Point], bound: bool) -> Vec<(&'static str, Vec<f64>)> {
+fn columns(points: &[Point], extras: Extras) -> Vec<(&'static str, Vec<f64>)> {
     let column = |f: fn(&Point) -> f64| points.iter().map(f).collect::<Vec<_>>();
     let mut columns = vec![
         ("order", column(|p| p.order)),
         ("coefficient", column(|p| p.coefficient)),
         ("direction_deg", column(|p| p.direction_deg)),
-        ("growth_rate", column(|p| p.growth_rate)),
         ("noncoaxiality_bound_deg", column(|p| p.noncoaxiality_bound_deg)),
     ];
-    if bound {
+    if extras.growth_rate {
+        columns.push(("growth_rate", column(|p| p.growth_rate)));
+    }
+    if extras.bound {
         columns.push(("bound", column(|p| p.bound)));
     }
     columns
@@ -236,16 +289,17 @@ fn values(sweep: &Sweep) -> Vec<f64> {
     (0..sweep.points).map(|i| sweep.value(i)).collect()
 }
 
-fn csv(map: &Map, points: &[Point], bound: bool) -> Result<Vec<u8>, Error> {
-    let columns = columns(points, bound);
+fn csv(map: &Map, points: &[Point], extras: Extras) -> Result<Vec<u8>, Error> {
+    let columns = columns(points, extras);
     let (x, y) = (map.x.parameter.name(), map.y.parameter.name());
-    let mut header = vec![x.as_str(), y.as_str(), "verdict"];
+    let mut header = vec![x.as_str(), y.as_str(), "verdict", "route"];
     header.extend(columns.iter().map(|(name, _)| *name));
     let rows = points.iter().enumerate().map(|(index, point)| {
         let mut row: Vec<files::csv::Cell> = vec![
             map.x.value(index % map.x.points).into(),
             map.y.value(index / map.x.points).into(),
             point.code.name().into(),
+            point.route.map_or("", Route::name).into(),
         ];
         row.extend(columns.iter().map(|(_, values)| files::csv::Cell::from(values[index])));
         row
@@ -254,7 +308,7 @@ fn csv(map: &Map, points: &[Point], bound: bool) -> Result<Vec<u8>, Error> {
 }
 
 /// Axes stand under their parameters' names; fields have shape (y, x).
-fn npz(map: &Map, points: &[Point], bound: bool) -> Result<Vec<u8>, Error> {
+fn npz(map: &Map, points: &[Point], extras: Extras) -> Result<Vec<u8>, Error> {
     let shape = [map.y.points, map.x.points];
     let mut npz = files::npz::Npz::new();
     let (x, y) = (map.x.parameter.name(), map.y.parameter.name());
@@ -264,7 +318,15 @@ fn npz(map: &Map, points: &[Point], bound: bool) -> Result<Vec<u8>, Error> {
     npz.add_text("units", &[2], &[map.y.parameter.unit(), map.x.parameter.unit()])?;
     npz.add_text("verdict_names", &[Code::ALL.len()], &Code::ALL.map(Code::name))?;
     npz.add_i8("verdict", &shape, &points.iter().map(|p| p.code as i8).collect::<Vec<_>>())?;
-    for (name, values) in columns(points, bound) {
+    let [closed_form, model_blind] = Route::ALL.map(Route::name);
+    npz.add_text("route_names", &[3], &["none", closed_form, model_blind])?;
+    let route = |p: &Point| match p.route {
+        None => 0,
+        Some(Route::ClosedForm) => 1,
+        Some(Route::ModelBlind) => 2,
+    };
+    npz.add_i8("route", &shape, &points.iter().map(route).collect::<Vec<_>>())?;
+    for (name, values) in columns(points, extras) {
         npz.add_f64(name, &shape, &values)?;
     }
     Ok(npz.finish()?)
@@ -274,6 +336,8 @@ fn npz(map: &Map, points: &[Point], bound: bool) -> Result<Vec<u8>, Error> {
 struct Summary {
     /// Points by [`Code`].
     counts: [usize; 6],
+    /// Verdicts by route, in the order of [`Route::ALL`].
+    routes: [usize; 2],
     /// Ill-posed points without order: unbounded at finite wave numbers.
     unbounded: usize,
     /// Index and point of the worst growth: highest order, then greatest coefficient.
@@ -295,6 +359,7 @@ impl Summary {
         }
         let unbounded =
             points.iter().filter(|p| p.code == Code::IllPosed && p.order.is_nan()).count();
+        let routes = Route::ALL.map(|r| points.iter().filter(|p| p.route == Some(r)).count());
         let last = map.y.points - 1;
         let mut rows = vec![0, last / 4, last / 2, 3 * last / 4, last];
         rows.dedup();
@@ -305,7 +370,7 @@ impl Summary {
                 (map.y.value(row), well_posed_intervals(&map.x, codes))
             })
             .collect();
-        Self { counts, unbounded, worst, intervals }
+        Self { counts, routes, unbounded, worst, intervals }
     }
 
     fn states(&self) -> usize {
@@ -386,7 +451,11 @@ impl Summary {
                 unit(y.unit()),
             ));
         }
-        lines.push(format!("Route: {ROUTE}"));
+        for (count, route) in self.routes.into_iter().zip([CLOSED_FORM, ROUTE]) {
+            if count > 0 {
+                lines.push(format!("Route of {count} verdicts: {route}"));
+            }
+        }
         lines.push(VALIDITY.into());
         lines.join("\n") + "\n"
     }
@@ -415,7 +484,9 @@ impl Summary {
                 "x": x.value(index % x.points), "y": y.value(index / x.points),
                 "order": p.order, "coefficient": p.coefficient, "direction_deg": p.direction_deg,
             })),
-            "route": ROUTE,
+            "route": Route::ALL.iter().zip(self.routes)
+                .map(|(route, count)| (route.name().to_owned(), count.into()))
+                .collect::<serde_json::Map<_, _>>(),
         })
     }
 }

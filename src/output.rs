@@ -18,11 +18,13 @@ const PROBE: &str = "probe";
 pub const MAP: [&str; 6] = ["map.png", "map.svg", "map.csv", "map.npz", "map.json", "map.txt"];
 
 /// What `point` writes besides: the first two always, the others where there is a flow.
-pub const POINT: [&str; 8] = [
+pub const POINT: [&str; 10] = [
     "point.json",
     "point.txt",
     "growth.png",
     "growth.svg",
+    "polar.png",
+    "polar.svg",
     "growth_by_direction.csv",
     "growth_by_wave_number.csv",
     "directions.png",

@@ -1,5 +1,7 @@
 //! `wellposed point`: everything about one state.
 
+mod curves;
+
 use crate::case::{Case, radians};
 use crate::frozen::{Frozen, Workspace};
 use crate::output::{self, ResultFolder};
@@ -11,7 +13,11 @@ use analysis::bound::{self, Place, Supremum};
 use analysis::characteristics::{self, Characteristics, Type};
 use analysis::growth::{Assessment, Verdict};
 use analysis::pencil::Roots;
-use figures::{Direction, DirectionsFigure, GrowthFigure, Line, Mark, Panel, Style};
+use curves::{AtWaveNumber, FittedOrder};
+use figures::{
+    Direction, DirectionsFigure, GrowthFigure, Line, Mark, Panel, PolarFigure, Spoke, SpokeStyle,
+    Style,
+};
 use models::Rounded;
 use models::granular_flow::state::{Background, Flow};
 use models::granular_flow::{InputError, Kind, Model};
@@ -19,26 +25,19 @@ use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::Write;
 
-/// Samples of the growth rate over directions, two per degree; layers around the degenerate ones are
-/// sampled in steps of equal ratio.
-const DIRECTIONS: usize = 360;
-/// Exponents of ten of the distances from a degenerate direction, degrees: first, step, number.
-const LAYER: (f64, f64, usize) = (-9.0, 0.1, 90);
-/// Samples over wave numbers, and how many decades they reach to both sides of the given one.
-const WAVE_NUMBERS: usize = 241;
-const DECADES: f64 = 4.0;
-
 /// One model on the state.
 struct Analysed {
     kind: Kind,
     model: Model,
     frozen: Frozen,
+    workspace: Workspace,
     /// Of no meaning unless the state flows.
     roots: Roots,
     characteristics: Option<Characteristics>,
     supremum: Option<Supremum>,
     by_direction: Vec<[f64; 2]>,
-    by_wave_number: Vec<[f64; 2]>,
+    by_wave_number: Vec<AtWaveNumber>,
+    fitted: Option<FittedOrder>,
     /// Non-coaxiality of the compared state that this model, being coaxial, cannot have.
     lost_noncoaxiality_deg: Option<f64>,
 }
@@ -51,7 +50,7 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let case = Case::load(&options.case, &options.sets)?;
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     // Keys that only a compared kind uses are nothing to this one.
-    let own = analyse(&case.for_kind(case.kind))?;
+    let mut own = analyse(&case.for_kind(case.kind))?;
     let noncoaxiality = match &own.frozen {
         Frozen::Flowing { flow, .. } => Some(degrees(flow.noncoaxiality)),
         Frozen::Elsewhere(_) => None,
@@ -63,14 +62,15 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
         other.lost_noncoaxiality_deg = converted.lost_noncoaxiality_deg;
         compared.push(other);
     }
+    add_curves(&case, &mut own, &mut compared);
     let shown: Vec<&Analysed> =
         if compared.is_empty() { vec![&own] } else { compared.iter().collect() };
-    let has_curves = shown.iter().any(|a| !a.by_direction.is_empty());
+    let has_curves = shown.iter().any(|a| a.regular().is_some());
     let has_directions = matches!(own.frozen, Frozen::Flowing { .. });
     if options.dry_run {
         writeln!(stdout, "would analyse {}", case_title(&case))?;
         let written = |name: &&&str| match **name {
-            name if name.starts_with("growth") => has_curves,
+            name if name.starts_with("growth") || name.starts_with("polar") => has_curves,
             name if name.starts_with("directions") => has_directions,
             _ => true,
         };
@@ -103,10 +103,11 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
         let growth = growth_figure(&case, &shown);
         folder.write("growth.png", &growth.draw(figures::Format::Png)?)?;
         folder.write("growth.svg", &growth.draw(figures::Format::Svg)?)?;
-        let by_direction = csv("direction_deg", &shown, |a| &a.by_direction)?;
-        folder.write("growth_by_direction.csv", &by_direction)?;
-        let by_wave_number = csv("number", &shown, |a| &a.by_wave_number)?;
-        folder.write("growth_by_wave_number.csv", &by_wave_number)?;
+        let polar = polar_figure(&case, &shown);
+        folder.write("polar.png", &polar.draw(figures::Format::Png)?)?;
+        folder.write("polar.svg", &polar.draw(figures::Format::Svg)?)?;
+        folder.write("growth_by_direction.csv", &direction_csv(&shown)?)?;
+        folder.write("growth_by_wave_number.csv", &wave_number_csv(&shown)?)?;
     }
     if has_directions {
         let directions = directions_figure(&case, &own);
@@ -130,14 +131,17 @@ fn analyse(case: &Case) -> Result<Analysed, Error> {
         kind: case.kind,
         model,
         frozen,
+        workspace,
         roots: Roots::Singular { rank: 0 },
         characteristics: None,
         supremum: None,
         by_direction: Vec::new(),
         by_wave_number: Vec::new(),
+        fitted: None,
         lost_noncoaxiality_deg: None,
     };
     let Frozen::Flowing { flow, assessment } = &analysed.frozen else { return Ok(analysed) };
+    let (model, workspace) = (&analysed.model, &analysed.workspace);
     let wave = case.numbers.wave;
     let direction = radians(wave.direction_deg);
     let pencil = &workspace.pencil;
@@ -158,28 +162,62 @@ fn analyse(case: &Case) -> Result<Analysed, Error> {
     }
     analysed.characteristics = characteristics::characteristics(&workspace.system).ok();
     analysed.supremum = bound::supremum(pencil, assessment, model.gradient_wave_number(flow));
-    if !pencil.is_singular() {
-        let step = 180.0 / DIRECTIONS as f64;
-        let mut degrees: Vec<f64> = (0..=DIRECTIONS).map(|i| i as f64 * step).collect();
-        for centre in assessment.degenerate.iter().map(|d| d.angle.to_degrees()) {
-            let (first, ratio, number) = LAYER;
-            let offsets = (0..number).map(|i| 10f64.powf(first + ratio * i as f64));
-            degrees.extend(offsets.flat_map(|offset| [centre - offset, centre + offset]));
-            degrees.push(centre);
-        }
-        degrees.retain(|d| (0.0..=180.0).contains(d));
-        degrees.sort_by(f64::total_cmp);
-        analysed.by_direction =
-            degrees.iter().map(|&d| [d, workspace.growth(wave.number, d.to_radians())]).collect();
-        analysed.by_wave_number = (0..WAVE_NUMBERS)
-            .map(|i| {
-                let exponent = (2.0 * i as f64 / (WAVE_NUMBERS - 1) as f64 - 1.0) * DECADES;
-                let k = wave.number * 10f64.powf(exponent);
-                [k, workspace.growth(k, direction)]
-            })
-            .collect();
-    }
     Ok(analysed)
+}
+
+/// Samples the growth rates of all models, over the same wave numbers.
+fn add_curves(case: &Case, own: &mut Analysed, compared: &mut [Analysed]) {
+    let wave = case.numbers.wave;
+    let direction = radians(wave.direction_deg);
+    let decades = std::iter::once(&*own)
+        .chain(&*compared)
+        .filter_map(|a| Some(curves::decades(&a.workspace, a.regular()?, wave.number)))
+        .max();
+    let Some(decades) = decades else { return };
+    for a in std::iter::once(own).chain(compared) {
+        let Some(assessment) = a.regular() else { continue };
+        let by_direction = curves::by_direction(&a.workspace, assessment, wave.number);
+        let by_wave_number =
+            curves::by_wave_number(&a.workspace, assessment, wave.number, direction, decades);
+        a.fitted = curves::fitted_order(&by_wave_number);
+        (a.by_direction, a.by_wave_number) = (by_direction, by_wave_number);
+    }
+}
+
+impl Analysed {
+    /// The assessment of a state whose equations determine their unknowns.
+    fn regular(&self) -> Option<&Assessment> {
+        match &self.frozen {
+            Frozen::Flowing { assessment, .. } if !self.workspace.pencil.is_singular() => {
+                Some(assessment)
+            }
+            _ => None,
+        }
+    }
+
+    /// The name of the model, and the order of its growth as fitted and as the verdict has it.
+    fn legend(&self) -> String {
+        let exact = match self.regular().map(|assessment| &assessment.verdict) {
+            Some(Verdict::IllPosed { growth: Some(growth), .. }) => {
+                format!("exact {}", order_words(growth.order.value()))
+            }
+            Some(Verdict::IllPosed { growth: None, .. }) => {
+                return format!("{}: unbounded at all k (upper edge)", self.kind.title());
+            }
+            Some(Verdict::WellPosed) => "exact: bounded".into(),
+            Some(verdict) => verdict.name().into(),
+            None => return self.kind.title().into(),
+        };
+        match self.fitted {
+            Some(fitted) => {
+                // No sign on a zero.
+                let order = (1e3 * fitted.order).round() / 1e3 + 0.0;
+                let order = format!("{order:.3}").replace('-', "−");
+                format!("{}: fitted order {order}, {exact}", self.kind.title())
+            }
+            None => format!("{}: no order fitted, {exact}", self.kind.title()),
+        }
+    }
 }
 
 fn degrees(x: f64) -> f64 {
@@ -197,6 +235,7 @@ fn report(case: &Case, of: &Analysed) -> Value {
         "model": of.kind.name(),
         "region": background.region().name(),
         "verdict": null, "order": null, "coefficient": null, "direction_deg": null,
+        "fitted_order": null, "fitted_wave_numbers": null,
         "bound": null, "bound_at": null, "noncoaxiality_bound_deg": null,
         "power": null, "roots": null, "infinite_roots": null, "characteristics": null,
         "wave": { "number": wave.number, "direction_deg": wave.direction_deg },
@@ -256,6 +295,8 @@ fn report_flow(case: &Case, of: &Analysed, flow: &Flow, assessment: &Assessment)
         "order": order,
         "coefficient": coefficient,
         "direction_deg": direction,
+        "fitted_order": of.fitted.map(|fitted| fitted.order),
+        "fitted_wave_numbers": of.fitted.map(|fitted| fitted.numbers),
         "bound": of.supremum.map(|s| s.rate),
         "bound_at": of.supremum.map(|s| json!({
             "number": match s.place { Place::At(k) => Some(k), _ => None },
@@ -481,6 +522,15 @@ fn verdict_words(of: &Analysed) -> String {
             coefficient_unit(order)
         );
     }
+    if let Some(FittedOrder { order, numbers: [from, to] }) = of.fitted {
+        let _ = writeln!(
+            text,
+            "  fitted order {:.3}: greatest Re ς over all directions, k from {} to {} 1/m",
+            (1e3 * order).round() / 1e3 + 0.0,
+            short(from),
+            short(to)
+        );
+    }
     if !assessment.orders.is_empty() {
         let list: Vec<String> = assessment
             .orders
@@ -517,59 +567,126 @@ fn verdict_words(of: &Analysed) -> String {
     text
 }
 
-fn csv(
-    abscissa: &str,
-    shown: &[&Analysed],
-    curve: fn(&Analysed) -> &Vec<[f64; 2]>,
-) -> Result<Vec<u8>, Error> {
+fn direction_csv(shown: &[&Analysed]) -> Result<Vec<u8>, Error> {
     let rows = shown.iter().flat_map(|a| {
-        curve(a).iter().map(|&[x, y]| -> Vec<files::csv::Cell> {
-            vec![a.kind.name().into(), x.into(), y.into()]
+        a.by_direction.iter().map(|&[direction, rate]| -> Vec<files::csv::Cell> {
+            vec![a.kind.name().into(), direction.into(), rate.into()]
         })
     });
-    Ok(files::csv::table(&["model", abscissa, "growth_rate"], rows)?)
+    Ok(files::csv::table(&["model", "direction_deg", "growth_rate"], rows)?)
+}
+
+fn wave_number_csv(shown: &[&Analysed]) -> Result<Vec<u8>, Error> {
+    let columns =
+        ["model", "number", "growth_rate", "greatest_growth_rate", "greatest_direction_deg"];
+    let rows = shown.iter().flat_map(|a| {
+        a.by_wave_number.iter().map(|at| -> Vec<files::csv::Cell> {
+            vec![
+                a.kind.name().into(),
+                at.number.into(),
+                at.growth_rate.into(),
+                at.greatest.into(),
+                degrees(at.direction).into(),
+            ]
+        })
+    });
+    Ok(files::csv::table(&columns, rows)?)
+}
+
+/// The degenerate directions of all models, degrees, each once.
+fn degenerate_directions(shown: &[&Analysed], apart: f64) -> Vec<f64> {
+    let mut found: Vec<f64> = Vec::new();
+    for d in shown.iter().filter_map(|a| a.regular()).flat_map(|a| &a.degenerate) {
+        let angle = degrees(d.angle);
+        if found.iter().all(|other| (other - angle).abs() > apart) {
+            found.push(angle);
+        }
+    }
+    found
 }
 
 fn growth_figure(case: &Case, shown: &[&Analysed]) -> GrowthFigure {
     let wave = case.numbers.wave;
-    let curves = |curve: fn(&Analysed) -> &Vec<[f64; 2]>| {
-        shown
-            .iter()
-            .filter(|a| !curve(a).is_empty())
-            .map(|a| Line { label: a.kind.title().into(), points: curve(a).clone() })
-            .collect::<Vec<_>>()
+    let lines = |points: fn(&Analysed) -> Vec<[f64; 2]>| {
+        let with_curves = shown.iter().filter(|a| !a.by_direction.is_empty());
+        with_curves.map(|a| Line { label: a.legend(), points: points(a) }).collect::<Vec<_>>()
     };
-    let mut marks: Vec<Mark> = Vec::new();
-    for a in shown {
-        let Frozen::Flowing { assessment, .. } = &a.frozen else { continue };
-        for d in &assessment.degenerate {
-            let x = degrees(d.angle);
-            if marks.iter().all(|m| (m.x - x).abs() > 0.5) {
-                marks.push(Mark { label: format!("{}°", short(x)), x });
-            }
-        }
-    }
+    let asymptotes = shown.iter().filter_map(|a| {
+        let Verdict::IllPosed { growth: Some(growth), .. } = &a.regular()?.verdict else {
+            return None;
+        };
+        let asymptote = |k: f64| growth.coefficient * k.powf(growth.order.value());
+        let points = a.by_wave_number.iter().map(|at| [at.number, asymptote(at.number)]);
+        Some(Line {
+            label: "exact asymptote: coefficient · k^order".into(),
+            points: points.collect(),
+        })
+    });
     GrowthFigure {
         title: case_title(case),
         subtitle: format!(
-            "greatest growth rate of all roots; left k = {} 1/m, right {}°; marked: degenerate directions",
+            "greatest Re ς of all roots; left: k = {} 1/m, degenerate directions dashed; right: in \
+             the worst direction at each k",
             short(wave.number),
-            short(wave.direction_deg)
         ),
         by_direction: Panel {
             x_label: "direction of the wave vector (°)".into(),
             y_label: "growth rate Re ς (1/s)".into(),
             x_log: false,
-            curves: curves(|a| &a.by_direction),
-            marks,
+            curves: lines(|a| a.by_direction.clone()),
+            guides: Vec::new(),
+            marks: degenerate_directions(shown, 0.5)
+                .into_iter()
+                .map(|x| Mark { label: format!("{}°", short(x)), x })
+                .collect(),
         },
         by_wave_number: Panel {
             x_label: "wave number k (1/m)".into(),
-            y_label: "growth rate Re ς (1/s)".into(),
+            y_label: "max of Re ς over all directions (1/s)".into(),
             x_log: true,
-            curves: curves(|a| &a.by_wave_number),
+            curves: lines(|a| a.by_wave_number.iter().map(|at| [at.number, at.greatest]).collect()),
+            guides: asymptotes.collect(),
             marks: vec![Mark { label: "k".into(), x: wave.number }],
         },
+    }
+}
+
+/// Growth against the direction of the wave vector. Characteristics are curves in space: it is their
+/// normals that are directions of wave vectors.
+fn polar_figure(case: &Case, shown: &[&Analysed]) -> PolarFigure {
+    let mut spokes: Vec<Spoke> = Vec::new();
+    for c in shown.iter().filter_map(|a| a.characteristics.as_ref()).flat_map(|c| &c.real) {
+        let spoke = Spoke {
+            label: c.family.clone(),
+            angle_deg: (degrees(c.angle) + 90.0).rem_euclid(180.0),
+            style: SpokeStyle::CharacteristicNormal,
+        };
+        // Models may share them, within rounding.
+        let same =
+            |s: &Spoke| s.label == spoke.label && (s.angle_deg - spoke.angle_deg).abs() < 1e-6;
+        if !spokes.iter().any(same) {
+            spokes.push(spoke);
+        }
+    }
+    spokes.extend(degenerate_directions(shown, 1e-6).into_iter().map(|angle_deg| Spoke {
+        label: String::new(),
+        angle_deg,
+        style: SpokeStyle::Degenerate,
+    }));
+    let with_curves = shown.iter().filter(|a| !a.by_direction.is_empty());
+    PolarFigure {
+        title: case_title(case),
+        subtitle: format!(
+            "greatest growth rate Re ς of all roots at k = {} 1/m; angle: wave vector, anticlockwise \
+             from x₁",
+            short(case.numbers.wave.number)
+        ),
+        symbol: "Re ς".into(),
+        unit: "1/s".into(),
+        curves: with_curves
+            .map(|a| Line { label: a.kind.title().into(), points: a.by_direction.clone() })
+            .collect(),
+        spokes,
     }
 }
 

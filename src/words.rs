@@ -2,7 +2,10 @@
 
 use crate::case::Case;
 
-/// How the verdicts came about.
+/// How verdicts come about that a formula of the model decides.
+pub const CLOSED_FORM: &str = "closed form of the model's growth rate, where its sign and ten digits of it stand out of rounding";
+
+/// How all other verdicts come about.
 pub const ROUTE: &str = "exact dispersion polynomial of the linearised equations, all directions (no model's closed form)";
 
 /// What a verdict on frozen coefficients means.

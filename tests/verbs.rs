@@ -3,7 +3,8 @@
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use wellposed::{Format, Options, map, point};
+use wellposed::map::{self, Extras};
+use wellposed::{Format, Options, point};
 
 const CASE: &str = "
 [model]
@@ -170,7 +171,8 @@ fn a_map_is_the_same_for_any_number_of_threads_and_agrees_with_its_points() {
         let mut options = options(folder.path(), CASE, &[]);
         options.out = Some(folder.path().join(format!("{threads}")));
         options.threads = Some(threads);
-        map::run(&options, true, &mut std::io::sink()).unwrap();
+        map::run(&options, Extras { bound: true, ..Extras::default() }, &mut std::io::sink())
+            .unwrap();
         let mut files: Vec<_> = fs::read_dir(folder.path().join(format!("{threads}")))
             .unwrap()
             .map(|entry| entry.unwrap())
@@ -220,7 +222,7 @@ fn a_map_outside_the_model_is_refused_with_line_and_key() {
     let folder = tempfile::tempdir().unwrap();
     let text = CASE.replace("density = 1600", "density = -1600");
     let options = options(folder.path(), &text, &[]);
-    let error = map::run(&options, false, &mut std::io::sink()).unwrap_err();
+    let error = map::run(&options, Extras::default(), &mut std::io::sink()).unwrap_err();
     let message = error.to_string();
     assert_eq!(error.exit_code(), 2);
     assert!(
@@ -273,4 +275,70 @@ fn the_curves_of_a_point_reach_the_peaks_of_its_layers() {
     assert_eq!(found["order"], 0.4);
     let predicted = found["coefficient"].as_f64().unwrap() * 1e7f64.powf(0.4);
     assert!((greatest / predicted - 1.0).abs() < 0.05, "{greatest} for {predicted}");
+}
+
+#[test]
+fn fitted_orders_agree_with_exact_ones() {
+    let layer = CASE
+        .replace("rotational_strength = 0", "rotational_strength = 5\ndilatancy_angle_deg = 10");
+    let coaxial = CASE
+        .replace("harris-grekova", "plastic-potential")
+        .replace(
+            "moment_of_inertia = 1.25e-7\nrotational_strength = 0\n",
+            "dilatancy_angle_deg = 29\n",
+        )
+        .replace("noncoaxiality_deg = 20\n", "");
+    let shearing = CASE
+        .replace("harris-grekova", "double-shearing")
+        .replace("moment_of_inertia = 1.25e-7\nrotational_strength = 0\n", "");
+    for (text, set, order) in [
+        (CASE, "background.noncoaxiality_deg=60", 2.0),
+        (&layer, "background.noncoaxiality_deg=5", 0.4),
+        (&coaxial, "wave.number=100", 2.0),
+        (&shearing, "wave.direction_deg=90", 1.0),
+    ] {
+        let found = point_of(text, &[set]);
+        assert_eq!(found["order"], order, "{set}");
+        let fitted = found["fitted_order"].as_f64().unwrap();
+        assert!((fitted - order).abs() < 0.02, "{fitted} for {order}");
+        let numbers = found["fitted_wave_numbers"].as_array().unwrap();
+        let ratio = numbers[1].as_f64().unwrap() / numbers[0].as_f64().unwrap();
+        assert!((ratio - 100.0).abs() < 1e-6);
+    }
+    let bounded = point_of(CASE, &[]);
+    assert!(bounded["fitted_order"].as_f64().is_none_or(|order| order < 1e-3));
+    for set in [
+        "background.deviatoric_stress=499",
+        // Unbounded at finite wave numbers.
+        "model.dilatancy_angle_deg=20",
+    ] {
+        let found = point_of(CASE, &[set, "background.noncoaxiality_deg=44.9"]);
+        assert!(found["order"].is_null() && found["fitted_order"].is_null(), "{set}");
+    }
+}
+
+#[test]
+fn the_greatest_growth_is_above_that_in_any_one_direction_and_on_its_asymptote() {
+    let text = CASE
+        .replace("rotational_strength = 0", "rotational_strength = 5\ndilatancy_angle_deg = 10");
+    let folder = tempfile::tempdir().unwrap();
+    point::run(&options(folder.path(), &text, &[]), &mut std::io::sink()).unwrap();
+    let read = |name: &str| fs::read_to_string(folder.path().join("out").join(name)).unwrap();
+    let found: Value = serde_json::from_str(&read("point.json")).unwrap();
+    let (order, coefficient) =
+        (found["order"].as_f64().unwrap(), found["coefficient"].as_f64().unwrap());
+    let table = read("growth_by_wave_number.csv");
+    let mut lines = table.lines();
+    let header = "model,number,growth_rate,greatest_growth_rate,greatest_direction_deg";
+    assert_eq!(lines.next(), Some(header));
+    let rows: Vec<Vec<f64>> = lines
+        .map(|line| line.split(',').skip(1).map(|cell| cell.parse().unwrap()).collect())
+        .collect();
+    assert!(rows.iter().all(|row| row[2] >= row[1] && (0.0..180.0).contains(&row[3])));
+    let last = rows.last().unwrap();
+    assert!((last[2] / (coefficient * last[0].powf(order)) - 1.0).abs() < 0.01, "{last:?}");
+    for name in ["growth", "polar", "directions"] {
+        assert!(folder.path().join(format!("out/{name}.png")).exists());
+        assert!(folder.path().join(format!("out/{name}.svg")).exists());
+    }
 }

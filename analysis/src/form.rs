@@ -3,7 +3,7 @@
 use crate::roots;
 use models::Rounded;
 use num_complex::Complex64;
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A binary form of degree d by its d + 1 coefficients.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -70,17 +70,12 @@ impl Form {
         if !self.factors.is_empty() {
             return self.factors.iter().map(|f| f.at(cos, sin)).fold(Rounded::ONE, |a, b| a * b);
         }
-        let mut value = Rounded::ZERO;
+        // Horner's scheme in cos, with powers of sin.
+        let mut value = self.coefficients[0];
         let mut power = Rounded::ONE;
-        for (l, &f) in self.coefficients.iter().enumerate() {
-            if l > 0 {
-                power = power * sin;
-            }
-            let mut term = f * power;
-            for _ in 0..self.degree() - l {
-                term = term * cos;
-            }
-            value += term;
+        for &f in &self.coefficients[1..] {
+            power = power * sin;
+            value = value * cos + f * power;
         }
         value
     }
@@ -89,6 +84,55 @@ impl Form {
     pub fn at_angle(&self, angle: f64) -> Rounded {
         let angle = Rounded::exact(angle);
         self.at(angle.cos(), angle.sin())
+    }
+
+    /// Adds `factor` times another form of the same parity and no higher degree, as functions on the
+    /// unit circle.
+    pub fn add(&mut self, other: &Form, factor: Rounded) {
+        let mut raised = other.coefficients.clone();
+        while raised.len() < self.coefficients.len() {
+            let mut next = vec![Rounded::ZERO; raised.len() + 2];
+            for (l, &f) in raised.iter().enumerate() {
+                next[l] += f;
+                next[l + 2] += f;
+            }
+            raised = next;
+        }
+        for (sum, &f) in self.coefficients.iter_mut().zip(&raised) {
+            *sum += factor * f;
+        }
+        self.factors.clear();
+    }
+
+    /// Whether the form vanishes exactly at this angle, which is one of the axes.
+    pub fn vanishes_on_axis(&self, angle: f64) -> bool {
+        let zero = |c: Option<&Rounded>| c.is_some_and(|c| c.is_structural_zero());
+        (angle == 0.0 || angle == PI) && zero(self.coefficients.first())
+            || (angle - FRAC_PI_2).abs() < 1e-15 && zero(self.coefficients.last())
+    }
+
+    /// dF/dθ at an angle, without its rounding.
+    fn derivative_at(&self, angle: f64) -> f64 {
+        let (sin, cos) = angle.sin_cos();
+        let d = self.degree() as i32;
+        let term = |(l, f): (usize, &Rounded)| {
+            let l = l as i32;
+            let mut slope = 0.0;
+            if l > 0 {
+                slope += f64::from(l) * cos.powi(d - l + 1) * sin.powi(l - 1);
+            }
+            if l < d {
+                slope -= f64::from(d - l) * cos.powi(d - l - 1) * sin.powi(l + 1);
+            }
+            f.value * slope
+        };
+        self.coefficients.iter().enumerate().map(term).sum()
+    }
+
+    /// d log|F|/dθ
+    fn logarithmic_derivative(&self, angle: f64) -> f64 {
+        let own = |f: &Form| f.derivative_at(angle) / f.at_angle(angle).value;
+        if self.factors.is_empty() { own(self) } else { self.factors.iter().map(own).sum() }
     }
 
     /// dF/dθ along (cos θ, sin θ): again a form of degree d.
@@ -120,6 +164,20 @@ impl Form {
             product
         };
         let mut result = Self::zero(d);
+        if let Some((first, rest)) = self.factors.split_first() {
+            // Factor by factor, as small values near a common zero lose less.
+            let turned = |f: &Form| f.rotated(cos, sin).coefficients;
+            result.coefficients = rest.iter().map(turned).fold(turned(first), |p, q| {
+                let mut product = vec![Rounded::ZERO; p.len() + q.len() - 1];
+                for (i, &x) in p.iter().enumerate() {
+                    for (j, &y) in q.iter().enumerate() {
+                        product[i + j] += x * y;
+                    }
+                }
+                product
+            });
+            return result;
+        }
         for (l, &f) in self.coefficients.iter().enumerate() {
             if f.is_structural_zero() {
                 continue;
@@ -206,6 +264,23 @@ impl Form {
             merge(&mut zeros);
             return zeros;
         }
+        // Powers of κ₁ and κ₂ that divide the form exactly.
+        let absent = |c: &&Rounded| c.is_structural_zero();
+        let second = self.coefficients.iter().take_while(absent).count();
+        let first = self.coefficients.iter().rev().take_while(absent).count();
+        if first + second > 0 {
+            let rest = self.coefficients[second..=self.degree() - first].to_vec();
+            let mut zeros = Self { coefficients: rest, factors: Vec::new() }.zeros();
+            let axes = [(second, 0.0, 0.0), (first, FRAC_PI_2, f64::EPSILON)];
+            let own = axes.into_iter().filter(|axis| axis.0 > 0);
+            zeros.extend(own.map(|(power, angle, bound)| Zero {
+                angle,
+                bound,
+                crosses: power % 2 == 1,
+            }));
+            merge(&mut zeros);
+            return zeros;
+        }
         let extrema = self.extrema();
         let derivative = self.derivative();
         let mut zeros = Vec::new();
@@ -232,17 +307,27 @@ impl Form {
             if sign * flip * right_sign >= 0 {
                 continue;
             }
+            // Regula falsi after Illinois, and bisection where that is slow.
             let (mut a, mut b) = (left, right);
-            for _ in 0..120 {
-                let middle = 0.5 * (a + b);
-                if middle <= a || middle >= b {
+            let (mut fa, mut fb) = (value.value, self.at_angle(right).value);
+            for round in 0..120 {
+                let secant = b - fb * (b - a) / (fb - fa);
+                let inside = (secant - a) * (secant - b) < 0.0;
+                let middle = if inside && round % 4 != 3 { secant } else { 0.5 * (a + b) };
+                if middle <= a.min(b) || middle >= a.max(b) {
                     break;
                 }
-                if (self.at_angle(middle).value > 0.0) == (sign > 0) {
-                    a = middle;
-                } else {
-                    b = middle;
+                let f = self.at_angle(middle).value;
+                if f == 0.0 {
+                    (a, b) = (middle, middle);
+                    break;
                 }
+                if (f > 0.0) == (fb > 0.0) {
+                    fa *= 0.5;
+                } else {
+                    (a, fa) = (b, fb);
+                }
+                (b, fb) = (middle, f);
             }
             let angle = 0.5 * (a + b);
             let bound = self.at_angle(angle).bound / derivative.at_angle(angle).value.abs()
@@ -252,6 +337,42 @@ impl Form {
         zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));
         zeros
     }
+}
+
+/// Angles in [0, π) among which are all extrema of |a/b|: zeros of a′b − ab′.
+pub fn extrema_of_ratio(a: &Form, b: &Form) -> Vec<f64> {
+    let product = |p: &Form, q: &Form, sign: f64, sum: &mut Form| {
+        for (i, x) in p.coefficients.iter().enumerate() {
+            for (j, y) in q.coefficients.iter().enumerate() {
+                sum.coefficients[i + j].value += sign * x.value * y.value;
+            }
+        }
+    };
+    let mut slope = Form::zero(a.degree() + b.degree());
+    product(&a.derivative(), b, 1.0, &mut slope);
+    product(a, &b.derivative(), -1.0, &mut slope);
+    slope
+        .roots_on_the_circle()
+        .filter(|z| (z.norm() - 1.0).abs() < 1e-3)
+        .map(|z| (0.5 * z.arg()).rem_euclid(PI))
+        .collect()
+}
+
+/// A maximum of |a/b| between two angles at which it vanishes or is lower, by bisection of its
+/// logarithmic derivative.
+pub fn maximum_of_ratio(a: &Form, b: &Form, mut left: f64, mut right: f64) -> f64 {
+    for _ in 0..60 {
+        let middle = 0.5 * (left + right);
+        if middle <= left || middle >= right {
+            break;
+        }
+        if a.logarithmic_derivative(middle) > b.logarithmic_derivative(middle) {
+            left = middle;
+        } else {
+            right = middle;
+        }
+    }
+    0.5 * (left + right)
 }
 
 /// Sorts zeros of several factors; those that agree within their bounds become one, which crosses

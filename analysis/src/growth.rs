@@ -7,14 +7,16 @@
 //! ([`Form::zeros`]); between them the worst direction is searched. Around each zero ("degenerate
 //! direction") lies a layer in which other terms decide (module `layers`).
 
+use crate::face::Face;
 use crate::form::{self, Form, Zero};
-use crate::layers::search_layer;
+use crate::layers::{along, collision_at, search_collision, search_layer};
 use crate::leading;
-use crate::newton::{
-    NextOrder, Order, Trend, Worst, corners_of, golden_section, is_on, next_order, trend,
-};
+use crate::newton::{Order, Worst, corners_of, is_on};
 use crate::pencil::Pencil;
 use crate::polynomial::Term;
+use crate::puiseux::{self, Monomial};
+use crate::value::{Value, imaginary_power};
+use models::Rounded;
 use std::f64::consts::PI;
 
 /// Growth of the worst short waves, Re ς ≈ `coefficient` k^`order`.
@@ -97,9 +99,6 @@ struct Edge<'a> {
     terms: Vec<&'a Term>,
 }
 
-/// Directions tried between two degenerate ones.
-const SAMPLES: usize = 12;
-
 /// Judges the system that `pencil` holds.
 pub fn assess(pencil: &Pencil) -> Assessment {
     let mut assessment =
@@ -147,28 +146,33 @@ pub fn assess(pencil: &Pencil) -> Assessment {
         zeros.iter().map(|z| DegenerateDirection { angle: z.angle, bound: z.bound }).collect();
 
     let mut worst = Worst::default();
-    match unbounded_at_finite_k(&certain, &doubtful) {
-        Some(Zero { angle: direction, crosses: true, .. }) => {
+    if let Some((direction, is_certain)) = unbounded_at_finite_k(&certain, &doubtful) {
+        if is_certain {
             assessment.verdict = Verdict::IllPosed { growth: None, direction };
             return assessment;
         }
-        Some(Zero { angle, .. }) => worst.doubts(
+        worst.doubts(
             format!(
                 "coefficient of the highest power of ς for wave vectors at {:.6}°",
-                angle.to_degrees()
+                direction.to_degrees()
             ),
             0.0,
             f64::EPSILON,
-        ),
-        None => {}
+        );
     }
-
     for edge in &edges {
-        search_directions(&certain, edge, &zeros, &mut worst);
+        search_directions(edge, &zeros, &mut worst);
     }
-    worst.sectors = worst.growth.map(|(order, coefficient, _)| (order, coefficient));
+    if edges.iter().any(|edge| edge.may_be_neutral() && worst.may_improve_below(edge.order)) {
+        follow_neutral_roots(&certain, &zeros, &mut worst);
+    }
     for zero in &zeros {
         search_layer(&certain, zero, &mut worst);
+    }
+    for edge in edges.iter().filter(|edge| edge.terms.len() > 2) {
+        if worst.may_improve_below(edge.order) {
+            search_collisions(&certain, edge, &zeros, &mut worst);
+        }
     }
     assessment.verdict = verdict(worst, pencil);
     assessment
@@ -237,115 +241,312 @@ fn stands_above(term: &Term, corners: &[(i64, i64)]) -> bool {
     })
 }
 
-/// A direction in which the coefficient of the highest power of ς vanishes at every wave number, so
-/// that ς passes through infinity as the wave vector turns: the zero, which crosses or touches.
-fn unbounded_at_finite_k(certain: &[Term], doubtful: &[Term]) -> Option<Zero> {
+/// A wave number, in the system's own units, taken for a general large one.
+const GENERAL: f64 = 1.37e3;
+
+/// A direction in which the coefficient of the highest power of ς vanishes at a finite wave number,
+/// however large, while a root that passes through infinity there has a positive real part; and
+/// whether that is certain.
+fn unbounded_at_finite_k(certain: &[Term], doubtful: &[Term]) -> Option<(f64, bool)> {
     let highest = certain.iter().map(|t| t.time).max()?;
     if doubtful.iter().any(|t| t.time == highest) {
         return None;
     }
-    let of_power = |power: usize| certain.iter().filter(move |t| t.time == power);
-    let tops: Vec<&Term> = of_power(highest).collect();
-    let (top, others) = tops.split_first()?;
-    let vanishes =
-        |t: &Term, angle: f64| t.form.at_angle(angle).value.abs() <= 1e-9 * size(&t.form);
-    top.form.zeros().into_iter().find(|zero| {
-        if !others.iter().all(|t| vanishes(t, zero.angle)) {
-            return false;
+    let tops: Vec<&Term> = certain.iter().filter(|t| t.time == highest).collect();
+    let zeros = match tops[..] {
+        [only] => only.form.zeros(),
+        _ => {
+            // Real and imaginary part at one wave number, as forms of one degree each.
+            let part = |parity: usize| {
+                let own = || tops.iter().filter(move |t| t.form.degree() % 2 == parity);
+                let degree = own().map(|t| t.form.degree()).max()?;
+                let mut sum = Form::zero(degree);
+                for term in own() {
+                    let j = term.form.degree();
+                    let sign = if (j / 2).is_multiple_of(2) { 1.0 } else { -1.0 };
+                    sum.add(&term.form, Rounded::exact(sign * GENERAL.powi(j as i32)));
+                }
+                Some(sum)
+            };
+            match (part(0), part(1)) {
+                (Some(one), None) | (None, Some(one)) => one.zeros(),
+                (Some(even), Some(odd)) => {
+                    let others = odd.zeros();
+                    let shared = |z: &Zero| others.iter().any(|o| apart(o.angle, z.angle) < 1e-9);
+                    even.zeros().into_iter().filter(shared).collect()
+                }
+                (None, None) => Vec::new(),
+            }
         }
-        // Next to the zero ς ≈ −(next coefficient)/(top coefficient). One that is imaginary against a
-        // single top form leads along the imaginary axis.
-        let mut next = of_power(highest.wrapping_sub(1)).filter(|t| !vanishes(t, zero.angle));
-        let is_real = |t: &Term| (t.form.degree() + top.form.degree()).is_multiple_of(2);
-        match next.next() {
-            Some(first) => !others.is_empty() || is_real(first) || next.any(is_real),
-            // Without it, roots of the ratio to a lower power, some with a positive real part.
-            None => certain.iter().any(|t| t.time + 1 < highest && !vanishes(t, zero.angle)),
+    };
+    let mut doubt = None;
+    for zero in zeros {
+        if !leads_to_infinity(certain, highest, &zero) {
+            continue;
         }
+        // Where it is approached as k → ∞.
+        let direction = tops
+            .iter()
+            .max_by_key(|t| t.form.degree())
+            .into_iter()
+            .flat_map(|t| t.form.zeros())
+            .map(|z| z.angle)
+            .min_by(|a, b| apart(*a, zero.angle).total_cmp(&apart(*b, zero.angle)))
+            .unwrap_or(zero.angle);
+        let exact = tops.iter().all(|t| t.form.vanishes_on_axis(zero.angle));
+        if zero.crosses || exact {
+            return Some((direction, true));
+        }
+        doubt = Some((direction, false));
+    }
+    doubt
+}
+
+/// Whether, at a general wave number, roots ς with positive real part become infinite as the wave
+/// vector turns into this direction.
+fn leads_to_infinity(certain: &[Term], highest: usize, zero: &Zero) -> bool {
+    [1.0, -1.0].into_iter().any(|side: f64| {
+        let mut terms = Vec::new();
+        for term in certain {
+            let degree = term.form.degree();
+            for (l, f) in along(&term.form, zero).into_iter().enumerate() {
+                if l == 0 && term.time == highest {
+                    continue;
+                }
+                let size = GENERAL.powi((degree - l) as i32) * side.powi(l as i32);
+                let value = Value::turned(f * Rounded::exact(size), degree as i64);
+                terms.push(Monomial { x: term.time, power: -(l as i64), value });
+            }
+        }
+        puiseux::collect(&mut terms);
+        puiseux::growth(&terms, 1, None).growth.is_some()
     })
 }
 
-fn size(form: &Form) -> f64 {
-    form.coefficients.iter().map(|c| c.value.abs()).fold(0.0, f64::max)
+/// Angle between two directions.
+fn apart(a: f64, b: f64) -> f64 {
+    let gap = (a - b).rem_euclid(PI);
+    gap.min(PI - gap)
 }
 
-fn trend_in_direction(edge: &Edge, angle: f64) -> Trend {
-    let points: Vec<_> = edge
-        .terms
-        .iter()
-        .map(|t| (t.time, t.form.degree() as i64, t.form.at_angle(angle)))
-        .collect();
-    trend(&points)
-}
-
-/// The worst direction of an edge, sector by sector.
-fn search_directions(terms: &[Term], edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
-    let mut bounds: Vec<f64> = zeros.iter().map(|z| z.angle).collect();
-    if bounds.is_empty() {
-        bounds.push(0.0);
+impl Edge<'_> {
+    /// Whether roots of this order may be neutral in a whole sector and yet grow at a lower order.
+    fn may_be_neutral(&self) -> bool {
+        if self.terms.len() > 2 {
+            return true;
+        }
+        // A simple neutral root of order 1 goes on with order 0.
+        let both = [1.0, -1.0].map(|sign| self.greatest_cosine(sign));
+        self.order.value() > 1.0 && both.contains(&0.0)
     }
-    for (index, &left) in bounds.iter().enumerate() {
-        let right = bounds.get(index + 1).copied().unwrap_or(bounds[0] + PI);
-        let width = right - left;
-        let at = |x: f64| left + x * width;
-        let rate = |x: f64| match trend_in_direction(edge, at(x)) {
-            Trend::Grows(c) => c,
-            _ => 0.0,
-        };
-        let next = |x: f64| {
-            let points: Vec<_> = terms
-                .iter()
-                .map(|t| (t.time, t.form.degree() as i64, t.form.at_angle(at(x))))
-                .collect();
-            next_order(&points, edge.order)
-        };
-        let mut best = (0.0, 0.5);
-        let mut second = (None, 0.0, 0.5);
-        for sample in 0..SAMPLES {
-            let x = (sample as f64 + 0.5) / SAMPLES as f64;
-            match trend_in_direction(edge, at(x)) {
-                Trend::Grows(c) if c > best.0 => best = (c, x),
-                Trend::Grows(_) | Trend::Decays => {}
-                Trend::Neutral => match next(x) {
-                    NextOrder::Bounded => {}
-                    NextOrder::Grows(order, c) if c > second.1 => second = (Some(order), c, x),
-                    NextOrder::Grows(..) => {}
-                    NextOrder::Doubtful(quantity, value, bound) => {
-                        worst.doubts(quantity, value, bound);
-                    }
-                },
-                Trend::Doubtful(value) => worst.doubts(
-                    format!(
-                        "leading coefficient near the wave vector's direction {:.6}°",
-                        at(x).rem_euclid(PI).to_degrees()
-                    ),
-                    value.value,
-                    value.bound,
-                ),
+
+    /// Powers of ς and κ at the ends.
+    fn ends(&self) -> [(usize, usize); 2] {
+        let end = |t: &Term| (t.time, t.form.degree());
+        [end(self.terms[0]), end(self.terms[self.terms.len() - 1])]
+    }
+
+    /// For two terms, c^r = w: the greatest real part of a root c over its modulus, where F₀/F₁ has
+    /// the given sign.
+    fn greatest_cosine(&self, sign: f64) -> f64 {
+        let [(i1, j1), (i0, j0)] = self.ends();
+        let r = i1 - i0;
+        let turn = (-imaginary_power(j0 as i64 - j1 as i64) * sign).arg() / r as f64;
+        (0..r)
+            .map(|n| {
+                let cosine = (turn + 2.0 * PI * n as f64 / r as f64).cos();
+                // Multiples of a right angle are exact here.
+                if cosine.abs() < 1e-12 { 0.0 } else { cosine }
+            })
+            .fold(-1.0, f64::max)
+    }
+
+    fn face(&self) -> Face {
+        let [(highest, _), (lowest, _)] = self.ends();
+        let mut coefficients = vec![Vec::new(); highest - lowest + 1];
+        for t in &self.terms {
+            let turned = |&f: &Rounded| Value::turned(f, t.form.degree() as i64);
+            coefficients[t.time - lowest] = t.form.coefficients.iter().map(turned).collect();
+        }
+        Face { coefficients }
+    }
+}
+
+/// Sectors between degenerate directions: (left, right), rad.
+fn sectors(zeros: &[Zero]) -> Vec<(f64, f64)> {
+    // Any sector all round, if no extremum lies at its ends.
+    let Some(first) = zeros.first() else { return vec![(-0.123_4, PI - 0.123_4)] };
+    zeros
+        .iter()
+        .enumerate()
+        .map(|(i, z)| (z.angle, zeros.get(i + 1).map_or(first.angle + PI, |next| next.angle)))
+        .collect()
+}
+
+/// The worst direction of an edge.
+fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
+    if !worst.may_improve(edge.order) {
+        return;
+    }
+    let (&[first, last], angles) = (&edge.terms[..], zeros) else {
+        let face = edge.face();
+        let avoided: Vec<f64> = zeros.iter().map(|z| z.angle).collect();
+        match face.supremum(&avoided) {
+            Some((rate, direction)) => worst.grows(edge.order, rate, direction),
+            None => {
+                let beside = zeros
+                    .iter()
+                    .any(|z| [1e-3, -1e-3].iter().any(|offset| face.rate(z.angle + offset) > 0.0));
+                if beside {
+                    worst.expects(edge.order);
+                }
             }
         }
-        let step = 1.0 / SAMPLES as f64;
-        let refine = |rate: &dyn Fn(f64) -> f64, (value, x): (f64, f64)| {
-            let refined = golden_section(rate, (x - step).max(0.0), (x + step).min(1.0));
-            if rate(refined) >= value { (rate(refined), refined) } else { (value, x) }
+        return;
+    };
+    // c^r = −F₀/F₁ up to a power of i: extrema of |F₀/F₁|.
+    let extrema = form::extrema_of_ratio(&last.form, &first.form);
+    let power = 1.0 / (first.time - last.time) as f64;
+    for (left, right) in sectors(angles) {
+        let ratio = |angle: f64| {
+            let [upper, lower] = [&last.form, &first.form].map(|f| f.at_angle(angle));
+            // At a common zero nothing is left of the ratio.
+            let edge = (angle - left).min(right - angle) < 1e-9f64.min(1e-3 * (right - left));
+            let lost = edge || lower.bound > 1e-2 * lower.value.abs();
+            if lost { 0.0 } else { (upper.value / lower.value).abs().powf(power) }
         };
-        if best.0 > 0.0 {
-            let (value, x) = refine(&rate, best);
-            worst.grows(edge.order, value, at(x));
+        let middle = 0.5 * (left + right);
+        let signs = [&last.form, &first.form].map(|f| f.at_angle(middle));
+        let [Some(a), Some(b)] = signs.map(Rounded::sign) else {
+            let lost = if signs[0].sign().is_none() { signs[0] } else { signs[1] };
+            worst.doubts(
+                format!(
+                    "leading coefficient near the wave vector's direction {:.6}°",
+                    middle.rem_euclid(PI).to_degrees()
+                ),
+                lost.value,
+                lost.bound,
+            );
+            continue;
+        };
+        let cosine = edge.greatest_cosine(f64::from(a * b));
+        if cosine <= 0.0 {
+            continue;
         }
-        if let (Some(order), value, x) = second {
-            let rate = |x: f64| match next(x) {
-                NextOrder::Grows(_, c) => c,
-                _ => 0.0,
-            };
-            let (value, x) = refine(&rate, (value, x));
-            worst.grows(order, value, at(x));
+        let mut best = (ratio(middle), middle);
+        let mut is_thin = true;
+        for angle in extrema.iter().flat_map(|e| [*e, e + PI]) {
+            if left < angle && angle < right {
+                is_thin = false;
+                let value = ratio(angle);
+                if value > best.0 {
+                    best = (value, angle);
+                }
+            }
+        }
+        if is_thin {
+            // Too thin for the roots of a polynomial to fall into it.
+            let angle = form::maximum_of_ratio(&last.form, &first.form, left, right);
+            if ratio(angle) > best.0 {
+                best = (ratio(angle), angle);
+            }
+        }
+        worst.grows(edge.order, cosine * best.0, best.1);
+    }
+}
+
+/// Directions tried between two degenerate ones for roots that are neutral to leading order.
+const SAMPLES: usize = 12;
+
+/// Growth of lower order of roots that are neutral to leading order in whole sectors.
+fn follow_neutral_roots(terms: &[Term], zeros: &[Zero], worst: &mut Worst) {
+    let at = |angle: f64| {
+        let mut list: Vec<Monomial> = terms
+            .iter()
+            .map(|t| {
+                let degree = t.form.degree() as i64;
+                let value = Value::turned(t.form.at_angle(angle), degree);
+                Monomial { x: t.time, power: degree, value }
+            })
+            .collect();
+        puiseux::collect(&mut list);
+        puiseux::growth(&list, 1, None)
+    };
+    for (left, right) in sectors(zeros) {
+        let step = (right - left) / SAMPLES as f64;
+        let mut best: Option<(Order, f64, f64)> = None;
+        for sample in 0..SAMPLES {
+            let angle = left + (sample as f64 + 0.5) * step;
+            let found = at(angle);
+            if let Some((order, c)) = found.growth {
+                if best.is_none_or(|(o, b, _)| (order, c) > (o, b)) {
+                    best = Some((order, c, angle));
+                }
+            } else {
+                worst.takes(found, angle);
+            }
+        }
+        let Some((order, mut value, mut place)) = best else { continue };
+        let known = worst.growth.is_some_and(|(o, _, _)| o >= order);
+        if known {
+            continue;
+        }
+        let rate = |angle: f64| match at(angle).growth {
+            Some((o, c)) if o == order => c,
+            _ => 0.0,
+        };
+        let (a, b) = ((place - step).max(left), (place + step).min(right));
+        let refined = golden_section(rate, a, b);
+        if rate(refined) > value {
+            (value, place) = (rate(refined), refined);
+        }
+        worst.grows(order, value, place);
+    }
+}
+
+/// The place of the greatest value of a function with one maximum in [a, b].
+fn golden_section(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
+    const RATIO: f64 = 0.618_033_988_749_894_9;
+    let (mut x, mut y) = (b - RATIO * (b - a), a + RATIO * (b - a));
+    let (mut fx, mut fy) = (f(x), f(y));
+    for _ in 0..60 {
+        if b - a <= 1e-12 * (a.abs() + b.abs()) {
+            break;
+        }
+        if fx >= fy {
+            (b, y, fy) = (y, x, fx);
+            x = b - RATIO * (b - a);
+            fx = f(x);
+        } else {
+            (a, x, fx) = (x, y, fy);
+            y = a + RATIO * (b - a);
+            fy = f(y);
+        }
+    }
+    0.5 * (a + b)
+}
+
+/// Growth around the directions in which neutral roots of an edge collide.
+fn search_collisions(terms: &[Term], edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
+    let face = edge.face();
+    for angle in face.collisions() {
+        if zeros.iter().any(|z| apart(z.angle, angle) < 1e-9) {
+            continue;
+        }
+        let Some((angle, root)) = collision_at(&face, angle) else { continue };
+        if root.is_neutral() {
+            let zero = Zero { angle: angle.rem_euclid(PI), bound: 4e-15, crosses: true };
+            search_collision(terms, &zero, edge.order, &root, worst);
         }
     }
 }
 
 /// The verdict that follows from all that was found.
-fn verdict(worst: Worst, pencil: &Pencil) -> Verdict {
+fn verdict(mut worst: Worst, pencil: &Pencil) -> Verdict {
+    if let Some(order) = worst.missing() {
+        worst.growth = None;
+        worst.doubts(format!("growth of an order above {}", order.value()), 0.0, f64::EPSILON);
+    }
     let (rate, wave_number) = (pencil.polynomial.rate, pencil.polynomial.wave_number);
     match (worst.growth, worst.doubt) {
         (Some((order, scaled, direction)), _) => Verdict::IllPosed {

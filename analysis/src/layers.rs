@@ -1,37 +1,61 @@
 //! Growth in the layers around degenerate directions.
 //!
-//! Across a direction in which a leading coefficient vanishes let κ⊥ = O(k^τ), τ < 1. The orders m
-//! and offsets τ that compete are the facets of the Newton polytope of the points (i, j, l) of
-//! ςⁱ κʲ κ⊥ˡ in the axes of that direction.
+//! A chart is the polynomial in ς − ς₀ = x and an offset y of the wave vector from a direction, both
+//! small against what they are measured from, Σ value xⁱ yˡ k^j. Where x = O(k^m) and y = O(k^τ) the
+//! leading part is a facet of the Newton polytope of its points (i, l, j), a polynomial in x = c k^m
+//! and y = d k^τ. Its roots c grow, decay, or are neutral and followed by Puiseux series; where they
+//! vanish, become infinite or collide a further chart is opened.
 
+use crate::face::Face;
 use crate::form::{Form, Zero};
-use crate::newton::{
-    NextOrder, Order, Trend, Worst, corners_of, golden_section, is_on, next_order, trend,
-};
+use crate::newton::{Order, Worst};
 use crate::polynomial::Term;
+use crate::puiseux::{self, DOUBTFUL, Monomial, Root, binomial, lcm};
+use crate::value::Value;
 use models::Rounded;
+use num_complex::Complex64;
+use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Layers are scanned over widths of 2^−SCAN to 2^SCAN in the system's own units.
-const SCAN: i32 = 30;
+/// Charts in charts.
+const DEPTH: usize = 4;
 
-/// A point ςⁱ κʲ κ⊥ˡ of the polynomial in the axes of a degenerate direction.
-#[derive(Clone, Copy)]
+/// A point of a chart.
+#[derive(Clone, Copy, Debug)]
 struct Point {
-    i: i64,
-    j: i64,
-    l: i64,
-    value: Rounded,
+    x: usize,
+    y: usize,
+    /// Power of k times the chart's unit.
+    power: i64,
+    value: Value,
 }
 
-/// Coefficients in the axes of a direction that is known to within `bound`: those in the axes as they
-/// stand, their bounds widened by what a turn by `bound` does to them.
-fn rotated(form: &Form, cos: Rounded, sin: Rounded, bound: f64) -> Vec<Rounded> {
-    let turned = form.rotated(cos, sin);
+/// Where it lies, for what is reported.
+#[derive(Clone, Copy)]
+pub(crate) struct Place {
+    /// The degenerate direction, rad.
+    pub(crate) angle: f64,
+    depth: usize,
+}
+
+struct Chart {
+    points: Vec<Point>,
+    /// Common denominator of the powers of k.
+    unit: i64,
+    /// Orders of x and y lie below these.
+    below: Option<Order>,
+    offset_below: Order,
+}
+
+/// Coefficients of κ^(d−l) κ⊥^l in axes along a degenerate direction: those in the axes as they stand,
+/// their bounds widened by what a turn by the direction's own bound does to them.
+pub(crate) fn along(form: &Form, zero: &Zero) -> Vec<Rounded> {
+    let axis = Rounded::exact(zero.angle);
+    let turned = form.rotated(axis.cos(), axis.sin());
     let slope = turned.derivative();
     let curvature = slope.derivative();
     let widened = |l: usize| {
-        bound * slope.coefficients[l].value.abs()
-            + bound * bound * curvature.coefficients[l].value.abs()
+        zero.bound * slope.coefficients[l].value.abs()
+            + zero.bound * zero.bound * curvature.coefficients[l].value.abs()
     };
     turned
         .coefficients
@@ -41,146 +65,351 @@ fn rotated(form: &Form, cos: Rounded, sin: Rounded, bound: f64) -> Vec<Rounded> 
         .collect()
 }
 
-/// Growth in the layers around a degenerate direction, and in that direction itself.
-pub(crate) fn search_layer(terms: &[Term], zero: &Zero, worst: &mut Worst) {
-    let axis = Rounded::exact(zero.angle);
-    let (cos, sin) = (axis.cos(), axis.sin());
-    // Of all points with equal i and l the one with the greatest j dominates.
-    let mut points: Vec<Point> = Vec::new();
+/// The chart around a direction and ς = 0.
+fn chart(terms: &[Term], zero: &Zero) -> Chart {
+    let mut points = Vec::new();
     for term in terms {
-        let d = term.form.degree();
-        for (l, &value) in rotated(&term.form, cos, sin, zero.bound).iter().enumerate() {
-            if !matches!(value.sign(), Some(1 | -1)) {
-                continue;
-            }
-            let point = Point { i: term.time as i64, j: (d - l) as i64, l: l as i64, value };
-            match points.iter_mut().find(|p| (p.i, p.l) == (point.i, point.l)) {
-                Some(p) if p.j < point.j => *p = point,
-                Some(_) => {}
-                None => points.push(point),
+        let degree = term.form.degree();
+        for (l, value) in along(&term.form, zero).into_iter().enumerate() {
+            let value = Value::turned(value, degree as i64);
+            if !value.is_zero() {
+                points.push(Point { x: term.time, y: l, power: (degree - l) as i64, value });
             }
         }
     }
+    Chart { points, unit: 1, below: None, offset_below: Order::new(1, 1) }
+}
 
-    // In the direction itself only l = 0 counts.
-    let line: Vec<Point> = points.iter().copied().filter(|p| p.l == 0).collect();
-    for (order, on) in polygon_of(&line) {
-        match trend(&scaled_points(&on, 1.0)) {
-            Trend::Grows(c) => worst.grows_in_layer(order, c, zero.angle),
-            Trend::Decays => {}
-            Trend::Neutral => match next_order(&scaled_points(&line, 1.0), order) {
-                NextOrder::Bounded => {}
-                NextOrder::Grows(order, c) => worst.grows_in_layer(order, c, zero.angle),
-                NextOrder::Doubtful(quantity, value, bound) => {
-                    worst.doubts(quantity, value, bound);
+/// Growth in the layers around a direction in which some coefficient vanishes.
+pub(crate) fn search_layer(terms: &[Term], zero: &Zero, worst: &mut Worst) {
+    explore(&chart(terms, zero), Place { angle: zero.angle, depth: DEPTH }, worst);
+}
+
+/// Growth around a direction in which neutral roots ς ≈ c k^m collide.
+pub(crate) fn search_collision(
+    terms: &[Term],
+    zero: &Zero,
+    order: Order,
+    root: &Root,
+    worst: &mut Worst,
+) {
+    let whole = chart(terms, zero);
+    let top = (order.numerator, order.denominator);
+    let inner = whole.moved_root(top, Order::new(1, 1), root);
+    explore(&inner, Place { angle: zero.angle, depth: DEPTH }, worst);
+}
+
+impl Chart {
+    /// The chart in x − c k^m, m = `top`\[0\]/`top`\[1\]; the offsets below k^τ.
+    fn moved_root(&self, top: (i64, i64), tau: Order, root: &Root) -> Chart {
+        let order = Order::new(top.0, top.1);
+        let unit = lcm(lcm(self.unit, order.denominator), tau.denominator);
+        let slope = order.numerator * (unit / order.denominator);
+        let across = tau.numerator * (unit / tau.denominator);
+        let weight = |x: usize, y: usize, power: i64| power + slope * x as i64 + across * y as i64;
+        let scaled = |p: &Point| p.power * (unit / self.unit);
+        let greatest =
+            self.points.iter().map(|p| weight(p.x, p.y, scaled(p))).max().unwrap_or_default();
+        let powers = powers_of(root.value, root.bound, self.points.iter().map(|p| p.x).max());
+        let mut points = Vec::new();
+        for p in &self.points {
+            for x in 0..=p.x {
+                let power = scaled(p) + slope * (p.x - x) as i64;
+                // A root of the leading part by construction.
+                if p.y == 0 && x < root.multiplicity && weight(x, 0, power) == greatest {
+                    continue;
                 }
-            },
-            Trend::Doubtful(value) => worst.doubts(
-                "leading coefficient in a degenerate direction".into(),
-                value.value,
-                value.bound,
-            ),
+                let factor = Value::new(binomial(p.x, x).into(), 0.0);
+                points.push(Point { x, y: p.y, power, value: p.value * powers[p.x - x] * factor });
+            }
         }
+        collect(&mut points);
+        Chart { points, unit, below: Some(order), offset_below: tau }
     }
 
-    for (order, on) in facets(&points) {
-        // κ⊥ = d k^τ: scan the size of d over the range in which the terms exchange dominance.
-        let at = |log: f64, sign: f64| trend(&scaled_points(&on, sign * log.exp2()));
-        let rate = |log: f64, sign: f64| match at(log, sign) {
-            Trend::Grows(c) => c,
-            _ => 0.0,
-        };
-        for sign in [1.0, -1.0] {
-            let mut best = (0.0, 0.0);
-            let mut neutral = 0;
-            for log in (-SCAN..=SCAN).step_by(2).map(f64::from) {
-                match at(log, sign) {
-                    Trend::Grows(c) if c > best.0 => best = (c, log),
-                    Trend::Neutral => neutral += 1,
-                    _ => {}
-                }
-            }
-            if best.0 > 0.0 && best.1.abs() == f64::from(SCAN) {
-                // Still rising where the scan ends: not the growth of this layer.
-                worst.doubts(
-                    format!("growth of order {} in a layer", order.value()),
-                    best.0,
-                    f64::INFINITY,
-                );
-            } else if best.0 > 0.0 {
-                let x = golden_section(|s| rate(s, sign), best.1 - 2.0, best.1 + 2.0);
-                worst.grows_in_layer(order, rate(x, sign).max(best.0), zero.angle);
-            } else if neutral > SCAN / 2 {
-                worst.doubts(
-                    format!("real part of the coefficient of order {} in a layer", order.value()),
-                    0.0,
-                    f64::EPSILON,
-                );
+    /// The chart in y − d k^τ.
+    fn moved_offset(&self, tau: Order, d: f64, bound: f64) -> Chart {
+        let unit = lcm(self.unit, tau.denominator);
+        let across = tau.numerator * (unit / tau.denominator);
+        let powers = powers_of(d.into(), bound, self.points.iter().map(|p| p.y).max());
+        let mut points = Vec::new();
+        for p in &self.points {
+            for y in 0..=p.y {
+                let power = p.power * (unit / self.unit) + across * (p.y - y) as i64;
+                let factor = Value::new(binomial(p.y, y).into(), 0.0);
+                points.push(Point { x: p.x, y, power, value: p.value * powers[p.y - y] * factor });
             }
         }
+        collect(&mut points);
+        Chart { points, unit, below: self.below, offset_below: tau }
     }
 }
 
-/// Sums the points of equal power of ς with κ⊥ = d; by descending power.
-fn scaled_points(on: &[Point], d: f64) -> Vec<(usize, i64, Rounded)> {
-    let mut list: Vec<(usize, i64, Rounded)> = Vec::new();
-    let mut sorted = on.to_vec();
-    sorted.sort_by_key(|p| (std::cmp::Reverse(p.i), p.j + p.l));
-    for p in sorted {
-        let value = Rounded::exact(d.powi(p.l as i32)) * p.value;
-        match list.last_mut() {
-            Some(last) if last.0 == p.i as usize && last.1 == p.j + p.l => last.2 += value,
-            _ => list.push((p.i as usize, p.j + p.l, value)),
-        }
+fn powers_of(base: Complex64, bound: f64, greatest: Option<usize>) -> Vec<Value> {
+    let mut powers = vec![Value::new(Complex64::ONE, 0.0)];
+    for i in 0..greatest.unwrap_or(0) {
+        powers.push(powers[i] * Value::new(base, bound));
     }
-    list
+    powers
 }
 
-/// Edges of positive order of the polygon of points with one l each.
-fn polygon_of(points: &[Point]) -> Vec<(Order, Vec<Point>)> {
-    corners_of(points.iter().map(|p| (p.i, p.j)))
-        .windows(2)
-        .filter(|pair| pair[1].1 > pair[0].1)
-        .map(|pair| {
-            let (a, b) = (pair[0], pair[1]);
-            let on = points.iter().filter(|p| is_on((p.i, p.j), (a, b))).copied().collect();
-            (Order::new(b.1 - a.1, a.0 - b.0), on)
+/// Sums points of equal powers and drops those that may be zero.
+fn collect(points: &mut Vec<Point>) {
+    points.sort_by_key(|p| (p.x, p.y, p.power));
+    points.dedup_by(|later, first| {
+        let same = (later.x, later.y, later.power) == (first.x, first.y, first.power);
+        if same {
+            first.value += later.value;
+        }
+        same
+    });
+    points.retain(|p| !p.value.is_zero());
+}
+
+/// A facet: x = O(k^order), y = O(k^offset).
+struct Facet {
+    order: Order,
+    offset: Order,
+    points: Vec<Point>,
+}
+
+fn explore(chart: &Chart, place: Place, worst: &mut Worst) {
+    // In the middle itself.
+    let line: Vec<Monomial> = chart
+        .points
+        .iter()
+        .filter(|p| p.y == 0)
+        .map(|p| Monomial { x: p.x, power: p.power, value: p.value })
+        .collect();
+    worst.takes(puiseux::growth(&line, chart.unit, chart.below), place.angle);
+    for facet in facets(chart) {
+        explore_facet(chart, &facet, place, worst);
+    }
+}
+
+fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) {
+    let lowest = facet.points.iter().map(|p| p.x).min().unwrap_or(0);
+    let highest = facet.points.iter().map(|p| p.x).max().unwrap_or(0);
+    if highest == lowest {
+        return;
+    }
+    let first = facet.points.iter().map(|p| p.y).min().unwrap_or(0);
+    let width = facet.points.iter().map(|p| p.y).max().unwrap_or(0) - first;
+    let mut face =
+        Face { coefficients: vec![vec![Value::default(); width + 1]; highest - lowest + 1] };
+    for p in &facet.points {
+        face.coefficients[p.x - lowest][p.y - first] += p.value;
+    }
+
+    // Offsets at which roots c vanish or become infinite; 0 and ∞ belong to neighbouring facets.
+    let inner = |angle: &f64| angle.sin().abs() > 1e-9 && (angle - FRAC_PI_2).abs() > 1e-9;
+    let infinite = face.zeros_of_power(face.degree());
+    let vanishing = face.zeros_of_power(0);
+    let mut special: Vec<f64> =
+        infinite.iter().chain(&vanishing).copied().filter(|a| inner(a)).collect();
+    special.extend([0.0, FRAC_PI_2]);
+    special.sort_by(f64::total_cmp);
+    special.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+
+    if worst.may_improve(facet.order) {
+        let top = &face.coefficients[face.degree()];
+        let mut avoided = infinite;
+        avoided.retain(inner);
+        avoided.extend(
+            [(0.0, 0), (FRAC_PI_2, width)].iter().filter(|e| top[e.1].is_zero()).map(|e| e.0),
+        );
+        if let Some((rate, _)) = face.supremum(&avoided) {
+            worst.grows_in_layer(facet.order, rate, place.angle);
+        } else if special
+            .iter()
+            .any(|z| [1e-3, -1e-3, 0.3, -0.3].iter().any(|offset| face.rate(z + offset) > 0.0))
+        {
+            // Growth that is not bounded in this layer is that of a neighbour, or of one within.
+            worst.expects(facet.order);
+        }
+    }
+    if place.depth == 0 {
+        let hidden = special.iter().any(inner) && worst.is_bounded();
+        if hidden {
+            worst.doubts(format!("layer within layers, order {}", facet.order.value()), 0.0, 0.0);
+        }
+        return;
+    }
+    let deeper = Place { depth: place.depth - 1, ..place };
+    for angle in special.iter().copied().filter(inner) {
+        let moved = chart.moved_offset(facet.offset, angle.tan(), offset_bound(angle));
+        explore(&Chart { below: None, ..moved }, deeper, worst);
+    }
+    if !worst.may_improve_below(facet.order) {
+        return;
+    }
+    // Neutral roots: on from a general offset, and from where they collide.
+    let mut sides: Vec<f64> = special
+        .iter()
+        .enumerate()
+        .map(|(i, left)| 0.5 * (left + special.get(i + 1).copied().unwrap_or(special[0] + PI)))
+        .collect();
+    sides.extend([0.13, 0.5, 1.1, 1.4].iter().flat_map(|a| [*a, PI - a]));
+    for angle in sides {
+        let d = angle.tan();
+        let terms = at_offset(chart, facet.offset, d);
+        let mut growth = puiseux::growth(&terms.0, terms.1, chart.below);
+        // What this facet has is known better.
+        growth.growth = growth.growth.filter(|(order, _)| *order < facet.order);
+        if let Some((order, coefficient)) = growth.growth {
+            worst.grows_in_layer(order, coefficient, place.angle);
+        }
+    }
+    for angle in face.collisions().into_iter().filter(inner) {
+        let Some((d, bound, root)) = refine_collision(&face, angle) else { continue };
+        if !root.is_neutral() {
+            continue;
+        }
+        if root.bound > DOUBTFUL * root.value.norm() {
+            continue;
+        }
+        let moved = chart.moved_offset(facet.offset, d, bound);
+        let order = (facet.order.numerator, facet.order.denominator);
+        explore(&moved.moved_root(order, facet.offset, &root), deeper, worst);
+    }
+}
+
+fn offset_bound(angle: f64) -> f64 {
+    1e-14 * (1.0 + angle.tan().powi(2))
+}
+
+/// The terms at a fixed offset d k^τ.
+fn at_offset(chart: &Chart, tau: Order, d: f64) -> (Vec<Monomial>, i64) {
+    let unit = lcm(chart.unit, tau.denominator);
+    let across = tau.numerator * (unit / tau.denominator);
+    let mut terms: Vec<Monomial> = chart
+        .points
+        .iter()
+        .map(|p| Monomial {
+            x: p.x,
+            power: p.power * (unit / chart.unit) + across * p.y as i64,
+            value: p.value * Value::new(d.powi(p.y as i32).into(), 0.0),
         })
-        .collect()
+        .collect();
+    puiseux::collect(&mut terms);
+    (terms, unit)
 }
 
-/// Facets of the polytope whose normal is (m, 1, τ) with m > 0 and τ < 1.
-fn facets(points: &[Point]) -> Vec<(Order, Vec<Point>)> {
-    let mut found: Vec<([i64; 3], Vec<Point>)> = Vec::new();
+/// The angle near the given one at which two roots coincide, with the bound on the offset tan α and
+/// the double root: by Newton's iteration on E = E_c = 0, or, where branches cross, E_α = E_c = 0.
+pub(crate) fn refine_collision(face: &Face, angle: f64) -> Option<(f64, f64, Root)> {
+    let (place, root) = collision_at(face, angle)?;
+    let scale = 1.0 + place.tan().powi(2);
+    Some((place.tan(), 1e-14 * scale, root))
+}
+
+/// The same, as an angle.
+pub(crate) fn collision_at(face: &Face, angle: f64) -> Option<(f64, Root)> {
+    // The pair of roots that is nearest to colliding.
+    let roots = face.roots(angle);
+    let mut start: Option<(f64, Complex64)> = None;
+    for (n, a) in roots.iter().enumerate() {
+        if a.multiplicity > 1 && start.is_none_or(|(gap, _)| gap > 0.0) {
+            start = Some((0.0, a.value));
+        }
+        for b in &roots[n + 1..] {
+            let gap = (a.value - b.value).norm() / (a.value.norm() + b.value.norm());
+            if start.is_none_or(|(least, _)| gap < least) {
+                start = Some((gap, 0.5 * (a.value + b.value)));
+            }
+        }
+    }
+    let (gap, c) = start?;
+    if gap > 0.1 {
+        return None;
+    }
+    [false, true].into_iter().find_map(|fold| {
+        let (mut place, mut root) = (Complex64::from(angle), c);
+        let mut last = f64::INFINITY;
+        for _ in 0..30 {
+            let [e, by_root, by_angle, twice, mixed, angle_twice] = face.derivatives(place, root);
+            // (f, g) = 0 with its Jacobian in (c, α).
+            let (f, fc, fa) =
+                if fold { (e, by_root, by_angle) } else { (by_angle, mixed, angle_twice) };
+            let (g, gc, ga) = (by_root, twice, mixed);
+            let determinant = fc * ga - fa * gc;
+            let step = [(f * ga - fa * g) / determinant, (fc * g - f * gc) / determinant];
+            if !step[0].is_finite() || !step[1].is_finite() {
+                break;
+            }
+            root -= step[0];
+            place -= step[1];
+            last = step[1].norm() + step[0].norm() / root.norm();
+            if last < 1e-15 {
+                break;
+            }
+        }
+        // A crossing of branches is one only on the curve itself.
+        let [e, ..] = face.derivatives(place, root);
+        if e.norm() > 1e-13 * face.size(root.norm()) {
+            return None;
+        }
+        let close = (place - angle).norm() < 1e-2 && (root - c).norm() < 0.2 * c.norm();
+        if last > 1e-13 || !close || place.im.abs() > 1e-9 {
+            return None;
+        }
+        // The root as one of its multiplicity there.
+        let found = face
+            .roots(place.re)
+            .into_iter()
+            .find(|r| r.multiplicity > 1 && (r.value - root).norm() < 1e-6 * root.norm())?;
+        Some((place.re, Root { bound: found.bound.max(1e-14 * found.value.norm()), ..found }))
+    })
+}
+
+/// Facets of the polytope whose normal is (m, τ, 1) with m > 0 and τ within the chart's limits.
+fn facets(chart: &Chart) -> Vec<Facet> {
+    // Of all points with equal x and y the one with the greatest power dominates.
+    let mut points: Vec<&Point> = Vec::new();
+    for p in &chart.points {
+        match points.iter_mut().find(|own| (own.x, own.y) == (p.x, p.y)) {
+            Some(own) if own.power < p.power => *own = p,
+            Some(_) => {}
+            None => points.push(p),
+        }
+    }
+    let mut found: Vec<([i64; 3], Facet)> = Vec::new();
     for (a, p) in points.iter().enumerate() {
         for (b, q) in points.iter().enumerate().skip(a + 1) {
             for r in &points[b + 1..] {
-                // m Δi + τ Δl = −Δj for both differences, times the determinant.
-                let (i1, l1, j1) = (p.i - q.i, p.l - q.l, p.j - q.j);
-                let (i2, l2, j2) = (p.i - r.i, p.l - r.l, p.j - r.j);
-                let mut normal = [j2 * l1 - j1 * l2, i1 * l2 - i2 * l1, i2 * j1 - i1 * j2];
-                if normal[1] == 0 {
+                // m Δx + τ Δy = −Δpower for both differences, times the determinant.
+                let difference = |s: &Point| {
+                    [p.x as i64 - s.x as i64, p.y as i64 - s.y as i64, p.power - s.power]
+                };
+                let ([x1, y1, k1], [x2, y2, k2]) = (difference(q), difference(r));
+                let mut normal = [k2 * y1 - k1 * y2, x2 * k1 - x1 * k2, x1 * y2 - x2 * y1];
+                if normal[2] == 0 {
                     continue;
                 }
-                if normal[1] < 0 {
-                    normal = normal.map(|x| -x);
+                if normal[2] < 0 {
+                    normal = normal.map(|n| -n);
                 }
-                let [m, one, tau] = normal;
-                if m <= 0 || tau >= one {
+                let [m, tau, one] = normal;
+                if m <= 0 {
                     continue;
                 }
-                let weight = |x: &Point| m * x.i + one * x.j + tau * x.l;
+                let order = Order::new(m, one * chart.unit);
+                let offset = Order::new(tau, one * chart.unit);
+                if offset >= chart.offset_below || chart.below.is_some_and(|b| order >= b) {
+                    continue;
+                }
+                let weight = |s: &Point| m * s.x as i64 + tau * s.y as i64 + one * s.power;
                 let height = weight(p);
-                if points.iter().any(|x| weight(x) > height) {
+                if points.iter().any(|s| weight(s) > height) {
                     continue;
                 }
-                let same = |n: &[i64; 3]| n[0] * one == m * n[1] && n[2] * one == tau * n[1];
-                if !found.iter().any(|(n, _)| same(n)) {
-                    let on = points.iter().filter(|x| weight(x) == height).copied().collect();
-                    found.push((normal, on));
+                if found.iter().any(|(_, f)| f.order == order && f.offset == offset) {
+                    continue;
                 }
+                let on = points.iter().filter(|s| weight(s) == height).map(|s| **s).collect();
+                found.push((normal, Facet { order, offset, points: on }));
             }
         }
     }
-    found.into_iter().map(|([m, one, _], on)| (Order::new(m, one), on)).collect()
+    found.into_iter().map(|(_, facet)| facet).collect()
 }

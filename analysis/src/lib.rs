@@ -14,6 +14,7 @@
 pub mod bound;
 pub mod characteristics;
 pub mod extended;
+mod face;
 pub mod form;
 pub mod growth;
 mod layers;
@@ -21,8 +22,11 @@ mod leading;
 pub mod newton;
 pub mod pencil;
 pub mod polynomial;
+mod puiseux;
+pub mod qz;
 pub mod roots;
 pub mod scaling;
+mod value;
 
 /// A system that cannot be analysed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -7,12 +7,8 @@
 
 use crate::AnalysisError;
 use crate::polynomial::DispersionPolynomial;
-use crate::scaling::{Entry, ScaledSystem, balance};
-use faer::diag::Diag;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::evd::ComputeEigenvectors;
-use faer::linalg::gevd::{gevd_cplx, gevd_scratch};
-use faer::{Mat, Par};
+use crate::qz::Qz;
+use crate::scaling::ScaledSystem;
 use models::LinearisedSystem;
 use nalgebra::DMatrix;
 use num_complex::Complex64;
@@ -97,59 +93,46 @@ impl Pencil {
         Roots::Regular { infinite: size - finite.len(), finite }
     }
 
-    /// The finite-looking generalised eigenvalues ς, 1/s, as QZ leaves them, of the equilibrated
-    /// pencil; empty where QZ fails.
+    /// The finite generalised eigenvalues ς, 1/s, of the equilibrated pencil; none where QZ does not
+    /// converge.
     pub fn generalised_eigenvalues(&self, k: f64, direction: f64) -> Vec<Complex64> {
-        let s = &self.scaled.system;
-        let n = s.equations.len();
-        let k_scaled = k / self.scaled.wave_number;
+        self.generalised_eigenvalues_in(&mut Qz::default(), k, direction).to_vec()
+    }
+
+    /// The same without allocation.
+    pub fn generalised_eigenvalues_in<'q>(
+        &self,
+        qz: &'q mut Qz,
+        k: f64,
+        direction: f64,
+    ) -> &'q [Complex64] {
+        self.equilibrate(qz, k, direction);
+        let v = &self.scaled.system.velocity;
         let (sin, cos) = direction.sin_cos();
-        let entry = |i: usize, j: usize| {
-            let wave = k_scaled * (cos * s.b[0][(i, j)].value + sin * s.b[1][(i, j)].value);
-            Complex64::new(s.c[(i, j)].value, wave)
-        };
-        let mut entries = Vec::with_capacity(2 * n * n);
-        for row in 0..n {
-            for column in 0..n {
-                for (group, size) in
-                    [(0, entry(row, column).norm()), (1, s.a[(row, column)].value.abs())]
-                {
-                    if size > 0.0 {
-                        entries.push(Entry { row, column, group, log: size.log2() });
-                    }
-                }
-            }
-        }
-        let scales = balance(&entries, n, n, 1);
-        let (rows, columns, rate) = (&scales.rows, &scales.columns, scales.groups[0]);
-        let mut left = Mat::from_fn(n, n, |i, j| -entry(i, j) * rows[i] * columns[j]);
-        let mut right = Mat::from_fn(n, n, |i, j| {
-            Complex64::from(s.a[(i, j)].value * rows[i] * columns[j] * rate)
-        });
-        let (mut alpha, mut beta) = (Diag::zeros(n), Diag::zeros(n));
-        let no = ComputeEigenvectors::No;
-        let parameters = Default::default();
-        let mut memory = MemBuffer::new(gevd_scratch::<Complex64>(n, no, no, Par::Seq, parameters));
-        let result = gevd_cplx(
-            left.as_mut(),
-            right.as_mut(),
-            alpha.as_mut(),
-            beta.as_mut(),
-            None,
-            None,
-            Par::Seq,
-            MemStack::new(&mut memory),
-            Default::default(),
-        );
-        if result.is_err() {
-            return Vec::new();
-        }
-        let v = &s.velocity;
         let convection = Complex64::new(0.0, -k * (v[0] * cos + v[1] * sin));
-        (0..n)
-            .map(|i| (alpha[i], beta[i]))
-            .filter(|(_, b)| *b != Complex64::ZERO)
-            .map(|(a, b)| a / b * rate * self.scaled.rate + convection)
-            .collect()
+        let Some(values) = qz.solve() else { return &[] };
+        for value in &mut *values {
+            *value = *value * self.scaled.rate + convection;
+        }
+        values
+    }
+
+    /// Puts the pencil −(i k̂ (cos θ B̂¹ + sin θ B̂²) + Ĉ) − ς̂ Â, of the scaled system and in the
+    /// frame of the material, into `qz`.
+    pub fn equilibrate(&self, qz: &mut Qz, k: f64, direction: f64) {
+        let s = &self.scaled.system;
+        let size = s.equations.len().min(s.unknowns.len());
+        let (sin, cos) = direction.sin_cos();
+        let k_scaled = k / self.scaled.wave_number;
+        let (first, second) = (k_scaled * cos, k_scaled * sin);
+        qz.equilibrate(
+            size,
+            |i, j| {
+                let at = (i, j);
+                let wave = first * s.b[0][at].value + second * s.b[1][at].value;
+                -Complex64::new(s.c[at].value, wave)
+            },
+            |i, j| s.a[(i, j)].value.into(),
+        );
     }
 }

@@ -91,6 +91,8 @@ pub struct DispersionPolynomial {
     monomials: Monomials,
     /// Partial determinants, one block of coefficients per set of columns; the last is the whole.
     partial: Vec<Coefficient>,
+    /// Whether a set of columns has a transversal in the rows used so far.
+    is_reached: Vec<bool>,
     order: Vec<usize>,
     /// Unit of ς, 1/s.
     pub rate: f64,
@@ -117,8 +119,9 @@ impl DispersionPolynomial {
             self.monomials = Monomials::new(n);
         }
         let block = self.monomials.exponents.len();
-        self.partial.clear();
         self.partial.resize(block << n, Coefficient::default());
+        self.is_reached.clear();
+        self.is_reached.resize(1 << n, false);
 
         // Rows with the fewest entries first keep the partial determinants sparse.
         let linear_form = |row: usize, column: usize| {
@@ -132,8 +135,15 @@ impl DispersionPolynomial {
         self.order.extend(0..n);
         self.order.sort_by_key(|&row| entries(row));
 
+        self.partial[..block].fill(Coefficient::default());
+        self.is_reached[0] = true;
+        // The whole may not be reached at all.
+        self.partial[((1 << n) - 1) * block..].fill(Coefficient::default());
         self.partial[0] = Coefficient { value: Extended::from(1.0), ..Coefficient::default() };
         for set in 0usize..(1 << n) - 1 {
+            if !self.is_reached[set] {
+                continue;
+            }
             let used = set.count_ones() as usize;
             let row = self.order[used];
             let (before, after) = self.partial.split_at_mut((set + 1) * block);
@@ -143,9 +153,17 @@ impl DispersionPolynomial {
             }
             for column in (0..n).filter(|c| set >> c & 1 == 0) {
                 let form = linear_form(row, column);
+                if form.iter().all(|x| x.is_structural_zero()) {
+                    continue;
+                }
                 // Laplace sign: the columns of the set that stand to the right.
                 let negative = (set >> column).count_ones() % 2 == 1;
-                let target = &mut after[((set | 1 << column) - set - 1) * block..][..block];
+                let with = set | 1 << column;
+                let target = &mut after[(with - set - 1) * block..][..block];
+                if !self.is_reached[with] {
+                    self.is_reached[with] = true;
+                    target[..self.monomials.up_to[used + 1]].fill(Coefficient::default());
+                }
                 for (index, coefficient) in source.iter().enumerate() {
                     if coefficient.is_structural_zero() {
                         continue;

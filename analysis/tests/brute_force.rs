@@ -38,7 +38,7 @@ fn centres(sample: &Sample) -> Vec<Wide> {
 }
 
 fn force(sample: &Sample, waves: &[f64], dense: usize) -> Brute {
-    brute(&reference(sample).polynomial(), waves, dense, &centres(sample), 1.6)
+    brute(&reference(sample).polynomial(), waves, dense, &centres(sample), 1.6, false)
 }
 
 /// Whether the verdict is what brute force finds; the words of the difference if not.

@@ -8,7 +8,7 @@ use models::granular_flow::{Kind, Model, Parameters};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use support::brute::{brute, degenerate_directions};
-use support::exact::WideSystem;
+use support::exact::{DispersionReference, WideSystem};
 use support::planted::{C, Part, T, X, Y, system};
 use support::states::{Dilatancy, Random, Sample, tame, wild};
 use wellposed_analysis::growth::{Verdict, assess};
@@ -511,17 +511,7 @@ fn fulfils(verdict: &Verdict, wanted: Wanted) -> Option<bool> {
     })
 }
 
-/// Planted systems with repeated neutral roots, whose splitting the analysis does not follow: it may
-/// call them marginal.
-const REPEATED: [&str; 5] = [
-    "weakly hyperbolic",
-    "repeated but bounded",
-    "two equal transports",
-    "triple root split at order 1/3",
-    "triple root split at order 2/3",
-];
-
-/// Systems planted with a known answer: nothing false is ever asserted.
+/// Systems planted with a known answer.
 #[test]
 fn planted_systems_are_recognised() {
     let (mut wrong, mut marginal) = (Vec::new(), Vec::new());
@@ -531,7 +521,6 @@ fn planted_systems_are_recognised() {
         match fulfils(&verdict, wanted) {
             Some(true) => {}
             Some(false) => wrong.push(message),
-            None if REPEATED.contains(&name) => {}
             None => marginal.push(message),
         }
     }
@@ -595,7 +584,7 @@ fn thin_sectors_of_growth_are_found() {
 #[test]
 fn planted_systems_in_other_units() {
     let random = &mut Random::new(77);
-    for (name, planted, wanted) in planted().into_iter().filter(|p| !REPEATED.contains(&p.0)) {
+    for (name, planted, wanted) in planted() {
         let mut scaled = planted.clone();
         let (rows, columns) = scaled.a.shape();
         let (rate, length) = (
@@ -706,8 +695,7 @@ fn small(seed: u64, integers: bool) -> LinearisedSystem<2> {
     system(n, n, &entries)
 }
 
-/// Random small systems, far from any physics: what is asserted agrees with brute force, but for a
-/// few in a hundred whose growth hides in neutral layers, which the analysis does not follow further.
+/// Random small systems, far from any physics: what is asserted agrees with brute force.
 #[test]
 fn small_random_systems_agree_with_brute_force() {
     agree_with_brute_force(false);
@@ -719,43 +707,43 @@ fn small_integer_systems_agree_with_brute_force() {
     agree_with_brute_force(true);
 }
 
+/// What is wrong with a verdict, by brute force; `fine` takes longer and misses less.
+fn difference(verdict: &Verdict, p: &DispersionReference, fine: bool) -> Option<String> {
+    match verdict {
+        Verdict::Indeterminate { .. } => {
+            return (!p.terms.is_empty()).then(|| "not singular".to_string());
+        }
+        _ if p.terms.is_empty() => return Some("singular".to_string()),
+        Verdict::Marginal { .. } => return None,
+        _ if p.degree() == 0 => {
+            return (*verdict != Verdict::WellPosed).then(|| "no roots at all".to_string());
+        }
+        _ => {}
+    }
+    let force = brute(p, &[1e8, 1e13], 60, &degenerate_directions(p), 3.2, fine);
+    let wrong = match verdict {
+        Verdict::WellPosed => force.blows_up || force.order().abs() > 0.05,
+        Verdict::IllPosed { growth: None, .. } => !force.blows_up,
+        Verdict::IllPosed { growth: Some(g), .. } => {
+            let order = g.order.value();
+            let ratio = force.coefficient(order) / g.coefficient;
+            (force.order() - order).abs() > 0.05 || (ratio - 1.0).abs() > 0.02 || force.blows_up
+        }
+        _ => false,
+    };
+    wrong.then(|| format!("order {:.4} {force:?}", force.order()))
+}
+
 fn agree_with_brute_force(integers: bool) {
-    const SYSTEMS: u64 = 400;
+    const SYSTEMS: u64 = 500;
     let results: Vec<(String, Option<String>)> = (0..SYSTEMS)
         .into_par_iter()
         .map(|seed| {
             let own = small(seed, integers);
             let verdict = judge(&own);
             let p = WideSystem::of(&own).polynomial();
-            let problem = match &verdict {
-                Verdict::Indeterminate { .. } => {
-                    (!p.terms.is_empty()).then(|| "not singular".to_string())
-                }
-                _ if p.terms.is_empty() => Some("singular".to_string()),
-                Verdict::Marginal { .. } => None,
-                _ if p.degree() == 0 => {
-                    (verdict != Verdict::WellPosed).then(|| "no roots at all".to_string())
-                }
-                _ => {
-                    let force = brute(&p, &[1e8, 1e13], 60, &degenerate_directions(&p), 3.2);
-                    let seen = format!("order {:.4} {force:?}", force.order());
-                    match &verdict {
-                        Verdict::WellPosed => {
-                            (force.blows_up || force.order().abs() > 0.05).then_some(seen)
-                        }
-                        Verdict::IllPosed { growth: None, .. } => (!force.blows_up).then_some(seen),
-                        Verdict::IllPosed { growth: Some(g), .. } => {
-                            let order = g.order.value();
-                            let ratio = force.coefficient(order) / g.coefficient;
-                            let wrong = (force.order() - order).abs() > 0.05
-                                || (ratio - 1.0).abs() > 0.02
-                                || force.blows_up;
-                            wrong.then_some(seen)
-                        }
-                        _ => None,
-                    }
-                }
-            };
+            let problem =
+                difference(&verdict, &p, false).and_then(|_| difference(&verdict, &p, true));
             let name = match &verdict {
                 Verdict::IllPosed { growth: Some(g), .. } => {
                     format!("order {}/{}", g.order.numerator, g.order.denominator)
@@ -773,5 +761,7 @@ fn agree_with_brute_force(integers: bool) {
     println!("{counts:?}");
     let wrong: Vec<&String> = results.iter().filter_map(|r| r.1.as_ref()).collect();
     wrong.iter().for_each(|w| println!("{w}"));
-    assert!(wrong.len() as u64 * 20 < SYSTEMS, "{} of {SYSTEMS} disagree", wrong.len());
+    assert!(wrong.is_empty(), "{} of {SYSTEMS} disagree", wrong.len());
+    let marginal = counts.get("marginal").copied().unwrap_or(0) as u64;
+    assert!(100 * marginal <= SYSTEMS, "{marginal} of {SYSTEMS} are called marginal");
 }

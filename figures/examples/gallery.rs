@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use wellposed_figures::{
     Axis, Category, Curve, Direction, DirectionsFigure, FigureError, Format, GrowthFigure, Line,
-    Look, Mark, Panel, Style, VerdictMap,
+    Look, Mark, Panel, PolarFigure, Spoke, SpokeStyle, Style, VerdictMap,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -21,6 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     save("noncoaxiality", &|format| noncoaxiality().draw(format))?;
     save("every_verdict", &|format| every_verdict().draw(format))?;
     save("growth", &|format| growth().draw(format))?;
+    save("polar", &|format| polar().draw(format))?;
     save("directions", &|format| directions().draw(format))
 }
 
@@ -148,6 +149,7 @@ fn growth() -> GrowthFigure {
                     &angles,
                 ),
             ],
+            guides: Vec::new(),
             marks: [27.5, 57.5, 62.0, 152.5]
                 .map(|x| Mark { label: format!("characteristic {x}°"), x })
                 .to_vec(),
@@ -166,8 +168,27 @@ fn growth() -> GrowthFigure {
                 ),
                 curve(models[3], &|k| -3.0 - 0.1 * k.sqrt(), &numbers),
             ],
+            guides: vec![curve("0.3 k^(3/4)", &|k| 0.3 * k.powf(0.75), &numbers)],
             marks: vec![Mark { label: "1/d, grain size".to_owned(), x: 1e3 }],
         },
+    }
+}
+
+fn polar() -> PolarFigure {
+    let GrowthFigure { title, by_direction, .. } = growth();
+    let spoke = |label: &str, angle_deg, style| Spoke { label: label.to_owned(), angle_deg, style };
+    PolarFigure {
+        title,
+        subtitle: "k = 10³ m⁻¹; φ = 30°, ν = 0, Δ = 20°".to_owned(),
+        symbol: "Re ς".to_owned(),
+        unit: "1/s".to_owned(),
+        curves: by_direction.curves,
+        spokes: vec![
+            spoke("stress", 27.5, SpokeStyle::CharacteristicNormal),
+            spoke("", 27.5, SpokeStyle::Degenerate),
+            spoke("", 57.5, SpokeStyle::Degenerate),
+            spoke("velocity", 152.5, SpokeStyle::CharacteristicNormal),
+        ],
     }
 }
 

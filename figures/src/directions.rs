@@ -266,7 +266,7 @@ impl Label {
 
 /// Moves ascending heights apart to at least `gap`, as little as possible in the sum of squares,
 /// and into `bounds` as far as they hold all (pool adjacent violators).
-fn spread(wanted: &[f64], gap: f64, bounds: [f64; 2]) -> Vec<f64> {
+pub(crate) fn spread(wanted: &[f64], gap: f64, bounds: [f64; 2]) -> Vec<f64> {
     // Groups of labels that touch: sum of their wanted starts, and number.
     let mut groups: Vec<(f64, usize)> = Vec::new();
     for (index, height) in wanted.iter().enumerate() {

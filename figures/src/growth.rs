@@ -40,6 +40,10 @@ pub struct Panel {
     pub x_log: bool,
     /// The lines, one per model; four have looks of their own.
     pub curves: Vec<Line>,
+    /// Pale wide lines below the others, such as what they tend to: all of one look, listed once
+    /// by the label of the first. They leave out the linear part of the vertical axis, on which
+    /// power laws are not straight.
+    pub guides: Vec<Line>,
     /// Places of note, such as characteristic directions.
     pub marks: Vec<Mark>,
 }
@@ -60,10 +64,14 @@ pub struct GrowthFigure {
     pub by_wave_number: Panel,
 }
 
+/// A pale wide line below those of a panel, such as what one of them tends to.
+const GUIDE: Colour = RGBColor(203, 205, 214);
+const GUIDE_WIDTH: f64 = 11.0;
+
 /// What tells lines apart, in colour and in grey.
-struct Look {
-    colour: Colour,
-    dashes: &'static [f64],
+pub(crate) struct Look {
+    pub colour: Colour,
+    pub dashes: &'static [f64],
     marker: Marker,
 }
 
@@ -76,7 +84,7 @@ enum Marker {
 }
 
 /// Colours after Okabe and Ito (2008), told apart by colour-blind readers.
-const LOOKS: [Look; 4] = [
+pub(crate) const LOOKS: [Look; 4] = [
     Look { colour: RGBColor(0, 0, 0), dashes: &[], marker: Marker::None },
     Look { colour: RGBColor(213, 94, 0), dashes: &[16.0, 8.0], marker: Marker::Disc },
     Look { colour: RGBColor(0, 114, 178), dashes: &[4.0, 6.0], marker: Marker::Square },
@@ -88,12 +96,12 @@ const LOOKS: [Look; 4] = [
 ];
 
 /// Ground of the linear part of a vertical axis.
-const LINEAR: Colour = RGBColor(240, 240, 236);
+pub(crate) const LINEAR: Colour = RGBColor(240, 240, 236);
 const GRID: Colour = RGBColor(226, 226, 226);
-const LINE_WIDTH: f64 = 3.4;
+pub(crate) const LINE_WIDTH: f64 = 3.4;
 const MARKER_RADIUS: f64 = 8.0;
 /// Distance between the markers of a line in pixels.
-const MARKER_SPACING: f64 = 84.0;
+pub(crate) const MARKER_SPACING: f64 = 84.0;
 /// Size of the words above marks.
 const MARK_LABEL: f64 = 22.0;
 const MARK_ROW: f64 = 1.35 * MARK_LABEL;
@@ -149,16 +157,14 @@ impl GrowthFigure {
     }
 
     fn legend(&self) -> Vec<Entry> {
-        let mut entries: Vec<Entry> = Vec::new();
-        for (index, label) in self.labels().into_iter().enumerate() {
-            let swatch = move |picture: &mut Picture, area: Rectangle| {
-                let look = &LOOKS[index % LOOKS.len()];
+        let mut entries = legend_of(&self.labels());
+        let guides = self.by_direction.guides.iter().chain(&self.by_wave_number.guides);
+        if let Some(guide) = guides.into_iter().next() {
+            let swatch = |picture: &mut Picture, area: Rectangle| {
                 let middle = 0.5 * (area.top + area.bottom);
-                let ends = [[area.left, middle], [area.right, middle]];
-                picture.dashed(&ends, look.dashes, LINE_WIDTH, look.colour);
-                draw_marker(picture, [0.5 * (area.left + area.right), middle], look);
+                picture.line([[area.left, middle], [area.right, middle]], GUIDE_WIDTH, GUIDE);
             };
-            entries.push((label.to_owned(), Box::new(swatch)));
+            entries.push((guide.label.clone(), Box::new(swatch)));
         }
         let swatch = |picture: &mut Picture, area: Rectangle| {
             picture.fill(area, LINEAR);
@@ -210,22 +216,33 @@ impl GrowthFigure {
             picture.text(Text { colour: PALE_INK, ..text });
         }
 
+        // Infinite values run just inside the frame, which would cover them.
+        let inset = 0.012 * (scales.high - scales.low);
+        let (lowest, highest) = (scales.low + inset, scales.high - inset);
+        let places = |line: &Line, lowest: f64, highest: f64| -> Vec<Point> {
+            let places = line.points.iter().map(|&[x, y]| {
+                let place = scales.y.forward(y).clamp(lowest, highest);
+                let x = if panel.x_log { x.log10() } else { x };
+                [scales.place_x(x, frame), scales.place_y(place, frame)]
+            });
+            places.collect()
+        };
+        for guide in &panel.guides {
+            let mut points = places(guide, f64::MIN, f64::MAX);
+            for (point, [_, y]) in points.iter_mut().zip(&guide.points) {
+                if scales.y.forward(*y).abs() < 1.0 {
+                    *point = [f64::NAN; 2];
+                }
+            }
+            for part in clip(&points, frame) {
+                picture.line(part, GUIDE_WIDTH, GUIDE);
+            }
+        }
         let labels = self.labels();
         for line in &panel.curves {
             let index = labels.iter().position(|label| *label == line.label).unwrap_or(0);
             let look = &LOOKS[index % LOOKS.len()];
-            // Infinite values run just inside the frame, which would cover them.
-            let inset = 0.012 * (scales.high - scales.low);
-            let (lowest, highest) = (scales.low + inset, scales.high - inset);
-            let points: Vec<Point> = line
-                .points
-                .iter()
-                .map(|&[x, y]| {
-                    let place = scales.y.forward(y).clamp(lowest, highest);
-                    let x = if panel.x_log { x.log10() } else { x };
-                    [scales.place_x(x, frame), scales.place_y(place, frame)]
-                })
-                .collect();
+            let points = places(line, lowest, highest);
             for part in clip(&points, frame) {
                 picture.dashed(&part, look.dashes, LINE_WIDTH, look.colour);
             }
@@ -247,7 +264,23 @@ impl GrowthFigure {
     }
 }
 
-fn draw_marker(picture: &mut Picture, [x, y]: Point, look: &Look) {
+/// Entries of a legend for lines of these labels.
+pub(crate) fn legend_of(labels: &[&str]) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    for (index, label) in labels.iter().enumerate() {
+        let swatch = move |picture: &mut Picture, area: Rectangle| {
+            let look = &LOOKS[index % LOOKS.len()];
+            let middle = 0.5 * (area.top + area.bottom);
+            let ends = [[area.left, middle], [area.right, middle]];
+            picture.dashed(&ends, look.dashes, LINE_WIDTH, look.colour);
+            draw_marker(picture, [0.5 * (area.left + area.right), middle], look);
+        };
+        entries.push(((*label).to_owned(), Box::new(swatch)));
+    }
+    entries
+}
+
+pub(crate) fn draw_marker(picture: &mut Picture, [x, y]: Point, look: &Look) {
     let shape = |radius: f64| match look.marker {
         Marker::None => None,
         Marker::Disc => Some(crate::picture::circle([x, y], radius, 24)),
@@ -276,6 +309,9 @@ struct Scales {
     high: f64,
 }
 
+/// Powers of a quantity over many decades reach over still more.
+const POWER_DECADES: i32 = 24;
+
 /// Numbers beyond are treated as infinite: differences of larger ones overflow.
 const FINITE: f64 = 1e300;
 
@@ -298,7 +334,8 @@ impl Scales {
         }
 
         let growth = || points().map(|point| point[1]).filter(|growth| growth.abs() < FINITE);
-        let y = SymmetricLog::for_values(growth());
+        let decades = if panel.x_log { POWER_DECADES } else { SymmetricLog::DECADES };
+        let y = SymmetricLog::for_values_within(growth(), decades);
         let (mut low, mut high) = (0.0_f64, 0.0_f64);
         for place in growth().map(|growth| y.forward(growth)) {
             (low, high) = (low.min(place), high.max(place));
@@ -405,6 +442,7 @@ mod tests {
             y_label: "growth rate Re ς (1/s)".to_owned(),
             x_log,
             curves: vec![Line { label: "model".to_owned(), points: points.to_vec() }],
+            guides: vec![Line { label: "asymptote".to_owned(), points: points.to_vec() }],
             marks: marks.iter().map(|&x| Mark { label: format!("θ = {x}°"), x }).collect(),
         }
     }

@@ -12,11 +12,13 @@ mod directions;
 mod growth;
 mod page;
 mod picture;
+mod polar;
 mod scale;
 mod verdict_map;
 
 pub use directions::{Direction, DirectionsFigure, Style};
 pub use growth::{GrowthFigure, Line, Mark, Panel};
+pub use polar::{PolarFigure, Spoke, SpokeStyle};
 pub use verdict_map::{Axis, Category, Curve, Look, VerdictMap};
 
 /// The kind of file a figure is drawn into.

@@ -122,16 +122,24 @@ pub(crate) struct SymmetricLog {
 }
 
 impl SymmetricLog {
+    /// Decades that are told apart where nothing else is asked for.
+    pub const DECADES: i32 = 7;
+
     /// The scale that shows all but the smallest tenth of the sizes outside its linear part, within
     /// seven decades of the largest.
     pub fn for_values(values: impl Iterator<Item = f64>) -> Self {
+        Self::for_values_within(values, Self::DECADES)
+    }
+
+    /// The same within any number of decades of the largest.
+    pub fn for_values_within(values: impl Iterator<Item = f64>, decades: i32) -> Self {
         let mut sizes: Vec<f64> =
             values.map(f64::abs).filter(|size| *size > 0.0 && size.is_finite()).collect();
         sizes.sort_by(f64::total_cmp);
         let Some(largest) = sizes.last() else { return Self { exponent: -1 } };
         let most = (largest.log10() - 1e-9).floor() as i32;
         let small = sizes[sizes.len() / 10].log10().floor() as i32;
-        Self { exponent: small.clamp(most - 7, most) }
+        Self { exponent: small.clamp(most - decades, most) }
     }
 
     /// The place of a value.
@@ -277,6 +285,8 @@ mod tests {
         assert_eq!(of(&[1e-30, 1e4]), -4);
         assert_eq!(of(&[0.0]), -1);
         assert_eq!(of(&[3.0; 5]), 0);
+        let wide = SymmetricLog::for_values_within([1e-12, 1e4].into_iter(), 20);
+        assert_eq!(wide.exponent, -12);
     }
 
     #[test]

@@ -12,17 +12,18 @@ pub struct InputError {
     pub allowed: String,
 }
 
-/// `Ok` when `holds`; otherwise what was found and what is allowed.
+/// `Ok` when `holds`; otherwise what was found and what is allowed. Pass [`format_args!`], not
+/// [`format!`]: the words are made only where they are needed.
 pub(crate) fn ensure(
     holds: bool,
     key: &'static str,
     found: impl std::fmt::Display,
-    allowed: impl Into<String>,
+    allowed: impl std::fmt::Display,
 ) -> Result<(), InputError> {
     if holds {
         Ok(())
     } else {
-        Err(InputError { key, found: found.to_string(), allowed: allowed.into() })
+        Err(InputError { key, found: found.to_string(), allowed: allowed.to_string() })
     }
 }
 

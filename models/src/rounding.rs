@@ -88,6 +88,15 @@ impl Rounded {
         Self::after_rounding(value, spread + 3.0 * UNIT_ROUNDOFF * value.abs())
     }
 
+    /// Square root of a number that is not negative: |√x − √v| ≤ |x − v|/√v.
+    pub fn sqrt(self) -> Self {
+        if self.is_structural_zero() {
+            return Self::ZERO;
+        }
+        let value = self.value.sqrt();
+        Self::after_rounding(value, self.bound / value)
+    }
+
     fn after_rounding(value: f64, bound: f64) -> Self {
         Self { value, bound: (bound + UNIT_ROUNDOFF * value.abs()) * UPWARDS + SMALLEST }
     }

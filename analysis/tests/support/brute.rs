@@ -2,7 +2,7 @@
 //! at wave numbers so great that its order in k can be read off.
 
 use super::exact::DispersionReference;
-use super::wide::Wide;
+use super::wide::{Wide, WideComplex};
 
 /// sup over directions of Re ς at some wave numbers.
 #[derive(Clone, Debug)]
@@ -103,6 +103,130 @@ fn newton(p: &DispersionReference, i: u8, j: u8, start: Wide, of_slope: bool) ->
     ((x - start).abs().to_f64() < 0.01).then_some(x)
 }
 
+/// Directions next to the centres in which, at the wave number k, the real or the imaginary part of
+/// the coefficient of some power of ς vanishes: there roots may be much larger or smaller than all
+/// around.
+fn resonances(p: &DispersionReference, k: Wide, centres: &[Wide], reach: f64) -> Vec<Wide> {
+    let value = |power: usize, part: usize, angle: Wide| {
+        let (sin, cos) = angle.sin_cos();
+        let c = p.at(k, cos, sin).get(power).copied().unwrap_or(WideComplex::ZERO);
+        if part == 0 { c.re } else { c.im }
+    };
+    let mut found: Vec<Wide> = Vec::new();
+    for &centre in centres {
+        for side in [1.0, -1.0] {
+            let steps = (2.0 * reach * k.log2()) as i32;
+            let offsets: Vec<f64> =
+                (2..steps).map(|n| side * (-0.5 * f64::from(n)).exp2()).collect();
+            let row: Vec<Vec<WideComplex>> = offsets
+                .iter()
+                .map(|&x| {
+                    let (sin, cos) = (centre + Wide::from(x)).sin_cos();
+                    p.at(k, cos, sin)
+                })
+                .collect();
+            // Where two roots come near each other.
+            let gaps: Vec<f64> = row.iter().map(|c| gap(c, 0.0)).collect();
+            for n in 1..gaps.len() - 1 {
+                if gaps[n] > gaps[n - 1] || gaps[n] > gaps[n + 1] || gaps[n] > 0.5 {
+                    continue;
+                }
+                let at = |log: f64| {
+                    let (sin, cos) = (centre + Wide::from(side * log.exp2())).sin_cos();
+                    gap(&p.at(k, cos, sin), 0.0)
+                };
+                let (mut a, mut b) = (-0.5 * (n as f64 + 3.0), -0.5 * (n as f64 + 1.0));
+                for _ in 0..48 {
+                    let (x, y) = (a + 0.382 * (b - a), a + 0.618 * (b - a));
+                    if at(x) < at(y) { b = y } else { a = x }
+                }
+                found.push(centre + Wide::from(side * (0.5 * (a + b)).exp2()));
+            }
+            for power in 0..=usize::from(p.degree()) {
+                for part in 0..2 {
+                    let of = |c: &Vec<WideComplex>| {
+                        let c = c.get(power).copied().unwrap_or(WideComplex::ZERO);
+                        if part == 0 { c.re } else { c.im }
+                    };
+                    for (n, pair) in row.windows(2).enumerate() {
+                        let (f, g) = (of(&pair[0]), of(&pair[1]));
+                        if f.is_zero() || g.is_zero() || f.is_negative() == g.is_negative() {
+                            continue;
+                        }
+                        // Regula falsi after Illinois.
+                        let mut a = centre + Wide::from(offsets[n]);
+                        let mut b = centre + Wide::from(offsets[n + 1]);
+                        let (mut fa, mut fb) = (f, g);
+                        for _ in 0..40 {
+                            let x = (a * fb - b * fa) * (fb - fa).recip();
+                            let fx = value(power, part, x);
+                            let step = (x - b).abs();
+                            if fx.is_negative() != fb.is_negative() {
+                                (a, fa) = (b, fb);
+                            } else {
+                                fa = fa.shifted(-1);
+                            }
+                            (b, fb) = (x, fx);
+                            if fx.is_zero() || step.exponent() < -250 {
+                                break;
+                            }
+                        }
+                        let near =
+                            |own: &Wide| (*own - b).exponent() < (centre - b).exponent() - 40;
+                        if !found.iter().any(near) {
+                            found.push(b);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Least distance between two roots over their size, of those larger than `least`, in double
+/// precision: this only says where to look.
+fn gap(polynomial: &[WideComplex], least: f64) -> f64 {
+    let plain: Vec<_> = polynomial.iter().map(|c| c.to_c64()).collect();
+    let roots = wellposed_analysis::roots::of(&plain);
+    let mut found = f64::INFINITY;
+    for (n, a) in roots.iter().enumerate() {
+        for b in &roots[n + 1..] {
+            let size = a.norm() + b.norm();
+            if size > least {
+                found = found.min((a - b).norm() / size);
+            }
+        }
+    }
+    found
+}
+
+/// Directions in which two roots of order 1 or more come near each other at a great wave number.
+fn collisions(p: &DispersionReference, wave: f64) -> Vec<Wide> {
+    let k = Wide::from(wave);
+    let gap = |angle: f64| {
+        let (sin, cos) = Wide::from(angle).sin_cos();
+        gap(&p.at(k, cos, sin), 1e-3 * wave)
+    };
+    const STEPS: usize = 240;
+    let step = std::f64::consts::PI / STEPS as f64;
+    let samples: Vec<f64> = (0..STEPS + 2).map(|n| gap(step * (n as f64 - 0.6))).collect();
+    let mut found = Vec::new();
+    for n in 1..=STEPS {
+        let [before, here, after] = [samples[n - 1], samples[n], samples[n + 1]];
+        if here > before || here > after || here > 0.3 {
+            continue;
+        }
+        let (mut a, mut b) = (step * (n as f64 - 1.6), step * (n as f64 + 0.4));
+        for _ in 0..60 {
+            let (x, y) = (a + 0.382 * (b - a), a + 0.618 * (b - a));
+            if gap(x) < gap(y) { b = y } else { a = x }
+        }
+        found.push(Wide::from(0.5 * (a + b)));
+    }
+    found
+}
+
 /// A direction that was tried.
 #[derive(Clone, Copy)]
 struct Candidate {
@@ -113,18 +237,26 @@ struct Candidate {
 }
 
 /// S at the wave numbers `waves`, over `dense` directions all round and clusters about `centres`
-/// with offsets k^(−s), 0 < s < `reach`, then refined.
+/// with offsets k^(−s), 0 < s < `reach`, then refined; `fine`: as many around places that are found
+/// on the way.
 pub fn brute(
     p: &DispersionReference,
     waves: &[f64],
     dense: usize,
     centres: &[Wide],
     reach: f64,
+    fine: bool,
 ) -> Brute {
     let growth = |k: Wide, centre: Wide, offset: f64| p.growth(k, centre + Wide::from(offset));
+    let colliding = collisions(p, waves[waves.len() - 1]);
     let mut at = Vec::new();
+    let mut worst_before: Option<(Candidate, f64)> = None;
     for &wave in waves {
         let k = Wide::from(wave);
+        let mut all = centres.to_vec();
+        all.extend(resonances(p, k, centres, reach));
+        all.extend(&colliding);
+        let known = centres.len();
         // Sign 0: no centre, the place is an angle; else the place is log₂ of the offset.
         let mut met: Vec<Candidate> = Vec::new();
         let previous = at.last().map(|&(_, _, direction): &(f64, f64, f64)| direction);
@@ -133,15 +265,25 @@ pub fn brute(
             let s = growth(k, Wide::ZERO, place);
             met.push(Candidate { s, centre: Wide::ZERO, place, sign: 0.0 });
         }
+        // Where it was worst before, at an offset of the same power of k.
+        if let Some((last, wave_before)) = worst_before
+            && last.sign != 0.0
+            && last.place > -9e3
+        {
+            let place = last.place * wave.log2() / f64::log2(wave_before);
+            let s = growth(k, last.centre, last.sign * place.exp2());
+            met.push(Candidate { s, place, ..last });
+        }
         if let Some(place) = previous {
             let s = growth(k, Wide::ZERO, place);
             met.push(Candidate { s, centre: Wide::ZERO, place, sign: 0.0 });
         }
         const STEPS: usize = 28;
         let step = reach * wave.log2() / STEPS as f64;
-        for &centre in centres {
+        for (index, &centre) in all.iter().enumerate() {
             met.push(Candidate { s: growth(k, centre, 0.0), centre, place: -1e4, sign: 1.0 });
-            for n in 1..=STEPS {
+            // Fewer around the additional ones, which are good to begin with.
+            for n in (1..=STEPS).step_by(if fine || index < known { 1 } else { 3 }) {
                 for sign in [1.0, -1.0] {
                     let place = -step * n as f64;
                     let s = growth(k, centre, sign * place.exp2());
@@ -177,18 +319,22 @@ pub fn brute(
                 best = Candidate { s, place, ..*start };
             }
         }
+        worst_before = Some((best, wave));
         let Candidate { s, centre, place, .. } = best;
         let direction = (centre + Wide::from(offset(&best, place))).to_f64();
         at.push((wave, s.to_f64(), direction.rem_euclid(std::f64::consts::PI)));
     }
     // At a fixed wave number, next to a zero of the highest power's coefficient.
     let fixed = Wide::from(waves[0]);
-    let blows_up = centres.iter().any(|&centre| {
+    let mut all = centres.to_vec();
+    all.extend(resonances(p, fixed, centres, reach));
+    let blows_up = all.iter().any(|&centre| {
         [1.0, -1.0].into_iter().any(|sign| {
+            // Smaller distances would lose a double zero of the coefficient in 256 bits.
             let [far, near, nearest] =
-                [1e-30, 1e-35, 1e-40].map(|x| growth(fixed, centre, sign * x));
-            let grows = |a: Wide, b: Wide| !a.is_negative() && !a.is_zero() && b > a.shifted(13);
-            grows(far, near) && grows(near, nearest)
+                [1e-25, 1e-30, 1e-35].map(|x| growth(fixed, centre, sign * x));
+            let grows = |a: Wide, b: Wide| !a.is_negative() && !a.is_zero() && b > a.shifted(5);
+            nearest > fixed && grows(far, near) && grows(near, nearest)
         })
     });
     Brute { at, blows_up }

@@ -321,7 +321,8 @@ impl DispersionReference {
         let (sin, cos) = direction.sin_cos();
         roots(&self.at(k, cos, sin))
             .into_iter()
-            .map(|root| root.re)
+            // Next to an imaginary root this much is rounding.
+            .map(|z| if z.re.exponent() < z.im.exponent() - 130 { Wide::ZERO } else { z.re })
             .reduce(|a, b| if b > a { b } else { a })
             .unwrap_or(-Wide::from(1.0).shifted(4000))
     }

@@ -1,6 +1,7 @@
 //! The list of granular-flow models.
 
 use super::state::{self, Background, Coulomb, Flow, FlowRule, Rotation, State};
+use crate::closed_form::ClosedForm;
 use crate::double_shearing::{self, parameters::DoubleShearing};
 use crate::free_rotating;
 use crate::harris_grekova::{self, parameters::HarrisGrekova};
@@ -166,6 +167,17 @@ impl Model {
             Self::DoubleShearing(m) => double_shearing::symbol::write(m, flow, system),
             Self::PlasticPotential(m) => plastic_potential::symbol::write(m, flow, system),
             Self::FreeRotating(m) => free_rotating::symbol::write(m, flow, system),
+        }
+    }
+
+    /// The verdict on `flow` where a formula decides it beyond doubt; `None` where only the
+    /// linearised equations can.
+    pub fn closed_form(&self, flow: &Flow) -> Option<ClosedForm> {
+        match self {
+            Self::HarrisGrekova(m) => harris_grekova::closed_form::closed_form(m, flow),
+            Self::DoubleShearing(m) => double_shearing::closed_form::closed_form(m, flow),
+            Self::PlasticPotential(m) => plastic_potential::closed_form::closed_form(m, flow),
+            Self::FreeRotating(m) => Some(free_rotating::closed_form::closed_form(m)),
         }
     }
 

@@ -425,7 +425,12 @@ fn check_ranges(
         "this model has no balance of spin: leave the key out",
     )?;
     let positive = |key, value: f64, what: &str| {
-        ensure(value > 0.0 && value.is_finite(), key, value, format!("{what} must be positive"))
+        ensure(
+            value > 0.0 && value.is_finite(),
+            key,
+            value,
+            format_args!("{what} must be positive"),
+        )
     };
     positive("background.density", state.density, "the density")?;
     positive("background.shear_rate", state.shear_rate, "the shear rate Q_D")?;
@@ -434,7 +439,7 @@ fn check_ranges(
         on_yield.value > 0.0 && on_yield.value.is_finite(),
         "background.pressure",
         state.pressure,
-        format!(
+        format_args!(
             "the pressure must exceed −c cot φ = {} Pa, where the material has no strength left",
             -coulomb.cohesion / coulomb.friction_angle.tan()
         ),
@@ -448,7 +453,7 @@ fn check_ranges(
     ensure(
         rule.dilatant || state.density_gradient == [0.0; 2],
         "background.density_gradient",
-        format!("{:?}", state.density_gradient),
+        format_args!("{:?}", state.density_gradient),
         "the density is constant when the dilatancy angle is 0: leave the key out or set it to 0",
     )?;
     ensure(
@@ -473,7 +478,7 @@ fn noncoaxiality(rule: &FlowRule, state: &State) -> Result<Rounded, InputError> 
             residual.abs() <= AGREEMENT * size,
             "background.spin",
             spin,
-            format!(
+            format_args!(
                 "spin and non-coaxiality contradict each other: the flow rule leaves the residual \
                  {residual:e} in sin 2Δ; give one of them"
             ),
@@ -484,7 +489,7 @@ fn noncoaxiality(rule: &FlowRule, state: &State) -> Result<Rounded, InputError> 
         sine.value.abs() <= 1.0,
         "background.spin",
         spin,
-        format!(
+        format_args!(
             "the flow rule allows spins within {:e} rad/s of the half vorticity",
             1.0 / factor.value
         ),
@@ -593,7 +598,7 @@ fn check_agreement(rotation: Rotation, state: &State, flow: &Flow) -> Result<(),
             (given - derived).abs() <= AGREEMENT * size,
             key,
             given,
-            format!(
+            format_args!(
                 "{equation} gives {derived}: residual {:e}; leave the key out",
                 given - derived
             ),

@@ -1,0 +1,387 @@
+//! The leading part of the dispersion polynomial as a polynomial in the root's coefficient c, with
+//! coefficients that are forms in (cos α, sin α): its special angles, and the greatest Re c.
+//!
+//! In a sector α is the direction of the wave vector; in a layer tan α is the scaled offset from a
+//! degenerate direction.
+
+use crate::puiseux::{Root, roots_of};
+use crate::roots;
+use crate::value::Value;
+use num_complex::Complex64;
+use std::f64::consts::PI;
+
+/// Σ cⁱ Σ `coefficients[i][l]` cos^(r−l) sin^l.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Face {
+    /// By ascending power of c; empty where there is none.
+    pub(crate) coefficients: Vec<Vec<Value>>,
+}
+
+/// Angles as near as this to one in which a coefficient vanishes are left to its layer.
+const APART: f64 = 1e-7;
+/// How far a root may lie from the unit circle, or an angle from a real one, to be looked at.
+const NEAR_CIRCLE: f64 = 1e-3;
+/// By how much (relative) the supremum is asked to be exceeded before the search ends.
+const LEVEL: f64 = 1e-7;
+const ROUNDS: usize = 12;
+/// Where a grid of angles starts, in steps.
+const OFF_AXES: f64 = 0.372_915_6;
+
+impl Face {
+    /// Degree in c.
+    pub(crate) fn degree(&self) -> usize {
+        self.coefficients.len() - 1
+    }
+
+    /// Coefficients of the powers of c at an angle.
+    pub(crate) fn at(&self, angle: f64) -> Vec<Value> {
+        let (sin, cos) = angle.sin_cos();
+        let evaluate = |form: &Vec<Value>| {
+            let degree = form.len().saturating_sub(1);
+            let mut sum = Value::default();
+            for (l, &f) in form.iter().enumerate() {
+                let monomial = cos.powi((degree - l) as i32) * sin.powi(l as i32);
+                let rounding = 2.0 * degree as f64 * f64::EPSILON * monomial.abs();
+                sum += f * Value::new(monomial.into(), rounding);
+            }
+            sum
+        };
+        self.coefficients.iter().map(evaluate).collect()
+    }
+
+    /// The non-zero roots c at an angle.
+    pub(crate) fn roots(&self, angle: f64) -> Vec<Root> {
+        roots_of(&self.at(angle))
+    }
+
+    /// Greatest Re c at an angle beyond rounding; 0 where none is positive.
+    pub(crate) fn rate(&self, angle: f64) -> f64 {
+        let growing = self.roots(angle).into_iter().filter(Root::grows);
+        growing.map(|root| root.value.re).fold(0.0, f64::max)
+    }
+
+    /// Degree of the highest form.
+    fn width(&self) -> usize {
+        self.coefficients.iter().map(|form| form.len().saturating_sub(1)).max().unwrap_or(0)
+    }
+
+    /// Angles in [0, π) in which the coefficient of a power of c vanishes.
+    pub(crate) fn zeros_of_power(&self, power: usize) -> Vec<f64> {
+        let form = &self.coefficients[power];
+        let first = form.iter().take_while(|c| c.is_zero()).count();
+        let end = form.iter().rposition(|c| !c.is_zero()).map_or(0, |last| last + 1);
+        if end <= first + 1 {
+            return Vec::new();
+        }
+        let plain: Vec<Complex64> = form[first..end].iter().map(|c| c.value).collect();
+        roots::of(&plain)
+            .into_iter()
+            .filter(|t| t.im.abs() <= 1e-7 * t.norm())
+            .map(|t| t.re.atan().rem_euclid(PI))
+            .collect()
+    }
+
+    /// The greatest Re c over all angles in which no coefficient in `avoided` vanishes, with its
+    /// angle; `None` where it is not positive, or not bounded.
+    ///
+    /// By level sets (Boyd & Balakrishnan 1990; Bruinsma & Steinbuch 1990): the angles in which some
+    /// root has Re c = s are among the zeros of a trigonometric polynomial, the resultant of E(c) and
+    /// its conjugate reflected in that line. Above the supremum there are none; below, the midpoints
+    /// between them lead up.
+    pub(crate) fn supremum(&self, avoided: &[f64]) -> Option<(f64, f64)> {
+        let nodes = self.degree() * self.width() + 1;
+        let allowed = |angle: f64| {
+            avoided.iter().all(|z| {
+                let gap = (angle - z).rem_euclid(PI);
+                gap.min(PI - gap) > APART
+            })
+        };
+        let mut best: Option<(f64, f64)> = None;
+        let consider = |angle: f64, best: &mut Option<(f64, f64)>| {
+            if !allowed(angle) {
+                return false;
+            }
+            let rate = self.rate(angle);
+            let better = rate > 0.0 && best.is_none_or(|(value, _)| rate > value * (1.0 + LEVEL));
+            if better {
+                *best = Some((rate, angle.rem_euclid(PI)));
+            }
+            better
+        };
+        // One angle in each sector between zeros, and some more all round.
+        let mut edges: Vec<f64> = avoided.to_vec();
+        edges.sort_by(f64::total_cmp);
+        for (index, &left) in edges.iter().enumerate() {
+            let right = edges.get(index + 1).copied().unwrap_or(edges[0] + PI);
+            consider(0.5 * (left + right), &mut best);
+        }
+        for node in 0..2 * nodes {
+            consider(PI * (node as f64 + 0.37) / (2 * nodes) as f64, &mut best);
+        }
+        let (_, mut angle) = best?;
+        for _ in 0..ROUNDS {
+            let (value, at) = self.climb(angle);
+            if !allowed(at) {
+                return None;
+            }
+            best = best.filter(|b| b.0 > value).or(Some((value, at)));
+            let level = best?.0 * (1.0 + LEVEL);
+            let mut crossings = self.crossings(level, nodes);
+            crossings.sort_by(f64::total_cmp);
+            let mut higher = false;
+            for (index, &left) in crossings.iter().enumerate() {
+                let right = crossings.get(index + 1).copied().unwrap_or(crossings[0] + PI);
+                higher |= consider(0.5 * (left + right), &mut best);
+                higher |= consider(left, &mut best);
+            }
+            if !higher {
+                return best;
+            }
+            angle = best?.1;
+        }
+        None
+    }
+
+    /// The nearest maximum of Re c over the angle, upwards: zeros of its derivative by bisection
+    /// and secants.
+    fn climb(&self, start: f64) -> (f64, f64) {
+        let slope = |angle: f64| -> (f64, f64) {
+            let Some(root) = self
+                .roots(angle)
+                .into_iter()
+                .filter(Root::grows)
+                .max_by(|a, b| a.value.re.total_cmp(&b.value.re))
+            else {
+                return (0.0, 0.0);
+            };
+            (root.value.re, (-self.slope(angle, root.value)).re)
+        };
+        let (mut value, rise) = slope(start);
+        if rise == 0.0 || !rise.is_finite() {
+            return (value, start);
+        }
+        let sign = rise.signum();
+        let (mut a, mut fa) = (start, rise);
+        let mut step = 1e-3;
+        let mut bracket = None;
+        // Upwards until the slope turns.
+        for _ in 0..40 {
+            let b = a + sign * step;
+            let (found, fb) = slope(b);
+            if found < value && fb * rise > 0.0 {
+                // Another branch: the top lies in between, where two branches meet.
+                bracket = None;
+                break;
+            }
+            if fb * rise <= 0.0 {
+                bracket = Some((b, fb));
+                break;
+            }
+            (a, fa, value) = (b, fb, found);
+            step *= 2.0;
+            if step > 0.5 {
+                break;
+            }
+        }
+        let Some((mut b, mut fb)) = bracket else {
+            return (slope(a).0, a);
+        };
+        for round in 0..60 {
+            if (b - a).abs() <= 1e-15 * a.abs().max(1e-3) {
+                break;
+            }
+            let secant = (a * fb - b * fa) / (fb - fa);
+            let inside = (secant - a) * (secant - b) < 0.0;
+            let middle = if inside && round % 3 != 2 { secant } else { 0.5 * (a + b) };
+            let (_, f) = slope(middle);
+            if f * rise > 0.0 {
+                (a, fa) = (middle, f);
+            } else {
+                (b, fb) = (middle, f);
+            }
+        }
+        let top = if slope(a).0 >= slope(b).0 { a } else { b };
+        (slope(top).0, top)
+    }
+
+    /// E_α/E_c at a root: minus dc/dα.
+    fn slope(&self, angle: f64, c: Complex64) -> Complex64 {
+        let (sin, cos) = angle.sin_cos();
+        let (mut by_angle, mut by_root) = (Complex64::ZERO, Complex64::ZERO);
+        for (i, form) in self.coefficients.iter().enumerate() {
+            let degree = form.len().saturating_sub(1);
+            let (mut value, mut turn) = (Complex64::ZERO, Complex64::ZERO);
+            for (l, f) in form.iter().enumerate() {
+                let (p, q) = ((degree - l) as i32, l as i32);
+                value += f.value * cos.powi(p) * sin.powi(q);
+                let mut d = 0.0;
+                if q > 0 {
+                    d += f64::from(q) * cos.powi(p + 1) * sin.powi(q - 1);
+                }
+                if p > 0 {
+                    d -= f64::from(p) * cos.powi(p - 1) * sin.powi(q + 1);
+                }
+                turn += f.value * d;
+            }
+            by_angle += turn * c.powi(i as i32);
+            if i > 0 {
+                by_root += value * c.powi(i as i32 - 1) * i as f64;
+            }
+        }
+        by_angle / by_root
+    }
+
+    /// Sum of the moduli of all terms at a root of that modulus.
+    pub(crate) fn size(&self, modulus: f64) -> f64 {
+        let sum = |form: &Vec<Value>| form.iter().map(|f| f.size()).sum::<f64>();
+        self.coefficients.iter().rev().fold(0.0, |total, form| total * modulus + sum(form))
+    }
+
+    /// E, E_c, E_α, E_cc, E_cα, E_αα at a complex angle and root.
+    pub(crate) fn derivatives(&self, angle: Complex64, c: Complex64) -> [Complex64; 6] {
+        let (sin, cos) = (angle.sin(), angle.cos());
+        let power = |x: Complex64, n: i32| if n < 0 { Complex64::ZERO } else { x.powi(n) };
+        let mut d = [Complex64::ZERO; 6];
+        for (i, form) in self.coefficients.iter().enumerate() {
+            let degree = form.len().saturating_sub(1);
+            let [mut value, mut first, mut second] = [Complex64::ZERO; 3];
+            for (l, f) in form.iter().enumerate() {
+                let (p, q) = ((degree - l) as i32, l as i32);
+                let (pf, qf) = (f64::from(p), f64::from(q));
+                value += f.value * power(cos, p) * power(sin, q);
+                first += f.value
+                    * (qf * power(cos, p + 1) * power(sin, q - 1)
+                        - pf * power(cos, p - 1) * power(sin, q + 1));
+                second += f.value
+                    * (qf * (qf - 1.0) * power(cos, p + 2) * power(sin, q - 2)
+                        - (2.0 * pf * qf + pf + qf) * power(cos, p) * power(sin, q)
+                        + pf * (pf - 1.0) * power(cos, p - 2) * power(sin, q + 2));
+            }
+            let (i, n) = (i as i32, i as f64);
+            let [zeroth, once, twice] =
+                [power(c, i), n * power(c, i - 1), n * (n - 1.0) * power(c, i - 2)];
+            let rows = [zeroth * value, once * value, zeroth * first, twice * value, once * first];
+            for (sum, term) in d.iter_mut().zip(rows) {
+                *sum += term;
+            }
+            d[5] += zeroth * second;
+        }
+        d
+    }
+
+    /// Angles in [0, π) in which some root may have Re c = `level`.
+    fn crossings(&self, level: f64, nodes: usize) -> Vec<f64> {
+        circle_zeros(2 * nodes - 1, |angle| {
+            let p: Vec<Complex64> = self.at(angle).iter().map(|c| c.value).collect();
+            reflected_resultant(&p, level)
+        })
+    }
+
+    /// Angles in [0, π) in which roots c may collide, but for roots that agree everywhere: zeros of
+    /// the discriminant of the `distinct` different ones.
+    pub(crate) fn collisions(&self) -> Vec<f64> {
+        let Some(distinct) = self.generic_roots() else { return Vec::new() };
+        if distinct < 2 {
+            return Vec::new();
+        }
+        // As a polynomial in the coefficients it has the degree 2·distinct − 2.
+        let nodes = (2 * distinct - 2) * self.width() + 1;
+        circle_zeros(nodes, |angle| {
+            let p = self.at(angle);
+            let lead = p.last().copied().unwrap_or_default().value;
+            let roots = roots_of(&p);
+            let mut product = lead.powi(2 * distinct as i32 - 2);
+            for (a, x) in roots.iter().enumerate() {
+                for y in &roots[a + 1..] {
+                    product *= (x.value - y.value).powi(2);
+                }
+            }
+            product
+        })
+    }
+
+    /// Number of different non-zero roots in a general direction.
+    fn generic_roots(&self) -> Option<usize> {
+        [0.2345, 1.3579, 2.2468].iter().map(|&angle| self.roots(angle).len()).max()
+    }
+}
+
+/// Res_c(E(c), conj E(2s − conj c)) over its own size: vanishes where roots a, b (also a = b) have
+/// a + conj b = 2s. By elimination in Sylvester's matrix.
+fn reflected_resultant(p: &[Complex64], level: f64) -> Complex64 {
+    let n = p.len() - 1;
+    // Coefficients of E(s + x) and of conj E at s − x.
+    let mut shifted = p.to_vec();
+    for i in 0..n {
+        for j in (i..n).rev() {
+            let upper = shifted[j + 1];
+            shifted[j] += level * upper;
+        }
+    }
+    let reflected: Vec<Complex64> = shifted
+        .iter()
+        .enumerate()
+        .map(|(i, c)| if i % 2 == 0 { c.conj() } else { -c.conj() })
+        .collect();
+    let mut matrix = vec![vec![Complex64::ZERO; 2 * n]; 2 * n];
+    for row in 0..n {
+        for i in 0..=n {
+            matrix[row][row + n - i] = shifted[i];
+            matrix[n + row][row + n - i] = reflected[i];
+        }
+    }
+    let mut determinant = Complex64::ONE;
+    for column in 0..2 * n {
+        let pivot = (column..2 * n)
+            .max_by(|&a, &b| matrix[a][column].norm().total_cmp(&matrix[b][column].norm()))
+            .unwrap_or(column);
+        if matrix[pivot][column] == Complex64::ZERO {
+            return Complex64::ZERO;
+        }
+        if pivot != column {
+            matrix.swap(pivot, column);
+            determinant = -determinant;
+        }
+        determinant *= matrix[column][column];
+        let (above, below) = matrix.split_at_mut(column + 1);
+        for row in below {
+            let factor = row[column] / above[column][column];
+            for (x, y) in row[column..].iter_mut().zip(&above[column][column..]) {
+                *x -= factor * y;
+            }
+        }
+    }
+    determinant
+}
+
+/// Zeros in [0, π) of a trigonometric polynomial of period π, up to a factor exp(iNθ), with at most
+/// `terms` powers of z = exp 2iθ, from its values at as many angles.
+fn circle_zeros(terms: usize, f: impl Fn(f64) -> Complex64) -> Vec<f64> {
+    // A power of exp iθ makes all exponents of z run from 0. The angles stay off the axes, where
+    // coefficients often vanish.
+    let half = (terms - 1) as f64;
+    let angle = |n: usize| PI * (n as f64 + OFF_AXES) / terms as f64;
+    let values: Vec<Complex64> =
+        (0..terms).map(|n| f(angle(n)) * Complex64::from_polar(1.0, half * angle(n))).collect();
+    let size = values.iter().map(|v| v.norm()).fold(0.0, f64::max);
+    if size == 0.0 || !size.is_finite() {
+        return Vec::new();
+    }
+    let mut coefficients: Vec<Complex64> = (0..terms)
+        .map(|m| {
+            let turn = |n: usize| Complex64::from_polar(1.0, -2.0 * m as f64 * angle(n));
+            let sum: Complex64 = values.iter().enumerate().map(|(n, v)| v * turn(n)).sum();
+            sum / (terms as f64 * size)
+        })
+        .collect();
+    let greatest = coefficients.iter().map(|c| c.norm()).fold(0.0, f64::max);
+    while coefficients.last().is_some_and(|c| c.norm() <= 1e-14 * greatest) {
+        coefficients.pop();
+    }
+    let first = coefficients.iter().take_while(|c| c.norm() <= 1e-14 * greatest).count();
+    roots::of(&coefficients[first.min(coefficients.len())..])
+        .into_iter()
+        .filter(|z| (z.norm() - 1.0).abs() < NEAR_CIRCLE)
+        .map(|z| (0.5 * z.arg()).rem_euclid(PI))
+        .collect()
+}

@@ -1,0 +1,238 @@
+//! Puiseux series of the roots of a polynomial whose coefficients are powers of a large parameter,
+//! as far as it takes to see whether their real parts grow (Newton, Puiseux 1850; Walker 1950,
+//! chapter IV).
+
+use crate::newton::{Order, corners_of};
+use crate::roots;
+use crate::value::Value;
+use num_complex::Complex64;
+
+/// A term `value` xⁱ k^(`power`/D), D common to all terms.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Monomial {
+    pub(crate) x: usize,
+    pub(crate) power: i64,
+    pub(crate) value: Value,
+}
+
+/// A non-zero root of a polynomial.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Root {
+    pub(crate) value: Complex64,
+    pub(crate) multiplicity: usize,
+    /// Bound on its error.
+    pub(crate) bound: f64,
+}
+
+impl Root {
+    /// Whether its real part may be zero.
+    pub(crate) fn is_neutral(&self) -> bool {
+        self.value.re.abs() <= self.bound
+    }
+
+    pub(crate) fn grows(&self) -> bool {
+        self.value.re > self.bound
+    }
+}
+
+/// Bounds wider than this fraction of a neutral root leave its real part open.
+pub(crate) const DOUBTFUL: f64 = 1e-7;
+
+/// Series are followed over so many terms.
+const TERMS: usize = 6;
+
+/// What the roots of one polynomial do.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Growth {
+    /// The greatest order with a positive real part, and that coefficient.
+    pub(crate) growth: Option<(Order, f64)>,
+    /// Order at which a sign was lost in rounding, real part and its bound.
+    pub(crate) doubt: Option<(Order, f64, f64)>,
+}
+
+impl Growth {
+    fn grows(&mut self, order: Order, coefficient: f64) {
+        let better = self.growth.is_none_or(|(o, c)| (order, coefficient) > (o, c));
+        if better {
+            self.growth = Some((order, coefficient));
+        }
+    }
+
+    fn doubts(&mut self, order: Order, value: f64, bound: f64) {
+        self.doubt.get_or_insert((order, value, bound));
+    }
+}
+
+/// All roots but zero of Σ `polynomial[i]` xⁱ, those that agree within the bounds as one of higher
+/// multiplicity.
+pub(crate) fn roots_of(polynomial: &[Value]) -> Vec<Root> {
+    let first = polynomial.iter().take_while(|c| c.is_zero()).count();
+    let end = polynomial.iter().rposition(|c| !c.is_zero()).map_or(0, |last| last + 1);
+    if end <= first + 1 {
+        return Vec::new();
+    }
+    let polynomial = &polynomial[first..end];
+    let plain: Vec<Complex64> = polynomial.iter().map(|c| c.value).collect();
+    let mut open = roots::of(&plain);
+    let mut found = Vec::new();
+    while let Some(root) = open.first().copied() {
+        let mut radius = 0.03;
+        loop {
+            let near = |other: &Complex64| (other - root).norm() <= radius * root.norm();
+            let members: Vec<Complex64> = open.iter().copied().filter(near).collect();
+            let count = members.len().max(1);
+            let mean = members.iter().sum::<Complex64>() / count as f64;
+            if let Some(root) = multiple_root(polynomial, mean, count) {
+                open.retain(|other| !near(other));
+                found.push(root);
+                break;
+            }
+            if count == 1 {
+                // Taken as it is, with a bound as wide as itself.
+                open.remove(0);
+                found.push(Root { value: root, multiplicity: 1, bound: root.norm() });
+                break;
+            }
+            radius *= 0.2;
+        }
+    }
+    found
+}
+
+/// The root of the given multiplicity near a place, if derivatives below vanish within their bounds.
+fn multiple_root(polynomial: &[Value], near: Complex64, multiplicity: usize) -> Option<Root> {
+    // n-th derivative over n!, and the sum of the moduli of what its error comes from.
+    let derivative = |x: Complex64, n: usize| {
+        let (mut value, mut uncertainty) = (Complex64::ZERO, 0.0);
+        for (i, c) in polynomial.iter().enumerate().rev().take(polynomial.len() - n) {
+            let factor = binomial(i, n);
+            value = value * x + factor * c.value;
+            let own = c.bound + 4.0 * polynomial.len() as f64 * f64::EPSILON * c.size();
+            uncertainty = uncertainty * x.norm() + factor * own;
+        }
+        (value, uncertainty)
+    };
+    let mut x = near;
+    for _ in 0..3 {
+        let step = derivative(x, multiplicity - 1).0
+            / (multiplicity as f64 * derivative(x, multiplicity).0);
+        if !step.is_finite() || step.norm() > 0.1 * x.norm() {
+            break;
+        }
+        x -= step;
+    }
+    for n in 0..multiplicity - 1 {
+        let (value, uncertainty) = derivative(x, n);
+        if value.norm() > 4.0 * uncertainty {
+            return None;
+        }
+    }
+    let (value, uncertainty) = derivative(x, multiplicity - 1);
+    let slope = multiplicity as f64 * derivative(x, multiplicity).0.norm();
+    let bound = (2.0 * value.norm() + uncertainty) / slope;
+    (bound < 0.1 * x.norm() || multiplicity == 1).then_some(Root { value: x, multiplicity, bound })
+}
+
+pub(crate) fn binomial(n: usize, k: usize) -> f64 {
+    (0..k).fold(1.0, |product, i| product * (n - i) as f64 / (i + 1) as f64)
+}
+
+/// Sums terms of equal powers and drops those that may be zero.
+pub(crate) fn collect(terms: &mut Vec<Monomial>) {
+    terms.sort_by_key(|t| (t.x, t.power));
+    terms.dedup_by(|later, first| {
+        let same = (later.x, later.power) == (first.x, first.power);
+        if same {
+            first.value += later.value;
+        }
+        same
+    });
+    terms.retain(|t| !t.value.is_zero());
+}
+
+/// What the roots of Σ `terms` do as k → ∞, those of order below `limit` (times D) alone.
+pub(crate) fn growth(terms: &[Monomial], unit: i64, limit: Option<Order>) -> Growth {
+    let mut result = Growth::default();
+    follow(terms, unit, limit, TERMS, &mut result);
+    result
+}
+
+fn follow(terms: &[Monomial], unit: i64, limit: Option<Order>, depth: usize, result: &mut Growth) {
+    let corners = corners_of(terms.iter().map(|t| (t.x as i64, t.power)));
+    for pair in corners.windows(2) {
+        let ((i1, j1), (i0, j0)) = (pair[0], pair[1]);
+        if j0 <= j1 {
+            continue;
+        }
+        let order = Order::new(j0 - j1, (i1 - i0) * unit);
+        if limit.is_some_and(|limit| order >= limit)
+            || result.growth.is_some_and(|(known, _)| known > order)
+        {
+            continue;
+        }
+        let mut edge = vec![Value::default(); (i1 - i0) as usize + 1];
+        for t in terms {
+            let i = t.x as i64;
+            if i >= i0 && i <= i1 && (t.power - j1) * (i1 - i0) == (j0 - j1) * (i1 - i) {
+                edge[(i - i0) as usize] += t.value;
+            }
+        }
+        for root in roots_of(&edge) {
+            if root.grows() {
+                result.grows(order, root.value.re);
+            } else if root.is_neutral() {
+                if root.bound > DOUBTFUL * root.value.norm() {
+                    result.doubts(order, root.value.re, root.bound);
+                } else if root.multiplicity == 1
+                    && order.numerator * lcm(unit, order.denominator) <= order.denominator
+                {
+                    // The next term of a simple root is at most constant.
+                } else if depth == 0 {
+                    result.doubts(order, 0.0, root.bound);
+                } else {
+                    let (shifted, unit) = shift(terms, unit, order, &root);
+                    follow(&shifted, unit, Some(order), depth - 1, result);
+                }
+            }
+        }
+    }
+}
+
+/// The terms in y = x − c k^m, c a root of the edge of order m.
+fn shift(terms: &[Monomial], unit: i64, order: Order, root: &Root) -> (Vec<Monomial>, i64) {
+    let unit_after = lcm(unit, order.denominator);
+    let slope = order.numerator * (unit_after / order.denominator);
+    let top = terms
+        .iter()
+        .map(|t| t.power * (unit_after / unit) + slope * t.x as i64)
+        .max()
+        .unwrap_or_default();
+    let mut powers = vec![Value::new(Complex64::ONE, 0.0)];
+    let c = Value::new(root.value, root.bound);
+    let greatest = terms.iter().map(|t| t.x).max().unwrap_or(0);
+    for i in 0..greatest {
+        powers.push(powers[i] * c);
+    }
+    let mut shifted = Vec::new();
+    for t in terms {
+        for i in 0..=t.x {
+            let power = t.power * (unit_after / unit) + slope * (t.x - i) as i64;
+            // The root is one of the edge by construction.
+            if i < root.multiplicity && power + slope * i as i64 == top {
+                continue;
+            }
+            let factor = Value::new(binomial(t.x, i).into(), 0.0);
+            shifted.push(Monomial { x: i, power, value: t.value * powers[t.x - i] * factor });
+        }
+    }
+    collect(&mut shifted);
+    (shifted, unit_after)
+}
+
+pub(crate) fn lcm(a: i64, b: i64) -> i64 {
+    let (mut x, mut y) = (a, b);
+    while y != 0 {
+        (x, y) = (y, x % y);
+    }
+    a / x * b
+}

@@ -1,0 +1,475 @@
+//! The finite eigenvalues λ of a small dense pencil, L x = λ R x, without allocation.
+//!
+//! Rows, columns and the unit of λ are scaled by powers of two first, as in
+//! [`scaling`](crate::scaling). Then three steps, of permutations and unitary rotations only, so
+//! that each eigenvalue is exact for a pencil that differs from the scaled one by a modest multiple
+//! of ε‖L‖, ε‖R‖:
+//!
+//! 1. infinite eigenvalues that show as exact zeros of R are split off, by the staircase of P. Van
+//!    Dooren (Linear Algebra and its Applications 27, 1979, 103–140): algebraic equations;
+//! 2. the rest is brought to Hessenberg–triangular form;
+//! 3. the single-shift QZ iteration triangularises it (C. B. Moler & G. W. Stewart, SIAM Journal
+//!    on Numerical Analysis 10, 1973, 241–256; G. H. Golub & C. F. Van Loan, Matrix Computations,
+//!    section 7.7).
+
+use crate::polynomial::MAX_SIZE;
+use num_complex::Complex64;
+use std::ops::Range;
+
+type Matrix = [[Complex64; MAX_SIZE]; MAX_SIZE];
+
+const EPSILON: f64 = f64::EPSILON;
+/// A zero beside the greatest entry, which is near one; the fourth power does not underflow.
+const ZERO: f64 = 1e-75;
+/// Steps allowed for one eigenvalue; two or three are usual.
+const STEPS: usize = 40;
+/// Sweeps of the equilibration.
+const SWEEPS: usize = 6;
+/// Stands for the logarithm of zero.
+const ABSENT: f64 = -1e6;
+
+/// A pencil and room for its eigenvalues; keep one per thread.
+#[derive(Clone, Debug)]
+pub struct Qz {
+    size: usize,
+    left: Matrix,
+    right: Matrix,
+    rate: i32,
+    values: [Complex64; MAX_SIZE],
+}
+
+impl Default for Qz {
+    fn default() -> Self {
+        let zero = [[Complex64::ZERO; MAX_SIZE]; MAX_SIZE];
+        Self { size: 0, left: zero, right: zero, rate: 0, values: [Complex64::ZERO; MAX_SIZE] }
+    }
+}
+
+/// The unitary matrix (c s; −s̄ c) that takes (f, g) to (r, 0).
+#[derive(Clone, Copy)]
+struct Rotation {
+    c: f64,
+    s: Complex64,
+}
+
+impl Rotation {
+    /// c = |f|/h, s = (f/|f|) ḡ/h, r = (f/|f|) h with h² = |f|² + |g|²; returns r as well.
+    #[inline(always)]
+    fn of(f: Complex64, g: Complex64) -> (Self, Complex64) {
+        let (f2, g2) = (f.norm_sqr(), g.norm_sqr());
+        if g2 <= ZERO * ZERO {
+            return (Self { c: 1.0, s: Complex64::ZERO }, f);
+        }
+        if f2 <= ZERO * ZERO {
+            let modulus = g2.sqrt();
+            return (Self { c: 0.0, s: g.conj() / modulus }, modulus.into());
+        }
+        let h2 = f2 + g2;
+        let inverse = 1.0 / (f2 * h2).sqrt();
+        (Self { c: f2 * inverse, s: f * g.conj() * inverse }, f * (h2 * inverse))
+    }
+
+    /// (x, y) ← (c x + s y, c y − s̄ x).
+    #[inline(always)]
+    fn apply(self, x: &mut Complex64, y: &mut Complex64) {
+        // Real and imaginary parts as the same sums of products: they run side by side.
+        let (c, re, im) = (self.c, self.s.re, self.s.im);
+        let (minus_re, minus_im) = (0.0 - re, 0.0 - im);
+        (*x, *y) = (
+            Complex64::new(
+                c * x.re + re * y.re + minus_im * y.im,
+                c * x.im + re * y.im + im * y.re,
+            ),
+            Complex64::new(
+                c * y.re + minus_re * x.re + minus_im * x.im,
+                c * y.im + minus_re * x.im + im * x.re,
+            ),
+        );
+    }
+
+    /// Rotates rows i and j, in the given columns.
+    #[inline(always)]
+    fn rows(self, matrix: &mut Matrix, [i, j]: [usize; 2], columns: Range<usize>) {
+        let Ok([x, y]) = matrix.get_disjoint_mut([i, j]) else { return };
+        for (x, y) in x[columns.clone()].iter_mut().zip(&mut y[columns]) {
+            self.apply(x, y);
+        }
+    }
+
+    /// Rotates columns i and j, in the given rows.
+    #[inline(always)]
+    fn columns(self, matrix: &mut Matrix, [i, j]: [usize; 2], rows: Range<usize>) {
+        for row in &mut matrix[rows] {
+            let (mut x, mut y) = (row[i], row[j]);
+            self.apply(&mut x, &mut y);
+            (row[i], row[j]) = (x, y);
+        }
+    }
+}
+
+impl Qz {
+    /// Takes the pencil L − λR of `size` ≤ [`MAX_SIZE`] rows (of more, the leading block) and
+    /// equilibrates it.
+    #[inline]
+    pub fn equilibrate(
+        &mut self,
+        size: usize,
+        left: impl Fn(usize, usize) -> Complex64,
+        right: impl Fn(usize, usize) -> Complex64,
+    ) {
+        self.size = size.min(MAX_SIZE);
+        for i in 0..self.size {
+            for j in 0..self.size {
+                (self.left[i][j], self.right[i][j]) = (left(i, j), right(i, j));
+            }
+        }
+        // The sizes of the models, with loops of constant length.
+        match self.size {
+            4 => self.scale::<4>(),
+            5 => self.scale::<5>(),
+            6 => self.scale::<6>(),
+            _ => self.scale::<MAX_SIZE>(),
+        }
+    }
+
+    /// Minimises Σ (log |Lᵢⱼ| + rᵢ + cⱼ)² + Σ (log |Rᵢⱼ| + rᵢ + cⱼ + g)² over the non-zero entries
+    /// by sweeps through rᵢ, cⱼ and g (all in binary logarithms); then greatest entries near one.
+    fn scale<const N: usize>(&mut self) {
+        let n = if N < MAX_SIZE { N } else { self.size };
+        let mut logs = [[[f64::NEG_INFINITY; N]; N]; 2];
+        // Numbers of entries and sums of logarithms, by row, by column, and of R as a whole.
+        let mut count = [[0.0; N]; N];
+        let [mut row_logs, mut row_count, mut row_right] = [[0.0; N]; 3];
+        let [mut column_logs, mut column_count, mut column_right] = [[0.0; N]; 3];
+        let [mut right_logs, mut right_count] = [0.0; 2];
+        for i in 0..n {
+            for j in 0..n {
+                let (l, r) = (log2(self.left[i][j]), log2(self.right[i][j]));
+                (logs[0][i][j], logs[1][i][j]) = (l, r);
+                let (l, l_count) = if l > ABSENT { (l, 1.0) } else { (0.0, 0.0) };
+                let (r, r_count) = if r > ABSENT { (r, 1.0) } else { (0.0, 0.0) };
+                count[i][j] = l_count + r_count;
+                row_logs[i] += l + r;
+                row_count[i] += l_count + r_count;
+                row_right[i] += r_count;
+                column_logs[j] += l + r;
+                column_count[j] += l_count + r_count;
+                column_right[j] += r_count;
+                right_logs += r;
+                right_count += r_count;
+            }
+        }
+        let inverse = |x: f64| if x > 0.0 { 1.0 / x } else { 0.0 };
+        let (row_weight, column_weight) = (row_count.map(inverse), column_count.map(inverse));
+        let right_weight = inverse(right_count);
+        let ([mut r, mut c], mut g) = ([[0.0; N]; 2], 0.0);
+        for _ in 0..SWEEPS {
+            let (mut sums, mut right_sum) = (column_logs, right_logs);
+            for i in 0..n {
+                let mut sum = row_logs[i] + row_right[i] * g;
+                for j in 0..n {
+                    sum += count[i][j] * c[j];
+                }
+                r[i] = -sum * row_weight[i];
+                for j in 0..n {
+                    sums[j] += count[i][j] * r[i];
+                }
+                right_sum += row_right[i] * r[i];
+            }
+            for j in 0..n {
+                c[j] = -(sums[j] + column_right[j] * g) * column_weight[j];
+                right_sum += column_right[j] * c[j];
+            }
+            g = -right_sum * right_weight;
+        }
+        let (r, c) = (r.map(whole), c.map(whole));
+        // The greatest entries, to be brought near one as well.
+        let mut tops = [ABSENT; 2];
+        for (logs, top) in logs.iter().zip(&mut tops) {
+            for i in 0..n {
+                for j in 0..n {
+                    *top = greater(*top, logs[i][j] + r[i] + c[j]);
+                }
+            }
+        }
+        let [left_top, right_top] =
+            tops.map(|top| if top > 0.5 * ABSENT { whole(top) } else { 0.0 });
+        for (i, r) in r[..n].iter().enumerate() {
+            for (j, c) in c[..n].iter().enumerate() {
+                let total = r + c;
+                self.left[i][j] = times_power(self.left[i][j], (total - left_top) as i32);
+                self.right[i][j] = times_power(self.right[i][j], (total - right_top) as i32);
+            }
+        }
+        self.rate = (left_top - right_top) as i32;
+    }
+
+    /// Entries (i, j) of the equilibrated L and R, until [`solve`](Self::solve) overwrites them.
+    pub fn entry(&self, i: usize, j: usize) -> [Complex64; 2] {
+        [self.left[i][j], self.right[i][j]]
+    }
+
+    /// Binary exponent e of the scaled unit of λ: λ = 2^e × the eigenvalue of the equilibrated pencil.
+    pub fn rate(&self) -> i32 {
+        self.rate
+    }
+
+    /// The finite eigenvalues λ in their unit before the scaling; `None` where an entry is not
+    /// finite or the iteration does not converge.
+    pub fn solve(&mut self) -> Option<&mut [Complex64]> {
+        let norms = [frobenius(&self.left, self.size), frobenius(&self.right, self.size)];
+        if !norms.iter().all(|norm| norm.is_finite()) {
+            return None;
+        }
+        let size = self.deflate_infinite();
+        self.reduce(size);
+        self.iterate(size, norms)?;
+        let mut found = 0;
+        for i in 0..size {
+            let value = times_power(self.left[i][i] / self.right[i][i], self.rate);
+            if value.is_finite() {
+                self.values[found] = value;
+                found += 1;
+            }
+        }
+        Some(&mut self.values[..found])
+    }
+
+    /// Splits infinite eigenvalues off until R has no exact zeros to show for them; returns the size
+    /// of the leading block that is left. With a unitary Q, a permutation P and R of rank r,
+    ///
+    /// ```text
+    /// Q L P = (L₁)    Q R P = (R₁)
+    ///         (L₂),           ( 0),   R₁ of r rows.
+    /// ```
+    ///
+    /// A unitary Z makes L₂ Z = (0 U) with a triangular U, to which infinite eigenvalues belong; the
+    /// others are those of the first r columns of L₁ Z and R₁ Z.
+    fn deflate_infinite(&mut self) -> usize {
+        let mut size = self.size;
+        loop {
+            let rank = self.triangularise(size);
+            if rank == size {
+                return size;
+            }
+            let (left, right) = (&mut self.left, &mut self.right);
+            for i in (rank..size).rev() {
+                for j in 0..i {
+                    if left[i][j] != Complex64::ZERO {
+                        let (rotation, r) = Rotation::of(left[i][i], left[i][j]);
+                        (left[i][i], left[i][j]) = (r, Complex64::ZERO);
+                        rotation.columns(left, [i, j], 0..i);
+                        rotation.columns(right, [i, j], 0..rank);
+                    }
+                }
+            }
+            size = rank;
+        }
+    }
+
+    /// Q R P = triangular, with the greatest remaining entry as the next pivot; returns how many are
+    /// not zero.
+    fn triangularise(&mut self, size: usize) -> usize {
+        let (left, right) = (&mut self.left, &mut self.right);
+        for k in 0..size {
+            let (mut greatest, mut pivot) = (0.0, None);
+            for (i, row) in right[..size].iter().enumerate().skip(k) {
+                for (j, entry) in row[..size].iter().enumerate().skip(k) {
+                    let square = entry.norm_sqr();
+                    if square > greatest {
+                        (greatest, pivot) = (square, Some((i, j)));
+                    }
+                }
+            }
+            let Some((i, j)) = pivot else { return k };
+            for matrix in [&mut *left, &mut *right] {
+                if let Ok([own, other]) = matrix.get_disjoint_mut([k, i]) {
+                    own[..size].swap_with_slice(&mut other[..size]);
+                }
+                if j != k {
+                    matrix[..size].iter_mut().for_each(|row| row.swap(k, j));
+                }
+            }
+            for i in k + 1..size {
+                if right[i][k] != Complex64::ZERO {
+                    let (rotation, r) = Rotation::of(right[k][k], right[i][k]);
+                    (right[k][k], right[i][k]) = (r, Complex64::ZERO);
+                    rotation.rows(right, [k, i], k + 1..size);
+                    rotation.rows(left, [k, i], 0..size);
+                }
+            }
+        }
+        size
+    }
+
+    /// L to Hessenberg form, with R kept triangular (Golub & Van Loan, algorithm 7.7.1).
+    fn reduce(&mut self, size: usize) {
+        let (left, right) = (&mut self.left, &mut self.right);
+        for j in 0..size.saturating_sub(2) {
+            for i in (j + 2..size).rev() {
+                let (rotation, r) = Rotation::of(left[i - 1][j], left[i][j]);
+                (left[i - 1][j], left[i][j]) = (r, Complex64::ZERO);
+                rotation.rows(left, [i - 1, i], j + 1..size);
+                rotation.rows(right, [i - 1, i], i - 1..size);
+                let (rotation, r) = Rotation::of(right[i][i], right[i][i - 1]);
+                (right[i][i], right[i][i - 1]) = (r, Complex64::ZERO);
+                rotation.columns(right, [i, i - 1], 0..i);
+                rotation.columns(left, [i, i - 1], 0..size);
+            }
+        }
+    }
+
+    /// The QZ iteration: the subdiagonal of L goes to zero, from the bottom. `None` where it does
+    /// not.
+    fn iterate(&mut self, size: usize, [left_norm, right_norm]: [f64; 2]) -> Option<()> {
+        let (left, right) = (&mut self.left, &mut self.right);
+        let (mut end, mut steps, mut exceptional) = (size, 0, Complex64::ZERO);
+        while end > 1 {
+            // At first only what is small beside its neighbours is zero, in R nothing: stricter
+            // than ε‖L‖, ε‖R‖, and kinder to eigenvalues far from the others.
+            let share = if steps < 10 { EPSILON * EPSILON } else { EPSILON };
+            let (floor, singular) = ((share * left_norm).max(2.0 * ZERO), share * right_norm);
+            // The last block without a zero on the subdiagonal: first..end.
+            let mut first = end - 1;
+            while first > 0 {
+                let diagonal = l1(left[first - 1][first - 1]) + l1(left[first][first]);
+                if l1(left[first][first - 1]) <= (EPSILON * diagonal).max(floor) {
+                    left[first][first - 1] = Complex64::ZERO;
+                    break;
+                }
+                first -= 1;
+            }
+            if first + 1 == end {
+                (end, steps, exceptional) = (first, 0, Complex64::ZERO);
+                continue;
+            }
+            // What rounding leaves of an infinite eigenvalue at the end.
+            let (k, last) = (end - 2, end - 1);
+            if l1(right[last][last]) <= singular {
+                right[last][last] = Complex64::ZERO;
+                let (rotation, r) = Rotation::of(left[last][last], left[last][k]);
+                (left[last][last], left[last][k]) = (r, Complex64::ZERO);
+                rotation.columns(left, [last, k], first..last);
+                rotation.columns(right, [last, k], first..last);
+                continue;
+            }
+            steps += 1;
+            if steps > STEPS {
+                return None;
+            }
+            // Every tenth shift is arbitrary, to leave a cycle.
+            let mut shift = if steps % 10 == 0 {
+                exceptional += left[end - 1][end - 2] / right[end - 2][end - 2];
+                exceptional
+            } else {
+                wilkinson(left, right, end - 2)
+            };
+            // An infinite eigenvalue inside the block: with another shift it moves up and out.
+            if !shift.is_finite() || l1(shift) * singular > left_norm {
+                shift = Complex64::ZERO;
+            }
+            // The rotation that takes the first column of (L − σR) R⁻¹ to a multiple of e₁ makes L
+            // and R deviate from their forms; rotations from both sides chase that out.
+            let x = left[first][first] - shift * right[first][first];
+            let mut next = Rotation::of(x, left[first + 1][first]);
+            for k in first..end - 1 {
+                let (rotation, r) = next;
+                if k > first {
+                    (left[k][k - 1], left[k + 1][k - 1]) = (r, Complex64::ZERO);
+                }
+                rotation.rows(right, [k, k + 1], k..end);
+                let (back, r) = Rotation::of(right[k + 1][k + 1], right[k + 1][k]);
+                rotation.rows(left, [k, k + 1], k..end);
+                (right[k + 1][k + 1], right[k + 1][k]) = (r, Complex64::ZERO);
+                back.columns(left, [k + 1, k], first..end.min(k + 3));
+                if k + 2 < end {
+                    next = Rotation::of(left[k + 1][k], left[k + 2][k]);
+                }
+                back.columns(right, [k + 1, k], first..k + 1);
+            }
+        }
+        Some(())
+    }
+}
+
+/// Wilkinson's shift: that eigenvalue of rows and columns k, k + 1 which is nearest to the last
+/// entry of their
+///
+/// ```text
+/// (a b) (p q)⁻¹   (a/p  (b − q a/p)/s)
+/// (d e) (0 s)   = (d/p  (e − q d/p)/s).
+/// ```
+fn wilkinson(left: &Matrix, right: &Matrix, k: usize) -> Complex64 {
+    let (p, s) = (right[k][k].inv(), right[k + 1][k + 1].inv());
+    let q = right[k][k + 1];
+    let (upper, lower) = (left[k][k] * p, left[k + 1][k] * p);
+    let corner = (left[k][k + 1] - q * upper) * s;
+    let last = (left[k + 1][k + 1] - q * lower) * s;
+    let half = 0.5 * (upper - last);
+    let product = corner * lower;
+    let root = square_root(half * half + product);
+    // The sum that does not cancel.
+    let sum = if half.re * root.re + half.im * root.im < 0.0 { half - root } else { half + root };
+    if sum == Complex64::ZERO { last } else { last - product / sum }
+}
+
+/// √z for moduli far from overflow.
+fn square_root(z: Complex64) -> Complex64 {
+    let part = (0.5 * (z.norm_sqr().sqrt() + z.re.abs())).sqrt();
+    if part == 0.0 {
+        return Complex64::ZERO;
+    }
+    let other = 0.5 * z.im / part;
+    if z.re >= 0.0 {
+        Complex64::new(part, other)
+    } else {
+        Complex64::new(other.abs(), part.copysign(z.im))
+    }
+}
+
+/// √Σ|entry|² of the leading block.
+fn frobenius(matrix: &Matrix, size: usize) -> f64 {
+    let entries = matrix[..size].iter().flat_map(|row| &row[..size]);
+    entries.map(|entry| entry.norm_sqr()).sum::<f64>().sqrt()
+}
+
+/// |re| + |im|: the modulus within √2.
+fn l1(z: Complex64) -> f64 {
+    z.re.abs() + z.im.abs()
+}
+
+/// The greater number, without what `f64::max` does for NaN.
+#[inline(always)]
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// log₂ of the greater part, within 0.09; [`ABSENT`] of zero.
+#[inline(always)]
+fn log2(z: Complex64) -> f64 {
+    const BITS: f64 = (1u64 << 52) as f64;
+    let size = greater(z.re.abs(), z.im.abs());
+    // The bits of a double, read as an integer, are a piecewise linear logarithm.
+    let log = size.to_bits() as i64 as f64 * (1.0 / BITS) - 1023.0;
+    if size > 0.0 { log } else { ABSENT }
+}
+
+/// The nearest whole number, for moduli below 2⁵¹.
+#[inline(always)]
+fn whole(x: f64) -> f64 {
+    const SHIFT: f64 = 1.5 * (1u64 << 52) as f64;
+    (x + SHIFT) - SHIFT
+}
+
+/// z 2^e.
+#[inline(always)]
+fn times_power(z: Complex64, e: i32) -> Complex64 {
+    let power = |e: i32| f64::from_bits(((e + 1023) as u64) << 52);
+    if (-1022..=1023).contains(&e) {
+        z * power(e)
+    } else {
+        // 2^e itself is out of range, but not its half.
+        let e = e.clamp(-2044, 2044);
+        z * power(e / 2) * power(e - e / 2)
+    }
+}

@@ -1,0 +1,76 @@
+//! Complex numbers with a bound on their rounding.
+
+use models::Rounded;
+use num_complex::Complex64;
+use std::ops::{Add, AddAssign, Mul};
+
+/// Relative rounding of a complex product or sum, with room to spare.
+const UNIT: f64 = 4.0 * f64::EPSILON;
+
+/// A complex number known to within a distance of `bound`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Value {
+    pub(crate) value: Complex64,
+    pub(crate) bound: f64,
+}
+
+impl Value {
+    pub(crate) fn new(value: Complex64, bound: f64) -> Self {
+        Self { value, bound }
+    }
+
+    /// Whether it may be zero.
+    pub(crate) fn is_zero(self) -> bool {
+        self.value.norm() <= self.bound || self.value == Complex64::ZERO
+    }
+
+    /// x iⁿ
+    pub(crate) fn turned(x: Rounded, n: i64) -> Self {
+        Self { value: imaginary_power(n) * x.value, bound: x.bound }
+    }
+
+    pub(crate) fn size(self) -> f64 {
+        self.value.norm()
+    }
+}
+
+impl Add for Value {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        let value = self.value + other.value;
+        let rounding = if self.value == Complex64::ZERO || other.value == Complex64::ZERO {
+            0.0
+        } else {
+            UNIT * value.norm()
+        };
+        Self { value, bound: self.bound + other.bound + rounding }
+    }
+}
+
+impl AddAssign for Value {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl Mul for Value {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        let value = self.value * other.value;
+        let bound = self.bound * other.size()
+            + other.bound * self.size()
+            + self.bound * other.bound
+            + UNIT * value.norm();
+        Self { value, bound }
+    }
+}
+
+/// iⁿ
+pub(crate) fn imaginary_power(n: i64) -> Complex64 {
+    match n.rem_euclid(4) {
+        0 => Complex64::ONE,
+        1 => Complex64::I,
+        2 => -Complex64::ONE,
+        _ => -Complex64::I,
+    }
+}

@@ -1,0 +1,362 @@
+//! The QZ algorithm of the crate: backward errors, exact eigenvalues, and faer's as a second route.
+
+mod support;
+
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::evd::ComputeEigenvectors::No;
+use faer::linalg::gevd::{gevd_cplx, gevd_scratch};
+use faer::{Mat, Par};
+use nalgebra::DMatrix;
+use num_complex::Complex64;
+use rayon::prelude::*;
+use support::exact::{WideSystem, evaluate, roots};
+use support::planted::{C, Part, T, X, system};
+use support::states::{Random, VARIANTS, wild};
+use support::wide::WideComplex;
+use wellposed_analysis::pencil::Pencil;
+use wellposed_analysis::qz::Qz;
+
+type Matrix = DMatrix<Complex64>;
+
+fn zeros(n: usize) -> Matrix {
+    Matrix::from_element(n, n, Complex64::ZERO)
+}
+
+/// Every eigenvalue found, after a check that each is exact for a pencil next to the equilibrated
+/// one: the smallest perturbation relative to the norms that makes λ an eigenvalue is
+/// σ_min(L − λR)/(‖L‖ + |λ| ‖R‖) (D. J. Higham & N. J. Higham, SIAM Journal on Matrix Analysis and
+/// Applications 20, 1998, 493–512).
+fn eigenvalues(left: &Matrix, right: &Matrix) -> Vec<Complex64> {
+    let qz = &mut Qz::default();
+    qz.equilibrate(left.nrows(), |i, j| left[(i, j)], |i, j| right[(i, j)]);
+    let (found, error) = solved(qz, left.nrows());
+    assert!(error < 3e-15, "backward error {error:e} of {found:?}: {left} − λ {right}");
+    found
+}
+
+/// Eigenvalues and the greatest backward error.
+fn solved(qz: &mut Qz, n: usize) -> (Vec<Complex64>, f64) {
+    let [left, right] = equilibrated(qz, n);
+    let unit = -f64::from(qz.rate());
+    let found = qz.solve().expect("convergence").to_vec();
+    let mut worst = 0.0f64;
+    for value in &found {
+        let value = value * (unit / 2.0).exp2() * (unit / 2.0).exp2();
+        let norm = left.norm() + value.norm() * right.norm();
+        if norm > 0.0 {
+            let difference = (&left - &right * value).map(|x| x / norm);
+            worst = worst.max(difference.singular_values().min());
+        }
+    }
+    (found, worst)
+}
+
+fn equilibrated(qz: &Qz, n: usize) -> [Matrix; 2] {
+    [0, 1].map(|which| Matrix::from_fn(n, n, |i, j| qz.entry(i, j)[which]))
+}
+
+/// All eigenvalues by faer, those that look infinite among them.
+fn by_faer(left: &Matrix, right: &Matrix) -> Vec<Complex64> {
+    let n = left.nrows();
+    let [mut left, mut right] = [left, right].map(|m| Mat::from_fn(n, n, |i, j| m[(i, j)]));
+    let (mut alpha, mut beta) = (Diag::zeros(n), Diag::zeros(n));
+    let scratch = gevd_scratch::<Complex64>(n, No, No, Par::Seq, Default::default());
+    gevd_cplx(
+        left.as_mut(),
+        right.as_mut(),
+        alpha.as_mut(),
+        beta.as_mut(),
+        None,
+        None,
+        Par::Seq,
+        MemStack::new(&mut MemBuffer::new(scratch)),
+        Default::default(),
+    )
+    .expect("convergence");
+    (0..n).filter(|&i| beta[i] != Complex64::ZERO).map(|i| alpha[i] / beta[i]).collect()
+}
+
+/// Greatest distance from a wanted eigenvalue to the nearest one found, relative to their moduli.
+fn distance(found: &[Complex64], wanted: &[Complex64]) -> f64 {
+    let nearest = |w: &Complex64| {
+        let gap = |f: &Complex64| (f - w).norm() / w.norm().max(f.norm()).max(1e-300);
+        found.iter().map(gap).fold(f64::INFINITY, f64::min)
+    };
+    wanted.iter().map(nearest).fold(0.0, f64::max)
+}
+
+fn random_matrix(random: &mut Random, n: usize) -> Matrix {
+    Matrix::from_fn(n, n, |_, _| Complex64::new(random.within(-1.0, 1.0), random.within(-1.0, 1.0)))
+}
+
+/// Condition of an exact root of a model's pencil: Σ |∂ς/∂entry| |entry| / |ς|.
+fn condition(exact: &WideSystem, wave: [f64; 2], root: WideComplex) -> f64 {
+    let slope = evaluate(&exact.at_wave(wave), root).1.modulus().to_f64();
+    let cofactors = exact.cofactors(wave, root);
+    let mut sum = 0.0;
+    for (row, cofactors) in exact.entries.iter().zip(&cofactors) {
+        for (e, cofactor) in row.iter().zip(cofactors) {
+            let e = e.map(|x| x.abs().to_f64());
+            let k = wave.map(f64::abs);
+            let size = e[0] * root.modulus().to_f64() + e[1] * k[0] + e[2] * k[1] + e[3];
+            sum += size * cofactor.modulus().to_f64();
+        }
+    }
+    sum / slope / root.modulus().to_f64()
+}
+
+/// The models' pencils at random states and waves: small backward errors, as many finite
+/// eigenvalues as the exact polynomial has roots, and its well-conditioned roots found no less often
+/// than by faer.
+#[test]
+fn pencils_of_all_models() {
+    const STATES: u64 = 21_000;
+    struct Outcome {
+        error: f64,
+        right_count: bool,
+        /// Well-conditioned roots, those that QZ misses, those that faer does.
+        roots: [usize; 3],
+    }
+    let outcomes: Vec<Outcome> = (0..STATES)
+        .into_par_iter()
+        .map(|seed| {
+            let random = &mut Random::new(0x9a00_0000 + seed);
+            let (kind, dilatancy) = VARIANTS[seed as usize % VARIANTS.len()];
+            let system = wild(random, kind, dilatancy).system;
+            let (k, direction) =
+                (random.decades(1e-2, 1e8), random.within(0.0, std::f64::consts::TAU));
+            let wave = [k * direction.cos(), k * direction.sin()];
+            let mut pencil = Pencil::default();
+            pencil.update(&system).expect("finite coefficients");
+            let n = system.equations.len();
+            let qz = &mut Qz::default();
+            pencil.equilibrate(qz, k, direction);
+            let [left, right] = equilibrated(qz, n);
+            let unit = f64::from(qz.rate()).exp2();
+            let (found, error) = solved(qz, n);
+            let exact = WideSystem::of(&system);
+            let wanted = roots(&exact.at_wave(wave));
+            let mut outcome =
+                Outcome { error, right_count: found.len() == wanted.len(), roots: [0; 3] };
+            if seed < STATES / 5 {
+                let faer: Vec<_> = by_faer(&left, &right).iter().map(|z| z * unit).collect();
+                for root in wanted {
+                    if !root.is_zero() && condition(&exact, wave, root) < 1e6 {
+                        let root = root.to_c64() / pencil.scaled.rate;
+                        let misses = |found| usize::from(distance(found, &[root]) > 1e-6);
+                        outcome.roots[0] += 1;
+                        outcome.roots[1] += misses(&found);
+                        outcome.roots[2] += misses(&faer);
+                    }
+                }
+            }
+            outcome
+        })
+        .collect();
+    let worst = outcomes.iter().map(|o| o.error).fold(0.0, f64::max);
+    let miscounted = outcomes.iter().filter(|o| !o.right_count).count();
+    let [all, missed, missed_by_faer] =
+        [0, 1, 2].map(|which| outcomes.iter().map(|o| o.roots[which]).sum::<usize>());
+    println!(
+        "{STATES} states: greatest backward error {worst:.1e}; {miscounted} with another number of \
+         finite eigenvalues than roots; of {all} well-conditioned roots {missed} missed, \
+         {missed_by_faer} by faer"
+    );
+    assert!(worst < 3e-15);
+    assert!(miscounted as u64 * 1000 <= STATES);
+    assert!(all > 500 && missed * 50 <= all && missed <= missed_by_faer);
+}
+
+/// Dense random pencils of all sizes, R regular: the same eigenvalues as faer's.
+#[test]
+fn regular_random_pencils() {
+    let worst = (0..10_000u64)
+        .into_par_iter()
+        .map(|seed| {
+            let random = &mut Random::new(seed);
+            let n = 1 + seed as usize % 10;
+            let [left, right] = [0; 2].map(|_| random_matrix(random, n));
+            let found = eigenvalues(&left, &right);
+            assert_eq!(found.len(), n);
+            distance(&found, &by_faer(&left, &right))
+        })
+        .collect::<Vec<f64>>();
+    let far = worst.iter().filter(|d| **d > 1e-9).count();
+    println!("{far} of {} farther than 1e-9 from faer's", worst.len());
+    assert!(far <= 20 && worst.iter().all(|d| *d < 1e-3));
+}
+
+/// R of any rank r: where it shows in zero rows and columns, exactly r finite eigenvalues; where only
+/// up to rounding, the r of least modulus; both times those of faer.
+#[test]
+fn singular_random_pencils() {
+    for seed in 0..2_000 {
+        let random = &mut Random::new(seed);
+        let n = 2 + seed as usize % 9;
+        let rank = (random.unit() * n as f64) as usize;
+        let [left, mut structural, factor] = [0; 3].map(|_| random_matrix(random, n));
+        structural.rows_mut(rank, n - rank).fill(Complex64::ZERO);
+        for (right, exact) in [(factor * &structural, false), (structural, true)] {
+            let by_modulus = |mut list: Vec<Complex64>| {
+                list.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+                list.truncate(rank);
+                list
+            };
+            let found = eigenvalues(&left, &right);
+            assert!(found.len() == rank || (!exact && found.len() > rank), "seed {seed}");
+            let gap = distance(&by_modulus(found), &by_modulus(by_faer(&left, &right)));
+            assert!(gap < 1e-4, "seed {seed}: {gap:e}");
+        }
+    }
+}
+
+/// Constraints with their multipliers, (K − λM, G; H, 0): infinite eigenvalues of index 2, which
+/// take two finite ones each. The finite ones against the exact polynomial.
+#[test]
+fn index_two_pencils() {
+    for seed in 0..500u64 {
+        let random = &mut Random::new(seed);
+        let (n, constraints) = (4 + seed as usize % 4, 1 + seed as usize % 2);
+        let inner = n - constraints;
+        let mut entries: Vec<(usize, usize, Part, f64)> = Vec::new();
+        for i in 0..n {
+            for j in 0..n {
+                if i < inner || j < inner {
+                    entries.push((i, j, C, random.within(-1.0, 1.0)));
+                    entries.push((i, j, X, random.within(-1.0, 1.0)));
+                }
+                if i < inner && j < inner {
+                    entries.push((i, j, T, random.within(-1.0, 1.0)));
+                }
+            }
+        }
+        let system = system(n, n, &entries);
+        let wanted: Vec<Complex64> = roots(&WideSystem::of(&system).at_wave([1.0, 0.0]))
+            .iter()
+            .map(|z| z.to_c64())
+            .collect();
+        let right = Matrix::from_fn(n, n, |i, j| system.a[(i, j)].value.into());
+        let left = Matrix::from_fn(n, n, |i, j| {
+            -Complex64::new(system.c[(i, j)].value, system.b[0][(i, j)].value)
+        });
+        let found = eigenvalues(&left, &right);
+        assert_eq!((found.len(), wanted.len()), (n - 2 * constraints, n - 2 * constraints));
+        assert!(distance(&found, &wanted) < 1e-9, "seed {seed}: {found:?} for {wanted:?}");
+    }
+}
+
+#[test]
+fn without_finite_eigenvalues() {
+    let random = &mut Random::new(5);
+    for n in 0..=10 {
+        assert!(eigenvalues(&random_matrix(random, n), &zeros(n)).is_empty());
+        assert!(eigenvalues(&zeros(n), &zeros(n)).is_empty());
+        // A nilpotent R: one infinite eigenvalue of index n.
+        let shift = Matrix::from_fn(n, n, |i, j| f64::from(u8::from(j == i + 1)).into());
+        assert!(eigenvalues(&Matrix::identity(n, n), &shift).is_empty());
+        assert!(eigenvalues(&zeros(n), &Matrix::identity(n, n)).iter().all(|z| z.norm() == 0.0));
+    }
+}
+
+#[test]
+fn diagonal_pencils_of_any_scale() {
+    for seed in 0..1_000 {
+        let random = &mut Random::new(seed);
+        let n = 1 + seed as usize % 10;
+        let [left, right] =
+            [0; 2].map(|_| Vec::from_iter((0..n).map(|_| random.signed(1e-60, 1e60))));
+        let diagonal =
+            |d: &[f64]| Matrix::from_fn(n, n, |i, j| if i == j { d[i] } else { 0.0 }.into());
+        let found = eigenvalues(&diagonal(&left), &diagonal(&right));
+        let wanted: Vec<Complex64> =
+            left.iter().zip(&right).map(|(l, r)| Complex64::from(l / r)).collect();
+        assert_eq!(found.len(), n);
+        assert!(distance(&found, &wanted) < 1e-15, "{found:?} for {wanted:?}");
+    }
+}
+
+/// Wildly scaled rows, columns and units change nothing but powers of two; wildly scaled entries
+/// still leave small backward errors.
+#[test]
+fn wild_scales() {
+    for seed in 0..6_000 {
+        let random = &mut Random::new(seed);
+        let n = 2 + seed as usize % 9;
+        let [left, right] = [0; 2].map(|_| random_matrix(random, n));
+        let mut powers = || Vec::from_iter((0..n).map(|_| random.within(-90.0, 90.0).round()));
+        let (rows, columns) = (powers(), powers());
+        let scaled = |m: &Matrix, power: f64| {
+            Matrix::from_fn(n, n, |i, j| m[(i, j)] * (rows[i] + columns[j] + power).exp2())
+        };
+        let found = eigenvalues(&scaled(&left, 300.0), &scaled(&right, -300.0));
+        let unit = Complex64::from(600f64.exp2());
+        let wanted: Vec<Complex64> = eigenvalues(&left, &right).iter().map(|z| z * unit).collect();
+        assert!(distance(&found, &wanted) < 1e-7, "seed {seed}");
+
+        let mut entry = |_, _| {
+            let sparse = random.chance(0.3);
+            let size = random.signed(1e-100, 1e100);
+            Complex64::from(if sparse { 0.0 } else { size }) * Complex64::cis(random.unit())
+        };
+        let [left, right] = [0; 2].map(|_| Matrix::from_fn(n, n, &mut entry));
+        eigenvalues(&left, &right);
+    }
+}
+
+/// Jordan blocks: eigenvalues move by ε^(1/n) at most, in any basis.
+#[test]
+fn defective_pencils() {
+    for n in 2..=10 {
+        for seed in 0..100 {
+            let random = &mut Random::new(seed);
+            let value = if seed % 2 == 0 { Complex64::ZERO } else { Complex64::new(1.0, -2.0) };
+            let block = Matrix::from_fn(n, n, |i, j| match j.wrapping_sub(i) {
+                0 => value,
+                1 => Complex64::ONE,
+                _ => Complex64::ZERO,
+            });
+            let [p, q] = [0; 2].map(|_| random_matrix(random, n).qr().q());
+            for (left, right) in
+                [(block.clone(), Matrix::identity(n, n)), (&p * &block * &q, &p * &q)]
+            {
+                let found = eigenvalues(&left, &right);
+                assert_eq!(found.len(), n);
+                let bound = 4.0 * (1e-15f64).powf(1.0 / n as f64);
+                assert!(found.iter().all(|z| (z - value).norm() < bound), "{n}: {found:?}");
+            }
+        }
+    }
+}
+
+/// Cyclic permutations, which a shift of zero leaves as they are: roots of unity.
+#[test]
+fn roots_of_unity() {
+    for n in 1..=10 {
+        let cycle = Matrix::from_fn(n, n, |i, j| f64::from(u8::from(i == (j + 1) % n)).into());
+        let found = eigenvalues(&cycle, &Matrix::identity(n, n));
+        let wanted: Vec<Complex64> =
+            (0..n).map(|m| Complex64::cis(std::f64::consts::TAU * m as f64 / n as f64)).collect();
+        assert!(distance(&found, &wanted) < 1e-14, "{found:?}");
+    }
+}
+
+/// Entries that are no numbers are refused; what a workspace held before does not matter.
+#[test]
+fn refusals_and_reuse() {
+    let random = &mut Random::new(11);
+    let qz = &mut Qz::default();
+    for n in 1..=10 {
+        let [left, right] = [0; 2].map(|_| random_matrix(random, n));
+        for bad in [f64::NAN, f64::INFINITY] {
+            for which in 0..2 {
+                let mut pair = [left.clone(), right.clone()];
+                pair[which][(n - 1, 0)] = bad.into();
+                qz.equilibrate(n, |i, j| pair[0][(i, j)], |i, j| pair[1][(i, j)]);
+                assert!(qz.solve().is_none());
+            }
+        }
+        qz.equilibrate(n, |i, j| left[(i, j)], |i, j| right[(i, j)]);
+        assert_eq!(qz.solve().expect("convergence"), eigenvalues(&left, &right));
+    }
+}

@@ -1,0 +1,118 @@
+//! Verdicts per second by either route, on random states of every model.
+//!
+//! `cargo bench --bench verdicts`. The two routes are timed apart, each from a checked state on: (a)
+//! linearise, expand the dispersion polynomial, judge all directions; (b) the formula of the model,
+//! on the states for which it answers. For (b) also the whole way that a map goes for a point: from
+//! the numbers of the case, with all checks and the background that they determine.
+
+#[path = "../tests/states/mod.rs"]
+mod states;
+
+use models::granular_flow::state::{Flow, State};
+use models::granular_flow::{Kind, Model, Parameters};
+use rayon::prelude::*;
+use states::{Random, Range};
+use std::hint::black_box;
+use std::time::Instant;
+use wellposed::frozen::{Workspace, verdict};
+
+/// Rounds of which the median is taken.
+const ROUNDS: usize = 7;
+/// States of each model and background.
+const STATES: u64 = 2_000;
+
+struct Sample {
+    parameters: Parameters,
+    state: State,
+    model: Model,
+    flow: Flow,
+}
+
+/// States of a model, half of them with ν > 0, half of those with gradients and accelerations.
+fn samples(kind: Kind) -> Vec<Sample> {
+    (0..STATES)
+        .map(|seed| {
+            let random = &mut Random::new(seed);
+            let (dilatant, gradients) = (seed % 2 == 0, seed / 2 % 2 == 0);
+            let (parameters, state) =
+                states::random(random, kind, Range::Materials, dilatant, gradients);
+            let (model, flow) = states::flow(kind, &parameters, &state);
+            Sample { parameters, state, model, flow }
+        })
+        .collect()
+}
+
+/// Median over the rounds of samples per second; each sample is judged `repeats` times a round.
+fn rate<W: Send>(
+    pool: &rayon::ThreadPool,
+    samples: &[&Sample],
+    repeats: usize,
+    workspace: impl Fn() -> W + Sync,
+    judge: impl Fn(&mut W, &Sample) + Sync,
+) -> f64 {
+    let mut seconds: Vec<f64> = (0..ROUNDS)
+        .map(|_| {
+            let start = Instant::now();
+            pool.install(|| {
+                (0..repeats * samples.len())
+                    .into_par_iter()
+                    .with_min_len(64)
+                    .for_each_init(&workspace, |w, i| judge(w, samples[i % samples.len()]));
+            });
+            start.elapsed().as_secs_f64()
+        })
+        .collect();
+    seconds.sort_by(f64::total_cmp);
+    (repeats * samples.len()) as f64 / seconds[ROUNDS / 2]
+}
+
+fn main() {
+    let by_model = Kind::ALL.map(|kind| (kind.name(), samples(kind)));
+    let mut groups: Vec<(&str, Vec<&Sample>)> =
+        by_model.iter().map(|(name, samples)| (*name, samples.iter().collect())).collect();
+    groups.push(("all models", by_model.iter().flat_map(|(_, samples)| samples).collect()));
+
+    println!("verdicts per second, medians of {ROUNDS} rounds");
+    println!(
+        "threads  model              (a) model-blind  (b) closed form  (b) with checks  answered"
+    );
+    for threads in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.expect("threads");
+        for (name, samples) in &groups {
+            let model_blind = rate(&pool, samples, 1, Workspace::default, |workspace, s| {
+                black_box(workspace.assess(&s.model, &s.flow).expect("finite coefficients"));
+            });
+            let answered: Vec<&Sample> = samples
+                .iter()
+                .copied()
+                .filter(|s| s.model.closed_form(&s.flow).is_some())
+                .collect();
+            let repeats = 1_000_000 / answered.len().max(1);
+            let closed_form = rate(
+                &pool,
+                &answered,
+                repeats,
+                || (),
+                |(), s| {
+                    black_box(s.model.closed_form(black_box(&s.flow)).map(verdict));
+                },
+            );
+            let with_checks = rate(
+                &pool,
+                &answered,
+                repeats,
+                || (),
+                |(), s| {
+                    let (model, flow) =
+                        states::flow(s.model.kind(), black_box(&s.parameters), black_box(&s.state));
+                    black_box(model.closed_form(&flow).map(verdict));
+                },
+            );
+            let share = 100.0 * answered.len() as f64 / samples.len() as f64;
+            println!(
+                "{threads:7}  {name:17}  {model_blind:15.3e}  {closed_form:15.3e}  {with_checks:15.3e}  {share:6.1} %"
+            );
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! A point of a map that a formula decides costs no memory from the heap.
+
+use models::granular_flow::Model;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use wellposed::case::{Case, Parameter};
+use wellposed::frozen::{Route, Workspace};
+
+thread_local! {
+    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+/// The system's allocator, counting by thread.
+struct Counting;
+
+// SAFETY: every call is handed on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        // SAFETY: as the caller promises.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as the caller promises.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+const CASE: &str = "
+[model]
+kind = 'harris-grekova'
+friction_angle_deg = 30
+moment_of_inertia = 1.25e-7
+rotational_strength = 5
+[background]
+density = 1600
+pressure = 1000
+stress_angle_deg = 17
+shear_rate = 2
+pressure_gradient = [10, 20]
+";
+
+#[test]
+fn a_formula_needs_no_memory() {
+    let mut case = Case::parse(CASE, "state.toml", &[]).expect("a case");
+    let swept = Parameter::find("background.noncoaxiality_deg").expect("a parameter");
+    let mut workspace = Workspace::default();
+    let before = ALLOCATIONS.with(Cell::get);
+    for delta in 0..45 {
+        case.set(swept, f64::from(delta));
+        let model = Model::new(case.kind, &case.parameters()).expect("a model");
+        let background = model.background(&case.state()).expect("a state");
+        let flow = background.flow().expect("on yield");
+        let (_, route) = workspace.decide(&model, flow).expect("a verdict");
+        assert_eq!(route, Route::ClosedForm);
+    }
+    assert_eq!(ALLOCATIONS.with(Cell::get), before);
+}

@@ -1,0 +1,385 @@
+//! The two routes to a verdict, by a formula of the model and from the linearised equations as data,
+//! say the same: verdict, order, coefficient and direction.
+
+mod states;
+
+use analysis::growth::Verdict;
+use models::ClosedForm;
+use models::granular_flow::state::State;
+use models::granular_flow::{Kind, Model, Parameters};
+use rayon::prelude::*;
+use states::{Random, Range};
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use std::fs;
+use std::path::Path;
+use wellposed::Options;
+use wellposed::frozen::{Workspace, verdict};
+use wellposed::map::{self, Extras};
+
+/// Relative difference of two coefficients that counts as none.
+const COEFFICIENT: f64 = 1e-9;
+
+/// Angle between two directions that counts as none, rad: the analysis locates the maximum of a
+/// smooth function, to the square root of rounding.
+const DIRECTION: f64 = 1e-7;
+
+/// A state with its model, judged by both routes.
+struct Judged {
+    closed_form: Option<ClosedForm>,
+    /// In what the formula, where it answers, differs from the linearised equations.
+    difference: Option<String>,
+}
+
+impl Judged {
+    fn new(workspace: &mut Workspace, kind: Kind, parameters: &Parameters, state: &State) -> Self {
+        let (model, flow) = states::flow(kind, parameters, state);
+        let closed_form = model.closed_form(&flow);
+        let assessed = workspace.assess(&model, &flow).expect("finite coefficients").verdict;
+        let difference = closed_form.and_then(|own| {
+            let what = difference(&verdict(own), &assessed, |from| {
+                equally_bad(kind, parameters, state, from)
+            })?;
+            Some(format!(
+                "{what}: {own:?} against {assessed:?} for {kind:?}, {parameters:?}, {state:?}"
+            ))
+        });
+        Self { closed_form, difference }
+    }
+
+    /// What the formula says, in a word.
+    fn name(&self) -> &'static str {
+        match self.closed_form {
+            None => "declined",
+            Some(ClosedForm::WellPosed) => "well-posed",
+            Some(ClosedForm::Grows { order: 1, .. }) => "order 1",
+            Some(ClosedForm::Grows { .. }) => "order 2",
+            Some(ClosedForm::UnboundedAtFiniteWaveNumber { .. }) => "unbounded at finite k",
+            Some(ClosedForm::Indeterminate { .. }) => "indeterminate",
+        }
+    }
+}
+
+/// In what two verdicts differ, if in anything. `mirrored` gives for a direction the other one that
+/// is equally bad: either will do.
+fn difference(
+    closed_form: &Verdict,
+    assessed: &Verdict,
+    mirrored: impl Fn(f64) -> f64,
+) -> Option<&'static str> {
+    let (
+        Verdict::IllPosed { growth, direction },
+        Verdict::IllPosed { growth: other_growth, direction: other },
+    ) = (closed_form, assessed)
+    else {
+        return (closed_form != assessed).then_some("verdict");
+    };
+    match (growth, other_growth) {
+        (None, None) => {}
+        (Some(own), Some(other)) if own.order == other.order => {
+            if (own.coefficient / other.coefficient - 1.0).abs() > COEFFICIENT {
+                return Some("coefficient");
+            }
+        }
+        _ => return Some("order"),
+    }
+    let is_far = |from: f64| {
+        let difference = (from - other).rem_euclid(PI);
+        difference.min(PI - difference) > DIRECTION
+    };
+    (is_far(*direction) && is_far(mirrored(*direction))).then_some("direction")
+}
+
+/// The other direction in which waves grow as in `direction`, or the same one.
+///
+/// The plastic potential is symmetric about the principal axes of stress. In dilatant Harris–Grekova
+/// the highest coefficient a − b cos β + d sin β vanishes for two β with the mean −atan2(d, b).
+fn equally_bad(kind: Kind, parameters: &Parameters, state: &State, direction: f64) -> f64 {
+    let psi = state.stress_angle;
+    match kind {
+        Kind::PlasticPotential => 2.0 * psi - direction,
+        Kind::HarrisGrekova if parameters.dilatancy_angle > 0.0 => {
+            let (phi, nu) = (parameters.friction_angle, parameters.dilatancy_angle);
+            let twice_delta = 2.0 * state.noncoaxiality.unwrap_or(0.0);
+            let e = phi - nu;
+            let b = nu.cos() * twice_delta.cos() * (e.cos() * phi.sin() + nu.sin());
+            let d = nu.sin() * phi.cos() * e.cos() * twice_delta.sin();
+            2.0 * psi - direction + d.atan2(b)
+        }
+        _ => direction,
+    }
+}
+
+/// Judges states in parallel; panics with the first few that differ, counts what the formula says.
+fn agree(
+    states: impl IndexedParallelIterator<Item = (Kind, Parameters, State)>,
+) -> BTreeMap<(&'static str, &'static str), usize> {
+    let judged: Vec<_> = states
+        .map_init(Workspace::default, |workspace, (kind, parameters, state)| {
+            let judged = Judged::new(workspace, kind, &parameters, &state);
+            ((kind.name(), judged.name()), judged.difference)
+        })
+        .collect();
+    let differ: Vec<&str> = judged.iter().filter_map(|j| j.1.as_deref()).collect();
+    assert!(
+        differ.is_empty(),
+        "{} differ:\n{}",
+        differ.len(),
+        differ[..differ.len().min(5)].join("\n")
+    );
+    let mut counts = BTreeMap::new();
+    for (name, _) in judged {
+        *counts.entry(name).or_insert(0) += 1;
+    }
+    counts
+}
+
+/// Every model, ν = 0 and ν > 0, with and without gradients and accelerations, ordinary materials
+/// and all angles up to their limits with quantities over many decades.
+#[test]
+fn both_routes_agree_on_random_states() {
+    const STATES: u64 = 100_000;
+    let states = (0..STATES as usize).into_par_iter().map(|index| {
+        let random = &mut Random::new(index as u64);
+        let kind = Kind::ALL[index % 4];
+        let (dilatant, gradients) = (index / 4 % 2 == 0, index / 8 % 2 == 0);
+        let range = if index / 16 % 2 == 0 { Range::Wide } else { Range::Materials };
+        let (parameters, state) = states::random(random, kind, range, dilatant, gradients);
+        (kind, parameters, state)
+    });
+    let counts = agree(states);
+    println!("{counts:?}");
+    for (kind, answer, least) in [
+        ("harris-grekova", "well-posed", 6_000),
+        ("harris-grekova", "order 2", 5_000),
+        ("harris-grekova", "unbounded at finite k", 1_000),
+        ("double-shearing", "order 1", 22_000),
+        ("plastic-potential", "order 2", 22_000),
+        ("free-rotating", "indeterminate", 24_999),
+    ] {
+        assert!(counts[&(kind, answer)] > least, "{kind}, {answer}: {counts:?}");
+    }
+}
+
+/// Distances from a boundary, rad, and whether the formula answers there: beside the boundary it must
+/// leave the state to the linearised equations, far from it it must not leave all of them.
+const DISTANCES: [(f64, Option<bool>); 9] = [
+    (0.0, Some(false)),
+    (1e-15, Some(false)),
+    (1e-12, Some(false)),
+    (1e-9, Some(false)),
+    (1e-7, None),
+    (1e-5, None),
+    (1e-4, None),
+    (1e-3, None),
+    (2e-2, Some(true)),
+];
+
+/// States on both sides of a boundary: `shifted` puts a random state at a signed distance from it.
+fn agree_beside(
+    kind: Kind,
+    dilatant: bool,
+    gradients: bool,
+    shifted: impl Fn(&mut Parameters, &mut State, f64) + Sync,
+) {
+    for (distance, answers) in DISTANCES {
+        let states = (0..600usize).into_par_iter().map(|index| {
+            let random = &mut Random::new(0xb0 + index as u64);
+            let (mut parameters, mut state) =
+                states::random(random, kind, Range::Materials, dilatant, gradients);
+            let side = if index % 2 == 0 { distance } else { -distance };
+            shifted(&mut parameters, &mut state, side);
+            (kind, parameters, state)
+        });
+        let counts = agree(states);
+        let declined = counts.get(&(kind.name(), "declined")).copied().unwrap_or(0);
+        match answers {
+            Some(true) => assert!(declined < 600, "{distance}: {counts:?}"),
+            Some(false) => assert_eq!(declined, 600, "{distance}: {counts:?}"),
+            None => {}
+        }
+    }
+}
+
+/// |Δ| = 45° of Harris–Grekova, ν = 0: the sign of cos 2Δ decides.
+#[test]
+fn both_routes_agree_beside_the_bound_on_noncoaxiality() {
+    for gradients in [false, true] {
+        for bound in [-0.25 * PI, 0.25 * PI] {
+            agree_beside(Kind::HarrisGrekova, false, gradients, |_, state, distance| {
+                state.noncoaxiality = Some(bound + distance);
+            });
+        }
+    }
+}
+
+/// The bounds on |Δ| of dilatant Harris–Grekova in a uniform state, and 90° less them.
+#[test]
+fn both_routes_agree_beside_the_bounds_with_dilatancy() {
+    for (sign, complement) in [(1.0, false), (-1.0, false), (1.0, true), (-1.0, true)] {
+        agree_beside(Kind::HarrisGrekova, true, false, |parameters, state, distance| {
+            parameters.rotational_strength = Some(0.0);
+            let model = Model::new(Kind::HarrisGrekova, parameters).expect("within ranges");
+            let bound = model.noncoaxiality_bound().expect("the model has one");
+            let bound = if complement { 0.5 * PI - bound } else { bound };
+            state.noncoaxiality = Some(sign * bound + distance);
+        });
+    }
+}
+
+/// |Δ| = 45° ± ν/2, where one of the two zeros of the highest coefficient lies at 𝒜 = 0 and the root
+/// does not pass through infinity: the other zero remains.
+#[test]
+fn both_routes_agree_where_zeros_of_the_highest_coefficient_and_of_growth_coincide() {
+    for distance in [0.0, 1e-12, -1e-9, 1e-9, -1e-6, 1e-3] {
+        let states = (0..400usize).into_par_iter().map(|index| {
+            let random = &mut Random::new(0xc0 + index as u64);
+            let kind = Kind::HarrisGrekova;
+            let (parameters, mut state) =
+                states::random(random, kind, Range::Materials, true, false);
+            let half = 0.5 * parameters.dilatancy_angle;
+            let size = 0.25 * PI + if index % 2 == 0 { half } else { -half } + distance;
+            state.noncoaxiality = Some(if index % 4 < 2 { size } else { -size });
+            (kind, parameters, state)
+        });
+        let counts = agree(states);
+        let unbounded = counts.get(&("harris-grekova", "unbounded at finite k"));
+        assert!(unbounded.is_some_and(|&count| count > 300), "{distance}: {counts:?}");
+    }
+}
+
+/// The associated plastic potential, ν = φ.
+#[test]
+fn both_routes_agree_beside_the_associated_flow_rule() {
+    for gradients in [false, true] {
+        agree_beside(Kind::PlasticPotential, true, gradients, |parameters, _, distance| {
+            parameters.dilatancy_angle = parameters.friction_angle + distance;
+        });
+    }
+}
+
+/// The limits of the angles: φ → 0 and 90°, ν → 0 and φ.
+#[test]
+fn both_routes_agree_beside_the_limits_of_the_parameters() {
+    for (index, kind) in Kind::ALL.into_iter().enumerate() {
+        for limit in 0..4 {
+            for distance in [1e-12, 1e-9, 1e-6, 1e-4, 1e-3, 1e-2] {
+                let states = (0..64usize).into_par_iter().map(move |seed| {
+                    let random = &mut Random::new((limit * 4 + index) as u64 * 1000 + seed as u64);
+                    let gradients = seed % 2 == 0;
+                    let (mut parameters, mut state) =
+                        states::random(random, kind, Range::Materials, seed % 4 < 2, gradients);
+                    let Parameters { friction_angle: phi, dilatancy_angle: nu, .. } =
+                        &mut parameters;
+                    match limit {
+                        0 => {
+                            *nu *= distance / *phi;
+                            *phi = distance;
+                        }
+                        1 => *phi = 0.5 * PI - distance,
+                        2 => *nu = distance * *phi,
+                        _ => *nu = *phi * (1.0 - distance),
+                    }
+                    if *nu == 0.0 {
+                        state.density_gradient = [0.0; 2];
+                    }
+                    (kind, parameters, state)
+                });
+                agree(states);
+            }
+        }
+    }
+}
+
+/// Two maps of a case, one with formulas and one without, are the same point by point.
+#[test]
+fn maps_by_both_routes_are_the_same() {
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/granular-flow");
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    for (case, sets, by_formula) in [
+        ("noncoaxiality-bound", ["map.x.points=61", "map.y.points=23"], 59 * 23),
+        ("plastic-potential", ["map.x.points=61", "map.y.points=23"], 1000),
+        ("dilatant-domain", ["map.x.points=61", "map.y.points=24"], 700),
+    ] {
+        let run = |model_blind: bool, threads: usize| -> Vec<files::npz::Array> {
+            let out = folder.path().join(format!("{case}-{model_blind}-{threads}"));
+            let options = Options {
+                case: cases.join(case).with_extension("toml"),
+                sets: sets.map(str::to_owned).to_vec(),
+                out: Some(out.clone()),
+                threads: Some(threads),
+                ..Options::default()
+            };
+            let extras = Extras { model_blind, ..Extras::default() };
+            map::run(&options, extras, &mut std::io::sink()).expect("a map");
+            files::npz::read(&fs::read(out.join("map.npz")).expect("an archive")).expect("arrays")
+        };
+        let [mixed, blind] = [run(false, 1), run(true, 2)];
+        run(false, 3);
+        let [one, three] = [1, 3].map(|threads| {
+            fs::read(folder.path().join(format!("{case}-false-{threads}/map.npz"))).expect("bytes")
+        });
+        assert!(one == three, "one thread and three");
+        let codes = |arrays: &[files::npz::Array], name: &str| match &arrays
+            .iter()
+            .find(|a| a.name == name)
+            .expect(name)
+            .values
+        {
+            files::npz::Values::I8(values) => values.clone(),
+            other => panic!("{name}: {other:?}"),
+        };
+        let numbers = |arrays: &[files::npz::Array], name: &str| match &arrays
+            .iter()
+            .find(|a| a.name == name)
+            .expect(name)
+            .values
+        {
+            files::npz::Values::F64(values) => values.clone(),
+            other => panic!("{name}: {other:?}"),
+        };
+        let count =
+            |arrays, route: i8| codes(arrays, "route").iter().filter(|&&r| r == route).count();
+        assert!(count(&mixed, 1) >= by_formula, "{case}: {}", count(&mixed, 1));
+        assert_eq!(count(&blind, 1), 0);
+        assert_eq!(count(&mixed, 0), count(&blind, 0), "points without a verdict");
+        assert_eq!(codes(&mixed, "verdict"), codes(&blind, "verdict"), "{case}");
+        let is_close = |(a, b): (&f64, &f64)| {
+            (a.is_nan() && b.is_nan()) || (a - b).abs() <= COEFFICIENT * a.abs()
+        };
+        for name in ["order", "coefficient"] {
+            let (own, other) = (numbers(&mixed, name), numbers(&blind, name));
+            assert!(own.iter().zip(&other).all(is_close), "{case}: {name}");
+        }
+        let json = fs::read_to_string(folder.path().join(format!("{case}-false-1/map.json")));
+        let json: serde_json::Value =
+            serde_json::from_str(&json.expect("a summary")).expect("JSON");
+        assert_eq!(json["route"]["closed-form"], count(&mixed, 1));
+        assert_eq!(json["route"]["model-blind"], count(&mixed, 2));
+    }
+}
+
+/// Growth rates need the dispersion polynomial: with them no verdict comes by a formula. They are
+/// asked for, or implied by a sweep of the wave.
+#[test]
+fn growth_rates_come_where_they_are_asked_for() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let case =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/granular-flow/noncoaxiality-bound.toml");
+    let small = ["map.x.points=5", "map.y.points=3"].map(str::to_owned);
+    let wave = ["map.x.parameter=wave.number", "map.x.from=1", "map.x.to=2"].map(str::to_owned);
+    for (name, sets, growth_rate, has_column) in [
+        ("plain", small.to_vec(), false, false),
+        ("asked", small.to_vec(), true, true),
+        ("swept", [small.to_vec(), wave.to_vec()].concat(), false, true),
+    ] {
+        let out = folder.path().join(name);
+        let options =
+            Options { case: case.clone(), sets, out: Some(out.clone()), ..Options::default() };
+        let extras = Extras { growth_rate, ..Extras::default() };
+        map::run(&options, extras, &mut std::io::sink()).expect("a map");
+        let table = fs::read_to_string(out.join("map.csv")).expect("a table");
+        assert_eq!(table.lines().next().expect("a header").contains("growth_rate"), has_column);
+        assert_eq!(table.contains("closed-form"), !has_column, "{name}");
+    }
+}

@@ -1,0 +1,136 @@
+//! Random fully deforming states of every model, for the tests and the benchmark of the two routes.
+
+use models::granular_flow::state::{Background, Flow, State};
+use models::granular_flow::{Kind, Model, Parameters};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// A small generator with a fixed seed (splitmix64).
+pub struct Random(u64);
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x3c6e_f372)
+    }
+
+    /// Uniform in [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 * (-53f64).exp2()
+    }
+
+    pub fn within(&mut self, least: f64, most: f64) -> f64 {
+        least + (most - least) * self.unit()
+    }
+
+    /// Log-uniform.
+    pub fn decades(&mut self, least: f64, most: f64) -> f64 {
+        self.within(least.ln(), most.ln()).exp()
+    }
+
+    pub fn chance(&mut self, probability: f64) -> bool {
+        self.unit() < probability
+    }
+
+    /// Either sign, log-uniform modulus.
+    fn signed(&mut self, least: f64, most: f64) -> f64 {
+        let size = self.decades(least, most);
+        if self.chance(0.5) { -size } else { size }
+    }
+
+    fn pair(&mut self, size: f64) -> [f64; 2] {
+        [0; 2].map(|_| size * self.signed(1e-3, 1e3))
+    }
+}
+
+/// How far the numbers of a state reach.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Range {
+    /// Sands, powders and pellets: φ of 5° to 60°.
+    Materials,
+    /// Every angle up to its limits, and quantities over many decades.
+    Wide,
+}
+
+/// Constants and state of a model, with or without gradients and accelerations.
+pub fn random(
+    random: &mut Random,
+    kind: Kind,
+    range: Range,
+    dilatant: bool,
+    gradients: bool,
+) -> (Parameters, State) {
+    let wide = range == Range::Wide;
+    let near = |random: &mut Random| random.decades(1e-7, 1e-1);
+    let friction_angle = match (wide, random.unit()) {
+        (false, _) => random.within(0.09, 1.05),
+        (true, x) if x < 0.1 => near(random),
+        (true, x) if x < 0.2 => FRAC_PI_2 - near(random),
+        (true, _) => random.within(0.01, 1.56),
+    };
+    let most = if kind == Kind::PlasticPotential { FRAC_PI_2 } else { friction_angle };
+    let dilatancy_angle = match (dilatant, wide, random.unit()) {
+        (false, _, _) => 0.0,
+        (true, true, x) if x < 0.1 => most * near(random),
+        (true, true, x) if x < 0.2 => most * (1.0 - near(random)),
+        (true, true, x) if x < 0.3 => friction_angle * (1.0 - near(random)),
+        (true, true, _) => most * random.within(0.001, 0.999),
+        (true, false, _) => friction_angle * random.within(0.05, 0.95),
+    };
+    let mut size = |wide_range: [f64; 2], own: [f64; 2]| {
+        let [least, most] = if wide { wide_range } else { own };
+        random.decades(least, most)
+    };
+    let density = size([1e-3, 1e6], [500.0, 3000.0]);
+    let pressure = size([1e-3, 1e9], [1.0, 1e5]);
+    let shear_rate = size([1e-6, 1e6], [1e-2, 1e2]);
+    let inertia = size([1e-12, 1e2], [1e-9, 1e-4]);
+    let length = size([1e-6, 1e6], [1e-1, 1e1]);
+    let cosserat = kind == Kind::HarrisGrekova;
+    let strength = if dilatant && !gradients || random.chance(0.5) {
+        0.0
+    } else {
+        pressure * random.decades(1e-3, 1.0)
+    };
+    let parameters = Parameters {
+        friction_angle,
+        dilatancy_angle,
+        cohesion: if random.chance(0.5) { 0.0 } else { pressure * random.decades(1e-3, 1e2) },
+        moment_of_inertia: cosserat.then_some(inertia),
+        rotational_strength: cosserat.then_some(strength),
+    };
+    let mut state = State {
+        density,
+        pressure,
+        stress_angle: random.within(-PI, PI),
+        shear_rate,
+        velocity: random.pair(1.0),
+        half_vorticity: shear_rate * random.signed(1e-2, 1e2),
+        noncoaxiality: (kind != Kind::PlasticPotential).then(|| random.within(-1.6, 1.6)),
+        ..State::default()
+    };
+    if gradients {
+        state.pressure_gradient = random.pair(pressure / length);
+        state.stress_angle_gradient = random.pair(1.0 / length);
+        if dilatancy_angle > 0.0 {
+            state.density_gradient = random.pair(density / length);
+        }
+        if cosserat {
+            state.spin_gradient = random.pair(shear_rate / length);
+            state.inertia_gradient = random.pair(inertia / length);
+            state.inertia_rate = inertia * shear_rate * random.signed(1e-3, 1e3);
+        }
+    }
+    (parameters, state)
+}
+
+/// The model and its background.
+pub fn flow(kind: Kind, parameters: &Parameters, state: &State) -> (Model, Flow) {
+    let model = Model::new(kind, parameters).expect("constants within their ranges");
+    match model.background(state).expect("an admissible state") {
+        Background::FullyDeforming(flow) => (model, flow),
+        elsewhere => panic!("on yield by construction, yet {elsewhere:?}"),
+    }
+}
