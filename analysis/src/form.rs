@@ -283,33 +283,39 @@ impl Form {
         }
         let extrema = self.extrema();
         let derivative = self.derivative();
+        let second = derivative.derivative();
         let mut zeros = Vec::new();
         if self.degree() % 2 == 1 && extrema.is_empty() {
             return zeros;
         }
-        for (index, &left) in extrema.iter().enumerate() {
-            let value = self.at_angle(left);
-            let curvature = derivative.derivative().at_angle(left).value.abs();
-            // The extremum's own place is uncertain by about a unit in the last place.
+        // Value at an extremum; none where it may be zero, as its own place is uncertain by about a
+        // unit in the last place.
+        let sign_at = |angle: f64| {
+            let value = self.at_angle(angle);
+            let curvature = second.at_angle(angle).value.abs();
             let reach = value.bound + 0.5 * curvature * (4.0 * f64::EPSILON).powi(2);
-            if value.value.abs() <= reach {
+            (value.value.abs() > reach).then_some(value.value)
+        };
+        for (index, &left) in extrema.iter().enumerate() {
+            let Some(start) = sign_at(left) else {
                 // A touching zero: its place is that of the extremum.
+                let curvature = second.at_angle(left).value.abs();
                 let bound = derivative.at_angle(left).bound / curvature + f64::EPSILON;
                 zeros.push(Zero { angle: left, bound, crosses: false });
                 continue;
-            }
-            let sign = if value.value > 0.0 { 1 } else { -1 };
-            let (right, flip) = match extrema.get(index + 1) {
-                Some(&right) => (right, 1),
-                None => (extrema[0] + PI, if self.degree() % 2 == 1 { -1 } else { 1 }),
             };
-            let Some(right_sign) = self.at_angle(right.rem_euclid(PI)).sign() else { continue };
-            if sign * flip * right_sign >= 0 {
+            let (right, flip) = match extrema.get(index + 1) {
+                Some(&right) => (right, 1.0),
+                None => (extrema[0] + PI, if self.degree() % 2 == 1 { -1.0 } else { 1.0 }),
+            };
+            let Some(end) = sign_at(extrema[(index + 1) % extrema.len()]) else { continue };
+            let end = flip * end;
+            if start * end.signum() >= 0.0 {
                 continue;
             }
             // Regula falsi after Illinois, and bisection where that is slow.
             let (mut a, mut b) = (left, right);
-            let (mut fa, mut fb) = (value.value, self.at_angle(right).value);
+            let (mut fa, mut fb) = (start, end);
             for round in 0..120 {
                 let secant = b - fb * (b - a) / (fb - fa);
                 let inside = (secant - a) * (secant - b) < 0.0;

@@ -112,7 +112,7 @@ pub fn assess(pencil: &Pencil) -> Assessment {
     let (mut certain, doubtful): (Vec<Term>, Vec<Term>) =
         terms.into_iter().partition(|term| term.form.is_certain());
     let corners = corners_of(certain.iter().map(powers));
-    factorise_corners(pencil, &mut certain, &corners);
+    let mut zeros = zeros_of_corners(pencil, &mut certain, &corners);
     let edges = edges(&certain, &corners);
     assessment.orders = edges
         .iter()
@@ -136,10 +136,6 @@ pub fn assess(pencil: &Pencil) -> Assessment {
         return assessment;
     }
 
-    // Corners off the growing edges count too: where they vanish, other edges may come to grow.
-    let is_corner = |t: &&Term| corners.contains(&powers(t));
-    let mut zeros: Vec<Zero> =
-        certain.iter().filter(is_corner).flat_map(|corner| corner.form.zeros()).collect();
     // Zeros of different corners in one direction are one degenerate direction.
     form::merge(&mut zeros);
     assessment.degenerate =
@@ -183,34 +179,38 @@ fn powers(term: &Term) -> (i64, i64) {
     (term.time as i64, term.form.degree() as i64)
 }
 
-/// Splits the corner coefficients that vanish in more than one direction into factors: zeros of one
-/// factor are well-conditioned however near those of another lie.
-fn factorise_corners(pencil: &Pencil, terms: &mut [Term], corners: &[(i64, i64)]) {
+/// Zeros of factors nearer to each other than this (rad) are found factor by factor.
+const CLOSE: f64 = 1e-2;
+
+/// The zeros of all corner coefficients. Also of those off the growing edges: where they vanish, other
+/// edges may come to grow. Coefficients whose zeros lie close together are split into factors: zeros
+/// of one factor are well-conditioned however near those of another lie.
+fn zeros_of_corners(pencil: &Pencil, terms: &mut [Term], corners: &[(i64, i64)]) -> Vec<Zero> {
     let slope = |a: (i64, i64), b: (i64, i64)| [b.1 - a.1, a.0 - b.0];
-    for (index, &(i, j)) in corners.iter().enumerate() {
-        let steeper = (index > 0).then(|| slope(corners[index - 1], corners[index]));
-        let flatter = corners.get(index + 1).map(|&next| slope(corners[index], next));
-        let is_on_growing_edge = |s: &Option<[i64; 2]>| s.is_some_and(|s| s[0] > 0);
-        if !is_on_growing_edge(&steeper) && !is_on_growing_edge(&flatter) {
-            continue;
+    let mut all = Vec::new();
+    for (index, &corner) in corners.iter().enumerate() {
+        let Some(term) = terms.iter_mut().find(|t| powers(t) == corner) else { continue };
+        let zeros = term.form.zeros();
+        let steeper = (index > 0).then(|| slope(corners[index - 1], corner));
+        let flatter = corners.get(index + 1).map(|&next| slope(corner, next));
+        let is_growing = |s: &Option<[i64; 2]>| s.is_some_and(|s| s[0] > 0);
+        let is_close = zeros.iter().any(|z| !z.crosses)
+            || sectors(&zeros).iter().any(|(left, right)| right - left < CLOSE);
+        if is_close && (is_growing(&steeper) || is_growing(&flatter)) {
+            // An m strictly between the two slopes at which no other powers compete.
+            let low = flatter.unwrap_or([0, 1]);
+            let high = steeper.unwrap_or([low[0] + low[1], low[1]]);
+            let between = [6 * low[0] * high[1] + 5 * high[0] * low[1], 11 * low[1] * high[1]];
+            let factors = leading::factors(&pencil.scaled, between);
+            if !factors.is_empty() {
+                term.form.factorise(factors);
+                all.extend(term.form.zeros());
+                continue;
+            }
         }
-        let Some(term) =
-            terms.iter_mut().find(|t| (t.time as i64, t.form.degree() as i64) == (i, j))
-        else {
-            continue;
-        };
-        if term.form.degree() < 2 || term.form.zeros().is_empty() {
-            continue;
-        }
-        // An m strictly between the two slopes at which no other powers compete.
-        let low = flatter.unwrap_or([0, 1]);
-        let high = steeper.unwrap_or([low[0] + low[1], low[1]]);
-        let between = [6 * low[0] * high[1] + 5 * high[0] * low[1], 11 * low[1] * high[1]];
-        let factors = leading::factors(&pencil.scaled, between);
-        if !factors.is_empty() {
-            term.form.factorise(factors);
-        }
+        all.extend(zeros);
     }
+    all
 }
 
 /// Edges of positive slope, steepest first.
@@ -405,7 +405,7 @@ fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
         return;
     };
     // c^r = −F₀/F₁ up to a power of i: extrema of |F₀/F₁|.
-    let extrema = form::extrema_of_ratio(&last.form, &first.form);
+    let mut extrema = None;
     let power = 1.0 / (first.time - last.time) as f64;
     for (left, right) in sectors(angles) {
         let ratio = |angle: f64| {
@@ -435,6 +435,8 @@ fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
         }
         let mut best = (ratio(middle), middle);
         let mut is_thin = true;
+        let extrema =
+            extrema.get_or_insert_with(|| form::extrema_of_ratio(&last.form, &first.form));
         for angle in extrema.iter().flat_map(|e| [*e, e + PI]) {
             if left < angle && angle < right {
                 is_thin = false;

@@ -14,6 +14,7 @@ use crate::puiseux::{self, DOUBTFUL, Monomial, Root, binomial, lcm};
 use crate::value::Value;
 use models::Rounded;
 use num_complex::Complex64;
+use std::cell::RefCell;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Charts in charts.
@@ -218,7 +219,11 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
         avoided.extend(
             [(0.0, 0), (FRAC_PI_2, width)].iter().filter(|e| top[e.1].is_zero()).map(|e| e.0),
         );
-        if let Some((rate, _)) = face.supremum(&avoided) {
+        let supremum = match triangle(facet) {
+            Some((normal, scale)) => normal.supremum().map(|rate| scale * rate),
+            None => face.supremum(&avoided).map(|(rate, _)| rate),
+        };
+        if let Some(rate) = supremum {
             worst.grows_in_layer(facet.order, rate, place.angle);
         } else if special
             .iter()
@@ -271,6 +276,60 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
         let moved = chart.moved_offset(facet.offset, d, bound);
         let order = (facet.order.numerator, facet.order.denominator);
         explore(&moved.moved_root(order, facet.offset, &root), deeper, worst);
+    }
+}
+
+/// A facet of three points whose coefficients are powers of i: (power of c, power of d, n).
+#[derive(Clone, Copy, PartialEq)]
+struct Triangle([(usize, usize, u8); 3]);
+
+/// The triangle that a facet of three points becomes when c and d are scaled, and the scale of c.
+fn triangle(facet: &Facet) -> Option<(Triangle, f64)> {
+    let [p, q, r] = facet.points[..] else { return None };
+    let lowest = |f: fn(&Point) -> usize| facet.points.iter().map(f).min().unwrap_or(0);
+    let (x, y) = (lowest(|p| p.x), lowest(|p| p.y));
+    let quarter = |p: Point| {
+        let n = match p.value.value {
+            Complex64 { re, im: 0.0 } if re > 0.0 => 0,
+            Complex64 { re: 0.0, im } if im > 0.0 => 1,
+            Complex64 { im: 0.0, .. } => 2,
+            Complex64 { re: 0.0, .. } => 3,
+            _ => return None,
+        };
+        Some((p.x - x, p.y - y, n))
+    };
+    let normal = Triangle([quarter(p)?, quarter(q)?, quarter(r)?]);
+    // x log c + y log d + log |value| is to be the same for all three.
+    let log = |p: Point| p.value.value.norm().ln();
+    let row = |s: Point| [s.x as f64 - p.x as f64, s.y as f64 - p.y as f64, log(p) - log(s)];
+    let ([a, b, e], [c, d, f]) = (row(q), row(r));
+    Some((normal, ((e * d - b * f) / (a * d - b * c)).exp()))
+}
+
+impl Triangle {
+    /// The greatest Re c of its face, a number that is computed once for each thread.
+    fn supremum(self) -> Option<f64> {
+        thread_local! {
+            static KNOWN: RefCell<Vec<(Triangle, Option<f64>)>> = const { RefCell::new(Vec::new()) };
+        }
+        let known = KNOWN.with_borrow(|k| k.iter().find(|(own, _)| *own == self).map(|k| k.1));
+        known.unwrap_or_else(|| {
+            let greatest = |f: fn(&(usize, usize, u8)) -> usize| self.0.iter().map(f).max();
+            let degree = greatest(|p| p.0).unwrap_or(0);
+            let width = greatest(|p| p.1).unwrap_or(0);
+            let mut face =
+                Face { coefficients: vec![vec![Value::default(); width + 1]; degree + 1] };
+            for (x, y, n) in self.0 {
+                face.coefficients[x][y] += Value::turned(Rounded::ONE, n.into());
+            }
+            let top = &face.coefficients[degree];
+            let ends = [(0.0, 0), (FRAC_PI_2, width)].into_iter().filter(|e| top[e.1].is_zero());
+            let mut avoided = face.zeros_of_power(degree);
+            avoided.extend(ends.map(|e| e.0));
+            let found = face.supremum(&avoided).map(|(rate, _)| rate);
+            KNOWN.with_borrow_mut(|known| known.push((self, found)));
+            found
+        })
     }
 }
 

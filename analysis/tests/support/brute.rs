@@ -294,8 +294,9 @@ pub fn brute(
         met.sort_by(|a, b| b.s.partial_cmp(&a.s).expect("ordered"));
         let offset = |c: &Candidate, x: f64| if c.sign == 0.0 { x } else { c.sign * x.exp2() };
         let mut best = met[0];
-        let angles = met.iter().filter(|c| c.sign == 0.0).take(5);
-        let offsets = met.iter().filter(|c| c.sign != 0.0 && c.place > -9e3).take(4);
+        let refined = if fine { 24 } else { 5 };
+        let angles = met.iter().filter(|c| c.sign == 0.0).take(refined);
+        let offsets = met.iter().filter(|c| c.sign != 0.0 && c.place > -9e3).take(refined);
         for start in angles.chain(offsets) {
             let width = if start.sign == 0.0 { std::f64::consts::PI / dense as f64 } else { step };
             const RATIO: f64 = 0.618_033_988_749_894_9;
