@@ -64,6 +64,13 @@ impl PlasticPotential {
             / (2.0 * density * shear_rate * (1.0 + sin_nu * sin_phi - (sin_nu + sin_phi) * cos))
     }
 
+    /// The sector |β| of growth, from and to, rad: between π/2 less the greater and π/2 less the smaller
+    /// of φ and ν; empty where they agree.
+    pub fn sector(&self) -> [f64; 2] {
+        let (phi, nu) = (self.coulomb.friction_angle, self.dilatancy_angle);
+        [phi.max(nu), phi.min(nu)].map(|angle| std::f64::consts::FRAC_PI_2 - angle)
+    }
+
     /// The greatest leading growth rate over k², `q tan²((φ − ν)/2) / (2 ρ Q_D)` in m²/s, and
     /// cos β where it is reached, `sin((φ + ν)/2) / cos((φ − ν)/2)`.
     pub fn worst(&self, deviator: f64, density: f64, shear_rate: f64) -> (f64, f64) {
