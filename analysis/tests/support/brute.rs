@@ -325,17 +325,19 @@ pub fn brute(
         let direction = (centre + Wide::from(offset(&best, place))).to_f64();
         at.push((wave, s.to_f64(), direction.rem_euclid(std::f64::consts::PI)));
     }
-    // At a fixed wave number, next to a zero of the highest power's coefficient.
-    let fixed = Wide::from(waves[0]);
-    let mut all = centres.to_vec();
-    all.extend(resonances(p, fixed, centres, reach));
-    let blows_up = all.iter().any(|&centre| {
-        [1.0, -1.0].into_iter().any(|sign| {
-            // Smaller distances would lose a double zero of the coefficient in 256 bits.
-            let [far, near, nearest] =
-                [1e-25, 1e-30, 1e-35].map(|x| growth(fixed, centre, sign * x));
-            let grows = |a: Wide, b: Wide| !a.is_negative() && !a.is_zero() && b > a.shifted(5);
-            nearest > fixed && grows(far, near) && grows(near, nearest)
+    // At fixed wave numbers, next to a zero of the highest power's coefficient: moderate ones too,
+    // for at great ones the unbounded part of a root can be small, like k⁻² over the offset.
+    let blows_up = [Wide::from(1234.5), Wide::from(waves[0])].into_iter().any(|fixed| {
+        let mut all = centres.to_vec();
+        all.extend(resonances(p, fixed, centres, reach));
+        all.iter().any(|&centre| {
+            [1.0, -1.0].into_iter().any(|sign| {
+                // Smaller distances would lose a double zero of the coefficient in 256 bits.
+                let [far, near, nearest] =
+                    [1e-25, 1e-30, 1e-35].map(|x| growth(fixed, centre, sign * x));
+                let grows = |a: Wide, b: Wide| !a.is_negative() && !a.is_zero() && b > a.shifted(5);
+                nearest > fixed && grows(far, near) && grows(near, nearest)
+            })
         })
     });
     Brute { at, blows_up }
