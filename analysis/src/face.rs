@@ -4,10 +4,12 @@
 //! In a sector α is the direction of the wave vector; in a layer tan α is the scaled offset from a
 //! degenerate direction.
 
+use crate::newton::gcd;
 use crate::puiseux::{Root, roots_of};
 use crate::roots;
 use crate::value::Value;
 use num_complex::Complex64;
+use std::cell::OnceCell;
 use std::f64::consts::PI;
 
 /// Σ cⁱ Σ `coefficients[i][l]` cos^(r−l) sin^l.
@@ -15,6 +17,7 @@ use std::f64::consts::PI;
 pub(crate) struct Face {
     /// By ascending power of c; empty where there is none.
     pub(crate) coefficients: Vec<Vec<Value>>,
+    collisions: OnceCell<Vec<f64>>,
 }
 
 /// Angles as near as this to one in which a coefficient vanishes are left to its layer.
@@ -28,6 +31,10 @@ const ROUNDS: usize = 12;
 const OFF_AXES: f64 = 0.372_915_6;
 
 impl Face {
+    pub(crate) fn new(coefficients: Vec<Vec<Value>>) -> Self {
+        Self { coefficients, collisions: OnceCell::new() }
+    }
+
     /// Degree in c.
     pub(crate) fn degree(&self) -> usize {
         self.coefficients.len() - 1
@@ -117,6 +124,15 @@ impl Face {
         }
         for node in 0..2 * nodes {
             consider(PI * (node as f64 + 0.37) / (2 * nodes) as f64, &mut best);
+        }
+        if best.is_none() {
+            // Neutral roots leave the imaginary axis only where they collide: any sector of growth,
+            // however thin, lies between two collisions.
+            let collisions = self.collisions();
+            for (index, &left) in collisions.iter().enumerate() {
+                let right = collisions.get(index + 1).copied().unwrap_or(collisions[0] + PI);
+                consider(0.5 * (left + right), &mut best);
+            }
         }
         let (_, mut angle) = best?;
         for _ in 0..ROUNDS {
@@ -277,9 +293,28 @@ impl Face {
         })
     }
 
-    /// Angles in [0, π) in which roots c may collide, but for roots that agree everywhere: zeros of
-    /// the discriminant of the `distinct` different ones.
-    pub(crate) fn collisions(&self) -> Vec<f64> {
+    /// Angles in [0, π), ascending, in which non-zero roots c may collide, but for roots that agree
+    /// everywhere: zeros of the discriminant of the different ones.
+    pub(crate) fn collisions(&self) -> &[f64] {
+        self.collisions.get_or_init(|| {
+            let folded = self.folded();
+            let mut found = folded.zeros_of_discriminant();
+            found.sort_by(f64::total_cmp);
+            found
+        })
+    }
+
+    /// The face as a polynomial in c^g with the greatest such g: roots of as many directions collide
+    /// together, which would make all zeros of the discriminant multiple.
+    fn folded(&self) -> Face {
+        let present = |form: &Vec<Value>| form.iter().any(|f| !f.is_zero());
+        let powers = || self.coefficients.iter().enumerate().filter(|(_, f)| present(f));
+        let lowest = powers().next().map_or(0, |(i, _)| i);
+        let step = powers().fold(0, |g, (i, _)| gcd(g, (i - lowest) as i64)).max(1);
+        Face::new(self.coefficients[lowest..].iter().step_by(step as usize).cloned().collect())
+    }
+
+    fn zeros_of_discriminant(&self) -> Vec<f64> {
         let Some(distinct) = self.generic_roots() else { return Vec::new() };
         if distinct < 2 {
             return Vec::new();

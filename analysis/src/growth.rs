@@ -17,6 +17,7 @@ use crate::polynomial::Term;
 use crate::puiseux::{self, Monomial};
 use crate::value::{Value, imaginary_power};
 use models::Rounded;
+use std::cell::OnceCell;
 use std::f64::consts::PI;
 
 /// Growth of the worst short waves, Re ς ≈ `coefficient` k^`order`.
@@ -97,6 +98,7 @@ struct Edge<'a> {
     order: Order,
     /// Terms on the edge, by descending power of ς.
     terms: Vec<&'a Term>,
+    face: OnceCell<Face>,
 }
 
 /// Judges the system that `pencil` holds.
@@ -222,7 +224,8 @@ fn edges<'a>(terms: &'a [Term], corners: &[(i64, i64)]) -> Vec<Edge<'a>> {
             let (a, b) = (pair[0], pair[1]);
             let mut terms: Vec<&Term> = terms.iter().filter(|t| is_on(powers(t), (a, b))).collect();
             terms.sort_by_key(|t| std::cmp::Reverse(t.time));
-            Edge { order: Order::new(b.1 - a.1, a.0 - b.0), terms }
+            let order = Order::new(b.1 - a.1, a.0 - b.0);
+            Edge { order, terms, face: OnceCell::new() }
         })
         .collect()
 }
@@ -361,14 +364,16 @@ impl Edge<'_> {
             .fold(-1.0, f64::max)
     }
 
-    fn face(&self) -> Face {
-        let [(highest, _), (lowest, _)] = self.ends();
-        let mut coefficients = vec![Vec::new(); highest - lowest + 1];
-        for t in &self.terms {
-            let turned = |&f: &Rounded| Value::turned(f, t.form.degree() as i64);
-            coefficients[t.time - lowest] = t.form.coefficients.iter().map(turned).collect();
-        }
-        Face { coefficients }
+    fn face(&self) -> &Face {
+        self.face.get_or_init(|| {
+            let [(highest, _), (lowest, _)] = self.ends();
+            let mut coefficients = vec![Vec::new(); highest - lowest + 1];
+            for t in &self.terms {
+                let turned = |&f: &Rounded| Value::turned(f, t.form.degree() as i64);
+                coefficients[t.time - lowest] = t.form.coefficients.iter().map(turned).collect();
+            }
+            Face::new(coefficients)
+        })
     }
 }
 
@@ -531,11 +536,11 @@ fn golden_section(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
 /// Growth around the directions in which neutral roots of an edge collide.
 fn search_collisions(terms: &[Term], edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
     let face = edge.face();
-    for angle in face.collisions() {
+    for &angle in face.collisions() {
         if zeros.iter().any(|z| apart(z.angle, angle) < 1e-9) {
             continue;
         }
-        let Some((angle, root)) = collision_at(&face, angle) else { continue };
+        let Some((angle, root)) = collision_at(face, angle) else { continue };
         if root.is_neutral() {
             let zero = Zero { angle: angle.rem_euclid(PI), bound: 4e-15, crosses: true };
             search_collision(terms, &zero, edge.order, &root, worst);

@@ -196,8 +196,7 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
     }
     let first = facet.points.iter().map(|p| p.y).min().unwrap_or(0);
     let width = facet.points.iter().map(|p| p.y).max().unwrap_or(0) - first;
-    let mut face =
-        Face { coefficients: vec![vec![Value::default(); width + 1]; highest - lowest + 1] };
+    let mut face = Face::new(vec![vec![Value::default(); width + 1]; highest - lowest + 1]);
     for p in &facet.points {
         face.coefficients[p.x - lowest][p.y - first] += p.value;
     }
@@ -265,7 +264,7 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
             worst.grows_in_layer(order, coefficient, place.angle);
         }
     }
-    for angle in face.collisions().into_iter().filter(inner) {
+    for &angle in face.collisions().iter().filter(|angle| inner(angle)) {
         let Some((d, bound, root)) = refine_collision(&face, angle) else { continue };
         if !root.is_neutral() {
             continue;
@@ -317,8 +316,7 @@ impl Triangle {
             let greatest = |f: fn(&(usize, usize, u8)) -> usize| self.0.iter().map(f).max();
             let degree = greatest(|p| p.0).unwrap_or(0);
             let width = greatest(|p| p.1).unwrap_or(0);
-            let mut face =
-                Face { coefficients: vec![vec![Value::default(); width + 1]; degree + 1] };
+            let mut face = Face::new(vec![vec![Value::default(); width + 1]; degree + 1]);
             for (x, y, n) in self.0 {
                 face.coefficients[x][y] += Value::turned(Rounded::ONE, n.into());
             }

@@ -8,7 +8,8 @@
 //! - [`characteristics`]: characteristic directions of the steady equations;
 //! - [`newton`]: orders and leading coefficients of roots in one direction;
 //! - [`growth`]: how fast short waves grow, in every direction: the verdict;
-//! - [`bound`]: the supremum of the growth rate, where it is finite.
+//! - [`bound`]: the supremum of the growth rate, where it is finite;
+//! - [`waves`]: speeds, dispersion curves and forbidden bands of solids.
 #![deny(missing_docs)]
 
 pub mod bound;
@@ -27,6 +28,7 @@ pub mod qz;
 pub mod roots;
 pub mod scaling;
 mod value;
+pub mod waves;
 
 /// A system that cannot be analysed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

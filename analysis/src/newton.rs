@@ -12,11 +12,13 @@ pub struct Order {
     pub denominator: i64,
 }
 
+/// Greatest common divisor.
+pub(crate) fn gcd(a: i64, b: i64) -> i64 {
+    if b == 0 { a.abs() } else { gcd(b, a % b) }
+}
+
 impl Order {
     pub(crate) fn new(numerator: i64, denominator: i64) -> Self {
-        fn gcd(a: i64, b: i64) -> i64 {
-            if b == 0 { a.abs() } else { gcd(b, a % b) }
-        }
         let divisor = gcd(numerator, denominator).max(1) * denominator.signum();
         Self { numerator: numerator / divisor, denominator: denominator / divisor }
     }

@@ -12,8 +12,11 @@
 #![deny(missing_docs)]
 
 pub mod closed_form;
+pub mod cosserat;
 pub mod granular_flow;
 mod input;
+pub mod plasticity;
+pub mod rates;
 pub mod rounding;
 pub mod system;
 

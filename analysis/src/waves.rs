@@ -1,0 +1,419 @@
+//! Plane waves in a solid given by its rate equations.
+//!
+//! With v = v̂ exp(ςt + ik n·x) and H(k) = ik Σ nᵢGⁱ + Z the stresses can be eliminated exactly,
+//!
+//! ```text
+//! ς² M v̂ = −H* D H v̂,    M^(−½) H*DH M^(−½) = k²Γ + kN₁ + N₀,    ω² = −ς²:
+//! ```
+//!
+//! as many branches ω(k) as velocities; every other root of the rate equations is ς = 0, stress that
+//! no motion relieves. Γ is the acoustic tensor: its eigenvalues are the squared characteristic
+//! speeds c². Where D is symmetric the matrices are Hermitian and every ω² is real; otherwise
+//! c² may be complex (flutter) or negative (divergence).
+
+use crate::qz::Qz;
+use models::rates::RateEquations;
+use nalgebra::DMatrix;
+use num_complex::Complex64;
+
+type Matrix = DMatrix<Complex64>;
+
+/// Waves along one direction, split into families that do not see each other.
+#[derive(Clone, Debug)]
+pub struct Waves {
+    /// The families, in the order of their first velocity along (n, t₁, t₂).
+    pub families: Vec<Family>,
+}
+
+/// Waves whose velocities are coupled among themselves alone.
+#[derive(Clone, Debug)]
+pub struct Family {
+    /// What moves.
+    pub polarisation: Polarisation,
+    /// Γ, N₁, N₀ of the family: [k², k, 1].
+    by_power: [Matrix; 3],
+    is_hermitian: bool,
+}
+
+/// What moves in a family of waves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Polarisation {
+    /// Displacement along the wave vector.
+    Longitudinal,
+    /// Displacement across it, with or without rotation across it.
+    Transverse,
+    /// Rotation about an axis across it, without displacement.
+    Rotation,
+    /// Rotation about the wave vector.
+    Torsion,
+    /// Several of these together.
+    Coupled,
+}
+
+impl Polarisation {
+    /// Name in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Longitudinal => "longitudinal",
+            Self::Transverse => "transverse",
+            Self::Rotation => "rotation",
+            Self::Torsion => "torsion",
+            Self::Coupled => "coupled",
+        }
+    }
+}
+
+/// A branch at one wave number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mode {
+    /// ω², rad²/s².
+    pub squared_frequency: Complex64,
+    /// dω²/dk along the direction of the wave vector, rad²·m/s²; for group speeds dω/dk = this/2ω.
+    pub slope: Complex64,
+}
+
+/// An interval of frequencies in which no wave of a family propagates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForbiddenBand {
+    /// Lower end, rad/s.
+    pub from: f64,
+    /// Upper end, rad/s.
+    pub to: f64,
+}
+
+/// A velocity in the basis (n, t₁, t₂).
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Motion {
+    Along,
+    Across,
+    SpinAlong,
+    SpinAcross,
+}
+
+/// Relative size below which a coupling, a speed or a frequency counts as zero: some hundred
+/// roundings of the largest entry.
+const NEGLIGIBLE: f64 = 1e-13;
+
+/// Squared characteristic speeds c² along the unit vector `normal`, m²/s², by descending real part.
+pub fn squared_speeds<const D: usize>(
+    equations: &RateEquations<D>,
+    normal: [f64; D],
+) -> Vec<Complex64> {
+    let mut all: Vec<Complex64> =
+        Waves::along(equations, normal).families.iter().flat_map(Family::squared_speeds).collect();
+    all.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+    all
+}
+
+impl Waves {
+    /// The waves along the unit vector `normal`. Relaxation is left out: it damps.
+    pub fn along<const D: usize>(equations: &RateEquations<D>, normal: [f64; D]) -> Self {
+        let (basis, motions) = basis(equations, normal);
+        let mut gradient = DMatrix::zeros(equations.stresses(), equations.velocities());
+        for (axis, component) in normal.iter().enumerate() {
+            gradient += &equations.gradient[axis] * *component;
+        }
+        let scale = DMatrix::from_diagonal(
+            &equations.inertia.iter().map(|m| m.value.sqrt().recip()).collect::<Vec<_>>().into(),
+        );
+        let stiffness = equations.stiffness_values();
+        let (g, z) = (gradient * &scale * &basis, &equations.rotation * &scale * &basis);
+        let between =
+            |left: &DMatrix<f64>, right: &DMatrix<f64>| left.transpose() * &stiffness * right;
+        let real = |m: DMatrix<f64>| m.map(|x| Complex64::new(x, 0.0));
+        // (−ikGᵀ + Zᵀ) D (ikG + Z)
+        let cross = between(&z, &g) - between(&g, &z);
+        let by_power =
+            [real(between(&g, &g)), cross.map(|x| Complex64::new(0.0, x)), real(between(&z, &z))];
+        let asymmetry = (&stiffness - stiffness.transpose()).amax();
+        let is_hermitian = asymmetry <= NEGLIGIBLE * stiffness.amax();
+
+        let families = components(&by_power).into_iter().map(|members| {
+            let part = |m: &Matrix| {
+                let block = m.select_rows(&members).select_columns(&members);
+                if is_hermitian { (&block + block.adjoint()).scale(0.5) } else { block }
+            };
+            let own: Vec<Motion> = members.iter().map(|&i| motions[i]).collect();
+            Family {
+                polarisation: polarisation(&own),
+                by_power: by_power.each_ref().map(part),
+                is_hermitian,
+            }
+        });
+        Self { families: families.collect() }
+    }
+}
+
+/// Columns: the velocities along (n, t₁, t₂), then the spins along the same axes.
+fn basis<const D: usize>(
+    equations: &RateEquations<D>,
+    normal: [f64; D],
+) -> (DMatrix<f64>, Vec<Motion>) {
+    let size = equations.velocities();
+    let axes = axes(normal);
+    let mut basis = DMatrix::zeros(size, size);
+    for (row, column) in (0..D).flat_map(|i| (0..D).map(move |j| (i, j))) {
+        basis[(row, column)] = axes[column][row];
+        // In the plane the one spin is about the third axis, whatever the direction.
+        if size == 2 * D {
+            basis[(D + row, D + column)] = axes[column][row];
+        }
+    }
+    if size == D + 1 {
+        basis[(D, D)] = 1.0;
+    }
+    let translations = (0..D).map(|i| if i == 0 { Motion::Along } else { Motion::Across });
+    let spins = (D..size).map(|i| match i - D {
+        0 if size == 2 * D => Motion::SpinAlong,
+        _ => Motion::SpinAcross,
+    });
+    (basis, translations.chain(spins).collect())
+}
+
+/// Orthonormal vectors of which the first is `normal`.
+fn axes<const D: usize>(normal: [f64; D]) -> [[f64; D]; D] {
+    let mut axes = [[0.0; D]; D];
+    axes[0] = normal;
+    if D == 2 {
+        axes[1][0] = -normal[1];
+        axes[1][1] = normal[0];
+        return axes;
+    }
+    // Two of the three cross products with the coordinate axes are long; the axis farthest from n
+    // gives the longest.
+    let least = (0..3).min_by(|&i, &j| normal[i].abs().total_cmp(&normal[j].abs())).unwrap_or(0);
+    let (i, j) = ((least + 1) % 3, (least + 2) % 3);
+    let length = normal[i].hypot(normal[j]);
+    axes[1][i] = -normal[j] / length;
+    axes[1][j] = normal[i] / length;
+    for a in 0..3 {
+        let (b, c) = ((a + 1) % 3, (a + 2) % 3);
+        axes[2][a] = normal[b] * axes[1][c] - normal[c] * axes[1][b];
+    }
+    axes
+}
+
+/// Sets of velocities that no matrix couples to another set.
+fn components(by_power: &[Matrix; 3]) -> Vec<Vec<usize>> {
+    let size = by_power[0].nrows();
+    let couples = |i: usize, j: usize| {
+        by_power.iter().any(|m| {
+            let largest = m.iter().fold(0.0f64, |a, b| a.max(b.norm()));
+            m[(i, j)].norm().max(m[(j, i)].norm()) > NEGLIGIBLE * largest
+        })
+    };
+    let mut sets: Vec<Vec<usize>> = Vec::new();
+    for i in 0..size {
+        let (joined, apart): (Vec<_>, Vec<_>) =
+            sets.into_iter().partition(|set| set.iter().any(|&j| couples(i, j)));
+        let mut own: Vec<usize> = joined.into_iter().flatten().chain([i]).collect();
+        own.sort_unstable();
+        sets = apart;
+        sets.push(own);
+    }
+    sets.sort();
+    sets
+}
+
+fn polarisation(motions: &[Motion]) -> Polarisation {
+    use Motion::{Across, Along, SpinAcross, SpinAlong};
+    match motions {
+        [Along] => Polarisation::Longitudinal,
+        [SpinAlong] => Polarisation::Torsion,
+        _ if motions.iter().all(|&m| m == SpinAcross) => Polarisation::Rotation,
+        _ if motions.iter().all(|&m| matches!(m, Across | SpinAcross)) => Polarisation::Transverse,
+        _ => Polarisation::Coupled,
+    }
+}
+
+impl Family {
+    /// Number of branches.
+    pub fn branches(&self) -> usize {
+        self.by_power[0].nrows()
+    }
+
+    /// Squared characteristic speeds c², m²/s², by descending real part.
+    pub fn squared_speeds(&self) -> Vec<Complex64> {
+        eigenvalues(&self.by_power[0], self.is_hermitian)
+    }
+
+    /// k²Γ + kN₁ + N₀.
+    fn matrix(&self, k: f64) -> Matrix {
+        let [second, first, zeroth] = &self.by_power;
+        second.scale(k * k) + first.scale(k) + zeroth
+    }
+
+    /// ω² of the branches at the wave number `k` (1/m), rad²/s², by ascending real part.
+    pub fn squared_frequencies(&self, k: f64) -> Vec<Complex64> {
+        let mut all = eigenvalues(&self.matrix(k), self.is_hermitian);
+        all.reverse();
+        all
+    }
+
+    /// The branches at the wave number `k` (1/m), by ascending ω², with their slopes
+    /// x*(2kΓ + N₁)x (Hellmann–Feynman; for matrices that are not Hermitian by central differences).
+    pub fn modes(&self, k: f64) -> Vec<Mode> {
+        if !self.is_hermitian {
+            let step = 1e-5 * k;
+            let [before, here, after] =
+                [k - step, k, k + step].map(|k| self.squared_frequencies(k));
+            let slope = |i: usize| (after[i] - before[i]) / (2.0 * step);
+            let mode = |i: usize| Mode { squared_frequency: here[i], slope: slope(i) };
+            return (0..here.len()).map(mode).collect();
+        }
+        let [second, first, _] = &self.by_power;
+        let rate = second.scale(2.0 * k) + first;
+        let eigen = self.matrix(k).symmetric_eigen();
+        let mut modes: Vec<Mode> = (0..self.branches())
+            .map(|i| {
+                let x = eigen.eigenvectors.column(i);
+                let slope = (x.adjoint() * &rate * x)[(0, 0)];
+                Mode { squared_frequency: eigen.eigenvalues[i].into(), slope: slope.re.into() }
+            })
+            .collect();
+        modes.sort_by(|a, b| a.squared_frequency.re.total_cmp(&b.squared_frequency.re));
+        modes
+    }
+
+    /// ω² at k = 0, rad²/s², ascending: cut-off frequencies squared, and zeros.
+    pub fn squared_cut_offs(&self) -> Vec<Complex64> {
+        self.squared_frequencies(0.0)
+    }
+
+    /// The limits of ω² as k → ∞, rad²/s², ascending, of the branches whose characteristic speed is
+    /// zero: on the null space of Γ, to second order of perturbation theory,
+    ///
+    /// ```text
+    /// ω² → eig P (N₀ − N₁ Γ⁺ N₁) P.
+    /// ```
+    ///
+    /// Empty where nothing has speed zero, or Γ is not Hermitian.
+    pub fn squared_short_wave_limits(&self) -> Vec<f64> {
+        if !self.is_hermitian {
+            return Vec::new();
+        }
+        let [second, first, zeroth] = &self.by_power;
+        let eigen = second.clone().symmetric_eigen();
+        let largest = eigen.eigenvalues.amax();
+        let is_zero = |i: usize| eigen.eigenvalues[i].abs() <= NEGLIGIBLE * largest;
+        let (null, moving): (Vec<usize>, Vec<usize>) =
+            (0..self.branches()).partition(|&i| is_zero(i));
+        if null.is_empty() {
+            return Vec::new();
+        }
+        let still = eigen.eigenvectors.select_columns(&null);
+        let mut limit = still.adjoint() * zeroth * &still;
+        for i in moving {
+            let x = eigen.eigenvectors.column(i);
+            let coupling = still.adjoint() * first * x;
+            limit -= (&coupling * coupling.adjoint()).unscale(eigen.eigenvalues[i]);
+        }
+        let mut limits: Vec<f64> = limit.symmetric_eigenvalues().iter().copied().collect();
+        limits.sort_by(f64::total_cmp);
+        limits
+    }
+
+    /// Frequencies between 0 and infinity at which no wave of the family propagates, ascending; for
+    /// real ω² alone. Branches that are monotonic in k end where they have a cut-off, a short-wave
+    /// limit, or no end; extrema in between are located from `samples` wave numbers (1/m, ascending)
+    /// to 1e-12.
+    pub fn forbidden_bands(&self, samples: &[f64]) -> Vec<ForbiddenBand> {
+        if !self.is_hermitian {
+            return Vec::new();
+        }
+        let frequency = |square: f64| square.max(0.0).sqrt();
+        let starts = self.squared_cut_offs();
+        // Ascending: the branches of zero speed lie lowest at short waves.
+        let limits = self.squared_short_wave_limits();
+        let largest = starts.iter().map(|s| s.re).chain(limits.iter().copied()).fold(0.0, f64::max);
+        let cleaned = |square: f64| if square <= 1e-12 * largest { 0.0 } else { square };
+        let mut ranges: Vec<[f64; 2]> = (0..self.branches())
+            .map(|branch| {
+                let start = cleaned(starts[branch].re);
+                let end = limits.get(branch).map_or(f64::INFINITY, |&limit| cleaned(limit));
+                let (low, high) = self.extrema(branch, samples);
+                [frequency(start.min(end).min(low)), frequency(start.max(end).max(high))]
+            })
+            .collect();
+        ranges.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let mut bands = Vec::new();
+        let mut reached = 0.0;
+        for [low, high] in ranges {
+            if low > reached * (1.0 + 1e-12) {
+                bands.push(ForbiddenBand { from: reached, to: low });
+            }
+            reached = f64::max(reached, high);
+        }
+        if reached.is_finite() {
+            bands.push(ForbiddenBand { from: reached, to: f64::INFINITY });
+        }
+        bands
+    }
+
+    /// Least and greatest ω² of a branch at interior extrema.
+    fn extrema(&self, branch: usize, samples: &[f64]) -> (f64, f64) {
+        let at = |k: f64| self.squared_frequencies(k)[branch].re;
+        let values: Vec<f64> = samples.iter().map(|&k| at(k)).collect();
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for i in 1..values.len().saturating_sub(1) {
+            let [before, here, after] = [values[i - 1], values[i], values[i + 1]];
+            for sign in [1.0, -1.0] {
+                if sign * (here - before) > 0.0 && sign * (here - after) > 0.0 {
+                    let found = golden(|k| sign * at(k), samples[i - 1], samples[i + 1]);
+                    (low, high) = (low.min(sign * found), high.max(sign * found));
+                }
+            }
+        }
+        (low, high)
+    }
+}
+
+/// The greatest value of `f` between `a` and `b`.
+fn golden(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
+    let ratio = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut x, mut y) = (b - ratio * (b - a), a + ratio * (b - a));
+    let (mut fx, mut fy) = (f(x), f(y));
+    for _ in 0..60 {
+        if fx >= fy {
+            (b, y, fy) = (y, x, fx);
+            x = b - ratio * (b - a);
+            fx = f(x);
+        } else {
+            (a, x, fx) = (x, y, fy);
+            y = a + ratio * (b - a);
+            fy = f(y);
+        }
+    }
+    fx.max(fy)
+}
+
+/// By descending real part.
+fn eigenvalues(matrix: &Matrix, is_hermitian: bool) -> Vec<Complex64> {
+    let size = matrix.nrows();
+    let mut values: Vec<Complex64> = match size {
+        1 => vec![matrix[(0, 0)]],
+        _ if is_hermitian => {
+            matrix.symmetric_eigenvalues().iter().map(|&x| Complex64::new(x, 0.0)).collect()
+        }
+        2 => pair(matrix).to_vec(),
+        _ => {
+            let mut qz = Qz::default();
+            let identity = |i, j| Complex64::new(f64::from(u8::from(i == j)), 0.0);
+            qz.equilibrate(size, |i, j| matrix[(i, j)], identity);
+            match qz.solve() {
+                Some(values) => values.to_vec(),
+                None => vec![Complex64::new(f64::NAN, f64::NAN); size],
+            }
+        }
+    };
+    values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+    values
+}
+
+/// Eigenvalues of a 2 × 2 matrix: m ± √(d² + bc).
+fn pair(matrix: &Matrix) -> [Complex64; 2] {
+    let (a, d) = (matrix[(0, 0)], matrix[(1, 1)]);
+    let (middle, half) = ((a + d) * 0.5, (a - d) * 0.5);
+    let root = (half * half + matrix[(0, 1)] * matrix[(1, 0)]).sqrt();
+    [middle + root, middle - root]
+}

@@ -1,0 +1,1 @@
+//! Projection onto yield sets.
