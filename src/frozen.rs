@@ -92,6 +92,7 @@ pub fn verdict(closed_form: ClosedForm) -> Verdict {
 
 /// A state that was looked at.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "never kept in numbers")]
 pub enum Frozen {
     /// Fully deforming, and judged.
     Flowing {

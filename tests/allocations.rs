@@ -1,6 +1,9 @@
-//! A point of a map that a formula decides costs no memory from the heap.
+//! A point of a map costs no memory from the heap.
 
-use models::granular_flow::Model;
+mod states;
+
+use models::granular_flow::{Kind, Model};
+use states::{Random, Range};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use wellposed::case::{Case, Parameter};
@@ -59,4 +62,35 @@ fn a_formula_needs_no_memory() {
         assert_eq!(route, Route::ClosedForm);
     }
     assert_eq!(ALLOCATIONS.with(Cell::get), before);
+}
+
+/// From the linearised equations, every model, ν = 0 and ν > 0, with and without gradients and
+/// accelerations: once what a thread keeps has grown to the model's size, a state takes no more.
+/// States that are called marginal say why in words, and words take memory.
+#[test]
+fn the_linearised_equations_need_no_memory() {
+    const STATES: u64 = 1000;
+    for kind in Kind::ALL {
+        for (dilatant, gradients) in [(false, false), (false, true), (true, false), (true, true)] {
+            let mut workspace = Workspace::default();
+            let mut marginal = 0;
+            // Blocks of every size, and layers of every kind, have been met after the first round.
+            for (round, seed) in (0..2).flat_map(|round| (0..STATES).map(move |seed| (round, seed)))
+            {
+                let random = &mut Random::new(seed);
+                let (parameters, state) =
+                    states::random(random, kind, Range::Materials, dilatant, gradients);
+                let (model, flow) = states::flow(kind, &parameters, &state);
+                let before = ALLOCATIONS.with(Cell::get);
+                let assessment = workspace.assess(&model, &flow).expect("finite");
+                let taken = ALLOCATIONS.with(Cell::get) - before;
+                if assessment.verdict.name() == "marginal" {
+                    marginal += 1;
+                } else if round > 0 {
+                    assert_eq!(taken, 0, "{kind:?}, seed {seed}: {parameters:?} {state:?}");
+                }
+            }
+            assert!(marginal < STATES / 100, "{marginal}");
+        }
+    }
 }

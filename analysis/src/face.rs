@@ -4,6 +4,7 @@
 //! In a sector α is the direction of the wave vector; in a layer tan α is the scaled offset from a
 //! degenerate direction.
 
+use crate::list::{List, list};
 use crate::newton::gcd;
 use crate::puiseux::{Root, roots_of};
 use crate::roots;
@@ -16,8 +17,8 @@ use std::f64::consts::PI;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Face {
     /// By ascending power of c; empty where there is none.
-    pub(crate) coefficients: Vec<Vec<Value>>,
-    collisions: OnceCell<Vec<f64>>,
+    pub(crate) coefficients: List<List<Value>>,
+    collisions: OnceCell<List<f64>>,
 }
 
 /// Angles as near as this to one in which a coefficient vanishes are left to its layer.
@@ -31,7 +32,7 @@ const ROUNDS: usize = 12;
 const OFF_AXES: f64 = 0.372_915_6;
 
 impl Face {
-    pub(crate) fn new(coefficients: Vec<Vec<Value>>) -> Self {
+    pub(crate) fn new(coefficients: List<List<Value>>) -> Self {
         Self { coefficients, collisions: OnceCell::new() }
     }
 
@@ -41,9 +42,9 @@ impl Face {
     }
 
     /// Coefficients of the powers of c at an angle.
-    pub(crate) fn at(&self, angle: f64) -> Vec<Value> {
+    pub(crate) fn at(&self, angle: f64) -> List<Value> {
         let (sin, cos) = angle.sin_cos();
-        let evaluate = |form: &Vec<Value>| {
+        let evaluate = |form: &List<Value>| {
             let degree = form.len().saturating_sub(1);
             let mut sum = Value::default();
             for (l, &f) in form.iter().enumerate() {
@@ -57,7 +58,7 @@ impl Face {
     }
 
     /// The non-zero roots c at an angle.
-    pub(crate) fn roots(&self, angle: f64) -> Vec<Root> {
+    pub(crate) fn roots(&self, angle: f64) -> List<Root> {
         roots_of(&self.at(angle))
     }
 
@@ -73,14 +74,14 @@ impl Face {
     }
 
     /// Angles in [0, π) in which the coefficient of a power of c vanishes.
-    pub(crate) fn zeros_of_power(&self, power: usize) -> Vec<f64> {
+    pub(crate) fn zeros_of_power(&self, power: usize) -> List<f64> {
         let form = &self.coefficients[power];
         let first = form.iter().take_while(|c| c.is_zero()).count();
         let end = form.iter().rposition(|c| !c.is_zero()).map_or(0, |last| last + 1);
         if end <= first + 1 {
-            return Vec::new();
+            return List::new();
         }
-        let plain: Vec<Complex64> = form[first..end].iter().map(|c| c.value).collect();
+        let plain: List<Complex64> = form[first..end].iter().map(|c| c.value).collect();
         roots::of(&plain)
             .into_iter()
             .filter(|t| t.im.abs() <= 1e-7 * t.norm())
@@ -116,7 +117,7 @@ impl Face {
             better
         };
         // One angle in each sector between zeros, and some more all round.
-        let mut edges: Vec<f64> = avoided.to_vec();
+        let mut edges: List<f64> = List::from_slice(avoided);
         edges.sort_by(f64::total_cmp);
         for (index, &left) in edges.iter().enumerate() {
             let right = edges.get(index + 1).copied().unwrap_or(edges[0] + PI);
@@ -249,7 +250,7 @@ impl Face {
 
     /// Sum of the moduli of all terms at a root of that modulus.
     pub(crate) fn size(&self, modulus: f64) -> f64 {
-        let sum = |form: &Vec<Value>| form.iter().map(|f| f.size()).sum::<f64>();
+        let sum = |form: &List<Value>| form.iter().map(|f| f.size()).sum::<f64>();
         self.coefficients.iter().rev().fold(0.0, |total, form| total * modulus + sum(form))
     }
 
@@ -286,9 +287,9 @@ impl Face {
     }
 
     /// Angles in [0, π) in which some root may have Re c = `level`.
-    fn crossings(&self, level: f64, nodes: usize) -> Vec<f64> {
+    fn crossings(&self, level: f64, nodes: usize) -> List<f64> {
         circle_zeros(2 * nodes - 1, |angle| {
-            let p: Vec<Complex64> = self.at(angle).iter().map(|c| c.value).collect();
+            let p: List<Complex64> = self.at(angle).iter().map(|c| c.value).collect();
             reflected_resultant(&p, level)
         })
     }
@@ -307,17 +308,17 @@ impl Face {
     /// The face as a polynomial in c^g with the greatest such g: roots of as many directions collide
     /// together, which would make all zeros of the discriminant multiple.
     fn folded(&self) -> Face {
-        let present = |form: &Vec<Value>| form.iter().any(|f| !f.is_zero());
+        let present = |form: &List<Value>| form.iter().any(|f| !f.is_zero());
         let powers = || self.coefficients.iter().enumerate().filter(|(_, f)| present(f));
         let lowest = powers().next().map_or(0, |(i, _)| i);
         let step = powers().fold(0, |g, (i, _)| gcd(g, (i - lowest) as i64)).max(1);
         Face::new(self.coefficients[lowest..].iter().step_by(step as usize).cloned().collect())
     }
 
-    fn zeros_of_discriminant(&self) -> Vec<f64> {
-        let Some(distinct) = self.generic_roots() else { return Vec::new() };
+    fn zeros_of_discriminant(&self) -> List<f64> {
+        let Some(distinct) = self.generic_roots() else { return List::new() };
         if distinct < 2 {
-            return Vec::new();
+            return List::new();
         }
         // As a polynomial in the coefficients it has the degree 2·distinct − 2.
         let nodes = (2 * distinct - 2) * self.width() + 1;
@@ -346,19 +347,19 @@ impl Face {
 fn reflected_resultant(p: &[Complex64], level: f64) -> Complex64 {
     let n = p.len() - 1;
     // Coefficients of E(s + x) and of conj E at s − x.
-    let mut shifted = p.to_vec();
+    let mut shifted: List<Complex64> = List::from_slice(p);
     for i in 0..n {
         for j in (i..n).rev() {
             let upper = shifted[j + 1];
             shifted[j] += level * upper;
         }
     }
-    let reflected: Vec<Complex64> = shifted
+    let reflected: List<Complex64> = shifted
         .iter()
         .enumerate()
         .map(|(i, c)| if i % 2 == 0 { c.conj() } else { -c.conj() })
         .collect();
-    let mut matrix = vec![vec![Complex64::ZERO; 2 * n]; 2 * n];
+    let mut matrix = list![list![Complex64::ZERO; 2 * n]; 2 * n];
     for row in 0..n {
         for i in 0..=n {
             matrix[row][row + n - i] = shifted[i];
@@ -391,18 +392,18 @@ fn reflected_resultant(p: &[Complex64], level: f64) -> Complex64 {
 
 /// Zeros in [0, π) of a trigonometric polynomial of period π, up to a factor exp(iNθ), with at most
 /// `terms` powers of z = exp 2iθ, from its values at as many angles.
-fn circle_zeros(terms: usize, f: impl Fn(f64) -> Complex64) -> Vec<f64> {
+fn circle_zeros(terms: usize, f: impl Fn(f64) -> Complex64) -> List<f64> {
     // A power of exp iθ makes all exponents of z run from 0. The angles stay off the axes, where
     // coefficients often vanish.
     let half = (terms - 1) as f64;
     let angle = |n: usize| PI * (n as f64 + OFF_AXES) / terms as f64;
-    let values: Vec<Complex64> =
+    let values: List<Complex64> =
         (0..terms).map(|n| f(angle(n)) * Complex64::from_polar(1.0, half * angle(n))).collect();
     let size = values.iter().map(|v| v.norm()).fold(0.0, f64::max);
     if size == 0.0 || !size.is_finite() {
-        return Vec::new();
+        return List::new();
     }
-    let mut coefficients: Vec<Complex64> = (0..terms)
+    let mut coefficients: List<Complex64> = (0..terms)
         .map(|m| {
             let turn = |n: usize| Complex64::from_polar(1.0, -2.0 * m as f64 * angle(n));
             let sum: Complex64 = values.iter().enumerate().map(|(n, v)| v * turn(n)).sum();

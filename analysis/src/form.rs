@@ -1,5 +1,6 @@
 //! Binary forms F(κ₁, κ₂) = Σ f_l κ₁^(d−l) κ₂^l with rounding bounds, and where they vanish.
 
+use crate::list::{List, list};
 use crate::roots;
 use models::Rounded;
 use num_complex::Complex64;
@@ -9,10 +10,12 @@ use std::f64::consts::{FRAC_PI_2, PI};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Form {
     /// Entry l belongs to κ₁^(d−l) κ₂^l.
-    pub coefficients: Vec<Rounded>,
+    pub coefficients: List<Rounded>,
     /// The form as a product, where that is known: two factors that vanish next to each other
-    /// tell their zeros apart, the product of their coefficients does not.
-    factors: Vec<Form>,
+    /// tell their zeros apart, the product of their coefficients does not. The coefficients of one
+    /// factor after the other, and where each ends.
+    factors: List<Rounded>,
+    ends: List<usize, 4>,
 }
 
 /// A real direction in which a form vanishes.
@@ -29,16 +32,26 @@ pub struct Zero {
 impl Form {
     /// The zero form of that degree.
     pub fn zero(degree: usize) -> Self {
-        Self { coefficients: vec![Rounded::ZERO; degree + 1], factors: Vec::new() }
+        Self { coefficients: list![Rounded::ZERO; degree + 1], ..Self::default() }
+    }
+
+    fn from_coefficients(coefficients: &[Rounded]) -> Self {
+        Self { coefficients: List::from_slice(coefficients), ..Self::default() }
+    }
+
+    /// The coefficients of the factors that are known.
+    fn factors(&self) -> impl Iterator<Item = &[Rounded]> {
+        let starts = [0].into_iter().chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, &end)| &self.factors[start..end])
     }
 
     /// Remembers that the form is the product of `factors`, up to a positive or negative constant;
     /// does nothing if it turns out not to be.
-    pub fn factorise(&mut self, mut factors: Vec<Form>) {
+    pub fn factorise(&mut self, factors: &[Form]) {
         let product =
             |angle: f64| factors.iter().map(|f| f.at_angle(angle)).fold(Rounded::ONE, |a, b| a * b);
         // Where the form is large: the ratio must be the same constant.
-        let mut samples: Vec<(f64, f64)> = (0..4 * factors.len() + 8)
+        let mut samples: List<(f64, f64), 32> = (0..4 * factors.len() + 8)
             .map(|i| 0.1 + 0.37 * i as f64)
             .map(|angle| (self.at_angle(angle).value, product(angle).value))
             .collect();
@@ -47,10 +60,12 @@ impl Form {
         let ratio = samples[0].0 / samples[0].1;
         let holds = samples.iter().all(|(f, p)| (f - ratio * p).abs() <= 1e-9 * f.abs());
         if ratio.is_finite() && ratio != 0.0 && holds {
-            for c in &mut factors[0].coefficients {
-                *c = Rounded::exact(ratio) * *c;
+            (self.factors, self.ends) = (List::new(), List::new());
+            for (index, factor) in factors.iter().enumerate() {
+                let scaled = |&c| if index == 0 { Rounded::exact(ratio) * c } else { c };
+                self.factors.extend(factor.coefficients.iter().map(scaled));
+                self.ends.push(self.factors.len());
             }
-            self.factors = factors;
         }
     }
 
@@ -67,17 +82,10 @@ impl Form {
 
     /// F(cos, sin).
     pub fn at(&self, cos: Rounded, sin: Rounded) -> Rounded {
-        if !self.factors.is_empty() {
-            return self.factors.iter().map(|f| f.at(cos, sin)).fold(Rounded::ONE, |a, b| a * b);
+        if self.ends.is_empty() {
+            return evaluate(&self.coefficients, cos, sin);
         }
-        // Horner's scheme in cos, with powers of sin.
-        let mut value = self.coefficients[0];
-        let mut power = Rounded::ONE;
-        for &f in &self.coefficients[1..] {
-            power = power * sin;
-            value = value * cos + f * power;
-        }
-        value
+        self.factors().map(|f| evaluate(f, cos, sin)).fold(Rounded::ONE, |a, b| a * b)
     }
 
     /// F at an angle that is meant literally.
@@ -91,7 +99,7 @@ impl Form {
     pub fn add(&mut self, other: &Form, factor: Rounded) {
         let mut raised = other.coefficients.clone();
         while raised.len() < self.coefficients.len() {
-            let mut next = vec![Rounded::ZERO; raised.len() + 2];
+            let mut next = list![Rounded::ZERO; raised.len() + 2];
             for (l, &f) in raised.iter().enumerate() {
                 next[l] += f;
                 next[l + 2] += f;
@@ -102,6 +110,7 @@ impl Form {
             *sum += factor * f;
         }
         self.factors.clear();
+        self.ends.clear();
     }
 
     /// Whether the form vanishes exactly at this angle, which is one of the axes.
@@ -132,7 +141,10 @@ impl Form {
     /// d log|F|/dθ
     fn logarithmic_derivative(&self, angle: f64) -> f64 {
         let own = |f: &Form| f.derivative_at(angle) / f.at_angle(angle).value;
-        if self.factors.is_empty() { own(self) } else { self.factors.iter().map(own).sum() }
+        match self.ends.len() {
+            0 => own(self),
+            _ => self.factors().map(|f| own(&Self::from_coefficients(f))).sum(),
+        }
     }
 
     /// dF/dθ along (cos θ, sin θ): again a form of degree d.
@@ -156,7 +168,7 @@ impl Form {
     pub fn rotated(&self, cos: Rounded, sin: Rounded) -> Self {
         let d = self.degree();
         let multiply = |p: &[Rounded], a: Rounded, b: Rounded| {
-            let mut product = vec![Rounded::ZERO; p.len() + 1];
+            let mut product = list![Rounded::ZERO; p.len() + 1];
             for (i, &x) in p.iter().enumerate() {
                 product[i] += a * x;
                 product[i + 1] += b * x;
@@ -164,25 +176,26 @@ impl Form {
             product
         };
         let mut result = Self::zero(d);
-        if let Some((first, rest)) = self.factors.split_first() {
-            // Factor by factor, as small values near a common zero lose less.
-            let turned = |f: &Form| f.rotated(cos, sin).coefficients;
-            result.coefficients = rest.iter().map(turned).fold(turned(first), |p, q| {
-                let mut product = vec![Rounded::ZERO; p.len() + q.len() - 1];
-                for (i, &x) in p.iter().enumerate() {
-                    for (j, &y) in q.iter().enumerate() {
-                        product[i + j] += x * y;
-                    }
+        // Factor by factor, as small values near a common zero lose less.
+        let turned = self.factors().map(|f| Self::from_coefficients(f).rotated(cos, sin));
+        let product = turned.map(|f| f.coefficients).reduce(|p, q| {
+            let mut product = list![Rounded::ZERO; p.len() + q.len() - 1];
+            for (i, &x) in p.iter().enumerate() {
+                for (j, &y) in q.iter().enumerate() {
+                    product[i + j] += x * y;
                 }
-                product
-            });
+            }
+            product
+        });
+        if let Some(coefficients) = product {
+            result.coefficients = coefficients;
             return result;
         }
         for (l, &f) in self.coefficients.iter().enumerate() {
             if f.is_structural_zero() {
                 continue;
             }
-            let mut product = vec![f];
+            let mut product = list![f];
             for factor in 0..d {
                 product = if factor < l {
                     multiply(&product, sin, cos)
@@ -198,10 +211,10 @@ impl Form {
     }
 
     /// The angles in [0, π) at which dF/dθ vanishes, ascending.
-    fn extrema(&self) -> Vec<f64> {
+    fn extrema(&self) -> List<f64> {
         let derivative = self.derivative();
         let curvature = derivative.derivative();
-        let mut angles: Vec<f64> = derivative
+        let mut angles: List<f64> = derivative
             .roots_on_the_circle()
             .filter(|z| (z.norm() - 1.0).abs() < 1e-3)
             .map(|z| {
@@ -224,14 +237,14 @@ impl Form {
     /// Roots in z = exp 2iθ: with w = exp iθ the form is w^(−d) times a polynomial in w².
     fn roots_on_the_circle(&self) -> impl Iterator<Item = Complex64> {
         let d = self.degree();
-        let mut polynomial = vec![Complex64::ZERO; d + 1];
+        let mut polynomial = list![Complex64::ZERO; d + 1];
         for (l, f) in self.coefficients.iter().enumerate() {
             // (z + 1)^(d−l) (z − 1)^l i^(−l)
             let mut term =
-                vec![Complex64::from(f.value) * Complex64::new(0.0, -1.0).powi(l as i32)];
+                list![Complex64::from(f.value) * Complex64::new(0.0, -1.0).powi(l as i32)];
             for factor in 0..d {
                 let constant = if factor < l { -1.0 } else { 1.0 };
-                let mut next = vec![Complex64::ZERO; term.len() + 1];
+                let mut next = list![Complex64::ZERO; term.len() + 1];
                 for (i, &t) in term.iter().enumerate() {
                     next[i + 1] += t;
                     next[i] += constant * t;
@@ -255,12 +268,13 @@ impl Form {
     /// Between two neighbouring extrema the form is monotone: a change of sign brackets exactly
     /// one zero, however close the extrema are to zero. No sector between two zeros is missed
     /// unless the form inside it stays below its rounding bound.
-    pub fn zeros(&self) -> Vec<Zero> {
+    pub fn zeros(&self) -> List<Zero> {
         if !self.is_certain() {
-            return Vec::new();
+            return List::new();
         }
-        if !self.factors.is_empty() {
-            let mut zeros: Vec<Zero> = self.factors.iter().flat_map(Self::zeros).collect();
+        if !self.ends.is_empty() {
+            let mut zeros: List<Zero> =
+                self.factors().flat_map(|f| Self::from_coefficients(f).zeros()).collect();
             merge(&mut zeros);
             return zeros;
         }
@@ -269,8 +283,8 @@ impl Form {
         let second = self.coefficients.iter().take_while(absent).count();
         let first = self.coefficients.iter().rev().take_while(absent).count();
         if first + second > 0 {
-            let rest = self.coefficients[second..=self.degree() - first].to_vec();
-            let mut zeros = Self { coefficients: rest, factors: Vec::new() }.zeros();
+            let rest = &self.coefficients[second..=self.degree() - first];
+            let mut zeros = Self::from_coefficients(rest).zeros();
             let axes = [(second, 0.0, 0.0), (first, FRAC_PI_2, f64::EPSILON)];
             let own = axes.into_iter().filter(|axis| axis.0 > 0);
             zeros.extend(own.map(|(power, angle, bound)| Zero {
@@ -284,7 +298,7 @@ impl Form {
         let extrema = self.extrema();
         let derivative = self.derivative();
         let second = derivative.derivative();
-        let mut zeros = Vec::new();
+        let mut zeros = List::new();
         if self.degree() % 2 == 1 && extrema.is_empty() {
             return zeros;
         }
@@ -346,7 +360,7 @@ impl Form {
 }
 
 /// Angles in [0, π) among which are all extrema of |a/b|: zeros of a′b − ab′.
-pub fn extrema_of_ratio(a: &Form, b: &Form) -> Vec<f64> {
+pub fn extrema_of_ratio(a: &Form, b: &Form) -> List<f64> {
     let product = |p: &Form, q: &Form, sign: f64, sum: &mut Form| {
         for (i, x) in p.coefficients.iter().enumerate() {
             for (j, y) in q.coefficients.iter().enumerate() {
@@ -381,9 +395,20 @@ pub fn maximum_of_ratio(a: &Form, b: &Form, mut left: f64, mut right: f64) -> f6
     0.5 * (left + right)
 }
 
+/// Horner's scheme in cos, with powers of sin.
+fn evaluate(coefficients: &[Rounded], cos: Rounded, sin: Rounded) -> Rounded {
+    let mut value = coefficients[0];
+    let mut power = Rounded::ONE;
+    for &f in &coefficients[1..] {
+        power = power * sin;
+        value = value * cos + f * power;
+    }
+    value
+}
+
 /// Sorts zeros of several factors; those that agree within their bounds become one, which crosses
 /// if an odd number of them does.
-pub fn merge(zeros: &mut Vec<Zero>) {
+pub fn merge(zeros: &mut List<Zero>) {
     zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));
     let near = |a: &Zero, b: &Zero, turn: f64| {
         (b.angle - a.angle + turn).abs() <= 2.0 * (a.bound + b.bound)
@@ -417,10 +442,10 @@ mod tests {
 
     /// Π sin(θ − θᵢ) as a form.
     fn with_zeros(angles: &[f64]) -> Form {
-        let mut p = vec![Rounded::ONE];
+        let mut p = list![Rounded::ONE];
         for &angle in angles {
             let (s, c) = (Rounded::exact(angle).sin(), Rounded::exact(angle).cos());
-            let mut next = vec![Rounded::ZERO; p.len() + 1];
+            let mut next = list![Rounded::ZERO; p.len() + 1];
             for (i, &x) in p.iter().enumerate() {
                 next[i] += -(s * x);
                 next[i + 1] += c * x;
@@ -462,7 +487,7 @@ mod tests {
             let mut f = with_zeros(&[a[0], a[1], b[0], b[1]]);
             assert!(f.zeros().len() == 3, "the product touches zero: {:?}", f.zeros());
             let negated = with_zeros(&b).coefficients.iter().map(|&c| -c).collect();
-            f.factorise(vec![with_zeros(&a), Form { coefficients: negated, ..Form::default() }]);
+            f.factorise(&[with_zeros(&a), Form { coefficients: negated, ..Form::default() }]);
             let zeros = f.zeros();
             assert!(zeros.len() == 4 && zeros.iter().all(|z| z.crosses), "{width}: {zeros:?}");
             let inside = f.at_angle(0.5 * (zeros[1].angle + zeros[2].angle));
@@ -471,8 +496,8 @@ mod tests {
         }
         // What is no factorisation is not taken for one.
         let mut f = with_zeros(&[0.3, 1.2]);
-        f.factorise(vec![with_zeros(&[0.3]), with_zeros(&[1.21])]);
-        assert!(f.factors.is_empty());
+        f.factorise(&[with_zeros(&[0.3]), with_zeros(&[1.21])]);
+        assert!(f.ends.is_empty());
     }
 
     #[test]

@@ -11,6 +11,7 @@ use crate::face::Face;
 use crate::form::{self, Form, Zero};
 use crate::layers::{along, collision_at, search_collision, search_layer};
 use crate::leading;
+use crate::list::{List, list};
 use crate::newton::{Order, Worst, corners_of, is_on};
 use crate::pencil::Pencil;
 use crate::polynomial::Term;
@@ -88,30 +89,30 @@ pub struct Assessment {
     pub verdict: Verdict,
     /// The Newton polygon in a general direction: (order, number of roots) of the growing or
     /// decaying roots, largest order first; orders ≤ 0 are bounded and left out.
-    pub orders: Vec<(Order, usize)>,
+    pub orders: List<(Order, usize)>,
     /// Directions in which a leading coefficient vanishes, ascending.
-    pub degenerate: Vec<DegenerateDirection>,
+    pub degenerate: List<DegenerateDirection>,
 }
 
 /// An edge of the Newton polygon in a general direction.
 struct Edge<'a> {
     order: Order,
     /// Terms on the edge, by descending power of ς.
-    terms: Vec<&'a Term>,
+    terms: List<&'a Term>,
     face: OnceCell<Face>,
 }
 
 /// Judges the system that `pencil` holds.
 pub fn assess(pencil: &Pencil) -> Assessment {
     let mut assessment =
-        Assessment { verdict: Verdict::WellPosed, orders: Vec::new(), degenerate: Vec::new() };
+        Assessment { verdict: Verdict::WellPosed, orders: List::new(), degenerate: List::new() };
     if pencil.is_singular() {
         let unknowns = pencil.scaled.system.unknowns.len();
         assessment.verdict = Verdict::Indeterminate { rank: pencil.generic_rank(), unknowns };
         return assessment;
     }
     let terms = pencil.polynomial.forms();
-    let (mut certain, doubtful): (Vec<Term>, Vec<Term>) =
+    let (mut certain, doubtful): (List<Term, 24>, List<Term, 24>) =
         terms.into_iter().partition(|term| term.form.is_certain());
     let corners = corners_of(certain.iter().map(powers));
     let mut zeros = zeros_of_corners(pencil, &mut certain, &corners);
@@ -187,9 +188,9 @@ const CLOSE: f64 = 1e-2;
 /// The zeros of all corner coefficients. Also of those off the growing edges: where they vanish, other
 /// edges may come to grow. Coefficients whose zeros lie close together are split into factors: zeros
 /// of one factor are well-conditioned however near those of another lie.
-fn zeros_of_corners(pencil: &Pencil, terms: &mut [Term], corners: &[(i64, i64)]) -> Vec<Zero> {
+fn zeros_of_corners(pencil: &Pencil, terms: &mut [Term], corners: &[(i64, i64)]) -> List<Zero> {
     let slope = |a: (i64, i64), b: (i64, i64)| [b.1 - a.1, a.0 - b.0];
-    let mut all = Vec::new();
+    let mut all = List::new();
     for (index, &corner) in corners.iter().enumerate() {
         let Some(term) = terms.iter_mut().find(|t| powers(t) == corner) else { continue };
         let zeros = term.form.zeros();
@@ -205,7 +206,7 @@ fn zeros_of_corners(pencil: &Pencil, terms: &mut [Term], corners: &[(i64, i64)])
             let between = [6 * low[0] * high[1] + 5 * high[0] * low[1], 11 * low[1] * high[1]];
             let factors = leading::factors(&pencil.scaled, between);
             if !factors.is_empty() {
-                term.form.factorise(factors);
+                term.form.factorise(&factors);
                 all.extend(term.form.zeros());
                 continue;
             }
@@ -216,13 +217,14 @@ fn zeros_of_corners(pencil: &Pencil, terms: &mut [Term], corners: &[(i64, i64)])
 }
 
 /// Edges of positive slope, steepest first.
-fn edges<'a>(terms: &'a [Term], corners: &[(i64, i64)]) -> Vec<Edge<'a>> {
+fn edges<'a>(terms: &'a [Term], corners: &[(i64, i64)]) -> List<Edge<'a>> {
     corners
         .windows(2)
         .filter(|pair| pair[1].1 > pair[0].1)
         .map(|pair| {
             let (a, b) = (pair[0], pair[1]);
-            let mut terms: Vec<&Term> = terms.iter().filter(|t| is_on(powers(t), (a, b))).collect();
+            let mut terms: List<&Term> =
+                terms.iter().filter(|t| is_on(powers(t), (a, b))).collect();
             terms.sort_by_key(|t| std::cmp::Reverse(t.time));
             let order = Order::new(b.1 - a.1, a.0 - b.0);
             Edge { order, terms, face: OnceCell::new() }
@@ -255,7 +257,7 @@ fn unbounded_at_finite_k(certain: &[Term], doubtful: &[Term]) -> Option<(f64, bo
     if doubtful.iter().any(|t| t.time == highest) {
         return None;
     }
-    let tops: Vec<&Term> = certain.iter().filter(|t| t.time == highest).collect();
+    let tops: List<&Term> = certain.iter().filter(|t| t.time == highest).collect();
     let zeros = match tops[..] {
         [only] => only.form.zeros(),
         _ => {
@@ -278,7 +280,7 @@ fn unbounded_at_finite_k(certain: &[Term], doubtful: &[Term]) -> Option<(f64, bo
                     let shared = |z: &Zero| others.iter().any(|o| apart(o.angle, z.angle) < 1e-9);
                     even.zeros().into_iter().filter(shared).collect()
                 }
-                (None, None) => Vec::new(),
+                (None, None) => List::new(),
             }
         }
     };
@@ -309,7 +311,7 @@ fn unbounded_at_finite_k(certain: &[Term], doubtful: &[Term]) -> Option<(f64, bo
 /// vector turns into this direction.
 fn leads_to_infinity(certain: &[Term], highest: usize, zero: &Zero) -> bool {
     [1.0, -1.0].into_iter().any(|side: f64| {
-        let mut terms = Vec::new();
+        let mut terms = List::new();
         for term in certain {
             let degree = term.form.degree();
             for (l, f) in along(&term.form, zero).into_iter().enumerate() {
@@ -367,7 +369,7 @@ impl Edge<'_> {
     fn face(&self) -> &Face {
         self.face.get_or_init(|| {
             let [(highest, _), (lowest, _)] = self.ends();
-            let mut coefficients = vec![Vec::new(); highest - lowest + 1];
+            let mut coefficients = list![List::new(); highest - lowest + 1];
             for t in &self.terms {
                 let turned = |&f: &Rounded| Value::turned(f, t.form.degree() as i64);
                 coefficients[t.time - lowest] = t.form.coefficients.iter().map(turned).collect();
@@ -378,9 +380,9 @@ impl Edge<'_> {
 }
 
 /// Sectors between degenerate directions: (left, right), rad.
-fn sectors(zeros: &[Zero]) -> Vec<(f64, f64)> {
+fn sectors(zeros: &[Zero]) -> List<(f64, f64)> {
     // Any sector all round, if no extremum lies at its ends.
-    let Some(first) = zeros.first() else { return vec![(-0.123_4, PI - 0.123_4)] };
+    let Some(first) = zeros.first() else { return list![(-0.123_4, PI - 0.123_4)] };
     zeros
         .iter()
         .enumerate()
@@ -395,7 +397,7 @@ fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
     }
     let (&[first, last], angles) = (&edge.terms[..], zeros) else {
         let face = edge.face();
-        let avoided: Vec<f64> = zeros.iter().map(|z| z.angle).collect();
+        let avoided: List<f64> = zeros.iter().map(|z| z.angle).collect();
         match face.supremum(&avoided) {
             Some((rate, direction)) => worst.grows(edge.order, rate, direction),
             None => {
@@ -468,7 +470,7 @@ const SAMPLES: usize = 12;
 /// Growth of lower order of roots that are neutral to leading order in whole sectors.
 fn follow_neutral_roots(terms: &[Term], zeros: &[Zero], worst: &mut Worst) {
     let at = |angle: f64| {
-        let mut list: Vec<Monomial> = terms
+        let mut list: List<Monomial, 32> = terms
             .iter()
             .map(|t| {
                 let degree = t.form.degree() as i64;

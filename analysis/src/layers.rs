@@ -8,6 +8,7 @@
 
 use crate::face::Face;
 use crate::form::{Form, Zero};
+use crate::list::{List, list};
 use crate::newton::{Order, Worst};
 use crate::polynomial::Term;
 use crate::puiseux::{self, DOUBTFUL, Monomial, Root, binomial, lcm};
@@ -39,7 +40,7 @@ pub(crate) struct Place {
 }
 
 struct Chart {
-    points: Vec<Point>,
+    points: List<Point, 64>,
     /// Common denominator of the powers of k.
     unit: i64,
     /// Orders of x and y lie below these.
@@ -49,7 +50,7 @@ struct Chart {
 
 /// Coefficients of κ^(d−l) κ⊥^l in axes along a degenerate direction: those in the axes as they stand,
 /// their bounds widened by what a turn by the direction's own bound does to them.
-pub(crate) fn along(form: &Form, zero: &Zero) -> Vec<Rounded> {
+pub(crate) fn along(form: &Form, zero: &Zero) -> List<Rounded> {
     let axis = Rounded::exact(zero.angle);
     let turned = form.rotated(axis.cos(), axis.sin());
     let slope = turned.derivative();
@@ -68,7 +69,7 @@ pub(crate) fn along(form: &Form, zero: &Zero) -> Vec<Rounded> {
 
 /// The chart around a direction and ς = 0.
 fn chart(terms: &[Term], zero: &Zero) -> Chart {
-    let mut points = Vec::new();
+    let mut points = List::new();
     for term in terms {
         let degree = term.form.degree();
         for (l, value) in along(&term.form, zero).into_iter().enumerate() {
@@ -112,7 +113,7 @@ impl Chart {
         let greatest =
             self.points.iter().map(|p| weight(p.x, p.y, scaled(p))).max().unwrap_or_default();
         let powers = powers_of(root.value, root.bound, self.points.iter().map(|p| p.x).max());
-        let mut points = Vec::new();
+        let mut points = List::new();
         for p in &self.points {
             for x in 0..=p.x {
                 let power = scaled(p) + slope * (p.x - x) as i64;
@@ -133,7 +134,7 @@ impl Chart {
         let unit = lcm(self.unit, tau.denominator);
         let across = tau.numerator * (unit / tau.denominator);
         let powers = powers_of(d.into(), bound, self.points.iter().map(|p| p.y).max());
-        let mut points = Vec::new();
+        let mut points = List::new();
         for p in &self.points {
             for y in 0..=p.y {
                 let power = p.power * (unit / self.unit) + across * (p.y - y) as i64;
@@ -146,8 +147,8 @@ impl Chart {
     }
 }
 
-fn powers_of(base: Complex64, bound: f64, greatest: Option<usize>) -> Vec<Value> {
-    let mut powers = vec![Value::new(Complex64::ONE, 0.0)];
+fn powers_of(base: Complex64, bound: f64, greatest: Option<usize>) -> List<Value> {
+    let mut powers = list![Value::new(Complex64::ONE, 0.0)];
     for i in 0..greatest.unwrap_or(0) {
         powers.push(powers[i] * Value::new(base, bound));
     }
@@ -155,7 +156,7 @@ fn powers_of(base: Complex64, bound: f64, greatest: Option<usize>) -> Vec<Value>
 }
 
 /// Sums points of equal powers and drops those that may be zero.
-fn collect(points: &mut Vec<Point>) {
+fn collect(points: &mut List<Point, 64>) {
     points.sort_by_key(|p| (p.x, p.y, p.power));
     points.dedup_by(|later, first| {
         let same = (later.x, later.y, later.power) == (first.x, first.y, first.power);
@@ -171,12 +172,12 @@ fn collect(points: &mut Vec<Point>) {
 struct Facet {
     order: Order,
     offset: Order,
-    points: Vec<Point>,
+    points: List<Point>,
 }
 
 fn explore(chart: &Chart, place: Place, worst: &mut Worst) {
     // In the middle itself.
-    let line: Vec<Monomial> = chart
+    let line: List<Monomial, 32> = chart
         .points
         .iter()
         .filter(|p| p.y == 0)
@@ -196,7 +197,7 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
     }
     let first = facet.points.iter().map(|p| p.y).min().unwrap_or(0);
     let width = facet.points.iter().map(|p| p.y).max().unwrap_or(0) - first;
-    let mut face = Face::new(vec![vec![Value::default(); width + 1]; highest - lowest + 1]);
+    let mut face = Face::new(list![list![Value::default(); width + 1]; highest - lowest + 1]);
     for p in &facet.points {
         face.coefficients[p.x - lowest][p.y - first] += p.value;
     }
@@ -205,7 +206,7 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
     let inner = |angle: &f64| angle.sin().abs() > 1e-9 && (angle - FRAC_PI_2).abs() > 1e-9;
     let infinite = face.zeros_of_power(face.degree());
     let vanishing = face.zeros_of_power(0);
-    let mut special: Vec<f64> =
+    let mut special: List<f64> =
         infinite.iter().chain(&vanishing).copied().filter(|a| inner(a)).collect();
     special.extend([0.0, FRAC_PI_2]);
     special.sort_by(f64::total_cmp);
@@ -214,7 +215,7 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
     if worst.may_improve(facet.order) {
         let top = &face.coefficients[face.degree()];
         let mut avoided = infinite;
-        avoided.retain(inner);
+        avoided.retain(|angle| inner(angle));
         avoided.extend(
             [(0.0, 0), (FRAC_PI_2, width)].iter().filter(|e| top[e.1].is_zero()).map(|e| e.0),
         );
@@ -248,7 +249,7 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
         return;
     }
     // Neutral roots: on from a general offset, and from where they collide.
-    let mut sides: Vec<f64> = special
+    let mut sides: List<f64> = special
         .iter()
         .enumerate()
         .map(|(i, left)| 0.5 * (left + special.get(i + 1).copied().unwrap_or(special[0] + PI)))
@@ -316,7 +317,7 @@ impl Triangle {
             let greatest = |f: fn(&(usize, usize, u8)) -> usize| self.0.iter().map(f).max();
             let degree = greatest(|p| p.0).unwrap_or(0);
             let width = greatest(|p| p.1).unwrap_or(0);
-            let mut face = Face::new(vec![vec![Value::default(); width + 1]; degree + 1]);
+            let mut face = Face::new(list![list![Value::default(); width + 1]; degree + 1]);
             for (x, y, n) in self.0 {
                 face.coefficients[x][y] += Value::turned(Rounded::ONE, n.into());
             }
@@ -336,10 +337,10 @@ fn offset_bound(angle: f64) -> f64 {
 }
 
 /// The terms at a fixed offset d k^τ.
-fn at_offset(chart: &Chart, tau: Order, d: f64) -> (Vec<Monomial>, i64) {
+fn at_offset(chart: &Chart, tau: Order, d: f64) -> (List<Monomial, 32>, i64) {
     let unit = lcm(chart.unit, tau.denominator);
     let across = tau.numerator * (unit / tau.denominator);
-    let mut terms: Vec<Monomial> = chart
+    let mut terms: List<Monomial, 32> = chart
         .points
         .iter()
         .map(|p| Monomial {
@@ -420,9 +421,9 @@ pub(crate) fn collision_at(face: &Face, angle: f64) -> Option<(f64, Root)> {
 }
 
 /// Facets of the polytope whose normal is (m, τ, 1) with m > 0 and τ within the chart's limits.
-fn facets(chart: &Chart) -> Vec<Facet> {
+fn facets(chart: &Chart) -> List<Facet> {
     // Of all points with equal x and y the one with the greatest power dominates.
-    let mut points: Vec<&Point> = Vec::new();
+    let mut points: List<&Point, 64> = List::new();
     for p in &chart.points {
         match points.iter_mut().find(|own| (own.x, own.y) == (p.x, p.y)) {
             Some(own) if own.power < p.power => *own = p,
@@ -430,7 +431,7 @@ fn facets(chart: &Chart) -> Vec<Facet> {
             None => points.push(p),
         }
     }
-    let mut found: Vec<([i64; 3], Facet)> = Vec::new();
+    let mut found: List<([i64; 3], Facet)> = List::new();
     for (a, p) in points.iter().enumerate() {
         for (b, q) in points.iter().enumerate().skip(a + 1) {
             for r in &points[b + 1..] {

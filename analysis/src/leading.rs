@@ -7,13 +7,15 @@
 //! of the stresses and that of the velocities.
 
 use crate::form::Form;
+use crate::list::{List, list};
 use crate::polynomial;
 use crate::scaling::ScaledSystem;
 use models::Rounded;
+use smallvec::smallvec;
 
 /// Factors of the corner coefficient for ς = O(k^m), m = `slope`\[0\]/`slope`\[1\]; none where the
 /// determinant does not fall apart.
-pub(crate) fn factors(scaled: &ScaledSystem, slope: [i64; 2]) -> Vec<Form> {
+pub(crate) fn factors(scaled: &ScaledSystem, slope: [i64; 2]) -> List<Form, 4> {
     let system = &scaled.system;
     let n = system.equations.len();
     let [time, space] = slope;
@@ -33,13 +35,14 @@ pub(crate) fn factors(scaled: &ScaledSystem, slope: [i64; 2]) -> Vec<Form> {
         .max_by_key(|(_, order, _)| *order)
         .map(|(_, order, part)| (order, part))
     };
-    let entries: Vec<Vec<_>> = (0..n).map(|i| (0..n).map(|j| leading(i, j)).collect()).collect();
+    let entries: List<List<_, 8>, 8> =
+        (0..n).map(|i| (0..n).map(|j| leading(i, j)).collect()).collect();
 
     // Greatest order of a transversal of the first rows with a set of columns, and of the last rows
     // with the others.
     const NONE: i64 = i64::MIN / 4;
-    let mut first = vec![NONE; 1 << n];
-    let mut last = vec![NONE; 1 << n];
+    let mut first: List<i64, 64> = smallvec![NONE; 1 << n];
+    let mut last = first.clone();
     (first[0], last[(1 << n) - 1]) = (0, 0);
     for set in 0..1usize << n {
         let row = set.count_ones() as usize;
@@ -60,12 +63,12 @@ pub(crate) fn factors(scaled: &ScaledSystem, slope: [i64; 2]) -> Vec<Form> {
     }
     let greatest = last[0];
     if greatest < 0 {
-        return Vec::new();
+        return List::new();
     }
 
     // Entries of the greatest transversals connect rows and columns into blocks.
-    let mut block: Vec<usize> = (0..2 * n).collect();
-    let mut takes_part = vec![vec![false; n]; n];
+    let mut block: List<usize, 32> = (0..2 * n).collect();
+    let mut takes_part = list![list![false; n]; n];
     for set in 0..(1usize << n) - 1 {
         let row = set.count_ones() as usize;
         for column in (0..n).filter(|c| set >> c & 1 == 0) {
@@ -77,15 +80,15 @@ pub(crate) fn factors(scaled: &ScaledSystem, slope: [i64; 2]) -> Vec<Form> {
             }
         }
     }
-    let mut names = block[..n].to_vec();
+    let mut names = List::<usize>::from_slice(&block[..n]);
     names.sort_unstable();
     names.dedup();
     if names.len() < 2 {
-        return Vec::new();
+        return List::new();
     }
     let factor = |name: usize| {
-        let rows: Vec<usize> = (0..n).filter(|&i| block[i] == name).collect();
-        let columns: Vec<usize> = (0..n).filter(|&j| block[n + j] == name).collect();
+        let rows: List<usize> = (0..n).filter(|&i| block[i] == name).collect();
+        let columns: List<usize> = (0..n).filter(|&j| block[n + j] == name).collect();
         let terms = polynomial::of_block(rows.len(), |i, j| {
             let (row, column) = (rows[i], columns[j]);
             match entries[row][column] {
@@ -93,10 +96,8 @@ pub(crate) fn factors(scaled: &ScaledSystem, slope: [i64; 2]) -> Vec<Form> {
                 _ => [Rounded::ZERO; 4],
             }
         })?;
-        match <[_; 1]>::try_from(terms) {
-            Ok([term]) => Some(term.form),
-            Err(_) => None,
-        }
+        let mut terms = terms.into_iter();
+        terms.next().filter(|_| terms.len() == 0).map(|term| term.form)
     };
-    names.into_iter().map(factor).collect::<Option<Vec<_>>>().unwrap_or_default()
+    names.into_iter().map(factor).collect::<Option<_>>().unwrap_or_default()
 }

@@ -20,6 +20,7 @@ pub mod form;
 pub mod growth;
 mod layers;
 mod leading;
+pub mod list;
 pub mod newton;
 pub mod pencil;
 pub mod polynomial;

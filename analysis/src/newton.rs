@@ -1,5 +1,6 @@
 //! Orders of growth, Newton polygons, and the worst growth met so far.
 
+use crate::list::List;
 use crate::puiseux::Growth;
 use std::cmp::Ordering;
 
@@ -116,12 +117,12 @@ impl Worst {
 }
 
 /// Corners of the upper boundary of the Newton polygon of points (i, j), by descending i.
-pub(crate) fn corners_of(points: impl Iterator<Item = (i64, i64)>) -> Vec<(i64, i64)> {
-    let mut sorted: Vec<_> = points.collect();
+pub(crate) fn corners_of(points: impl Iterator<Item = (i64, i64)>) -> List<(i64, i64)> {
+    let mut sorted: List<_, 64> = points.collect();
     // Of equal i only the greatest j counts.
     sorted.sort_by_key(|&(i, j)| (std::cmp::Reverse(i), std::cmp::Reverse(j)));
     sorted.dedup_by_key(|point| point.0);
-    let mut corners: Vec<(i64, i64)> = Vec::new();
+    let mut corners: List<(i64, i64)> = List::new();
     for (i, j) in sorted {
         while let [.., a, b] = corners[..] {
             // b below or on the chord from a to the new point goes.

@@ -6,11 +6,11 @@
 //! finite ones are then polished on that polynomial.
 
 use crate::AnalysisError;
+use crate::list::List;
 use crate::polynomial::DispersionPolynomial;
 use crate::qz::Qz;
 use crate::scaling::ScaledSystem;
 use models::LinearisedSystem;
-use nalgebra::DMatrix;
 use num_complex::Complex64;
 
 /// The roots at one wave.
@@ -62,19 +62,41 @@ impl Pencil {
         self.is_singular
     }
 
-    /// Rank of ςA + κ₁B¹ + κ₂B² + C at generic ς, κ.
+    /// Rank of ςA + κ₁B¹ + κ₂B² + C at generic ς, κ, by elimination with complete pivoting.
     pub fn generic_rank(&self) -> usize {
         let s = &self.scaled.system;
         let (time, first, second) =
             (Complex64::new(0.7, 0.4), Complex64::new(-0.3, 1.1), Complex64::new(0.9, 0.6));
-        let matrix = DMatrix::from_fn(s.equations.len(), s.unknowns.len(), |i, j| {
-            let at = (i, j);
+        let entry = |at: (usize, usize)| {
             time * s.a[at].value
                 + first * s.b[0][at].value
                 + second * s.b[1][at].value
                 + s.c[at].value
-        });
-        matrix.rank(1e-11)
+        };
+        let (rows, columns) = (s.equations.len(), s.unknowns.len());
+        let mut matrix: List<List<Complex64>> =
+            (0..rows).map(|i| (0..columns).map(|j| entry((i, j))).collect()).collect();
+        let mut largest = None;
+        for rank in 0..rows.min(columns) {
+            let places = (rank..rows).flat_map(|i| (rank..columns).map(move |j| (i, j)));
+            let size = |&(i, j): &(usize, usize)| matrix[i][j].norm();
+            let pivot = places.max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or((rank, rank));
+            let found = size(&pivot);
+            if found <= 1e-11 * *largest.get_or_insert(found) {
+                return rank;
+            }
+            matrix.swap(rank, pivot.0);
+            matrix.iter_mut().for_each(|row| row.swap(rank, pivot.1));
+            let (above, below) = matrix.split_at_mut(rank + 1);
+            let top = &above[rank];
+            for row in below {
+                let factor = row[rank] / top[rank];
+                for (x, y) in row[rank..].iter_mut().zip(&top[rank..]) {
+                    *x -= factor * y;
+                }
+            }
+        }
+        rows.min(columns)
     }
 
     /// All roots at the wave number `k` (1/m) and the direction of the wave vector (rad).

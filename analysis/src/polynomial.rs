@@ -6,11 +6,13 @@
 
 use crate::extended::{Extended, ExtendedComplex};
 use crate::form::Form;
+use crate::list::List;
 use crate::scaling::ScaledSystem;
 use crate::{AnalysisError, roots};
 use models::system::Unknown;
 use models::{LinearisedSystem, Rounded};
 use num_complex::Complex64;
+use std::cell::RefCell;
 
 /// Greatest number of equations: the expansion takes 2ⁿ partial determinants.
 pub const MAX_SIZE: usize = 10;
@@ -192,8 +194,8 @@ impl DispersionPolynomial {
 
     /// The binary forms F_ij(κ₁, κ₂) of P = Σ ςⁱ F_ij, of degree j, in scaled units; only those
     /// with a coefficient that is not a structural zero.
-    pub fn forms(&self) -> Vec<Term> {
-        let mut terms: Vec<Term> = Vec::new();
+    pub fn forms(&self) -> List<Term, 24> {
+        let mut terms: List<Term, 24> = List::new();
         for ([a, b, c], coefficient) in self.coefficients() {
             if coefficient.is_structural_zero() {
                 continue;
@@ -274,27 +276,39 @@ impl DispersionPolynomial {
     }
 }
 
+/// What [`of_block`] works with: one for each size, so that it is made once.
+#[derive(Default)]
+struct Block {
+    system: LinearisedSystem<2>,
+    scaled: ScaledSystem,
+    polynomial: DispersionPolynomial,
+}
+
 /// The dispersion polynomial of a square block of coefficients, up to a positive factor; entry
 /// (i, j) gives those of A, B¹, B², C. `None` where it cannot be had.
 pub(crate) fn of_block(
     size: usize,
     entry: impl Fn(usize, usize) -> [Rounded; 4],
-) -> Option<Vec<Term>> {
+) -> Option<List<Term, 24>> {
     const UNKNOWNS: [Unknown; MAX_SIZE] = [Unknown { name: "", family: "" }; MAX_SIZE];
     const EQUATIONS: [&str; MAX_SIZE] = [""; MAX_SIZE];
-    let mut block = LinearisedSystem::default();
-    block.reset(UNKNOWNS.get(..size)?, EQUATIONS.get(..size)?, [0.0; 2]);
-    for i in 0..size {
-        for j in 0..size {
-            let at = (i, j);
-            let [first, second] = &mut block.b;
-            [block.a[at], first[at], second[at], block.c[at]] = entry(i, j);
-        }
+    thread_local! {
+        static BLOCKS: RefCell<[Block; MAX_SIZE + 1]> = RefCell::default();
     }
-    let (mut scaled, mut polynomial) = (ScaledSystem::default(), DispersionPolynomial::default());
-    scaled.update(&block).ok()?;
-    polynomial.update(&scaled).ok()?;
-    Some(polynomial.forms())
+    BLOCKS.with_borrow_mut(|blocks| {
+        let Block { system, scaled, polynomial } = blocks.get_mut(size)?;
+        system.reset(UNKNOWNS.get(..size)?, EQUATIONS.get(..size)?, [0.0; 2]);
+        for i in 0..size {
+            for j in 0..size {
+                let at = (i, j);
+                let [first, second] = &mut system.b;
+                [system.a[at], first[at], second[at], system.c[at]] = entry(i, j);
+            }
+        }
+        scaled.update(system).ok()?;
+        polynomial.update(scaled).ok()?;
+        Some(polynomial.forms())
+    })
 }
 
 /// A term ςⁱ F(κ₁, κ₂) of the dispersion polynomial.

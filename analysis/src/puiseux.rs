@@ -2,6 +2,7 @@
 //! as far as it takes to see whether their real parts grow (Newton, Puiseux 1850; Walker 1950,
 //! chapter IV).
 
+use crate::list::{List, list};
 use crate::newton::{Order, corners_of};
 use crate::roots;
 use crate::value::Value;
@@ -65,21 +66,21 @@ impl Growth {
 
 /// All roots but zero of Σ `polynomial[i]` xⁱ, those that agree within the bounds as one of higher
 /// multiplicity.
-pub(crate) fn roots_of(polynomial: &[Value]) -> Vec<Root> {
+pub(crate) fn roots_of(polynomial: &[Value]) -> List<Root> {
     let first = polynomial.iter().take_while(|c| c.is_zero()).count();
     let end = polynomial.iter().rposition(|c| !c.is_zero()).map_or(0, |last| last + 1);
     if end <= first + 1 {
-        return Vec::new();
+        return List::new();
     }
     let polynomial = &polynomial[first..end];
-    let plain: Vec<Complex64> = polynomial.iter().map(|c| c.value).collect();
+    let plain: List<Complex64> = polynomial.iter().map(|c| c.value).collect();
     let mut open = roots::of(&plain);
-    let mut found = Vec::new();
+    let mut found = List::new();
     while let Some(root) = open.first().copied() {
         let mut radius = 0.03;
         loop {
             let near = |other: &Complex64| (other - root).norm() <= radius * root.norm();
-            let members: Vec<Complex64> = open.iter().copied().filter(near).collect();
+            let members: List<Complex64> = open.iter().copied().filter(near).collect();
             let count = members.len().max(1);
             let mean = members.iter().sum::<Complex64>() / count as f64;
             if let Some(root) = multiple_root(polynomial, mean, count) {
@@ -138,7 +139,7 @@ pub(crate) fn binomial(n: usize, k: usize) -> f64 {
 }
 
 /// Sums terms of equal powers and drops those that may be zero.
-pub(crate) fn collect(terms: &mut Vec<Monomial>) {
+pub(crate) fn collect(terms: &mut List<Monomial, 32>) {
     terms.sort_by_key(|t| (t.x, t.power));
     terms.dedup_by(|later, first| {
         let same = (later.x, later.power) == (first.x, first.power);
@@ -170,7 +171,7 @@ fn follow(terms: &[Monomial], unit: i64, limit: Option<Order>, depth: usize, res
         {
             continue;
         }
-        let mut edge = vec![Value::default(); (i1 - i0) as usize + 1];
+        let mut edge = list![Value::default(); (i1 - i0) as usize + 1];
         for t in terms {
             let i = t.x as i64;
             if i >= i0 && i <= i1 && (t.power - j1) * (i1 - i0) == (j0 - j1) * (i1 - i) {
@@ -199,7 +200,7 @@ fn follow(terms: &[Monomial], unit: i64, limit: Option<Order>, depth: usize, res
 }
 
 /// The terms in y = x − c k^m, c a root of the edge of order m.
-fn shift(terms: &[Monomial], unit: i64, order: Order, root: &Root) -> (Vec<Monomial>, i64) {
+fn shift(terms: &[Monomial], unit: i64, order: Order, root: &Root) -> (List<Monomial, 32>, i64) {
     let unit_after = lcm(unit, order.denominator);
     let slope = order.numerator * (unit_after / order.denominator);
     let top = terms
@@ -207,13 +208,13 @@ fn shift(terms: &[Monomial], unit: i64, order: Order, root: &Root) -> (Vec<Monom
         .map(|t| t.power * (unit_after / unit) + slope * t.x as i64)
         .max()
         .unwrap_or_default();
-    let mut powers = vec![Value::new(Complex64::ONE, 0.0)];
+    let mut powers = list![Value::new(Complex64::ONE, 0.0)];
     let c = Value::new(root.value, root.bound);
     let greatest = terms.iter().map(|t| t.x).max().unwrap_or(0);
     for i in 0..greatest {
         powers.push(powers[i] * c);
     }
-    let mut shifted = Vec::new();
+    let mut shifted = List::new();
     for t in terms {
         for i in 0..=t.x {
             let power = t.power * (unit_after / unit) + slope * (t.x - i) as i64;

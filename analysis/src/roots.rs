@@ -1,21 +1,26 @@
 //! Roots of complex polynomials, all at once (Aberth 1973, Ehrlich 1967).
 
 use crate::extended::ExtendedComplex;
+use crate::list::{List, list};
 use num_complex::Complex64;
 
 const ITERATIONS: usize = 200;
 
 /// All roots of Σ `coefficients[i]` xⁱ; the last coefficient must not vanish.
-pub fn of(coefficients: &[Complex64]) -> Vec<Complex64> {
+pub fn of(coefficients: &[Complex64]) -> List<Complex64> {
     match coefficients {
-        [] | [_] => Vec::new(),
-        [c0, c1] => vec![-c0 / c1],
+        [] | [_] => List::new(),
+        [c0, c1] => list![-c0 / c1],
         [c0, c1, c2] => {
             // Larger root first, the other from the product: no cancellation.
             let root = (c1 * c1 - 4.0 * c2 * c0).sqrt();
             let sign = if (c1.conj() * root).re < 0.0 { -1.0 } else { 1.0 };
             let sum = -(c1 + sign * root) / 2.0;
-            if sum == Complex64::ZERO { vec![Complex64::ZERO; 2] } else { vec![sum / c2, c0 / sum] }
+            if sum == Complex64::ZERO {
+                list![Complex64::ZERO; 2]
+            } else {
+                list![sum / c2, c0 / sum]
+            }
         }
         _ => iterate(coefficients, &mut initial(coefficients, &[]), |x| evaluate(coefficients, x)),
     }
@@ -24,13 +29,13 @@ pub fn of(coefficients: &[Complex64]) -> Vec<Complex64> {
 /// The same with coefficients of twice the working precision, so that the roots are those of the
 /// polynomial to nearly working precision even where they are ill-conditioned; `guesses` are used
 /// when there is one for each root.
-pub fn of_extended(coefficients: &[ExtendedComplex], guesses: &[Complex64]) -> Vec<Complex64> {
-    let rounded: Vec<_> =
+pub fn of_extended(coefficients: &[ExtendedComplex], guesses: &[Complex64]) -> List<Complex64> {
+    let rounded: List<_> =
         coefficients.iter().map(|c| Complex64::new(c.re.high, c.im.high)).collect();
     // Roots that are exactly zero are split off: nothing is left to iterate on.
     let zeros = rounded.iter().take_while(|c| **c == Complex64::ZERO).count();
     if zeros + 1 >= rounded.len() {
-        return vec![Complex64::ZERO; zeros.min(rounded.len().saturating_sub(1))];
+        return list![Complex64::ZERO; zeros.min(rounded.len().saturating_sub(1))];
     }
     let (coefficients, rounded) = (&coefficients[zeros..], &rounded[zeros..]);
     let guesses = if zeros == 0 { guesses } else { &[] };
@@ -58,7 +63,7 @@ fn evaluate(coefficients: &[Complex64], x: Complex64) -> (Complex64, Complex64) 
 }
 
 /// Starting points on circles whose radii are the slopes of the Newton polygon of the moduli.
-fn initial(coefficients: &[Complex64], guesses: &[Complex64]) -> Vec<Complex64> {
+fn initial(coefficients: &[Complex64], guesses: &[Complex64]) -> List<Complex64> {
     let degree = coefficients.len() - 1;
     let usable = guesses.len() == degree && guesses.iter().all(|g| g.is_finite());
     if usable {
@@ -70,7 +75,7 @@ fn initial(coefficients: &[Complex64], guesses: &[Complex64]) -> Vec<Complex64> 
             .collect();
     }
     let log = |i: usize| coefficients[i].norm().max(f64::MIN_POSITIVE).log2();
-    let mut hull: Vec<usize> = Vec::new();
+    let mut hull: List<usize> = List::new();
     for i in (0..=degree).filter(|&i| coefficients[i] != Complex64::ZERO) {
         while let [.., a, b] = hull[..] {
             let above = (log(b) - log(a)) * (i - a) as f64 <= (log(i) - log(a)) * (b - a) as f64;
@@ -81,7 +86,7 @@ fn initial(coefficients: &[Complex64], guesses: &[Complex64]) -> Vec<Complex64> 
         }
         hull.push(i);
     }
-    let mut start = Vec::with_capacity(degree);
+    let mut start = List::new();
     start.resize(hull.first().copied().unwrap_or(0), Complex64::ZERO);
     for pair in hull.windows(2) {
         let count = pair[1] - pair[0];
@@ -99,9 +104,9 @@ fn iterate(
     coefficients: &[Complex64],
     roots: &mut [Complex64],
     evaluate: impl Fn(Complex64) -> (Complex64, Complex64),
-) -> Vec<Complex64> {
+) -> List<Complex64> {
     debug_assert_eq!(roots.len() + 1, coefficients.len());
-    let mut settled = vec![false; roots.len()];
+    let mut settled = list![false; roots.len()];
     for _ in 0..ITERATIONS {
         for i in 0..roots.len() {
             if settled[i] {
@@ -132,7 +137,7 @@ fn iterate(
             break;
         }
     }
-    roots.to_vec()
+    List::from_slice(roots)
 }
 
 #[cfg(test)]

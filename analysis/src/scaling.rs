@@ -5,8 +5,10 @@
 //! non-zero coefficients, by a few sweeps of coordinate descent.
 
 use crate::AnalysisError;
+use crate::list::List;
 use models::LinearisedSystem;
 use models::system::Matrix;
+use smallvec::smallvec;
 
 /// A system in its own units: ς = `rate` ς̂, k = `wave_number` k̂.
 #[derive(Clone, Debug, Default)]
@@ -34,9 +36,9 @@ pub(crate) struct Entry {
 /// Scales that bring the given entries near one.
 #[derive(Clone, Debug)]
 pub(crate) struct Scales {
-    pub rows: Vec<f64>,
-    pub columns: Vec<f64>,
-    pub groups: Vec<f64>,
+    pub rows: List<f64>,
+    pub columns: List<f64>,
+    pub groups: List<f64>,
 }
 
 const SWEEPS: usize = 6;
@@ -44,8 +46,8 @@ const SWEEPS: usize = 6;
 /// Minimises Σ (log + row + column + group)² by sweeps; the scales returned are powers of two.
 pub(crate) fn balance(entries: &[Entry], rows: usize, columns: usize, groups: usize) -> Scales {
     let offsets = [0, rows, rows + columns];
-    let mut logs = vec![0.0f64; rows + columns + groups];
-    let mut sums = vec![(0.0f64, 0u32); logs.len()];
+    let mut logs: List<f64, 32> = smallvec![0.0; rows + columns + groups];
+    let mut sums: List<(f64, u32), 32> = smallvec![(0.0, 0); logs.len()];
     let slots = |e: &Entry| {
         [
             Some(offsets[0] + e.row),
@@ -84,7 +86,13 @@ impl ScaledSystem {
     /// # Errors
     /// [`AnalysisError::NotFinite`] if a coefficient is.
     pub fn update(&mut self, system: &LinearisedSystem<2>) -> Result<(), AnalysisError> {
-        self.system.clone_from(system);
+        let own = &mut self.system;
+        own.reset(system.unknowns, system.equations, system.velocity);
+        own.a.copy_from(&system.a);
+        own.c.copy_from(&system.c);
+        for (own, given) in own.b.iter_mut().zip(&system.b) {
+            own.copy_from(given);
+        }
         self.entries.clear();
         let groups: [(&Matrix, usize); 4] =
             [(&system.c, 0), (&system.a, 1), (&system.b[0], 2), (&system.b[1], 2)];

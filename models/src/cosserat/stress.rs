@@ -52,3 +52,25 @@ impl Component {
         }
     }
 }
+
+/// Trace over 3, symmetric deviator and antisymmetric part. Differences between the normal stresses
+/// come first: a deviator far smaller than the mean keeps its digits.
+pub(crate) fn split(t: &[[f64; 3]; 3]) -> (f64, [[f64; 3]; 3], [[f64; 3]; 3]) {
+    let mean = (t[0][0] + t[1][1] + t[2][2]) / 3.0;
+    let entries =
+        |f: &dyn Fn(usize, usize) -> f64| std::array::from_fn(|i| std::array::from_fn(|j| f(i, j)));
+    let deviator = entries(&|i, j| {
+        if i == j {
+            ((t[i][i] - t[(i + 1) % 3][(i + 1) % 3]) + (t[i][i] - t[(i + 2) % 3][(i + 2) % 3]))
+                / 3.0
+        } else {
+            0.5 * (t[i][j] + t[j][i])
+        }
+    });
+    (mean, deviator, entries(&|i, j| 0.5 * (t[i][j] - t[j][i])))
+}
+
+/// |t|².
+pub(crate) fn square(t: &[[f64; 3]; 3]) -> f64 {
+    t.iter().flatten().map(|x| x * x).sum()
+}

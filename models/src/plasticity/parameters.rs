@@ -5,7 +5,7 @@
 //! and obeys the variational inequality of Sadovskii & Sadovskaya (2019, "Elastic-plastic Cosserat
 //! continuum").
 
-use crate::cosserat::stress::Stress;
+use crate::cosserat::stress::{Stress, split, square};
 use crate::input::{InputError, ensure};
 
 /// A yield set.
@@ -220,23 +220,25 @@ impl Mises {
         Ok(self)
     }
 
+    /// Weights of mˢ and mᵃ in τ̄², 1/m².
+    pub(super) fn couple_weights(&self) -> [f64; 2] {
+        [self.symmetric_length, self.antisymmetric_length]
+            .map(|length| length.map_or(0.0, |l| 1.0 / (l * l)))
+    }
+
     /// Gradient of ½τ̄² by the stress: half of sˢ + h σᵃ and of mˢ/ℓ_s² + mᵃ/ℓ_a².
     fn half_gradient(&self, stress: &Stress) -> Stress {
-        let inverse_square = |length: Option<f64>| length.map_or(0.0, |l| 1.0 / (l * l));
-        let (symmetric, antisymmetric) =
-            (inverse_square(self.symmetric_length), inverse_square(self.antisymmetric_length));
-        let parts = |t: &[[f64; 3]; 3], i: usize, j: usize| {
-            (0.5 * (t[i][j] + t[j][i]), 0.5 * (t[i][j] - t[j][i]))
-        };
-        let mean = mean(stress);
+        let [symmetric, antisymmetric] = self.couple_weights();
+        let (_, deviator, spin) = split(&stress.force);
+        let (mean, couple_deviator, couple_spin) = split(&stress.couple);
         let mut gradient = Stress::default();
         for i in 0..3 {
             for j in 0..3 {
-                let (s, a) = parts(&stress.force, i, j);
-                let deviator = if i == j { s - mean } else { s };
-                gradient.force[i][j] = 0.5 * (deviator + self.antisymmetric_weight * a);
-                let (s, a) = parts(&stress.couple, i, j);
-                gradient.couple[i][j] = 0.5 * (symmetric * s + antisymmetric * a);
+                let force = deviator[i][j] + self.antisymmetric_weight * spin[i][j];
+                let spherical = if i == j { mean } else { 0.0 };
+                let couple = symmetric * (couple_deviator[i][j] + spherical)
+                    + antisymmetric * couple_spin[i][j];
+                (gradient.force[i][j], gradient.couple[i][j]) = (0.5 * force, 0.5 * couple);
             }
         }
         gradient
@@ -244,12 +246,13 @@ impl Mises {
 
     /// τ̄, Pa.
     pub fn equivalent_shear(&self, stress: &Stress) -> f64 {
-        let gradient = self.half_gradient(stress);
-        let dot = |a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]| {
-            a.iter().flatten().zip(b.iter().flatten()).map(|(x, y)| x * y).sum::<f64>()
-        };
-        let square = dot(&gradient.force, &stress.force) + dot(&gradient.couple, &stress.couple);
-        square.max(0.0).sqrt()
+        let [symmetric, antisymmetric] = self.couple_weights();
+        let (_, deviator, spin) = split(&stress.force);
+        let (mean, couple_deviator, couple_spin) = split(&stress.couple);
+        let force = square(&deviator) + self.antisymmetric_weight * square(&spin);
+        let couple = symmetric * (square(&couple_deviator) + 3.0 * mean * mean)
+            + antisymmetric * square(&couple_spin);
+        (0.5 * (force + couple)).sqrt()
     }
 
     /// The condition as active at `stress`; `None` on the axis, where the cone has no normal.

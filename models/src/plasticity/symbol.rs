@@ -37,7 +37,7 @@ pub fn tangent(
 ) -> Result<Matrix, NoResponse> {
     let mut tangent = elastic.clone();
     let size = stresses.len();
-    for condition in active {
+    for (index, condition) in active.iter().enumerate() {
         // A normal comes out of a few roundings of the size of its largest component.
         let vector = |gradient: &crate::cosserat::stress::Stress| -> Vec<Rounded> {
             let values: Vec<f64> = stresses.iter().map(|c| c.derivative(gradient)).collect();
@@ -57,9 +57,10 @@ pub fn tangent(
         let covector =
             |matrix: &Matrix, j: usize| sum(&mut (0..size).map(|i| normal[i] * matrix[(i, j)]));
         let stretch = sum(&mut (0..size).map(|i| normal[i] * image(&tangent, i)));
+        // What the conditions before have left of a dependent normal is rounding.
         let before = sum(&mut (0..size).map(|i| normal[i] * image(elastic, i)));
-        // What is left of a dependent normal is rounding.
-        if condition.hardening == 0.0 && stretch.value.abs() <= 1e-12 * before.value.abs() {
+        let is_spent = stretch.value.abs() <= 1e-12 * before.value.abs();
+        if index > 0 && condition.hardening == 0.0 && is_spent {
             continue;
         }
         let pivot = Rounded::given(condition.hardening) + stretch;

@@ -1,0 +1,520 @@
+//! Normals of yield sets against differences of their values, and the stiffness while yielding against
+//! the formula for all conditions at once.
+
+mod support;
+
+use nalgebra::{DMatrix, DVector};
+use support::{Random, Wide, wide};
+use wellposed_models::Rounded;
+use wellposed_models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
+use wellposed_models::cosserat::stress::{Component, Stress};
+use wellposed_models::cosserat::symbol::{plane, space};
+use wellposed_models::plasticity::parameters::{
+    ActiveCondition, Interlayer, InterlayerCouple, Mises, YieldSet,
+};
+use wellposed_models::plasticity::symbol::tangent;
+use wellposed_models::rounding::UNIT_ROUNDOFF;
+use wellposed_models::system::Matrix;
+
+fn solid(random: &mut Random, theory: Theory) -> Isotropic {
+    let mu = random.within(0.5, 2.0);
+    let gamma = random.within(0.2, 2.0);
+    let couple = CoupleModuli {
+        beta: gamma * (random.within(0.1, 2.0) - 2.0 / 3.0),
+        gamma,
+        eta: random.within(0.2, 2.0),
+    };
+    let microrotation = Microrotation {
+        alpha: random.within(0.1, 2.0),
+        inertia: random.within(0.2, 2.0),
+        couple: (theory == Theory::Cosserat).then_some(couple),
+    };
+    let lambda = mu * (random.within(0.1, 3.0) - 2.0 / 3.0);
+    let rotating = (theory != Theory::Classical).then_some(microrotation);
+    Isotropic::new(lambda, mu, 1.0, rotating).unwrap()
+}
+
+fn random_stress(random: &mut Random) -> Stress {
+    let mut tensor = || std::array::from_fn(|_| std::array::from_fn(|_| random.generic(0.1, 1.0)));
+    Stress { force: tensor(), couple: tensor() }
+}
+
+fn mises(random: &mut Random) -> Mises {
+    let friction = random.within(0.1, 0.8);
+    Mises {
+        friction,
+        dilatancy: friction * random.within(0.2, 0.9),
+        antisymmetric_weight: random.within(0.3, 3.0),
+        symmetric_length: Some(random.within(0.5, 2.0)),
+        antisymmetric_length: Some(random.within(0.5, 2.0)),
+        ..Mises::von_mises(random.within(0.5, 2.0))
+    }
+    .check()
+    .unwrap()
+}
+
+fn interlayer(random: &mut Random) -> Interlayer {
+    let couple = InterlayerCouple {
+        strength: random.within(0.5, 2.0),
+        friction: random.within(0.2, 0.9),
+        dilatancy: random.within(0.1, 0.2),
+    };
+    Interlayer {
+        shear_strength: random.within(0.5, 2.0),
+        shear_friction: random.within(0.2, 0.9),
+        shear_dilatancy: random.within(0.1, 0.2),
+        couple: Some(couple),
+    }
+    .check()
+    .unwrap()
+}
+
+/// The flow in place of the normal: what an associated solid has.
+fn associated(mut condition: ActiveCondition) -> ActiveCondition {
+    condition.flow = condition.normal;
+    condition
+}
+
+fn components() -> impl Iterator<Item = Component> {
+    let pairs = (0..9).map(|n| (n / 3, n % 3));
+    pairs
+        .clone()
+        .map(|(i, j)| Component::Force(i, j))
+        .chain(pairs.map(|(i, j)| Component::Couple(i, j)))
+}
+
+/// ∂f/∂s by central differences over ±h: wrong by h² f'''/6 and by rounding over h, 1e-10 each for
+/// stresses, and radii of curvature, of order 0.1 and more.
+fn check_gradient(value: impl Fn(&Stress) -> f64, gradient: &Stress, stress: &Stress) -> f64 {
+    const H: f64 = 2e-6;
+    let mut worst = 0.0f64;
+    for component in components() {
+        let [mut up, mut down] = [*stress; 2];
+        component.set(&mut up, component.of(stress) + H);
+        component.set(&mut down, component.of(stress) - H);
+        let difference = (value(&up) - value(&down)) / (2.0 * H);
+        worst = worst.max((difference - component.of(gradient)).abs());
+    }
+    assert!(worst <= 2e-9, "{worst:e} at {stress:?}");
+    worst
+}
+
+#[test]
+fn normals_are_gradients() {
+    let mut random = Random::new(1);
+    let mut worst = 0.0f64;
+    for _ in 0..500 {
+        let set = mises(&mut random);
+        let stress = random_stress(&mut random);
+        let condition = set.condition(&stress).unwrap();
+        let value = |s: &Stress| YieldSet::Mises(set).value(s);
+        worst = worst.max(check_gradient(value, &condition.normal, &stress));
+        // The flow is that of the potential, f with the dilatancy.
+        let potential = Mises { friction: set.dilatancy, ..set };
+        let value = |s: &Stress| YieldSet::Mises(potential).value(s);
+        worst = worst.max(check_gradient(value, &condition.flow, &stress));
+
+        // Of eight half-spaces the one that is nearest is the value; the others are 0.01 away.
+        let set = interlayer(&mut random);
+        let couple = set.couple.unwrap();
+        let values: Vec<f64> = [0, 1]
+            .into_iter()
+            .flat_map(|face| {
+                let (normal, other) = (stress.force[face][face], 1 - face);
+                [
+                    stress.force[other][face].abs() + set.shear_friction * normal
+                        - set.shear_strength,
+                    stress.couple[2][face].abs() + couple.friction * normal - couple.strength,
+                ]
+            })
+            .collect();
+        let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let own = YieldSet::Interlayer(set).value(&stress);
+        assert!((own - greatest).abs() <= 1e-15, "{own} {greatest}");
+        if values.iter().filter(|v| **v > greatest - 0.01).count() > 1 {
+            continue;
+        }
+        // Of the opposite signs, the one that meets the stress first.
+        let value = |s: &Stress| YieldSet::Interlayer(set).value(s);
+        let (nearest, _) = set
+            .half_spaces()
+            .find(|(condition, strength)| {
+                let product: f64 =
+                    components().map(|c| c.of(&condition.normal) * c.of(&stress)).sum();
+                (product - strength - greatest).abs() <= 1e-14
+            })
+            .unwrap();
+        worst = worst.max(check_gradient(value, &nearest.normal, &stress));
+    }
+    println!("normals: {worst:e}");
+    assert_eq!(interlayer(&mut random).half_spaces().count(), 8);
+}
+
+/// A deviator 1e-9 of the pressure keeps its normal: the components are exact, and so are their
+/// differences.
+#[test]
+fn normals_under_pressure() {
+    let set = Mises::drucker_prager(1.0, 0.5, 0.5);
+    let mut stress = Stress::default();
+    let mean = -(2f64.powi(30));
+    for (i, own) in [3.0, -1.0, -2.0].into_iter().enumerate() {
+        stress.force[i][i] = mean + own;
+    }
+    // |s|² = 14, τ̄ = √7.
+    assert!((set.equivalent_shear(&stress) - 7f64.sqrt()).abs() <= 1e-15);
+    let normal = set.condition(&stress).unwrap().normal;
+    for (i, own) in [3.0, -1.0, -2.0].into_iter().enumerate() {
+        let expected = own / (2.0 * 7f64.sqrt()) + 0.5 / 3.0;
+        assert!((normal.force[i][i] - expected).abs() <= 1e-15);
+    }
+}
+
+#[test]
+fn zero_stress_is_inside() {
+    let mut random = Random::new(2);
+    let zero = Stress::default();
+    for _ in 0..100 {
+        let set = YieldSet::Mises(mises(&mut random));
+        assert!(set.value(&zero) < 0.0 && set.active(&zero, 1e-9).is_empty());
+        let set = YieldSet::Interlayer(interlayer(&mut random));
+        assert!(set.value(&zero) < 0.0 && set.active(&zero, 1e-9).is_empty());
+    }
+    assert_eq!(mises(&mut random).condition(&zero), None);
+    // Without strength the apex is zero stress itself: on the boundary, all conditions active.
+    let couple = InterlayerCouple { strength: 0.0, friction: 0.5, dilatancy: 0.5 };
+    let set = Interlayer {
+        shear_strength: 0.0,
+        shear_friction: 0.5,
+        shear_dilatancy: 0.5,
+        couple: Some(couple),
+    };
+    assert_eq!(YieldSet::Interlayer(set).value(&zero), 0.0);
+    assert_eq!(YieldSet::Interlayer(set).active(&zero, 1e-9).len(), 8);
+}
+
+/// Constants out of range are refused by name.
+#[test]
+fn constants_are_checked() {
+    let sound = Mises::drucker_prager(1.0, 0.5, 0.1);
+    assert!(sound.check().is_ok());
+    let broken: [(&str, Mises); 6] = [
+        ("yield.strength", Mises { strength: 0.0, ..sound }),
+        ("yield.friction", Mises { friction: -0.1, ..sound }),
+        ("yield.dilatancy", Mises { dilatancy: f64::NAN, ..sound }),
+        ("yield.antisymmetric_weight", Mises { antisymmetric_weight: -1.0, ..sound }),
+        ("yield.symmetric_length", Mises { symmetric_length: Some(0.0), ..sound }),
+        ("yield.antisymmetric_length", Mises { antisymmetric_length: Some(-1.0), ..sound }),
+    ];
+    for (key, set) in broken {
+        assert_eq!(set.check().unwrap_err().key, key);
+    }
+    let sound = interlayer(&mut Random::new(3));
+    let with = |change: fn(&mut InterlayerCouple)| {
+        let mut couple = sound.couple.unwrap();
+        change(&mut couple);
+        Interlayer { couple: Some(couple), ..sound }
+    };
+    let broken: [(&str, Interlayer); 6] = [
+        ("yield.shear_strength", Interlayer { shear_strength: -1.0, ..sound }),
+        ("yield.shear_friction", Interlayer { shear_friction: f64::INFINITY, ..sound }),
+        ("yield.shear_dilatancy", Interlayer { shear_dilatancy: f64::NAN, ..sound }),
+        ("yield.couple_strength", with(|c| c.strength = -1.0)),
+        ("yield.couple_friction", with(|c| c.friction = -1.0)),
+        ("yield.couple_dilatancy", with(|c| c.dilatancy = f64::NAN)),
+    ];
+    for (key, set) in broken {
+        assert_eq!(set.check().unwrap_err().key, key);
+    }
+}
+
+// ---------------------------------------------------------------- tangent
+
+fn vector(stresses: &[Component], gradient: &Stress) -> Vec<f64> {
+    stresses.iter().map(|c| c.derivative(gradient)).collect()
+}
+
+/// D − DM(H + NᵀDM)⁻¹NᵀD in twice the precision, H diagonal.
+fn direct(
+    d: &[Vec<Wide>],
+    normals: &[Vec<Wide>],
+    flows: &[Vec<Wide>],
+    hardening: &[f64],
+) -> Vec<Vec<Wide>> {
+    let (size, count) = (d.len(), normals.len());
+    let sum = |terms: &mut dyn Iterator<Item = Wide>| terms.fold(wide(0.0), |x, y| x + y);
+    let images: Vec<Vec<Wide>> = flows
+        .iter()
+        .map(|m| (0..size).map(|i| sum(&mut (0..size).map(|j| d[i][j] * m[j]))).collect())
+        .collect();
+    // Gauss elimination of (H + NᵀDM | NᵀD), rows exchanged for the largest pivot.
+    let mut rows: Vec<Vec<Wide>> = (0..count)
+        .map(|a| {
+            let left = (0..count).map(|b| {
+                let entry = sum(&mut (0..size).map(|i| normals[a][i] * images[b][i]));
+                if a == b { entry + wide(hardening[a]) } else { entry }
+            });
+            let right = (0..size).map(|j| sum(&mut (0..size).map(|i| normals[a][i] * d[i][j])));
+            left.chain(right).collect()
+        })
+        .collect();
+    for column in 0..count {
+        let pivot = (column..count)
+            .max_by(|a, b| {
+                let size = |r: &usize| rows[*r][column].abs().value();
+                size(a).total_cmp(&size(b))
+            })
+            .unwrap();
+        rows.swap(column, pivot);
+        let own = rows[column].clone();
+        for (number, row) in rows.iter_mut().enumerate() {
+            if number != column {
+                let factor = row[column] / own[column];
+                for (x, y) in row.iter_mut().zip(&own) {
+                    *x = *x - factor * *y;
+                }
+            }
+        }
+    }
+    let mut result = d.to_vec();
+    for i in 0..size {
+        for j in 0..size {
+            for a in 0..count {
+                result[i][j] = result[i][j] - images[a][i] * rows[a][count + j] / rows[a][a];
+            }
+        }
+    }
+    result
+}
+
+fn lift(values: &[f64]) -> Vec<Wide> {
+    values.iter().map(|x| wide(*x)).collect()
+}
+
+fn values(matrix: &Matrix) -> DMatrix<f64> {
+    matrix.map(|entry| entry.value)
+}
+
+/// Solids in the plane and in space, each with conditions that it can have: one of Mises, one to four
+/// of the layers.
+struct Case {
+    stresses: Vec<Component>,
+    elastic: Matrix,
+    conditions: Vec<ActiveCondition>,
+}
+
+fn case(random: &mut Random, number: usize) -> Case {
+    let theory = [Theory::Classical, Theory::Reduced, Theory::Cosserat][number % 3];
+    let solid = solid(random, theory);
+    let in_plane = number.is_multiple_of(2);
+    let layout = if in_plane { plane(theory) } else { space(theory) };
+    let stresses: Vec<Component> = layout.all_stresses().collect();
+    let elastic = solid.stiffness(layout.all_stresses());
+    let stress = random_stress(random);
+    let conditions = if number % 4 < 2 {
+        let condition = mises(random).condition(&stress).unwrap();
+        vec![ActiveCondition { hardening: random.within(0.0, 0.5), ..condition }]
+    } else {
+        // One sign of each pair, in random order; in classical solids σ₂₁ = σ₁₂ and no couples.
+        let set = interlayer(random);
+        let set = if theory == Theory::Cosserat { set } else { Interlayer { couple: None, ..set } };
+        let mut pairs: Vec<ActiveCondition> = set
+            .half_spaces()
+            .map(|(condition, _)| condition)
+            .collect::<Vec<_>>()
+            .chunks(2)
+            .map(|pair| pair[random.below(2)])
+            .collect();
+        for i in (1..pairs.len()).rev() {
+            pairs.swap(i, random.below(i + 1));
+        }
+        pairs.truncate(1 + random.below(pairs.len()));
+        pairs
+    };
+    Case { stresses, elastic, conditions }
+}
+
+#[test]
+fn tangent_keeps_to_the_conditions() {
+    let mut random = Random::new(4);
+    let [mut worst_order, mut worst_null] = [0.0f64; 2];
+    let mut several = 0;
+    for number in 0..3000 {
+        let Case { stresses, elastic, conditions } = case(&mut random, number);
+        let own = values(&tangent(&elastic, &stresses, &conditions).unwrap());
+        several += usize::from(conditions.len() > 1);
+        let size = elastic.map(|x| x.value).amax();
+        for condition in conditions.iter().filter(|c| c.hardening == 0.0) {
+            let normal = DVector::from_vec(vector(&stresses, &condition.normal));
+            let flow = DVector::from_vec(vector(&stresses, &condition.flow));
+            let null = (own.transpose() * normal).amax().max((&own * flow).amax()) / size;
+            worst_null = worst_null.max(null);
+            assert!(null <= 1e-13, "{null:e}");
+        }
+        // Independent of the order.
+        let mut reversed = conditions.clone();
+        reversed.reverse();
+        let other = values(&tangent(&elastic, &stresses, &reversed).unwrap());
+        worst_order = worst_order.max((&own - other).amax() / size);
+        assert!(worst_order <= 1e-13, "{worst_order:e}");
+        // Of an associated flow: symmetric, and at least 0, and at most the elastic stiffness.
+        let conditions: Vec<ActiveCondition> = conditions.into_iter().map(associated).collect();
+        let own = values(&tangent(&elastic, &stresses, &conditions).unwrap());
+        assert!((&own - own.transpose()).amax() <= 1e-14 * size);
+        let least = |m: DMatrix<f64>| m.symmetric_eigenvalues().min();
+        assert!(least(own.clone()) >= -1e-13 * size);
+        assert!(least(values(&elastic) - &own) >= -1e-13 * size);
+        // Something has yielded.
+        assert!((values(&elastic) - &own).amax() > 1e-3 * size);
+    }
+    println!("order {worst_order:e}, null directions {worst_null:e}");
+    assert!(several > 500, "{several}");
+}
+
+/// The bounds cover what the formula for all conditions at once, in twice the precision, makes of the
+/// numbers as given and of numbers that differ by what their bounds allow.
+#[test]
+fn tangent_is_the_direct_formula_within_its_bounds() {
+    let mut random = Random::new(5);
+    let (mut worst, mut widest) = (0.0f64, 0.0f64);
+    for number in 0..3000 {
+        let Case { stresses, elastic, conditions } = case(&mut random, number);
+        let own = tangent(&elastic, &stresses, &conditions).unwrap();
+        let size = values(&elastic).amax();
+        for perturbed in [false, true] {
+            let mut part = || if perturbed { random.within(-1.0, 1.0) } else { 0.0 };
+            let mut moved = |x: &Rounded| wide(x.value) + wide(x.bound * part());
+            let d: Vec<Vec<Wide>> =
+                elastic.row_iter().map(|row| row.iter().map(&mut moved).collect()).collect();
+            // The plastic modulus is a decimal from a file.
+            let hardening: Vec<f64> = conditions
+                .iter()
+                .map(|c| c.hardening * (1.0 + if perturbed { -UNIT_ROUNDOFF } else { 0.0 }))
+                .collect();
+            let mut vectors = |of: fn(&ActiveCondition) -> &Stress| -> Vec<Vec<Wide>> {
+                conditions
+                    .iter()
+                    .map(|condition| {
+                        let values = vector(&stresses, of(condition));
+                        let largest = values.iter().fold(0.0f64, |x, y| x.max(y.abs()));
+                        let bound = 8.0 * UNIT_ROUNDOFF * largest;
+                        let moved = |x: Wide| match x.high {
+                            0.0 => x,
+                            _ => x + wide(bound * part()),
+                        };
+                        lift(&values).into_iter().map(moved).collect()
+                    })
+                    .collect()
+            };
+            let (normals, flows) = (vectors(|c| &c.normal), vectors(|c| &c.flow));
+            let exact = direct(&d, &normals, &flows, &hardening);
+            for (own, exact) in own.row_iter().zip(&exact).flat_map(|(own, exact)| {
+                own.iter().copied().collect::<Vec<_>>().into_iter().zip(exact.clone())
+            }) {
+                let error = (wide(own.value) - exact).abs().value();
+                assert!(error <= own.bound, "{error:e} beyond {own:?}: {conditions:?}");
+                if !perturbed {
+                    worst = worst.max(error / size);
+                }
+                widest = widest.max(own.bound / size);
+            }
+        }
+    }
+    println!("off by {worst:e}, bounds up to {widest:e}");
+    assert!(worst <= 1e-13, "{worst:e}");
+    // A bound that says nothing would cover everything.
+    assert!(widest <= 1e-10, "{widest:e}");
+}
+
+#[test]
+fn dependent_normals_are_passed_over() {
+    let mut random = Random::new(6);
+    for number in 0..500 {
+        let Case { stresses, elastic, conditions } = case(&mut random, number);
+        // A list twice over; associated and without hardening, since two of the same hardening
+        // conditions share the flow.
+        let ideal: Vec<ActiveCondition> = conditions
+            .into_iter()
+            .map(|c| ActiveCondition { hardening: 0.0, ..associated(c) })
+            .collect();
+        let once = tangent(&elastic, &stresses, &ideal).unwrap();
+        let twice: Vec<ActiveCondition> = ideal.iter().chain(&ideal).copied().collect();
+        assert_eq!(tangent(&elastic, &stresses, &twice).unwrap(), once);
+    }
+    // In the apex all eight are active: four span (σ₁₁, σ₂₁, m₃₁), four the rest, and nothing is left,
+    // in whatever order.
+    let solid = solid(&mut random, Theory::Cosserat);
+    let stresses = plane(Theory::Cosserat).stresses;
+    let elastic = solid.stiffness(stresses.iter().copied());
+    let mut all: Vec<ActiveCondition> =
+        interlayer(&mut random).half_spaces().map(|(c, _)| associated(c)).collect();
+    for _ in 0..50 {
+        for i in (1..all.len()).rev() {
+            all.swap(i, random.below(i + 1));
+        }
+        let own = values(&tangent(&elastic, stresses, &all).unwrap());
+        assert!(own.amax() <= 1e-13 * values(&elastic).amax(), "{own}");
+    }
+}
+
+/// n·Dm of the cone is μ + κκ̂K: with too much contraction, or softening, there is no response, and the
+/// number is in the message; a little less and there is.
+#[test]
+fn no_response() {
+    let mut random = Random::new(7);
+    for _ in 0..200 {
+        let solid = solid(&mut random, Theory::Classical);
+        let (mu, bulk) = (solid.mu, solid.lambda + 2.0 / 3.0 * solid.mu);
+        let stresses = space(Theory::Classical).stresses;
+        let elastic = solid.stiffness(stresses.iter().copied());
+        let mut stress = random_stress(&mut random);
+        for i in 0..3 {
+            for j in 0..i {
+                stress.force[i][j] = stress.force[j][i];
+            }
+        }
+        let friction = random.within(0.2, 0.9);
+        let critical = -mu / (friction * bulk);
+        for (dilatancy, hardening) in [
+            (critical * random.within(1.0001, 3.0), 0.0),
+            (0.3, -(mu + friction * 0.3 * bulk) * random.within(1.0001, 2.0)),
+        ] {
+            let set = Mises { hardening, ..Mises::drucker_prager(1.0, friction, dilatancy) };
+            let condition = set.condition(&stress).unwrap();
+            let error = tangent(&elastic, stresses, &[condition]).unwrap_err();
+            let expected = hardening + mu + friction * dilatancy * bulk;
+            let size = mu + friction * dilatancy.abs() * bulk + hardening.abs();
+            assert!((error.value - expected).abs() <= 1e-14 * size, "{error} {expected}");
+            assert_eq!(error.condition, "yield");
+            assert!(error.to_string().contains(&format!("{:e}", error.value)), "{error}");
+        }
+        // Just enough.
+        let set = Mises::drucker_prager(1.0, friction, critical * 0.9999);
+        assert!(tangent(&elastic, stresses, &[set.condition(&stress).unwrap()]).is_ok());
+    }
+}
+
+/// Where n·Dm is zero to within rounding no sign can be asserted: refused, not divided by, and not taken
+/// for the rest of a dependent normal.
+#[test]
+fn no_response_at_the_critical_dilatancy() {
+    let mut random = Random::new(8);
+    let mut passed_over = 0;
+    for _ in 0..200 {
+        let solid = solid(&mut random, Theory::Classical);
+        let bulk = solid.lambda + 2.0 / 3.0 * solid.mu;
+        let stresses = space(Theory::Classical).stresses;
+        let elastic = solid.stiffness(stresses.iter().copied());
+        let mut stress = Stress::default();
+        (stress.force[0][1], stress.force[1][0]) = (1.0, 1.0);
+        stress.force[2][2] = random.within(0.1, 1.0);
+        let set = Mises::drucker_prager(1.0, 0.5, -solid.mu / (0.5 * bulk));
+        match tangent(&elastic, stresses, &[set.condition(&stress).unwrap()]) {
+            Err(error) => assert!(error.value.abs() <= 1e-14 * solid.mu),
+            Ok(own) => {
+                assert_eq!(own, elastic);
+                passed_over += 1;
+            }
+        }
+    }
+    assert_eq!(passed_over, 0, "of 200");
+}
