@@ -12,11 +12,12 @@ use crate::form::{self, Form, Zero};
 use crate::layers::{along, collision_at, search_collision, search_layer};
 use crate::leading;
 use crate::list::{List, list};
-use crate::newton::{Order, Worst, corners_of, is_on};
+use crate::newton::{Order, corners_of, is_on};
 use crate::pencil::Pencil;
 use crate::polynomial::Term;
 use crate::puiseux::{self, Monomial};
 use crate::value::{Value, imaginary_power};
+use crate::worst::Worst;
 use models::Rounded;
 use std::cell::OnceCell;
 use std::f64::consts::PI;
@@ -277,7 +278,9 @@ fn unbounded_at_finite_k(certain: &[Term], doubtful: &[Term]) -> Option<(f64, bo
                 (Some(one), None) | (None, Some(one)) => one.zeros(),
                 (Some(even), Some(odd)) => {
                     let others = odd.zeros();
-                    let shared = |z: &Zero| others.iter().any(|o| apart(o.angle, z.angle) < 1e-9);
+                    let shared = |z: &Zero| {
+                        others.iter().any(|o| apart(o.angle, z.angle) <= 2.0 * (o.bound + z.bound))
+                    };
                     even.zeros().into_iter().filter(shared).collect()
                 }
                 (None, None) => List::new(),

@@ -9,10 +9,11 @@
 use crate::face::Face;
 use crate::form::{Form, Zero};
 use crate::list::{List, list};
-use crate::newton::{Order, Worst};
+use crate::newton::Order;
 use crate::polynomial::Term;
 use crate::puiseux::{self, DOUBTFUL, Monomial, Root, binomial, lcm};
 use crate::value::Value;
+use crate::worst::Worst;
 use models::Rounded;
 use num_complex::Complex64;
 use std::cell::RefCell;

@@ -6,7 +6,9 @@
 //! - [`polynomial`]: the exact dispersion polynomial det(ςA + κ₁B¹ + κ₂B² + C), κ = ik;
 //! - [`pencil`]: the roots ς at a given wave, by generalised eigenvalues and that polynomial;
 //! - [`characteristics`]: characteristic directions of the steady equations;
-//! - [`newton`]: orders and leading coefficients of roots in one direction;
+//! - [`qz`], [`roots`], [`extended`]: small generalised eigenproblems, zeros of polynomials, twice the
+//!   working precision;
+//! - [`form`], [`newton`]: zeros of homogeneous forms in the direction, orders of growth;
 //! - [`growth`]: how fast short waves grow, in every direction: the verdict;
 //! - [`bound`]: the supremum of the growth rate, where it is finite;
 //! - [`waves`]: speeds, dispersion curves and forbidden bands of solids.
@@ -30,6 +32,7 @@ pub mod roots;
 pub mod scaling;
 mod value;
 pub mod waves;
+mod worst;
 
 /// A system that cannot be analysed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
