@@ -111,7 +111,7 @@ impl Workspace {
     /// # Errors
     /// See [`StateError`].
     pub fn judge(&mut self, case: &Case) -> Result<(Model, Frozen), StateError> {
-        let model = Model::new(case.kind, &case.parameters())?;
+        let model = case.flow_model()?;
         let background = model.background(&case.state())?;
         let Background::FullyDeforming(flow) = background else {
             return Ok((model, Frozen::Elsewhere(background)));

@@ -1,18 +1,20 @@
 //! Well-posedness of continuum models of granular media.
 //!
 //! Describe a medium and a state in a case file; `wellposed` says whether its equations are
-//! well-posed. One file per verb ([`map`], [`point`], [`cases`], [`new`]); [`case`] reads case
+//! well-posed. One file per verb ([`map`], [`point`], [`dispersion`], [`cases`], [`new`]); [`case`] reads case
 //! files; [`output`] keeps folders of results. No physics and no numerics here.
 #![deny(missing_docs)]
 
 pub mod case;
 pub mod cases;
+pub mod dispersion;
 pub mod frozen;
 pub mod map;
 pub mod new;
 pub mod output;
 pub mod point;
 pub mod progress;
+pub mod solid;
 pub mod words;
 
 use std::path::PathBuf;

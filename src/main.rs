@@ -2,12 +2,12 @@
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
-use models::granular_flow::Kind;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use wellposed::case::Kind;
 use wellposed::map::{self, Extras};
-use wellposed::{Error, Format, Options, VERSION, cases, new, point};
+use wellposed::{Error, Format, Options, VERSION, cases, dispersion, new, point};
 
 /// Well-posedness of continuum models of granular media.
 #[derive(Parser)]
@@ -35,6 +35,11 @@ enum Verb {
     },
     /// Everything about one state: background, characteristics, roots, growth, verdict
     Point {
+        #[command(flatten)]
+        run: Run,
+    },
+    /// Frequencies and speeds of the waves of a solid against the wave number
+    Dispersion {
         #[command(flatten)]
         run: Run,
     },
@@ -131,6 +136,7 @@ fn carry_out(verb: Verb) -> Result<(), Error> {
             map::run(&run.into(), extras, &mut stdout)?;
         }
         Verb::Point { run } => point::run(&run.into(), &mut stdout)?,
+        Verb::Dispersion { run } => dispersion::run(&run.into(), &mut stdout)?,
         Verb::Cases => cases::run(&mut stdout)?,
         Verb::New { kind, file, force } => {
             let path = new::run(kind, file.as_deref(), force)?;

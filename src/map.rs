@@ -11,7 +11,6 @@ use crate::{Error, Format, Options};
 use analysis::bound;
 use analysis::growth::Verdict;
 use figures::{Axis, Category, Curve, Look, VerdictMap};
-use models::granular_flow::Model;
 use models::granular_flow::state::Background;
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -184,7 +183,7 @@ impl<'a> Judge<'a> {
         case.set(map.x.parameter, map.x.value(x));
         case.set(map.y.parameter, map.y.value(y));
         let mut point = Point::empty(Code::NotFullyDeforming);
-        let model = Model::new(case.kind, &case.parameters())?;
+        let model = case.flow_model()?;
         let Background::FullyDeforming(flow) = model.background(&case.state())? else {
             return Ok(point);
         };

@@ -1,8 +1,7 @@
 //! `wellposed new`: a commented case to start from.
 
-use crate::case::{KEYS, Key, Presence};
+use crate::case::{KEYS, Key, Kind, Presence};
 use crate::output::{OutputError, write_file};
-use models::granular_flow::Kind;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -31,8 +30,7 @@ pub fn text(kind: Kind) -> String {
 # A key behind a '#' shows its default, or an example where there is none: take away the '#' to
 # set it.
 #
-# wellposed point FILE    everything about this state
-# wellposed map FILE      verdict over the two parameters of [map]
+{verbs}
 
 title = \"{title}: a first case\"
 # name = \"{name}\"  # names the folder of results; absent: the name of this file
@@ -40,6 +38,15 @@ title = \"{title}: a first case\"
 [model]
 kind = \"{name}\"
 ",
+        verbs = match kind {
+            Kind::Flow(_) => {
+                "# wellposed point FILE    everything about this state
+# wellposed map FILE      verdict over the two parameters of [map]"
+            }
+            Kind::Solid(_) => {
+                "# wellposed dispersion FILE    frequencies and speeds of waves against wave number"
+            }
+        },
         title = kind.title(),
         name = kind.name(),
     );
@@ -53,6 +60,9 @@ kind = \"{name}\"
         }
         let mark = if matches!(key.presence, Presence::Required(_)) { "" } else { "# " };
         let _ = writeln!(text, "{:<46}  # {}", format!("{mark}{name} = {value}"), comment(key));
+    }
+    if let Kind::Solid(_) = kind {
+        return text;
     }
     text.push_str(
         "

@@ -31,10 +31,14 @@ pub const POINT: [&str; 10] = [
     "directions.svg",
 ];
 
+/// What `dispersion` writes besides.
+pub const DISPERSION: [&str; 5] =
+    ["dispersion.png", "dispersion.svg", "dispersion.csv", "dispersion.json", "dispersion.txt"];
+
 /// Every file that a verb may write. `--force` removes the ones of another case, so that no result
 /// ever stands beside a case that it does not belong to.
 pub fn results() -> impl Iterator<Item = &'static str> {
-    MAP.into_iter().chain(POINT)
+    MAP.into_iter().chain(POINT).chain(DISPERSION)
 }
 
 /// Results cannot be written.

@@ -2,7 +2,7 @@
 
 mod curves;
 
-use crate::case::{Case, radians};
+use crate::case::{Case, Kind, radians};
 use crate::frozen::{Frozen, Workspace};
 use crate::output::{self, ResultFolder};
 use crate::words::{
@@ -20,7 +20,7 @@ use figures::{
 };
 use models::Rounded;
 use models::granular_flow::state::{Background, Flow};
-use models::granular_flow::{InputError, Kind, Model};
+use models::granular_flow::{InputError, Model};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::Write;
@@ -420,7 +420,7 @@ fn words(case: &Case, of: &Analysed) -> String {
         let _ = writeln!(text, "  {name:<36}{value}");
     };
     line("deviatoric stress q", format!("{} Pa", short(flow.stress.deviator.value)));
-    if of.kind == Kind::HarrisGrekova {
+    if let Model::HarrisGrekova(_) = of.model {
         line("rotational stress r", format!("{} Pa", short(flow.stress.rotational)));
     }
     line(

@@ -2,7 +2,7 @@
 
 mod states;
 
-use models::granular_flow::{Kind, Model};
+use models::granular_flow::Kind;
 use states::{Random, Range};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -55,7 +55,7 @@ fn a_formula_needs_no_memory() {
     let before = ALLOCATIONS.with(Cell::get);
     for delta in 0..45 {
         case.set(swept, f64::from(delta));
-        let model = Model::new(case.kind, &case.parameters()).expect("a model");
+        let model = case.flow_model().expect("a model");
         let background = model.background(&case.state()).expect("a state");
         let flow = background.flow().expect("on yield");
         let (_, route) = workspace.decide(&model, flow).expect("a verdict");

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use wellposed::case::Case;
+use wellposed::case::Kind;
 use wellposed::cases::CASES;
 use wellposed::output::results;
 
@@ -95,7 +96,11 @@ fn every_bundled_case_runs() {
     for (path, text) in CASES {
         let name = Path::new(path).file_name().unwrap().to_str().unwrap();
         fs::write(here.join(name), shrunk(text)).unwrap();
-        let verb = if text.contains("[map]") { "map" } else { "point" };
+        let verb = match text {
+            _ if text.contains("[map]") => "map",
+            _ if text.contains("[background]") => "point",
+            _ => "dispersion",
+        };
         let (stdout, _) = ends_with(0, &here, &format!("{verb} {name}"));
         assert!(!stdout.is_empty());
         let out = here.join("out").join(name.trim_end_matches(".toml"));
@@ -112,11 +117,17 @@ fn every_bundled_case_runs() {
 #[test]
 fn new_writes_a_case_once() {
     let here = folder("new");
-    for kind in models::granular_flow::Kind::ALL.map(|kind| kind.name()) {
+    for kind in Kind::ALL {
+        let verbs: &[&str] = match kind {
+            Kind::Flow(_) => &["point", "map"],
+            Kind::Solid(_) => &["dispersion"],
+        };
+        let kind = kind.name();
         let (_, stderr) = ends_with(0, &here, &format!("new {kind}"));
         assert!(stderr.contains(&format!("{kind}.toml")));
-        ends_with(0, &here, &format!("point {kind}.toml --dry-run"));
-        ends_with(0, &here, &format!("map {kind}.toml --dry-run"));
+        for verb in verbs {
+            ends_with(0, &here, &format!("{verb} {kind}.toml --dry-run"));
+        }
 
         fs::write(here.join(format!("{kind}.toml")), "mine").unwrap();
         let (_, stderr) = ends_with(2, &here, &format!("new {kind}"));
@@ -127,7 +138,7 @@ fn new_writes_a_case_once() {
     }
     ends_with(0, &here, "new free-rotating other.toml");
     ends_with(2, &here, "new free-rotating other.toml/below.toml");
-    assert_eq!(names(&here).len(), 5, "{:?}", names(&here));
+    assert_eq!(names(&here).len(), 9, "{:?}", names(&here));
 }
 
 #[test]
@@ -276,7 +287,7 @@ fn the_case_file_is_never_overwritten() {
 #[test]
 fn a_resolved_case_gives_the_same_bits_again() {
     let here = folder("again");
-    let text = wellposed::new::text(models::granular_flow::Kind::DoubleShearing);
+    let text = wellposed::new::text(Kind::from_name("double-shearing").expect("a kind"));
     let text: String =
         text.lines().filter(|l| !l.starts_with("title")).map(|l| format!("{l}\n")).collect();
     fs::write(here.join("untitled.toml"), text).unwrap();
@@ -362,7 +373,7 @@ fn run_mutant(folder: &Path, index: usize, mutant: &[u8]) -> Result<bool, String
     fs::write(&case, mutant).unwrap();
     let start = Instant::now();
     let mut child = Command::new(PROGRAM)
-        .arg(if index.is_multiple_of(2) { "point" } else { "map" })
+        .arg(["point", "map", "point", "map", "dispersion"][index % 5])
         .arg(&case)
         .args(["--threads", "1", "--out"])
         .arg(&out)

@@ -6,7 +6,7 @@
 
 use crate::list::{List, list};
 use crate::newton::gcd;
-use crate::puiseux::{Root, roots_of};
+use crate::puiseux::{Root, binomial, roots_of};
 use crate::roots;
 use crate::value::Value;
 use num_complex::Complex64;
@@ -23,6 +23,8 @@ pub(crate) struct Face {
 
 /// Angles as near as this to one in which a coefficient vanishes are left to its layer.
 const APART: f64 = 1e-7;
+/// So near, sectors between collisions belong to the layer.
+const BESIDE: f64 = 1e-4;
 /// How far a root may lie from the unit circle, or an angle from a real one, to be looked at.
 const NEAR_CIRCLE: f64 = 1e-3;
 /// By how much (relative) the supremum is asked to be exceeded before the search ends.
@@ -98,12 +100,13 @@ impl Face {
     /// between them lead up.
     pub(crate) fn supremum(&self, avoided: &[f64]) -> Option<(f64, f64)> {
         let nodes = self.degree() * self.width() + 1;
-        let allowed = |angle: f64| {
+        let is_apart = |angle: f64, least: f64| {
             avoided.iter().all(|z| {
                 let gap = (angle - z).rem_euclid(PI);
-                gap.min(PI - gap) > APART
+                gap.min(PI - gap) > least
             })
         };
+        let allowed = |angle: f64| is_apart(angle, APART);
         let mut best: Option<(f64, f64)> = None;
         let consider = |angle: f64, best: &mut Option<(f64, f64)>| {
             if !allowed(angle) {
@@ -132,7 +135,11 @@ impl Face {
             let collisions = self.collisions();
             for (index, &left) in collisions.iter().enumerate() {
                 let right = collisions.get(index + 1).copied().unwrap_or(collisions[0] + PI);
-                consider(0.5 * (left + right), &mut best);
+                let middle = 0.5 * (left + right);
+                // Next to where a coefficient vanishes the layer around it knows better.
+                if is_apart(middle, BESIDE) {
+                    consider(middle, &mut best);
+                }
             }
         }
         let (_, mut angle) = best?;
@@ -254,36 +261,41 @@ impl Face {
         self.coefficients.iter().rev().fold(0.0, |total, form| total * modulus + sum(form))
     }
 
-    /// E, E_c, E_α, E_cc, E_cα, E_αα at a complex angle and root.
-    pub(crate) fn derivatives(&self, angle: Complex64, c: Complex64) -> [Complex64; 6] {
+    /// Coefficients of the powers of x up to `count` in E(c + x) at a complex angle, and their first
+    /// and second derivatives by the angle.
+    pub(crate) fn by_powers(
+        &self,
+        angle: Complex64,
+        c: Complex64,
+        count: usize,
+    ) -> [List<Complex64>; 3] {
         let (sin, cos) = (angle.sin(), angle.cos());
         let power = |x: Complex64, n: i32| if n < 0 { Complex64::ZERO } else { x.powi(n) };
-        let mut d = [Complex64::ZERO; 6];
+        let mut sums: [List<Complex64>; 3] =
+            std::array::from_fn(|_| list![Complex64::ZERO; count + 1]);
         for (i, form) in self.coefficients.iter().enumerate() {
             let degree = form.len().saturating_sub(1);
-            let [mut value, mut first, mut second] = [Complex64::ZERO; 3];
+            let mut parts = [Complex64::ZERO; 3];
             for (l, f) in form.iter().enumerate() {
                 let (p, q) = ((degree - l) as i32, l as i32);
                 let (pf, qf) = (f64::from(p), f64::from(q));
-                value += f.value * power(cos, p) * power(sin, q);
-                first += f.value
+                parts[0] += f.value * power(cos, p) * power(sin, q);
+                parts[1] += f.value
                     * (qf * power(cos, p + 1) * power(sin, q - 1)
                         - pf * power(cos, p - 1) * power(sin, q + 1));
-                second += f.value
+                parts[2] += f.value
                     * (qf * (qf - 1.0) * power(cos, p + 2) * power(sin, q - 2)
                         - (2.0 * pf * qf + pf + qf) * power(cos, p) * power(sin, q)
                         + pf * (pf - 1.0) * power(cos, p - 2) * power(sin, q + 2));
             }
-            let (i, n) = (i as i32, i as f64);
-            let [zeroth, once, twice] =
-                [power(c, i), n * power(c, i - 1), n * (n - 1.0) * power(c, i - 2)];
-            let rows = [zeroth * value, once * value, zeroth * first, twice * value, once * first];
-            for (sum, term) in d.iter_mut().zip(rows) {
-                *sum += term;
+            for n in 0..=count.min(i) {
+                let factor = binomial(i, n) * power(c, (i - n) as i32);
+                for (sum, part) in sums.iter_mut().zip(parts) {
+                    sum[n] += factor * part;
+                }
             }
-            d[5] += zeroth * second;
         }
-        d
+        sums
     }
 
     /// Angles in [0, π) in which some root may have Re c = `level`.

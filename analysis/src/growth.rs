@@ -9,7 +9,7 @@
 
 use crate::face::Face;
 use crate::form::{self, Form, Zero};
-use crate::layers::{along, collision_at, search_collision, search_layer};
+use crate::layers::{Collision, along, collisions_at, search_collision, search_layer};
 use crate::leading;
 use crate::list::{List, list};
 use crate::newton::{Order, corners_of, is_on};
@@ -470,6 +470,9 @@ fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
 /// Directions tried between two degenerate ones for roots that are neutral to leading order.
 const SAMPLES: usize = 12;
 
+/// Sectors thinner than this (rad) are not told from branches that nearly touch.
+const WIDTH: f64 = 0.1;
+
 /// Growth of lower order of roots that are neutral to leading order in whole sectors.
 fn follow_neutral_roots(terms: &[Term], zeros: &[Zero], worst: &mut Worst) {
     let at = |angle: f64| {
@@ -490,12 +493,19 @@ fn follow_neutral_roots(terms: &[Term], zeros: &[Zero], worst: &mut Worst) {
         for sample in 0..SAMPLES {
             let angle = left + (sample as f64 + 0.5) * step;
             let found = at(angle);
-            if let Some((order, c)) = found.growth {
-                if best.is_none_or(|(o, b, _)| (order, c) > (o, b)) {
-                    best = Some((order, c, angle));
-                }
-            } else {
+            let Some((order, c)) = found.growth else {
                 worst.takes(found, angle);
+                continue;
+            };
+            // Next to a collision roots may pass for multiple ones; growth of a sector goes on beside.
+            let goes_on = [0.4, -0.4].into_iter().any(|offset| {
+                let beside = at(angle + offset * step.max(WIDTH));
+                beside.growth.is_some_and(|(beside, _)| beside == order)
+            });
+            if !goes_on {
+                worst.doubts_contact(order, angle);
+            } else if best.is_none_or(|(o, b, _)| (order, c) > (o, b)) {
+                best = Some((order, c, angle));
             }
         }
         let Some((order, mut value, mut place)) = best else { continue };
@@ -542,12 +552,17 @@ fn golden_section(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
 fn search_collisions(terms: &[Term], edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
     let face = edge.face();
     for &angle in face.collisions() {
-        if zeros.iter().any(|z| apart(z.angle, angle) < 1e-9) {
-            continue;
-        }
-        let Some((angle, root)) = collision_at(face, angle) else { continue };
-        if root.is_neutral() {
-            let zero = Zero { angle: angle.rem_euclid(PI), bound: 4e-15, crosses: true };
+        for Collision { angle, root, is_sharp } in collisions_at(face, angle) {
+            // Degenerate directions have been looked at.
+            if !root.is_neutral() || zeros.iter().any(|z| apart(z.angle, angle) < 1e-9) {
+                continue;
+            }
+            if !is_sharp {
+                worst.doubts_contact(edge.order, angle);
+                continue;
+            }
+            // Not reduced to [0, π): half a turn on the roots are others.
+            let zero = Zero { angle, bound: 4e-15, crosses: true };
             search_collision(terms, &zero, edge.order, &root, worst);
         }
     }

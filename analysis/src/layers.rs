@@ -118,8 +118,10 @@ impl Chart {
         for p in &self.points {
             for x in 0..=p.x {
                 let power = scaled(p) + slope * (p.x - x) as i64;
-                // A root of the leading part by construction.
-                if p.y == 0 && x < root.multiplicity && weight(x, 0, power) == greatest {
+                // At a root of multiplicity n that stays neutral all around, branches cross and do
+                // not fold: x = O(y), as any other power would take x off the imaginary axis on one
+                // side. Terms of the leading part that stand in the way are rounding.
+                if x + p.y < root.multiplicity && weight(x, p.y, power) == greatest {
                     continue;
                 }
                 let factor = Value::new(binomial(p.x, x).into(), 0.0);
@@ -267,16 +269,18 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
         }
     }
     for &angle in face.collisions().iter().filter(|angle| inner(angle)) {
-        let Some((d, bound, root)) = refine_collision(&face, angle) else { continue };
-        if !root.is_neutral() {
-            continue;
+        for Collision { angle, root, is_sharp } in collisions_at(&face, angle) {
+            if !inner(&angle) || !root.is_neutral() || root.bound > DOUBTFUL * root.value.norm() {
+                continue;
+            }
+            if !is_sharp {
+                worst.doubts_contact(facet.order, place.angle);
+                continue;
+            }
+            let moved = chart.moved_offset(facet.offset, angle.tan(), offset_bound(angle));
+            let order = (facet.order.numerator, facet.order.denominator);
+            explore(&moved.moved_root(order, facet.offset, &root), deeper, worst);
         }
-        if root.bound > DOUBTFUL * root.value.norm() {
-            continue;
-        }
-        let moved = chart.moved_offset(facet.offset, d, bound);
-        let order = (facet.order.numerator, facet.order.denominator);
-        explore(&moved.moved_root(order, facet.offset, &root), deeper, worst);
     }
 }
 
@@ -354,70 +358,112 @@ fn at_offset(chart: &Chart, tau: Order, d: f64) -> (List<Monomial, 32>, i64) {
     (terms, unit)
 }
 
-/// The angle near the given one at which two roots coincide, with the bound on the offset tan α and
-/// the double root: by Newton's iteration on E = E_c = 0, or, where branches cross, E_α = E_c = 0.
-pub(crate) fn refine_collision(face: &Face, angle: f64) -> Option<(f64, f64, Root)> {
-    let (place, root) = collision_at(face, angle)?;
-    let scale = 1.0 + place.tan().powi(2);
-    Some((place.tan(), 1e-14 * scale, root))
+/// A place where roots collide.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Collision {
+    pub(crate) angle: f64,
+    pub(crate) root: Root,
+    /// Whether the angle is known to rounding: it is not where branches touch.
+    pub(crate) is_sharp: bool,
 }
 
-/// The same, as an angle.
-pub(crate) fn collision_at(face: &Face, angle: f64) -> Option<(f64, Root)> {
-    // The pair of roots that is nearest to colliding.
-    let roots = face.roots(angle);
-    let mut start: Option<(f64, Complex64)> = None;
-    for (n, a) in roots.iter().enumerate() {
-        if a.multiplicity > 1 && start.is_none_or(|(gap, _)| gap > 0.0) {
-            start = Some((0.0, a.value));
+/// The collisions of roots next to an angle: every multiple root at the angles that are found.
+///
+/// Roots that stay neutral all around cross and do not fold. Where n branches cross, ∂E/∂α and ∂E/∂c
+/// vanish after n − 2 derivatives by c, and do so simply while no two of them touch: Newton's iteration
+/// finds the place to full accuracy. On the axes the angle is exact, whatever the branches do.
+pub(crate) fn collisions_at(face: &Face, angle: f64) -> List<Collision> {
+    let mut found: List<Collision> = List::new();
+    let mut include = |angle: f64, near: Option<Complex64>, is_sharp: bool| {
+        for root in face.roots(angle).into_iter().filter(|r| r.multiplicity > 1) {
+            let is_meant = near.is_none_or(|c| (c - root.value).norm() <= 1e-3 * root.value.norm());
+            if !is_meant || !comes_apart(face, angle, &root) {
+                continue;
+            }
+            let is_same = |c: &&Collision| {
+                (c.root.value - root.value).norm() <= 1e-2 * root.value.norm()
+                    && (!is_sharp || (c.angle - angle).abs() < 1e-9)
+            };
+            if !found.iter().any(|c| is_same(&c)) {
+                let bound = root.bound.max(1e-14 * root.value.norm());
+                found.push(Collision { angle, root: Root { bound, ..root }, is_sharp });
+            }
         }
-        for b in &roots[n + 1..] {
-            let gap = (a.value - b.value).norm() / (a.value.norm() + b.value.norm());
-            if start.is_none_or(|(least, _)| gap < least) {
-                start = Some((gap, 0.5 * (a.value + b.value)));
+    };
+    for axis in [0.0, FRAC_PI_2, PI] {
+        if (angle - axis).abs() < 1e-2 {
+            include(axis, None, true);
+        }
+    }
+    let roots = face.roots(angle);
+    let mut is_settled: List<bool> = list![false; roots.len()];
+    for first in &roots {
+        // Groups of one root and its neighbours, the greatest first.
+        let mut near: List<(f64, usize)> =
+            roots.iter().enumerate().map(|(i, r)| ((r.value - first.value).norm(), i)).collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0));
+        near.retain(|(gap, _)| *gap <= 0.1 * first.value.norm());
+        for end in (0..near.len()).rev() {
+            let members = &near[..=end];
+            let count = members.iter().map(|(_, i)| roots[*i].multiplicity).sum::<usize>();
+            // Some of those that cross do not cross by themselves.
+            if count < 2 || members.iter().any(|(_, i)| is_settled[*i]) {
+                continue;
+            }
+            let weighted = |(_, i): &(f64, usize)| roots[*i].value * roots[*i].multiplicity as f64;
+            let start = members.iter().map(weighted).sum::<Complex64>() / count as f64;
+            if let Some((place, root, is_sharp)) = crossing(face, angle, start, count) {
+                include(place, Some(root), is_sharp);
+                members.iter().for_each(|(_, i)| is_settled[*i] = true);
+                break;
             }
         }
     }
-    let (gap, c) = start?;
-    if gap > 0.1 {
+    found
+}
+
+/// So many steps take Newton's iteration from a zero of the discriminant to rounding, and two on.
+const NEWTON_STEPS: usize = 12;
+
+/// The angle next to `angle` in which `count` branches cross near the root c, that root, and whether they
+/// are known to rounding: convergence is quadratic but to where branches touch.
+fn crossing(face: &Face, angle: f64, c: Complex64, count: usize) -> Option<(f64, Complex64, bool)> {
+    let (mut place, mut root) = (Complex64::from(angle), c);
+    let mut steps = [f64::INFINITY; NEWTON_STEPS];
+    let n = count as f64;
+    for last in &mut steps {
+        // f = ∂c^(n−1) E and g = ∂α ∂c^(n−2) E over factorials, with their derivatives by c and α.
+        let [value, by_angle, twice] = face.by_powers(place, root, count);
+        let (f, fc, fa) = (value[count - 1], n * value[count], by_angle[count - 1]);
+        let (g, gc, ga) = (by_angle[count - 2], (n - 1.0) * by_angle[count - 1], twice[count - 2]);
+        let determinant = fc * ga - fa * gc;
+        let step = [(fc * g - f * gc) / determinant, (f * ga - fa * g) / determinant];
+        if !step[0].is_finite() || !step[1].is_finite() {
+            return None;
+        }
+        place -= step[0];
+        root -= step[1];
+        *last = step[0].norm() + step[1].norm() / root.norm();
+    }
+    // A single small step may be chance.
+    let is_sharp = steps[NEWTON_STEPS - 3..].iter().all(|&step| step < 1e-12);
+    let last = steps[NEWTON_STEPS - 1];
+    let is_close = (place - angle).norm() < 1e-2 && (root - c).norm() < 0.2 * c.norm();
+    if last > 1e-3 || !is_close || place.im.abs() > 1e-3 * last + 1e-9 {
         return None;
     }
-    [false, true].into_iter().find_map(|fold| {
-        let (mut place, mut root) = (Complex64::from(angle), c);
-        let mut last = f64::INFINITY;
-        for _ in 0..30 {
-            let [e, by_root, by_angle, twice, mixed, angle_twice] = face.derivatives(place, root);
-            // (f, g) = 0 with its Jacobian in (c, α).
-            let (f, fc, fa) =
-                if fold { (e, by_root, by_angle) } else { (by_angle, mixed, angle_twice) };
-            let (g, gc, ga) = (by_root, twice, mixed);
-            let determinant = fc * ga - fa * gc;
-            let step = [(f * ga - fa * g) / determinant, (fc * g - f * gc) / determinant];
-            if !step[0].is_finite() || !step[1].is_finite() {
-                break;
-            }
-            root -= step[0];
-            place -= step[1];
-            last = step[1].norm() + step[0].norm() / root.norm();
-            if last < 1e-15 {
-                break;
-            }
-        }
-        // A crossing of branches is one only on the curve itself.
-        let [e, ..] = face.derivatives(place, root);
-        if e.norm() > 1e-13 * face.size(root.norm()) {
-            return None;
-        }
-        let close = (place - angle).norm() < 1e-2 && (root - c).norm() < 0.2 * c.norm();
-        if last > 1e-13 || !close || place.im.abs() > 1e-9 {
-            return None;
-        }
-        // The root as one of its multiplicity there.
-        let found = face
-            .roots(place.re)
-            .into_iter()
-            .find(|r| r.multiplicity > 1 && (r.value - root).norm() < 1e-6 * root.norm())?;
-        Some((place.re, Root { bound: found.bound.max(1e-14 * found.value.norm()), ..found }))
+    // The equations hold where branches only come near each other, too.
+    let [value, ..] = face.by_powers(place.re.into(), root, 2);
+    let tolerance = if is_sharp { 1e-13 } else { 1e-10 };
+    let holds = value[0].norm() <= tolerance * face.size(root.norm());
+    holds.then_some((place.re, root, is_sharp))
+}
+
+/// Whether a multiple root is one at this angle alone.
+fn comes_apart(face: &Face, angle: f64, root: &Root) -> bool {
+    [1e-2, -1e-2].into_iter().any(|offset| {
+        let near = |r: &&Root| (r.value - root.value).norm() <= 0.1 * root.value.norm();
+        face.roots(angle + offset).iter().filter(near).count() > 1
     })
 }
 

@@ -11,6 +11,7 @@
 //! - [`form`], [`newton`]: zeros of homogeneous forms in the direction, orders of growth;
 //! - [`growth`]: how fast short waves grow, in every direction: the verdict;
 //! - [`bound`]: the supremum of the growth rate, where it is finite;
+//! - [`sphere`]: flutter and shear bands of a yielding solid over all directions in space;
 //! - [`waves`]: speeds, dispersion curves and forbidden bands of solids.
 #![deny(missing_docs)]
 
@@ -30,6 +31,7 @@ mod puiseux;
 pub mod qz;
 pub mod roots;
 pub mod scaling;
+pub mod sphere;
 mod value;
 pub mod waves;
 mod worst;

@@ -82,7 +82,7 @@ impl Pencil {
             let size = |&(i, j): &(usize, usize)| matrix[i][j].norm();
             let pivot = places.max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or((rank, rank));
             let found = size(&pivot);
-            if found <= 1e-11 * *largest.get_or_insert(found) {
+            if found <= 1e-13 * *largest.get_or_insert(found) {
                 return rank;
             }
             matrix.swap(rank, pivot.0);

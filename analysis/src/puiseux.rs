@@ -72,6 +72,12 @@ pub(crate) fn roots_of(polynomial: &[Value]) -> List<Root> {
     if end <= first + 1 {
         return List::new();
     }
+    // Coefficients that may be zero count as zero, and as errors of the others.
+    let lost = |x: Complex64| {
+        let part =
+            |(i, c): (usize, &Value)| (c.size() + c.bound) * x.norm().powi(i as i32 - first as i32);
+        polynomial[..first].iter().enumerate().map(part).sum::<f64>()
+    };
     let polynomial = &polynomial[first..end];
     let plain: List<Complex64> = polynomial.iter().map(|c| c.value).collect();
     let mut open = roots::of(&plain);
@@ -83,7 +89,7 @@ pub(crate) fn roots_of(polynomial: &[Value]) -> List<Root> {
             let members: List<Complex64> = open.iter().copied().filter(near).collect();
             let count = members.len().max(1);
             let mean = members.iter().sum::<Complex64>() / count as f64;
-            if let Some(root) = multiple_root(polynomial, mean, count) {
+            if let Some(root) = multiple_root(polynomial, lost, mean, count) {
                 open.retain(|other| !near(other));
                 found.push(root);
                 break;
@@ -100,8 +106,14 @@ pub(crate) fn roots_of(polynomial: &[Value]) -> List<Root> {
     found
 }
 
-/// The root of the given multiplicity near a place, if derivatives below vanish within their bounds.
-fn multiple_root(polynomial: &[Value], near: Complex64, multiplicity: usize) -> Option<Root> {
+/// The root of the given multiplicity near a place, if derivatives below vanish within their bounds;
+/// `lost` is what the polynomial may miss.
+fn multiple_root(
+    polynomial: &[Value],
+    lost: impl Fn(Complex64) -> f64,
+    near: Complex64,
+    multiplicity: usize,
+) -> Option<Root> {
     // n-th derivative over n!, and the sum of the moduli of what its error comes from.
     let derivative = |x: Complex64, n: usize| {
         let (mut value, mut uncertainty) = (Complex64::ZERO, 0.0);
@@ -111,6 +123,7 @@ fn multiple_root(polynomial: &[Value], near: Complex64, multiplicity: usize) -> 
             let own = c.bound + 4.0 * polynomial.len() as f64 * f64::EPSILON * c.size();
             uncertainty = uncertainty * x.norm() + factor * own;
         }
+        uncertainty += lost(x) * x.norm().powi(-(n as i32));
         (value, uncertainty)
     };
     let mut x = near;

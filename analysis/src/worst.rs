@@ -2,6 +2,7 @@
 
 use crate::newton::Order;
 use crate::puiseux::Growth;
+use std::f64::consts::PI;
 
 /// By how much a layer's coefficient must exceed that of the sectors beside it to be news: of equal
 /// order it is mostly theirs again.
@@ -70,6 +71,20 @@ impl Worst {
 
     pub(crate) fn is_bounded(&self) -> bool {
         self.growth.is_none()
+    }
+
+    /// Branches of neutral roots of that order touch next to an angle: growth of lower order depends on
+    /// whether they do so exactly.
+    pub(crate) fn doubts_contact(&mut self, order: Order, angle: f64) {
+        self.doubts(
+            format!(
+                "distance between roots of order {} that touch near {:.6}°",
+                order.value(),
+                angle.rem_euclid(PI).to_degrees()
+            ),
+            0.0,
+            f64::EPSILON,
+        );
     }
 
     pub(crate) fn doubts(&mut self, quantity: String, value: f64, rounding: f64) {

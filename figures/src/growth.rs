@@ -97,7 +97,7 @@ pub(crate) const LOOKS: [Look; 4] = [
 
 /// Ground of the linear part of a vertical axis.
 pub(crate) const LINEAR: Colour = RGBColor(240, 240, 236);
-const GRID: Colour = RGBColor(226, 226, 226);
+pub(crate) const GRID: Colour = RGBColor(226, 226, 226);
 pub(crate) const LINE_WIDTH: f64 = 3.4;
 const MARKER_RADIUS: f64 = 8.0;
 /// Distance between the markers of a line in pixels.

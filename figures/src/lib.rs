@@ -9,16 +9,22 @@
 
 mod contour;
 mod directions;
+mod dispersion;
 mod growth;
 mod page;
 mod picture;
 mod polar;
 mod scale;
+mod speeds;
+mod sphere;
 mod verdict_map;
 
 pub use directions::{Direction, DirectionsFigure, Style};
+pub use dispersion::{Band, Branch, DispersionFigure, Level};
 pub use growth::{GrowthFigure, Line, Mark, Panel};
 pub use polar::{PolarFigure, Spoke, SpokeStyle};
+pub use speeds::{Response, SpeedCurve, SpeedsFigure, Vanishing};
+pub use sphere::{SphereFigure, SphereMark};
 pub use verdict_map::{Axis, Category, Curve, Look, VerdictMap};
 
 /// The kind of file a figure is drawn into.

@@ -106,9 +106,11 @@ pub(crate) fn bottom_axis(picture: &mut Picture, frame: Rectangle, ticks: &[Tick
             picture.text(Text::new(at, Anchor::Middle, NUMBER, label));
         }
     }
-    let (name, size) = fit(name, NAME, frame.width());
-    let at = [0.5 * (left + right), bottom + TICK + 1.4 * NUMBER + NAME];
-    picture.text(Text::new(at, Anchor::Middle, size, name));
+    if !name.is_empty() {
+        let (name, size) = fit(name, NAME, frame.width());
+        let at = [0.5 * (left + right), bottom + TICK + 1.4 * NUMBER + NAME];
+        picture.text(Text::new(at, Anchor::Middle, size, name));
+    }
 }
 
 /// Room left of the frame that [`left_axis`] takes.

@@ -47,7 +47,6 @@ impl Rectangle {
         self.bottom - self.top
     }
 
-    #[cfg(test)]
     pub fn overlaps(&self, other: &Self) -> bool {
         self.left < other.right
             && other.left < self.right

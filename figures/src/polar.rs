@@ -30,7 +30,7 @@ impl SpokeStyle {
         }
     }
 
-    fn draw(self, picture: &mut Picture, points: &[Point]) {
+    pub(crate) fn draw(self, picture: &mut Picture, points: &[Point]) {
         match self {
             Self::CharacteristicNormal => picture.line(points, 11.0, RGBColor(203, 205, 214)),
             Self::Degenerate => picture.dashed(points, &[11.0, 7.0], 2.0, PALE_INK),
@@ -70,15 +70,15 @@ pub struct PolarFigure {
     pub spokes: Vec<Spoke>,
 }
 
-const RING: Colour = RGBColor(205, 205, 205);
-const NEUTRAL: Colour = RGBColor(110, 110, 110);
-const ROW: f64 = 1.4 * NUMBER;
+pub(crate) const RING: Colour = RGBColor(205, 205, 205);
+pub(crate) const NEUTRAL: Colour = RGBColor(110, 110, 110);
+pub(crate) const ROW: f64 = 1.4 * NUMBER;
 /// Size of the numbers on rings and of the degrees around them.
-const RING_LABEL: f64 = 22.0;
+pub(crate) const RING_LABEL: f64 = 22.0;
 /// Share of the radius inside which nothing is drawn: circles there are too small to be read.
 const HOLE: f64 = 0.12;
 /// Distance from the rim to the middle of the degrees around it.
-const DEGREES: f64 = 32.0;
+pub(crate) const DEGREES: f64 = 32.0;
 /// Growth rates beyond are treated as infinite.
 const FINITE: f64 = 1e300;
 
@@ -118,13 +118,13 @@ impl Radial {
 }
 
 /// A point in polar coordinates about a centre, angles in degrees anticlockwise.
-fn at(centre: Point, angle_deg: f64, radius: f64) -> Point {
+pub(crate) fn at(centre: Point, angle_deg: f64, radius: f64) -> Point {
     let (sin, cos) = angle_deg.to_radians().sin_cos();
     [centre[0] + radius * cos, centre[1] - radius * sin]
 }
 
 /// The label of one or several spokes on an angle.
-struct Label {
+pub(crate) struct Label {
     angle_deg: f64,
     /// The angle, and what is on it.
     words: Vec<String>,
@@ -180,7 +180,7 @@ impl PolarFigure {
         let mut sheet = Picture::new(page::WIDTH as u32, 1);
         let top = page::heading(&mut sheet, &self.title, &self.subtitle);
         let below = 16.0 + legend.height() + MARGIN - 12.0;
-        let sides = self.labels();
+        let sides = labels(self.drawn());
         let count = sides.iter().map(Vec::len).max().unwrap_or(0) as f64;
         let plane = (count * ROW + 20.0).max(780.0);
         let height = (page::HEIGHT + 60.0).max(top + plane + below).ceil();
@@ -191,36 +191,6 @@ impl PolarFigure {
         self.draw_disc(&mut picture, area, &sides);
         legend.draw(&mut picture, MARGIN, area.bottom + 16.0);
         picture
-    }
-
-    /// The labels on the right and on the left of the disc, from top to bottom: at the upper ends
-    /// of the spokes, those on one angle together.
-    fn labels(&self) -> [Vec<Label>; 2] {
-        let mut labels: Vec<Label> = Vec::new();
-        let mut spokes: Vec<&Spoke> = self.drawn().collect();
-        spokes.sort_by(|a, b| a.upper_angle().total_cmp(&b.upper_angle()));
-        for spoke in spokes {
-            let angle = spoke.words();
-            let known = labels.iter().position(|label| label.words[0] == angle);
-            let index = known.unwrap_or_else(|| {
-                let angle_deg = spoke.upper_angle();
-                labels.push(Label { angle_deg, words: vec![angle] });
-                labels.len() - 1
-            });
-            let words = &mut labels[index].words;
-            if !spoke.label.is_empty() && !words.contains(&spoke.label) {
-                words.push(spoke.label.clone());
-            }
-        }
-        let (mut right, mut left): (Vec<Label>, Vec<Label>) =
-            labels.into_iter().partition(|label| label.angle_deg <= 90.0);
-        for side in [&mut right, &mut left] {
-            side.sort_by(|a, b| {
-                let height = |label: &Label| label.angle_deg.to_radians().sin();
-                height(b).total_cmp(&height(a))
-            });
-        }
-        [right, left]
     }
 
     fn draw_disc(&self, picture: &mut Picture, area: Rectangle, sides: &[Vec<Label>; 2]) {
@@ -243,14 +213,7 @@ impl PolarFigure {
                 spoke.style.draw(picture, &points);
             }
         }
-        let ring = |picture: &mut Picture, radius: f64, width: f64, colour: Colour| {
-            let mut rim = circle(centre, radius, 360);
-            rim.extend_from_within(..2);
-            picture.line(rim, width, colour);
-        };
-        // As many numbers as find room on a steep ray.
-        let steepness = STEEP[0].to_radians().sin().abs();
-        let most = ((1.0 - HOLE) * radius * steepness / (1.3 * RING_LABEL)) as usize;
+        let most = most_numbers((1.0 - HOLE) * radius);
         let rings: Vec<Tick> = radial
             .scale
             .ticks(radial.low, radial.high, most)
@@ -259,11 +222,11 @@ impl PolarFigure {
             .collect();
         for (place, label) in rings.iter().filter(|(place, _)| *place != 0.0) {
             let width = if label.is_empty() { 0.8 } else { 1.6 };
-            ring(picture, radial.at_place(*place), width, RING);
+            ring(picture, centre, radial.at_place(*place), width, RING);
         }
-        ring(picture, HOLE * radius, 1.6, RING);
-        ring(picture, radius, 1.8, NEUTRAL);
-        ring(picture, radial.at_place(0.0), 3.4, NEUTRAL);
+        ring(picture, centre, HOLE * radius, 1.6, RING);
+        ring(picture, centre, radius, 1.8, NEUTRAL);
+        ring(picture, centre, radial.at_place(0.0), 3.4, NEUTRAL);
         let leaders: Vec<[Point; 2]> = sides
             .iter()
             .enumerate()
@@ -273,79 +236,133 @@ impl PolarFigure {
             .collect();
         draw_degrees(picture, centre, radius, &leaders);
 
-        let lines: Vec<Vec<(f64, Point)>> =
-            self.curves.iter().map(|line| Self::places(line, centre, &radial)).collect();
+        let lines: Vec<Vec<(f64, Point)>> = self
+            .curves
+            .iter()
+            .map(|line| places(&line.points, centre, |growth| radial.at(growth)))
+            .collect();
         for (index, places) in lines.iter().enumerate() {
             draw_curve(picture, centre, index, places);
         }
-        for text in self.best_numbers(&rings, centre, &radial, &lines) {
+        let rings: Vec<Tick> =
+            rings.into_iter().map(|(place, label)| (radial.at_place(place), label)).collect();
+        let spokes: Vec<f64> = self.drawn().map(|spoke| spoke.angle_deg).collect();
+        for text in best_numbers(&rings, &self.unit, &spokes, centre, radius, &lines) {
             picture.fill(backing(&text), WHITE);
             picture.text(text);
         }
     }
+}
 
-    /// The points of a line over the full circle, with their angles; not-a-number where it is
-    /// interrupted.
-    fn places(line: &Line, centre: Point, radial: &Radial) -> Vec<(f64, Point)> {
-        let place = |&[angle, growth]: &[f64; 2], turn: f64| {
-            let is_drawn = angle.is_finite() && !growth.is_nan();
-            let angle = angle + turn;
-            (angle, if is_drawn { at(centre, angle, radial.at(growth)) } else { GAP })
-        };
-        let half = |turn: f64| line.points.iter().map(move |point| place(point, turn));
-        // The two halves meet where the line covers all directions.
-        let ends = line.points.first().zip(line.points.last());
-        let meets = ends.is_some_and(|(first, last)| last[0] - first[0] >= 180.0 - 1e-9);
-        let gap = (!meets).then_some((f64::NAN, GAP));
-        half(0.0).chain(gap).chain(half(180.0)).collect()
-    }
-
-    /// The numbers of the rings where a ray crosses them, the unit beside the outermost.
-    fn numbers(&self, rings: &[Tick], centre: Point, radial: &Radial, ray: f64) -> Vec<Text> {
-        let labelled = || rings.iter().filter(|(_, label)| !label.is_empty());
-        let outermost = labelled().map(|(place, _)| *place).fold(f64::NEG_INFINITY, f64::max);
-        let number = |(place, label): &Tick| {
-            let unit = if *place == outermost { self.unit.as_str() } else { "" };
-            let words = format!("{label} {unit}");
-            let (words, size) = page::fit(words.trim_end(), RING_LABEL, 0.5 * radial.radius);
-            let [x, y] = at(centre, ray, radial.at_place(*place));
-            Text::new([x, y + 0.36 * size], Anchor::Middle, size, words)
-        };
-        labelled().map(number).collect()
-    }
-
-    /// The numbers of the rings on the steep ray in the lower half on which they cover the least of
-    /// the lines, and then that is farthest from all spokes.
-    fn best_numbers(
-        &self,
-        rings: &[Tick],
-        centre: Point,
-        radial: &Radial,
-        lines: &[Vec<(f64, Point)>],
-    ) -> Vec<Text> {
-        let mut lines: Vec<Vec<Point>> =
-            lines.iter().map(|line| line.iter().map(|(_, point)| *point).collect()).collect();
-        // Nor the rim, behind which the degrees stand.
-        lines.push(circle(centre, radial.radius, 360));
-        let room = |ray: f64| {
-            self.drawn()
-                .map(|spoke| (ray - spoke.angle_deg).rem_euclid(180.0))
-                .map(|gap| gap.min(180.0 - gap))
-                .fold(MOST_ROOM, f64::min)
-        };
-        let best = (0..=28).map(|step| STEEP[0] + 2.0 * f64::from(step)).map(|ray| {
-            let numbers = self.numbers(rings, centre, radial, ray);
-            let covered = numbers
-                .iter()
-                .map(backing)
-                .filter(|area| lines.iter().any(|line| !clip(line, *area).is_empty()));
-            // A spoke behind the numbers is as bad as a covered line.
-            let cost =
-                covered.count() as f64 + numbers.len() as f64 * (1.0 - room(ray) / MOST_ROOM);
-            (cost, numbers)
+/// The labels on the right and on the left of the disc, from top to bottom: at the upper ends
+/// of the spokes, those on one angle together.
+pub(crate) fn labels<'a>(spokes: impl Iterator<Item = &'a Spoke>) -> [Vec<Label>; 2] {
+    let mut labels: Vec<Label> = Vec::new();
+    let mut spokes: Vec<&Spoke> = spokes.collect();
+    spokes.sort_by(|a, b| a.upper_angle().total_cmp(&b.upper_angle()));
+    for spoke in spokes {
+        let angle = spoke.words();
+        let known = labels.iter().position(|label| label.words[0] == angle);
+        let index = known.unwrap_or_else(|| {
+            let angle_deg = spoke.upper_angle();
+            labels.push(Label { angle_deg, words: vec![angle] });
+            labels.len() - 1
         });
-        best.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Vec::new, |(_, numbers)| numbers)
+        let words = &mut labels[index].words;
+        if !spoke.label.is_empty() && !words.contains(&spoke.label) {
+            words.push(spoke.label.clone());
+        }
     }
+    let (mut right, mut left): (Vec<Label>, Vec<Label>) =
+        labels.into_iter().partition(|label| label.angle_deg <= 90.0);
+    for side in [&mut right, &mut left] {
+        side.sort_by(|a, b| {
+            let height = |label: &Label| label.angle_deg.to_radians().sin();
+            height(b).total_cmp(&height(a))
+        });
+    }
+    [right, left]
+}
+
+/// The points of a line over the full circle, with their angles; not-a-number where it is
+/// interrupted. `radius` gives the radius of a value.
+pub(crate) fn places(
+    line: &[[f64; 2]],
+    centre: Point,
+    radius: impl Fn(f64) -> f64,
+) -> Vec<(f64, Point)> {
+    let place = |&[angle, value]: &[f64; 2], turn: f64| {
+        let is_drawn = angle.is_finite() && !value.is_nan();
+        let angle = angle + turn;
+        (angle, if is_drawn { at(centre, angle, radius(value)) } else { GAP })
+    };
+    let half = |turn: f64| line.iter().map(move |point| (*point, turn));
+    // The two halves meet where the line covers all directions.
+    let ends = line.first().zip(line.last());
+    let meets = ends.is_some_and(|(first, last)| last[0] - first[0] >= 180.0 - 1e-9);
+    let gap = (!meets).then_some(([f64::NAN; 2], 0.0));
+    half(0.0).chain(gap).chain(half(180.0)).map(|(point, turn)| place(&point, turn)).collect()
+}
+
+/// The numbers of rings, each given by its radius, where a ray crosses them, the unit beside the
+/// outermost.
+fn numbers(rings: &[Tick], unit: &str, centre: Point, rim: f64, ray: f64) -> Vec<Text> {
+    let labelled = || rings.iter().filter(|(_, label)| !label.is_empty());
+    let outermost = labelled().map(|(radius, _)| *radius).fold(f64::NEG_INFINITY, f64::max);
+    let number = |(radius, label): &Tick| {
+        let unit = if *radius == outermost { unit } else { "" };
+        let words = format!("{label} {unit}");
+        let (words, size) = page::fit(words.trim_end(), RING_LABEL, 0.5 * rim);
+        let [x, y] = at(centre, ray, *radius);
+        Text::new([x, y + 0.36 * size], Anchor::Middle, size, words)
+    };
+    labelled().map(number).collect()
+}
+
+/// The numbers of the rings on the steep ray in the lower half on which they cover the least of
+/// the lines, and then that is farthest from all `spokes`, given by their angles in degrees.
+pub(crate) fn best_numbers(
+    rings: &[Tick],
+    unit: &str,
+    spokes: &[f64],
+    centre: Point,
+    rim: f64,
+    lines: &[Vec<(f64, Point)>],
+) -> Vec<Text> {
+    let mut lines: Vec<Vec<Point>> =
+        lines.iter().map(|line| line.iter().map(|(_, point)| *point).collect()).collect();
+    // Nor the rim, behind which the degrees stand.
+    lines.push(circle(centre, rim, 360));
+    let room = |ray: f64| {
+        spokes
+            .iter()
+            .map(|spoke| (ray - spoke).rem_euclid(180.0))
+            .map(|gap| gap.min(180.0 - gap))
+            .fold(MOST_ROOM, f64::min)
+    };
+    let best = (0..=28).map(|step| STEEP[0] + 2.0 * f64::from(step)).map(|ray| {
+        let numbers = numbers(rings, unit, centre, rim, ray);
+        let covered = numbers
+            .iter()
+            .map(backing)
+            .filter(|area| lines.iter().any(|line| !clip(line, *area).is_empty()));
+        // A spoke behind the numbers is as bad as a covered line.
+        let cost = covered.count() as f64 + numbers.len() as f64 * (1.0 - room(ray) / MOST_ROOM);
+        (cost, numbers)
+    });
+    best.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Vec::new, |(_, numbers)| numbers)
+}
+
+/// As many numbers as find room on a steep ray over a length.
+pub(crate) fn most_numbers(length: f64) -> usize {
+    (length * STEEP[0].to_radians().sin().abs() / (1.3 * RING_LABEL)) as usize
+}
+
+/// Draws a full circle.
+pub(crate) fn ring(picture: &mut Picture, centre: Point, radius: f64, width: f64, colour: Colour) {
+    let mut rim = circle(centre, radius, 360);
+    rim.extend_from_within(..2);
+    picture.line(rim, width, colour);
 }
 
 /// Where a line is interrupted.
@@ -356,17 +373,33 @@ const STEEP: [f64; 2] = [242.0, 298.0];
 const MOST_ROOM: f64 = 12.0;
 
 /// The ground of a number on a ring.
-fn backing(text: &Text) -> Rectangle {
+pub(crate) fn backing(text: &Text) -> Rectangle {
     let bounds = text.bounds();
     Rectangle { left: bounds.left - 4.0, right: bounds.right + 4.0, ..bounds }
 }
 
 fn draw_curve(picture: &mut Picture, centre: Point, index: usize, places: &[(f64, Point)]) {
     let look = &LOOKS[index % LOOKS.len()];
-    for part in places.split(|(_, point)| point[0].is_nan()).filter(|part| part.len() > 1) {
-        let part: Vec<Point> = part.iter().map(|(_, point)| *point).collect();
+    for part in parts(places) {
         picture.dashed(&part, look.dashes, LINE_WIDTH, look.colour);
     }
+    draw_markers(picture, centre, index, places);
+}
+
+/// The uninterrupted parts of a line.
+pub(crate) fn parts(places: &[(f64, Point)]) -> Vec<Vec<Point>> {
+    let parts = places.split(|(_, point)| point[0].is_nan()).filter(|part| part.len() > 1);
+    parts.map(|part| part.iter().map(|(_, point)| *point).collect()).collect()
+}
+
+/// Draws the markers along a line.
+pub(crate) fn draw_markers(
+    picture: &mut Picture,
+    centre: Point,
+    index: usize,
+    places: &[(f64, Point)],
+) {
+    let look = &LOOKS[index % LOOKS.len()];
     // By the angle that the line has turned, so that spikes carry no crowd of markers.
     let step = |[x, y]: Point| {
         let radius = (x - centre[0]).hypot(y - centre[1]).max(1.0);
@@ -399,7 +432,12 @@ impl Spoke {
 }
 
 /// Writes the degrees around the rim, but for those that the leader of a label passes.
-fn draw_degrees(picture: &mut Picture, centre: Point, radius: f64, leaders: &[[Point; 2]]) {
+pub(crate) fn draw_degrees(
+    picture: &mut Picture,
+    centre: Point,
+    radius: f64,
+    leaders: &[[Point; 2]],
+) {
     for step in 0..24 {
         let angle = 15.0 * f64::from(step);
         let length = if step % 2 == 0 { 11.0 } else { 6.0 };
@@ -420,7 +458,7 @@ fn draw_degrees(picture: &mut Picture, centre: Point, radius: f64, leaders: &[[P
 }
 
 /// Writes labels beside the disc, tied to the ends of their spokes; gives the ties.
-fn draw_labels(
+pub(crate) fn draw_labels(
     picture: &mut Picture,
     area: Rectangle,
     centre: Point,
@@ -527,7 +565,7 @@ mod tests {
 
     #[test]
     fn spokes_on_one_angle_share_a_label() {
-        let [right, left] = figure(&[], &[15.0, 195.0, 105.0, -1e-9]).labels();
+        let [right, left] = labels(figure(&[], &[15.0, 195.0, 105.0, -1e-9]).drawn());
         let words = |labels: &[Label]| -> Vec<String> { labels.iter().map(Label::text).collect() };
         assert_eq!(words(&right), ["15° spoke 0, spoke 1", "0° spoke 3"]);
         assert_eq!(words(&left), ["105° spoke 2"]);
@@ -579,10 +617,13 @@ mod tests {
         check(&figure);
         let (centre, radius) = ([800.0, 600.0], 350.0);
         let radial = Radial::of(&figure.curves, radius);
-        let rings = radial.scale.ticks(radial.low, radial.high, 9);
-        let lines: Vec<_> =
-            figure.curves.iter().map(|line| PolarFigure::places(line, centre, &radial)).collect();
-        let numbers = figure.best_numbers(&rings, centre, &radial, &lines);
+        let rings = radial.scale.ticks(radial.low, radial.high, 9).into_iter();
+        let rings: Vec<Tick> =
+            rings.map(|(place, label)| (radial.at_place(place), label)).collect();
+        let place = |line: &Line| places(&line.points, centre, |growth| radial.at(growth));
+        let lines: Vec<_> = figure.curves.iter().map(place).collect();
+        let spokes = [60.0, 75.0, 105.0];
+        let numbers = best_numbers(&rings, "1/s", &spokes, centre, radius, &lines);
         assert!(numbers.len() >= 4 && numbers.iter().any(|n| n.content.ends_with(" 1/s")));
         for number in &numbers {
             let [x, y] = [number.bounds(); 2]

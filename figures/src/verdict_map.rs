@@ -92,12 +92,12 @@ const STOPS: [[f64; 3]; 6] = [
 /// For a level without bound; below the darkest shade.
 const INFINITE: Colour = RGBColor(14, 2, 22);
 /// For a cell without level among others that have one.
-const LEVEL_MISSING: Colour = RGBColor(196, 176, 180);
+pub(crate) const LEVEL_MISSING: Colour = RGBColor(196, 176, 180);
 /// For all ill-posed cells of a map without levels.
 const NO_LEVELS: Colour = RGBColor(236, 130, 80);
 
 /// A colour of the colour map at a share of its length.
-fn shade(share: f64) -> Colour {
+pub(crate) fn shade(share: f64) -> Colour {
     let step = (share.clamp(0.0, 1.0) * (SHADES - 1) as f64).round() / (SHADES - 1) as f64;
     let place = step * (STOPS.len() - 1) as f64;
     let below = (place as usize).min(STOPS.len() - 2);
@@ -430,7 +430,7 @@ impl VerdictMap {
                 label,
                 Box::new(move |picture, area| {
                     if graded {
-                        draw_shades(picture, area, true);
+                        draw_shades(picture, area, true, false);
                     } else {
                         picture.fill(area, ground);
                     }
@@ -613,7 +613,7 @@ impl VerdictMap {
                 }
             }
         }
-        draw_shades(picture, bar, false);
+        draw_shades(picture, bar, false, false);
         for (tick, label) in ticks {
             let share = (tick - range.low) / (range.high - range.low);
             let y = bar.bottom - share.clamp(0.0, 1.0) * bar.height();
@@ -630,8 +630,8 @@ impl VerdictMap {
 }
 
 /// Distance of the colour bar from the map, its width, and the length of its arrows.
-const BAR_GAP: f64 = 34.0;
-const BAR: f64 = 36.0;
+pub(crate) const BAR_GAP: f64 = 34.0;
+pub(crate) const BAR: f64 = 36.0;
 const ARROW: f64 = 30.0;
 
 fn cell_size(frame: Rectangle, raster: &Raster) -> (f64, f64) {
@@ -639,11 +639,17 @@ fn cell_size(frame: Rectangle, raster: &Raster) -> (f64, f64) {
 }
 
 fn contour_colour(range: &Range, log: f64) -> Colour {
-    let ground = shade((log - range.low) / (range.high - range.low));
+    colour_on_shade((log - range.low) / (range.high - range.low))
+}
+
+/// The colour of lines on a shade.
+pub(crate) fn colour_on_shade(share: f64) -> Colour {
+    let ground = shade(share);
     if luminance(ground) > 95.0 { RGBColor(70, 25, 20) } else { WHITE }
 }
 
-fn draw_shades(picture: &mut Picture, area: Rectangle, lying: bool) {
+/// Draws the colour map, from its low end on the left or below.
+pub(crate) fn draw_shades(picture: &mut Picture, area: Rectangle, lying: bool, dark_is_low: bool) {
     for step in 0..SHADES {
         let [from, to] = [step, step + 1].map(|step| step as f64 / SHADES as f64);
         let part = if lying {
@@ -654,7 +660,8 @@ fn draw_shades(picture: &mut Picture, area: Rectangle, lying: bool) {
             let top = (area.bottom - to * area.height() - 2.0).max(area.top);
             Rectangle { top, bottom: area.bottom - from * area.height(), ..area }
         };
-        picture.fill(part, shade(step as f64 / (SHADES - 1) as f64));
+        let share = step as f64 / (SHADES - 1) as f64;
+        picture.fill(part, shade(if dark_is_low { 1.0 - share } else { share }));
     }
 }
 
@@ -719,7 +726,7 @@ fn draw_borders(picture: &mut Picture, frame: Rectangle, raster: &Raster) {
 }
 
 /// The runs of indices below `count` that are selected, each from its first to behind its last.
-fn runs(count: usize, selected: impl Fn(usize) -> bool) -> Vec<(usize, usize)> {
+pub(crate) fn runs(count: usize, selected: impl Fn(usize) -> bool) -> Vec<(usize, usize)> {
     let mut runs = Vec::new();
     let mut start = None;
     for index in 0..=count {

@@ -4,7 +4,8 @@
 //! and the parameters that a map can sweep all read this table. To add a key: add a field to
 //! [`Numbers`] and a row here.
 
-use models::granular_flow::Kind;
+use super::kind::{Kind, Solid};
+use models::granular_flow::Kind as Flow;
 
 /// The numbers of a case exactly as its file states them: SI units, angles in degrees, `None`
 /// where a key without default is absent.
@@ -12,6 +13,8 @@ use models::granular_flow::Kind;
 pub struct Numbers {
     /// Constants of the material.
     pub model: ModelNumbers,
+    /// Constants of a solid.
+    pub solid: SolidNumbers,
     /// State of the flow at the point.
     pub background: BackgroundNumbers,
     /// Wave at which roots are listed.
@@ -27,6 +30,25 @@ pub struct ModelNumbers {
     pub cohesion: f64,
     pub moment_of_inertia: Option<f64>,
     pub rotational_strength: Option<f64>,
+}
+
+/// Section `[model]` of solids; units and meanings in [`KEYS`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(missing_docs)] // one row of `KEYS` per field says it once
+pub struct SolidNumbers {
+    pub lambda: f64,
+    pub mu: f64,
+    pub alpha: f64,
+    pub beta: f64,
+    pub gamma: f64,
+    pub eta: f64,
+    pub a1: f64,
+    pub b1: f64,
+    pub a2: f64,
+    pub b2: f64,
+    pub alpha2: f64,
+    pub density: f64,
+    pub inertia: f64,
 }
 
 /// Section `[background]`; units and meanings in [`KEYS`].
@@ -63,6 +85,10 @@ pub struct Wave {
     pub number: f64,
     /// Direction ψ_K of the wave vector, degrees anticlockwise from x₁.
     pub direction_deg: f64,
+    /// Its angle above the plane of x₁ and x₂, degrees.
+    pub elevation_deg: f64,
+    /// Greatest wave number of dispersion curves, 1/m; 0 for what suits the solid.
+    pub greatest_number: f64,
 }
 
 /// A row of the table.
@@ -304,9 +330,24 @@ use Field::{
 use Presence::{Default as Or, Optional, Required};
 
 const ALL: &[Kind] = &Kind::ALL;
-const COSSERAT: &[Kind] = &[Kind::HarrisGrekova];
-const WITH_SPIN: &[Kind] = &[Kind::HarrisGrekova, Kind::FreeRotating];
-const WITH_STRESS_ANGLE_RATE: &[Kind] = &[Kind::DoubleShearing];
+const FLOWS: &[Kind] = &Kind::FLOWS;
+const WITH_BALANCE_OF_SPIN: &[Kind] = &[Kind::Flow(Flow::HarrisGrekova)];
+const WITH_SPIN: &[Kind] = &[Kind::Flow(Flow::HarrisGrekova), Kind::Flow(Flow::FreeRotating)];
+const WITH_STRESS_ANGLE_RATE: &[Kind] = &[Kind::Flow(Flow::DoubleShearing)];
+const SOLIDS: &[Kind] = &Kind::SOLIDS;
+const ISOTROPIC: &[Kind] = &[
+    Kind::Solid(Solid::Classical),
+    Kind::Solid(Solid::ReducedCosserat),
+    Kind::Solid(Solid::Cosserat),
+];
+const WITH_ROTATION: &[Kind] = &[Kind::Solid(Solid::ReducedCosserat), Kind::Solid(Solid::Cosserat)];
+const WITH_INERTIA: &[Kind] = &[
+    Kind::Solid(Solid::ReducedCosserat),
+    Kind::Solid(Solid::Cosserat),
+    Kind::Solid(Solid::CosseratCompliances),
+];
+const MODULI_OF_COUPLES: &[Kind] = &[Kind::Solid(Solid::Cosserat)];
+const COMPLIANCES: &[Kind] = &[Kind::Solid(Solid::CosseratCompliances)];
 
 /// Writes one row per key: name; label, unit; meaning; kinds, presence, field.
 macro_rules! keys {
@@ -332,59 +373,86 @@ pub static KEYS: &[Key] = keys! {
     "name": "name" [""] "names the folder of results: letters, digits, '-', '_' and '.', not dots alone; absent: the name of the file";
         ALL, Optional, Text;
 
-    "model.kind": "kind of model" [""] "harris-grekova, double-shearing, plastic-potential or free-rotating";
+    "model.kind": "kind of model" [""] "harris-grekova, double-shearing, plastic-potential or free-rotating for flows; classical, reduced-cosserat, cosserat or cosserat-compliances for solids";
         ALL, Required(0.0), Text;
     "model.friction_angle_deg": "friction angle φ" ["deg"] "angle of internal friction φ; 0 < φ < 90";
-        ALL, Required(30.0), Number(|n| &mut n.model.friction_angle_deg);
+        FLOWS, Required(30.0), Number(|n| &mut n.model.friction_angle_deg);
     "model.dilatancy_angle_deg": "dilatancy angle ν" ["deg"] "angle of dilatancy ν; 0 ≤ ν < φ, for plastic-potential 0 ≤ ν < 90";
-        ALL, Or(0.0), Number(|n| &mut n.model.dilatancy_angle_deg);
+        FLOWS, Or(0.0), Number(|n| &mut n.model.dilatancy_angle_deg);
     "model.cohesion": "cohesion c" ["Pa"] "cohesion c; ≥ 0";
-        ALL, Or(0.0), Number(|n| &mut n.model.cohesion);
+        FLOWS, Or(0.0), Number(|n| &mut n.model.cohesion);
     "model.moment_of_inertia": "moment of inertia I" ["m²"] "moment of inertia per unit mass I; > 0, for discs of diameter d it is d²/8";
-        COSSERAT, Required(1.25e-7), OptionalNumber(|n| &mut n.model.moment_of_inertia);
+        WITH_BALANCE_OF_SPIN, Required(1.25e-7), OptionalNumber(|n| &mut n.model.moment_of_inertia);
     "model.rotational_strength": "rotational strength m" ["Pa"] "rotational yield strength m; ≥ 0";
-        COSSERAT, Required(0.0), OptionalNumber(|n| &mut n.model.rotational_strength);
+        WITH_BALANCE_OF_SPIN, Required(0.0), OptionalNumber(|n| &mut n.model.rotational_strength);
+
+    "model.lambda": "Lamé modulus λ" ["Pa"] "Lamé modulus λ; 3λ + 2μ > 0";
+        ISOTROPIC, Required(8.1e9), Number(|n| &mut n.solid.lambda);
+    "model.mu": "shear modulus μ" ["Pa"] "shear modulus μ; > 0";
+        ISOTROPIC, Required(8.1e9), Number(|n| &mut n.solid.mu);
+    "model.alpha": "Cosserat modulus α" ["Pa"] "modulus α of the antisymmetric strain; > 0";
+        WITH_ROTATION, Required(1.005e9), Number(|n| &mut n.solid.alpha);
+    "model.beta": "Cosserat modulus β" ["N"] "couple modulus β; 3β + 2γ > 0";
+        MODULI_OF_COUPLES, Required(7.75e8), Number(|n| &mut n.solid.beta);
+    "model.gamma": "Cosserat modulus γ" ["N"] "couple modulus γ; > 0";
+        MODULI_OF_COUPLES, Required(1.5e8), Number(|n| &mut n.solid.gamma);
+    "model.eta": "Cosserat modulus η" ["N"] "couple modulus η; > 0";
+        MODULI_OF_COUPLES, Required(3e8), Number(|n| &mut n.solid.eta);
+    "model.a1": "compliance a₁" ["1/Pa"] "compliance a₁; > |b₁|";
+        COMPLIANCES, Required(4.6296296296296296e-11), Number(|n| &mut n.solid.a1);
+    "model.b1": "compliance b₁" ["1/Pa"] "compliance b₁; a₁ + b₁ = a₂ − b₂ in isotropic solids";
+        COMPLIANCES, Required(1.5432098765432098e-11), Number(|n| &mut n.solid.b1);
+    "model.a2": "compliance a₂" ["1/Pa"] "compliance a₂; > |b₂|";
+        COMPLIANCES, Required(2.7962041638724895e-10), Number(|n| &mut n.solid.a2);
+    "model.b2": "compliance b₂" ["1/Pa"] "compliance b₂";
+        COMPLIANCES, Required(2.178920212921872e-10), Number(|n| &mut n.solid.b2);
+    "model.alpha2": "couple modulus α₂" ["N"] "couple modulus α₂; > 0";
+        COMPLIANCES, Required(4.5e8), Number(|n| &mut n.solid.alpha2);
+    "model.density": "density ρ" ["kg/m³"] "density ρ; > 0";
+        SOLIDS, Required(2700.0), Number(|n| &mut n.solid.density);
+    "model.inertia": "moment of inertia j" ["kg/m"] "moment of inertia per unit volume j; > 0";
+        WITH_INERTIA, Required(2700.0), Number(|n| &mut n.solid.inertia);
 
     "background.density": "density ρ" ["kg/m³"] "density ρ; > 0";
-        ALL, Required(1600.0), Number(|n| &mut n.background.density);
+        FLOWS, Required(1600.0), Number(|n| &mut n.background.density);
     "background.pressure": "pressure p" ["Pa"] "pressure p, positive in compression; > −c cot φ";
-        ALL, Required(1000.0), Number(|n| &mut n.background.pressure);
+        FLOWS, Required(1000.0), Number(|n| &mut n.background.pressure);
     "background.stress_angle_deg": "stress angle Ψ_Σ" ["deg"] "angle Ψ_Σ of the greater (more tensile) principal stress from x₁, anticlockwise";
-        ALL, Required(45.0), Number(|n| &mut n.background.stress_angle_deg);
+        FLOWS, Required(45.0), Number(|n| &mut n.background.stress_angle_deg);
     "background.shear_rate": "shear rate Q_D" ["1/s"] "magnitude Q_D of the deviatoric deformation rate; > 0";
-        ALL, Required(1.0), Number(|n| &mut n.background.shear_rate);
+        FLOWS, Required(1.0), Number(|n| &mut n.background.shear_rate);
     "background.velocity": "velocity V" ["m/s"] "velocity V";
-        ALL, Or(0.0), Pair(|n| &mut n.background.velocity);
+        FLOWS, Or(0.0), Pair(|n| &mut n.background.velocity);
     "background.half_vorticity": "half the vorticity s₂₁" ["1/s"] "half the vorticity s₂₁ = ½(∂₁V₂ − ∂₂V₁), positive anticlockwise";
-        ALL, Or(0.0), Number(|n| &mut n.background.half_vorticity);
+        FLOWS, Or(0.0), Number(|n| &mut n.background.half_vorticity);
     "background.noncoaxiality_deg": "non-coaxiality Δ" ["deg"] "non-coaxiality Δ = Ψ_D − Ψ_Σ; absent: from the spin where that is given, else 0; 0 for plastic-potential";
-        ALL, Optional, OptionalNumber(|n| &mut n.background.noncoaxiality_deg);
+        FLOWS, Optional, OptionalNumber(|n| &mut n.background.noncoaxiality_deg);
     "background.spin": "spin Ω" ["rad/s"] "intrinsic spin Ω, anticlockwise; may stand in place of noncoaxiality_deg";
         WITH_SPIN, Optional, OptionalNumber(|n| &mut n.background.spin);
     "background.pressure_gradient": "pressure gradient ∇p" ["Pa/m"] "gradient of the pressure";
-        ALL, Or(0.0), Pair(|n| &mut n.background.pressure_gradient);
+        FLOWS, Or(0.0), Pair(|n| &mut n.background.pressure_gradient);
     "background.stress_angle_gradient_deg": "stress-angle gradient ∇Ψ_Σ" ["deg/m"] "gradient of the stress angle";
-        ALL, Or(0.0), Pair(|n| &mut n.background.stress_angle_gradient_deg);
+        FLOWS, Or(0.0), Pair(|n| &mut n.background.stress_angle_gradient_deg);
     "background.density_gradient": "density gradient ∇ρ" ["kg/m⁴"] "gradient of the density; 0 where ν = 0";
-        ALL, Or(0.0), Pair(|n| &mut n.background.density_gradient);
+        FLOWS, Or(0.0), Pair(|n| &mut n.background.density_gradient);
     "background.spin_gradient": "spin gradient ∇Ω" ["rad/(s·m)"] "gradient of the spin";
-        COSSERAT, Or(0.0), Pair(|n| &mut n.background.spin_gradient);
+        WITH_BALANCE_OF_SPIN, Or(0.0), Pair(|n| &mut n.background.spin_gradient);
     "background.spin_acceleration": "spin acceleration DΩ/Dt" ["rad/s²"] "material rate DΩ/Dt of the spin";
-        COSSERAT, Or(0.0), Number(|n| &mut n.background.spin_acceleration);
+        WITH_BALANCE_OF_SPIN, Or(0.0), Number(|n| &mut n.background.spin_acceleration);
     "background.inertia_rate": "rate of inertia DI/Dt" ["m²/s"] "material rate DI/Dt of the moment of inertia";
-        COSSERAT, Or(0.0), Number(|n| &mut n.background.inertia_rate);
+        WITH_BALANCE_OF_SPIN, Or(0.0), Number(|n| &mut n.background.inertia_rate);
     "background.inertia_gradient": "inertia gradient ∇I" ["m"] "gradient of the moment of inertia";
-        COSSERAT, Or(0.0), Pair(|n| &mut n.background.inertia_gradient);
+        WITH_BALANCE_OF_SPIN, Or(0.0), Pair(|n| &mut n.background.inertia_gradient);
     "background.rotational_stress": "rotational stress r" ["Pa"] "r = ½(σ₁₂ − σ₂₁), first index the face normal; absent: −m sign(Ω − s₂₁)";
-        COSSERAT, Optional, OptionalNumber(|n| &mut n.background.rotational_stress);
+        WITH_BALANCE_OF_SPIN, Optional, OptionalNumber(|n| &mut n.background.rotational_stress);
     "background.deviatoric_stress": "deviatoric stress q" ["Pa"] "deviatoric stress q; absent: on yield";
-        ALL, Optional, OptionalNumber(|n| &mut n.background.deviatoric_stress);
+        FLOWS, Optional, OptionalNumber(|n| &mut n.background.deviatoric_stress);
     "background.velocity_gradient": "velocity gradient ∇V" ["1/s"] "velocity gradient, entry [i][j] = ∂ⱼVᵢ; derived, checked where given";
-        ALL, Optional, OptionalMatrix(|n| &mut n.background.velocity_gradient);
+        FLOWS, Optional, OptionalMatrix(|n| &mut n.background.velocity_gradient);
     "background.acceleration": "acceleration DV/Dt − F" ["m/s²"] "material acceleration less body force; derived, checked where given";
-        ALL, Optional, OptionalPair(|n| &mut n.background.acceleration);
+        FLOWS, Optional, OptionalPair(|n| &mut n.background.acceleration);
     "background.body_moment": "body moment G" ["m²/s²"] "body moment per unit mass; derived, checked where given";
-        COSSERAT, Optional, OptionalNumber(|n| &mut n.background.body_moment);
+        WITH_BALANCE_OF_SPIN, Optional, OptionalNumber(|n| &mut n.background.body_moment);
     "background.stress_angle_rate_deg": "stress-angle rate DΨ_Σ/Dt" ["deg/s"] "material rate of the stress angle; derived, checked where given";
         WITH_STRESS_ANGLE_RATE, Optional, OptionalNumber(|n| &mut n.background.stress_angle_rate_deg);
 
@@ -392,6 +460,11 @@ pub static KEYS: &[Key] = keys! {
         ALL, Or(1000.0), Number(|n| &mut n.wave.number);
     "wave.direction_deg": "wave direction ψ_K" ["deg"] "direction ψ_K of the wave vector from x₁, anticlockwise";
         ALL, Or(0.0), Number(|n| &mut n.wave.direction_deg);
+
+    "wave.elevation_deg": "wave elevation" ["deg"] "angle of the wave vector above the plane of x₁ and x₂; 0 in plane strain";
+        ISOTROPIC, Or(0.0), Number(|n| &mut n.wave.elevation_deg);
+    "wave.greatest_number": "greatest wave number" ["1/m"] "greatest wave number of dispersion curves; 0: 4 over the solid's own length";
+        SOLIDS, Or(0.0), Number(|n| &mut n.wave.greatest_number);
 
     "map.x.parameter": "parameter" [""] "name of the number along the x axis";
         ALL, Required(0.0), Text;
@@ -411,7 +484,7 @@ pub static KEYS: &[Key] = keys! {
         ALL, Required(0.0), Count;
 
     "compare.kinds": "kinds of model" [""] "kinds of model to compare on this state";
-        ALL, Required(0.0), Texts;
+        FLOWS, Required(0.0), Texts;
 };
 
 /// As TOML; numbers in their shortest form that reads back to the same double.

@@ -3,14 +3,18 @@
 
 mod error;
 mod keys;
+mod kind;
 mod read;
 
 pub use error::{CaseError, Place};
-pub use keys::{BackgroundNumbers, KEYS, Key, ModelNumbers, Numbers, Parameter, Presence, Wave};
+pub use keys::{
+    BackgroundNumbers, KEYS, Key, ModelNumbers, Numbers, Parameter, Presence, SolidNumbers, Wave,
+};
+pub use kind::{Kind, Solid};
 
 use keys::Value;
 use models::granular_flow::state::State;
-use models::granular_flow::{InputError, Kind, Model, Parameters};
+use models::granular_flow::{InputError, Kind as Flow, Model, Parameters};
 use read::{Entries, Places};
 use std::fmt::Write;
 use std::io::Read;
@@ -192,7 +196,7 @@ impl Case {
         let mut lost_noncoaxiality_deg = None;
         let state = self.numbers.background.noncoaxiality_deg.or(noncoaxiality_deg);
         let other = &mut case.numbers.background;
-        if kind == Kind::PlasticPotential && kind != self.kind {
+        if kind == Kind::Flow(Flow::PlasticPotential) && kind != self.kind {
             // Axes have no sense: half a turn apart they are the same.
             lost_noncoaxiality_deg = state.filter(|delta| delta % 180.0 != 0.0);
             other.noncoaxiality_deg = Some(0.0);
@@ -247,7 +251,25 @@ impl Case {
     /// # Errors
     /// The constant that is out of range, and where it stands.
     pub fn model(&self) -> Result<Model, CaseError> {
-        Model::new(self.kind, &self.parameters()).map_err(|error| self.locate(error))
+        self.flow_model().map_err(|error| self.locate(error))
+    }
+
+    /// The same without the place.
+    ///
+    /// # Errors
+    /// The constant that is out of range, or that the case is one of a solid.
+    pub fn flow_model(&self) -> Result<Model, InputError> {
+        match self.kind {
+            Kind::Flow(flow) => Model::new(flow, &self.parameters()),
+            Kind::Solid(_) => Err(InputError {
+                key: "model.kind",
+                found: format!("{}, a solid", self.kind.name()),
+                allowed: format!(
+                    "this needs a flow ({}); for solids see wellposed dispersion",
+                    Flow::ALL.map(Flow::name).join(", ")
+                ),
+            }),
+        }
     }
 
     /// The map that the case asks for.
@@ -361,22 +383,27 @@ fn name(entries: &Entries, file: &str) -> Result<String, CaseError> {
 
 /// The numbers of a case: defaults, what was given, and nothing that no kind uses.
 fn numbers(entries: &Entries, kinds: &[Kind]) -> Result<Numbers, CaseError> {
+    let names = |kinds: &[Kind]| kinds.iter().map(|k| k.name()).collect::<Vec<_>>().join(", ");
+    let is_used = |key: &Key| kinds.iter().any(|&kind| key.is_used_by(kind));
+    // What is too much says more of a mistake than what is missing.
+    if let Some(key) = KEYS
+        .iter()
+        .find(|key| key.field.is_kept() && entries.get(key.name).is_some() && !is_used(key))
+    {
+        let namesake = KEYS.iter().find(|k| is_used(k) && k.split().1 == key.split().1);
+        let meant = read::suggestion(namesake.map(|key| key.name));
+        return Err(entries.places.error(
+            key.name,
+            format!("not used by the model {}", names(kinds)),
+            format!("{meant}leave it out (it belongs to {})", names(key.kinds)),
+        ));
+    }
     let mut numbers = Numbers::default();
     for key in KEYS.iter().filter(|key| key.field.is_kept()) {
         key.clear(&mut numbers);
-        let is_used = kinds.iter().any(|&kind| key.is_used_by(kind));
         match entries.get(key.name) {
-            Some(_) if !is_used => {
-                let names =
-                    |kinds: &[Kind]| kinds.iter().map(|k| k.name()).collect::<Vec<_>>().join(", ");
-                return Err(entries.places.error(
-                    key.name,
-                    format!("not used by the model {}", names(kinds)),
-                    format!("leave it out (it belongs to {})", names(key.kinds)),
-                ));
-            }
             Some(value) => key.field.store(&mut numbers, value),
-            None if is_used && matches!(key.presence, Presence::Required(_)) => {
+            None if is_used(key) && matches!(key.presence, Presence::Required(_)) => {
                 entries.require(key.name)?;
             }
             None => {}
@@ -385,6 +412,10 @@ fn numbers(entries: &Entries, kinds: &[Kind]) -> Result<Numbers, CaseError> {
     let number = numbers.wave.number;
     if number <= 0.0 {
         return Err(wave_number(entries, "wave.number", number));
+    }
+    let greatest = numbers.wave.greatest_number;
+    if greatest < 0.0 {
+        return Err(wave_number(entries, "wave.greatest_number", greatest));
     }
     Ok(numbers)
 }
@@ -403,6 +434,10 @@ fn compare(entries: &Entries) -> Result<Option<Vec<Kind>>, CaseError> {
     if let Value::Texts(names) = entries.require(KEY)? {
         for name in names {
             let kind = read::kind(name, KEY, &entries.places)?;
+            if let Kind::Solid(_) = kind {
+                let allowed = format!("flows alone: {}", Flow::ALL.map(Flow::name).join(", "));
+                return Err(entries.places.error(KEY, format!("found {name}, a solid"), allowed));
+            }
             if kinds.contains(&kind) {
                 let found = format!("found {name} twice");
                 return Err(entries.places.error(KEY, found, "name each kind once"));
@@ -461,7 +496,10 @@ fn sweep(
     if (2..=MOST_POINTS).contains(&points) {
         check_step(entries, [from_key, to_key, points_key], from, to, points)?;
     }
-    if parameter.key().name == "wave.number" && from.min(to) <= 0.0 {
+    if parameter.key().name.starts_with("wave.")
+        && parameter.key().unit == "1/m"
+        && from.min(to) <= 0.0
+    {
         let key = if from <= 0.0 { from_key } else { to_key };
         return Err(wave_number(entries, key, from.min(to)));
     }

@@ -2,7 +2,7 @@
 
 use super::error::{CaseError, Place, shown};
 use super::keys::{Field, KEYS, Key, Value};
-use models::granular_flow::Kind;
+use super::kind::Kind;
 use std::collections::BTreeMap;
 use toml::de::{DeArray, DeInteger, DeTable, DeValue};
 

@@ -63,7 +63,8 @@ impl HarrisGrekova {
     /// |tan 2Δ| < cot ν √(cos φ cos(φ − 2ν)) / cos(φ − ν).
     /// ```
     ///
-    /// Beyond it the growth rate is unbounded at finite wave numbers already.
+    /// Beyond it, up to π/2 less it, the growth rate is unbounded at finite wave numbers already (or of
+    /// order 3, with a gradient of the stress angle); above, of order 2.
     pub fn noncoaxiality_bound(&self) -> f64 {
         let (phi, nu) = (self.coulomb.friction_angle, self.dilatancy_angle);
         let opposite = (phi.cos() * (phi - 2.0 * nu).cos()).sqrt() * nu.cos();

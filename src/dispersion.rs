@@ -1,0 +1,333 @@
+//! `wellposed dispersion`: frequencies and speeds of the waves of a solid against the wave number.
+
+use crate::case::{Case, Wave};
+use crate::output::{self, ResultFolder};
+use crate::solid::Elastic;
+use crate::words::{case_title, short};
+use crate::{Error, Format, Options};
+use analysis::waves::{Family, ForbiddenBand, Mode};
+use figures::{Band, Branch, DispersionFigure, Level};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::io::Write;
+
+/// Wave numbers of a curve.
+const SAMPLES: usize = 600;
+
+/// Waves that move alike: a family, and how many others are the same.
+struct Kind {
+    family: Family,
+    count: usize,
+    bands: Vec<ForbiddenBand>,
+}
+
+/// A branch at one wave number: ω, ω/k, dω/dk.
+struct Point {
+    number: f64,
+    frequency: f64,
+    phase_speed: f64,
+    group_speed: f64,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// The case is wrong, or results cannot be written.
+pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
+    let case = Case::load(&options.case, &options.sets)?;
+    let solid = Elastic::of(&case)?;
+    let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
+    let wave = case.numbers.wave;
+    let greatest = match wave.greatest_number {
+        0.0 => solid.own_wave_number().map_or(wave.number, |own| 4.0 * own),
+        given => given,
+    };
+    if options.dry_run {
+        writeln!(stdout, "would follow the waves up to k = {} 1/m", short(greatest))?;
+        for name in output::DISPERSION {
+            writeln!(stdout, "would write {}", folder.path().join(name).display())?;
+        }
+        return Ok(());
+    }
+    let kinds = kinds(&solid, &wave, greatest);
+    let json = format!("{:#}\n", report(&case, &kinds, greatest));
+    let words = words(&case, &kinds);
+    let figure = figure(&case, &solid, &kinds, greatest);
+
+    folder.open()?;
+    folder.write("dispersion.png", &figure.draw(figures::Format::Png)?)?;
+    folder.write("dispersion.svg", &figure.draw(figures::Format::Svg)?)?;
+    folder.write("dispersion.csv", &csv(&kinds, greatest)?)?;
+    folder.write("dispersion.json", json.as_bytes())?;
+    folder.write("dispersion.txt", words.as_bytes())?;
+    match options.format {
+        Format::Json => stdout.write_all(json.as_bytes())?,
+        Format::Text => {
+            stdout.write_all(words.as_bytes())?;
+            writeln!(stdout, "picture: {}", folder.path().join("dispersion.png").display())?;
+        }
+    }
+    Ok(())
+}
+
+/// The families of waves, those that are the same at every wave number taken together.
+fn kinds(solid: &Elastic, wave: &Wave, greatest: f64) -> Vec<Kind> {
+    let samples: Vec<f64> = numbers(greatest).collect();
+    let mut kinds: Vec<Kind> = Vec::new();
+    for family in solid.waves(wave).families {
+        let is_same = |other: &Kind| {
+            let at = |f: &Family, k: f64| f.squared_frequencies(k);
+            other.family.polarisation == family.polarisation
+                && other.family.branches() == family.branches()
+                && [0.0, 0.3 * greatest, greatest].iter().all(|&k| {
+                    let (a, b) = (at(&other.family, k), at(&family, k));
+                    let largest = a.iter().map(|x| x.norm()).fold(0.0, f64::max);
+                    a.iter().zip(&b).all(|(x, y)| (x - y).norm() <= 1e-12 * largest)
+                })
+        };
+        match kinds.iter_mut().find(|kind| is_same(kind)) {
+            Some(kind) => kind.count += 1,
+            None => {
+                let bands = family.forbidden_bands(&samples);
+                kinds.push(Kind { family, count: 1, bands });
+            }
+        }
+    }
+    kinds
+}
+
+fn numbers(greatest: f64) -> impl Iterator<Item = f64> {
+    (1..=SAMPLES).map(move |i| greatest * i as f64 / SAMPLES as f64)
+}
+
+impl Point {
+    fn new(number: f64, mode: &Mode) -> Self {
+        let frequency = mode.squared_frequency.re.max(0.0).sqrt();
+        Self {
+            number,
+            frequency,
+            phase_speed: frequency / number,
+            group_speed: 0.5 * mode.slope.re / frequency,
+        }
+    }
+}
+
+impl Kind {
+    /// Name of a branch, counted from the lowest.
+    fn label(&self, branch: usize) -> String {
+        let place = match (self.family.branches(), branch) {
+            (1, _) => String::new(),
+            (2, 0) => ", lower branch".into(),
+            (2, _) => ", upper branch".into(),
+            (_, n) => format!(", branch {}", n + 1),
+        };
+        let count = if self.count > 1 { format!(" (×{})", self.count) } else { String::new() };
+        format!("{}{place}{count}", self.family.polarisation.name())
+    }
+
+    /// The points of every branch.
+    fn curves(&self, greatest: f64) -> Vec<Vec<Point>> {
+        let mut curves: Vec<Vec<Point>> = (0..self.family.branches()).map(|_| Vec::new()).collect();
+        for k in numbers(greatest) {
+            for (curve, mode) in curves.iter_mut().zip(self.family.modes(k)) {
+                curve.push(Point::new(k, &mode));
+            }
+        }
+        curves
+    }
+
+    /// Frequencies at k = 0 that are not zero, rad/s.
+    fn cut_offs(&self) -> Vec<f64> {
+        let squares = self.family.squared_cut_offs();
+        let largest = squares.iter().map(|x| x.re).fold(0.0, f64::max);
+        squares.iter().filter(|x| x.re > 1e-12 * largest).map(|x| x.re.sqrt()).collect()
+    }
+
+    fn speeds(&self) -> Vec<f64> {
+        self.family.squared_speeds().iter().map(|c| c.re.max(0.0).sqrt()).collect()
+    }
+
+    fn short_wave_limits(&self) -> Vec<f64> {
+        self.family.squared_short_wave_limits().iter().map(|x| x.max(0.0).sqrt()).collect()
+    }
+}
+
+fn report(case: &Case, kinds: &[Kind], greatest: f64) -> Value {
+    let wave = case.numbers.wave;
+    let finite = |x: f64| if x.is_finite() { json!(x) } else { Value::Null };
+    let families = kinds.iter().map(|kind| {
+        let modes = kind.family.modes(wave.number);
+        json!({
+            "polarisation": kind.family.polarisation.name(),
+            "count": kind.count,
+            "characteristic_speeds": kind.speeds(),
+            "cut_off_frequencies": kind.cut_offs(),
+            "short_wave_limits": kind.short_wave_limits(),
+            "forbidden_bands": kind
+                .bands
+                .iter()
+                .map(|band| json!([band.from, finite(band.to)]))
+                .collect::<Vec<_>>(),
+            "at_wave": modes
+                .iter()
+                .map(|mode| {
+                    let point = Point::new(wave.number, mode);
+                    json!({
+                        "frequency": point.frequency,
+                        "phase_speed": point.phase_speed,
+                        "group_speed": finite(point.group_speed),
+                    })
+                })
+                .collect::<Vec<_>>(),
+        })
+    });
+    json!({
+        "model": case.kind.name(),
+        "wave": {
+            "number": wave.number,
+            "direction_deg": wave.direction_deg,
+            "elevation_deg": wave.elevation_deg,
+        },
+        "greatest_number": greatest,
+        "families": families.collect::<Vec<_>>(),
+        "units": { "frequency": "rad/s", "speed": "m/s", "number": "1/m" },
+    })
+}
+
+fn list(values: &[f64]) -> String {
+    values.iter().map(|&x| short(x)).collect::<Vec<_>>().join(", ")
+}
+
+fn words(case: &Case, kinds: &[Kind]) -> String {
+    let wave = case.numbers.wave;
+    let mut text = format!(
+        "{}\nmodel: {}\nwaves along {}°, {}° above the plane; frequencies in rad/s, speeds in m/s\n",
+        case_title(case),
+        case.kind.title(),
+        short(wave.direction_deg),
+        short(wave.elevation_deg),
+    );
+    for kind in kinds {
+        let count = if kind.count > 1 { format!(" (×{})", kind.count) } else { String::new() };
+        let _ = writeln!(text, "\n{}{count}", kind.family.polarisation.name());
+        let _ = writeln!(text, "  characteristic speeds   {}", list(&kind.speeds()));
+        if !kind.cut_offs().is_empty() {
+            let _ = writeln!(text, "  cut-off frequencies     {}", list(&kind.cut_offs()));
+        }
+        if !kind.short_wave_limits().is_empty() {
+            let _ = writeln!(
+                text,
+                "  frequencies as k → ∞    {} (speed zero)",
+                list(&kind.short_wave_limits())
+            );
+        }
+        for band in &kind.bands {
+            let _ = match band.to.is_finite() {
+                true => writeln!(
+                    text,
+                    "  no such waves between   {} and {}",
+                    short(band.from),
+                    short(band.to)
+                ),
+                false => writeln!(text, "  no such waves above     {}", short(band.from)),
+            };
+        }
+        for (branch, mode) in kind.family.modes(wave.number).iter().enumerate() {
+            let point = Point::new(wave.number, mode);
+            let _ = writeln!(
+                text,
+                "  at k = {} 1/m: ω = {}, phase speed {}, group speed {}  [{}]",
+                short(wave.number),
+                short(point.frequency),
+                short(point.phase_speed),
+                short(point.group_speed),
+                kind.label(branch),
+            );
+        }
+    }
+    text
+}
+
+fn csv(kinds: &[Kind], greatest: f64) -> Result<Vec<u8>, Error> {
+    let header = ["branch", "number", "frequency", "phase_speed", "group_speed"];
+    let rows = kinds.iter().flat_map(|kind| {
+        kind.curves(greatest).into_iter().enumerate().flat_map(|(branch, curve)| {
+            let label = kind.label(branch);
+            curve.into_iter().map(move |p| -> Vec<files::csv::Cell> {
+                vec![
+                    label.as_str().into(),
+                    p.number.into(),
+                    p.frequency.into(),
+                    p.phase_speed.into(),
+                    p.group_speed.into(),
+                ]
+            })
+        })
+    });
+    Ok(files::csv::table(&header, rows)?)
+}
+
+fn figure(case: &Case, solid: &Elastic, kinds: &[Kind], greatest: f64) -> DispersionFigure {
+    let wave = case.numbers.wave;
+    let branches = kinds.iter().flat_map(|kind| {
+        kind.curves(greatest).into_iter().enumerate().map(|(branch, curve)| Branch {
+            label: kind.label(branch),
+            frequency: curve.iter().map(|p| [p.number, p.frequency]).collect(),
+            group_speed: curve.iter().map(|p| [p.number, p.group_speed]).collect(),
+            growth: Vec::new(),
+        })
+    });
+    // Below its cut-off a single branch is absent as well, but the dashed line says that.
+    let bands = kinds.iter().flat_map(|kind| {
+        let between = |band: &&ForbiddenBand| band.from > 0.0 && band.to.is_finite();
+        kind.bands.iter().filter(between).map(|band| Band {
+            label: format!("no {} waves", kind.family.polarisation.name()),
+            from: band.from,
+            to: band.to,
+        })
+    });
+    let mut cutoffs: Vec<Level> = Vec::new();
+    for cut_off in kinds.iter().flat_map(Kind::cut_offs) {
+        if cutoffs.iter().all(|level| (level.value - cut_off).abs() > 1e-9 * cut_off) {
+            cutoffs.push(Level { label: format!("{} rad/s", short(cut_off)), value: cut_off });
+        }
+    }
+    let speed_limits = match solid {
+        Elastic::Isotropic(solid) => {
+            let speeds = solid.speeds();
+            let level = |label: &str, value: f64| Level { label: label.into(), value };
+            [
+                Some(level("c_p", speeds.longitudinal)),
+                Some(level("c_s", speeds.shear)),
+                speeds.torsion.map(|c| level("c_m", c)),
+                speeds.rotation.map(|c| level("c_ω", c)),
+            ]
+            .into_iter()
+            .flatten()
+            .collect()
+        }
+        Elastic::Compliances(_) => Vec::new(),
+    };
+    DispersionFigure {
+        title: case_title(case),
+        subtitle: format!(
+            "{}, waves along {}°{}; solid: phase speed, dashed: group speed",
+            case.kind.title(),
+            short(wave.direction_deg),
+            match wave.elevation_deg {
+                0.0 => String::new(),
+                up => format!(", {}° above the plane", short(up)),
+            },
+        ),
+        k_label: "wave number k (1/m)".into(),
+        frequency_label: "frequency ω (rad/s)".into(),
+        speed_label: "speed (m/s)".into(),
+        growth_label: String::new(),
+        k_log: false,
+        frequency_log: false,
+        branches: branches.collect(),
+        bands: bands.collect(),
+        cutoffs,
+        speed_limits,
+    }
+}

@@ -1,0 +1,119 @@
+//! `wellposed dispersion` as a library: numbers against closed forms, and what it refuses.
+
+use serde_json::Value;
+use std::path::Path;
+use wellposed::{Format, Options, dispersion};
+
+const CASE: &str = "
+[model]
+kind = 'reduced-cosserat'
+lambda = 8.1e9
+mu = 8.1e9
+alpha = 1.005e9
+density = 2700
+inertia = 2700
+[wave]
+number = 0.6
+direction_deg = 25
+elevation_deg = 40
+";
+
+fn run(folder: &Path, case: &str, sets: &[&str]) -> Result<Value, String> {
+    let file = folder.join("solid.toml");
+    std::fs::write(&file, case).expect("a scratch file");
+    let options = Options {
+        case: file,
+        sets: sets.iter().map(|set| (*set).to_owned()).collect(),
+        format: Format::Json,
+        out: Some(folder.join("out")),
+        force: true,
+        ..Options::default()
+    };
+    let mut stdout = Vec::new();
+    dispersion::run(&options, &mut stdout).map_err(|error| error.to_string())?;
+    Ok(serde_json::from_slice(&stdout).expect("JSON"))
+}
+
+fn family<'a>(report: &'a Value, polarisation: &str) -> &'a Value {
+    let families = report["families"].as_array().expect("a list");
+    families.iter().find(|f| f["polarisation"] == polarisation).expect("such waves")
+}
+
+fn near(value: &Value, expected: f64, tolerance: f64) {
+    let value = value.as_f64().expect("a number");
+    assert!((value / expected - 1.0).abs() < tolerance, "{value} for {expected}");
+}
+
+#[test]
+fn the_forbidden_band_of_the_reduced_solid() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let report = run(folder.path(), CASE, &[]).expect("a sound case");
+    let (mu, alpha, density, inertia, k): (f64, f64, f64, f64, f64) =
+        (8.1e9, 1.005e9, 2700.0, 2700.0, 0.6);
+    let natural = (4.0 * alpha / inertia).sqrt();
+    let shear = family(&report, "transverse");
+    assert_eq!(shear["count"], 2);
+    near(&shear["cut_off_frequencies"][0], natural, 1e-12);
+    near(&shear["forbidden_bands"][0][0], natural / (1.0 + alpha / mu).sqrt(), 1e-12);
+    near(&shear["forbidden_bands"][0][1], natural, 1e-12);
+    near(&shear["characteristic_speeds"][0], ((mu + alpha) / density).sqrt(), 1e-12);
+    // k² = ρω²(4α − jω²)/(4αμ − (μ + α)jω²) on both branches.
+    for branch in shear["at_wave"].as_array().expect("two branches") {
+        let frequency = branch["frequency"].as_f64().expect("a number");
+        let square = frequency * frequency;
+        let found = density * square * (4.0 * alpha - inertia * square)
+            / (4.0 * alpha * mu - (mu + alpha) * inertia * square);
+        assert!((found.sqrt() / k - 1.0).abs() < 1e-11, "{found}");
+        near(&branch["phase_speed"], frequency / k, 1e-12);
+    }
+    near(&family(&report, "longitudinal")["characteristic_speeds"][0], 3000.0, 1e-12);
+    for name in wellposed::output::DISPERSION {
+        assert!(folder.path().join("out").join(name).metadata().is_ok_and(|m| m.len() > 0));
+    }
+}
+
+/// The same solid by its moduli and by its compliances.
+#[test]
+fn compliances_and_moduli_agree() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let moduli = CASE
+        .replace("reduced-cosserat", "cosserat")
+        .replace("density", "beta = 7.75e8\ngamma = 1.5e8\neta = 3e8\ndensity");
+    let (lambda, mu, alpha) = (8.1e9, 8.1e9, 1.005e9);
+    let compliances = format!(
+        "[model]\nkind = 'cosserat-compliances'\na1 = {:?}\nb1 = {:?}\na2 = {:?}\nb2 = {:?}\n\
+         alpha2 = 4.5e8\ndensity = 2700\ninertia = 2700\n[wave]\nnumber = 0.6\n",
+        (lambda + 2.0 * mu) / (4.0 * mu * (lambda + mu)),
+        lambda / (4.0 * mu * (lambda + mu)),
+        (mu + alpha) / (4.0 * mu * alpha),
+        (mu - alpha) / (4.0 * mu * alpha),
+    );
+    let [one, other] =
+        [moduli, compliances].map(|case| run(folder.path(), &case, &[]).expect("a sound case"));
+    let (one, other) = (family(&one, "transverse"), family(&other, "transverse"));
+    for branch in 0..2 {
+        for key in ["frequency", "group_speed"] {
+            let expected = one["at_wave"][branch][key].as_f64().expect("a number");
+            near(&other["at_wave"][branch][key], expected, 1e-11);
+        }
+    }
+}
+
+#[test]
+fn broken_inequalities_are_refused_where_they_stand() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    for (set, words) in [
+        ("model.alpha=-1", ["model.alpha", "-1", "α > 0"]),
+        ("model.lambda=-6e9", ["model.lambda", "3λ + 2μ = -1800000000", "3λ + 2μ > 0"]),
+        ("model.kind=harris-grekova", ["not used", "lambda", ""]),
+        ("wave.greatest_number=-1", ["wave.greatest_number", "-1.0", "must be positive"]),
+    ] {
+        let error = run(folder.path(), CASE, &[set]).expect_err(set);
+        assert!(words.iter().all(|word| error.contains(word)), "{set}: {error}");
+    }
+    let error = run(folder.path(), &CASE.replace("1.005e9", "0"), &[]).expect_err("no α");
+    assert!(error.contains("solid.toml:6: model.alpha: "), "{error}");
+    let flow = wellposed::new::text(wellposed::case::Kind::FLOWS[0]);
+    let error = run(folder.path(), &flow, &[]).expect_err("a flow");
+    assert!(error.contains("harris-grekova, a flow"), "{error}");
+}
