@@ -402,7 +402,7 @@ pub(crate) fn collisions_at(face: &Face, angle: f64) -> List<Collision> {
         let mut near: List<(f64, usize)> =
             roots.iter().enumerate().map(|(i, r)| ((r.value - first.value).norm(), i)).collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
-        near.retain(|(gap, _)| *gap <= 0.1 * first.value.norm());
+        near.retain(|(gap, _)| *gap <= 0.2 * first.value.norm());
         for end in (0..near.len()).rev() {
             let members = &near[..=end];
             let count = members.iter().map(|(_, i)| roots[*i].multiplicity).sum::<usize>();
@@ -461,9 +461,11 @@ fn crossing(face: &Face, angle: f64, c: Complex64, count: usize) -> Option<(f64,
 
 /// Whether a multiple root is one at this angle alone.
 fn comes_apart(face: &Face, angle: f64, root: &Root) -> bool {
-    [1e-2, -1e-2].into_iter().any(|offset| {
-        let near = |r: &&Root| (r.value - root.value).norm() <= 0.1 * root.value.norm();
-        face.roots(angle + offset).iter().filter(near).count() > 1
+    [1e-3, -1e-3].into_iter().any(|offset| {
+        let distance = |r: &Root| (r.value - root.value).norm();
+        let beside = face.roots(angle + offset);
+        let nearest = beside.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.is_some_and(|nearest| nearest.multiplicity < root.multiplicity)
     })
 }
 
