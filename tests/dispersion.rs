@@ -66,6 +66,16 @@ fn the_forbidden_band_of_the_reduced_solid() {
         assert!((found.sqrt() / k - 1.0).abs() < 1e-11, "{found}");
         near(&branch["phase_speed"], frequency / k, 1e-12);
     }
+    // Group speeds are slopes of ω(k): central differences, whose error is of order (1e-4)².
+    let [before, after] = ["wave.number=0.59994", "wave.number=0.60006"]
+        .map(|set| run(folder.path(), CASE, &[set]).expect("a sound case"));
+    for branch in 0..2 {
+        let frequency = |report: &Value| {
+            family(report, "transverse")["at_wave"][branch]["frequency"].as_f64().expect("a number")
+        };
+        let slope = (frequency(&after) - frequency(&before)) / 0.00012;
+        near(&shear["at_wave"][branch]["group_speed"], slope, 1e-6);
+    }
     near(&family(&report, "longitudinal")["characteristic_speeds"][0], 3000.0, 1e-12);
     for name in wellposed::output::DISPERSION {
         assert!(folder.path().join("out").join(name).metadata().is_ok_and(|m| m.len() > 0));

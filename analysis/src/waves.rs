@@ -106,7 +106,7 @@ pub fn squared_speeds<const D: usize>(
 }
 
 impl Waves {
-    /// The waves along the unit vector `normal`. Relaxation is left out: it damps.
+    /// The waves along the unit vector `normal`.
     pub fn along<const D: usize>(equations: &RateEquations<D>, normal: [f64; D]) -> Self {
         let (basis, motions) = basis(equations, normal);
         let mut gradient = DMatrix::zeros(equations.stresses(), equations.velocities());

@@ -4,12 +4,11 @@
 //! the stresses s that work on them,
 //!
 //! ```text
-//! M v̇ = Σ ∂ᵢ(Gⁱᵀ s) − Zᵀ s,    ṡ = D (Σ Gⁱ ∂ᵢv + Z v − R s).
+//! M v̇ = Σ ∂ᵢ(Gⁱᵀ s) − Zᵀ s,    ṡ = D (Σ Gⁱ ∂ᵢv + Z v).
 //! ```
 //!
 //! Gⁱ and Z say how velocities strain the solid; the balance of momentum has their transposes, which
-//! is the conservation of energy. D is the tangent stiffness and R the relaxation that a curved
-//! yield surface adds to steady flow.
+//! is the conservation of energy. D is the tangent stiffness.
 
 use crate::rounding::Rounded;
 use crate::system::{LinearisedSystem, Matrix, Unknown};
@@ -30,13 +29,10 @@ pub struct RateEquations<const D: usize> {
     pub gradient: [DMatrix<f64>; D],
     /// Z: stresses × velocities, dimensionless.
     pub rotation: DMatrix<f64>,
-    /// R: stresses × stresses, 1/(Pa·s); `None` where nothing relaxes.
-    pub relaxation: Option<Matrix>,
 }
 
 /// A symmetric-hyperbolic system `A U̇ = Σ Bⁱ ∂ᵢU + Q U`, as Sadovskii & Sadovskaya (2019, "Elastic
-/// Cosserat continuum") write it: A symmetric positive definite, Bⁱ symmetric, Q antisymmetric but
-/// for what dissipates.
+/// Cosserat continuum") write it: A symmetric positive definite, Bⁱ symmetric, Q antisymmetric.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SymmetricForm<const D: usize> {
     /// A; its quadratic form is twice the energy density.
@@ -91,13 +87,6 @@ impl<const D: usize> RateEquations<D> {
                 }
                 system.c[(nv + law, velocity)] = strained(law, &self.rotation, velocity);
             }
-            if let Some(relaxation) = &self.relaxation {
-                for s in 0..ns {
-                    system.c[(nv + law, nv + s)] = (0..ns)
-                        .map(|t| self.stiffness[(law, t)] * relaxation[(t, s)])
-                        .fold(Rounded::ZERO, std::ops::Add::add);
-                }
-            }
         }
     }
 
@@ -124,9 +113,6 @@ impl<const D: usize> RateEquations<D> {
         let mut q = DMatrix::zeros(n, n);
         q.view_mut((nv, 0), (ns, nv)).copy_from(&self.rotation);
         q.view_mut((0, nv), (nv, ns)).copy_from(&-self.rotation.transpose());
-        if let Some(relaxation) = &self.relaxation {
-            q.view_mut((nv, nv), (ns, ns)).copy_from(&-relaxation.map(|entry| entry.value));
-        }
         Some(SymmetricForm { a, b, q })
     }
 }

@@ -260,7 +260,6 @@ impl Layout {
             stiffness: stiffness.view((0, 0), (size, size)).into_owned(),
             gradient: std::array::from_fn(|axis| self.gradient(axis)),
             rotation: self.rotation(),
-            relaxation: None,
         }
     }
 }
