@@ -1,12 +1,14 @@
 //! `wellposed dispersion`: frequencies and speeds of the waves of a solid against the wave number.
 
 use crate::case::{Case, Wave};
+use crate::frozen::StateError;
 use crate::output::{self, ResultFolder};
-use crate::solid::Elastic;
+use crate::solid::{Elastic, Solid};
 use crate::words::{case_title, short};
 use crate::{Error, Format, Options};
 use analysis::waves::{Family, ForbiddenBand, Mode};
 use figures::{Band, Branch, DispersionFigure, Level};
+use num_complex::Complex64;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::Write;
@@ -21,10 +23,12 @@ struct Kind {
     bands: Vec<ForbiddenBand>,
 }
 
-/// A branch at one wave number: ω, ω/k, dω/dk.
+/// A branch at one wave number, exp(ςt + ikx) with ς = −iω: Re ω, |Im ω|, Re ω/k, Re dω/dk. With the
+/// conjugate of a complex ω² one of the four ς grows as |Im ω|.
 struct Point {
     number: f64,
     frequency: f64,
+    growth_rate: f64,
     phase_speed: f64,
     group_speed: f64,
 }
@@ -35,13 +39,14 @@ struct Point {
 /// The case is wrong, or results cannot be written.
 pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let case = Case::load(&options.case, &options.sets)?;
-    let solid = Elastic::of(&case)?;
+    let solid = Solid::of(&case).map_err(|error| case.locate(error))?;
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     let wave = case.numbers.wave;
     let greatest = match wave.greatest_number {
-        0.0 => solid.own_wave_number().map_or(wave.number, |own| 4.0 * own),
+        0.0 => solid.elastic.own_wave_number().map_or(wave.number, |own| 4.0 * own),
         given => given,
     };
+    let kinds = kinds(&solid, &wave, greatest).map_err(|error| error.locate(&case))?;
     if options.dry_run {
         writeln!(stdout, "would follow the waves up to k = {} 1/m", short(greatest))?;
         for name in output::DISPERSION {
@@ -49,7 +54,6 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
         }
         return Ok(());
     }
-    let kinds = kinds(&solid, &wave, greatest);
     let json = format!("{:#}\n", report(&case, &kinds, greatest));
     let words = words(&case, &kinds);
     let figure = figure(&case, &solid, &kinds, greatest);
@@ -71,10 +75,10 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
 }
 
 /// The families of waves, those that are the same at every wave number taken together.
-fn kinds(solid: &Elastic, wave: &Wave, greatest: f64) -> Vec<Kind> {
+fn kinds(solid: &Solid, wave: &Wave, greatest: f64) -> Result<Vec<Kind>, StateError> {
     let samples: Vec<f64> = numbers(greatest).collect();
     let mut kinds: Vec<Kind> = Vec::new();
-    for family in solid.waves(wave).families {
+    for family in solid.waves(wave, false)?.families {
         let is_same = |other: &Kind| {
             let at = |f: &Family, k: f64| f.squared_frequencies(k);
             other.family.polarisation == family.polarisation
@@ -93,7 +97,7 @@ fn kinds(solid: &Elastic, wave: &Wave, greatest: f64) -> Vec<Kind> {
             }
         }
     }
-    kinds
+    Ok(kinds)
 }
 
 fn numbers(greatest: f64) -> impl Iterator<Item = f64> {
@@ -101,13 +105,19 @@ fn numbers(greatest: f64) -> impl Iterator<Item = f64> {
 }
 
 impl Point {
-    fn new(number: f64, mode: &Mode) -> Self {
-        let frequency = mode.squared_frequency.re.max(0.0).sqrt();
+    fn new(number: f64, mode: &Mode, is_hermitian: bool) -> Self {
+        // Real ω² of a stiffness that is not negative: below zero is rounding.
+        let square = match is_hermitian {
+            true => mode.squared_frequency.re.max(0.0).into(),
+            false => mode.squared_frequency,
+        };
+        let omega = square.sqrt();
         Self {
             number,
-            frequency,
-            phase_speed: frequency / number,
-            group_speed: 0.5 * mode.slope.re / frequency,
+            frequency: omega.re,
+            growth_rate: omega.im.abs(),
+            phase_speed: omega.re / number,
+            group_speed: if omega.re == 0.0 { 0.0 } else { (mode.slope / (2.0 * omega)).re },
         }
     }
 }
@@ -129,8 +139,8 @@ impl Kind {
     fn curves(&self, greatest: f64) -> Vec<Vec<Point>> {
         let mut curves: Vec<Vec<Point>> = (0..self.family.branches()).map(|_| Vec::new()).collect();
         for k in numbers(greatest) {
-            for (curve, mode) in curves.iter_mut().zip(self.family.modes(k)) {
-                curve.push(Point::new(k, &mode));
+            for (curve, point) in curves.iter_mut().zip(self.at(k)) {
+                curve.push(point);
             }
         }
         curves
@@ -143,8 +153,20 @@ impl Kind {
         squares.iter().filter(|x| x.re > 1e-12 * largest).map(|x| x.re.sqrt()).collect()
     }
 
-    fn speeds(&self) -> Vec<f64> {
-        self.family.squared_speeds().iter().map(|c| c.re.max(0.0).sqrt()).collect()
+    /// The branches at one wave number.
+    fn at(&self, number: f64) -> Vec<Point> {
+        let is_hermitian = self.family.is_hermitian();
+        let modes = self.family.modes(number);
+        modes.iter().map(|mode| Point::new(number, mode, is_hermitian)).collect()
+    }
+
+    /// Characteristic speeds c, real part and size of the imaginary part.
+    fn speeds(&self) -> Vec<[f64; 2]> {
+        let speed = |square: &Complex64| match self.family.is_hermitian() {
+            true => [square.re.max(0.0).sqrt(), 0.0],
+            false => [square.sqrt().re, square.sqrt().im.abs()],
+        };
+        self.family.squared_speeds().iter().map(speed).collect()
     }
 
     fn short_wave_limits(&self) -> Vec<f64> {
@@ -156,11 +178,11 @@ fn report(case: &Case, kinds: &[Kind], greatest: f64) -> Value {
     let wave = case.numbers.wave;
     let finite = |x: f64| if x.is_finite() { json!(x) } else { Value::Null };
     let families = kinds.iter().map(|kind| {
-        let modes = kind.family.modes(wave.number);
         json!({
             "polarisation": kind.family.polarisation.name(),
             "count": kind.count,
-            "characteristic_speeds": kind.speeds(),
+            "characteristic_speeds": kind.speeds().iter().map(|c| c[0]).collect::<Vec<_>>(),
+            "characteristic_growth": kind.speeds().iter().map(|c| c[1]).collect::<Vec<_>>(),
             "cut_off_frequencies": kind.cut_offs(),
             "short_wave_limits": kind.short_wave_limits(),
             "forbidden_bands": kind
@@ -168,12 +190,13 @@ fn report(case: &Case, kinds: &[Kind], greatest: f64) -> Value {
                 .iter()
                 .map(|band| json!([band.from, finite(band.to)]))
                 .collect::<Vec<_>>(),
-            "at_wave": modes
+            "at_wave": kind
+                .at(wave.number)
                 .iter()
-                .map(|mode| {
-                    let point = Point::new(wave.number, mode);
+                .map(|point| {
                     json!({
                         "frequency": point.frequency,
+                        "growth_rate": point.growth_rate,
                         "phase_speed": point.phase_speed,
                         "group_speed": finite(point.group_speed),
                     })
@@ -203,14 +226,19 @@ fn words(case: &Case, kinds: &[Kind]) -> String {
     let mut text = format!(
         "{}\nmodel: {}\nwaves along {}°, {}° above the plane; frequencies in rad/s, speeds in m/s\n",
         case_title(case),
-        case.kind.title(),
+        case.medium().title(),
         short(wave.direction_deg),
         short(wave.elevation_deg),
     );
     for kind in kinds {
         let count = if kind.count > 1 { format!(" (×{})", kind.count) } else { String::new() };
         let _ = writeln!(text, "\n{}{count}", kind.family.polarisation.name());
-        let _ = writeln!(text, "  characteristic speeds   {}", list(&kind.speeds()));
+        let speed = |&[real, growth]: &[f64; 2]| match growth {
+            0.0 => short(real),
+            _ => format!("{} ± {}i", short(real), short(growth)),
+        };
+        let speeds: Vec<String> = kind.speeds().iter().map(speed).collect();
+        let _ = writeln!(text, "  characteristic speeds   {}", speeds.join(", "));
         if !kind.cut_offs().is_empty() {
             let _ = writeln!(text, "  cut-off frequencies     {}", list(&kind.cut_offs()));
         }
@@ -232,11 +260,14 @@ fn words(case: &Case, kinds: &[Kind]) -> String {
                 false => writeln!(text, "  no such waves above     {}", short(band.from)),
             };
         }
-        for (branch, mode) in kind.family.modes(wave.number).iter().enumerate() {
-            let point = Point::new(wave.number, mode);
+        for (branch, point) in kind.at(wave.number).iter().enumerate() {
+            let growth = match point.growth_rate {
+                0.0 => String::new(),
+                rate => format!(", growth rate {} 1/s", short(rate)),
+            };
             let _ = writeln!(
                 text,
-                "  at k = {} 1/m: ω = {}, phase speed {}, group speed {}  [{}]",
+                "  at k = {} 1/m: ω = {}{growth}, phase speed {}, group speed {}  [{}]",
                 short(wave.number),
                 short(point.frequency),
                 short(point.phase_speed),
@@ -249,7 +280,7 @@ fn words(case: &Case, kinds: &[Kind]) -> String {
 }
 
 fn csv(kinds: &[Kind], greatest: f64) -> Result<Vec<u8>, Error> {
-    let header = ["branch", "number", "frequency", "phase_speed", "group_speed"];
+    let header = ["branch", "number", "frequency", "phase_speed", "group_speed", "growth_rate"];
     let rows = kinds.iter().flat_map(|kind| {
         kind.curves(greatest).into_iter().enumerate().flat_map(|(branch, curve)| {
             let label = kind.label(branch);
@@ -260,6 +291,7 @@ fn csv(kinds: &[Kind], greatest: f64) -> Result<Vec<u8>, Error> {
                     p.frequency.into(),
                     p.phase_speed.into(),
                     p.group_speed.into(),
+                    p.growth_rate.into(),
                 ]
             })
         })
@@ -267,14 +299,17 @@ fn csv(kinds: &[Kind], greatest: f64) -> Result<Vec<u8>, Error> {
     Ok(files::csv::table(&header, rows)?)
 }
 
-fn figure(case: &Case, solid: &Elastic, kinds: &[Kind], greatest: f64) -> DispersionFigure {
+fn figure(case: &Case, solid: &Solid, kinds: &[Kind], greatest: f64) -> DispersionFigure {
     let wave = case.numbers.wave;
     let branches = kinds.iter().flat_map(|kind| {
         kind.curves(greatest).into_iter().enumerate().map(|(branch, curve)| Branch {
             label: kind.label(branch),
             frequency: curve.iter().map(|p| [p.number, p.frequency]).collect(),
             group_speed: curve.iter().map(|p| [p.number, p.group_speed]).collect(),
-            growth: Vec::new(),
+            growth: match curve.iter().any(|p| p.growth_rate > 0.0) {
+                true => curve.iter().map(|p| [p.number, p.growth_rate]).collect(),
+                false => Vec::new(),
+            },
         })
     });
     // Below its cut-off a single branch is absent as well, but the dashed line says that.
@@ -292,10 +327,12 @@ fn figure(case: &Case, solid: &Elastic, kinds: &[Kind], greatest: f64) -> Disper
             cutoffs.push(Level { label: format!("{} rad/s", short(cut_off)), value: cut_off });
         }
     }
-    let speed_limits = match solid {
-        Elastic::Isotropic(solid) => {
-            let speeds = solid.speeds();
-            let level = |label: &str, value: f64| Level { label: label.into(), value };
+    let speed_limits = match &solid.elastic {
+        Elastic::Isotropic(elastic) => {
+            let speeds = elastic.speeds();
+            let of_elastic = if solid.plastic.is_some() { "elastic " } else { "" };
+            let level =
+                |label: &str, value: f64| Level { label: format!("{of_elastic}{label}"), value };
             [
                 Some(level("c_p", speeds.longitudinal)),
                 Some(level("c_s", speeds.shear)),
@@ -312,7 +349,7 @@ fn figure(case: &Case, solid: &Elastic, kinds: &[Kind], greatest: f64) -> Disper
         title: case_title(case),
         subtitle: format!(
             "{}, waves along {}°{}; solid: phase speed, dashed: group speed",
-            case.kind.title(),
+            case.medium().title(),
             short(wave.direction_deg),
             match wave.elevation_deg {
                 0.0 => String::new(),
@@ -322,7 +359,7 @@ fn figure(case: &Case, solid: &Elastic, kinds: &[Kind], greatest: f64) -> Disper
         k_label: "wave number k (1/m)".into(),
         frequency_label: "frequency ω (rad/s)".into(),
         speed_label: "speed (m/s)".into(),
-        growth_label: String::new(),
+        growth_label: "growth rate Re ς (1/s)".into(),
         k_log: false,
         frequency_log: false,
         branches: branches.collect(),

@@ -6,8 +6,10 @@ use analysis::AnalysisError;
 use analysis::growth::{self, Assessment, Growth, Verdict};
 use analysis::newton::Order;
 use analysis::pencil::Pencil;
+use analysis::sphere::SphereError;
 use models::granular_flow::state::{Background, Flow};
 use models::granular_flow::{InputError, Model};
+use models::plasticity::symbol::NoResponse;
 use models::{ClosedForm, LinearisedSystem};
 
 /// Memory for one state after another; one per thread.
@@ -28,6 +30,12 @@ pub enum StateError {
     /// The analysis does not.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
+    /// A yielding solid has no rate of response.
+    #[error(transparent)]
+    NoResponse(#[from] NoResponse),
+    /// A solid in space cannot be searched.
+    #[error(transparent)]
+    Sphere(#[from] SphereError),
 }
 
 impl StateError {
@@ -42,14 +50,13 @@ impl StateError {
     }
 
     fn into_input(self) -> InputError {
-        match self {
-            Self::Input(error) => error,
-            Self::Analysis(error) => InputError {
-                key: "background",
-                found: "a state that cannot be analysed".into(),
-                allowed: error.to_string(),
-            },
-        }
+        let (key, allowed) = match self {
+            Self::Input(error) => return error,
+            Self::Analysis(error) => ("background", error.to_string()),
+            Self::NoResponse(error) => ("yield", error.to_string()),
+            Self::Sphere(error) => ("model", error.to_string()),
+        };
+        InputError { key, found: "a state that cannot be analysed".into(), allowed }
     }
 }
 

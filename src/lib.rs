@@ -1,20 +1,22 @@
 //! Well-posedness of continuum models of granular media.
 //!
 //! Describe a medium and a state in a case file; `wellposed` says whether its equations are
-//! well-posed. One file per verb ([`map`], [`point`], [`dispersion`], [`cases`], [`new`]); [`case`] reads case
-//! files; [`output`] keeps folders of results. No physics and no numerics here.
+//! well-posed. One file per verb ([`map`], [`point`], [`dispersion`], [`speeds`], [`cases`], [`new`]);
+//! [`case`] reads case files; [`output`] keeps folders of results. No physics and no numerics here.
 #![deny(missing_docs)]
 
 pub mod case;
 pub mod cases;
 pub mod dispersion;
 pub mod frozen;
+pub mod hyperbolicity;
 pub mod map;
 pub mod new;
 pub mod output;
 pub mod point;
 pub mod progress;
 pub mod solid;
+pub mod speeds;
 pub mod words;
 
 use std::path::PathBuf;
@@ -57,6 +59,9 @@ pub enum Error {
     /// The case is wrong.
     #[error(transparent)]
     Case(#[from] case::CaseError),
+    /// A model that cannot have a yield set.
+    #[error(transparent)]
+    Medium(#[from] case::NoSuchMedium),
     /// Results cannot be written.
     #[error(transparent)]
     Output(#[from] output::OutputError),

@@ -5,9 +5,9 @@ use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use wellposed::case::Kind;
+use wellposed::case::{Kind, Medium, Yield};
 use wellposed::map::{self, Extras};
-use wellposed::{Error, Format, Options, VERSION, cases, dispersion, new, point};
+use wellposed::{Error, Format, Options, VERSION, cases, dispersion, new, point, speeds};
 
 /// Well-posedness of continuum models of granular media.
 #[derive(Parser)]
@@ -43,6 +43,11 @@ enum Verb {
         #[command(flatten)]
         run: Run,
     },
+    /// Characteristic speeds of a solid against the direction, elastic and yielding
+    Speeds {
+        #[command(flatten)]
+        run: Run,
+    },
     /// List the cases that come with the program
     Cases,
     /// Write a commented case to start from
@@ -50,6 +55,10 @@ enum Verb {
         /// Kind of model
         #[arg(value_parser = PossibleValuesParser::new(Kind::ALL.map(Kind::name)).try_map(kind))]
         kind: Kind,
+        /// Yield set of a solid that yields
+        #[arg(long = "yield", value_name = "SET", value_parser =
+            PossibleValuesParser::new(Yield::ALL.map(Yield::name)).try_map(yield_set))]
+        yields: Option<Yield>,
         /// File to write [default: <KIND>.toml]
         file: Option<PathBuf>,
         /// Overwrite the file if it exists
@@ -98,6 +107,10 @@ fn kind(name: String) -> Result<Kind, String> {
     Kind::from_name(&name).ok_or_else(|| format!("no kind of model is called {name}"))
 }
 
+fn yield_set(name: String) -> Result<Yield, String> {
+    Yield::from_name(&name).ok_or_else(|| format!("no yield set is called {name}"))
+}
+
 impl From<Run> for Options {
     fn from(run: Run) -> Self {
         Self {
@@ -137,9 +150,11 @@ fn carry_out(verb: Verb) -> Result<(), Error> {
         }
         Verb::Point { run } => point::run(&run.into(), &mut stdout)?,
         Verb::Dispersion { run } => dispersion::run(&run.into(), &mut stdout)?,
+        Verb::Speeds { run } => speeds::run(&run.into(), &mut stdout)?,
         Verb::Cases => cases::run(&mut stdout)?,
-        Verb::New { kind, file, force } => {
-            let path = new::run(kind, file.as_deref(), force)?;
+        Verb::New { kind, yields, file, force } => {
+            let medium = Medium::new(kind, yields)?;
+            let path = new::run(medium, file.as_deref(), force)?;
             let _ = writeln!(std::io::stderr(), "wrote {}", path.display());
         }
         Verb::Completions { shell } => {

@@ -1,9 +1,11 @@
 //! `wellposed map`: the verdict over two parameters of a case.
 
-use crate::case::{Case, Map, Parameter, Sweep, radians};
+use crate::case::{Case, Kind, Map, Parameter, Sweep, radians};
 use crate::frozen::{Route, StateError, Workspace};
+use crate::hyperbolicity::{self, Hyperbolicity, PLANE_ROUTE, SPACE_ROUTE, Spheres};
 use crate::output::{self, ResultFolder};
 use crate::progress::Progress;
+use crate::solid::{Solid, angles_deg};
 use crate::words::{
     CLOSED_FORM, ROUTE, VALIDITY, case_title, coefficient_unit, short, superscript, unit,
 };
@@ -50,10 +52,25 @@ struct Point {
     order: f64,
     coefficient: f64,
     direction_deg: f64,
+    /// Of the wave vector above the plane; solids.
+    elevation_deg: f64,
     bound: f64,
     /// Greatest Re ς at the wave of the case, 1/s.
     growth_rate: f64,
     noncoaxiality_bound_deg: f64,
+    speeds: Option<Speeds>,
+}
+
+/// The speeds of a solid.
+#[derive(Clone, Copy, Debug)]
+struct Speeds {
+    hyperbolicity: Hyperbolicity,
+    /// Greatest |Im c| of complex c², m/s; 0 without flutter.
+    flutter: f64,
+    /// Least real c², m²/s²; what rounding may have made of zero is 0.
+    least_squared: f64,
+    /// Normal of the slowest wave: in the plane, and above it.
+    least_normal_deg: [f64; 2],
 }
 
 impl Point {
@@ -64,10 +81,29 @@ impl Point {
             order: f64::NAN,
             coefficient: f64::NAN,
             direction_deg: f64::NAN,
+            elevation_deg: f64::NAN,
             bound: f64::NAN,
             growth_rate: f64::NAN,
             noncoaxiality_bound_deg: f64::NAN,
+            speeds: None,
         }
+    }
+
+    /// Takes a verdict.
+    fn decide(&mut self, verdict: Verdict, route: Route) {
+        self.route = Some(route);
+        self.code = match verdict {
+            Verdict::WellPosed => Code::WellPosed,
+            Verdict::IllPosed { growth, direction } => {
+                self.direction_deg = direction.to_degrees();
+                if let Some(growth) = growth {
+                    (self.order, self.coefficient) = (growth.order.value(), growth.coefficient);
+                }
+                Code::IllPosed
+            }
+            Verdict::Marginal { .. } => Code::Marginal,
+            Verdict::Indeterminate { .. } => Code::Indeterminate,
+        };
     }
 }
 
@@ -81,16 +117,19 @@ enum Code {
     NotFullyDeforming = 4,
     /// Out of the model's range, contradictory, or beyond what doubles hold.
     OutsideModel = 5,
+    /// A yielding solid without a rate of response.
+    NoResponse = 6,
 }
 
 impl Code {
-    const ALL: [Self; 6] = [
+    const ALL: [Self; 7] = [
         Self::WellPosed,
         Self::IllPosed,
         Self::Marginal,
         Self::Indeterminate,
         Self::NotFullyDeforming,
         Self::OutsideModel,
+        Self::NoResponse,
     ];
 
     fn name(self) -> &'static str {
@@ -101,12 +140,13 @@ impl Code {
             Self::Indeterminate => "indeterminate",
             Self::NotFullyDeforming => "not fully deforming",
             Self::OutsideModel => "no such state",
+            Self::NoResponse => "no response",
         }
     }
 
     /// Whether there is a state to judge at all.
     fn is_state(self) -> bool {
-        !matches!(self, Self::NotFullyDeforming | Self::OutsideModel)
+        !matches!(self, Self::NotFullyDeforming | Self::OutsideModel | Self::NoResponse)
     }
 }
 
@@ -121,7 +161,8 @@ pub fn run(options: &Options, extras: Extras, stdout: &mut dyn Write) -> Result<
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     if options.dry_run {
         // Some state of the map must make sense.
-        let mut judge = Judge::new(&case, &map, Extras::default());
+        let spheres = Spheres::default();
+        let mut judge = Judge::new(&case, &map, Extras::default(), &spheres);
         let mut first_error = None;
         let some_state = (0..map.y.points).any(|y| {
             (0..map.x.points).any(|x| match judge.point(x, y) {
@@ -151,8 +192,8 @@ pub fn run(options: &Options, extras: Extras, stdout: &mut dyn Write) -> Result<
     folder.open()?;
     folder.write("map.png", &figure.draw(figures::Format::Png)?)?;
     folder.write("map.svg", &figure.draw(figures::Format::Svg)?)?;
-    folder.write("map.csv", &csv(&map, &points, extras)?)?;
-    folder.write("map.npz", &npz(&map, &points, extras)?)?;
+    folder.write("map.csv", &csv(&case, &map, &points, extras)?)?;
+    folder.write("map.npz", &npz(&case, &map, &points, extras)?)?;
     folder.write("map.json", json.as_bytes())?;
     folder.write("map.txt", words.as_bytes())?;
     match options.format {
@@ -171,17 +212,62 @@ struct Judge<'a> {
     map: &'a Map,
     extras: Extras,
     workspace: Workspace,
+    solids: hyperbolicity::Judge<'a>,
 }
 
 impl<'a> Judge<'a> {
-    fn new(case: &Case, map: &'a Map, extras: Extras) -> Self {
-        Self { case: case.clone(), map, extras, workspace: Workspace::default() }
+    fn new(case: &Case, map: &'a Map, extras: Extras, spheres: &'a Spheres) -> Self {
+        let (workspace, solids) = (Workspace::default(), hyperbolicity::Judge::new(spheres));
+        Self { case: case.clone(), map, extras, workspace, solids }
     }
 
     fn point(&mut self, x: usize, y: usize) -> Result<Point, StateError> {
-        let Self { case, map, extras, workspace } = self;
-        case.set(map.x.parameter, map.x.value(x));
-        case.set(map.y.parameter, map.y.value(y));
+        self.case.set(self.map.x.parameter, self.map.x.value(x));
+        self.case.set(self.map.y.parameter, self.map.y.value(y));
+        match self.case.kind {
+            Kind::Flow(_) => self.flow(),
+            Kind::Solid(_) => match self.solid() {
+                Err(StateError::NoResponse(_)) => Ok(Point::empty(Code::NoResponse)),
+                judged => judged,
+            },
+        }
+    }
+
+    fn solid(&mut self) -> Result<Point, StateError> {
+        let solid = Solid::of(&self.case)?;
+        let (judged, assessment) = self.solids.judge(&solid)?;
+        let mut point = Point::empty(Code::WellPosed);
+        if self.extras.growth_rate {
+            point.growth_rate = solid.growth_rate(&self.case.numbers.wave)?;
+        }
+        if self.extras.bound && judged.verdict == Verdict::WellPosed {
+            let found = assessment
+                .as_ref()
+                .and_then(|assessment| bound::supremum(&self.solids.plane.pencil, assessment, 0.0));
+            point.bound = match found {
+                Some(supremum) => supremum.rate,
+                None if solid.keeps_energy() => 0.0,
+                None => f64::NAN,
+            };
+        }
+        point.speeds = Some(Speeds {
+            hyperbolicity: judged.hyperbolicity,
+            flutter: judged.extremes.flutter.map_or(0.0, |flutter| flutter.growth),
+            least_squared: match judged.stands_still() {
+                true => 0.0,
+                false => judged.extremes.slowest.speed_squared,
+            },
+            least_normal_deg: angles_deg(judged.extremes.slowest.normal),
+        });
+        point.decide(judged.verdict.clone(), Route::ModelBlind);
+        if let Some([direction, elevation]) = judged.direction_deg() {
+            (point.direction_deg, point.elevation_deg) = (direction, elevation);
+        }
+        Ok(point)
+    }
+
+    fn flow(&mut self) -> Result<Point, StateError> {
+        let Self { case, extras, workspace, .. } = self;
         let mut point = Point::empty(Code::NotFullyDeforming);
         let model = case.flow_model()?;
         let Background::FullyDeforming(flow) = model.background(&case.state())? else {
@@ -204,19 +290,7 @@ impl<'a> Judge<'a> {
             }
             (assessment.verdict, Route::ModelBlind)
         };
-        point.route = Some(route);
-        point.code = match verdict {
-            Verdict::WellPosed => Code::WellPosed,
-            Verdict::IllPosed { growth, direction } => {
-                point.direction_deg = direction.to_degrees();
-                if let Some(growth) = growth {
-                    (point.order, point.coefficient) = (growth.order.value(), growth.coefficient);
-                }
-                Code::IllPosed
-            }
-            Verdict::Marginal { .. } => Code::Marginal,
-            Verdict::Indeterminate { .. } => Code::Indeterminate,
-        };
+        point.decide(verdict, route);
         Ok(point)
     }
 }
@@ -232,18 +306,27 @@ fn sweep(options: &Options, case: &Case, map: &Map, extras: Extras) -> Result<Ve
         .num_threads(options.threads.unwrap_or(0))
         .build()
         .map_err(|error| Error::Threads(error.to_string()))?;
+    // What elastic moduli make in space is used again as long as they stay.
+    let is_modulus = |sweep: &Sweep| sweep.parameter.name().starts_with("model.");
+    let is_transposed = is_modulus(&map.x) && !is_modulus(&map.y) && case.yields.is_some();
+    let place = |index: usize| match is_transposed {
+        true => [index / ny, index % ny],
+        false => [index % nx, index / nx],
+    };
+    let spheres = Spheres::default();
     let progress = Progress::new("judging states", (nx * ny) as u64);
     let first_error = pool.install(|| {
         points
             .par_chunks_mut(64)
             .enumerate()
             .map_init(
-                || Judge::new(case, map, extras),
+                || Judge::new(case, map, extras, &spheres),
                 |judge, (chunk, block)| {
                     let mut first_error = None;
                     for (offset, point) in block.iter_mut().enumerate() {
                         let index = chunk * 64 + offset;
-                        match judge.point(index % nx, index / nx) {
+                        let [x, y] = place(index);
+                        match judge.point(x, y) {
                             Ok(judged) => *point = judged,
                             Err(error) => {
                                 first_error.get_or_insert((index, error));
@@ -258,6 +341,13 @@ fn sweep(options: &Options, case: &Case, map: &Map, extras: Extras) -> Result<Ve
             .min_by_key(|(index, _)| *index)
     });
     drop(progress);
+    if is_transposed {
+        let by_column = points.clone();
+        for (index, point) in by_column.into_iter().enumerate() {
+            let [x, y] = place(index);
+            points[y * nx + x] = point;
+        }
+    }
     // A map may reach beyond the model's range; a map that lies outside altogether is a mistake.
     match first_error {
         Some((_, error)) if points.iter().all(|p| p.code == Code::OutsideModel) => {
@@ -267,14 +357,34 @@ fn sweep(options: &Options, case: &Case, map: &Map, extras: Extras) -> Result<Ve
     }
 }
 
-fn columns(points: &[Point], extras: Extras) -> Vec<(&'static str, Vec<f64>)> {
+fn is_solid(case: &Case) -> bool {
+    matches!(case.kind, Kind::Solid(_))
+}
+
+fn columns(case: &Case, points: &[Point], extras: Extras) -> Vec<(&'static str, Vec<f64>)> {
     let column = |f: fn(&Point) -> f64| points.iter().map(f).collect::<Vec<_>>();
     let mut columns = vec![
         ("order", column(|p| p.order)),
         ("coefficient", column(|p| p.coefficient)),
         ("direction_deg", column(|p| p.direction_deg)),
-        ("noncoaxiality_bound_deg", column(|p| p.noncoaxiality_bound_deg)),
     ];
+    match case.kind {
+        Kind::Flow(_) => {
+            columns.push(("noncoaxiality_bound_deg", column(|p| p.noncoaxiality_bound_deg)));
+        }
+        Kind::Solid(_) => {
+            let speed = |f: fn(&Speeds) -> f64| {
+                points.iter().map(|p| p.speeds.as_ref().map_or(f64::NAN, f)).collect::<Vec<_>>()
+            };
+            columns.extend([
+                ("elevation_deg", column(|p| p.elevation_deg)),
+                ("flutter", speed(|s| s.flutter)),
+                ("least_squared_speed", speed(|s| s.least_squared)),
+                ("slowest_direction_deg", speed(|s| s.least_normal_deg[0])),
+                ("slowest_elevation_deg", speed(|s| s.least_normal_deg[1])),
+            ]);
+        }
+    }
     if extras.growth_rate {
         columns.push(("growth_rate", column(|p| p.growth_rate)));
     }
@@ -288,10 +398,11 @@ fn values(sweep: &Sweep) -> Vec<f64> {
     (0..sweep.points).map(|i| sweep.value(i)).collect()
 }
 
-fn csv(map: &Map, points: &[Point], extras: Extras) -> Result<Vec<u8>, Error> {
-    let columns = columns(points, extras);
+fn csv(case: &Case, map: &Map, points: &[Point], extras: Extras) -> Result<Vec<u8>, Error> {
+    let columns = columns(case, points, extras);
     let (x, y) = (map.x.parameter.name(), map.y.parameter.name());
     let mut header = vec![x.as_str(), y.as_str(), "verdict", "route"];
+    header.extend(is_solid(case).then_some("hyperbolicity"));
     header.extend(columns.iter().map(|(name, _)| *name));
     let rows = points.iter().enumerate().map(|(index, point)| {
         let mut row: Vec<files::csv::Cell> = vec![
@@ -300,6 +411,9 @@ fn csv(map: &Map, points: &[Point], extras: Extras) -> Result<Vec<u8>, Error> {
             point.code.name().into(),
             point.route.map_or("", Route::name).into(),
         ];
+        if is_solid(case) {
+            row.push(point.speeds.map_or("", |speeds| speeds.hyperbolicity.name()).into());
+        }
         row.extend(columns.iter().map(|(_, values)| files::csv::Cell::from(values[index])));
         row
     });
@@ -307,7 +421,7 @@ fn csv(map: &Map, points: &[Point], extras: Extras) -> Result<Vec<u8>, Error> {
 }
 
 /// Axes stand under their parameters' names; fields have shape (y, x).
-fn npz(map: &Map, points: &[Point], extras: Extras) -> Result<Vec<u8>, Error> {
+fn npz(case: &Case, map: &Map, points: &[Point], extras: Extras) -> Result<Vec<u8>, Error> {
     let shape = [map.y.points, map.x.points];
     let mut npz = files::npz::Npz::new();
     let (x, y) = (map.x.parameter.name(), map.y.parameter.name());
@@ -325,7 +439,13 @@ fn npz(map: &Map, points: &[Point], extras: Extras) -> Result<Vec<u8>, Error> {
         Some(Route::ModelBlind) => 2,
     };
     npz.add_i8("route", &shape, &points.iter().map(route).collect::<Vec<_>>())?;
-    for (name, values) in columns(points, extras) {
+    if is_solid(case) {
+        let names = ["none"].into_iter().chain(Hyperbolicity::ALL.map(Hyperbolicity::name));
+        npz.add_text("hyperbolicity_names", &[5], &names.collect::<Vec<_>>())?;
+        let number = |p: &Point| p.speeds.map_or(0, |speeds| 1 + speeds.hyperbolicity as i8);
+        npz.add_i8("hyperbolicity", &shape, &points.iter().map(number).collect::<Vec<_>>())?;
+    }
+    for (name, values) in columns(case, points, extras) {
         npz.add_f64(name, &shape, &values)?;
     }
     Ok(npz.finish()?)
@@ -334,9 +454,11 @@ fn npz(map: &Map, points: &[Point], extras: Extras) -> Result<Vec<u8>, Error> {
 /// What a map says in numbers.
 struct Summary {
     /// Points by [`Code`].
-    counts: [usize; 6],
+    counts: [usize; 7],
     /// Verdicts by route, in the order of [`Route::ALL`].
     routes: [usize; 2],
+    /// States of a solid by [`Hyperbolicity`].
+    hyperbolicity: [usize; 4],
     /// Ill-posed points without order: unbounded at finite wave numbers.
     unbounded: usize,
     /// Index and point of the worst growth: highest order, then greatest coefficient.
@@ -347,7 +469,7 @@ struct Summary {
 
 impl Summary {
     fn new(map: &Map, points: &[Point]) -> Self {
-        let mut counts = [0; 6];
+        let mut counts = [0; 7];
         let mut worst: Option<(usize, Point)> = None;
         for (index, point) in points.iter().enumerate() {
             counts[point.code as usize] += 1;
@@ -359,6 +481,9 @@ impl Summary {
         let unbounded =
             points.iter().filter(|p| p.code == Code::IllPosed && p.order.is_nan()).count();
         let routes = Route::ALL.map(|r| points.iter().filter(|p| p.route == Some(r)).count());
+        let hyperbolicity = Hyperbolicity::ALL.map(|h| {
+            points.iter().filter(|p| p.speeds.is_some_and(|s| s.hyperbolicity == h)).count()
+        });
         let last = map.y.points - 1;
         let mut rows = vec![0, last / 4, last / 2, 3 * last / 4, last];
         rows.dedup();
@@ -369,7 +494,7 @@ impl Summary {
                 (map.y.value(row), well_posed_intervals(&map.x, codes))
             })
             .collect();
-        Self { counts, routes, unbounded, worst, intervals }
+        Self { counts, routes, hyperbolicity, unbounded, worst, intervals }
     }
 
     fn states(&self) -> usize {
@@ -387,7 +512,7 @@ impl Summary {
         let (x, y) = (map.x.parameter, map.y.parameter);
         lines.push(format!(
             "{}: {} × {} points over {} ({}) and {} ({})",
-            case.kind.title(),
+            case.medium().title(),
             map.x.points,
             map.y.points,
             x.label(),
@@ -406,11 +531,14 @@ impl Summary {
                 ));
             }
         }
+        for (hyperbolicity, count) in Hyperbolicity::ALL.into_iter().zip(self.hyperbolicity) {
+            if count > 0 {
+                lines.push(format!("  {count} points: {}", hyperbolicity.words()));
+            }
+        }
         if let Some(share) = self.share() {
-            lines.push(format!(
-                "Of the states that flow, {} % are well-posed.",
-                short(100.0 * share)
-            ));
+            let which = if is_solid(case) { "states" } else { "states that flow" };
+            lines.push(format!("Of the {which}, {} % are well-posed.", short(100.0 * share)));
         }
         if self.unbounded > 0 {
             lines.push(format!(
@@ -439,9 +567,13 @@ impl Summary {
         if let Some((index, worst)) = self.worst {
             let order = superscript(worst.order);
             lines.push(format!(
-                "Worst growth on this grid: Re ς ≈ {} k{order} (1/s, k in 1/m) as k → ∞, for waves at {}°, at {} = {}{}, {} = {}{}.",
+                "Worst growth on this grid: Re ς ≈ {} k{order} (1/s, k in 1/m) as k → ∞, for waves at {}°{}, at {} = {}{}, {} = {}{}.",
                 short(worst.coefficient),
                 short(worst.direction_deg),
+                match worst.elevation_deg {
+                    up if up.is_nan() || up == 0.0 => String::new(),
+                    up => format!(", {}° above the plane", short(up)),
+                },
                 x.label(),
                 short(map.x.value(index % map.x.points)),
                 unit(x.unit()),
@@ -450,7 +582,12 @@ impl Summary {
                 unit(y.unit()),
             ));
         }
-        for (count, route) in self.routes.into_iter().zip([CLOSED_FORM, ROUTE]) {
+        let blind = match (is_solid(case), case.numbers.solid.dimensions) {
+            (false, _) => ROUTE,
+            (true, 3) => SPACE_ROUTE,
+            (true, _) => PLANE_ROUTE,
+        };
+        for (count, route) in self.routes.into_iter().zip([CLOSED_FORM, blind]) {
             if count > 0 {
                 lines.push(format!("Route of {count} verdicts: {route}"));
             }
@@ -469,7 +606,7 @@ impl Summary {
         let intervals: Vec<Value> =
             self.intervals.iter().map(|(y, intervals)| json!({ "y": y, "x": intervals })).collect();
         let (x, y) = (&map.x, &map.y);
-        json!({
+        let mut value = json!({
             "title": case.title,
             "model": case.kind.name(),
             "x": axis(x),
@@ -486,7 +623,20 @@ impl Summary {
             "route": Route::ALL.iter().zip(self.routes)
                 .map(|(route, count)| (route.name().to_owned(), count.into()))
                 .collect::<serde_json::Map<_, _>>(),
-        })
+        });
+        if is_solid(case) {
+            value["yield"] = case.yields.map(|set| set.name()).into();
+            value["hyperbolicity"] = Hyperbolicity::ALL
+                .iter()
+                .zip(self.hyperbolicity)
+                .map(|(h, count)| (h.name().to_owned(), count.into()))
+                .collect::<serde_json::Map<_, _>>()
+                .into();
+            if let (Some((_, worst)), false) = (&self.worst, value["worst"].is_null()) {
+                value["worst"]["elevation_deg"] = worst.elevation_deg.into();
+            }
+        }
+        value
     }
 }
 
@@ -515,13 +665,21 @@ fn figure(case: &Case, map: &Map, points: &[Point]) -> VerdictMap {
         },
         values: values(s),
     };
-    // One category per order of growth, highest first.
-    let mut orders: Vec<f64> = points.iter().map(|p| p.order).filter(|o| o.is_finite()).collect();
-    orders.sort_by(|a, b| b.total_cmp(a));
-    orders.dedup();
+    // One category per order of growth, and in solids per kind of speeds; highest order first.
+    type Growing = (f64, Option<Hyperbolicity>);
+    let growing = |p: &Point| -> Growing { (p.order, p.speeds.map(|s| s.hyperbolicity)) };
+    let mut kinds: Vec<Growing> =
+        points.iter().filter(|p| p.order.is_finite()).map(growing).collect();
+    let place = |speeds: &Option<Hyperbolicity>| speeds.map_or(0, |h| h as u8);
+    kinds.sort_by(|a, b| b.0.total_cmp(&a.0).then(place(&a.1).cmp(&place(&b.1))));
+    kinds.dedup();
     let mut categories = vec![Category { label: "well-posed".into(), look: Look::WellPosed }];
-    categories.extend(orders.iter().map(|&o| Category {
-        label: format!("ill-posed: Re ς grows as k{}", superscript(o)),
+    categories.extend(kinds.iter().map(|(order, speeds)| Category {
+        label: format!(
+            "ill-posed{}: Re ς grows as k{}",
+            speeds.map_or(String::new(), |speeds| format!(" by {}", speeds.cause())),
+            superscript(*order)
+        ),
         look: Look::IllPosed,
     }));
     let first_other = categories.len();
@@ -532,6 +690,7 @@ fn figure(case: &Case, map: &Map, points: &[Point]) -> VerdictMap {
             ("indeterminate", Look::Indeterminate),
             ("not fully deforming", Look::Indeterminate),
             ("no such state", Look::OutsideModel),
+            ("no response while yielding", Look::Indeterminate),
         ]
         .map(|(label, look)| Category { label: label.into(), look }),
     );
@@ -540,7 +699,7 @@ fn figure(case: &Case, map: &Map, points: &[Point]) -> VerdictMap {
         .map(|p| {
             let index = match p.code {
                 Code::WellPosed => 0,
-                Code::IllPosed => match orders.iter().position(|&o| o == p.order) {
+                Code::IllPosed => match kinds.iter().position(|&kind| kind == growing(p)) {
                     Some(i) => 1 + i,
                     None => first_other,
                 },
@@ -548,10 +707,13 @@ fn figure(case: &Case, map: &Map, points: &[Point]) -> VerdictMap {
                 Code::Indeterminate => first_other + 2,
                 Code::NotFullyDeforming => first_other + 3,
                 Code::OutsideModel => first_other + 4,
+                Code::NoResponse => first_other + 5,
             };
             u8::try_from(index).unwrap_or(u8::MAX)
         })
         .collect();
+    let mut orders: Vec<f64> = kinds.iter().map(|(order, _)| *order).collect();
+    orders.dedup();
     // Coefficients of different orders do not compare; rates at one wave number do.
     let wave_number = case.numbers.wave.number;
     let (level_label, level): (String, fn(&Point, f64) -> f64) = match orders[..] {
@@ -589,15 +751,25 @@ fn subtitle(case: &Case, map: &Map) -> String {
         "model.dilatancy_angle_deg",
         "model.rotational_strength",
         "background.noncoaxiality_deg",
+        "yield.shear_friction",
+        "yield.shear_dilatancy",
+        "yield.friction",
+        "yield.dilatancy",
     ]
     .into_iter()
     .filter_map(Parameter::find)
+    .filter(|parameter| parameter.key().is_used_by(case.medium()))
     .filter(|&parameter| parameter != map.x.parameter && parameter != map.y.parameter)
     .filter_map(|parameter| {
         let value = parameter.get(&case.numbers)?;
         Some(format!("{} = {}{}", parameter.label(), short(value), unit(parameter.unit())))
     });
-    [case.kind.title().to_owned()].into_iter().chain(fixed).collect::<Vec<_>>().join(", ")
+    let space = match (case.kind, case.numbers.solid.dimensions) {
+        (Kind::Solid(_), 3) => Some("in space".to_owned()),
+        (Kind::Solid(_), _) => Some("plane strain".to_owned()),
+        _ => None,
+    };
+    [case.medium().title()].into_iter().chain(space).chain(fixed).collect::<Vec<_>>().join(", ")
 }
 
 /// The model's own bound on |Δ|, where Δ is one of the axes.

@@ -1,16 +1,16 @@
 //! `wellposed new`: a commented case to start from.
 
-use crate::case::{KEYS, Key, Kind, Presence};
+use crate::case::{ACTIVE_NAMES, KEYS, Key, Kind, Medium, Presence, Solid, Yield};
 use crate::output::{OutputError, write_file};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Writes a case for that kind of model to `file`, or else to `<kind>.toml`; says where.
+/// Writes a case for that medium to `file`, or else to `<kind>.toml`; says where.
 ///
 /// # Errors
 /// The file exists and `force` is not given, or it cannot be written.
-pub fn run(kind: Kind, file: Option<&Path>, force: bool) -> Result<PathBuf, OutputError> {
-    let path = file.map_or_else(|| format!("{}.toml", kind.name()).into(), Path::to_owned);
+pub fn run(medium: Medium, file: Option<&Path>, force: bool) -> Result<PathBuf, OutputError> {
+    let path = file.map_or_else(|| format!("{}.toml", medium.kind.name()).into(), Path::to_owned);
     if !force && path.symlink_metadata().is_ok() {
         return Err(OutputError {
             path,
@@ -18,12 +18,14 @@ pub fn run(kind: Kind, file: Option<&Path>, force: bool) -> Result<PathBuf, Outp
             remedy: "name another file, or overwrite with --force",
         });
     }
-    write_file(&path, text(kind).as_bytes())?;
+    write_file(&path, text(medium).as_bytes())?;
     Ok(path)
 }
 
-/// The text of the case: every key that the kind uses, with unit and meaning.
-pub fn text(kind: Kind) -> String {
+/// The text of the case: every key that the medium uses, with unit and meaning.
+pub fn text(medium: impl Into<Medium>) -> String {
+    let medium: Medium = medium.into();
+    let kind = medium.kind;
     let mut text = format!(
         "\
 # One state of one material. SI units; angles in degrees, anticlockwise from x₁.
@@ -44,33 +46,87 @@ kind = \"{name}\"
 # wellposed map FILE      verdict over the two parameters of [map]"
             }
             Kind::Solid(_) => {
-                "# wellposed dispersion FILE    frequencies and speeds of waves against wave number"
+                "# wellposed dispersion FILE    frequencies and speeds of waves against wave number
+# wellposed speeds FILE        characteristic speeds against direction
+# wellposed point FILE         everything about this state
+# wellposed map FILE           verdict over the two parameters of [map]"
             }
         },
-        title = kind.title(),
+        title = medium.title(),
         name = kind.name(),
     );
     let mut section = "model";
-    for key in KEYS.iter().filter(|key| key.is_used_by(kind)) {
-        let Some(value) = key.example() else { continue };
+    let has_active = medium.yields == Some(Yield::Interlayer);
+    for key in KEYS.iter().filter(|key| key.is_used_by(medium)) {
+        let Some(mut value) = key.example() else { continue };
+        if has_active && key.name == "model.dimensions" {
+            value = "2".into();
+        }
         let (own, name) = key.split();
+        // Of the two ways to say what slips one is shown.
+        if own == "stress" && has_active {
+            continue;
+        }
         if own != section {
             let _ = write!(text, "\n[{own}]\n");
             section = own;
+            if let ("yield", Some(set)) = (own, medium.yields) {
+                let _ = writeln!(text, "kind = \"{}\"", set.name());
+            }
+            if own == "yield" && has_active {
+                let _ = writeln!(
+                    text,
+                    "# Any of {}; or else a section [stress] with pressure, deviatoric_stress,\n\
+                     # stress_angle_deg and so on, which is scaled until it yields.\n\
+                     active = [\"{}\"]",
+                    ACTIVE_NAMES.join(", "),
+                    ACTIVE_NAMES[0]
+                );
+            }
         }
         let mark = if matches!(key.presence, Presence::Required(_)) { "" } else { "# " };
         let _ = writeln!(text, "{:<46}  # {}", format!("{mark}{name} = {value}"), comment(key));
     }
-    if let Kind::Solid(_) = kind {
-        return text;
+    let sets = kind.yield_sets();
+    if medium.yields.is_none() && !sets.is_empty() {
+        let names: Vec<&str> = sets.iter().map(|set| set.name()).collect();
+        let _ = write!(
+            text,
+            "\n# A solid that yields: wellposed new {} --yield SET, SET one of\n# {}.\n",
+            kind.name(),
+            names.join(", ")
+        );
     }
-    text.push_str(
-        "
-[map]
-x = { parameter = \"model.dilatancy_angle_deg\", from = 0.0, to = 25.0, points = 26 }
-y = { parameter = \"model.friction_angle_deg\", from = 30.0, to = 60.0, points = 31 }
-",
-    );
+    let [x, y] = match (kind, medium.yields) {
+        (Kind::Flow(_), _) => [
+            ("model.dilatancy_angle_deg", "0.0", "25.0", 26),
+            ("model.friction_angle_deg", "30.0", "60.0", 31),
+        ],
+        (Kind::Solid(_), Some(Yield::Interlayer)) => [
+            ("yield.shear_dilatancy", "0.0", "1.0", 41),
+            ("yield.shear_friction", "0.0", "1.0", 41),
+        ],
+        (Kind::Solid(_), Some(Yield::VonMises)) => [
+            ("stress.out_of_plane_stress", "-1.0", "1.0", 41),
+            ("yield.hardening", "-1e9", "1e9", 41),
+        ],
+        (Kind::Solid(_), Some(_)) => {
+            [("yield.dilatancy", "0.0", "1.0", 41), ("yield.friction", "0.0", "1.0", 41)]
+        }
+        (Kind::Solid(Solid::CosseratCompliances), None) => {
+            [("model.alpha2", "1e8", "1e9", 11), ("wave.number", "0.1", "10.0", 11)]
+        }
+        (Kind::Solid(_), None) => {
+            [("model.lambda", "0.0", "2e10", 11), ("wave.number", "0.1", "10.0", 11)]
+        }
+    };
+    let _ = write!(text, "\n[map]\n");
+    for (axis, (name, from, to, points)) in [("x", x), ("y", y)] {
+        let _ = writeln!(
+            text,
+            "{axis} = {{ parameter = \"{name}\", from = {from}, to = {to}, points = {points} }}"
+        );
+    }
     text
 }
 

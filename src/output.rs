@@ -35,10 +35,22 @@ pub const POINT: [&str; 10] = [
 pub const DISPERSION: [&str; 5] =
     ["dispersion.png", "dispersion.svg", "dispersion.csv", "dispersion.json", "dispersion.txt"];
 
+/// What `speeds` writes besides: the last three in space alone.
+pub const SPEEDS: [&str; 8] = [
+    "speeds.png",
+    "speeds.svg",
+    "speeds.csv",
+    "speeds.json",
+    "speeds.txt",
+    "sphere.png",
+    "sphere.svg",
+    "sphere.csv",
+];
+
 /// Every file that a verb may write. `--force` removes the ones of another case, so that no result
 /// ever stands beside a case that it does not belong to.
 pub fn results() -> impl Iterator<Item = &'static str> {
-    MAP.into_iter().chain(POINT).chain(DISPERSION)
+    MAP.into_iter().chain(POINT).chain(DISPERSION).chain(SPEEDS)
 }
 
 /// Results cannot be written.

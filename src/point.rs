@@ -1,6 +1,7 @@
 //! `wellposed point`: everything about one state.
 
 mod curves;
+mod solid;
 
 use crate::case::{Case, Kind, radians};
 use crate::frozen::{Frozen, Workspace};
@@ -49,6 +50,9 @@ struct Analysed {
 pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let case = Case::load(&options.case, &options.sets)?;
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
+    if let Kind::Solid(_) = case.kind {
+        return solid::run(options, &case, &folder, stdout);
+    }
     // Keys that only a compared kind uses are nothing to this one.
     let mut own = analyse(&case.for_kind(case.kind))?;
     let noncoaxiality = match &own.frozen {

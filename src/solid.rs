@@ -1,29 +1,150 @@
-//! A solid: from the numbers of a case to its waves.
+//! A solid: from the numbers of a case to its rate equations, elastic and yielding.
 
-use crate::case::{Case, CaseError, Kind, Solid, Wave, radians};
+use crate::case::{Case, Kind, Medium, Solid as SolidKind, Wave, Yield, radians};
+use crate::frozen::StateError;
 use analysis::waves::Waves;
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances};
+use models::cosserat::stress::{Component, Stress};
+use models::cosserat::symbol::Layout;
 use models::granular_flow::InputError;
+use models::plasticity::parameters::{
+    ActiveCondition, Interlayer, InterlayerCouple, Mises, YieldSet, contract, mean,
+};
+use models::plasticity::symbol::tangent;
+use models::rates::RateEquations;
+use models::system::Matrix;
 
-/// An elastic solid with checked constants.
+/// Conditions that the scaled stress meets to within this, relative to the terms that they compare,
+/// hold with equality.
+const ON_YIELD: f64 = 1e-9;
+
+/// A solid with checked constants: elastic, or yielding at some stress.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solid {
+    /// Its elasticity.
+    pub elastic: Elastic,
+    /// 2 for plane strain, 3 for space.
+    pub dimensions: usize,
+    /// What yields; `None` in an elastic solid.
+    pub plastic: Option<Plastic>,
+}
+
+/// Elasticity with checked constants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Elastic {
-    /// By its moduli; waves in space.
+    /// By its moduli.
     Isotropic(Isotropic),
-    /// By its compliances; waves in the plane.
+    /// By its compliances; plane strain.
     Compliances(PlaneCompliances),
 }
 
-impl Elastic {
+/// What a solid does that yields.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plastic {
+    /// Its yield set.
+    pub set: YieldSet,
+    /// The stress, scaled onto yield; `None` where the case names the active conditions instead.
+    pub stress: Option<Stress>,
+    /// The conditions that hold with equality; at least one.
+    pub active: Vec<ActiveCondition>,
+}
+
+impl Solid {
     /// The solid of a case.
     ///
     /// # Errors
-    /// The constant that is out of range, or that the case is one of a flow; and where it stands.
-    pub fn of(case: &Case) -> Result<Self, CaseError> {
-        Self::new(case).map_err(|error| case.locate(error))
+    /// The constant that is out of range; that the stress never yields; that the case is one of a flow.
+    pub fn of(case: &Case) -> Result<Self, InputError> {
+        let elastic = Elastic::of(case)?;
+        let dimensions = match elastic {
+            Elastic::Isotropic(_) => case.numbers.solid.dimensions,
+            Elastic::Compliances(_) => 2,
+        };
+        let plastic = case.yields.map(|set| Plastic::of(case, set)).transpose()?;
+        Ok(Self { elastic, dimensions, plastic })
     }
 
-    fn new(case: &Case) -> Result<Self, InputError> {
+    /// The rate equations in `D` dimensions of the solid while it stays elastic.
+    pub fn elastic_rates<const D: usize>(&self) -> RateEquations<D> {
+        let (layout, stiffness) = self.elastic.law::<D>();
+        self.elastic.rates(&layout, &stiffness)
+    }
+
+    /// The rate equations in `D` dimensions; of a yielding solid while its active conditions stay
+    /// active.
+    ///
+    /// # Errors
+    /// There is no rate of response.
+    pub fn rates<const D: usize>(&self) -> Result<RateEquations<D>, StateError> {
+        let (layout, stiffness) = self.elastic.law::<D>();
+        let Some(plastic) = &self.plastic else {
+            return Ok(self.elastic.rates(&layout, &stiffness));
+        };
+        let stresses: Vec<_> = layout.all_stresses().collect();
+        Ok(self.elastic.rates(&layout, &tangent(&stiffness, &stresses, &plastic.active)?))
+    }
+
+    /// The stresses in the rate equations in `D` dimensions.
+    pub fn stresses<const D: usize>(&self) -> &'static [Component] {
+        self.elastic.law::<D>().0.stresses
+    }
+
+    /// The waves along the case's wave, and those of the elastic solid if `stays_elastic`.
+    ///
+    /// # Errors
+    /// There is no rate of response.
+    pub fn waves(&self, wave: &Wave, stays_elastic: bool) -> Result<Waves, StateError> {
+        if self.dimensions == 2 {
+            let [x, y, _] = normal(wave);
+            let rates = if stays_elastic { self.elastic_rates() } else { self.rates()? };
+            Ok(Waves::along::<2>(&rates, [x, y]))
+        } else {
+            let rates = if stays_elastic { self.elastic_rates() } else { self.rates()? };
+            Ok(Waves::along::<3>(&rates, normal(wave)))
+        }
+    }
+
+    /// Whether plastic flow, if any, is along the normals.
+    pub fn is_associated(&self) -> bool {
+        self.active().iter().all(|active| active.normal == active.flow)
+    }
+
+    /// Whether the tangent stiffness is symmetric and not negative, the rate equations
+    /// symmetric-hyperbolic: elastic, or associated without softening.
+    pub fn keeps_energy(&self) -> bool {
+        self.is_associated() && self.active().iter().all(|active| active.hardening >= 0.0)
+    }
+
+    fn active(&self) -> &[ActiveCondition] {
+        self.plastic.as_ref().map_or(&[], |plastic| &plastic.active)
+    }
+}
+
+/// Unit vector along a wave.
+pub fn normal(wave: &Wave) -> [f64; 3] {
+    let (sin, cos) = radians(wave.direction_deg).sin_cos();
+    let (up, along) = radians(wave.elevation_deg).sin_cos();
+    [along * cos, along * sin, up]
+}
+
+/// Direction in the plane, in [0, 180), and angle above it, of a normal; degrees. Opposite normals are
+/// the same.
+pub fn angles_deg([x, y, z]: [f64; 3]) -> [f64; 2] {
+    // Where a direction was found by search its last digits are noise.
+    const NOISE: f64 = 1e-7;
+    let clean = |degrees: f64| if degrees.abs() < NOISE { 0.0 } else { degrees };
+    let elevation = clean(z.atan2(x.hypot(y)).to_degrees());
+    let direction = clean(y.atan2(x).to_degrees());
+    // Half a turn in the plane goes with the opposite elevation.
+    match direction {
+        d if d < 0.0 => [clean(d + 180.0), -elevation + 0.0],
+        d if d >= 180.0 - NOISE => [0.0, -elevation + 0.0],
+        d => [d, elevation],
+    }
+}
+
+impl Elastic {
+    fn of(case: &Case) -> Result<Self, InputError> {
         let given = case.numbers.solid;
         let rotation =
             |couple| Microrotation { alpha: given.alpha, inertia: given.inertia, couple };
@@ -32,13 +153,13 @@ impl Elastic {
                 .map(Self::Isotropic)
         };
         match case.kind {
-            Kind::Solid(Solid::Classical) => isotropic(None),
-            Kind::Solid(Solid::ReducedCosserat) => isotropic(Some(rotation(None))),
-            Kind::Solid(Solid::Cosserat) => {
+            Kind::Solid(SolidKind::Classical) => isotropic(None),
+            Kind::Solid(SolidKind::ReducedCosserat) => isotropic(Some(rotation(None))),
+            Kind::Solid(SolidKind::Cosserat) => {
                 let couple = CoupleModuli { beta: given.beta, gamma: given.gamma, eta: given.eta };
                 isotropic(Some(rotation(Some(couple))))
             }
-            Kind::Solid(Solid::CosseratCompliances) => PlaneCompliances {
+            Kind::Solid(SolidKind::CosseratCompliances) => PlaneCompliances {
                 a1: given.a1,
                 b1: given.b1,
                 a2: given.a2,
@@ -60,22 +181,26 @@ impl Elastic {
         }
     }
 
-    /// Unit vector along a wave of the case.
-    pub fn normal(wave: &Wave) -> [f64; 3] {
-        let (sin, cos) = radians(wave.direction_deg).sin_cos();
-        let (up, along) = radians(wave.elevation_deg).sin_cos();
-        [along * cos, along * sin, up]
+    /// The unknowns in `D` dimensions, and Hooke's law between their stresses, carried ones last.
+    fn law<const D: usize>(&self) -> (Layout, Matrix) {
+        match self {
+            Self::Isotropic(solid) => {
+                let layout = solid.layout::<D>();
+                let stiffness = solid.stiffness(layout.all_stresses());
+                (layout, stiffness)
+            }
+            Self::Compliances(solid) => (solid.layout(), solid.stiffness()),
+        }
     }
 
-    /// The waves in the direction of the case's wave: in space, by compliances in the plane.
-    pub fn waves(&self, wave: &Wave) -> Waves {
-        match self {
-            Self::Isotropic(solid) => Waves::along(&solid.rates::<3>(), Self::normal(wave)),
-            Self::Compliances(solid) => {
-                let (sin, cos) = radians(wave.direction_deg).sin_cos();
-                Waves::along(&solid.rates(), [cos, sin])
+    fn rates<const D: usize>(&self, layout: &Layout, stiffness: &Matrix) -> RateEquations<D> {
+        let (density, inertia) = match self {
+            Self::Isotropic(solid) => {
+                (solid.density, solid.microrotation.map_or(0.0, |m| m.inertia))
             }
-        }
+            Self::Compliances(solid) => (solid.density, solid.inertia),
+        };
+        layout.rates(stiffness, density, inertia)
     }
 
     /// The wave number at which shear waves have the frequency of the natural rotation, 1/m: the
@@ -93,5 +218,123 @@ impl Elastic {
             }
         };
         Some(frequency / speed)
+    }
+}
+
+impl Plastic {
+    fn of(case: &Case, kind: Yield) -> Result<Self, InputError> {
+        let set = yield_set(case, kind)?;
+        if let (YieldSet::Interlayer(layers), Some(active)) = (&set, &case.active) {
+            let all: Vec<ActiveCondition> = layers.half_spaces().map(|(c, _)| c).collect();
+            let active = active.iter().map(|&index| all[index]).collect();
+            return Ok(Self { set, stress: None, active });
+        }
+        let stress = on_yield(&set, case)?;
+        let active = set.active(&stress, ON_YIELD);
+        if active.is_empty() {
+            return Err(never_yields("a stress on the axis of the cone"));
+        }
+        Ok(Self { set, stress: Some(stress), active })
+    }
+}
+
+fn yield_set(case: &Case, kind: Yield) -> Result<YieldSet, InputError> {
+    let given = case.numbers.yields;
+    let von_mises = Mises { hardening: given.hardening, ..Mises::von_mises(given.strength) };
+    let cone = Mises { friction: given.friction, dilatancy: given.dilatancy, ..von_mises };
+    let mises = |set: Mises| set.check().map(YieldSet::Mises);
+    match kind {
+        Yield::Interlayer => {
+            let has_couples = matches!(
+                case.medium(),
+                Medium {
+                    kind: Kind::Solid(SolidKind::Cosserat | SolidKind::CosseratCompliances),
+                    ..
+                }
+            );
+            let couple = InterlayerCouple {
+                strength: given.couple_strength,
+                friction: given.couple_friction,
+                dilatancy: given.couple_dilatancy,
+            };
+            Interlayer {
+                shear_strength: given.shear_strength,
+                shear_friction: given.shear_friction,
+                shear_dilatancy: given.shear_dilatancy,
+                couple: has_couples.then_some(couple),
+            }
+            .check()
+            .map(YieldSet::Interlayer)
+        }
+        Yield::VonMises => mises(von_mises),
+        Yield::DruckerPrager => mises(cone),
+        Yield::CosseratMises => mises(Mises {
+            antisymmetric_weight: given.antisymmetric_weight,
+            symmetric_length: given.symmetric_length,
+            antisymmetric_length: given.antisymmetric_length,
+            ..cone
+        }),
+    }
+}
+
+/// The stress of a case: its pressure, and the rest multiplied until it yields.
+fn on_yield(set: &YieldSet, case: &Case) -> Result<Stress, InputError> {
+    let given = case.numbers.stress;
+    let (sin, cos) = (2.0 * radians(given.stress_angle_deg)).sin_cos();
+    let [q, r] = [given.deviatoric_stress, given.rotational_stress];
+    let mut pressure = Stress::default();
+    for i in 0..3 {
+        pressure.force[i][i] = -given.pressure;
+    }
+    let mut rest = Stress::default();
+    rest.force[0] = [q * cos, q * sin - r, 0.0];
+    rest.force[1] = [q * sin + r, -q * cos, 0.0];
+    rest.force[2][2] = given.out_of_plane_stress;
+    rest.couple[2] = [given.couple_stress[0], given.couple_stress[1], 0.0];
+    // How far each condition lets the rest be multiplied; as linear as the set is along its rays.
+    let room = |used: f64, strength: f64, rate: f64| match strength - used {
+        room if room > 0.0 => Ok(if rate > 0.0 { room / rate } else { f64::INFINITY }),
+        _ => Err(InputError {
+            key: "stress.pressure",
+            found: format!("{:?}", given.pressure),
+            allowed: "a pressure within the yield set: greater than −(strength/friction)".into(),
+        }),
+    };
+    let scale = match set {
+        YieldSet::Interlayer(layers) => {
+            let mut scale = f64::INFINITY;
+            for (condition, strength) in layers.half_spaces() {
+                let used = contract(&condition.normal, &pressure);
+                scale = scale.min(room(used, strength, contract(&condition.normal, &rest))?);
+            }
+            scale
+        }
+        YieldSet::Mises(cone) => room(
+            cone.friction * mean(&pressure),
+            cone.strength,
+            cone.equivalent_shear(&rest) + cone.friction * mean(&rest),
+        )?,
+    };
+    if !scale.is_finite() {
+        return Err(never_yields("stresses that never yield, however large"));
+    }
+    let mut stress = pressure;
+    let add = |sum: &mut [[f64; 3]; 3], part: &[[f64; 3]; 3]| {
+        for (sum, part) in sum.iter_mut().flatten().zip(part.iter().flatten()) {
+            *sum += scale * part;
+        }
+    };
+    add(&mut stress.force, &rest.force);
+    add(&mut stress.couple, &rest.couple);
+    Ok(stress)
+}
+
+fn never_yields(found: &str) -> InputError {
+    InputError {
+        key: "stress",
+        found: found.into(),
+        allowed: "a deviatoric, rotational or couple stress that reaches the yield set; for \
+                  interlayer, yield.active may name the conditions instead"
+            .into(),
     }
 }

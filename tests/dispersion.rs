@@ -7,6 +7,7 @@ use wellposed::{Format, Options, dispersion};
 const CASE: &str = "
 [model]
 kind = 'reduced-cosserat'
+dimensions = 3
 lambda = 8.1e9
 mu = 8.1e9
 alpha = 1.005e9
@@ -115,14 +116,14 @@ fn broken_inequalities_are_refused_where_they_stand() {
     for (set, words) in [
         ("model.alpha=-1", ["model.alpha", "-1", "α > 0"]),
         ("model.lambda=-6e9", ["model.lambda", "3λ + 2μ = -1800000000", "3λ + 2μ > 0"]),
-        ("model.kind=harris-grekova", ["not used", "lambda", ""]),
+        ("model.kind=harris-grekova", ["not used", "model.dimensions", ""]),
         ("wave.greatest_number=-1", ["wave.greatest_number", "-1.0", "must be positive"]),
     ] {
         let error = run(folder.path(), CASE, &[set]).expect_err(set);
         assert!(words.iter().all(|word| error.contains(word)), "{set}: {error}");
     }
     let error = run(folder.path(), &CASE.replace("1.005e9", "0"), &[]).expect_err("no α");
-    assert!(error.contains("solid.toml:6: model.alpha: "), "{error}");
+    assert!(error.contains("solid.toml:7: model.alpha: "), "{error}");
     let flow = wellposed::new::text(wellposed::case::Kind::FLOWS[0]);
     let error = run(folder.path(), &flow, &[]).expect_err("a flow");
     assert!(error.contains("harris-grekova, a flow"), "{error}");

@@ -313,9 +313,13 @@ impl Form {
         for (index, &left) in extrema.iter().enumerate() {
             let Some(start) = sign_at(left) else {
                 // A touching zero: its place is that of the extremum.
-                let curvature = second.at_angle(left).value.abs();
-                let bound = derivative.at_angle(left).bound / curvature + f64::EPSILON;
-                zeros.push(Zero { angle: left, bound, crosses: false });
+                let (angle, bound) = touching(self, left);
+                let angle = angle.rem_euclid(PI);
+                // The extrema inside a multiple zero all lead to it.
+                let is_known = |z: &Zero| (z.angle - angle).abs() <= 2.0 * (z.bound + bound);
+                if !zeros.iter().any(is_known) {
+                    zeros.push(Zero { angle, bound, crosses: false });
+                }
                 continue;
             };
             let (right, flip) = match extrema.get(index + 1) {
@@ -357,6 +361,42 @@ impl Form {
         zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));
         zeros
     }
+}
+
+/// The place of a zero that the form touches near its extremum at `angle`, and its rounding bound.
+///
+/// Zeros of multiplicity m come apart by the m-th root of the rounding, and so do the extrema between
+/// them. They are one zero if there is a place near by at which all derivatives below the m-th are zero
+/// within rounding: a simple zero of the last of these, as accurate as any.
+fn touching(form: &Form, angle: f64) -> (f64, f64) {
+    const NEAR: f64 = 0.03;
+    let mut derivatives = list![form.clone()];
+    for m in 0..form.degree() {
+        derivatives.push(derivatives[m].derivative());
+    }
+    for m in (2..=form.degree()).rev().filter(|m| m % 2 == 0) {
+        let (last, change) = (&derivatives[m - 1], &derivatives[m]);
+        let mut place = angle;
+        for _ in 0..4 {
+            let step = last.at_angle(place).value / change.at_angle(place).value;
+            // The first derivative's own zero is the angle already.
+            if m > 2 {
+                place -= step;
+            }
+            if step.is_nan() || step.abs() > NEAR {
+                break;
+            }
+        }
+        let slope = change.at_angle(place);
+        let is_zero = |value: Rounded| value.value.abs() <= value.bound;
+        let is_near = (place - angle).abs() < NEAR && !is_zero(slope);
+        if is_near && derivatives[..m].iter().all(|d| is_zero(d.at_angle(place))) {
+            return (place, last.at_angle(place).bound / slope.value.abs() + f64::EPSILON);
+        }
+    }
+    let curvature = derivatives[2.min(form.degree())].at_angle(angle).value.abs();
+    let slope = derivatives[1].at_angle(angle).bound;
+    (angle, (slope / curvature).min(1.0) + f64::EPSILON)
 }
 
 /// Angles in [0, π) among which are all extrema of |a/b|: zeros of a′b − ab′.
@@ -467,6 +507,33 @@ mod tests {
         for (z, wanted) in zeros.iter().zip([0.3, 2.0]) {
             assert!((z.angle - wanted).abs() < 1e-14 && !z.crosses, "{z:?}");
         }
+    }
+
+    /// The curvature of a fourfold zero is rounding: it says nothing of the zero's place.
+    #[test]
+    fn places_of_multiple_zeros_are_known() {
+        for (angles, wanted) in [([0.7; 4].as_slice(), 0.7), ([0.7; 6].as_slice(), 0.7)] {
+            let mut all = angles.to_vec();
+            all.extend([2.0, 2.0]);
+            let zeros = with_zeros(&all).zeros();
+            let multiple: Vec<_> = zeros.iter().filter(|z| z.angle < 1.3).collect();
+            assert_eq!(multiple.len(), 1, "{zeros:?}");
+            assert!((multiple[0].angle - wanted).abs() <= multiple[0].bound, "{zeros:?}");
+            assert!(multiple[0].bound < 1e-12, "{zeros:?}");
+        }
+        // On an axis, with rounding where the exact coefficients vanish.
+        let noise = |value: f64| Rounded { value, bound: 6e-12 };
+        let coefficients = list![
+            noise(-1.6e-14),
+            noise(-1.7e-16),
+            Rounded::given(-47.6),
+            noise(-8e-16),
+            noise(7e-15),
+            noise(-1e-31),
+            noise(8e-31)
+        ];
+        let zeros = Form { coefficients, ..Form::default() }.zeros();
+        assert!(zeros.iter().all(|z| z.bound < 1e-11), "{zeros:?}");
     }
 
     #[test]

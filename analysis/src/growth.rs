@@ -9,6 +9,7 @@
 
 use crate::face::Face;
 use crate::form::{self, Form, Zero};
+use crate::golden::golden_section;
 use crate::layers::{Collision, along, collisions_at, search_collision, search_layer};
 use crate::leading;
 use crate::list::{List, list};
@@ -524,28 +525,6 @@ fn follow_neutral_roots(terms: &[Term], zeros: &[Zero], worst: &mut Worst) {
         }
         worst.grows(order, value, place);
     }
-}
-
-/// The place of the greatest value of a function with one maximum in [a, b].
-fn golden_section(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
-    const RATIO: f64 = 0.618_033_988_749_894_9;
-    let (mut x, mut y) = (b - RATIO * (b - a), a + RATIO * (b - a));
-    let (mut fx, mut fy) = (f(x), f(y));
-    for _ in 0..60 {
-        if b - a <= 1e-12 * (a.abs() + b.abs()) {
-            break;
-        }
-        if fx >= fy {
-            (b, y, fy) = (y, x, fx);
-            x = b - RATIO * (b - a);
-            fx = f(x);
-        } else {
-            (a, x, fx) = (x, y, fy);
-            y = a + RATIO * (b - a);
-            fy = f(y);
-        }
-    }
-    0.5 * (a + b)
 }
 
 /// Growth around the directions in which neutral roots of an edge collide.

@@ -11,15 +11,20 @@
 //! - [`form`], [`newton`]: zeros of homogeneous forms in the direction, orders of growth;
 //! - [`growth`]: how fast short waves grow, in every direction: the verdict;
 //! - [`bound`]: the supremum of the growth rate, where it is finite;
-//! - [`sphere`]: flutter and shear bands of a yielding solid over all directions in space;
+//! - [`circle`], [`sphere`]: flutter and shear bands of a yielding solid over all directions in the plane
+//!   and in space;
+//! - [`energy`]: what the symmetriser of a solid's equations shows;
 //! - [`waves`]: speeds, dispersion curves and forbidden bands of solids.
 #![deny(missing_docs)]
 
 pub mod bound;
 pub mod characteristics;
+pub mod circle;
+pub mod energy;
 pub mod extended;
 mod face;
 pub mod form;
+mod golden;
 pub mod growth;
 mod layers;
 mod leading;

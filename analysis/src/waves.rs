@@ -11,6 +11,7 @@
 //! speeds c². Where D is symmetric the matrices are Hermitian and every ω² is real; otherwise
 //! c² may be complex (flutter) or negative (divergence).
 
+use crate::golden::golden_section;
 use crate::qz::Qz;
 use models::rates::RateEquations;
 use nalgebra::DMatrix;
@@ -232,6 +233,11 @@ impl Family {
         self.by_power[0].nrows()
     }
 
+    /// Whether the stiffness is symmetric: every ω² is real then.
+    pub fn is_hermitian(&self) -> bool {
+        self.is_hermitian
+    }
+
     /// Squared characteristic speeds c², m²/s², by descending real part.
     pub fn squared_speeds(&self) -> Vec<Complex64> {
         eigenvalues(&self.by_power[0], self.is_hermitian)
@@ -359,32 +365,13 @@ impl Family {
             let [before, here, after] = [values[i - 1], values[i], values[i + 1]];
             for sign in [1.0, -1.0] {
                 if sign * (here - before) > 0.0 && sign * (here - after) > 0.0 {
-                    let found = golden(|k| sign * at(k), samples[i - 1], samples[i + 1]);
-                    (low, high) = (low.min(sign * found), high.max(sign * found));
+                    let place = golden_section(|k| sign * at(k), samples[i - 1], samples[i + 1]);
+                    (low, high) = (low.min(at(place)), high.max(at(place)));
                 }
             }
         }
         (low, high)
     }
-}
-
-/// The greatest value of `f` between `a` and `b`.
-fn golden(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
-    let ratio = 0.5 * (5f64.sqrt() - 1.0);
-    let (mut x, mut y) = (b - ratio * (b - a), a + ratio * (b - a));
-    let (mut fx, mut fy) = (f(x), f(y));
-    for _ in 0..60 {
-        if fx >= fy {
-            (b, y, fy) = (y, x, fx);
-            x = b - ratio * (b - a);
-            fx = f(x);
-        } else {
-            (a, x, fx) = (x, y, fy);
-            y = a + ratio * (b - a);
-            fy = f(y);
-        }
-    }
-    fx.max(fy)
 }
 
 /// By descending real part.

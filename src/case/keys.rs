@@ -4,7 +4,7 @@
 //! and the parameters that a map can sweep all read this table. To add a key: add a field to
 //! [`Numbers`] and a row here.
 
-use super::kind::{Kind, Solid};
+use super::kind::{Kind, Medium, Solid, Yield};
 use models::granular_flow::Kind as Flow;
 
 /// The numbers of a case exactly as its file states them: SI units, angles in degrees, `None`
@@ -15,6 +15,10 @@ pub struct Numbers {
     pub model: ModelNumbers,
     /// Constants of a solid.
     pub solid: SolidNumbers,
+    /// Constants of its yield set.
+    pub yields: YieldNumbers,
+    /// Stress of a yielding solid.
+    pub stress: StressNumbers,
     /// State of the flow at the point.
     pub background: BackgroundNumbers,
     /// Wave at which roots are listed.
@@ -49,6 +53,38 @@ pub struct SolidNumbers {
     pub alpha2: f64,
     pub density: f64,
     pub inertia: f64,
+    pub dimensions: usize,
+}
+
+/// Section `[yield]`; units and meanings in [`KEYS`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(missing_docs)] // one row of `KEYS` per field says it once
+pub struct YieldNumbers {
+    pub shear_strength: f64,
+    pub shear_friction: f64,
+    pub shear_dilatancy: f64,
+    pub couple_strength: f64,
+    pub couple_friction: f64,
+    pub couple_dilatancy: f64,
+    pub strength: f64,
+    pub friction: f64,
+    pub dilatancy: f64,
+    pub antisymmetric_weight: f64,
+    pub symmetric_length: Option<f64>,
+    pub antisymmetric_length: Option<f64>,
+    pub hardening: f64,
+}
+
+/// Section `[stress]`; units and meanings in [`KEYS`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(missing_docs)] // one row of `KEYS` per field says it once
+pub struct StressNumbers {
+    pub pressure: f64,
+    pub deviatoric_stress: f64,
+    pub stress_angle_deg: f64,
+    pub out_of_plane_stress: f64,
+    pub rotational_stress: f64,
+    pub couple_stress: [f64; 2],
 }
 
 /// Section `[background]`; units and meanings in [`KEYS`].
@@ -104,6 +140,8 @@ pub struct Key {
     pub meaning: &'static str,
     /// The kinds of model that use it.
     pub kinds: &'static [Kind],
+    /// The yield sets that use it; empty if it is no matter whether and how a solid yields.
+    pub sets: &'static [Yield],
     /// What holds where the key is absent.
     pub presence: Presence,
     pub(super) field: Field,
@@ -127,6 +165,7 @@ pub(super) enum Field {
     Texts,
     Count,
     Plain,
+    Whole(fn(&mut Numbers) -> &mut usize),
     Number(fn(&mut Numbers) -> &mut f64),
     OptionalNumber(fn(&mut Numbers) -> &mut Option<f64>),
     Pair(fn(&mut Numbers) -> &mut [f64; 2]),
@@ -151,7 +190,7 @@ impl Field {
         match self {
             Self::Text => "text in quotes",
             Self::Texts => "a list of texts in brackets",
-            Self::Count => "a whole number of at least 1",
+            Self::Count | Self::Whole(_) => "a whole number of at least 1",
             Self::Plain | Self::Number(_) | Self::OptionalNumber(_) => "a finite number",
             Self::Pair(_) | Self::OptionalPair(_) => "a pair of finite numbers [x1, x2]",
             Self::OptionalMatrix(_) => "a matrix of finite numbers [[a11, a12], [a21, a22]]",
@@ -175,6 +214,7 @@ impl Field {
     /// The value kept, if there is one.
     pub(super) fn load(self, mut numbers: Numbers) -> Option<Value> {
         match self {
+            Self::Whole(f) => Some(Value::Count(*f(&mut numbers))),
             Self::Number(f) => Some(Value::Number(*f(&mut numbers))),
             Self::OptionalNumber(f) => f(&mut numbers).map(Value::Number),
             Self::Pair(f) => Some(Value::Pair(*f(&mut numbers))),
@@ -187,6 +227,7 @@ impl Field {
     /// Keeps a value of this type.
     pub(super) fn store(self, numbers: &mut Numbers, value: &Value) {
         match (self, value) {
+            (Self::Whole(f), Value::Count(n)) => *f(numbers) = *n,
             (Self::Number(f), Value::Number(x)) => *f(numbers) = *x,
             (Self::OptionalNumber(f), Value::Number(x)) => *f(numbers) = Some(*x),
             (Self::Pair(f), Value::Pair(x)) => *f(numbers) = *x,
@@ -208,9 +249,11 @@ impl Key {
         self.name.rsplit_once('.').unwrap_or(("", self.name))
     }
 
-    /// Whether models of this kind use the key.
-    pub fn is_used_by(&self, kind: Kind) -> bool {
+    /// Whether such media use the key.
+    pub fn is_used_by(&self, medium: impl Into<Medium>) -> bool {
+        let Medium { kind, yields } = medium.into();
         self.kinds.contains(&kind)
+            && (self.sets.is_empty() || yields.is_some_and(|set| self.sets.contains(&set)))
     }
 
     /// Takes the key back to what holds where it is absent.
@@ -220,6 +263,7 @@ impl Key {
             _ => 0.0,
         };
         match self.field {
+            Field::Whole(f) => *f(numbers) = absent as usize,
             Field::Number(f) => *f(numbers) = absent,
             Field::OptionalNumber(f) => *f(numbers) = None,
             Field::Pair(f) => *f(numbers) = [absent; 2],
@@ -237,6 +281,7 @@ impl Key {
             Presence::Optional => 0.0,
         };
         let value = match self.field {
+            Field::Whole(_) => Value::Count(number as usize),
             Field::Number(_) | Field::OptionalNumber(_) => Value::Number(number),
             Field::Pair(_) | Field::OptionalPair(_) => Value::Pair([number; 2]),
             Field::OptionalMatrix(_) => Value::Matrix([[number; 2]; 2]),
@@ -246,8 +291,8 @@ impl Key {
     }
 }
 
-/// A scalar that a map can sweep: a number of `[model]`, `[background]` or `[wave]`, or a
-/// component of a pair. Cheap to copy and to set.
+/// A scalar that a map can sweep: a number of `[model]`, `[background]`, `[yield]`, `[stress]` or
+/// `[wave]`, or a component of a pair. Cheap to copy and to set.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
     key: &'static Key,
@@ -325,7 +370,7 @@ impl Parameter {
 }
 
 use Field::{
-    Count, Number, OptionalMatrix, OptionalNumber, OptionalPair, Pair, Plain, Text, Texts,
+    Count, Number, OptionalMatrix, OptionalNumber, OptionalPair, Pair, Plain, Text, Texts, Whole,
 };
 use Presence::{Default as Or, Optional, Required};
 
@@ -348,21 +393,33 @@ const WITH_INERTIA: &[Kind] = &[
 ];
 const MODULI_OF_COUPLES: &[Kind] = &[Kind::Solid(Solid::Cosserat)];
 const COMPLIANCES: &[Kind] = &[Kind::Solid(Solid::CosseratCompliances)];
+const WITH_COUPLES: &[Kind] =
+    &[Kind::Solid(Solid::Cosserat), Kind::Solid(Solid::CosseratCompliances)];
 
-/// Writes one row per key: name; label, unit; meaning; kinds, presence, field.
+const ANY: &[Yield] = &[];
+const YIELDING: &[Yield] = &Yield::ALL;
+const INTERLAYER: &[Yield] = &[Yield::Interlayer];
+const CONES: &[Yield] = &[Yield::DruckerPrager, Yield::CosseratMises];
+const MISES: &[Yield] = &[Yield::VonMises, Yield::DruckerPrager, Yield::CosseratMises];
+const COSSERAT_MISES: &[Yield] = &[Yield::CosseratMises];
+
+/// Writes one row per key: name; label, unit; meaning; kinds and yield sets, presence, field.
 macro_rules! keys {
     ($($name:literal: $label:literal [$unit:literal] $meaning:literal;
-       $kinds:expr, $presence:expr, $field:expr;)*) => {
+       $kinds:ident $(that yield by $sets:ident)?, $presence:expr, $field:expr;)*) => {
         &[$(Key {
             name: $name,
             label: $label,
             unit: $unit,
             meaning: $meaning,
             kinds: $kinds,
+            sets: keys!(@sets $($sets)?),
             presence: $presence,
             field: $field,
         }),*]
     };
+    (@sets) => { ANY };
+    (@sets $sets:ident) => { $sets };
 }
 
 /// Every key of a case file, in the order in which files are written. Those of `[map]` and
@@ -386,6 +443,8 @@ pub static KEYS: &[Key] = keys! {
     "model.rotational_strength": "rotational strength m" ["Pa"] "rotational yield strength m; ≥ 0";
         WITH_BALANCE_OF_SPIN, Required(0.0), OptionalNumber(|n| &mut n.model.rotational_strength);
 
+    "model.dimensions": "dimensions" [""] "2 for plane strain, 3 for space";
+        ISOTROPIC, Required(3.0), Whole(|n| &mut n.solid.dimensions);
     "model.lambda": "Lamé modulus λ" ["Pa"] "Lamé modulus λ; 3λ + 2μ > 0";
         ISOTROPIC, Required(8.1e9), Number(|n| &mut n.solid.lambda);
     "model.mu": "shear modulus μ" ["Pa"] "shear modulus μ; > 0";
@@ -455,6 +514,50 @@ pub static KEYS: &[Key] = keys! {
         WITH_BALANCE_OF_SPIN, Optional, OptionalNumber(|n| &mut n.background.body_moment);
     "background.stress_angle_rate_deg": "stress-angle rate DΨ_Σ/Dt" ["deg/s"] "material rate of the stress angle; derived, checked where given";
         WITH_STRESS_ANGLE_RATE, Optional, OptionalNumber(|n| &mut n.background.stress_angle_rate_deg);
+
+    "yield.kind": "yield set" [""] "interlayer, von-mises, drucker-prager or cosserat-mises; without the section [yield] a solid stays elastic";
+        SOLIDS, Required(0.0), Text;
+    "yield.active": "active conditions" [""] "the conditions that hold with equality, as in [\"+sigma21\", \"-m32\"]; absent: as the stress of [stress] decides";
+        SOLIDS that yield by INTERLAYER, Optional, Texts;
+    "yield.shear_strength": "shear strength τ₀" ["Pa"] "shear strength τ₀ of the layers without normal stress; ≥ 0";
+        SOLIDS that yield by INTERLAYER, Required(1e6), Number(|n| &mut n.yields.shear_strength);
+    "yield.shear_friction": "friction of the layers" [""] "friction κ_τ of the layers; ≥ 0";
+        SOLIDS that yield by INTERLAYER, Required(0.6), Number(|n| &mut n.yields.shear_friction);
+    "yield.shear_dilatancy": "dilatancy of the layers" [""] "dilatancy κ̂_τ of the layers; associated if equal to the friction";
+        SOLIDS that yield by INTERLAYER, Required(0.1), Number(|n| &mut n.yields.shear_dilatancy);
+    "yield.couple_strength": "couple strength μ₀" ["N/m"] "couple strength μ₀ of the layers without normal stress; ≥ 0";
+        WITH_COUPLES that yield by INTERLAYER, Required(1e6), Number(|n| &mut n.yields.couple_strength);
+    "yield.couple_friction": "friction of rolling" ["m"] "friction κ_μ of rolling; ≥ 0";
+        WITH_COUPLES that yield by INTERLAYER, Required(0.6), Number(|n| &mut n.yields.couple_friction);
+    "yield.couple_dilatancy": "dilatancy of rolling" ["m"] "dilatancy κ̂_μ of rolling; associated if equal to the friction";
+        WITH_COUPLES that yield by INTERLAYER, Required(0.6), Number(|n| &mut n.yields.couple_dilatancy);
+    "yield.strength": "shear strength k" ["Pa"] "strength k in shear; > 0";
+        SOLIDS that yield by MISES, Required(1e6), Number(|n| &mut n.yields.strength);
+    "yield.friction": "friction" [""] "friction κ of τ̄ + κ σ_m ≤ k; ≥ 0";
+        SOLIDS that yield by CONES, Required(0.6), Number(|n| &mut n.yields.friction);
+    "yield.dilatancy": "dilatancy" [""] "dilatancy κ̂; associated if equal to the friction";
+        SOLIDS that yield by CONES, Required(0.3), Number(|n| &mut n.yields.dilatancy);
+    "yield.antisymmetric_weight": "antisymmetric weight h" [""] "weight h of the antisymmetric stress; ≥ 0";
+        WITH_ROTATION that yield by COSSERAT_MISES, Required(1.0), Number(|n| &mut n.yields.antisymmetric_weight);
+    "yield.symmetric_length": "internal length ℓ_s" ["m"] "internal length ℓ_s of the symmetric couple stress; > 0; absent: no limit to it";
+        MODULI_OF_COUPLES that yield by COSSERAT_MISES, Optional, OptionalNumber(|n| &mut n.yields.symmetric_length);
+    "yield.antisymmetric_length": "internal length ℓ_a" ["m"] "internal length ℓ_a of the antisymmetric couple stress; > 0; absent: no limit to it";
+        MODULI_OF_COUPLES that yield by COSSERAT_MISES, Optional, OptionalNumber(|n| &mut n.yields.antisymmetric_length);
+    "yield.hardening": "plastic modulus H" ["Pa"] "plastic modulus H; 0 for ideal plasticity, negative while softening";
+        SOLIDS that yield by MISES, Or(0.0), Number(|n| &mut n.yields.hardening);
+
+    "stress.pressure": "pressure p" ["Pa"] "mean pressure in the plane p = −½(σ₁₁ + σ₂₂); the other stresses are scaled until they yield";
+        SOLIDS that yield by YIELDING, Or(0.0), Number(|n| &mut n.stress.pressure);
+    "stress.deviatoric_stress": "deviatoric stress q" ["Pa"] "deviatoric stress q in the plane, half the difference of the principal stresses, before scaling";
+        SOLIDS that yield by YIELDING, Or(1.0), Number(|n| &mut n.stress.deviatoric_stress);
+    "stress.stress_angle_deg": "stress angle ψ_σ" ["deg"] "angle of the greater principal stress from x₁, anticlockwise";
+        SOLIDS that yield by YIELDING, Or(0.0), Number(|n| &mut n.stress.stress_angle_deg);
+    "stress.out_of_plane_stress": "out-of-plane stress σ₃₃ + p" ["Pa"] "stress σ₃₃ across the plane in excess of −p, before scaling";
+        ISOTROPIC that yield by MISES, Or(0.0), Number(|n| &mut n.stress.out_of_plane_stress);
+    "stress.rotational_stress": "rotational stress r" ["Pa"] "r = ½(σ₂₁ − σ₁₂), second index the face normal, before scaling";
+        WITH_INERTIA that yield by YIELDING, Or(0.0), Number(|n| &mut n.stress.rotational_stress);
+    "stress.couple_stress": "couple stress" ["N/m"] "couple stress [m₃₁, m₃₂], before scaling";
+        WITH_COUPLES that yield by YIELDING, Or(0.0), Pair(|n| &mut n.stress.couple_stress);
 
     "wave.number": "wave number k" ["1/m"] "wave number k at which roots are listed; > 0";
         ALL, Or(1000.0), Number(|n| &mut n.wave.number);

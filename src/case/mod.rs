@@ -8,9 +8,10 @@ mod read;
 
 pub use error::{CaseError, Place};
 pub use keys::{
-    BackgroundNumbers, KEYS, Key, ModelNumbers, Numbers, Parameter, Presence, SolidNumbers, Wave,
+    BackgroundNumbers, KEYS, Key, ModelNumbers, Numbers, Parameter, Presence, SolidNumbers,
+    StressNumbers, Wave, YieldNumbers,
 };
-pub use kind::{Kind, Solid};
+pub use kind::{Kind, Medium, NoSuchMedium, Solid, Yield};
 
 use keys::Value;
 use models::granular_flow::state::State;
@@ -22,6 +23,11 @@ use std::path::{Path, PathBuf};
 
 /// Largest number of points of a map.
 pub const MOST_POINTS: usize = 100_000_000;
+
+/// Names in case files of the conditions of an interlayer set, in the order of
+/// [`half_spaces`](models::plasticity::parameters::Interlayer::half_spaces); those of couples last.
+pub const ACTIVE_NAMES: [&str; 8] =
+    ["+sigma21", "-sigma21", "+sigma12", "-sigma12", "+m31", "-m31", "+m32", "-m32"];
 
 /// Largest case file, bytes: more is no case, and is not read into memory.
 const LARGEST_FILE: u64 = 1 << 20;
@@ -35,6 +41,11 @@ pub struct Case {
     pub title: String,
     /// Kind of model.
     pub kind: Kind,
+    /// The yield set of a solid that has one.
+    pub yields: Option<Yield>,
+    /// The conditions of an interlayer set that hold with equality, by their places in
+    /// [`ACTIVE_NAMES`]; absent: as the stress decides.
+    pub active: Option<Vec<usize>>,
     /// The numbers; SI units, angles in degrees.
     pub numbers: Numbers,
     /// What `wellposed map` sweeps.
@@ -65,7 +76,8 @@ impl PartialEq for Case {
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name
             && self.title == other.title
-            && self.kind == other.kind
+            && self.medium() == other.medium()
+            && self.active == other.active
             && self.numbers == other.numbers
             && self.map == other.map
             && self.compare == other.compare
@@ -152,14 +164,40 @@ impl Case {
         let compare = compare(&entries)?;
         let kinds: Vec<Kind> =
             [kind].into_iter().chain(compare.iter().flatten().copied()).collect();
-        let numbers = numbers(&entries, &kinds)?;
-        let map = entries.has_section("map").then(|| map(&entries, kind)).transpose()?;
+        let yields = yield_set(&entries, kind)?;
+        let media: Vec<Medium> = kinds.iter().map(|&kind| Medium { kind, yields }).collect();
+        let numbers = numbers(&entries, &media)?;
+        let active = active(&entries, media[0])?;
+        let map = entries.has_section("map").then(|| map(&entries, media[0])).transpose()?;
+        let swept = map.iter().flat_map(|map| [("map.x", map.x), ("map.y", map.y)]);
+        let of_stress = |sweep: &Sweep| sweep.parameter.key().name.starts_with("stress.");
+        if let (Some((axis, sweep)), true) =
+            (swept.into_iter().find(|s| of_stress(&s.1)), active.is_some())
+        {
+            let found = format!("a sweep of {} beside yield.active", sweep.parameter.name());
+            let allowed = "leave yield.active out: either decides what yields";
+            return Err(entries.places.error(axis, found, allowed));
+        }
+        let sweeps_elevation = map.is_some_and(|map| {
+            [map.x, map.y].iter().any(|sweep| sweep.parameter.name() == "wave.elevation_deg")
+        });
+        if sweeps_elevation && numbers.solid.dimensions == 2 {
+            let allowed = "waves stay in the plane, unless model.dimensions = 3";
+            let found = "a sweep of wave.elevation_deg in plane strain";
+            return Err(entries.places.error("map", found, allowed));
+        }
         let title = match entries.get("title") {
             Some(Value::Text(title)) => title.clone(),
             _ => String::new(),
         };
         let name = name(&entries, file)?;
-        Ok(Self { name, title, kind, numbers, map, compare, places: entries.places, source: None })
+        let (places, source) = (entries.places, None);
+        Ok(Self { name, title, kind, yields, active, numbers, map, compare, places, source })
+    }
+
+    /// Kind of model and yield set.
+    pub fn medium(&self) -> Medium {
+        Medium { kind: self.kind, yields: self.yields }
     }
 
     /// The file that the case was loaded from.
@@ -179,8 +217,10 @@ impl Case {
 
     /// The same state for another kind of model, without what that kind does not use.
     pub fn for_kind(&self, kind: Kind) -> Self {
-        let mut case = Self { kind, compare: None, ..self.clone() };
-        for key in KEYS.iter().filter(|key| !key.is_used_by(kind)) {
+        let yields = self.yields.filter(|set| kind.yield_sets().contains(set));
+        let mut case = Self { kind, yields, compare: None, ..self.clone() };
+        let medium = case.medium();
+        for key in KEYS.iter().filter(|key| !key.is_used_by(medium)) {
             key.clear(&mut case.numbers);
         }
         case
@@ -265,7 +305,7 @@ impl Case {
                 key: "model.kind",
                 found: format!("{}, a solid", self.kind.name()),
                 allowed: format!(
-                    "this needs a flow ({}); for solids see wellposed dispersion",
+                    "this needs a flow ({}); for solids see wellposed dispersion and speeds",
                     Flow::ALL.map(Flow::name).join(", ")
                 ),
             }),
@@ -321,7 +361,15 @@ impl Case {
         for key in KEYS {
             let value = match key.name {
                 "model.kind" => Some(Value::Text(self.kind.name().to_owned())),
-                _ if self.kinds().any(|kind| key.is_used_by(kind)) => key.field.load(self.numbers),
+                "yield.kind" => self.yields.map(|set| Value::Text(set.name().to_owned())),
+                "yield.active" => self.active.as_ref().map(|active| {
+                    Value::Texts(active.iter().map(|&i| ACTIVE_NAMES[i].to_owned()).collect())
+                }),
+                // Of the two ways to say what is active.
+                name if name.starts_with("stress.") && self.active.is_some() => None,
+                _ if self.media().any(|medium| key.is_used_by(medium)) => {
+                    key.field.load(self.numbers)
+                }
                 _ => None,
             };
             if let Some(value) = value {
@@ -343,9 +391,10 @@ impl Case {
         text
     }
 
-    /// The kind of model, and those to compare.
-    fn kinds(&self) -> impl Iterator<Item = Kind> {
-        [self.kind].into_iter().chain(self.compare.iter().flatten().copied())
+    /// The medium, and those to compare.
+    fn media(&self) -> impl Iterator<Item = Medium> {
+        let compared = self.compare.iter().flatten().map(|&kind| kind.into());
+        [self.medium()].into_iter().chain(compared)
     }
 }
 
@@ -381,10 +430,74 @@ fn name(entries: &Entries, file: &str) -> Result<String, CaseError> {
     Ok(stem.chars().map(|c| if may_stand(c) { c } else { '-' }).collect())
 }
 
-/// The numbers of a case: defaults, what was given, and nothing that no kind uses.
-fn numbers(entries: &Entries, kinds: &[Kind]) -> Result<Numbers, CaseError> {
-    let names = |kinds: &[Kind]| kinds.iter().map(|k| k.name()).collect::<Vec<_>>().join(", ");
-    let is_used = |key: &Key| kinds.iter().any(|&kind| key.is_used_by(kind));
+/// The yield set that `[yield]` names.
+fn yield_set(entries: &Entries, kind: Kind) -> Result<Option<Yield>, CaseError> {
+    const KEY: &str = "yield.kind";
+    if !entries.has_section("yield") {
+        return match entries.has_section("stress") && !kind.yield_sets().is_empty() {
+            true => Err(entries.places.error(
+                "stress",
+                "a stress without a yield set",
+                "add a section [yield], or leave this one out: elastic waves do not see the stress",
+            )),
+            false => Ok(None),
+        };
+    }
+    let sets = kind.yield_sets();
+    if sets.is_empty() {
+        let found = format!("a yield set for the model {}", kind.name());
+        return Err(entries.places.error("yield", found, "leave the section out: flows yield"));
+    }
+    let name = entries.text(KEY)?;
+    let found = Yield::from_name(name).filter(|set| sets.contains(set));
+    found.map(Some).ok_or_else(|| {
+        let names: Vec<&str> = sets.iter().map(|set| set.name()).collect();
+        let meant = read::suggestion(read::nearest(name, names.iter().copied()));
+        let found = format!("found '{}'", error::shown(name));
+        let allowed = format!("{meant}allowed for {}: {}", kind.name(), names.join(", "));
+        entries.places.error(KEY, found, allowed)
+    })
+}
+
+/// The conditions of `yield.active`.
+fn active(entries: &Entries, medium: Medium) -> Result<Option<Vec<usize>>, CaseError> {
+    const KEY: &str = "yield.active";
+    let Some(Value::Texts(names)) = entries.get(KEY) else { return Ok(None) };
+    if !Key::find(KEY).is_some_and(|key| key.is_used_by(medium)) {
+        let found = format!("not used by {}", medium.title());
+        return Err(entries.places.error(KEY, found, "leave it out (it belongs to interlayer)"));
+    }
+    if entries.has_section("stress") {
+        let found = "active conditions beside a section [stress]";
+        return Err(entries.places.error(KEY, found, "give one of the two: either decides"));
+    }
+    let has_couples = Key::find("yield.couple_strength").is_some_and(|k| k.is_used_by(medium));
+    let known = &ACTIVE_NAMES[..if has_couples { 8 } else { 4 }];
+    let mut active = Vec::new();
+    for name in names {
+        let found = format!("found '{}'", error::shown(name));
+        let Some(index) = known.iter().position(|known| known == name) else {
+            let meant = read::suggestion(read::nearest(name, known.iter().copied()));
+            let allowed = format!("{meant}allowed: {}", known.join(", "));
+            return Err(entries.places.error(KEY, found, allowed));
+        };
+        // Both signs at once: a stress of zero and a strength of zero, where nothing is decided.
+        if active.contains(&index) || active.contains(&(index ^ 1)) {
+            let allowed = "name each stress once, with one sign";
+            return Err(entries.places.error(KEY, found, allowed));
+        }
+        active.push(index);
+    }
+    if active.is_empty() {
+        let allowed = format!("name at least one of {}", known.join(", "));
+        return Err(entries.places.error(KEY, "an empty list", allowed));
+    }
+    Ok(Some(active))
+}
+
+/// The numbers of a case: defaults, what was given, and nothing that no medium uses.
+fn numbers(entries: &Entries, media: &[Medium]) -> Result<Numbers, CaseError> {
+    let is_used = |key: &Key| media.iter().any(|&medium| key.is_used_by(medium));
     // What is too much says more of a mistake than what is missing.
     if let Some(key) = KEYS
         .iter()
@@ -392,10 +505,24 @@ fn numbers(entries: &Entries, kinds: &[Kind]) -> Result<Numbers, CaseError> {
     {
         let namesake = KEYS.iter().find(|k| is_used(k) && k.split().1 == key.split().1);
         let meant = read::suggestion(namesake.map(|key| key.name));
+        let of_kind = media.iter().any(|medium| key.kinds.contains(&medium.kind));
+        let (user, owners): (_, Vec<&str>) = match (of_kind, media[0].yields) {
+            (true, None) => {
+                ("an elastic solid".into(), key.sets.iter().map(|set| set.name()).collect())
+            }
+            (true, Some(set)) => {
+                (format!("the set {}", set.name()), key.sets.iter().map(|s| s.name()).collect())
+            }
+            (false, _) => {
+                let names: Vec<&str> = media.iter().map(|medium| medium.kind.name()).collect();
+                let owners = key.kinds.iter().map(|kind| kind.name()).collect();
+                (format!("the model {}", names.join(", ")), owners)
+            }
+        };
         return Err(entries.places.error(
             key.name,
-            format!("not used by the model {}", names(kinds)),
-            format!("{meant}leave it out (it belongs to {})", names(key.kinds)),
+            format!("not used by {user}"),
+            format!("{meant}leave it out (it belongs to {})", owners.join(", ")),
         ));
     }
     let mut numbers = Numbers::default();
@@ -408,6 +535,22 @@ fn numbers(entries: &Entries, kinds: &[Kind]) -> Result<Numbers, CaseError> {
             }
             None => {}
         }
+    }
+    if let dimensions @ (1 | 4..) = numbers.solid.dimensions {
+        let found = format!("found {dimensions}");
+        let allowed = "2 for plane strain or 3 for space";
+        return Err(entries.places.error("model.dimensions", found, allowed));
+    }
+    let elevation = numbers.wave.elevation_deg;
+    if numbers.solid.dimensions == 2 && elevation != 0.0 {
+        let found = format!("found {elevation:?} in plane strain");
+        let allowed = "0: waves stay in the plane, unless model.dimensions = 3";
+        return Err(entries.places.error("wave.elevation_deg", found, allowed));
+    }
+    if numbers.solid.dimensions == 3 && media[0].yields == Some(Yield::Interlayer) {
+        let found = "found 3 with the yield set interlayer";
+        let allowed = "2: its layers are normal to x1 and x2, in plane strain";
+        return Err(entries.places.error("model.dimensions", found, allowed));
     }
     let number = numbers.wave.number;
     if number <= 0.0 {
@@ -452,9 +595,9 @@ fn compare(entries: &Entries) -> Result<Option<Vec<Kind>>, CaseError> {
 }
 
 /// The axes of `[map]`.
-fn map(entries: &Entries, kind: Kind) -> Result<Map, CaseError> {
-    let x = sweep(entries, kind, ["map.x.parameter", "map.x.from", "map.x.to", "map.x.points"])?;
-    let y = sweep(entries, kind, ["map.y.parameter", "map.y.from", "map.y.to", "map.y.points"])?;
+fn map(entries: &Entries, medium: Medium) -> Result<Map, CaseError> {
+    let x = sweep(entries, medium, ["map.x.parameter", "map.x.from", "map.x.to", "map.x.points"])?;
+    let y = sweep(entries, medium, ["map.y.parameter", "map.y.from", "map.y.to", "map.y.points"])?;
     if x.parameter == y.parameter {
         return Err(entries.places.error(
             "map.y.parameter",
@@ -475,13 +618,13 @@ fn map(entries: &Entries, kind: Kind) -> Result<Map, CaseError> {
 
 fn sweep(
     entries: &Entries,
-    kind: Kind,
+    medium: Medium,
     [parameter_key, from_key, to_key, points_key]: [&'static str; 4],
 ) -> Result<Sweep, CaseError> {
     let name = entries.text(parameter_key)?;
-    let found = Parameter::find(name).filter(|parameter| parameter.key().is_used_by(kind));
+    let found = Parameter::find(name).filter(|parameter| parameter.key().is_used_by(medium));
     let Some(parameter) = found else {
-        return Err(no_parameter(entries, kind, parameter_key, name));
+        return Err(no_parameter(entries, medium, parameter_key, name));
     };
     let (from, to) = (entries.number(from_key)?, entries.number(to_key)?);
     let points = match entries.require(points_key)? {
@@ -533,17 +676,20 @@ fn check_step(
 }
 
 /// Why a name is no parameter to sweep.
-fn no_parameter(entries: &Entries, kind: Kind, place: &str, name: &str) -> CaseError {
+fn no_parameter(entries: &Entries, medium: Medium, place: &str, name: &str) -> CaseError {
     let names: Vec<String> = Parameter::all()
-        .filter(|parameter| parameter.key().is_used_by(kind))
+        .filter(|parameter| parameter.key().is_used_by(medium))
         .map(Parameter::name)
         .collect();
     let shown = error::shown(name);
     let component = Parameter::find(name).map(Parameter::key);
     let mut meant = String::new();
     let found = match Key::find(name).or(component) {
-        Some(key) if !key.is_used_by(kind) => {
-            format!("'{shown}' is not used by the model {}", kind.name())
+        Some(key) if !key.kinds.contains(&medium.kind) => {
+            format!("'{shown}' is not used by the model {}", medium.kind.name())
+        }
+        Some(key) if !key.is_used_by(medium) => {
+            format!("'{shown}' is not used by {}", medium.title())
         }
         Some(_) => format!("'{shown}' is no single number"),
         None => {

@@ -2,7 +2,7 @@
 
 use super::error::{CaseError, Place, shown};
 use super::keys::{Field, KEYS, Key, Value};
-use super::kind::Kind;
+use super::kind::{Kind, Medium, Yield};
 use std::collections::BTreeMap;
 use toml::de::{DeArray, DeInteger, DeTable, DeValue};
 
@@ -157,11 +157,13 @@ impl Entries {
 
     /// What to say of a key that the table does not have: what it may mean, and what is allowed.
     fn unknown(&self, name: &str, place: Place) -> CaseError {
-        let kind = match self.get("model.kind") {
-            Some(Value::Text(name)) => Kind::from_name(name),
+        let text = |key: &str| match self.get(key) {
+            Some(Value::Text(name)) => Some(name.as_str()),
             _ => None,
         };
-        let is_usable = |key: &Key| kind.is_none_or(|kind| key.is_used_by(kind));
+        let kind = text("model.kind").and_then(Kind::from_name);
+        let yields = text("yield.kind").and_then(Yield::from_name);
+        let is_usable = |key: &Key| kind.is_none_or(|kind| key.is_used_by(Medium { kind, yields }));
         let (mut section, last) = name.rsplit_once('.').unwrap_or(("", name));
         while !section.is_empty() && !is_section(section) {
             section = section.rsplit_once('.').map_or("", |(outer, _)| outer);
@@ -302,7 +304,7 @@ fn read_value(key: &Key, value: &DeValue) -> Option<Value> {
             .filter(|text| !text.chars().any(char::is_control))
             .map(|text| Value::Text(text.to_owned())),
         Field::Texts => texts(value).map(Value::Texts),
-        Field::Count => count(value).map(Value::Count),
+        Field::Count | Field::Whole(_) => count(value).map(Value::Count),
         Field::Plain | Field::Number(_) | Field::OptionalNumber(_) => {
             number(value).map(Value::Number)
         }

@@ -5,5 +5,6 @@
 pub mod brute;
 pub mod exact;
 pub mod planted;
+pub mod slipping;
 pub mod states;
 pub mod wide;

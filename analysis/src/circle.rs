@@ -1,0 +1,226 @@
+//! Flutter and shear bands of a yielding solid in plane strain, over all directions of the wave normal.
+//!
+//! The counterpart in the plane of [`sphere`](crate::sphere), for any number of active conditions. With
+//! n = (cos θ, sin θ) the acoustic tensor is
+//!
+//! ```text
+//! Γ(θ) = cos²θ Γ₁₁ + cos θ sin θ (Γ₁₂ + Γ₂₁) + sin²θ Γ₂₂,    Γᵢⱼ = M^(−½) Gⁱᵀ D Gʲ M^(−½).
+//! ```
+//!
+//! Two or three velocities carry waves, so that its eigenvalues cost less than a microsecond, and the
+//! circle is sampled every half degree. Sectors of flutter that are narrower are found at the directions
+//! handed over: those of the verdict, which comes from the exact polynomial.
+
+use crate::golden::golden_section;
+use crate::sphere::{Extremes, Flutter, Slowest};
+use models::rates::RateEquations;
+use nalgebra::{DMatrix, Matrix3};
+use num_complex::Complex64;
+use std::f64::consts::PI;
+
+/// Directions sampled over half a turn.
+const DIRECTIONS: usize = 360;
+/// (Im c²)² below this part of the square of the greatest |c²| is rounding: a double root moves by the
+/// square root of the rounding.
+const NO_FLUTTER: f64 = 1e-13;
+/// |c²| below this part of the greatest is rounding.
+const NO_SPEED: f64 = 1e-13;
+/// Steps of halving: to the last bit of an angle.
+const STEPS: usize = 60;
+
+/// The acoustic tensor of a solid in plane strain, for all directions.
+#[derive(Clone, Debug)]
+pub struct Circle {
+    size: usize,
+    /// Γ₁₁, Γ₁₂ + Γ₂₁, Γ₂₂, m²/s².
+    terms: [Matrix3<f64>; 3],
+    /// Bound on |c²| over all directions, m²/s².
+    unit: f64,
+}
+
+impl Circle {
+    /// Takes the rate equations of a solid. Velocities that no gradient strains (the spin of a reduced
+    /// Cosserat solid) carry no waves and are left out.
+    pub fn new(equations: &RateEquations<2>) -> Self {
+        let carries =
+            |&v: &usize| equations.gradient.iter().any(|g| g.column(v).iter().any(|&x| x != 0.0));
+        let moving: Vec<usize> = (0..equations.velocities()).filter(carries).collect();
+        let stiffness = equations.stiffness_values();
+        let strain = equations.gradient.each_ref().map(|gradient| {
+            let scaled = |s: usize, v: usize| {
+                gradient[(s, moving[v])] / equations.inertia[moving[v]].value.sqrt()
+            };
+            DMatrix::from_fn(equations.stresses(), moving.len(), scaled)
+        });
+        let between = |i: usize, j: usize| {
+            let product = strain[i].transpose() * &stiffness * &strain[j];
+            let entry = |a: usize, b: usize| match a.max(b) < moving.len() {
+                true => product[(a, b)],
+                false => 0.0,
+            };
+            Matrix3::from_fn(entry)
+        };
+        let terms = [between(0, 0), between(0, 1) + between(1, 0), between(1, 1)];
+        let unit = terms.iter().map(Matrix3::norm).fold(0.0, f64::max);
+        Self { size: moving.len(), terms, unit }
+    }
+
+    /// Squared characteristic speeds c² with the wave normal (cos θ, sin θ), m²/s², by descending real
+    /// part: as many as velocities carry waves.
+    pub fn squared_speeds(&self, theta: f64) -> Vec<Complex64> {
+        let (values, size) = self.eigenvalues(theta);
+        let mut values = values[..size].to_vec();
+        values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+        values
+    }
+
+    fn eigenvalues(&self, theta: f64) -> ([Complex64; 3], usize) {
+        let (sin, cos) = theta.sin_cos();
+        let [first, mixed, last] = &self.terms;
+        let gamma = first * (cos * cos) + mixed * (cos * sin) + last * (sin * sin);
+        let pair = |a: f64, b: f64, c: f64, d: f64| {
+            let (middle, half) = (0.5 * (a + d), 0.5 * (a - d));
+            let root = Complex64::new(half * half + b * c, 0.0).sqrt();
+            [middle + root, middle - root]
+        };
+        let [zero, not_a_number] = [0.0, f64::NAN].map(Complex64::from);
+        let block = pair(gamma[(0, 0)], gamma[(0, 1)], gamma[(1, 0)], gamma[(1, 1)]);
+        if self.size < 3 {
+            return ([block[0], block[1], zero], self.size);
+        }
+        let coupling = [(0, 2), (1, 2), (2, 0), (2, 1)].map(|entry| gamma[entry]);
+        if coupling == [0.0; 4] {
+            return ([block[0], block[1], gamma[(2, 2)].into()], 3);
+        }
+        if !gamma.iter().all(|x| x.is_finite()) {
+            return ([not_a_number; 3], 3);
+        }
+        let all = gamma.complex_eigenvalues();
+        ([all[0], all[1], all[2]], 3)
+    }
+
+    /// The greatest |Im c| with its c², m/s and m²/s²; zero where no pair is complex.
+    fn flutter(&self, theta: f64) -> (f64, Complex64) {
+        let (values, size) = self.eigenvalues(theta);
+        let is_complex =
+            |value: &&Complex64| value.im * value.im > NO_FLUTTER * self.unit * self.unit;
+        values[..size]
+            .iter()
+            .filter(is_complex)
+            .map(|value| (value.sqrt().im.abs(), *value))
+            .fold((0.0, Complex64::from(0.0)), |a, b| if b.0 > a.0 { b } else { a })
+    }
+
+    /// The least real c², m²/s²; infinite where there is none.
+    fn least(&self, theta: f64) -> f64 {
+        let (values, size) = self.eigenvalues(theta);
+        let is_real =
+            |value: &&Complex64| value.im * value.im <= NO_FLUTTER * self.unit * self.unit;
+        values[..size].iter().filter(is_real).map(|value| value.re).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The strongest flutter and the slowest wave over all directions, those in `hints` (rad) among them.
+    pub fn search(&self, hints: &[f64]) -> Extremes {
+        let angles: Vec<f64> = angles().chain(hints.iter().copied()).collect();
+        let normal = |theta: f64| [theta.cos(), theta.sin(), 0.0];
+        let strongest = greatest(|theta| self.flutter(theta).0, &angles);
+        let (growth, speed_squared) = self.flutter(strongest);
+        let flutter =
+            (growth > 0.0).then(|| Flutter { growth, speed_squared, normal: normal(strongest) });
+        let slowest = greatest(|theta| -self.least(theta), &angles);
+        let slowest = Slowest {
+            speed_squared: self.least(slowest),
+            normal: normal(slowest),
+            rounding: NO_SPEED * self.unit,
+        };
+        Extremes { flutter, slowest }
+    }
+
+    /// Sectors in which speeds are complex: first and last direction, rad, the first in \[0, π); an end
+    /// is found by halving. `[0, π]` where they are so all around.
+    pub fn flutter_sectors(&self) -> Vec<[f64; 2]> {
+        let is_complex = |theta: f64| self.flutter(theta).0 > 0.0;
+        let angles: Vec<f64> = angles().collect();
+        let step = PI / DIRECTIONS as f64;
+        let edge = |theta: f64| {
+            let (mut low, mut high) = (theta, theta + step);
+            let was = is_complex(low);
+            for _ in 0..STEPS {
+                let middle = 0.5 * (low + high);
+                if is_complex(middle) == was { low = middle } else { high = middle }
+            }
+            0.5 * (low + high)
+        };
+        let changes = |&theta: &f64| is_complex(theta) != is_complex(theta + step);
+        let edges: Vec<f64> = angles.iter().copied().filter(changes).map(edge).collect();
+        if edges.is_empty() {
+            return if is_complex(0.0) { vec![[0.0, PI]] } else { Vec::new() };
+        }
+        let next = |i: usize| match edges.get(i + 1) {
+            Some(&edge) => edge,
+            None => edges[0] + PI,
+        };
+        let sectors = (0..edges.len()).map(|i| [edges[i], next(i)]);
+        sectors.filter(|[from, to]| is_complex(0.5 * (from + to))).collect()
+    }
+
+    /// Directions of the wave normal in which a speed vanishes, rad, in \[0, π), ascending: where a c²
+    /// touches zero or passes through it.
+    pub fn vanishing(&self) -> Vec<f64> {
+        let step = PI / DIRECTIONS as f64;
+        // Half a step aside: symmetric solids have their zeros at round angles.
+        let angles: Vec<f64> = angles().map(|theta| theta + 0.5 * step).collect();
+        let value = |theta: f64| self.least(theta);
+        let tolerance = NO_SPEED * self.unit;
+        let mut found: Vec<f64> = Vec::new();
+        for &theta in &angles {
+            let [before, here, after] = [theta - step, theta, theta + step].map(value);
+            if (here > 0.0) != (after > 0.0) && here.is_finite() && after.is_finite() {
+                let (mut low, mut high) = (theta, theta + step);
+                for _ in 0..STEPS {
+                    let middle = 0.5 * (low + high);
+                    if (value(middle) > 0.0) == (here > 0.0) { low = middle } else { high = middle }
+                }
+                // A jump is where a pair becomes complex: no zero.
+                if value(low).abs().max(value(high).abs()) <= 1e3 * tolerance {
+                    found.push(0.5 * (low + high));
+                }
+            } else if here.abs() <= before.abs() && here.abs() <= after.abs() {
+                let touching =
+                    golden_section(|theta| -value(theta).abs(), theta - step, theta + step);
+                if value(touching).abs() <= tolerance {
+                    found.push(touching);
+                }
+            }
+        }
+        // A zero that is touched is known to the square root of the rounding.
+        const SAME: f64 = 1e-5;
+        for theta in &mut found {
+            *theta = theta.rem_euclid(PI);
+            if PI - *theta < SAME {
+                *theta = 0.0;
+            }
+        }
+        found.sort_by(f64::total_cmp);
+        found.dedup_by(|a, b| (*a - *b).abs() < SAME);
+        found
+    }
+}
+
+fn angles() -> impl Iterator<Item = f64> {
+    (0..DIRECTIONS).map(|i| PI * i as f64 / DIRECTIONS as f64)
+}
+
+/// The angle of the greatest value: the best of `angles`, refined between its neighbours' distance.
+fn greatest(value: impl Fn(f64) -> f64, angles: &[f64]) -> f64 {
+    let step = PI / DIRECTIONS as f64;
+    let (mut best, mut at) = (f64::NEG_INFINITY, 0.0);
+    for &angle in angles {
+        let here = value(angle);
+        if here > best {
+            (best, at) = (here, angle);
+        }
+    }
+    let refined = golden_section(&value, at - step, at + step);
+    if value(refined) > best { refined } else { at }
+}

@@ -1,0 +1,137 @@
+//! Is the energy of a solid conserved by its rate equations, and do its waves keep their size?
+//!
+//! The elastic equations become symmetric by the symmetriser diag(M, D⁻¹), whose quadratic form is twice
+//! the energy density (Sadovskii & Sadovskaya 2019, "Elastic Cosserat continuum"). Shown here from the
+//! linearised system as the analysis takes it, not from how it was put together.
+
+use models::LinearisedSystem;
+use models::rates::RateEquations;
+use models::system::Matrix;
+use nalgebra::DMatrix;
+use nalgebra::linalg::Schur;
+use num_complex::Complex64;
+use std::f64::consts::PI;
+
+/// Directions in which waves are looked at, and decades of wave numbers to both sides.
+const DIRECTIONS: usize = 40;
+const DECADES: i32 = 2;
+
+/// How well the energy is kept, all relative to the largest of what is compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Energy {
+    /// Least eigenvalue of the symmetriser of the elastic equations, over its diagonal: positive
+    /// where the energy is.
+    pub definiteness: f64,
+    /// ‖B − Bᵀ‖ of the elastic equations times the symmetriser.
+    pub asymmetry: f64,
+    /// ‖Q + Qᵀ‖, likewise.
+    pub antisymmetry: f64,
+    /// Greatest |Re ς|/|ς| of elastic waves of many lengths and directions.
+    pub elastic_growth: f64,
+    /// The same while yielding.
+    pub growth: f64,
+    /// Unknowns of the rate equations.
+    pub unknowns: usize,
+    /// Roots that are zero at every wave number.
+    pub zeros: usize,
+}
+
+/// Energies of the elastic equations from the linearised system itself, and growth over waves of four
+/// decades of wave numbers about `number` in forty directions.
+pub fn energy<const D: usize>(
+    elastic: &RateEquations<D>,
+    rates: &RateEquations<D>,
+    number: f64,
+) -> Energy {
+    let mut system = LinearisedSystem::default();
+    elastic.linearise(&mut system);
+    let (nv, ns) = (elastic.velocities(), elastic.stresses());
+    let compliance = elastic.stiffness_values().try_inverse();
+    let compliance = compliance.unwrap_or_else(|| DMatrix::from_element(ns, ns, f64::NAN));
+    let symmetrised = |matrix: &Matrix| {
+        let mut product = matrix.map(|entry| entry.value);
+        let laws = &compliance * product.rows(nv, ns);
+        product.rows_mut(nv, ns).copy_from(&laws);
+        product
+    };
+    let relative = |difference: DMatrix<f64>, of: &DMatrix<f64>| match of.amax() {
+        0.0 => 0.0,
+        size => difference.amax() / size,
+    };
+    let asymmetry = |axis: usize| {
+        let b = symmetrised(&system.b[axis]);
+        relative(&b - b.transpose(), &b)
+    };
+    let q = symmetrised(&system.c);
+    let symmetriser = symmetrised(&system.a);
+    // In units in which its diagonal is one.
+    let scale = symmetriser.diagonal().map(|x| x.sqrt().recip());
+    let scaled =
+        DMatrix::from_fn(nv + ns, nv + ns, |i, j| symmetriser[(i, j)] * scale[i] * scale[j]);
+    // R with RᵀR the symmetriser: R L R⁻¹ is skew-Hermitian where energy is conserved, and its
+    // eigenvalues come out to rounding.
+    let factor = symmetriser.clone().cholesky().map(|found| found.l().transpose());
+    let growth = |rates: &RateEquations<D>| match &factor {
+        Some(factor) => greatest_growth(rates, factor, number),
+        None => f64::NAN,
+    };
+    Energy {
+        definiteness: scaled.symmetric_eigenvalues().min(),
+        asymmetry: (0..D).map(asymmetry).fold(0.0, f64::max),
+        antisymmetry: relative(&q + q.transpose(), &q),
+        elastic_growth: growth(elastic),
+        growth: growth(rates),
+        unknowns: nv + ns,
+        zeros: ns - nv,
+    }
+}
+
+/// Greatest |Re ς|/|ς| over waves, in the units of energy given by `factor`.
+fn greatest_growth<const D: usize>(
+    rates: &RateEquations<D>,
+    factor: &DMatrix<f64>,
+    number: f64,
+) -> f64 {
+    let mut system = LinearisedSystem::default();
+    rates.linearise(&mut system);
+    let Some(inverse) = factor.clone().try_inverse() else { return f64::NAN };
+    let in_units = |matrix: &Matrix| {
+        // A is diagonal.
+        let rows = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| {
+            -matrix[(i, j)].value / system.a[(i, i)].value
+        });
+        factor * rows * &inverse
+    };
+    let (gradient, local) = (system.b.each_ref().map(in_units), in_units(&system.c));
+    let mut worst = 0.0f64;
+    for index in 0..DIRECTIONS {
+        let normal = spread::<D>(index);
+        let along: DMatrix<f64> = gradient.iter().zip(normal).map(|(b, n)| b * n).sum();
+        for decade in -DECADES..=DECADES {
+            let k = number * 10f64.powi(decade);
+            let symbol = local.zip_map(&along, |c, b| Complex64::new(c, k * b));
+            let roots =
+                Schur::try_new(symbol, f64::EPSILON, 100_000).and_then(|schur| schur.eigenvalues());
+            let Some(roots) = roots else { return f64::NAN };
+            let largest = roots.iter().map(|root| root.norm()).fold(0.0, f64::max);
+            let grows = roots.iter().map(|root| root.re.abs()).fold(0.0, f64::max);
+            worst = worst.max(grows / largest);
+        }
+    }
+    worst
+}
+
+/// Unit vectors spread evenly over half the circle or sphere.
+fn spread<const D: usize>(index: usize) -> [f64; D] {
+    let share = (index as f64 + 0.5) / DIRECTIONS as f64;
+    let mut normal = [0.0; D];
+    if D == 2 {
+        (normal[0], normal[1]) = ((PI * share).cos(), (PI * share).sin());
+    } else {
+        // A spiral of equal areas, turning by the golden angle.
+        let angle = PI * (3.0 - 5f64.sqrt()) * index as f64;
+        let radius = (1.0 - share * share).sqrt();
+        (normal[0], normal[1], normal[2]) = (radius * angle.cos(), radius * angle.sin(), share);
+    }
+    normal
+}

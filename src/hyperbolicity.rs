@@ -1,0 +1,282 @@
+//! The verdict on a solid: are all speeds real, does any vanish, and is growth bounded?
+
+use crate::case::Wave;
+use crate::frozen::{self, StateError};
+use crate::solid::{Elastic, Solid, angles_deg};
+use analysis::circle::Circle;
+use analysis::growth::{Assessment, Growth, Verdict};
+use analysis::newton::Order;
+use analysis::sphere::{self, Extremes, Flutter, RankOne, Slowest, Sphere, SphereError};
+use analysis::waves::squared_speeds;
+use models::rates::RateEquations;
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// How plane strain is judged.
+pub const PLANE_ROUTE: &str = "exact dispersion polynomial of the rate equations, all directions; \
+                               speeds from the acoustic tensor every half degree, then refined";
+
+/// How space is judged.
+pub const SPACE_ROUTE: &str = "acoustic tensor over the sphere, from a start fine enough for a cap \
+                               of flutter of 1°, then refined by Newton's method";
+
+/// How elastic solids and those with associated flow without softening are judged.
+pub const SYMMETRIC_ROUTE: &str =
+    "symmetric tangent stiffness: the rate equations are symmetric-hyperbolic";
+
+/// What the characteristic speeds of a solid are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hyperbolicity {
+    /// All real; some may be zero.
+    Hyperbolic,
+    /// Complex in some directions.
+    Flutter,
+    /// Imaginary in some directions, c² < 0: beyond the onset of shear bands.
+    ShearBand,
+    /// Both.
+    FlutterAndShearBand,
+}
+
+impl Hyperbolicity {
+    /// All of them, in the order in which they are listed.
+    pub const ALL: [Self; 4] =
+        [Self::Hyperbolic, Self::Flutter, Self::ShearBand, Self::FlutterAndShearBand];
+
+    /// Name in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Hyperbolic => "hyperbolic",
+            Self::Flutter => "flutter",
+            Self::ShearBand => "shear-band",
+            Self::FlutterAndShearBand => "flutter-and-shear-band",
+        }
+    }
+
+    /// What it says.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Hyperbolic => "real speeds in all directions",
+            Self::Flutter => "flutter: complex speeds",
+            Self::ShearBand => "shear bands: c² < 0",
+            Self::FlutterAndShearBand => "flutter and shear bands",
+        }
+    }
+
+    /// What growth without bound comes from.
+    pub const fn cause(self) -> &'static str {
+        match self {
+            Self::Hyperbolic => "terms of lower order",
+            Self::Flutter => "flutter",
+            Self::ShearBand => "shear bands",
+            Self::FlutterAndShearBand => "flutter and shear bands",
+        }
+    }
+
+    fn of(extremes: &Extremes) -> Self {
+        let Slowest { speed_squared, rounding, .. } = extremes.slowest;
+        match (extremes.flutter.is_some(), speed_squared < -rounding) {
+            (false, false) => Self::Hyperbolic,
+            (true, false) => Self::Flutter,
+            (false, true) => Self::ShearBand,
+            (true, true) => Self::FlutterAndShearBand,
+        }
+    }
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judged {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Normal of the waves that grow fastest where it is ill-posed.
+    pub normal: Option<[f64; 3]>,
+    /// Strongest flutter, slowest wave.
+    pub extremes: Extremes,
+    /// What the speeds are.
+    pub hyperbolicity: Hyperbolicity,
+    /// How it came about.
+    pub route: &'static str,
+}
+
+impl Judged {
+    /// Directions of the fastest growth, degrees in the plane and above it.
+    pub fn direction_deg(&self) -> Option<[f64; 2]> {
+        self.normal.map(angles_deg)
+    }
+
+    /// Whether the slowest wave stands still, as far as rounding lets tell: a stationary
+    /// discontinuity, or slip along layers.
+    pub fn stands_still(&self) -> bool {
+        self.extremes.slowest.speed_squared.abs() <= self.extremes.slowest.rounding
+    }
+}
+
+/// The directions in space of the elastic solids met last, for all threads: they take a tenth of a
+/// second each, and serve every yield set and stress.
+#[derive(Default)]
+pub struct Spheres {
+    latest: Mutex<VecDeque<(Elastic, Arc<Sphere>)>>,
+}
+
+impl Spheres {
+    /// How many are kept: a map that sweeps a modulus meets one after the other, some threads at once.
+    const KEPT: usize = 4;
+
+    fn of(&self, elastic: Elastic, rates: &RateEquations<3>) -> Result<Arc<Sphere>, SphereError> {
+        let lock = || self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, sphere)) = lock().iter().find(|(known, _)| *known == elastic) {
+            return Ok(Arc::clone(sphere));
+        }
+        let sphere = Arc::new(Sphere::new(rates)?);
+        let mut latest = lock();
+        latest.truncate(Self::KEPT - 1);
+        latest.push_front((elastic, Arc::clone(&sphere)));
+        Ok(sphere)
+    }
+}
+
+/// Judges one solid after another; one per thread.
+pub struct Judge<'a> {
+    /// The plane solid judged last.
+    pub plane: frozen::Workspace,
+    spheres: &'a Spheres,
+    /// The elastic solid in space of last time.
+    space: Option<(Elastic, Arc<Sphere>, sphere::Workspace)>,
+}
+
+impl<'a> Judge<'a> {
+    /// Shares the directions in space with others.
+    pub fn new(spheres: &'a Spheres) -> Self {
+        Self { plane: frozen::Workspace::default(), spheres, space: None }
+    }
+
+    /// The verdict on a solid, and the assessment by its polynomial where that was what decided.
+    ///
+    /// # Errors
+    /// No rate of response; numbers that overflow.
+    pub fn judge(&mut self, solid: &Solid) -> Result<(Judged, Option<Assessment>), StateError> {
+        match solid.dimensions {
+            2 => self.plane(solid),
+            _ => Ok((self.space(solid)?, None)),
+        }
+    }
+
+    fn plane(&mut self, solid: &Solid) -> Result<(Judged, Option<Assessment>), StateError> {
+        let rates = solid.rates::<2>()?;
+        if solid.keeps_energy() {
+            return Ok((energetic(Circle::new(&rates).search(&[])), None));
+        }
+        let frozen::Workspace { system, pencil } = &mut self.plane;
+        rates.linearise(system);
+        pencil.update(system)?;
+        let assessment = analysis::growth::assess(pencil);
+        let verdict = assessment.verdict.clone();
+        let worst = match verdict {
+            Verdict::IllPosed { direction, .. } => Some(direction),
+            _ => None,
+        };
+        let extremes = Circle::new(&rates).search(worst.as_slice());
+        let judged = Judged {
+            verdict,
+            normal: worst.map(|angle| [angle.cos(), angle.sin(), 0.0]),
+            hyperbolicity: Hyperbolicity::of(&extremes),
+            extremes,
+            route: PLANE_ROUTE,
+        };
+        Ok((judged, Some(assessment)))
+    }
+
+    fn space(&mut self, solid: &Solid) -> Result<Judged, StateError> {
+        let elastic = solid.elastic_rates::<3>();
+        // In space every yield set has one condition.
+        let active = solid.plastic.as_ref().and_then(|plastic| plastic.active.first());
+        let extremes = match active {
+            None => slowest_elastic(&elastic),
+            Some(active) => {
+                let stresses = solid.stresses::<3>();
+                let components = |gradient| -> Vec<f64> {
+                    stresses.iter().map(|component| component.derivative(gradient)).collect()
+                };
+                let (normal, flow) = (components(&active.normal), components(&active.flow));
+                let update = RankOne::new(&elastic, &normal, &flow, active.hardening)?;
+                let mut own = match self.space.take() {
+                    Some(own) if own.0 == solid.elastic => own,
+                    _ => {
+                        let sphere = self.spheres.of(solid.elastic, &elastic)?;
+                        let workspace = sphere.workspace();
+                        (solid.elastic, sphere, workspace)
+                    }
+                };
+                let found = own.1.search(&update, &mut own.2);
+                self.space = Some(own);
+                found?
+            }
+        };
+        if solid.keeps_energy() {
+            return Ok(energetic(extremes));
+        }
+        let Slowest { speed_squared, rounding, normal } = extremes.slowest;
+        let grows = |normal: [f64; 3]| {
+            let growth = Growth {
+                order: Order { numerator: 1, denominator: 1 },
+                coefficient: extremes.growth(),
+            };
+            let direction = angles_deg(normal)[0].to_radians();
+            (Verdict::IllPosed { growth: Some(growth), direction }, Some(normal))
+        };
+        let (verdict, normal) = match extremes.flutter {
+            Some(Flutter { growth, normal, .. }) if growth >= extremes.growth() => grows(normal),
+            _ if speed_squared < -rounding => grows(normal),
+            _ if speed_squared <= rounding => {
+                let quantity = "least squared speed over all directions".into();
+                (Verdict::Marginal { quantity, value: speed_squared, rounding }, None)
+            }
+            _ => (Verdict::WellPosed, None),
+        };
+        let hyperbolicity = Hyperbolicity::of(&extremes);
+        Ok(Judged { verdict, normal, extremes, hyperbolicity, route: SPACE_ROUTE })
+    }
+}
+
+/// The verdict on a solid that keeps its energy.
+fn energetic(mut extremes: Extremes) -> Judged {
+    // Every c² is real and not negative: what is below zero is rounding.
+    extremes.flutter = None;
+    extremes.slowest.speed_squared = extremes.slowest.speed_squared.max(0.0);
+    Judged {
+        verdict: Verdict::WellPosed,
+        normal: None,
+        extremes,
+        hyperbolicity: Hyperbolicity::Hyperbolic,
+        route: SYMMETRIC_ROUTE,
+    }
+}
+
+/// Of an isotropic solid: one direction stands for all. Waves of speed zero, the spins of a reduced
+/// Cosserat solid, are no waves.
+fn slowest_elastic(elastic: &RateEquations<3>) -> Extremes {
+    let normal = [1.0, 0.0, 0.0];
+    let speeds = squared_speeds(elastic, normal);
+    let moving = speeds.iter().map(|c| c.re).filter(|&c| c > 1e-13 * speeds[0].re);
+    let speed_squared = moving.fold(f64::INFINITY, f64::min);
+    Extremes { flutter: None, slowest: Slowest { speed_squared, normal, rounding: 0.0 } }
+}
+
+impl Solid {
+    /// Greatest |Im ω| along the wave of a case, 1/s: the greatest growth rate there.
+    ///
+    /// # Errors
+    /// No rate of response.
+    pub fn growth_rate(&self, wave: &Wave) -> Result<f64, StateError> {
+        let waves = self.waves(wave, false)?;
+        let rate = |family: &analysis::waves::Family| match family.is_hermitian() {
+            true => 0.0,
+            false => family
+                .squared_frequencies(wave.number)
+                .iter()
+                .map(|square| square.sqrt().im.abs())
+                .fold(0.0, f64::max),
+        };
+        Ok(waves.families.iter().map(rate).fold(0.0, f64::max))
+    }
+}

@@ -1,0 +1,397 @@
+//! Solids through the program: case files to verdicts, speeds and waves, against closed forms.
+
+use serde_json::Value;
+use std::f64::consts::PI;
+use std::path::Path;
+use wellposed::map::{self, Extras};
+use wellposed::{Format, Options, dispersion, point, speeds};
+
+type Verb = fn(&Options, &mut dyn std::io::Write) -> Result<(), wellposed::Error>;
+
+const LAYERS: &str = "
+[model]
+kind = 'reduced-cosserat'
+dimensions = 2
+lambda = 1
+mu = 1
+alpha = 0.3
+density = 1
+inertia = 1
+[yield]
+kind = 'interlayer'
+active = ['+sigma21']
+shear_strength = 1
+shear_friction = 0.6
+shear_dilatancy = 0.05
+";
+
+const CONE: &str = "
+[model]
+kind = 'classical'
+dimensions = 3
+lambda = 1.5
+mu = 1
+density = 2
+[yield]
+kind = 'drucker-prager'
+strength = 1
+friction = 0.6
+dilatancy = 0.1
+hardening = 0
+[stress]
+pressure = 0.4
+deviatoric_stress = 1
+stress_angle_deg = 25
+out_of_plane_stress = 0.3
+";
+
+fn run(folder: &Path, verb: Verb, case: &str, sets: &[String]) -> Result<Value, String> {
+    let file = folder.join("solid.toml");
+    std::fs::write(&file, case).expect("a scratch file");
+    let options = Options {
+        case: file,
+        sets: sets.to_vec(),
+        format: Format::Json,
+        out: Some(folder.join("out")),
+        force: true,
+        ..Options::default()
+    };
+    let mut stdout = Vec::new();
+    verb(&options, &mut stdout).map_err(|error| error.to_string())?;
+    Ok(serde_json::from_slice(&stdout).expect("JSON"))
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+fn set(key: &str, value: f64) -> String {
+    format!("{key}={value:?}")
+}
+
+/// Trace and determinant of the acoustic tensor while the layer normal to x₁ slips (λ = μ = ρ = 1,
+/// α = 0.3), by hand.
+fn invariants(friction: f64, dilatancy: f64, angle: f64) -> [f64; 2] {
+    let (lambda, alpha) = (1.0, 0.3);
+    // D applied to (κ, 0, 1, 0) over (σ11, σ22, σ21, σ12).
+    let image = |k: f64| [(lambda + 2.0) * k, lambda * k, 1.0 + alpha, 1.0 - alpha];
+    let (flow, normal) = (image(dilatancy), image(friction));
+    let response = friction * flow[0] + flow[2];
+    let (s, c) = angle.sin_cos();
+    let traction = |d: [f64; 4]| [d[0] * c + d[3] * s, d[2] * c + d[1] * s];
+    let (a, b) = (traction(flow), traction(normal));
+    let entry = |i: usize, j: usize| {
+        let n = [c, s];
+        (lambda + 1.0 - alpha) * n[i] * n[j] + f64::from(u8::from(i == j)) * (1.0 + alpha)
+            - a[i] * b[j] / response
+    };
+    [entry(0, 0) + entry(1, 1), entry(0, 0) * entry(1, 1) - entry(0, 1) * entry(1, 0)]
+}
+
+/// Greatest |Im c| over all directions.
+fn flutter(friction: f64, dilatancy: f64) -> f64 {
+    let rate = |angle: f64| {
+        let [trace, determinant] = invariants(friction, dilatancy, angle);
+        let square = determinant - 0.25 * trace * trace;
+        // c² = t/2 ± i√square: 2 (Im c)² = |c²| − Re c².
+        if square > 0.0 { (0.5 * (determinant.sqrt() - 0.5 * trace)).sqrt() } else { 0.0 }
+    };
+    (0..200_000).map(|i| rate(PI * f64::from(i) / 200_000.0)).fold(0.0, f64::max)
+}
+
+#[test]
+fn flutter_of_layers_is_that_of_the_discriminant() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let (mut ill, mut well) = (0, 0);
+    for friction in [0.1, 0.6, 1.1] {
+        for dilatancy in [-0.2, 0.05, 0.25, 0.6, 1.0] {
+            let sets =
+                [set("yield.shear_friction", friction), set("yield.shear_dilatancy", dilatancy)];
+            let report = run(folder.path(), point::run, LAYERS, &sets).expect("a sound case");
+            let expected = flutter(friction, dilatancy);
+            if expected > 0.0 {
+                ill += 1;
+                assert_eq!(report["verdict"], "ill-posed", "{friction} {dilatancy}");
+                assert_eq!(report["hyperbolicity"], "flutter");
+                assert_eq!(number(&report["order"]), 1.0);
+                let found = number(&report["coefficient"]);
+                assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+                assert!((number(&report["flutter"]["growth"]) / found - 1.0).abs() < 1e-9);
+            } else {
+                well += 1;
+                assert_eq!(report["verdict"], "well-posed", "{friction} {dilatancy}");
+                assert_eq!(report["hyperbolicity"], "hyperbolic");
+            }
+            // Slip along the layer stands still throughout.
+            assert!(number(&report["slowest"]["squared_speed"]).abs() < 1e-12);
+            assert_eq!(number(&report["slowest"]["normal"]["direction_deg"]), 0.0);
+        }
+    }
+    assert!(ill >= 4 && well >= 4, "{ill} {well}");
+}
+
+#[test]
+fn sectors_and_vanishing_speeds_of_layers() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let report = run(folder.path(), speeds::run, LAYERS, &[]).expect("a sound case");
+    let sectors = report["flutter_sectors_deg"].as_array().expect("a list");
+    assert_eq!(sectors.len(), 1);
+    for (edge, inwards) in [(0, 1e-6), (1, -1e-6)] {
+        let edge = number(&sectors[0][edge]).to_radians();
+        let discriminant = |angle: f64| {
+            let [trace, determinant] = invariants(0.6, 0.05, angle);
+            trace * trace - 4.0 * determinant
+        };
+        assert!(discriminant(edge + inwards) < 0.0 && discriminant(edge - inwards) > 0.0);
+    }
+    assert_eq!(report["vanishing"][0]["what"], "slip along the layer");
+    assert_eq!(report["vanishing"].as_array().expect("a list").len(), 1);
+    // Every speed of the table solves the characteristic equation.
+    let table = std::fs::read_to_string(folder.path().join("out/speeds.csv")).expect("a table");
+    let mut rows = 0;
+    for line in table.lines().skip(1).filter(|line| line.contains("yielding")) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let cell = |i: usize| cells[i].parse::<f64>().expect("a number");
+        let [trace, determinant] = invariants(0.6, 0.05, cell(0).to_radians());
+        let (re, im) = (cell(3), cell(4));
+        let residual = [re * re - im * im - trace * re + determinant, 2.0 * re * im - trace * im];
+        assert!(residual.iter().all(|r| r.abs() < 1e-12), "{line}: {residual:?}");
+        rows += 1;
+    }
+    assert_eq!(rows, 2 * 721);
+}
+
+/// The critical plastic modulus of Rudnicki & Rice (1975, eq. 20) in the form with their N, μ, β for
+/// normals in the plane of the greatest and least principal stress, H in their units h.
+fn critical_modulus(ratio: f64, friction: f64, dilatancy: f64, lambda: f64) -> f64 {
+    // Their principal deviators over τ̄ with N = s₂/τ̄; their μ and β are derivatives by −σ_m, our κ, κ̂.
+    let nu = lambda / (2.0 * (lambda + 1.0));
+    let (mu, beta) = (friction, dilatancy);
+    (1.0 + nu) / (9.0 * (1.0 - nu)) * (beta - mu).powi(2)
+        - 0.5 * (1.0 + nu) * (ratio + (beta + mu) / 3.0).powi(2)
+}
+
+#[test]
+fn shear_bands_in_space_start_as_rudnicki_and_rice_say() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    for (out_of_plane, friction, dilatancy) in
+        [(0.3, 0.6, 0.1), (0.0, 0.6, 0.1), (-0.4, 0.5, 0.2), (0.1, 0.3, 0.3)]
+    {
+        // Principal deviators of (1, −1, x): ±1 − x/3 and 2x/3.
+        let middle = 2.0 * out_of_plane / 3.0;
+        let square = |x: f64| x * x;
+        let shear = (0.5
+            * (square(1.0 - out_of_plane / 3.0)
+                + square(1.0 + out_of_plane / 3.0)
+                + square(middle)))
+        .sqrt();
+        // f = τ̄ + κσ_m: Rudnicki & Rice count the mean stress with the factor ⅓ as well.
+        let critical = critical_modulus(middle / shear, friction, dilatancy, 1.5);
+        for (offset, is_banded) in [(-1e-6, true), (1e-6, false)] {
+            let sets = [
+                set("stress.out_of_plane_stress", out_of_plane),
+                set("yield.friction", friction),
+                set("yield.dilatancy", dilatancy),
+                set("yield.hardening", critical + offset),
+            ];
+            let report = run(folder.path(), speeds::run, CONE, &sets).expect("a sound case");
+            let squared = number(&report["slowest"]["squared_speed"]);
+            assert_eq!(squared < 0.0, is_banded, "{out_of_plane}: {critical} {squared:e}");
+            let verdict = if is_banded { "ill-posed" } else { "well-posed" };
+            assert_eq!(report["verdict"], verdict, "{out_of_plane} {friction} {dilatancy}");
+            // The normal lies in the plane of the extreme principal stresses.
+            assert!(number(&report["slowest"]["normal"]["elevation_deg"]).abs() < 1e-2);
+        }
+    }
+}
+
+#[test]
+fn the_stress_is_scaled_onto_yield() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let report = run(folder.path(), point::run, CONE, &[]).expect("a sound case");
+    let s = |i: usize, j: usize| number(&report["stress"]["force"][i][j]);
+    let mean = (s(0, 0) + s(1, 1) + s(2, 2)) / 3.0;
+    let mut square = 0.0;
+    for i in 0..3 {
+        for j in 0..3 {
+            let deviator = s(i, j) - if i == j { mean } else { 0.0 };
+            square += 0.5 * deviator * deviator;
+        }
+    }
+    assert!((square.sqrt() + 0.6 * mean - 1.0).abs() < 1e-14);
+    assert!((-0.5 * (s(0, 0) + s(1, 1)) - 0.4).abs() < 1e-14, "the pressure stays");
+    let angle = 0.5 * (s(0, 1) + s(1, 0)).atan2(s(0, 0) - s(1, 1)).to_degrees();
+    assert!((angle - 25.0).abs() < 1e-12);
+
+    // Layers: σ21 = r + q sin 2ψ meets τ₀ − κσ11 first.
+    let layers = LAYERS.replace("active = ['+sigma21']\n", "")
+        + "[stress]\npressure = 2\ndeviatoric_stress = 0.4\nstress_angle_deg = 10\nrotational_stress = 1\n";
+    let report = run(folder.path(), point::run, &layers, &[]).expect("a sound case");
+    assert_eq!(report["active"][0], "shear of the layer normal to x1, σ21 > 0");
+    assert_eq!(report["active"].as_array().expect("a list").len(), 1);
+    let s = |i: usize, j: usize| number(&report["stress"]["force"][i][j]);
+    assert!((s(1, 0) - (1.0 - 0.6 * s(0, 0))).abs() < 1e-14);
+    assert!(s(0, 1).abs() < 1.0 - 0.6 * s(1, 1));
+    // The tangent depends on what is active alone.
+    let named = run(folder.path(), point::run, LAYERS, &[]).expect("a sound case");
+    assert_eq!(named["coefficient"], report["coefficient"]);
+}
+
+#[test]
+fn a_solid_that_keeps_its_energy_is_well_posed() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let associated = [set("yield.shear_dilatancy", 0.6)];
+    let cone = [set("yield.dilatancy", 0.6)];
+    for (case, sets) in [(LAYERS, &associated), (CONE, &cone)] {
+        let report = run(folder.path(), point::run, case, sets).expect("a sound case");
+        assert_eq!(report["verdict"], "well-posed");
+        assert_eq!(report["associated"], true);
+        let energy = |key: &str| number(&report["energy"][key]);
+        assert!(energy("definiteness") > 0.01);
+        for key in ["asymmetry", "antisymmetry", "elastic_growth"] {
+            assert!(energy(key) < 1e-14, "{key} {}", energy(key));
+        }
+        // While yielding some zero roots are close to defective.
+        assert!(energy("growth") < 1e-7, "{}", energy("growth"));
+    }
+    // Softening along the normal is associated and yet keeps no energy.
+    let sets = [set("yield.dilatancy", 0.6), set("yield.hardening", -0.8)];
+    let report = run(folder.path(), point::run, CONE, &sets).expect("a sound case");
+    assert_eq!(report["verdict"], "ill-posed");
+    assert_eq!(report["hyperbolicity"], "shear-band");
+}
+
+#[test]
+fn waves_of_a_fluttering_solid_grow() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let sets = [set("wave.direction_deg", 44.0), set("wave.number", 1e6)];
+    let report = run(folder.path(), dispersion::run, LAYERS, &sets).expect("a sound case");
+    let [trace, determinant] = invariants(0.6, 0.05, 44f64.to_radians());
+    let expected = (0.5 * (determinant.sqrt() - 0.5 * trace)).sqrt();
+    let families = report["families"].as_array().expect("a list");
+    let rates = families.iter().flat_map(|f| f["at_wave"].as_array().expect("a list"));
+    let greatest = rates.map(|at| number(&at["growth_rate"])).fold(0.0, f64::max);
+    assert!((greatest / (1e6 * expected) - 1.0).abs() < 1e-6, "{greatest}");
+}
+
+const MAP: &str = "
+[map]
+x = { parameter = 'yield.shear_dilatancy', from = -0.4, to = 1.2, points = 9 }
+y = { parameter = 'yield.shear_friction', from = 0.05, to = 1.25, points = 7 }
+";
+
+#[test]
+fn a_map_says_what_its_points_say() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let verb: Verb = |options, stdout| map::run(options, Extras::default(), stdout);
+    let report = run(folder.path(), verb, &(LAYERS.to_owned() + MAP), &[]).expect("a sound case");
+    let table = std::fs::read_to_string(folder.path().join("out/map.csv")).expect("a table");
+    let mut lines = table.lines();
+    let header: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    let column = |name: &str| header.iter().position(|h| *h == name).expect("a column");
+    let (verdict, coefficient) = (column("verdict"), column("coefficient"));
+    let mut counts = [0; 3];
+    for line in lines {
+        let cells: Vec<&str> = line.split(',').collect();
+        let at = |i: usize| cells[i].parse::<f64>().expect("a number");
+        let (dilatancy, friction) = (at(0), at(1));
+        let expected = flutter(friction, dilatancy);
+        match cells[verdict] {
+            "well-posed" => {
+                counts[0] += 1;
+                assert_eq!(expected, 0.0, "{line}");
+            }
+            "ill-posed" if cells[column("hyperbolicity")] == "flutter" => {
+                counts[1] += 1;
+                assert!((at(coefficient) / expected - 1.0).abs() < 1e-5, "{line} {expected}");
+            }
+            _ => counts[2] += 1,
+        }
+    }
+    assert_eq!(counts.iter().sum::<i32>(), 63);
+    assert!(counts[0] > 20 && counts[1] > 10 && counts[2] < 5, "{counts:?}");
+    assert_eq!(number(&report["points"]["well-posed"]), f64::from(counts[0]));
+}
+
+#[test]
+fn threads_change_no_bit_of_a_map_in_space() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    // A modulus along x: the directions of every elastic solid are made anew, column by column.
+    let case = CONE.to_owned()
+        + "[map]\nx = { parameter = 'model.lambda', from = 1, to = 2, points = 3 }\n\
+           y = { parameter = 'yield.hardening', from = -0.3, to = 0.3, points = 30 }\n";
+    let file = folder.path().join("solid.toml");
+    std::fs::write(&file, case).expect("a scratch file");
+    let maps = [1, 2, 3].map(|threads| {
+        let out = folder.path().join(format!("out{threads}"));
+        let options = Options {
+            case: file.clone(),
+            out: Some(out.clone()),
+            threads: Some(threads),
+            ..Options::default()
+        };
+        map::run(&options, Extras::default(), &mut Vec::new()).expect("a sound case");
+        std::fs::read(out.join("map.csv")).expect("a table")
+    });
+    assert!(maps[0] == maps[1] && maps[1] == maps[2]);
+    let text = String::from_utf8(maps[0].clone()).expect("text");
+    assert!(text.contains("shear-band") && text.contains(",hyperbolic,"));
+}
+
+#[test]
+fn wrong_solids_are_refused_with_place_and_remedy() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let refused = |case: &str, words: &[&str]| {
+        let error = run(folder.path(), point::run, case, &[]).expect_err("a wrong case");
+        for word in words {
+            assert!(error.contains(word), "{error}\nsays nothing of '{word}'");
+        }
+    };
+    let change = |from: &str, to: &str| {
+        assert!(LAYERS.contains(from), "{from}");
+        LAYERS.replace(from, to)
+    };
+    refused(&change("dimensions = 2", "dimensions = 3"), &["solid.toml:4: model.dimensions", "2"]);
+    refused(&change("dimensions = 2", "dimensions = 4"), &["found 4", "2 for plane strain or 3"]);
+    refused(
+        &change("'interlayer'", "'interlayers'"),
+        &[":11: yield.kind", "did you mean 'interlayer'"],
+    );
+    refused(&change("'+sigma21'", "'+sigma31'"), &["yield.active", "'+sigma31'", "+sigma21"]);
+    refused(&change("'+sigma21'", "'+m31'"), &["yield.active", "+sigma21, -sigma21"]);
+    refused(&change("'+sigma21'", "'+sigma21', '-sigma21'"), &["name each stress once"]);
+    refused(&change("['+sigma21']", "[]"), &["an empty list"]);
+    refused(&change("shear_dilatancy = 0.05", ""), &["yield.shear_dilatancy", "missing"]);
+    refused(
+        &change("shear_dilatancy = 0.05", "dilatancy = 0.05"),
+        &["yield.dilatancy", "not used by the set interlayer", "drucker-prager"],
+    );
+    refused(
+        &change("shear_friction = 0.6", "shear_friction = -1"),
+        &["yield.shear_friction", "κ_τ ≥ 0"],
+    );
+    refused(
+        &change("shear_dilatancy = 0.05", "shear_dilatancy = -5"),
+        &["no response while yielding"],
+    );
+    refused(&(LAYERS.to_owned() + "[stress]\npressure = 1\n"), &["either decides"]);
+    let cone = |from: &str, to: &str| CONE.replace(from, to);
+    refused(&cone("pressure = 0.4", "pressure = -2"), &["stress.pressure", "within the yield set"]);
+    refused(
+        &cone("deviatoric_stress = 1", "deviatoric_stress = 0").replace("= 0.3", "= 0"),
+        &["never yield"],
+    );
+    refused(&cone("'drucker-prager'", "'cosserat-mises'"), &["allowed for classical"]);
+    let elastic = &CONE[..CONE.find("[yield]").expect("a section")];
+    refused(
+        &format!(
+            "{elastic}[stress]
+pressure = 1
+"
+        ),
+        &["a stress without a yield set"],
+    );
+    let flow =
+        wellposed::new::text(wellposed::case::Kind::from_name("double-shearing").expect("a kind"));
+    refused(&(flow + "\n[yield]\nkind = 'von-mises'\n"), &["yield", "flows yield"]);
+}
