@@ -363,30 +363,86 @@ impl Secular {
         if (self.weight[index] > 0.0) == flips { -1.0 } else { 1.0 }
     }
 
-    /// A root in an interval with an odd number of them: Newton's method, halving where it leaves.
-    fn root(&self, index: usize) -> f64 {
+    /// A step from `x` towards the root of the interval below pole `index`: the zero of
+    /// c + a/(λ_below − y) + b/(λ_above − y) that has the values and slopes of the sums over the poles
+    /// below and above (R.-C. Li 1993, "Solving secular equations stably and efficiently"). Not a number
+    /// where that has none.
+    fn rational_step(&self, index: usize, x: f64) -> f64 {
+        let (mut value, mut below, mut above) = (1.0, 0.0, 0.0);
+        // Over all, with weights of zero beyond the last pole: as many divisions at a time as there are.
+        let (mut parts, mut slopes) = ([0.0; SIZE], [0.0; SIZE]);
+        for g in 0..SIZE {
+            let inverse = 1.0 / (self.pole[g] - x);
+            parts[g] = self.weight[g] * inverse;
+            slopes[g] = parts[g] * inverse;
+        }
+        for g in 0..self.count {
+            value -= parts[g];
+            if g < index { below -= slopes[g] } else { above -= slopes[g] }
+        }
+        if index == 0 || index == self.count {
+            // One pole: c + b/(λ − y).
+            let (pole, slope) = match index {
+                0 => (self.pole[0], above),
+                _ => (self.pole[self.count - 1], below),
+            };
+            let distance = pole - x;
+            return distance * value / (value - slope * distance);
+        }
+        let (left, right) = (self.pole[index - 1] - x, self.pole[index] - x);
+        // c (l − s)(r − s) + a (r − s) + b (l − s) = 0 with a = ψ′l², b = φ′r² and the step s.
+        let constant = value - below * left - above * right;
+        let (a, b) = (below * left * left, above * right * right);
+        let linear = constant * (left + right) + a + b;
+        let last = value * left * right;
+        let root = (linear * linear - 4.0 * constant * last).sqrt();
+        // Of the two the one that vanishes with the value.
+        2.0 * last / (linear + root.copysign(linear))
+    }
+
+    /// A root in an interval with an odd number of them: rational steps, then Newton's method, halving
+    /// where it leaves. `size` is that of the [equation](Self::size), `is_simple` whether no interval has three.
+    fn root(&self, index: usize, size: f64, is_simple: bool) -> f64 {
         let (mut low, mut high) = self.interval(index);
         let sign = self.sign_above(index);
+        let is_inner = 0 < index && index < self.count;
         // Newton's method from below all roots comes to the least of them in one direction.
         let mut x = if index == 0 { low } else { 0.5 * (low + high) };
+        if is_inner || is_simple {
+            let mut from = x;
+            for _ in 0..8 {
+                let step = self.rational_step(index, from);
+                let next = from + step;
+                if !(next > low && next < high) {
+                    break;
+                }
+                from = next;
+                if step.abs() <= 1e-4 * (high - low) {
+                    x = next;
+                    break;
+                }
+            }
+        }
         let mut last = high - low;
+        let rounding = f64::EPSILON * size;
         for _ in 0..120 {
             let (value, slope) = self.polynomial(x);
-            if value == 0.0 {
-                return x;
+            let step = value / slope;
+            // Where the step is rounding the sign of q says no more.
+            if value == 0.0 || step.abs() <= rounding {
+                return if value == 0.0 { x } else { (x - step).clamp(low, high) };
             }
             if value * sign > 0.0 {
                 high = x;
             } else {
                 low = x;
             }
-            let step = value / slope;
             let mut next = x - step;
             if !(next > low && next < high && step.abs() <= 0.9 * last) {
                 next = 0.5 * (low + high);
             }
             last = (next - x).abs();
-            if last <= 1e-16 * x.abs() || next == x {
+            if last <= rounding || next == x {
                 return next;
             }
             x = next;
@@ -415,15 +471,24 @@ impl Secular {
             (2, _) => pair = Some(self.quadratic()),
             (_, 1) => {
                 let least_index = usize::from(self.weight[0] < 0.0);
-                let slight = SLIGHT * self.size();
+                let size = self.size();
+                let slight = SLIGHT * size;
                 if self.weight[..self.count].iter().all(|w| w.abs() > slight) {
-                    least = least.min(self.root(least_index));
+                    least = least.min(self.root(least_index, size, true));
                 } else {
                     // The sign of a slight weight may change next to here.
+                    let is_slight = |pole: usize| {
+                        self.weight[..self.count].get(pole).is_some_and(|w| w.abs() <= slight)
+                    };
                     let mut previous = f64::NEG_INFINITY;
                     for index in (0..=self.count).filter(|&index| self.is_odd(index)) {
-                        let root = self.root(index);
-                        if root - previous < REACH * self.size() {
+                        let is_beside = is_slight(index) || (index > 0 && is_slight(index - 1));
+                        if !is_beside && index != least_index {
+                            previous = f64::NEG_INFINITY;
+                            continue;
+                        }
+                        let root = self.root(index, size, true);
+                        if root - previous < REACH * size {
                             pair = self.nearer(pair, previous, root);
                         }
                         least = least.min(root);
@@ -497,15 +562,15 @@ impl Secular {
         for index in 0..self.count {
             sum += self.pole[index] - self.weight[index];
         }
+        let size = self.size();
         for index in 0..=self.count {
             if count < self.count - 2 && self.is_odd(index) {
-                found[count] = self.root(index);
+                found[count] = self.root(index, size, false);
                 sum -= found[count];
                 count += 1;
             }
         }
         let mut middle = 0.5 * sum;
-        let size = self.size();
         // In the middle of three roots q says nothing: then beside it.
         let is_near = |x: f64| found[..count].iter().any(|f| (x - f).abs() <= 1e-7 * size);
         let mut shift = 0.0;
@@ -1131,7 +1196,7 @@ impl Sphere {
             (2, _) => push_pair(&mut roots, &secular.quadratic()),
             (count, 1) => {
                 for index in (0..=count).filter(|&index| secular.is_odd(index)) {
-                    roots.push(Complex64::new(secular.root(index), 0.0));
+                    roots.push(Complex64::new(secular.root(index, secular.size(), true), 0.0));
                 }
             }
             (count, 3) => {
