@@ -38,6 +38,8 @@ struct Found {
     curves: Vec<(f64, Speeds, Speeds)>,
     /// Sectors of flutter in the plane of the curves, degrees.
     flutter: Vec<[f64; 2]>,
+    /// Sectors of imaginary speeds, c² < 0, likewise.
+    imaginary: Vec<[f64; 2]>,
     /// Directions of vanishing speeds, degrees, and what they are; plane strain.
     vanishing: Vec<(f64, &'static str)>,
     /// On the hemisphere, azimuth running fastest: the slowest real speed, NaN where one is complex.
@@ -128,9 +130,10 @@ fn find(case: &Case, solid: Solid) -> Result<Found, Error> {
     };
     let largest = curves.iter().flat_map(|(_, e, _)| e).map(|c| c.re).fold(0.0, f64::max);
     if solid.dimensions == 3 {
-        flutter = sectors(&curves, largest);
+        flutter = sectors(&curves, |c| c.im.abs() > REAL * largest);
     }
-    Ok(Found { solid, judged, curves, flutter, vanishing, sphere, largest })
+    let imaginary = sectors(&curves, |c| c.im.abs() <= REAL * largest && c.re < -ZERO * largest);
+    Ok(Found { solid, judged, curves, flutter, imaginary, vanishing, sphere, largest })
 }
 
 /// Why a wave stands still whose normal has that angle (rad).
@@ -188,18 +191,21 @@ fn angles() -> (Vec<f64>, Vec<f64>) {
     (list(91), list(360))
 }
 
-/// Sectors of directions with complex speeds, to the step between directions.
-fn sectors(curves: &[(f64, Speeds, Speeds)], largest: f64) -> Vec<[f64; 2]> {
+/// Sectors of directions with such c² while yielding, to the step between directions.
+fn sectors(
+    curves: &[(f64, Speeds, Speeds)],
+    is_such: impl Fn(&Complex64) -> bool,
+) -> Vec<[f64; 2]> {
     let mut sectors: Vec<[f64; 2]> = Vec::new();
     let mut was = false;
     for (degrees, _, speeds) in curves {
-        let is_complex = speeds.iter().any(|c| c.im.abs() > REAL * largest);
+        let is_here = speeds.iter().any(&is_such);
         match sectors.last_mut() {
-            Some(last) if is_complex && was => last[1] = *degrees,
-            _ if is_complex => sectors.push([*degrees; 2]),
+            Some(last) if is_here && was => last[1] = *degrees,
+            _ if is_here => sectors.push([*degrees; 2]),
             _ => {}
         }
-        was = is_complex;
+        was = is_here;
     }
     sectors
 }
@@ -235,6 +241,7 @@ fn report(case: &Case, found: &Found) -> Value {
             "normal": direction(extremes.slowest.normal),
         },
         "flutter_sectors_deg": found.flutter,
+        "imaginary_sectors_deg": found.imaginary,
         "vanishing": found.vanishing.iter()
             .map(|(degrees, what)| json!({ "direction_deg": degrees, "what": what }))
             .collect::<Vec<_>>(),
@@ -286,6 +293,14 @@ fn words(case: &Case, found: &Found) -> String {
         let _ = writeln!(
             text,
             "  complex speeds for normals from {}° to {}°",
+            short(*from),
+            short(*to)
+        );
+    }
+    for [from, to] in &found.imaginary {
+        let _ = writeln!(
+            text,
+            "  imaginary speeds for normals from {}° to {}°",
             short(*from),
             short(*to)
         );
