@@ -8,6 +8,7 @@ use crate::words::{case_title, short};
 use crate::{Error, Format, Options};
 use analysis::waves::{Family, ForbiddenBand, Mode};
 use figures::{Band, Branch, DispersionFigure, Level};
+use models::granular_flow::InputError;
 use num_complex::Complex64;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -19,6 +20,8 @@ const SAMPLES: usize = 600;
 /// Waves that move alike: a family, and how many others are the same.
 struct Kind {
     family: Family,
+    /// Whether ω² below zero is rounding.
+    keeps_energy: bool,
     count: usize,
     bands: Vec<ForbiddenBand>,
 }
@@ -40,6 +43,16 @@ struct Point {
 pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let case = Case::load(&options.case, &options.sets)?;
     let solid = Solid::of(&case).map_err(|error| case.locate(error))?;
+    if solid.plastic.as_ref().is_some_and(|plastic| plastic.rate > 0.0) {
+        let error = InputError {
+            key: "yield.plastic_rate",
+            found: format!("{:?}", case.numbers.yields.plastic_rate),
+            allowed: "0: branches are followed of waves that nothing damps; wellposed point has \
+                      the roots of damped ones"
+                .into(),
+        };
+        return Err(case.locate(error).into());
+    }
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     let wave = case.numbers.wave;
     let greatest = match wave.greatest_number {
@@ -76,7 +89,6 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
 
 /// The families of waves, those that are the same at every wave number taken together.
 fn kinds(solid: &Solid, wave: &Wave, greatest: f64) -> Result<Vec<Kind>, StateError> {
-    let samples: Vec<f64> = numbers(greatest).collect();
     let mut kinds: Vec<Kind> = Vec::new();
     for family in solid.waves(wave, false)?.families {
         let is_same = |other: &Kind| {
@@ -92,8 +104,9 @@ fn kinds(solid: &Solid, wave: &Wave, greatest: f64) -> Result<Vec<Kind>, StateEr
         match kinds.iter_mut().find(|kind| is_same(kind)) {
             Some(kind) => kind.count += 1,
             None => {
-                let bands = family.forbidden_bands(&samples);
-                kinds.push(Kind { family, count: 1, bands });
+                let bands = family.forbidden_bands();
+                let keeps_energy = solid.keeps_energy();
+                kinds.push(Kind { family, keeps_energy, count: 1, bands });
             }
         }
     }
@@ -105,9 +118,8 @@ fn numbers(greatest: f64) -> impl Iterator<Item = f64> {
 }
 
 impl Point {
-    fn new(number: f64, mode: &Mode, is_hermitian: bool) -> Self {
-        // Real ω² of a stiffness that is not negative: below zero is rounding.
-        let square = match is_hermitian {
+    fn new(number: f64, mode: &Mode, keeps_energy: bool) -> Self {
+        let square = match keeps_energy {
             true => mode.squared_frequency.re.max(0.0).into(),
             false => mode.squared_frequency,
         };
@@ -155,14 +167,13 @@ impl Kind {
 
     /// The branches at one wave number.
     fn at(&self, number: f64) -> Vec<Point> {
-        let is_hermitian = self.family.is_hermitian();
         let modes = self.family.modes(number);
-        modes.iter().map(|mode| Point::new(number, mode, is_hermitian)).collect()
+        modes.iter().map(|mode| Point::new(number, mode, self.keeps_energy)).collect()
     }
 
     /// Characteristic speeds c, real part and size of the imaginary part.
     fn speeds(&self) -> Vec<[f64; 2]> {
-        let speed = |square: &Complex64| match self.family.is_hermitian() {
+        let speed = |square: &Complex64| match self.keeps_energy {
             true => [square.re.max(0.0).sqrt(), 0.0],
             false => [square.sqrt().re, square.sqrt().im.abs()],
         };

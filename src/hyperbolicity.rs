@@ -1,6 +1,5 @@
 //! The verdict on a solid: are all speeds real, does any vanish, and is growth bounded?
 
-use crate::case::Wave;
 use crate::frozen::{self, StateError};
 use crate::solid::{Elastic, Solid, angles_deg};
 use analysis::circle::Circle;
@@ -260,23 +259,4 @@ fn slowest_elastic(elastic: &RateEquations<3>) -> Extremes {
     let moving = speeds.iter().map(|c| c.re).filter(|&c| c > 1e-13 * speeds[0].re);
     let speed_squared = moving.fold(f64::INFINITY, f64::min);
     Extremes { flutter: None, slowest: Slowest { speed_squared, normal, rounding: 0.0 } }
-}
-
-impl Solid {
-    /// Greatest |Im ω| along the wave of a case, 1/s: the greatest growth rate there.
-    ///
-    /// # Errors
-    /// No rate of response.
-    pub fn growth_rate(&self, wave: &Wave) -> Result<f64, StateError> {
-        let waves = self.waves(wave, false)?;
-        let rate = |family: &analysis::waves::Family| match family.is_hermitian() {
-            true => 0.0,
-            false => family
-                .squared_frequencies(wave.number)
-                .iter()
-                .map(|square| square.sqrt().im.abs())
-                .fold(0.0, f64::max),
-        };
-        Ok(waves.families.iter().map(rate).fold(0.0, f64::max))
-    }
 }

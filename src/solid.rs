@@ -2,7 +2,8 @@
 
 use crate::case::{Case, Kind, Medium, Solid as SolidKind, Wave, Yield, radians};
 use crate::frozen::StateError;
-use analysis::waves::Waves;
+use analysis::waves::{Waves, roots};
+use models::Rounded;
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances};
 use models::cosserat::stress::{Component, Stress};
 use models::cosserat::symbol::Layout;
@@ -13,6 +14,7 @@ use models::plasticity::parameters::{
 use models::plasticity::symbol::tangent;
 use models::rates::RateEquations;
 use models::system::Matrix;
+use num_complex::Complex64;
 
 /// Conditions that the scaled stress meets to within this, relative to the terms that they compare,
 /// hold with equality.
@@ -47,6 +49,8 @@ pub struct Plastic {
     pub stress: Option<Stress>,
     /// The conditions that hold with equality; at least one.
     pub active: Vec<ActiveCondition>,
+    /// Rate Λ at which the background flows, 1/s; 0 of layers, whose conditions are not curved.
+    pub rate: f64,
 }
 
 impl Solid {
@@ -82,6 +86,69 @@ impl Solid {
         };
         let stresses: Vec<_> = layout.all_stresses().collect();
         Ok(self.elastic.rates(&layout, &tangent(&stiffness, &stresses, &plastic.active)?))
+    }
+
+    /// The rate equations with what the flow of the background adds, carried stresses among the
+    /// unknowns; `None` where it adds nothing.
+    ///
+    /// # Errors
+    /// There is no rate of response.
+    pub fn damped_rates<const D: usize>(&self) -> Result<Option<RateEquations<D>>, StateError> {
+        let Some(Plastic { set: YieldSet::Mises(set), stress: Some(stress), active, rate }) =
+            &self.plastic
+        else {
+            return Ok(None);
+        };
+        let (layout, stiffness) = self.elastic.law::<D>();
+        let stresses: Vec<_> = layout.all_stresses().collect();
+        let Some(curvature) = set.curvature(stress, &stresses).filter(|_| *rate > 0.0) else {
+            return Ok(None);
+        };
+        let plastic = tangent(&stiffness, &stresses, active)?;
+        let relaxation = (curvature * *rate).map(Rounded::given);
+        let rates = self.elastic.rates(&layout.carrying(), &plastic);
+        Ok(Some(RateEquations { relaxation, ..rates }))
+    }
+
+    /// The roots ς along a wave, 1/s, by descending real part; those that are always zero left out.
+    ///
+    /// # Errors
+    /// There is no rate of response.
+    pub fn roots(&self, wave: &Wave) -> Result<Vec<Complex64>, StateError> {
+        let [x, y, z] = normal(wave);
+        let damped = match self.dimensions {
+            2 => self.damped_rates::<2>()?.map(|rates| roots(&rates, [x, y], wave.number)),
+            _ => self.damped_rates::<3>()?.map(|rates| roots(&rates, [x, y, z], wave.number)),
+        };
+        let mut all: Vec<Complex64> = match damped {
+            Some(roots) => roots,
+            None => self
+                .waves(wave, false)?
+                .families
+                .iter()
+                .flat_map(|family| {
+                    let squares = family.squared_frequencies(wave.number);
+                    // What is below zero while energy is kept is rounding.
+                    let is_kept = self.keeps_energy();
+                    squares.into_iter().map(move |square| match is_kept {
+                        true => Complex64::from(square.re.max(0.0)),
+                        false => square,
+                    })
+                })
+                .map(|square| square.sqrt() * Complex64::i())
+                .flat_map(|root| [root, -root])
+                .collect(),
+        };
+        all.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+        Ok(all)
+    }
+
+    /// Greatest Re ς along a wave, 1/s; those that are always zero included.
+    ///
+    /// # Errors
+    /// There is no rate of response.
+    pub fn growth_rate(&self, wave: &Wave) -> Result<f64, StateError> {
+        Ok(self.roots(wave)?.iter().map(|root| root.re).fold(0.0, f64::max))
     }
 
     /// The stresses in the rate equations in `D` dimensions.
@@ -227,14 +294,22 @@ impl Plastic {
         if let (YieldSet::Interlayer(layers), Some(active)) = (&set, &case.active) {
             let all: Vec<ActiveCondition> = layers.half_spaces().map(|(c, _)| c).collect();
             let active = active.iter().map(|&index| all[index]).collect();
-            return Ok(Self { set, stress: None, active });
+            return Ok(Self { set, stress: None, active, rate: 0.0 });
         }
         let stress = on_yield(&set, case)?;
         let active = set.active(&stress, ON_YIELD);
         if active.is_empty() {
             return Err(never_yields("a stress on the axis of the cone"));
         }
-        Ok(Self { set, stress: Some(stress), active })
+        let rate = case.numbers.yields.plastic_rate;
+        if rate < 0.0 {
+            return Err(InputError {
+                key: "yield.plastic_rate",
+                found: format!("{rate:?}"),
+                allowed: "the plastic rate must be Λ ≥ 0, in 1/s".into(),
+            });
+        }
+        Ok(Self { set, stress: Some(stress), active, rate })
     }
 }
 

@@ -395,3 +395,55 @@ pressure = 1
         wellposed::new::text(wellposed::case::Kind::from_name("double-shearing").expect("a kind"));
     refused(&(flow + "\n[yield]\nkind = 'von-mises'\n"), &["yield", "flows yield"]);
 }
+
+#[test]
+fn flow_of_the_background_damps_but_changes_no_speed() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let roots = |sets: &[String]| {
+        let report = run(folder.path(), point::run, CONE, sets).expect("a sound case");
+        let list = report["roots"].as_array().expect("a list").clone();
+        let roots: Vec<[f64; 2]> =
+            list.iter().map(|root| [number(&root[0]), number(&root[1])]).collect();
+        (roots, report)
+    };
+    let associated = set("yield.dilatancy", 0.6);
+    let wave = [set("wave.number", 1000.0), set("wave.direction_deg", 20.0)];
+    let with = |rate: f64| {
+        let mut sets = vec![associated.clone(), set("yield.plastic_rate", rate)];
+        sets.extend(wave.clone());
+        roots(&sets)
+    };
+    let ((free, still), (damped, flowing)) = (with(0.0), with(5.0));
+    assert_eq!(still["squared_speeds"], flowing["squared_speeds"]);
+    assert!(damped.iter().all(|root| root[0] < 1e-9), "{damped:?}");
+    assert!(damped.iter().any(|root| root[0] < -0.1), "{damped:?}");
+    // Short waves keep their frequencies: damping is of lower order.
+    for root in &free {
+        let near = damped.iter().map(|d| (d[1] - root[1]).abs()).fold(f64::INFINITY, f64::min);
+        assert!(near < 1e-4 * root[1].abs().max(1.0), "{root:?} {damped:?}");
+    }
+    let error = run(folder.path(), dispersion::run, CONE, &[set("yield.plastic_rate", 1.0)]);
+    assert!(error.expect_err("damped").contains("yield.plastic_rate"));
+}
+
+#[test]
+fn waves_of_a_softening_solid_grow_in_dispersion_too() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let sets = [set("yield.dilatancy", 0.6), set("yield.hardening", -0.8)];
+    let report = run(folder.path(), speeds::run, CONE, &sets).expect("a sound case");
+    let slowest = &report["slowest"];
+    let squared = number(&slowest["squared_speed"]);
+    assert!(squared < 0.0);
+    let at = |key: &str| number(&slowest["normal"][key]);
+    let wave = [
+        set("wave.direction_deg", at("direction_deg")),
+        set("wave.elevation_deg", at("elevation_deg")),
+        set("wave.number", 3.0),
+    ];
+    let sets: Vec<String> = sets.into_iter().chain(wave).collect();
+    let report = run(folder.path(), dispersion::run, CONE, &sets).expect("a sound case");
+    let families = report["families"].as_array().expect("a list");
+    let rates = families.iter().flat_map(|f| f["at_wave"].as_array().expect("a list"));
+    let greatest = rates.map(|at| number(&at["growth_rate"])).fold(0.0, f64::max);
+    assert!((greatest / (3.0 * (-squared).sqrt()) - 1.0).abs() < 1e-6, "{greatest} {squared}");
+}

@@ -9,12 +9,14 @@
 //! as many branches ω(k) as velocities; every other root of the rate equations is ς = 0, stress that
 //! no motion relieves. Γ is the acoustic tensor: its eigenvalues are the squared characteristic
 //! speeds c². Where D is symmetric the matrices are Hermitian and every ω² is real; otherwise
-//! c² may be complex (flutter) or negative (divergence).
+//! c² may be complex (flutter) or negative (divergence). The relaxation R, of lower order, stands in
+//! [`roots`] alone.
 
-use crate::golden::golden_section;
 use crate::qz::Qz;
+use models::LinearisedSystem;
 use models::rates::RateEquations;
 use nalgebra::DMatrix;
+use nalgebra::linalg::Schur;
 use num_complex::Complex64;
 
 type Matrix = DMatrix<Complex64>;
@@ -104,6 +106,34 @@ pub fn squared_speeds<const D: usize>(
         Waves::along(equations, normal).families.iter().flat_map(Family::squared_speeds).collect();
     all.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
     all
+}
+
+/// All roots ς along the unit vector `normal` at the wave number `k` (1/m), 1/s, relaxation included:
+/// the eigenvalues of the first-order equations. Those that are zero within rounding are left out, of
+/// stresses that no motion relieves.
+pub fn roots<const D: usize>(
+    equations: &RateEquations<D>,
+    normal: [f64; D],
+    k: f64,
+) -> Vec<Complex64> {
+    let mut system = LinearisedSystem::default();
+    equations.linearise(&mut system);
+    let (nv, ns) = (equations.velocities(), equations.stresses());
+    // Velocities in units in which M is one and stresses in units of the stiffness: A is diagonal.
+    let largest = equations.stiffness_values().amax().sqrt();
+    let unit = |i: usize| match i < nv {
+        true => system.a[(i, i)].value.sqrt().recip(),
+        false => largest,
+    };
+    let symbol = Matrix::from_fn(nv + ns, nv + ns, |i, j| {
+        let along: f64 = (0..D).map(|axis| system.b[axis][(i, j)].value * normal[axis]).sum();
+        let entry = Complex64::new(system.c[(i, j)].value, k * along);
+        -entry * (unit(j) / (unit(i) * system.a[(i, i)].value))
+    });
+    let roots = Schur::try_new(symbol, f64::EPSILON, 100_000).and_then(|s| s.eigenvalues());
+    let Some(roots) = roots else { return vec![Complex64::new(f64::NAN, f64::NAN)] };
+    let largest = roots.iter().map(|root| root.norm()).fold(0.0, f64::max);
+    roots.iter().copied().filter(|root| root.norm() > NEGLIGIBLE * largest).collect()
 }
 
 impl Waves {
@@ -233,11 +263,6 @@ impl Family {
         self.by_power[0].nrows()
     }
 
-    /// Whether the stiffness is symmetric: every ω² is real then.
-    pub fn is_hermitian(&self) -> bool {
-        self.is_hermitian
-    }
-
     /// Squared characteristic speeds c², m²/s², by descending real part.
     pub fn squared_speeds(&self) -> Vec<Complex64> {
         eigenvalues(&self.by_power[0], self.is_hermitian)
@@ -263,9 +288,19 @@ impl Family {
             let step = 1e-5 * k;
             let [before, here, after] =
                 [k - step, k, k + step].map(|k| self.squared_frequencies(k));
-            let slope = |i: usize| (after[i] - before[i]) / (2.0 * step);
-            let mode = |i: usize| Mode { squared_frequency: here[i], slope: slope(i) };
-            return (0..here.len()).map(mode).collect();
+            // Conjugate pairs have no order: what is nearest goes on.
+            let nearest = |list: &[Complex64], to: Complex64| {
+                let nearer = |a: Complex64, b: &Complex64| {
+                    if (b - to).norm() < (a - to).norm() { *b } else { a }
+                };
+                list.iter().fold(list[0], nearer)
+            };
+            let slope = |square: Complex64| {
+                (nearest(&after, square) - nearest(&before, square)) / (2.0 * step)
+            };
+            let mode =
+                |&square: &Complex64| Mode { squared_frequency: square, slope: slope(square) };
+            return here.iter().map(mode).collect();
         }
         let [second, first, _] = &self.by_power;
         let rate = second.scale(2.0 * k) + first;
@@ -320,10 +355,10 @@ impl Family {
     }
 
     /// Frequencies between 0 and infinity at which no wave of the family propagates, ascending; for
-    /// real ω² alone. Branches that are monotonic in k end where they have a cut-off, a short-wave
-    /// limit, or no end; extrema in between are located from `samples` wave numbers (1/m, ascending)
-    /// to 1e-12.
-    pub fn forbidden_bands(&self, samples: &[f64]) -> Vec<ForbiddenBand> {
+    /// real ω² alone. Branches are monotonic in k, which those of two velocities are: with ω² = λ,
+    /// (λ − ak²)(λ − d) = c²k² and ad ≥ c² give dλ/dk² ≥ 0 on both. They begin at a cut-off and end at a
+    /// short-wave limit, or nowhere; larger families have a branch from zero to infinity.
+    pub fn forbidden_bands(&self) -> Vec<ForbiddenBand> {
         if !self.is_hermitian {
             return Vec::new();
         }
@@ -337,8 +372,7 @@ impl Family {
             .map(|branch| {
                 let start = cleaned(starts[branch].re);
                 let end = limits.get(branch).map_or(f64::INFINITY, |&limit| cleaned(limit));
-                let (low, high) = self.extrema(branch, samples);
-                [frequency(start.min(end).min(low)), frequency(start.max(end).max(high))]
+                [frequency(start.min(end)), frequency(start.max(end))]
             })
             .collect();
         ranges.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -354,23 +388,6 @@ impl Family {
             bands.push(ForbiddenBand { from: reached, to: f64::INFINITY });
         }
         bands
-    }
-
-    /// Least and greatest ω² of a branch at interior extrema.
-    fn extrema(&self, branch: usize, samples: &[f64]) -> (f64, f64) {
-        let at = |k: f64| self.squared_frequencies(k)[branch].re;
-        let values: Vec<f64> = samples.iter().map(|&k| at(k)).collect();
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for i in 1..values.len().saturating_sub(1) {
-            let [before, here, after] = [values[i - 1], values[i], values[i + 1]];
-            for sign in [1.0, -1.0] {
-                if sign * (here - before) > 0.0 && sign * (here - after) > 0.0 {
-                    let place = golden_section(|k| sign * at(k), samples[i - 1], samples[i + 1]);
-                    (low, high) = (low.min(at(place)), high.max(at(place)));
-                }
-            }
-        }
-        (low, high)
     }
 }
 

@@ -18,7 +18,7 @@ use support::slipping::Slipping;
 use support::states::Random;
 use wellposed_analysis::growth::{Verdict, assess};
 use wellposed_analysis::pencil::{Pencil, Roots};
-use wellposed_analysis::waves::{Polarisation, Waves, squared_speeds};
+use wellposed_analysis::waves::{Polarisation, Waves, roots, squared_speeds};
 
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
@@ -147,12 +147,10 @@ fn natural_rotation_and_the_forbidden_band_of_the_reduced_solid() {
         let transverse: Vec<_> =
             families.iter().filter(|f| f.polarisation == Polarisation::Transverse).collect();
         assert!(!transverse.is_empty());
-        let k0 = natural / solid.speeds().shear;
-        let samples: Vec<f64> = (-40..40).map(|i| k0 * (0.2 * f64::from(i)).exp()).collect();
         for family in transverse {
             let cut_off = family.squared_cut_offs()[1].re.sqrt();
             worst = worst.max((cut_off / natural - 1.0).abs());
-            let bands = family.forbidden_bands(&samples);
+            let bands = family.forbidden_bands();
             if kind == Kind::Cosserat {
                 assert!(bands.is_empty(), "{bands:?}");
                 continue;
@@ -560,15 +558,226 @@ fn yielding<const D: usize>(
 
 /// The rate equations with the carried stresses among the unknowns.
 fn carried_too<const D: usize>(solid: &Isotropic) -> RateEquations<D> {
-    let layout = solid.layout::<D>();
-    let base = solid.rates::<D>();
-    let list: Vec<_> = layout.all_stresses().collect();
-    let grown = |m: &DMatrix<f64>| m.clone().resize_vertically(list.len(), 0.0);
-    RateEquations {
-        stiffness: solid.stiffness(layout.all_stresses()),
-        gradient: base.gradient.each_ref().map(grown),
-        rotation: grown(&base.rotation),
-        ..base
+    let layout = solid.layout::<D>().carrying();
+    let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
+    layout.rates(&solid.stiffness(layout.all_stresses()), solid.density, inertia)
+}
+
+/// A Cosserat solid of order one in plane strain while it yields, and the set's friction and dilatancy.
+fn plane_yielding(random: &mut Random, dilatancy: impl Fn(f64) -> f64) -> RateEquations<2> {
+    loop {
+        let solid = solid_of_order_one(random, Kind::Cosserat);
+        let layout = solid.layout::<2>();
+        let list: Vec<_> = layout.all_stresses().collect();
+        let friction = random.within(0.0, 1.0);
+        let set = Mises {
+            antisymmetric_weight: random.within(0.2, 2.0),
+            symmetric_length: Some(0.8),
+            antisymmetric_length: Some(0.6),
+            ..Mises::drucker_prager(1.0, friction, dilatancy(friction))
+        };
+        let stress = on_yield(random, &YieldSet::Mises(set), false);
+        let condition = set.condition(&stress).expect("off the axis");
+        let stiffness = tangent(&solid.stiffness(layout.all_stresses()), &list, &[condition]);
+        if let (Ok(stiffness), Some(rotation)) = (stiffness, solid.microrotation) {
+            return layout.rates(&stiffness, 1.0, rotation.inertia);
+        }
+    }
+}
+
+/// No wave has a frequency in a forbidden band, and waves come close to its ends: shear waves of laws
+/// that are positive but otherwise arbitrary.
+#[test]
+fn forbidden_bands_hold_no_wave() {
+    let random = &mut Random::new(37);
+    let mut bands = 0;
+    for _ in 0..400 {
+        let mut equations = solid_of_order_one(random, Kind::Reduced).rates::<2>();
+        let root = DMatrix::from_fn(2, 2, |_, _| random.within(-1.0, 1.0));
+        let law = &root * root.transpose();
+        // σ21 and σ12.
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            equations.stiffness[(2 + i, 2 + j)] = models::Rounded::given(law[(i, j)]);
+        }
+        for family in Waves::along(&equations, [1.0, 0.0]).families {
+            let numbers = (0..1650).map(|i| 1e-4 * 1.008f64.powi(i));
+            let waves: Vec<f64> = numbers
+                .flat_map(|k| family.squared_frequencies(k))
+                .map(|square| square.re.max(0.0).sqrt())
+                .collect();
+            for band in family.forbidden_bands() {
+                bands += 1;
+                let tolerance = 1e-9 * (1.0 + band.from);
+                let is_inside = |&&w: &&f64| w > band.from + tolerance && w < band.to - tolerance;
+                assert_eq!(waves.iter().find(is_inside), None, "{band:?}");
+                for end in [band.from, band.to].into_iter().filter(|&e| e > 0.0 && e.is_finite()) {
+                    let near = waves.iter().map(|w| (w - end).abs()).fold(f64::INFINITY, f64::min);
+                    assert!(near < 0.05 * end, "{end} of {band:?} is {near} away from waves");
+                }
+            }
+        }
+    }
+    assert!(bands > 300, "{bands}");
+}
+
+/// Slopes of complex branches against differences of the roots of the first-order equations.
+#[test]
+fn slopes_of_complex_branches() {
+    let random = &mut Random::new(41);
+    let (mut complex, mut worst) = (0, 0.0f64);
+    for _ in 0..400 {
+        let equations = plane_yielding(random, |friction| friction - 0.9);
+        let angle = random.within(0.0, PI);
+        let normal = [angle.cos(), angle.sin()];
+        let k = random.decades(0.3, 30.0);
+        let step = 1e-4 * k;
+        let squares = |k: f64| -> Vec<Complex64> {
+            roots(&equations, normal, k).iter().map(|root| -(root * root)).collect()
+        };
+        let (before, after) = (squares(k - step), squares(k + step));
+        for family in Waves::along(&equations, normal).families {
+            let modes = family.modes(k);
+            for mode in &modes {
+                let size = mode.squared_frequency.norm();
+                let others =
+                    modes.iter().map(|m| (m.squared_frequency - mode.squared_frequency).norm());
+                // Alone, and not at rest.
+                if size < 1e-3 * k * k || others.filter(|&d| d < 0.2 * size).count() > 1 {
+                    continue;
+                }
+                let nearest = |list: &[Complex64], guess: Complex64| {
+                    let distance = |z: &&Complex64| (**z - guess).norm();
+                    list.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).copied()
+                };
+                let ahead = mode.squared_frequency + mode.slope * step;
+                let behind = mode.squared_frequency - mode.slope * step;
+                let (Some(b), Some(a)) = (nearest(&before, behind), nearest(&after, ahead)) else {
+                    continue;
+                };
+                let slope = (a - b) / (2.0 * step);
+                worst = worst.max((slope - mode.slope).norm() * k / size);
+                complex += u32::from(mode.squared_frequency.im.abs() > 1e-3 * size);
+            }
+        }
+    }
+    println!("{complex} complex, {worst:e}");
+    assert!(complex > 20, "{complex}");
+    assert!(worst < 1e-5);
+}
+
+/// Plastic flow of the background damps waves where the flow is associated: no root has Re ς > 0, and
+/// some decay.
+#[test]
+fn flow_of_the_background_damps() {
+    let random = &mut Random::new(23);
+    let [mut greatest, mut least] = [f64::NEG_INFINITY, 0.0f64];
+    for index in 0..600 {
+        let solid = solid_of_order_one(random, KINDS[index % 3]);
+        let layout = solid.layout::<3>().carrying();
+        let list: Vec<_> = layout.all_stresses().collect();
+        let friction = random.within(0.0, 1.0);
+        let set = Mises {
+            antisymmetric_weight: random.within(0.2, 2.0),
+            symmetric_length: Some(0.8),
+            antisymmetric_length: Some(0.6),
+            ..Mises::drucker_prager(1.0, friction, friction)
+        };
+        let stress = on_yield(random, &YieldSet::Mises(set), false);
+        let condition = set.condition(&stress).expect("off the axis");
+        let form = {
+            let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
+            let mut rates: RateEquations<3> =
+                layout.rates(&solid.stiffness(layout.all_stresses()), 1.0, inertia);
+            let rate = random.decades(0.01, 10.0);
+            let curvature = set.curvature(&stress, &list).expect("off the axis") * rate;
+            rates.relaxation = curvature.map(models::Rounded::given);
+            rates.symmetric().expect("elastic")
+        };
+        let nv = solid.layout::<3>().velocities.len();
+        let normal = DVector::from_fn(nv + list.len(), |row, _| {
+            row.checked_sub(nv).map_or(0.0, |s| list[s].derivative(&condition.normal))
+        });
+        let restricted = form.restricted(&tangent_basis(nv + list.len(), &[normal]));
+        let k = random.decades(0.1, 10.0);
+        let wave = unit::<3>(random).map(|n| k * n);
+        let (found, _) = growth(&restricted, wave);
+        greatest = greatest.max(found);
+        let (decay, _) = growth(&negative(&restricted), wave.map(|x| -x));
+        least = least.max(decay);
+    }
+    println!("greatest Re ς {greatest:e}, fastest decay {least:e}");
+    assert!(greatest < 1e-13);
+    assert!(least > 1e-3);
+}
+
+/// The equations backwards in time.
+fn negative<const D: usize>(form: &SymmetricForm<D>) -> SymmetricForm<D> {
+    SymmetricForm { a: form.a.clone(), b: form.b.each_ref().map(|b| -b), q: -&form.q }
+}
+
+/// Moduli and densities of order one.
+fn solid_of_order_one(random: &mut Random, kind: Kind) -> Isotropic {
+    let couple = (kind == Kind::Cosserat).then(|| CoupleModuli {
+        beta: random.within(-0.3, 1.0),
+        gamma: random.within(0.5, 1.5),
+        eta: random.within(0.5, 1.5),
+    });
+    let microrotation = (kind != Kind::Classical).then(|| Microrotation {
+        alpha: random.within(0.2, 2.0),
+        inertia: random.within(0.3, 2.0),
+        couple,
+    });
+    Isotropic::new(random.within(-0.5, 2.0), 1.0, 1.0, microrotation).expect("sound moduli")
+}
+
+/// Roots of the first-order equations with relaxation: those of the linearised system that the analysis
+/// takes are those of the restricted form, decay included.
+#[test]
+fn relaxation_reaches_the_linearised_system() {
+    let random = &mut Random::new(29);
+    let (mut system, mut pencil) = (LinearisedSystem::default(), Pencil::default());
+    for index in 0..40 {
+        // Five, six and eight equations: within the exact polynomial's reach.
+        let solid = solid_of_order_one(random, KINDS[index % 2]);
+        let layout = solid.layout::<2>().carrying();
+        let list: Vec<_> = layout.all_stresses().collect();
+        let set = Mises { antisymmetric_weight: 0.7, ..Mises::drucker_prager(1.0, 0.4, 0.4) };
+        let stress = on_yield(random, &YieldSet::Mises(set), false);
+        let condition = set.condition(&stress).expect("off the axis");
+        let stiffness = solid.stiffness(layout.all_stresses());
+        let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
+        let curvature = set.curvature(&stress, &list).expect("off the axis") * 0.8;
+        let relaxation = curvature.map(models::Rounded::given);
+        let plastic = tangent(&stiffness, &list, &[condition]).expect("response");
+        let rates = |stiffness| RateEquations::<2> {
+            relaxation: relaxation.clone(),
+            ..layout.rates(stiffness, 1.0, inertia)
+        };
+        rates(&plastic).linearise(&mut system);
+        pencil.update(&system).expect("finite");
+        let (k, angle) = (random.decades(0.3, 3.0), random.within(0.0, PI));
+        let Roots::Regular { finite, .. } = pencil.roots(k, angle) else { panic!("regular") };
+
+        let nv = solid.layout::<2>().velocities.len();
+        let normal = DVector::from_fn(nv + list.len(), |row, _| {
+            row.checked_sub(nv).map_or(0.0, |s| list[s].derivative(&condition.normal))
+        });
+        let restricted = rates(&stiffness)
+            .symmetric()
+            .expect("elastic")
+            .restricted(&tangent_basis(nv + list.len(), &[normal]));
+        let factor = restricted.a.clone().try_inverse().expect("definite");
+        let mut symbol = (&factor * &restricted.q).map(|x| Complex64::new(x, 0.0));
+        for (b, component) in restricted.b.iter().zip([k * angle.cos(), k * angle.sin()]) {
+            symbol += (&factor * b).map(|x| Complex64::new(0.0, component * x));
+        }
+        let expected = symbol.schur().unpack().1.diagonal();
+        assert_eq!(finite.len(), expected.len() + 1, "one more is zero");
+        for root in expected.iter() {
+            let near = finite.iter().map(|f| (f - root).norm()).fold(f64::INFINITY, f64::min);
+            assert!(near < 1e-6 * (1.0 + root.norm()), "{root} {finite:?}");
+        }
+        assert!(expected.iter().any(|root| root.re < -1e-3));
     }
 }
 

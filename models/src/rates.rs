@@ -4,11 +4,12 @@
 //! the stresses s that work on them,
 //!
 //! ```text
-//! M v̇ = Σ ∂ᵢ(Gⁱᵀ s) − Zᵀ s,    ṡ = D (Σ Gⁱ ∂ᵢv + Z v).
+//! M v̇ = Σ ∂ᵢ(Gⁱᵀ s) − Zᵀ s,    ṡ = D (Σ Gⁱ ∂ᵢv + Z v − R s).
 //! ```
 //!
 //! Gⁱ and Z say how velocities strain the solid; the balance of momentum has their transposes, which
-//! is the conservation of energy. D is the tangent stiffness.
+//! is the conservation of energy. D is the tangent stiffness. R is what plastic flow of the background
+//! adds: with the stress the direction of flow turns on a curved yield surface.
 
 use crate::rounding::Rounded;
 use crate::system::{LinearisedSystem, Matrix, Unknown};
@@ -29,17 +30,20 @@ pub struct RateEquations<const D: usize> {
     pub gradient: [DMatrix<f64>; D],
     /// Z: stresses × velocities, dimensionless.
     pub rotation: DMatrix<f64>,
+    /// R: stresses × stresses, 1/(Pa·s); zero unless the background flows.
+    pub relaxation: Matrix,
 }
 
 /// A symmetric-hyperbolic system `A U̇ = Σ Bⁱ ∂ᵢU + Q U`, as Sadovskii & Sadovskaya (2019, "Elastic
-/// Cosserat continuum") write it: A symmetric positive definite, Bⁱ symmetric, Q antisymmetric.
+/// Cosserat continuum") write it: A symmetric positive definite, Bⁱ symmetric, Q
+/// antisymmetric.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SymmetricForm<const D: usize> {
     /// A; its quadratic form is twice the energy density.
     pub a: DMatrix<f64>,
     /// Bⁱ.
     pub b: [DMatrix<f64>; D],
-    /// Q.
+    /// Q; with plastic flow of the background antisymmetric less R, a damping where flow is associated.
     pub q: DMatrix<f64>,
 }
 
@@ -80,6 +84,11 @@ impl<const D: usize> RateEquations<D> {
         };
         for law in 0..ns {
             system.a[(nv + law, nv + law)] = Rounded::ONE;
+            for stress in 0..ns {
+                system.c[(nv + law, nv + stress)] = (0..ns)
+                    .map(|s| self.stiffness[(law, s)] * self.relaxation[(s, stress)])
+                    .fold(Rounded::ZERO, std::ops::Add::add);
+            }
             for velocity in 0..nv {
                 for axis in 0..D {
                     system.b[axis][(nv + law, velocity)] =
@@ -113,6 +122,7 @@ impl<const D: usize> RateEquations<D> {
         let mut q = DMatrix::zeros(n, n);
         q.view_mut((nv, 0), (ns, nv)).copy_from(&self.rotation);
         q.view_mut((0, nv), (nv, ns)).copy_from(&-self.rotation.transpose());
+        q.view_mut((nv, nv), (ns, ns)).copy_from(&-self.relaxation.map(|entry| entry.value));
         Some(SymmetricForm { a, b, q })
     }
 }

@@ -518,3 +518,82 @@ fn no_response_at_the_critical_dilatancy() {
     }
     assert_eq!(passed_over, 0, "of 200");
 }
+
+/// σ̇ of the solid that yields ideally at `stress` under the strain rate `strain`: the law itself, with
+/// the normals of that stress.
+fn stress_rate(
+    elastic: &DMatrix<f64>,
+    set: &Mises,
+    list: &[Component],
+    stress: &DVector<f64>,
+    strain: &DVector<f64>,
+) -> DVector<f64> {
+    let mut tensor = Stress::default();
+    for (component, value) in list.iter().zip(stress.iter()) {
+        component.set(&mut tensor, *value);
+    }
+    let condition = set.condition(&tensor).expect("off the axis");
+    let [n, m] = [condition.normal, condition.flow].map(|g| DVector::from_vec(vector(list, &g)));
+    let rate = n.dot(&(elastic * strain)) / n.dot(&(elastic * &m));
+    elastic * (strain - m * rate)
+}
+
+/// A background that flows at the rate Λ without change of stress: perturbations of its stress relax
+/// as −D_t Λ∇²f, by differences of the nonlinear law.
+#[test]
+fn perturbations_of_a_flowing_background_relax_by_the_curvature() {
+    let random = &mut Random::new(31);
+    let mut worst = 0.0f64;
+    for number in 0..300 {
+        let theory = [Theory::Classical, Theory::Reduced, Theory::Cosserat][number % 3];
+        let solid = solid(random, theory);
+        let layout = if number % 2 == 0 { plane(theory) } else { space(theory) }.carrying();
+        let list: Vec<Component> = layout.all_stresses().collect();
+        let set = mises(random);
+        let stress = DVector::from_fn(list.len(), |_, _| random.generic(0.1, 1.0));
+        let mut tensor = Stress::default();
+        for (component, value) in list.iter().zip(stress.iter()) {
+            component.set(&mut tensor, *value);
+        }
+        let condition = set.condition(&tensor).expect("off the axis");
+        let stiffness = solid.stiffness(layout.all_stresses());
+        let elastic = values(&stiffness);
+        let plastic_rate = random.within(0.2, 2.0);
+        let strain = DVector::from_vec(vector(&list, &condition.flow)) * plastic_rate;
+        let at = |stress: &DVector<f64>| stress_rate(&elastic, &set, &list, stress, &strain);
+        assert!(at(&stress).amax() < 1e-13, "the background's stress stays");
+
+        let curvature = set.curvature(&tensor, &list).expect("off the axis");
+        assert!((&curvature - curvature.transpose()).amax() < 1e-14 * curvature.amax());
+        let least = curvature.clone().symmetric_eigenvalues().min();
+        assert!(least > -1e-14 * curvature.amax(), "{least:e}");
+        // A multiple of the stress keeps its direction.
+        let along = DVector::from_fn(list.len(), |i, _| {
+            let mut deviator = tensor;
+            let mean = (0..3).map(|i| deviator.force[i][i]).sum::<f64>() / 3.0;
+            for i in 0..3 {
+                deviator.force[i][i] -= mean;
+            }
+            list[i].of(&deviator)
+        });
+        if number % 2 == 1 || theory != Theory::Classical {
+            assert!((&curvature * along).amax() < 1e-13 * curvature.amax());
+        }
+
+        let tangent = values(&tangent(&stiffness, &list, &[condition]).expect("response"));
+        let expected = -tangent * curvature * plastic_rate;
+        let step = 1e-5;
+        for column in 0..list.len() {
+            let moved = |sign: f64| {
+                let mut moved = stress.clone();
+                moved[column] += sign * step;
+                at(&moved)
+            };
+            let slope = (moved(1.0) - moved(-1.0)) / (2.0 * step);
+            worst = worst.max((slope - expected.column(column)).amax() / expected.amax());
+        }
+    }
+    println!("{worst:e}");
+    // Central differences: h² of the third derivatives, and rounding over h.
+    assert!(worst < 1e-6);
+}

@@ -73,6 +73,7 @@ pub struct YieldNumbers {
     pub symmetric_length: Option<f64>,
     pub antisymmetric_length: Option<f64>,
     pub hardening: f64,
+    pub plastic_rate: f64,
 }
 
 /// Section `[stress]`; units and meanings in [`KEYS`].
@@ -545,6 +546,8 @@ pub static KEYS: &[Key] = keys! {
         MODULI_OF_COUPLES that yield by COSSERAT_MISES, Optional, OptionalNumber(|n| &mut n.yields.antisymmetric_length);
     "yield.hardening": "plastic modulus H" ["Pa"] "plastic modulus H; 0 for ideal plasticity, negative while softening";
         SOLIDS that yield by MISES, Or(0.0), Number(|n| &mut n.yields.hardening);
+    "yield.plastic_rate": "plastic rate Λ" ["1/s"] "rate Λ at which the background flows, its stress at rest; ≥ 0; damps waves, changes no speed";
+        SOLIDS that yield by MISES, Or(0.0), Number(|n| &mut n.yields.plastic_rate);
 
     "stress.pressure": "pressure p" ["Pa"] "mean pressure in the plane p = −½(σ₁₁ + σ₂₂); the other stresses are scaled until they yield";
         SOLIDS that yield by YIELDING, Or(0.0), Number(|n| &mut n.stress.pressure);

@@ -29,6 +29,7 @@ struct Analysed {
     /// Supremum of Re ς, 1/s, where it is known to be finite.
     bound: Option<f64>,
     waves: Waves,
+    roots: Vec<Complex64>,
     elastic: Waves,
     energy: Energy,
     by_direction: Vec<[f64; 2]>,
@@ -121,6 +122,7 @@ fn analyse(case: &Case) -> Result<Analysed, Error> {
     };
     Ok(Analysed {
         waves: solid.waves(&wave, false).map_err(located)?,
+        roots: solid.roots(&wave).map_err(located)?,
         elastic: solid.waves(&wave, true).map_err(located)?,
         by_wave_number: along(wave)?,
         in_worst_direction,
@@ -137,19 +139,6 @@ fn speeds(waves: &Waves) -> Vec<Complex64> {
         waves.families.iter().flat_map(|family| family.squared_speeds()).collect();
     all.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
     all
-}
-
-/// The roots ς = ∓iω of the waves, by descending real part; those that are always zero left out.
-fn roots(waves: &Waves, k: f64) -> Vec<Complex64> {
-    let mut roots: Vec<Complex64> = waves
-        .families
-        .iter()
-        .flat_map(|family| family.squared_frequencies(k))
-        .map(|square| square.sqrt() * Complex64::i())
-        .flat_map(|root| [root, -root])
-        .collect();
-    roots.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
-    roots
 }
 
 fn report(case: &Case, of: &Analysed) -> Value {
@@ -198,7 +187,7 @@ fn report(case: &Case, of: &Analysed) -> Value {
             "direction_deg": wave.direction_deg,
             "elevation_deg": wave.elevation_deg,
         },
-        "roots": pairs(roots(&of.waves, wave.number)),
+        "roots": pairs(of.roots.clone()),
         "squared_speeds": pairs(speeds(&of.waves)),
         "elastic_squared_speeds": pairs(speeds(&of.elastic)),
         "energy": {
@@ -329,7 +318,7 @@ fn words(case: &Case, of: &Analysed) -> String {
         short(wave.number),
         at(normal(&wave))
     );
-    for root in roots(&of.waves, wave.number) {
+    for root in &of.roots {
         let _ = writeln!(text, "  {:>12} {:>+13.4e} i  1/s", short(root.re), root.im);
     }
 

@@ -27,17 +27,18 @@ use Velocity::{Spin, Translation};
 /// The unknowns of a theory in space or in plane strain.
 #[derive(Debug)]
 pub struct Layout {
-    /// Velocities, then stresses.
-    pub unknowns: &'static [Unknown],
+    /// Velocities, then all stresses.
+    unknowns: &'static [Unknown],
     /// Balances, then laws.
-    pub equations: &'static [&'static str],
+    equations: &'static [&'static str],
     /// Velocities.
     pub velocities: &'static [Velocity],
-    /// Stresses that enter the balances or are strained.
+    /// Stresses that are unknowns.
     pub stresses: &'static [Component],
-    /// Stresses of plane strain that do neither, but that yield conditions and energies see: nothing
-    /// is strained across the plane, and yet there is stress.
-    pub carried: &'static [Component],
+    /// These, and the carried ones: stresses of plane strain that neither enter the balances nor are
+    /// strained, but that yield conditions and energies see. Nothing is strained across the plane, and
+    /// yet there is stress.
+    all: &'static [Component],
 }
 
 const fn unknown(name: &'static str, family: &'static str) -> Unknown {
@@ -53,15 +54,27 @@ macro_rules! names {
 
 type Names<const N: usize> = (&'static [Unknown; N], &'static [&'static str; N]);
 
-static PLANE_CLASSICAL: Names<5> = names! {
+static PLANE_CLASSICAL: Names<6> = names! {
     "v1" "velocity" "momentum 1";
     "v2" "velocity" "momentum 2";
     "σ11" "stress" "law of σ11";
     "σ22" "stress" "law of σ22";
     "σ12" "stress" "law of σ12";
+    "σ33" "stress" "law of σ33";
 };
 
-static PLANE_COSSERAT: Names<9> = names! {
+static PLANE_REDUCED: Names<8> = names! {
+    "v1" "velocity" "momentum 1";
+    "v2" "velocity" "momentum 2";
+    "ω3" "spin" "spin 3";
+    "σ11" "stress" "law of σ11";
+    "σ22" "stress" "law of σ22";
+    "σ21" "stress" "law of σ21";
+    "σ12" "stress" "law of σ12";
+    "σ33" "stress" "law of σ33";
+};
+
+static PLANE_COSSERAT: Names<12> = names! {
     "v1" "velocity" "momentum 1";
     "v2" "velocity" "momentum 2";
     "ω3" "spin" "spin 3";
@@ -71,6 +84,9 @@ static PLANE_COSSERAT: Names<9> = names! {
     "σ12" "stress" "law of σ12";
     "m31" "couple stress" "law of m31";
     "m32" "couple stress" "law of m32";
+    "σ33" "stress" "law of σ33";
+    "m13" "couple stress" "law of m13";
+    "m23" "couple stress" "law of m23";
 };
 
 static SPACE_CLASSICAL: Names<9> = names! {
@@ -116,8 +132,30 @@ const IN_PLANE: [Velocity; 3] = [Translation(0), Translation(1), Spin(2)];
 const IN_SPACE: [Velocity; 6] =
     [Translation(0), Translation(1), Translation(2), Spin(0), Spin(1), Spin(2)];
 
-const PLANE_STRESSES: [Component; 6] =
-    [Force(0, 0), Force(1, 1), Force(1, 0), Force(0, 1), Couple(2, 0), Couple(2, 1)];
+// Carried ones last.
+const CLASSICAL_PLANE_STRESSES: [Component; 4] =
+    [Symmetric(0, 0), Symmetric(1, 1), Symmetric(0, 1), Symmetric(2, 2)];
+const REDUCED_PLANE_STRESSES: [Component; 5] =
+    [Force(0, 0), Force(1, 1), Force(1, 0), Force(0, 1), Force(2, 2)];
+const COSSERAT_PLANE_STRESSES: [Component; 9] = [
+    Force(0, 0),
+    Force(1, 1),
+    Force(1, 0),
+    Force(0, 1),
+    Couple(2, 0),
+    Couple(2, 1),
+    Force(2, 2),
+    Couple(0, 2),
+    Couple(1, 2),
+];
+const CLASSICAL_STRESSES: [Component; 6] = [
+    Symmetric(0, 0),
+    Symmetric(1, 1),
+    Symmetric(2, 2),
+    Symmetric(1, 2),
+    Symmetric(0, 2),
+    Symmetric(0, 1),
+];
 const SPACE_STRESSES: [Component; 18] = [
     Force(0, 0),
     Force(0, 1),
@@ -145,23 +183,23 @@ pub fn plane(theory: Theory) -> Layout {
         Theory::Classical => Layout {
             unknowns: PLANE_CLASSICAL.0,
             equations: PLANE_CLASSICAL.1,
-            velocities: &const { [Translation(0), Translation(1)] },
-            stresses: &const { [Symmetric(0, 0), Symmetric(1, 1), Symmetric(0, 1)] },
-            carried: &const { [Symmetric(2, 2)] },
+            velocities: &IN_PLANE[..2],
+            stresses: &CLASSICAL_PLANE_STRESSES[..3],
+            all: &CLASSICAL_PLANE_STRESSES,
         },
         Theory::Reduced => Layout {
-            unknowns: &PLANE_COSSERAT.0[..7],
-            equations: &PLANE_COSSERAT.1[..7],
+            unknowns: PLANE_REDUCED.0,
+            equations: PLANE_REDUCED.1,
             velocities: &IN_PLANE,
-            stresses: &PLANE_STRESSES[..4],
-            carried: &const { [Force(2, 2)] },
+            stresses: &REDUCED_PLANE_STRESSES[..4],
+            all: &REDUCED_PLANE_STRESSES,
         },
         Theory::Cosserat => Layout {
             unknowns: PLANE_COSSERAT.0,
             equations: PLANE_COSSERAT.1,
             velocities: &IN_PLANE,
-            stresses: &PLANE_STRESSES,
-            carried: &const { [Force(2, 2), Couple(0, 2), Couple(1, 2)] },
+            stresses: &COSSERAT_PLANE_STRESSES[..6],
+            all: &COSSERAT_PLANE_STRESSES,
         },
     }
 }
@@ -173,31 +211,22 @@ pub fn space(theory: Theory) -> Layout {
             unknowns: SPACE_CLASSICAL.0,
             equations: SPACE_CLASSICAL.1,
             velocities: &IN_SPACE[..3],
-            stresses: &const {
-                [
-                    Symmetric(0, 0),
-                    Symmetric(1, 1),
-                    Symmetric(2, 2),
-                    Symmetric(1, 2),
-                    Symmetric(0, 2),
-                    Symmetric(0, 1),
-                ]
-            },
-            carried: &[],
+            stresses: &CLASSICAL_STRESSES,
+            all: &CLASSICAL_STRESSES,
         },
         Theory::Reduced => Layout {
             unknowns: &SPACE_COSSERAT.0[..15],
             equations: &SPACE_COSSERAT.1[..15],
             velocities: &IN_SPACE,
             stresses: &SPACE_STRESSES[..9],
-            carried: &[],
+            all: &SPACE_STRESSES[..9],
         },
         Theory::Cosserat => Layout {
             unknowns: SPACE_COSSERAT.0,
             equations: SPACE_COSSERAT.1,
             velocities: &IN_SPACE,
             stresses: &SPACE_STRESSES,
-            carried: &[],
+            all: &SPACE_STRESSES,
         },
     }
 }
@@ -214,7 +243,23 @@ fn permutation(i: usize, j: usize, k: usize) -> f64 {
 impl Layout {
     /// Stresses that enter the equations, then the carried ones.
     pub fn all_stresses(&self) -> impl Iterator<Item = Component> + Clone {
-        self.stresses.iter().chain(self.carried).copied()
+        self.all.iter().copied()
+    }
+
+    /// The same with the carried stresses among the unknowns, where they act on the others: by what
+    /// flow does while the stress changes.
+    pub fn carrying(self) -> Self {
+        Self { stresses: self.all, ..self }
+    }
+
+    /// Names of the unknowns: velocities, then stresses.
+    pub fn unknowns(&self) -> &'static [Unknown] {
+        &self.unknowns[..self.velocities.len() + self.stresses.len()]
+    }
+
+    /// Names of the equations: balances, then laws.
+    pub fn equations(&self) -> &'static [&'static str] {
+        &self.equations[..self.velocities.len() + self.stresses.len()]
     }
 
     /// Gⁱ for the `axis` i: the part of the strain rates that ∂ᵢ makes.
@@ -254,12 +299,13 @@ impl Layout {
             Spin(_) => Rounded::given(inertia),
         };
         RateEquations {
-            unknowns: self.unknowns,
-            equations: self.equations,
+            unknowns: self.unknowns(),
+            equations: self.equations(),
             inertia: self.velocities.iter().map(of).collect(),
             stiffness: stiffness.view((0, 0), (size, size)).into_owned(),
             gradient: std::array::from_fn(|axis| self.gradient(axis)),
             rotation: self.rotation(),
+            relaxation: Matrix::from_element(size, size, Rounded::ZERO),
         }
     }
 }
@@ -319,7 +365,8 @@ impl Isotropic {
 impl PlaneCompliances {
     /// The unknowns.
     pub fn layout(&self) -> Layout {
-        Layout { carried: &[], ..plane(Theory::Cosserat) }
+        let layout = plane(Theory::Cosserat);
+        Layout { all: layout.stresses, ..layout }
     }
 
     /// The inverse of the compliances, in the order of the [`layout`](Self::layout).

@@ -5,8 +5,9 @@
 //! and obeys the variational inequality of Sadovskii & Sadovskaya (2019, "Elastic-plastic Cosserat
 //! continuum").
 
-use crate::cosserat::stress::{Stress, split, square};
+use crate::cosserat::stress::{Component, Stress, split, square};
 use crate::input::{InputError, ensure};
+use nalgebra::DMatrix;
 
 /// A yield set.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -253,6 +254,27 @@ impl Mises {
         let couple = symmetric * (square(&couple_deviator) + 3.0 * mean * mean)
             + antisymmetric * square(&couple_spin);
         (0.5 * (force + couple)).sqrt()
+    }
+
+    /// Second derivatives of τ̄ by the components of the list, 1/Pa: symmetric, not negative. `None` on
+    /// the axis.
+    ///
+    /// While the background flows at the rate Λ (1/s) this times Λ is the relaxation of its
+    /// perturbations (Sadovskii & Sadovskaya 2019, "Elastic-plastic Cosserat continuum", for curved sets).
+    pub fn curvature(&self, stress: &Stress, components: &[Component]) -> Option<DMatrix<f64>> {
+        let shear = self.equivalent_shear(stress);
+        if shear <= 0.0 {
+            return None;
+        }
+        // With τ̄² = ½ s·Ws: ∇τ̄ = ½Ws/τ̄ and ∇²τ̄ = ½W/τ̄ − ∇τ̄ ∇τ̄ᵀ/τ̄.
+        let slope = self.half_gradient(stress);
+        let slopes: Vec<f64> = components.iter().map(|c| c.derivative(&slope) / shear).collect();
+        Some(DMatrix::from_fn(components.len(), components.len(), |i, j| {
+            let mut unit = Stress::default();
+            components[j].set(&mut unit, 1.0);
+            let image = components[i].derivative(&self.half_gradient(&unit));
+            (image - slopes[i] * slopes[j]) / shear
+        }))
     }
 
     /// The condition as active at `stress`; `None` on the axis, where the cone has no normal.
