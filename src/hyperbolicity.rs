@@ -7,6 +7,7 @@ use analysis::growth::{Assessment, Growth, Verdict};
 use analysis::newton::Order;
 use analysis::sphere::{self, Extremes, Flutter, RankOne, Slowest, Sphere, SphereError};
 use analysis::waves::squared_speeds;
+use models::plasticity::symbol::NoResponse;
 use models::rates::RateEquations;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -197,7 +198,15 @@ impl<'a> Judge<'a> {
                     stresses.iter().map(|component| component.derivative(gradient)).collect()
                 };
                 let (normal, flow) = (components(&active.normal), components(&active.flow));
-                let update = RankOne::new(&elastic, &normal, &flow, active.hardening)?;
+                let update =
+                    RankOne::new(&elastic, &normal, &flow, active.hardening).map_err(|error| {
+                        match error {
+                            SphereError::NoResponse(value) => {
+                                NoResponse { condition: active.name, value }.into()
+                            }
+                            error => StateError::from(error),
+                        }
+                    })?;
                 let mut own = match self.space.take() {
                     Some(own) if own.0 == solid.elastic => own,
                     _ => {
