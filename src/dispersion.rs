@@ -60,6 +60,16 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
         given => given,
     };
     let kinds = kinds(&solid, &wave, greatest).map_err(|error| error.locate(&case))?;
+    let is_finite = |p: &Point| p.frequency.is_finite() && p.growth_rate.is_finite();
+    let ends = [wave.number, greatest];
+    if !ends.iter().all(|&k| kinds.iter().all(|kind| kind.at(k).iter().all(is_finite))) {
+        let error = InputError {
+            key: "model",
+            found: "numbers whose waves cannot be followed".into(),
+            allowed: "moduli, inertias and wave numbers whose frequencies are finite".into(),
+        };
+        return Err(case.locate(error).into());
+    }
     if options.dry_run {
         writeln!(stdout, "would follow the waves up to k = {} 1/m", short(greatest))?;
         for name in output::DISPERSION {
@@ -347,7 +357,8 @@ fn figure(case: &Case, solid: &Solid, kinds: &[Kind], greatest: f64) -> Dispersi
             [
                 Some(level("c_p", speeds.longitudinal)),
                 Some(level("c_s", speeds.shear)),
-                speeds.torsion.map(|c| level("c_m", c)),
+                // In the plane nothing turns about the wave vector.
+                speeds.torsion.filter(|_| solid.dimensions == 3).map(|c| level("c_m", c)),
                 speeds.rotation.map(|c| level("c_ω", c)),
             ]
             .into_iter()

@@ -1,7 +1,7 @@
 //! A frozen state: from the numbers of a case to an assessed system. What all verbs share.
 
 use crate::Error;
-use crate::case::Case;
+use crate::case::{Case, Kind};
 use analysis::AnalysisError;
 use analysis::growth::{self, Assessment, Growth, Verdict};
 use analysis::newton::Order;
@@ -41,18 +41,19 @@ pub enum StateError {
 impl StateError {
     /// With the place in the case file.
     pub fn locate(self, case: &Case) -> Error {
-        case.locate(self.into_input()).into()
+        case.locate(self.into_input(case)).into()
     }
 
     /// The same for a state of the case's map, whose swept numbers stand in \[map\].
     pub fn locate_in_map(self, case: &Case) -> Error {
-        case.locate_in_map(self.into_input()).into()
+        case.locate_in_map(self.into_input(case)).into()
     }
 
-    fn into_input(self) -> InputError {
+    fn into_input(self, case: &Case) -> InputError {
+        let state = if let Kind::Solid(_) = case.kind { "model" } else { "background" };
         let (key, allowed) = match self {
             Self::Input(error) => return error,
-            Self::Analysis(error) => ("background", error.to_string()),
+            Self::Analysis(error) => (state, error.to_string()),
             Self::NoResponse(error) => ("yield", error.to_string()),
             Self::Sphere(error) => ("model", error.to_string()),
         };

@@ -169,20 +169,22 @@ impl<'a> Judge<'a> {
         let frozen::Workspace { system, pencil } = &mut self.plane;
         rates.linearise(system);
         pencil.update(system)?;
-        let assessment = analysis::growth::assess(pencil);
-        let verdict = assessment.verdict.clone();
-        let worst = match verdict {
+        let mut assessment = analysis::growth::assess(pencil);
+        let worst = match assessment.verdict {
             Verdict::IllPosed { direction, .. } => Some(direction),
             _ => None,
         };
         let extremes = Circle::new(&rates).search(worst.as_slice());
-        let judged = Judged {
-            verdict,
-            normal: worst.map(|angle| [angle.cos(), angle.sin(), 0.0]),
-            hyperbolicity: Hyperbolicity::of(&extremes),
-            extremes,
-            route: PLANE_ROUTE,
-        };
+        let hyperbolicity = Hyperbolicity::of(&extremes);
+        let mut normal = worst.map(|angle| [angle.cos(), angle.sin(), 0.0]);
+        // What the polynomial leaves open in one direction is decided by complex or imaginary speeds in
+        // another: no growth is of higher order than k.
+        let is_open = matches!(assessment.verdict, Verdict::Marginal { .. });
+        if is_open && hyperbolicity != Hyperbolicity::Hyperbolic {
+            (assessment.verdict, normal) = grows(&extremes);
+        }
+        let verdict = assessment.verdict.clone();
+        let judged = Judged { verdict, normal, extremes, hyperbolicity, route: PLANE_ROUTE };
         Ok((judged, Some(assessment)))
     }
 
@@ -223,27 +225,30 @@ impl<'a> Judge<'a> {
         if solid.keeps_energy() {
             return Ok(energetic(extremes));
         }
-        let Slowest { speed_squared, rounding, normal } = extremes.slowest;
-        let grows = |normal: [f64; 3]| {
-            let growth = Growth {
-                order: Order { numerator: 1, denominator: 1 },
-                coefficient: extremes.growth(),
-            };
-            let direction = angles_deg(normal)[0].to_radians();
-            (Verdict::IllPosed { growth: Some(growth), direction }, Some(normal))
-        };
-        let (verdict, normal) = match extremes.flutter {
-            Some(Flutter { growth, normal, .. }) if growth >= extremes.growth() => grows(normal),
-            _ if speed_squared < -rounding => grows(normal),
-            _ if speed_squared <= rounding => {
+        let hyperbolicity = Hyperbolicity::of(&extremes);
+        let Slowest { speed_squared, rounding, .. } = extremes.slowest;
+        let (verdict, normal) = match hyperbolicity {
+            Hyperbolicity::Hyperbolic if speed_squared <= rounding => {
                 let quantity = "least squared speed over all directions".into();
                 (Verdict::Marginal { quantity, value: speed_squared, rounding }, None)
             }
-            _ => (Verdict::WellPosed, None),
+            Hyperbolicity::Hyperbolic => (Verdict::WellPosed, None),
+            _ => grows(&extremes),
         };
-        let hyperbolicity = Hyperbolicity::of(&extremes);
         Ok(Judged { verdict, normal, extremes, hyperbolicity, route: SPACE_ROUTE })
     }
+}
+
+/// The verdict on complex or imaginary speeds, and the normal of the fastest growth.
+fn grows(extremes: &Extremes) -> (Verdict, Option<[f64; 3]>) {
+    let normal = match extremes.flutter {
+        Some(Flutter { growth, normal, .. }) if growth >= extremes.growth() => normal,
+        _ => extremes.slowest.normal,
+    };
+    let order = Order { numerator: 1, denominator: 1 };
+    let growth = Growth { order, coefficient: extremes.growth() };
+    let direction = angles_deg(normal)[0].to_radians();
+    (Verdict::IllPosed { growth: Some(growth), direction }, Some(normal))
 }
 
 /// The verdict on a solid that keeps its energy.

@@ -1,6 +1,6 @@
 //! `wellposed map`: the verdict over two parameters of a case.
 
-use crate::case::{Case, Kind, Map, Parameter, Sweep, radians};
+use crate::case::{ACTIVE_NAMES, Case, Kind, Map, Parameter, Sweep, radians};
 use crate::frozen::{Route, StateError, Workspace};
 use crate::hyperbolicity::{self, Hyperbolicity, PLANE_ROUTE, SPACE_ROUTE, Spheres};
 use crate::output::{self, ResultFolder};
@@ -537,7 +537,7 @@ impl Summary {
             }
         }
         if let Some(share) = self.share() {
-            let which = if is_solid(case) { "states" } else { "states that flow" };
+            let which = if is_solid(case) { "states that respond" } else { "states that flow" };
             lines.push(format!("Of the {which}, {} % are well-posed.", short(100.0 * share)));
         }
         if self.unbounded > 0 {
@@ -769,7 +769,17 @@ fn subtitle(case: &Case, map: &Map) -> String {
         (Kind::Solid(_), _) => Some("plane strain".to_owned()),
         _ => None,
     };
-    [case.medium().title()].into_iter().chain(space).chain(fixed).collect::<Vec<_>>().join(", ")
+    let active = case.active.iter().map(|active| {
+        let names: Vec<&str> = active.iter().map(|&index| ACTIVE_NAMES[index]).collect();
+        format!("active {}", names.join(" "))
+    });
+    [case.medium().title()]
+        .into_iter()
+        .chain(space)
+        .chain(active)
+        .chain(fixed)
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// The model's own bound on |Δ|, where Δ is one of the axes.

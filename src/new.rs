@@ -131,5 +131,8 @@ kind = \"{name}\"
 }
 
 fn comment(key: &Key) -> String {
-    format!("{}: {}", key.unit, key.meaning)
+    match key.unit {
+        "" => key.meaning.into(),
+        unit => format!("{unit}: {}", key.meaning),
+    }
 }

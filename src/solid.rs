@@ -317,6 +317,7 @@ fn yield_set(case: &Case, kind: Yield) -> Result<YieldSet, InputError> {
     let given = case.numbers.yields;
     let von_mises = Mises { hardening: given.hardening, ..Mises::von_mises(given.strength) };
     let cone = Mises { friction: given.friction, dilatancy: given.dilatancy, ..von_mises };
+    let limit = |length: f64| (length != 0.0).then_some(length);
     let mises = |set: Mises| set.check().map(YieldSet::Mises);
     match kind {
         Yield::Interlayer => {
@@ -345,8 +346,8 @@ fn yield_set(case: &Case, kind: Yield) -> Result<YieldSet, InputError> {
         Yield::DruckerPrager => mises(cone),
         Yield::CosseratMises => mises(Mises {
             antisymmetric_weight: given.antisymmetric_weight,
-            symmetric_length: given.symmetric_length,
-            antisymmetric_length: given.antisymmetric_length,
+            symmetric_length: limit(given.symmetric_length),
+            antisymmetric_length: limit(given.antisymmetric_length),
             ..cone
         }),
     }
@@ -369,10 +370,17 @@ fn on_yield(set: &YieldSet, case: &Case) -> Result<Stress, InputError> {
     // How far each condition lets the rest be multiplied; as linear as the set is along its rays.
     let room = |used: f64, strength: f64, rate: f64| match strength - used {
         room if room > 0.0 => Ok(if rate > 0.0 { room / rate } else { f64::INFINITY }),
+        _ if used <= 0.0 => Err(InputError {
+            key: "yield",
+            found: "no strength under this pressure".into(),
+            allowed: "strength or friction that a stress can grow to; yield.active may name the \
+                      conditions instead"
+                .into(),
+        }),
         _ => Err(InputError {
             key: "stress.pressure",
             found: format!("{:?}", given.pressure),
-            allowed: "a pressure within the yield set: greater than −(strength/friction)".into(),
+            allowed: "a pressure within the yield set: greater than −strength/friction".into(),
         }),
     };
     let scale = match set {

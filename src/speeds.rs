@@ -30,6 +30,9 @@ const REAL: f64 = 1e-6;
 /// The squared speeds in one direction, by descending real part.
 type Speeds = Vec<Complex64>;
 
+/// Elastic speeds and those while yielding, at an angle in degrees.
+type Responses = dyn Fn(f64) -> (Speeds, Speeds);
+
 /// What was found.
 struct Found {
     solid: Solid,
@@ -40,8 +43,10 @@ struct Found {
     flutter: Vec<[f64; 2]>,
     /// Sectors of imaginary speeds, c² < 0, likewise.
     imaginary: Vec<[f64; 2]>,
-    /// Directions of vanishing speeds, degrees, and what they are; plane strain.
+    /// Directions of vanishing speeds in that plane, degrees, and what they are.
     vanishing: Vec<(f64, &'static str)>,
+    /// Whether a speed vanishes in all directions.
+    always_still: bool,
     /// On the hemisphere, azimuth running fastest: the slowest real speed, NaN where one is complex.
     sphere: Option<Vec<f64>>,
     /// Greatest c², m²/s².
@@ -101,39 +106,67 @@ fn find(case: &Case, solid: Solid) -> Result<Found, Error> {
     let spheres = Spheres::default();
     let (judged, _) = Judge::new(&spheres).judge(&solid).map_err(located)?;
     let directions = (0..DIRECTIONS).map(|i| 180.0 * i as f64 / (DIRECTIONS - 1) as f64);
-    let (mut flutter, mut vanishing, mut sphere) = (Vec::new(), Vec::new(), None);
-    let curves: Vec<(f64, Speeds, Speeds)> = if solid.dimensions == 2 {
-        let (elastic, rates) = (solid.elastic_rates(), solid.rates().map_err(located)?);
-        let circle = Circle::new(&rates);
-        let degrees = |angle: f64| angle.to_degrees();
-        flutter = circle.flutter_sectors().into_iter().map(|s| s.map(degrees)).collect();
-        vanishing = circle
+    // Both responses at an angle in degrees.
+    let (at, sphere, circle): (Box<Responses>, _, _) = if solid.dimensions == 2 {
+        let rates = solid.rates().map_err(located)?;
+        let (elastic, circle) = (Circle::new(&solid.elastic_rates()), Circle::new(&rates));
+        let yielding = circle.clone();
+        let at = move |degrees: f64| {
+            let angle = degrees.to_radians();
+            (elastic.squared_speeds(angle), yielding.squared_speeds(angle))
+        };
+        (Box::new(at), None, Some(circle))
+    } else {
+        let (elastic, rates) = (solid.elastic_rates::<3>(), solid.rates::<3>().map_err(located)?);
+        let sphere = hemisphere(&rates);
+        let at = move |direction_deg: f64| {
+            let normal = normal(&Wave { direction_deg, ..wave });
+            (squared_speeds(&elastic, normal), squared_speeds(&rates, normal))
+        };
+        (Box::new(at), Some(sphere), None)
+    };
+    let curves: Vec<(f64, Speeds, Speeds)> = directions
+        .map(|degrees| {
+            let (elastic, yielding) = at(degrees);
+            (degrees, elastic, yielding)
+        })
+        .collect();
+    let largest = curves.iter().flat_map(|(_, e, _)| e).map(|c| c.re).fold(0.0, f64::max);
+    let is_complex = |c: &Complex64| c.im.abs() > REAL * largest;
+    let is_imaginary = |c: &Complex64| !is_complex(c) && c.re < -ZERO * largest;
+    let holds =
+        |is_such: &dyn Fn(&Complex64) -> bool, degrees: f64| at(degrees).1.iter().any(is_such);
+    let flutter = match &circle {
+        Some(circle) => {
+            circle.flutter_sectors().into_iter().map(|s| s.map(f64::to_degrees)).collect()
+        }
+        None => sectors(|degrees| holds(&is_complex, degrees)),
+    };
+    let imaginary = sectors(|degrees| holds(&is_imaginary, degrees));
+    let vanishing = match &circle {
+        Some(circle) => circle
             .vanishing()
             .into_iter()
             .map(|angle| (angle.to_degrees(), standstill(&solid, angle)))
-            .collect();
-        let elastic = Circle::new(&elastic);
-        let at = |degrees: f64| {
-            let angle = degrees.to_radians();
-            (degrees, elastic.squared_speeds(angle), circle.squared_speeds(angle))
-        };
-        directions.map(at).collect()
-    } else {
-        let (elastic, rates) = (solid.elastic_rates::<3>(), solid.rates::<3>().map_err(located)?);
-        let along = |direction_deg: f64| normal(&Wave { direction_deg, ..wave });
-        sphere = Some(hemisphere(&rates));
-        let at = |degrees: f64| {
-            let normal = along(degrees);
-            (degrees, squared_speeds(&elastic, normal), squared_speeds(&rates, normal))
-        };
-        directions.map(at).collect()
+            .collect(),
+        // Between real and imaginary speeds.
+        None => {
+            let ends = imaginary.iter().flatten().map(|end| end.rem_euclid(180.0));
+            ends.map(|end| (end, "stationary discontinuity")).collect()
+        }
     };
-    let largest = curves.iter().flat_map(|(_, e, _)| e).map(|c| c.re).fold(0.0, f64::max);
-    if solid.dimensions == 3 {
-        flutter = sectors(&curves, |c| c.im.abs() > REAL * largest);
-    }
-    let imaginary = sectors(&curves, |c| c.im.abs() <= REAL * largest && c.re < -ZERO * largest);
-    Ok(Found { solid, judged, curves, flutter, imaginary, vanishing, sphere, largest })
+    let always_still = circle.is_some_and(|circle| circle.is_always_still());
+    Ok(Found {
+        solid,
+        judged,
+        curves,
+        flutter,
+        imaginary,
+        vanishing,
+        always_still,
+        sphere,
+        largest,
+    })
 }
 
 /// Why a wave stands still whose normal has that angle (rad).
@@ -191,23 +224,43 @@ fn angles() -> (Vec<f64>, Vec<f64>) {
     (list(91), list(360))
 }
 
-/// Sectors of directions with such c² while yielding, to the step between directions.
-fn sectors(
-    curves: &[(f64, Speeds, Speeds)],
-    is_such: impl Fn(&Complex64) -> bool,
-) -> Vec<[f64; 2]> {
-    let mut sectors: Vec<[f64; 2]> = Vec::new();
-    let mut was = false;
-    for (degrees, _, speeds) in curves {
-        let is_here = speeds.iter().any(&is_such);
-        match sectors.last_mut() {
-            Some(last) if is_here && was => last[1] = *degrees,
-            _ if is_here => sectors.push([*degrees; 2]),
-            _ => {}
+/// Sectors of directions, degrees, in which something holds; ends by halving. `[0, 180]` where it does
+/// all around.
+fn sectors(holds: impl Fn(f64) -> bool) -> Vec<[f64; 2]> {
+    let step = 180.0 / (DIRECTIONS - 1) as f64;
+    let angles = (0..DIRECTIONS - 1).map(|i| step * i as f64);
+    let is_edge = |&angle: &f64| holds(angle) != holds(angle + step);
+    let edge = |angle: f64| {
+        let (mut low, mut high) = (angle, angle + step);
+        let was = holds(low);
+        for _ in 0..45 {
+            let middle = 0.5 * (low + high);
+            if holds(middle) == was { low = middle } else { high = middle }
         }
-        was = is_here;
+        (0.5 * (low + high), !was)
+    };
+    let edges: Vec<(f64, bool)> = angles.filter(is_edge).map(edge).collect();
+    let Some(first) = edges.first() else {
+        return if holds(0.0) { vec![[0.0, 180.0]] } else { Vec::new() };
+    };
+    let after = edges.iter().skip(1).map(|edge| edge.0).chain([first.0 + 180.0]);
+    let sectors = edges.iter().zip(after).filter(|((_, begins), _)| *begins);
+    sectors.map(|(&(from, _), to)| [from, to]).collect()
+}
+
+impl Found {
+    /// Whether the slowest wave is as slow in every direction, within what curves show.
+    fn slowest_is_everywhere(&self) -> bool {
+        let slowest = self.judged.extremes.slowest.speed_squared.max(0.0).sqrt();
+        let is_same = |c: f64| (c - slowest).abs() <= EQUAL * self.largest.sqrt();
+        match &self.sphere {
+            Some(values) => values.iter().all(|&c| is_same(c)),
+            None => self.curves.iter().all(|(_, _, yielding)| {
+                let least = yielding.iter().map(|c| c.re).fold(f64::INFINITY, f64::min);
+                is_same(least.max(0.0).sqrt())
+            }),
+        }
     }
-    sectors
 }
 
 fn is_slowest_of_none(found: &Found) -> bool {
@@ -242,6 +295,7 @@ fn report(case: &Case, found: &Found) -> Value {
         },
         "flutter_sectors_deg": found.flutter,
         "imaginary_sectors_deg": found.imaginary,
+        "always_still": found.always_still,
         "vanishing": found.vanishing.iter()
             .map(|(degrees, what)| json!({ "direction_deg": degrees, "what": what }))
             .collect::<Vec<_>>(),
@@ -305,6 +359,9 @@ fn words(case: &Case, found: &Found) -> String {
             short(*to)
         );
     }
+    if found.always_still {
+        let _ = writeln!(text, "  a speed vanishes in all directions");
+    }
     for (degrees, what) in &found.vanishing {
         let _ = writeln!(text, "  a speed vanishes for the normal at {}°: {what}", short(*degrees));
     }
@@ -331,7 +388,11 @@ fn words(case: &Case, found: &Found) -> String {
         true => "0".to_owned(),
         false => short(slowest.speed_squared),
     };
-    let _ = writeln!(text, "  slowest wave: c² = {value} m²/s², normal {}", at(slowest.normal));
+    let place = match found.slowest_is_everywhere() {
+        true => "in all directions".to_owned(),
+        false => format!("normal {}", at(slowest.normal)),
+    };
+    let _ = writeln!(text, "  slowest wave: c² = {value} m²/s², {place}");
     let _ = writeln!(text, "Verdict: {}", found.judged.verdict.name());
     text
 }
@@ -430,6 +491,7 @@ fn figure(case: &Case, found: &Found) -> SpeedsFigure {
         unit: "m/s".into(),
         curves: all,
         flutter: found.flutter.clone(),
+        imaginary: found.imaginary.clone(),
         vanishing: found
             .vanishing
             .iter()
@@ -451,7 +513,7 @@ fn sphere_figure(case: &Case, found: &Found, values: &[f64]) -> SphereFigure {
     if let Some(flutter) = extremes.flutter {
         marks.push(mark("strongest flutter", flutter.normal));
     }
-    if found.solid.plastic.is_some() {
+    if found.solid.plastic.is_some() && !found.slowest_is_everywhere() {
         let label = match extremes.slowest.speed_squared < -extremes.slowest.rounding {
             true => "normal of the strongest shear band",
             false => "slowest wave",

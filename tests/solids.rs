@@ -447,3 +447,78 @@ fn waves_of_a_softening_solid_grow_in_dispersion_too() {
     let greatest = rates.map(|at| number(&at["growth_rate"])).fold(0.0, f64::max);
     assert!((greatest / (3.0 * (-squared).sqrt()) - 1.0).abs() < 1e-6, "{greatest} {squared}");
 }
+
+/// Three conditions at once: what the polynomial leaves open along a layer is decided by imaginary
+/// speeds elsewhere.
+#[test]
+fn open_directions_do_not_hide_growth() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let case = "
+[model]
+kind = 'cosserat'
+dimensions = 2
+lambda = 0.4091020509110211
+mu = 1.845658514760656
+alpha = 0.07518753459830219
+beta = 0.5
+gamma = 1.4450918961553236
+eta = 2.60532400308898
+density = 1
+inertia = 1.9801710654633173
+[yield]
+kind = 'interlayer'
+active = ['+m31', '+sigma21', '-m32']
+shear_strength = 1
+shear_friction = 1
+shear_dilatancy = -0.2
+couple_strength = 1
+couple_friction = 0.9624238222822759
+couple_dilatancy = 0.1680159567011167
+[wave]
+number = 1e6
+";
+    let report = run(folder.path(), point::run, case, &[]).expect("a sound case");
+    assert_eq!(report["verdict"], "ill-posed");
+    assert_eq!(number(&report["order"]), 1.0);
+    // The greatest root over directions at a great wave number.
+    let coefficient = number(&report["coefficient"]);
+    let along = [set("wave.direction_deg", number(&report["direction_deg"]))];
+    let report = run(folder.path(), point::run, case, &along).expect("a sound case");
+    let greatest = number(&report["roots"][0][0]);
+    assert!((greatest / (1e6 * coefficient) - 1.0).abs() < 1e-4, "{greatest} {coefficient}");
+}
+
+#[test]
+fn a_speed_that_always_vanishes_is_said_once() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    // In a classical solid σ12 and σ21 are one: both conditions leave no shear wave.
+    let case = LAYERS
+        .replace("reduced-cosserat", "classical")
+        .replace("alpha = 0.3\n", "")
+        .replace("inertia = 1\n", "")
+        .replace("'+sigma21'", "'+sigma21', '+sigma12'");
+    let sets = [set("yield.shear_dilatancy", 0.6)];
+    let report = run(folder.path(), speeds::run, &case, &sets).expect("a sound case");
+    assert_eq!(report["always_still"], true);
+    assert_eq!(report["vanishing"].as_array().expect("a list").len(), 0);
+}
+
+#[test]
+fn sectors_of_imaginary_speeds_end_where_a_speed_vanishes() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let sets = [set("stress.stress_angle_deg", 0.0), set("stress.out_of_plane_stress", 0.0)];
+    let report = run(folder.path(), speeds::run, CONE, &sets).expect("a sound case");
+    let sectors = report["imaginary_sectors_deg"].as_array().expect("a list");
+    assert_eq!(sectors.len(), 2);
+    for edge in sectors.iter().flat_map(|s| [number(&s[0]), number(&s[1])]) {
+        let at = |direction: f64| {
+            let wave = [set("wave.direction_deg", direction)];
+            let sets: Vec<String> = sets.iter().cloned().chain(wave).collect();
+            let report = run(folder.path(), point::run, CONE, &sets).expect("a sound case");
+            let speeds = report["squared_speeds"].as_array().expect("a list").clone();
+            speeds.iter().map(|c| number(&c[0])).fold(f64::INFINITY, f64::min)
+        };
+        let (before, after) = (at(edge - 1e-6), at(edge + 1e-6));
+        assert!(before * after < 0.0 && before.abs() < 1e-6, "{edge}: {before:e} {after:e}");
+    }
+}

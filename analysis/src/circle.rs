@@ -164,9 +164,18 @@ impl Circle {
         sectors.filter(|[from, to]| is_complex(0.5 * (from + to))).collect()
     }
 
+    /// Whether some c² is zero in all directions.
+    pub fn is_always_still(&self) -> bool {
+        let (tolerance, offset) = (NO_SPEED * self.unit, 0.5 * PI / DIRECTIONS as f64);
+        angles().all(|theta| self.least(theta + offset).abs() <= tolerance)
+    }
+
     /// Directions of the wave normal in which a speed vanishes, rad, in \[0, π), ascending: where a c²
-    /// touches zero or passes through it.
+    /// touches zero or passes through it. None where one [always](Self::is_always_still) does.
     pub fn vanishing(&self) -> Vec<f64> {
+        if self.is_always_still() {
+            return Vec::new();
+        }
         let step = PI / DIRECTIONS as f64;
         // Half a step aside: symmetric solids have their zeros at round angles.
         let angles: Vec<f64> = angles().map(|theta| theta + 0.5 * step).collect();

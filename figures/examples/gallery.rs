@@ -328,6 +328,7 @@ fn speeds() -> SpeedsFigure {
             curve("yielding: rotational", yielding, 1, &|a| pair(a, -1.0)),
         ],
         flutter: vec![[-16.2, 40.2]],
+        imaginary: vec![[61.5, 118.5]],
         vanishing: vec![
             Vanishing { label: "shear band".to_owned(), angle_deg: 61.5 },
             Vanishing { label: "shear band".to_owned(), angle_deg: 118.5 },

@@ -49,7 +49,7 @@ pub struct Vanishing {
 /// Characteristic speeds of the elastic and of the yielding solid against the direction of the
 /// wave normal in a plane.
 ///
-/// The radius is the speed. Sectors in which speeds are complex (flutter) are shaded, directions
+/// The radius is the speed. Sectors in which speeds are complex (flutter) or imaginary are shaded, directions
 /// in which a speed vanishes are dashed lines through the centre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeedsFigure {
@@ -66,6 +66,8 @@ pub struct SpeedsFigure {
     /// Sectors of flutter: first and last direction in degrees, anticlockwise; the opposite
     /// sectors are shaded too.
     pub flutter: Vec<[f64; 2]>,
+    /// Sectors in which a speed is imaginary (a shear band grows), likewise.
+    pub imaginary: Vec<[f64; 2]>,
     /// Directions in which a speed vanishes.
     pub vanishing: Vec<Vanishing>,
 }
@@ -76,6 +78,9 @@ const ELASTIC_WIDTH: f64 = 2.8;
 const FLUTTER: Colour = RGBColor(253, 226, 212);
 /// Lines on the ground of flutter tell it in grey.
 const FLUTTER_ARC: Colour = RGBColor(240, 184, 160);
+const IMAGINARY: Colour = RGBColor(222, 226, 238);
+/// Rays on the ground of imaginary speeds.
+const IMAGINARY_RAY: Colour = RGBColor(150, 158, 186);
 /// Sectors are drawn at least this wide, in degrees.
 const NARROWEST: f64 = 0.4;
 /// Speeds beyond are treated as infinite.
@@ -98,9 +103,9 @@ impl SpeedsFigure {
             .collect()
     }
 
-    /// The sectors as first angle and width.
-    fn sectors(&self) -> Vec<[f64; 2]> {
-        let known = self.flutter.iter().filter(|ends| ends.iter().all(|end| end.is_finite()));
+    /// Sectors as first angle and width.
+    fn sectors(ends: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        let known = ends.iter().filter(|ends| ends.iter().all(|end| end.is_finite()));
         known
             .map(|&[from, to]| {
                 let width = (to - from).rem_euclid(360.0);
@@ -155,7 +160,7 @@ impl SpeedsFigure {
             };
             entries.push((words, Box::new(swatch)));
         }
-        if !self.sectors().is_empty() {
+        if !Self::sectors(&self.flutter).is_empty() {
             let swatch = |picture: &mut Picture, area: Rectangle| {
                 picture.fill(area, FLUTTER);
                 for share in [0.25, 0.5, 0.75] {
@@ -165,6 +170,17 @@ impl SpeedsFigure {
                 picture.frame(area, 1.5, PALE_INK);
             };
             entries.push(("flutter: complex speeds".to_owned(), Box::new(swatch)));
+        }
+        if !Self::sectors(&self.imaginary).is_empty() {
+            let swatch = |picture: &mut Picture, area: Rectangle| {
+                picture.fill(area, IMAGINARY);
+                for share in [0.2, 0.4, 0.6, 0.8] {
+                    let x = area.left + share * area.width();
+                    picture.line([[x, area.top], [x, area.bottom]], 1.2, IMAGINARY_RAY);
+                }
+                picture.frame(area, 1.5, PALE_INK);
+            };
+            entries.push(("shear bands: imaginary speeds".to_owned(), Box::new(swatch)));
         }
         if !self.spokes().is_empty() {
             let swatch = move |picture: &mut Picture, area: Rectangle| {
@@ -223,9 +239,16 @@ impl SpeedsFigure {
         // Infinite speeds run just inside the rim.
         let radius_of = |speed: f64| radius * (speed.abs() / range).min(0.985);
 
-        for [from, width] in self.sectors() {
-            for turn in [0.0, 180.0] {
-                draw_sector(picture, centre, radius, from + turn, width);
+        for (ends, ground) in [(&self.imaginary, IMAGINARY), (&self.flutter, FLUTTER)] {
+            for [from, width] in Self::sectors(ends) {
+                for turn in [0.0, 180.0] {
+                    let sector = sector(centre, radius, from + turn, width);
+                    picture.polygon(sector, ground);
+                    match ground {
+                        FLUTTER => draw_arcs(picture, centre, radius, from + turn, width),
+                        _ => draw_rays(picture, centre, radius, from + turn, width),
+                    }
+                }
             }
         }
         let most = most_numbers(radius).min(7);
@@ -312,21 +335,40 @@ fn stroke(
     }
 }
 
-/// Shades a sector of a disc.
-fn draw_sector(picture: &mut Picture, centre: Point, radius: f64, from: f64, width: f64) {
+/// Points along an arc.
+fn arc(centre: Point, radius: f64, from: f64, width: f64) -> Vec<Point> {
     let steps = width.ceil().max(2.0);
-    let arc = |radius: f64| -> Vec<Point> {
-        (0..=steps as usize)
-            .map(|step| at(centre, from + width * step as f64 / steps, radius))
-            .collect()
-    };
-    let mut sector = arc(radius);
+    (0..=steps as usize)
+        .map(|step| at(centre, from + width * step as f64 / steps, radius))
+        .collect()
+}
+
+/// A sector of a disc.
+fn sector(centre: Point, radius: f64, from: f64, width: f64) -> Vec<Point> {
+    let mut sector = arc(centre, radius, from, width);
     sector.push(centre);
-    picture.polygon(sector, FLUTTER);
+    sector
+}
+
+/// What tells flutter in grey.
+fn draw_arcs(picture: &mut Picture, centre: Point, radius: f64, from: f64, width: f64) {
     let mut size = 14.0;
     while size < radius {
-        picture.line(arc(size), 1.2, FLUTTER_ARC);
+        picture.line(arc(centre, size, from, width), 1.2, FLUTTER_ARC);
         size += 12.0;
+    }
+}
+
+/// What tells imaginary speeds in grey.
+fn draw_rays(picture: &mut Picture, centre: Point, radius: f64, from: f64, width: f64) {
+    let count = (width / 3.0).ceil().max(2.0);
+    for ray in 0..=count as usize {
+        let angle = from + width * ray as f64 / count;
+        picture.line(
+            [at(centre, angle, 0.2 * radius), at(centre, angle, radius)],
+            1.2,
+            IMAGINARY_RAY,
+        );
     }
 }
 
@@ -353,6 +395,7 @@ mod tests {
                 })
                 .collect(),
             flutter: flutter.to_vec(),
+            imaginary: flutter.iter().map(|ends| ends.map(|end| end + 60.0)).collect(),
             vanishing: rays.iter().map(ray).collect(),
         }
     }
@@ -402,7 +445,7 @@ mod tests {
             check(&figure(&points, &sectors, rays));
         }
         let figure = figure(&points, &[[-10.0, 20.0], [30.0, 30.0], [0.0, 360.0]], &[]);
-        let sectors = figure.sectors();
+        let sectors = SpeedsFigure::sectors(&figure.flutter);
         assert_eq!([sectors[0], sectors[2]], [[350.0, 30.0], [0.0, 180.0]]);
         assert!((sectors[1][1] - NARROWEST).abs() < 1e-12 && sectors[1][0] < 30.0);
     }

@@ -70,8 +70,8 @@ pub struct YieldNumbers {
     pub friction: f64,
     pub dilatancy: f64,
     pub antisymmetric_weight: f64,
-    pub symmetric_length: Option<f64>,
-    pub antisymmetric_length: Option<f64>,
+    pub symmetric_length: f64,
+    pub antisymmetric_length: f64,
     pub hardening: f64,
     pub plastic_rate: f64,
 }
@@ -540,10 +540,10 @@ pub static KEYS: &[Key] = keys! {
         SOLIDS that yield by CONES, Required(0.3), Number(|n| &mut n.yields.dilatancy);
     "yield.antisymmetric_weight": "antisymmetric weight h" [""] "weight h of the antisymmetric stress; ≥ 0";
         WITH_ROTATION that yield by COSSERAT_MISES, Required(1.0), Number(|n| &mut n.yields.antisymmetric_weight);
-    "yield.symmetric_length": "internal length ℓ_s" ["m"] "internal length ℓ_s of the symmetric couple stress; > 0; absent: no limit to it";
-        MODULI_OF_COUPLES that yield by COSSERAT_MISES, Optional, OptionalNumber(|n| &mut n.yields.symmetric_length);
-    "yield.antisymmetric_length": "internal length ℓ_a" ["m"] "internal length ℓ_a of the antisymmetric couple stress; > 0; absent: no limit to it";
-        MODULI_OF_COUPLES that yield by COSSERAT_MISES, Optional, OptionalNumber(|n| &mut n.yields.antisymmetric_length);
+    "yield.symmetric_length": "internal length ℓ_s" ["m"] "internal length ℓ_s of the symmetric couple stress; 0: no limit to it";
+        MODULI_OF_COUPLES that yield by COSSERAT_MISES, Or(0.0), Number(|n| &mut n.yields.symmetric_length);
+    "yield.antisymmetric_length": "internal length ℓ_a" ["m"] "internal length ℓ_a of the antisymmetric couple stress; 0: no limit to it";
+        MODULI_OF_COUPLES that yield by COSSERAT_MISES, Or(0.0), Number(|n| &mut n.yields.antisymmetric_length);
     "yield.hardening": "plastic modulus H" ["Pa"] "plastic modulus H; 0 for ideal plasticity, negative while softening";
         SOLIDS that yield by MISES, Or(0.0), Number(|n| &mut n.yields.hardening);
     "yield.plastic_rate": "plastic rate Λ" ["1/s"] "rate Λ at which the background flows, its stress at rest; ≥ 0; damps waves, changes no speed";
@@ -559,7 +559,7 @@ pub static KEYS: &[Key] = keys! {
         ISOTROPIC that yield by MISES, Or(0.0), Number(|n| &mut n.stress.out_of_plane_stress);
     "stress.rotational_stress": "rotational stress r" ["Pa"] "r = ½(σ₂₁ − σ₁₂), second index the face normal, before scaling";
         WITH_INERTIA that yield by YIELDING, Or(0.0), Number(|n| &mut n.stress.rotational_stress);
-    "stress.couple_stress": "couple stress" ["N/m"] "couple stress [m₃₁, m₃₂], before scaling";
+    "stress.couple_stress": "couple stress" ["N/m"] "couple stress [m₃₁, m₃₂], before scaling; m₁₃ and m₂₃ are 0";
         WITH_COUPLES that yield by YIELDING, Or(0.0), Pair(|n| &mut n.stress.couple_stress);
 
     "wave.number": "wave number k" ["1/m"] "wave number k at which roots are listed; > 0";

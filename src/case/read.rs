@@ -239,7 +239,8 @@ pub(super) fn nearest<'a>(
         .into_iter()
         .map(|candidate| (strsim::normalized_damerau_levenshtein(&name, candidate), candidate))
         .filter(|(likeness, _)| *likeness >= NEAR)
-        .max_by(|(a, _), (b, _)| a.total_cmp(b))
+        // The first of those that are equally near.
+        .reduce(|best, other| if other.0 > best.0 { other } else { best })
         .map(|(_, candidate)| candidate)
 }
 

@@ -134,9 +134,16 @@ fn analyse(case: &Case) -> Result<Analysed, Error> {
     })
 }
 
+/// c² along the wave of the case, by descending real part; zeros of rounding size as zeros.
 fn speeds(waves: &Waves) -> Vec<Complex64> {
     let mut all: Vec<Complex64> =
         waves.families.iter().flat_map(|family| family.squared_speeds()).collect();
+    let largest = all.iter().map(|c| c.norm()).fold(0.0, f64::max);
+    for square in &mut all {
+        if square.norm() <= 1e-13 * largest {
+            *square = Complex64::from(0.0);
+        }
+    }
     all.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
     all
 }
@@ -294,7 +301,10 @@ fn words(case: &Case, of: &Analysed) -> String {
             text,
             "  slowest wave        c² = {} m²/s² {}{}",
             short(slowest.speed_squared),
-            at(slowest.normal),
+            match of.solid.plastic {
+                Some(_) => at(slowest.normal),
+                None => "in all directions".into(),
+            },
             if slowest.speed_squared < 0.0 { ": a shear band grows" } else { "" }
         ),
     };
@@ -383,7 +393,11 @@ fn figure(case: &Case, of: &Analysed) -> GrowthFigure {
             short(wave.number)
         ),
         by_direction: Panel {
-            x_label: "direction of the wave vector (°)".into(),
+            x_label: match (of.solid.dimensions, wave.elevation_deg) {
+                (2, _) => "direction of the wave vector (°)".into(),
+                (_, 0.0) => "direction in the plane of x₁ and x₂ (°)".into(),
+                _ => "direction, measured in the plane of x₁ and x₂ (°)".into(),
+            },
             y_label: "growth rate Re ς (1/s)".into(),
             x_log: false,
             curves: vec![Line {
