@@ -417,7 +417,7 @@ impl Secular {
                     break;
                 }
                 from = next;
-                if step.abs() <= 1e-4 * (high - low) {
+                if step.abs() <= 3e-2 * (high - low) {
                     x = next;
                     break;
                 }
