@@ -3,3 +3,4 @@
 pub mod parameters;
 pub mod stress;
 pub mod symbol;
+pub mod waves;

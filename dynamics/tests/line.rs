@@ -1,0 +1,315 @@
+//! A pair of fields along a line: exact steps, order, reflection, energy, symmetry.
+
+use models::cosserat::parameters::Isotropic;
+use std::f64::consts::PI;
+use wellposed_dynamics::line::{Account, Cell, GHOSTS, Slopes, energy, sweep};
+
+const ALL: [Slopes; 3] = [Slopes::Godunov, Slopes::Limited, Slopes::Unlimited];
+
+/// Numbers that look random, the same on every machine.
+struct Random(u64);
+
+impl Random {
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        low + (high - low) * ((self.0 >> 11) as f64 / (1u64 << 53) as f64)
+    }
+}
+
+#[derive(Clone)]
+struct Line {
+    velocity: Vec<f64>,
+    stress: Vec<f64>,
+    cells: Vec<Cell<f64>>,
+}
+
+impl Line {
+    fn new(inner: usize, at: impl Fn(usize) -> (f64, f64, Cell<f64>)) -> Self {
+        let length = inner + 2 * GHOSTS;
+        // Periodic as it stands.
+        let place = |i: usize| (i + inner - GHOSTS) % inner;
+        let all: Vec<_> = (0..length).map(|i| at(place(i))).collect();
+        Self {
+            velocity: all.iter().map(|a| a.0).collect(),
+            stress: all.iter().map(|a| a.1).collect(),
+            cells: all.iter().map(|a| a.2).collect(),
+        }
+    }
+
+    fn inner(&self) -> std::ops::Range<usize> {
+        GHOSTS..self.cells.len() - GHOSTS
+    }
+
+    fn make_periodic(&mut self) {
+        let inner = self.inner().len();
+        for i in 0..GHOSTS {
+            for field in [&mut self.velocity, &mut self.stress] {
+                field[i] = field[i + inner];
+                field[GHOSTS + inner + i] = field[GHOSTS + i];
+            }
+        }
+    }
+
+    fn step(&mut self, slopes: Slopes, account: Option<&mut Account>) {
+        sweep(&mut self.velocity, &mut self.stress, &self.cells, slopes, account);
+    }
+
+    fn energy(&self) -> f64 {
+        energy(&self.velocity, &self.stress, &self.cells)
+    }
+}
+
+#[test]
+fn at_courant_number_one_waves_move_by_a_cell() {
+    let mut random = Random(1);
+    let z = 2.5;
+    for slopes in ALL {
+        let data: Vec<[f64; 2]> =
+            (0..20).map(|_| [random.within(-1.0, 1.0), random.within(-1.0, 1.0)]).collect();
+        // s − zv to the right, s + zv to the left.
+        let at = |i: usize| {
+            let [right, left] = data[i];
+            ((left - right) / (2.0 * z), 0.5 * (left + right), Cell { impedance: z, courant: 1.0 })
+        };
+        let mut line = Line::new(20, at);
+        for _ in 0..7 {
+            line.make_periodic();
+            line.step(slopes, None);
+        }
+        for (i, place) in line.inner().enumerate() {
+            let (v, s) = (line.velocity[place], line.stress[place]);
+            assert!((s - z * v - data[(i + 20 - 7) % 20][0]).abs() < 1e-14);
+            assert!((s + z * v - data[(i + 7) % 20][1]).abs() < 1e-14);
+        }
+    }
+}
+
+/// Largest of the mean errors of velocity and stress after the time 0.83 on `count` cells.
+fn error(count: usize, slopes: Slopes) -> f64 {
+    let (z, c, courant) = (1.7, 1.3, 0.62);
+    let h = 1.0 / count as f64;
+    let steps = (0.83 * c / (courant * h)).round();
+    let courant = 0.83 * c / (h * steps);
+    // Means over cells of waves to the right and to the left.
+    let mean = |f: &dyn Fn(f64) -> f64, i: usize, shift: f64| {
+        let at = |x: f64| f(h * i as f64 + x * h - shift);
+        let (low, high) = (0.5 - 0.15f64.sqrt(), 0.5 + 0.15f64.sqrt());
+        (5.0 * at(low) + 8.0 * at(0.5) + 5.0 * at(high)) / 18.0
+    };
+    let right = |x: f64| (2.0 * PI * x).sin();
+    let left = |x: f64| (2.0 * PI * x + 0.4).cos() + 0.3 * (4.0 * PI * x).sin();
+    let exact = |i: usize, time: f64| {
+        let (r, l) = (mean(&right, i, c * time), mean(&left, i, -c * time));
+        [(l - r) / (2.0 * z), 0.5 * (l + r)]
+    };
+    let mut line = Line::new(count, |i| {
+        let [v, s] = exact(i, 0.0);
+        (v, s, Cell { impedance: z, courant })
+    });
+    for _ in 0..steps as usize {
+        line.make_periodic();
+        line.step(slopes, None);
+    }
+    let mut sums = [0.0; 2];
+    for (i, place) in line.inner().enumerate() {
+        let [v, s] = exact(i, 0.83);
+        sums[0] += (line.velocity[place] - v).abs() * h;
+        sums[1] += (line.stress[place] - s).abs() * h;
+    }
+    sums[0].max(sums[1])
+}
+
+#[test]
+fn orders() {
+    for (slopes, least, most) in
+        [(Slopes::Godunov, 0.9, 1.1), (Slopes::Limited, 1.95, 2.6), (Slopes::Unlimited, 1.95, 2.3)]
+    {
+        let errors: Vec<f64> = [64, 128, 256, 512].map(|n| error(n, slopes)).to_vec();
+        let orders: Vec<f64> = errors.windows(2).map(|e| (e[0] / e[1]).log2()).collect();
+        println!("{slopes:?}: errors {errors:?}, orders {orders:.3?}");
+        assert!((least..most).contains(&orders[2]), "{slopes:?} {orders:?}");
+    }
+}
+
+/// A wave that meets another medium: s_r/s_i = (z₂ − z₁)/(z₂ + z₁), s_t/s_i = 2z₂/(z₂ + z₁); exact at
+/// Courant number 1 in both.
+#[test]
+fn reflection_and_transmission_are_exact_at_courant_number_one() {
+    let solids = [(1.0, 1.0, 1.0), (3.0, 2.0, 0.7)];
+    let solids = solids.map(|(lambda, mu, rho)| Isotropic::new(lambda, mu, rho, None).unwrap());
+    let pairs = solids.map(|solid| solid.pairs(2, 0).swap_remove(0));
+    let z = pairs.each_ref().map(|pair| pair.impedance());
+    for slopes in ALL {
+        let pulse = |i: usize| if (20..25).contains(&i) { 1.0 + 0.1 * i as f64 } else { 0.0 };
+        let mut line = Line::new(100, |i| {
+            let impedance = z[usize::from(i >= 50)];
+            // To the right: v = −s/z.
+            (-pulse(i) / impedance, pulse(i), Cell { impedance, courant: 1.0 })
+        });
+        for _ in 0..40 {
+            line.step(slopes, None);
+        }
+        let reflected = (z[1] - z[0]) / (z[1] + z[0]);
+        let transmitted = 2.0 * z[1] / (z[1] + z[0]);
+        for (i, place) in line.inner().enumerate() {
+            let expected = if i < 50 {
+                // Mirrored at the joint between the cells 49 and 50.
+                let source = 99 - i as i64 - 40;
+                reflected * usize::try_from(source).map_or(0.0, pulse)
+            } else {
+                transmitted * pulse(i - 40)
+            };
+            assert!((line.stress[place] - expected).abs() < 1e-14, "{slopes:?} {i}");
+        }
+    }
+}
+
+fn random_line(random: &mut Random, count: usize) -> Line {
+    let data: Vec<(f64, f64, Cell<f64>)> = (0..count)
+        .map(|_| {
+            let cell =
+                Cell { impedance: random.within(0.1, 5.0), courant: random.within(0.05, 1.0) };
+            (random.within(-1.0, 1.0), random.within(-1.0, 1.0), cell)
+        })
+        .collect();
+    Line::new(count, |i| data[i])
+}
+
+/// What the pieces lose and gain is what the means do: with a different medium in every cell, and work at
+/// both ends.
+#[test]
+fn the_account_closes() {
+    let mut random = Random(3);
+    for slopes in ALL {
+        let mut worst = 0.0f64;
+        for _ in 0..500 {
+            let mut line = random_line(&mut random, 30);
+            // Ghosts of their own: energy comes and goes.
+            for i in (0..GHOSTS).chain(30 + GHOSTS..30 + 2 * GHOSTS) {
+                line.velocity[i] = random.within(-1.0, 1.0);
+                line.stress[i] = random.within(-1.0, 1.0);
+            }
+            let before = line.energy();
+            let mut account = Account::default();
+            line.step(slopes, Some(&mut account));
+            let change = line.energy() - before;
+            let residual = change - account.inflow + account.dissipated();
+            worst = worst.max((residual / before).abs());
+            if slopes == Slopes::Godunov {
+                assert_eq!(account.gained, 0.0);
+            }
+        }
+        println!("{slopes:?} {worst:e}");
+        assert!(worst < 1e-14);
+    }
+}
+
+/// An impedance that is wrong by a percent in one place opens the account.
+#[test]
+fn a_wrong_impedance_opens_the_account() {
+    let mut random = Random(4);
+    let mut line = random_line(&mut random, 30);
+    let before = line.energy();
+    let right = line.cells.clone();
+    line.cells[15].impedance *= 1.01;
+    let mut account = Account::default();
+    line.step(Slopes::Limited, Some(&mut account));
+    line.cells = right;
+    let residual = line.energy() - before - account.inflow + account.dissipated();
+    assert!((residual / before).abs() > 1e-6);
+}
+
+/// Without work at the ends energy does not grow, in any medium.
+#[test]
+fn energy_does_not_grow() {
+    let mut random = Random(5);
+    for slopes in [Slopes::Godunov, Slopes::Limited] {
+        for _ in 0..200 {
+            let mut line = random_line(&mut random, 40);
+            let start = line.energy();
+            let mut greatest = start;
+            for _ in 0..200 {
+                line.make_periodic();
+                line.step(slopes, None);
+                greatest = greatest.max(line.energy());
+            }
+            assert!(greatest <= start * (1.0 + 1e-13), "{slopes:?} {}", greatest / start);
+        }
+    }
+}
+
+/// The decay of a wave on the scale of the grid by first-order sweeps: its amplification is
+/// 1 − C(1 − exp(−iθ)) for the wave to the right.
+#[test]
+fn a_wave_on_the_grid_scale_decays_as_it_should() {
+    for (waves, count, courant) in [(4, 16, 0.3), (7, 16, 0.7), (8, 16, 0.9)] {
+        let angle = 2.0 * PI * f64::from(waves) / f64::from(count);
+        let z = 1.0;
+        let mut line = Line::new(count as usize, |i| {
+            let s = (angle * i as f64).cos();
+            (-s / z, s, Cell { impedance: z, courant })
+        });
+        let start = line.energy();
+        for _ in 0..10 {
+            line.make_periodic();
+            line.step(Slopes::Godunov, None);
+        }
+        let factor = 1.0 - 2.0 * courant * (1.0 - courant) * (1.0 - angle.cos());
+        let found = line.energy() / start;
+        assert!((found / factor.powi(10) - 1.0).abs() < 1e-12, "{found} {factor}");
+    }
+}
+
+#[test]
+fn mirrored_data_give_mirrored_bits() {
+    let mut random = Random(6);
+    for slopes in ALL {
+        let mut line = random_line(&mut random, 33);
+        let mut mirrored = line.clone();
+        mirrored.velocity = line.velocity.iter().rev().map(|v| -v).collect();
+        mirrored.stress.reverse();
+        mirrored.cells.reverse();
+        for _ in 0..20 {
+            line.step(slopes, None);
+            mirrored.step(slopes, None);
+        }
+        for place in line.inner() {
+            let other = line.cells.len() - 1 - place;
+            assert_eq!(line.velocity[place].to_bits(), (-mirrored.velocity[other]).to_bits());
+            assert_eq!(line.stress[place].to_bits(), mirrored.stress[other].to_bits());
+        }
+    }
+}
+
+/// In single precision to single precision.
+#[test]
+fn single_precision_follows() {
+    let mut random = Random(7);
+    let mut line = random_line(&mut random, 50);
+    let narrow = |list: &[f64]| list.iter().map(|&x| x as f32).collect::<Vec<f32>>();
+    let (mut velocity, mut stress) = (narrow(&line.velocity), narrow(&line.stress));
+    let cells: Vec<Cell<f32>> = line
+        .cells
+        .iter()
+        .map(|c| Cell { impedance: c.impedance as f32, courant: c.courant as f32 })
+        .collect();
+    for _ in 0..10 {
+        line.step(Slopes::Limited, None);
+        sweep(&mut velocity, &mut stress, &cells, Slopes::Limited, None);
+    }
+    for place in line.inner() {
+        assert!((line.velocity[place] - f64::from(velocity[place])).abs() < 1e-4);
+        assert!((line.stress[place] - f64::from(stress[place])).abs() < 1e-4);
+    }
+}
+
+#[test]
+fn lines_too_short_are_left_alone() {
+    for length in 0..=2 * GHOSTS {
+        let (mut velocity, mut stress) = (vec![1.0; length], vec![2.0; length]);
+        let cells = vec![Cell { impedance: 1.0, courant: 0.5 }; length];
+        sweep(&mut velocity, &mut stress, &cells, Slopes::Limited, None);
+        assert_eq!((velocity, stress), (vec![1.0; length], vec![2.0; length]));
+    }
+}

@@ -1,0 +1,199 @@
+//! The two statements of elastic solids, as pairs of waves and as matrices, held against each other.
+
+mod support;
+
+use nalgebra::DMatrix;
+use support::Random;
+use wellposed_models::LinearisedSystem;
+use wellposed_models::cosserat::parameters::{
+    CoupleModuli, Isotropic, Microrotation, PlaneCompliances, Theory,
+};
+use wellposed_models::cosserat::waves::{Field, Pair, Rotation, fields};
+use wellposed_models::rates::RateEquations;
+
+const THEORIES: [Theory; 3] = [Theory::Classical, Theory::Reduced, Theory::Cosserat];
+
+fn solid(random: &mut Random, theory: Theory) -> Isotropic {
+    let couple = (theory == Theory::Cosserat).then(|| CoupleModuli {
+        beta: random.within(-0.2, 1.0),
+        gamma: random.within(0.5, 2.0),
+        eta: random.within(0.2, 2.0),
+    });
+    let microrotation = (theory != Theory::Classical).then(|| Microrotation {
+        alpha: random.within(0.1, 2.0),
+        inertia: random.within(0.2, 2.0),
+        couple,
+    });
+    let lambda = random.within(-0.5, 3.0);
+    Isotropic::new(lambda, random.within(0.8, 2.0), random.within(0.5, 2.0), microrotation).unwrap()
+}
+
+/// The name that the equations as matrices give a field.
+fn name(field: Field) -> String {
+    match field {
+        Field::Velocity(i) => format!("v{}", i + 1),
+        Field::Spin(k) => format!("ω{}", k + 1),
+        Field::Stress(i, j) => format!("σ{}{}", i + 1, j + 1),
+        Field::Couple(k, j) => format!("m{}{}", k + 1, j + 1),
+    }
+}
+
+/// U̇ = Σ Bⁱ∂ᵢU + QU of the matrices, solved for U̇, by name.
+struct Matrices<const D: usize> {
+    names: Vec<String>,
+    gradient: [DMatrix<f64>; D],
+    local: DMatrix<f64>,
+}
+
+fn matrices<const D: usize>(equations: &RateEquations<D>) -> Matrices<D> {
+    let mut system = LinearisedSystem::default();
+    equations.linearise(&mut system);
+    let solved = |matrix: &wellposed_models::system::Matrix| {
+        DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| {
+            -matrix[(i, j)].value / system.a[(i, i)].value
+        })
+    };
+    Matrices {
+        names: system.unknowns.iter().map(|u| u.name.to_owned()).collect(),
+        gradient: system.b.each_ref().map(solved),
+        local: solved(&system.c),
+    }
+}
+
+fn same(found: &DMatrix<f64>, expected: &DMatrix<f64>, what: &str) {
+    let error = (found - expected).amax() / expected.amax();
+    assert!(error < 1e-14, "{what}: {error:e}\n{found:.3}{expected:.3}");
+}
+
+fn compare<const D: usize>(
+    equations: &RateEquations<D>,
+    pairs: impl Fn(usize) -> Vec<Pair>,
+    rotation: Option<Rotation>,
+) {
+    let expected = matrices(equations);
+    let size = expected.names.len();
+    let place = |field: Field| {
+        let name = name(field);
+        expected.names.iter().position(|own| *own == name)
+    };
+    let must = |field: Field| place(field).unwrap_or_else(|| panic!("no {}", name(field)));
+    for axis in 0..D {
+        let mut found = DMatrix::zeros(size, size);
+        for pair in pairs(axis) {
+            let (v, s) = (must(pair.velocity), must(pair.stress));
+            found[(v, s)] += 1.0 / pair.inertia;
+            found[(s, v)] += pair.modulus;
+            assert!((pair.speed() * pair.impedance() / pair.modulus - 1.0).abs() < 1e-15);
+            for (follower, ratio) in &pair.followers {
+                found[(must(*follower), v)] += ratio * pair.modulus;
+            }
+        }
+        same(&found, &expected.gradient[axis], "gradient");
+    }
+    let mut local = DMatrix::zeros(size, size);
+    if let Some(rotation) = rotation {
+        // ω̇ = −(frequency/ratio) a, ȧ = frequency · ratio · ω, aₖ = ½(σᵢⱼ − σⱼᵢ), ijk cyclic.
+        for k in 0..3 {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            let [Some(spin), Some(first), Some(second)] =
+                [Field::Spin(k), Field::Stress(i, j), Field::Stress(j, i)].map(place)
+            else {
+                continue;
+            };
+            local[(spin, first)] -= 0.5 * rotation.frequency / rotation.ratio;
+            local[(spin, second)] += 0.5 * rotation.frequency / rotation.ratio;
+            local[(first, spin)] += rotation.frequency * rotation.ratio;
+            local[(second, spin)] -= rotation.frequency * rotation.ratio;
+        }
+        same(&local, &expected.local, "rotation");
+    } else {
+        assert_eq!(expected.local.amax(), 0.0);
+    }
+}
+
+#[test]
+fn pairs_are_the_matrices() {
+    let random = &mut Random::new(51);
+    for index in 0..300 {
+        let theory = THEORIES[index % 3];
+        let solid = solid(random, theory);
+        let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
+        let plane = solid.layout::<2>().carrying();
+        let law = solid.stiffness(plane.all_stresses());
+        let equations: RateEquations<2> = plane.rates(&law, solid.density, inertia);
+        compare(&equations, |axis| solid.pairs(2, axis), solid.rotation());
+        compare(&solid.rates::<3>(), |axis| solid.pairs(3, axis), solid.rotation());
+    }
+}
+
+#[test]
+fn pairs_of_compliances_are_the_matrices() {
+    let random = &mut Random::new(52);
+    for _ in 0..100 {
+        let (a1, a2) = (random.within(0.5, 2.0), random.within(0.5, 2.0));
+        let solid = PlaneCompliances {
+            a1,
+            b1: a1 * random.within(-0.9, 0.9),
+            a2,
+            b2: a2 * random.within(-0.9, 0.9),
+            alpha2: random.within(0.5, 2.0),
+            density: random.within(0.5, 2.0),
+            inertia: random.within(0.5, 2.0),
+        };
+        compare(&solid.rates(), |axis| solid.pairs(axis), Some(solid.rotation()));
+    }
+}
+
+#[test]
+fn fields_are_those_of_the_matrices() {
+    let random = &mut Random::new(53);
+    for theory in THEORIES {
+        let solid = solid(random, theory);
+        let sorted = |mut names: Vec<String>| {
+            names.sort();
+            names
+        };
+        for dimensions in [2, 3] {
+            let own: Vec<String> = fields(theory, dimensions).into_iter().map(name).collect();
+            let unknowns = match dimensions {
+                2 => solid.layout::<2>().carrying().unknowns(),
+                _ => solid.layout::<3>().unknowns(),
+            };
+            let names = unknowns.iter().map(|u| u.name.to_owned()).collect();
+            assert_eq!(sorted(own), sorted(names), "{theory:?} {dimensions}");
+        }
+    }
+}
+
+/// Against the series of its generator, and the energy ½jω² + ½a²/α.
+#[test]
+fn the_rotation_is_exact() {
+    let random = &mut Random::new(54);
+    for _ in 0..200 {
+        let solid = solid(random, Theory::Reduced);
+        let (rotation, own) = (solid.rotation().unwrap(), solid.microrotation.unwrap());
+        let state = [random.within(-1.0, 1.0), random.within(-1.0, 1.0)];
+        let duration = random.within(0.0, 3.0);
+        let found = rotation.turn(state, duration);
+        // ω̇ = −2a/j, ȧ = 2αω in many small exact-to-fourth-order steps.
+        let steps = 2000;
+        let h = duration / f64::from(steps);
+        let rate = |[w, a]: [f64; 2]| [-2.0 * a / own.inertia, 2.0 * own.alpha * w];
+        let mut expected = state;
+        for _ in 0..steps {
+            let at = |k: [f64; 2], f: f64| [expected[0] + f * k[0], expected[1] + f * k[1]];
+            let k1 = rate(expected);
+            let k2 = rate(at(k1, 0.5 * h));
+            let k3 = rate(at(k2, 0.5 * h));
+            let k4 = rate(at(k3, h));
+            for i in 0..2 {
+                expected[i] += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
+            }
+        }
+        let energy = |[w, a]: [f64; 2]| 0.5 * own.inertia * w * w + 0.5 * a * a / own.alpha;
+        assert!((energy(found) / energy(state) - 1.0).abs() < 1e-14);
+        for i in 0..2 {
+            assert!((found[i] - expected[i]).abs() < 1e-9, "{found:?} {expected:?}");
+        }
+    }
+}
