@@ -8,11 +8,14 @@
 //! ```
 //!
 //! Second order, since every factor is; each keeps or lowers the energy at Courant numbers
-//! c(Δt/2)/h ≤ 1, and so does the step.
+//! c(Δt/2)/h ≤ 1, and so does the step. Where stresses yield, with the projection P onto the yield set in
+//! the norm of the energy, the correction stands either last, or in the middle between two halves of Q as
+//! the reflection 2P − I, which no more than P makes a state longer ([`Placement`]).
 
 use crate::line::{self, Account, Cell, GHOSTS, Slopes};
 use crate::medium::Medium;
 use crate::real::Real;
+use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
 
 /// A rectangular grid of `D` dimensions.
@@ -35,6 +38,48 @@ pub enum Boundary {
     Free,
     /// The same at rest without end: waves along the normal leave.
     NonReflecting,
+}
+
+/// Where the correction stands in a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Placement {
+    /// P after the elastic step: first order, and the state always in its set.
+    Last,
+    /// 2P − I between the halves of the elastic step: second order while the same conditions stay active.
+    /// The state is in its set in the middle of steps; [`Domain::admissible`] is what to look at.
+    #[default]
+    Middle,
+}
+
+/// The choices of the scheme.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scheme {
+    /// How waves are reconstructed.
+    pub slopes: Slopes,
+    /// Where the correction stands.
+    pub placement: Placement,
+}
+
+/// What steps do to the energy, J (in plane strain of a slice of unit thickness).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ledger {
+    /// Work at the sides, positive inwards.
+    pub inflow: f64,
+    /// Variance that reconstruction adds; see [`Account`].
+    pub gained: f64,
+    /// Variance that averaging takes; see [`Account`].
+    pub lost: f64,
+    /// Plastic dissipation.
+    pub plastic: f64,
+    /// The least plastic dissipation of a cell in a step, over the energy stored there.
+    pub least_plastic: f64,
+}
+
+impl Ledger {
+    /// Energy that the scheme itself dissipates.
+    pub fn numerical(&self) -> f64 {
+        self.lost - self.gained
+    }
 }
 
 /// A domain that cannot be made.
@@ -84,7 +129,7 @@ pub struct Domain<T, const D: usize> {
     boundaries: [[Boundary; 2]; D],
     /// Time step Δt, s.
     step: f64,
-    slopes: Slopes,
+    scheme: Scheme,
     /// Values by field, then by cell.
     state: Vec<Vec<T>>,
     buffer: Buffer<T>,
@@ -110,7 +155,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         of_cell: Vec<u16>,
         boundaries: [[Boundary; 2]; D],
         step: f64,
-        slopes: Slopes,
+        scheme: Scheme,
     ) -> Result<Self, DomainError> {
         let needed: usize = grid.cells.iter().product();
         if of_cell.len() != needed {
@@ -146,7 +191,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             cells: vec![at_rest; longest],
         };
         let state = vec![vec![T::ZERO; needed]; fields.len()];
-        Ok(Self { grid, media, of_cell, boundaries, step, slopes, state, buffer })
+        Ok(Self { grid, media, of_cell, boundaries, step, scheme, state, buffer })
     }
 
     /// The components of the state.
@@ -168,20 +213,90 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.fields().iter().position(|own| *own == field)
     }
 
-    /// Advances all fields by Δt; with the account of the energy in joules (of a slice of unit thickness
-    /// in plane strain), if there is one.
-    pub fn advance(&mut self, mut account: Option<&mut Account>) {
+    /// Advances all fields by Δt, and keeps the ledger of the energy if there is one.
+    pub fn advance(&mut self, mut ledger: Option<&mut Ledger>) {
+        let is_plastic = self.media.iter().any(|medium| medium.correction.is_some());
         for axis in 0..D {
-            self.sweep(axis, account.as_deref_mut());
+            self.sweep(axis, ledger.as_deref_mut());
         }
-        self.rotate();
+        if is_plastic && self.scheme.placement == Placement::Middle {
+            self.rotate(0.5);
+            self.correct(true, ledger.as_deref_mut());
+            self.rotate(0.5);
+        } else {
+            self.rotate(1.0);
+        }
         for axis in (0..D).rev() {
-            self.sweep(axis, account.as_deref_mut());
+            self.sweep(axis, ledger.as_deref_mut());
+        }
+        if is_plastic && self.scheme.placement == Placement::Last {
+            self.correct(false, ledger);
+        }
+    }
+
+    /// The domain with its stresses in their yield sets: what is shown of it.
+    pub fn admissible(&self) -> Self {
+        let mut shown = self.clone();
+        shown.correct(false, None);
+        shown
+    }
+
+    /// The stress in a cell.
+    fn stress(&self, cell: usize) -> Stress {
+        let mut stress = Stress::default();
+        for (field, values) in self.fields().iter().zip(&self.state) {
+            let value = values[cell].wide();
+            match *field {
+                Field::Stress(i, j) => {
+                    stress.force[i][j] = value;
+                    // One field stands for both in classical solids.
+                    if self.place(Field::Stress(j, i)).is_none() {
+                        stress.force[j][i] = value;
+                    }
+                }
+                Field::Couple(k, j) => stress.couple[k][j] = value,
+                Field::Velocity(_) | Field::Spin(_) => {}
+            }
+        }
+        stress
+    }
+
+    /// P, or with `reflects` 2P − I.
+    fn correct(&mut self, reflects: bool, mut ledger: Option<&mut Ledger>) {
+        let volume: f64 = self.grid.spacing.iter().product();
+        let fields = self.fields().to_vec();
+        for cell in 0..self.of_cell.len() {
+            let medium = &self.media[usize::from(self.of_cell[cell])];
+            let Some(correction) = medium.correction else { continue };
+            let trial = self.stress(cell);
+            let corrected = correction.project(&trial);
+            if corrected.stress == trial {
+                continue;
+            }
+            for (field, values) in fields.iter().zip(&mut self.state) {
+                let (trial, projected) = match *field {
+                    Field::Stress(i, j) => (trial.force[i][j], corrected.stress.force[i][j]),
+                    Field::Couple(k, j) => (trial.couple[k][j], corrected.stress.couple[k][j]),
+                    Field::Velocity(_) | Field::Spin(_) => continue,
+                };
+                let moved = if reflects { projected + (projected - trial) } else { projected };
+                values[cell] = T::of(moved);
+            }
+            if let Some(ledger) = ledger.as_deref_mut() {
+                // ½|s̄|² − ½|2s − s̄|² = 2s·(s̄ − s) = 2(energy lost − energy of the difference).
+                let loss = match reflects {
+                    true => 2.0 * (corrected.energy_lost - corrected.distance),
+                    false => corrected.energy_lost,
+                };
+                ledger.plastic += volume * loss;
+                let stored = corrected.energy_lost.max(f64::MIN_POSITIVE);
+                ledger.least_plastic = ledger.least_plastic.min(loss / stored);
+            }
         }
     }
 
     /// Half a step along an axis.
-    fn sweep(&mut self, axis: usize, mut account: Option<&mut Account>) {
+    fn sweep(&mut self, axis: usize, mut ledger: Option<&mut Ledger>) {
         let length = self.grid.cells[axis];
         let stride: usize = self.grid.cells[..axis].iter().product();
         let lines = self.of_cell.len() / length.max(1);
@@ -191,12 +306,12 @@ impl<T: Real, const D: usize> Domain<T, D> {
         for line in 0..lines {
             let start = line / stride * stride * length + line % stride;
             for pair in 0..self.media[0].pairs[axis].len() {
-                let mut own = account.is_some().then(Account::default);
+                let mut own = ledger.is_some().then(Account::default);
                 self.sweep_line(axis, start, stride, pair, own.as_mut());
-                if let (Some(account), Some(own)) = (account.as_deref_mut(), own) {
-                    account.inflow += unit * own.inflow;
-                    account.gained += unit * own.gained;
-                    account.lost += unit * own.lost;
+                if let (Some(ledger), Some(own)) = (ledger.as_deref_mut(), own) {
+                    ledger.inflow += unit * own.inflow;
+                    ledger.gained += unit * own.gained;
+                    ledger.lost += unit * own.lost;
                 }
             }
         }
@@ -229,7 +344,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.buffer.fill_ghosts(length, self.boundaries[axis]);
         let end = length + 2 * GHOSTS;
         let Buffer { velocity: v, stress: s, cells, .. } = &mut self.buffer;
-        line::sweep(&mut v[..end], &mut s[..end], &cells[..end], self.slopes, account);
+        line::sweep(&mut v[..end], &mut s[..end], &cells[..end], self.scheme.slopes, account);
         for i in 0..length {
             let cell = start + i * stride;
             self.state[velocity][cell] = v[GHOSTS + i];
@@ -249,8 +364,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Spins against antisymmetric stress, over a whole step.
-    fn rotate(&mut self) {
+    /// Spins against antisymmetric stress, over a part of a step.
+    fn rotate(&mut self, part: f64) {
         for k in 0..3 {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
             let places = [Field::Spin(k), Field::Stress(i, j), Field::Stress(j, i)];
@@ -261,7 +376,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             for cell in 0..self.of_cell.len() {
                 let medium = &self.media[usize::from(self.of_cell[cell])];
                 let Some(rotation) = medium.rotation else { continue };
-                let (sin, cos) = (rotation.frequency * self.step).sin_cos();
+                let (sin, cos) = (rotation.frequency * part * self.step).sin_cos();
                 let (sin, cos, ratio) = (T::of(sin), T::of(cos), T::of(rotation.ratio));
                 let [a, b] = [self.state[first][cell], self.state[second][cell]];
                 let (omega, half) = (self.state[spin][cell], T::HALF * (a - b));

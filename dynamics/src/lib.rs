@@ -2,7 +2,7 @@
 //!
 //! - [`medium`]: what a solid is to the sweeps;
 //! - [`domain`]: fields on a rectangular grid and a step of theirs, plain and one sweep after the other;
-//! - [`line`]: one pair of fields along a line of cells and joints, with its energy account;
+//! - [`mod@line`]: one pair of fields along a line of cells and joints, with its energy account;
 //! - [`real`]: the two kinds of floating-point numbers.
 #![deny(missing_docs)]
 

@@ -197,3 +197,23 @@ fn the_rotation_is_exact() {
         }
     }
 }
+
+/// ½ s·D⁻¹s by the stiffness of the other statement.
+#[test]
+fn stored_energy_is_that_of_hookes_law() {
+    let random = &mut Random::new(55);
+    for index in 0..300 {
+        let theory = THEORIES[index % 3];
+        let solid = solid(random, theory);
+        let list: Vec<_> = solid.layout::<3>().all_stresses().collect();
+        let stiffness = solid.stiffness(list.iter().copied()).map(|entry| entry.value);
+        let values = nalgebra::DVector::from_fn(list.len(), |_, _| random.within(-1.0, 1.0));
+        let mut stress = wellposed_models::cosserat::stress::Stress::default();
+        for (component, value) in list.iter().zip(values.iter()) {
+            component.set(&mut stress, *value);
+        }
+        let strain = stiffness.cholesky().expect("positive definite").solve(&values);
+        let expected = 0.5 * values.dot(&strain);
+        assert!((solid.stored_energy(&stress) / expected - 1.0).abs() < 1e-12, "{theory:?}");
+    }
+}

@@ -7,6 +7,7 @@
 //! ½λ (tr Λ)² + μ|Λˢ|² + α|Λᵃ|² + ½β (tr M)² + γ|Mˢ|² + η|Mᵃ|².
 //! ```
 
+use super::stress::{Stress, split, square};
 use crate::input::{InputError, ensure};
 
 /// An isotropic elastic solid: classical without `microrotation`, reduced Cosserat without couple
@@ -117,6 +118,20 @@ impl Isotropic {
     /// Moduli of the couple stress.
     pub fn couple(&self) -> Option<CoupleModuli> {
         self.microrotation.and_then(|m| m.couple)
+    }
+
+    /// Energy stored by a stress, J/m³: ½σ·C·σ + ½m·C·m. What the solid has no modulus for stores nothing.
+    pub fn stored_energy(&self, stress: &Stress) -> f64 {
+        let over = |value: f64, modulus: f64| if modulus > 0.0 { value / modulus } else { 0.0 };
+        let part = |tensor: &[[f64; 3]; 3], [trace, symmetric, antisymmetric]: [f64; 3]| {
+            let (mean, deviator, spin) = split(tensor);
+            over(0.25 * square(&deviator), symmetric)
+                + over(0.25 * square(&spin), antisymmetric)
+                + over(1.5 * mean * mean, 3.0 * trace + 2.0 * symmetric)
+        };
+        let alpha = self.microrotation.map_or(0.0, |m| m.alpha);
+        let couple = self.couple().map_or([0.0; 3], |c| [c.beta, c.gamma, c.eta]);
+        part(&stress.force, [self.lambda, self.mu, alpha]) + part(&stress.couple, couple)
     }
 
     /// Wave speeds: what the symbol's characteristic speeds must come to.
