@@ -27,8 +27,17 @@ pub struct Grid<const D: usize> {
     pub spacing: [f64; D],
 }
 
+/// What a side does to a pair of waves that meets it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Condition {
+    /// Velocity (m/s) or spin (rad/s) of the side.
+    Velocity(f64),
+    /// Traction (Pa) or couple (N/m) on the side: the stress, tension positive, whatever the side.
+    Traction(f64),
+}
+
 /// What lies beyond a side.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Boundary {
     /// The opposite side.
     Periodic,
@@ -38,6 +47,34 @@ pub enum Boundary {
     Free,
     /// The same at rest without end: waves along the normal leave.
     NonReflecting,
+    /// A condition for each pair of the axis, in their order.
+    Given(Vec<Condition>),
+}
+
+impl Boundary {
+    /// A side in which the medium is mirrored along `axis`: displacement along the normal vanishes, and
+    /// so do the tractions across it. Spins are mirrored as axial vectors are, those about the normal
+    /// unchanged.
+    pub fn symmetry(medium: &Medium, axis: usize) -> Self {
+        Self::mirror(medium, axis, true)
+    }
+
+    /// A side in which the medium is mirrored with the opposite sign.
+    pub fn antisymmetry(medium: &Medium, axis: usize) -> Self {
+        Self::mirror(medium, axis, false)
+    }
+
+    fn mirror(medium: &Medium, axis: usize, is_even: bool) -> Self {
+        let condition = |field: Field| {
+            let is_odd = match field {
+                Field::Velocity(i) => i == axis,
+                Field::Spin(k) => k != axis,
+                Field::Stress(..) | Field::Couple(..) => false,
+            };
+            if is_odd == is_even { Condition::Velocity(0.0) } else { Condition::Traction(0.0) }
+        };
+        Self::Given(medium.pairs[axis].iter().map(|pair| condition(pair.velocity)).collect())
+    }
 }
 
 /// Where the correction stands in a step.
@@ -114,6 +151,16 @@ pub enum DomainError {
         /// c(Δt/2)/h.
         courant: f64,
     },
+    /// As many conditions as pairs are needed.
+    #[error("axis {axis}: {found} conditions are given for {needed} pairs of waves")]
+    Conditions {
+        /// The axis, from 0.
+        axis: usize,
+        /// Conditions given.
+        found: usize,
+        /// Pairs of the axis.
+        needed: usize,
+    },
     /// A periodic side whose opposite is not.
     #[error("both sides of axis {0} must be periodic, or neither")]
     Periodic(usize),
@@ -170,14 +217,22 @@ impl<T: Real, const D: usize> Domain<T, D> {
             let medium = usize::from(of_cell[cell]);
             return Err(DomainError::NoSuchMedium { cell, medium, count: media.len() });
         }
-        for (axis, sides) in boundaries.into_iter().enumerate() {
+        for (axis, sides) in boundaries.iter().enumerate() {
             let speeds = media.iter().flat_map(|m| &m.pairs[axis]).map(|pair| pair.speed());
             let courant = 0.5 * step * speeds.fold(0.0, f64::max) / grid.spacing[axis];
             // A step that was computed from the Courant number may miss it by rounding.
             if courant.is_nan() || courant > 1.0 + 4.0 * f64::EPSILON {
                 return Err(DomainError::Courant { axis, courant });
             }
-            let [one, other] = sides.map(|side| side == Boundary::Periodic);
+            let needed = media[0].pairs[axis].len();
+            for side in sides {
+                if let Boundary::Given(conditions) = side
+                    && conditions.len() != needed
+                {
+                    return Err(DomainError::Conditions { axis, found: conditions.len(), needed });
+                }
+            }
+            let [one, other] = sides.each_ref().map(|side| *side == Boundary::Periodic);
             if one != other {
                 return Err(DomainError::Periodic(axis));
             }
@@ -341,7 +396,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 courant: T::of((own.speed() * ratio).min(1.0)),
             };
         }
-        self.buffer.fill_ghosts(length, self.boundaries[axis]);
+        self.buffer.fill_ghosts(length, &self.boundaries[axis], pair);
         let end = length + 2 * GHOSTS;
         let Buffer { velocity: v, stress: s, cells, .. } = &mut self.buffer;
         line::sweep(&mut v[..end], &mut s[..end], &cells[..end], self.scheme.slopes, account);
@@ -392,8 +447,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
 impl<T: Real> Buffer<T> {
     /// The ghosts beyond both ends of `length` cells: mirror images with one sign turned, or what comes
     /// round.
-    fn fill_ghosts(&mut self, length: usize, boundaries: [Boundary; 2]) {
-        for (end, boundary) in boundaries.into_iter().enumerate() {
+    fn fill_ghosts(&mut self, length: usize, boundaries: &[Boundary; 2], pair: usize) {
+        for (end, boundary) in boundaries.iter().enumerate() {
             for depth in 0..GHOSTS {
                 // Counted inwards from the end; lines shorter than the ghosts repeat themselves.
                 let depth_inside = depth % length.max(1);
@@ -415,6 +470,10 @@ impl<T: Real> Buffer<T> {
                     Boundary::Fixed => (-v, s),
                     Boundary::Free => (v, -s),
                     Boundary::NonReflecting => (T::ZERO, T::ZERO),
+                    Boundary::Given(conditions) => match conditions[pair] {
+                        Condition::Velocity(given) => (T::of(2.0 * given) - v, s),
+                        Condition::Traction(given) => (v, T::of(2.0 * given) - s),
+                    },
                 };
                 self.cells[ghost] = self.cells[source];
             }

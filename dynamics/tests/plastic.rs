@@ -97,7 +97,7 @@ fn check<const D: usize>(theory: Theory, set: YieldSet, placement: Placement) {
         Grid { cells: [count; D], spacing: [h; D] },
         vec![medium],
         vec![0; cells],
-        [[Boundary::Free; 2]; D],
+        std::array::from_fn(|_| [Boundary::Free, Boundary::Free]),
         step,
         Scheme { slopes: Slopes::Limited, placement },
     )
@@ -164,7 +164,7 @@ fn slipping(count: usize, placement: Placement, strength: f64) -> Vec<Vec<f64>> 
         Grid { cells: [count, 1], spacing: [h, h] },
         vec![medium],
         vec![0; count],
-        [[Boundary::Periodic; 2]; 2],
+        std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]),
         time / steps,
         Scheme { slopes: Slopes::Unlimited, placement },
     )
