@@ -439,3 +439,72 @@ fn a_pushed_bar() {
         assert!(ledger.numerical().abs() < 1e-13 * expected);
     }
 }
+
+/// The medium of the unit test `HomogeneousIsotropicCosseratDomain` of SPECFEM++ rotates at 194.2009 Hz
+/// (as quoted; unconfirmed): a uniform spin over a thousand periods.
+#[test]
+fn uniform_rotation_has_the_natural_frequency() {
+    let couple = Some(CoupleModuli { beta: 7.75e8, gamma: 1.5e8, eta: 3e8 });
+    let rotation = Microrotation { alpha: 1.005e9, inertia: 2700.0, couple };
+    let solid = Isotropic::new(8.1e9, 8.1e9, 2700.0, Some(rotation)).expect("sound moduli");
+    let medium = Medium::isotropic(&solid, 2);
+    let spacing = 0.5;
+    let step = 2.0 * spacing / medium.greatest_speed();
+    let sides = std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]);
+    let scheme = Scheme { slopes: Slopes::Limited, placement: Placement::Middle };
+    let grid = Grid { cells: [4, 4], spacing: [spacing; 2] };
+    let mut domain: Domain<f64, 2> =
+        Domain::new(grid, vec![medium], vec![0; 16], sides, step, scheme).expect("sound");
+    domain.values_mut(Field::Spin(2)).expect("spins").fill(1.0);
+    let steps = (1000.0 / 194.2009 / step).round() as usize;
+    // Every change of sign from + to − ends a period; the place between steps by the sine itself.
+    let (mut ends, mut last) = (Vec::new(), 1.0);
+    for index in 1..=steps {
+        domain.advance(None);
+        let now = domain.values(Field::Spin(2)).expect("spins")[5];
+        if last > 0.0 && now <= 0.0 {
+            let angle = |value: f64| value.clamp(-1.0, 1.0).acos();
+            let before = 0.5 * PI - angle(last);
+            let share = before / (angle(now) - angle(last));
+            ends.push((index as f64 - 1.0 + share) * step);
+        }
+        last = now;
+    }
+    let periods = (ends.len() - 1) as f64;
+    let frequency = periods / (ends[ends.len() - 1] - ends[0]);
+    assert!(periods > 900.0);
+    assert!((frequency / 194.2009 - 1.0).abs() < 1e-6, "{frequency}");
+}
+
+/// At Courant number one in each sweep, with noise, for many steps: nothing grows, whatever the sides.
+#[test]
+fn many_steps_are_stable() {
+    for theory in THEORIES {
+        for sides in [Boundary::Periodic, Boundary::Fixed, Boundary::Free] {
+            let medium = Medium::isotropic(&solid(theory), 2);
+            let step = 2.0 * 0.1 / medium.greatest_speed();
+            let scheme = Scheme { slopes: Slopes::Limited, placement: Placement::Middle };
+            let grid = Grid { cells: [7, 6], spacing: [0.1, 0.1] };
+            let all = std::array::from_fn(|_| [sides.clone(), sides.clone()]);
+            let mut domain: Domain<f64, 2> =
+                Domain::new(grid, vec![medium], vec![0; 42], all, step, scheme).expect("sound");
+            for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
+                let values = domain.values_mut(field).expect("a field");
+                for (cell, value) in values.iter_mut().enumerate() {
+                    *value = noise((1000 * index + cell) as u64);
+                }
+            }
+            let equations = equations::<2>(&solid(theory));
+            let forms = [(equations.clone(), equations.symmetric().expect("elastic"))];
+            let mut last = energy(&domain, &forms, &[0; 42], 0.01);
+            for _ in 0..20 {
+                for _ in 0..1000 {
+                    domain.advance(None);
+                }
+                let now = energy(&domain, &forms, &[0; 42], 0.01);
+                assert!(now <= last * (1.0 + 1e-12), "{theory:?} {sides:?}: {now} after {last}");
+                last = now;
+            }
+        }
+    }
+}
