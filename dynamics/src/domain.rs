@@ -161,6 +161,16 @@ pub enum DomainError {
         /// Pairs of the axis.
         needed: usize,
     },
+    /// Parts that are too many or none.
+    #[error(
+        "{found} parts: at least 1, and {GHOSTS} cells along the last axis in each, of {cells}"
+    )]
+    Parts {
+        /// Parts asked for.
+        found: usize,
+        /// Cells along the last axis.
+        cells: usize,
+    },
     /// A periodic side whose opposite is not.
     #[error("both sides of axis {0} must be periodic, or neither")]
     Periodic(usize),
@@ -249,6 +259,16 @@ impl<T: Real, const D: usize> Domain<T, D> {
         Ok(Self { grid, media, of_cell, boundaries, step, scheme, state, buffer })
     }
 
+    /// Values by field, then by cell.
+    pub(crate) fn state(&self) -> &[Vec<T>] {
+        &self.state
+    }
+
+    /// The same, to be set.
+    pub(crate) fn state_mut(&mut self) -> &mut [Vec<T>] {
+        &mut self.state
+    }
+
     /// The components of the state.
     pub fn fields(&self) -> &[Field] {
         &self.media[0].fields
@@ -269,9 +289,21 @@ impl<T: Real, const D: usize> Domain<T, D> {
     }
 
     /// Advances all fields by Δt, and keeps the ledger of the energy if there is one.
-    pub fn advance(&mut self, mut ledger: Option<&mut Ledger>) {
+    pub fn advance(&mut self, ledger: Option<&mut Ledger>) {
+        self.advance_with(&mut |_| {}, ledger);
+    }
+
+    /// The same, with something done before each sweep along the last axis.
+    pub(crate) fn advance_with(
+        &mut self,
+        before_last: &mut dyn FnMut(&mut Self),
+        mut ledger: Option<&mut Ledger>,
+    ) {
         let is_plastic = self.media.iter().any(|medium| medium.correction.is_some());
         for axis in 0..D {
+            if axis + 1 == D {
+                before_last(self);
+            }
             self.sweep(axis, ledger.as_deref_mut());
         }
         if is_plastic && self.scheme.placement == Placement::Middle {
@@ -282,6 +314,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
             self.rotate(1.0);
         }
         for axis in (0..D).rev() {
+            if axis + 1 == D {
+                before_last(self);
+            }
             self.sweep(axis, ledger.as_deref_mut());
         }
         if is_plastic && self.scheme.placement == Placement::Last {
