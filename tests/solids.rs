@@ -248,8 +248,10 @@ fn a_solid_that_keeps_its_energy_is_well_posed() {
         assert_eq!(report["associated"], true);
         let energy = |key: &str| number(&report["energy"][key]);
         assert!(energy("definiteness") > 0.01);
-        for key in ["asymmetry", "antisymmetry", "elastic_growth"] {
-            assert!(energy(key) < 1e-14, "{key} {}", energy(key));
+        for (key, rounding) in
+            [("asymmetry", 1e-14), ("antisymmetry", 1e-14), ("elastic_growth", 1e-12)]
+        {
+            assert!(energy(key) < rounding, "{key} {}", energy(key));
         }
         // While yielding some zero roots are close to defective.
         assert!(energy("growth") < 1e-7, "{}", energy("growth"));

@@ -4,11 +4,11 @@
 //! the energy density (Sadovskii & Sadovskaya 2019, "Elastic Cosserat continuum"). Shown here from the
 //! linearised system as the analysis takes it, not from how it was put together.
 
+use crate::dense::eigenvalues;
 use models::LinearisedSystem;
 use models::rates::RateEquations;
 use models::system::Matrix;
 use nalgebra::DMatrix;
-use nalgebra::linalg::Schur;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
@@ -110,9 +110,7 @@ fn greatest_growth<const D: usize>(
         for decade in -DECADES..=DECADES {
             let k = number * 10f64.powi(decade);
             let symbol = local.zip_map(&along, |c, b| Complex64::new(c, k * b));
-            let roots =
-                Schur::try_new(symbol, f64::EPSILON, 100_000).and_then(|schur| schur.eigenvalues());
-            let Some(roots) = roots else { return f64::NAN };
+            let Some(roots) = eigenvalues(symbol) else { return f64::NAN };
             let largest = roots.iter().map(|root| root.norm()).fold(0.0, f64::max);
             let grows = roots.iter().map(|root| root.re.abs()).fold(0.0, f64::max);
             worst = worst.max(grows / largest);

@@ -20,6 +20,7 @@
 pub mod bound;
 pub mod characteristics;
 pub mod circle;
+mod dense;
 pub mod energy;
 pub mod extended;
 mod face;

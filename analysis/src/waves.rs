@@ -12,11 +12,11 @@
 //! c² may be complex (flutter) or negative (divergence). The relaxation R, of lower order, stands in
 //! [`roots`] alone.
 
+use crate::dense;
 use crate::qz::Qz;
 use models::LinearisedSystem;
 use models::rates::RateEquations;
 use nalgebra::DMatrix;
-use nalgebra::linalg::Schur;
 use num_complex::Complex64;
 
 type Matrix = DMatrix<Complex64>;
@@ -130,8 +130,9 @@ pub fn roots<const D: usize>(
         let entry = Complex64::new(system.c[(i, j)].value, k * along);
         -entry * (unit(j) / (unit(i) * system.a[(i, i)].value))
     });
-    let roots = Schur::try_new(symbol, f64::EPSILON, 100_000).and_then(|s| s.eigenvalues());
-    let Some(roots) = roots else { return vec![Complex64::new(f64::NAN, f64::NAN)] };
+    let Some(roots) = dense::eigenvalues(symbol) else {
+        return vec![Complex64::new(f64::NAN, f64::NAN)];
+    };
     let largest = roots.iter().map(|root| root.norm()).fold(0.0, f64::max);
     roots.iter().copied().filter(|root| root.norm() > NEGLIGIBLE * largest).collect()
 }
