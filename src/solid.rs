@@ -2,6 +2,8 @@
 
 use crate::case::{Case, Kind, Medium, Solid as SolidKind, Wave, Yield, radians};
 use crate::frozen::StateError;
+use crate::words::short;
+use analysis::sphere::Flutter;
 use analysis::waves::{Waves, roots};
 use models::Rounded;
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances};
@@ -15,6 +17,7 @@ use models::plasticity::symbol::tangent;
 use models::rates::RateEquations;
 use models::system::Matrix;
 use num_complex::Complex64;
+use serde_json::{Value, json};
 
 /// Conditions that the scaled stress meets to within this, relative to the terms that they compare,
 /// hold with equality.
@@ -208,6 +211,32 @@ pub fn angles_deg([x, y, z]: [f64; 3]) -> [f64; 2] {
         d if d >= 180.0 - NOISE => [0.0, -elevation + 0.0],
         d => [d, elevation],
     }
+}
+
+/// A normal for a reader: `at 30°, 12° above the plane`.
+pub fn normal_words(normal: [f64; 3]) -> String {
+    let [direction, elevation] = angles_deg(normal);
+    match elevation {
+        0.0 => format!("at {}°", short(direction)),
+        up => format!("at {}°, {}° above the plane", short(direction), short(up)),
+    }
+}
+
+/// A normal as JSON: its components and angles.
+pub fn normal_json(normal: [f64; 3]) -> Value {
+    let [direction, elevation] = angles_deg(normal);
+    json!({ "vector": normal, "direction_deg": direction, "elevation_deg": elevation })
+}
+
+/// Flutter as JSON; null without.
+pub fn flutter_json(flutter: Option<Flutter>) -> Value {
+    flutter.map_or(Value::Null, |flutter| {
+        json!({
+            "growth": flutter.growth,
+            "squared_speed": [flutter.speed_squared.re, flutter.speed_squared.im],
+            "normal": normal_json(flutter.normal),
+        })
+    })
 }
 
 impl Elastic {

@@ -4,7 +4,7 @@ use crate::case::{Case, Wave, Yield};
 use crate::hyperbolicity::{Judge, Judged, Spheres};
 use crate::output::{self, ResultFolder};
 use crate::progress::Progress;
-use crate::solid::{Solid, angles_deg, normal};
+use crate::solid::{Solid, angles_deg, flutter_json, normal, normal_json, normal_words as at};
 use crate::words::{case_title, short};
 use crate::{Error, Format, Options};
 use analysis::circle::Circle;
@@ -267,11 +267,6 @@ fn is_slowest_of_none(found: &Found) -> bool {
     !found.judged.extremes.slowest.speed_squared.is_finite()
 }
 
-fn direction(normal: [f64; 3]) -> Value {
-    let [direction, elevation] = angles_deg(normal);
-    json!({ "vector": normal, "direction_deg": direction, "elevation_deg": elevation })
-}
-
 fn report(case: &Case, found: &Found) -> Value {
     let Judged { verdict, extremes, hyperbolicity, route, .. } = &found.judged;
     json!({
@@ -280,18 +275,14 @@ fn report(case: &Case, found: &Found) -> Value {
         "dimensions": found.solid.dimensions,
         "verdict": verdict.name(),
         "hyperbolicity": hyperbolicity.name(),
-        "flutter": extremes.flutter.map(|flutter| json!({
-            "growth": flutter.growth,
-            "squared_speed": [flutter.speed_squared.re, flutter.speed_squared.im],
-            "normal": direction(flutter.normal),
-        })),
+        "flutter": flutter_json(extremes.flutter),
         "slowest": {
             "squared_speed": match is_slowest_of_none(found) {
                 true => Value::Null,
                 false => extremes.slowest.speed_squared.into(),
             },
             "rounding": extremes.slowest.rounding,
-            "normal": direction(extremes.slowest.normal),
+            "normal": normal_json(extremes.slowest.normal),
         },
         "flutter_sectors_deg": found.flutter,
         "imaginary_sectors_deg": found.imaginary,
@@ -365,13 +356,6 @@ fn words(case: &Case, found: &Found) -> String {
     for (degrees, what) in &found.vanishing {
         let _ = writeln!(text, "  a speed vanishes for the normal at {}°: {what}", short(*degrees));
     }
-    let at = |normal: [f64; 3]| {
-        let [direction, elevation] = angles_deg(normal);
-        match elevation {
-            0.0 => format!("at {}°", short(direction)),
-            up => format!("at {}°, {}° above the plane", short(direction), short(up)),
-        }
-    };
     let extremes = &found.judged.extremes;
     if let Some(flutter) = extremes.flutter {
         let _ = writeln!(

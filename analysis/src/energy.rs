@@ -22,7 +22,7 @@ pub struct Energy {
     /// Least eigenvalue of the symmetriser of the elastic equations, over its diagonal: positive
     /// where the energy is.
     pub definiteness: f64,
-    /// ‖B − Bᵀ‖ of the elastic equations times the symmetriser.
+    /// ‖A − Aᵀ‖ of the symmetriser A, or ‖B − Bᵀ‖ of the elastic equations times it: the greater.
     pub asymmetry: f64,
     /// ‖Q + Qᵀ‖, likewise.
     pub antisymmetry: f64,
@@ -77,7 +77,9 @@ pub fn energy<const D: usize>(
     };
     Energy {
         definiteness: scaled.symmetric_eigenvalues().min(),
-        asymmetry: (0..D).map(asymmetry).fold(0.0, f64::max),
+        asymmetry: (0..D)
+            .map(asymmetry)
+            .fold(relative(&symmetriser - symmetriser.transpose(), &symmetriser), f64::max),
         antisymmetry: relative(&q + q.transpose(), &q),
         elastic_growth: growth(elastic),
         growth: growth(rates),

@@ -883,8 +883,8 @@ fn energy_tells_sound_equations_from_others() {
         let mut other = sound.clone();
         let moved = other.stiffness[(0, 1)] + models::Rounded::given(0.1);
         other.stiffness[(0, 1)] = moved;
-        let found = energy(&sound, &other, 1.0);
-        assert!(found.elastic_growth < 1e-12);
+        let found = energy(&other, &other, 1.0);
+        assert!(found.asymmetry > 1e-3, "{found:?}");
     }
     // Slip with friction but without dilatancy.
     let slipping = Slipping { lambda: 1.0, alpha: 0.3, friction: 0.6, dilatancy: 0.0 };

@@ -3,7 +3,7 @@
 use crate::case::{Case, Kind, Solid as SolidKind, Wave};
 use crate::hyperbolicity::{Hyperbolicity, Judge, Judged, Spheres};
 use crate::output::{self, ResultFolder};
-use crate::solid::{Solid, angles_deg, normal};
+use crate::solid::{Solid, flutter_json, normal, normal_json, normal_words as at};
 use crate::words::{VALIDITY, case_title, short};
 use crate::{Error, Format, Options};
 use analysis::bound;
@@ -156,10 +156,6 @@ fn report(case: &Case, of: &Analysed) -> Value {
         _ => None,
     };
     let pairs = |list: Vec<Complex64>| list.iter().map(|z| json!([z.re, z.im])).collect::<Vec<_>>();
-    let direction = |normal: [f64; 3]| {
-        let [direction, elevation] = angles_deg(normal);
-        json!({ "vector": normal, "direction_deg": direction, "elevation_deg": elevation })
-    };
     let normal = of.judged.direction_deg();
     json!({
         "model": case.kind.name(),
@@ -172,15 +168,11 @@ fn report(case: &Case, of: &Analysed) -> Value {
         "elevation_deg": normal.map(|angles| angles[1]),
         "bound": of.bound,
         "hyperbolicity": hyperbolicity.name(),
-        "flutter": extremes.flutter.map(|flutter| json!({
-            "growth": flutter.growth,
-            "squared_speed": [flutter.speed_squared.re, flutter.speed_squared.im],
-            "normal": direction(flutter.normal),
-        })),
+        "flutter": flutter_json(extremes.flutter),
         "slowest": {
             "squared_speed": extremes.slowest.speed_squared,
             "rounding": extremes.slowest.rounding,
-            "normal": direction(extremes.slowest.normal),
+            "normal": normal_json(extremes.slowest.normal),
         },
         "associated": of.solid.is_associated(),
         "active": of.solid.plastic.as_ref().map(|plastic| {
@@ -220,14 +212,6 @@ fn list(squares: &[Complex64]) -> String {
         }
     };
     squares.iter().map(speed).collect::<Vec<_>>().join(", ")
-}
-
-fn at(normal: [f64; 3]) -> String {
-    let [direction, elevation] = angles_deg(normal);
-    match elevation {
-        0.0 => format!("at {}°", short(direction)),
-        up => format!("at {}°, {}° above the plane", short(direction), short(up)),
-    }
 }
 
 fn words(case: &Case, of: &Analysed) -> String {
