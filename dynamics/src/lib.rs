@@ -1,13 +1,17 @@
 //! Solids in time: sweeps along coordinate lines, and what stands between them.
 //!
 //! - [`medium`]: what a solid is to the sweeps;
-//! - [`domain`]: fields on a rectangular grid and a step of theirs, plain and one sweep after the other;
+//! - [`domain`]: fields on a rectangular grid, and a step of theirs;
+//! - [`boundary`]: what lies beyond its sides, and what acts there and inside;
 //! - [`split`]: the same in parts, each in a thread of its own, and the halo between them;
 //! - [`mod@line`]: one pair of fields along a line of cells and joints, with its energy account;
-//! - [`real`]: the two kinds of floating-point numbers.
+//! - [`kernel`]: the same on many lines at once, in the instructions that the processor has;
+//! - [`real`]: floating-point numbers, and groups of them.
 #![deny(missing_docs)]
 
+pub mod boundary;
 pub mod domain;
+pub mod kernel;
 pub mod line;
 pub mod medium;
 pub mod real;

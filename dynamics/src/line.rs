@@ -22,8 +22,11 @@
 //! The [`Account`] holds what the step does to the energy, from the pieces themselves: averaging loses
 //! their variance about the cell's mean, reconstruction adds the variance of the slopes. Neither is the
 //! remainder of a balance.
+//!
+//! What is written here is arithmetic on [`Number`]s: [`sweep`] does it to a line, cell by cell, and
+//! keeps the account; [`kernel`](crate::kernel) does the same to many lines at once.
 
-use crate::real::Real;
+use crate::real::{Number, Real};
 
 /// Cells beyond each end of a line that a sweep reads.
 pub const GHOSTS: usize = 2;
@@ -41,19 +44,18 @@ pub enum Slopes {
 }
 
 impl Slopes {
-    fn of<T: Real>(self, before: T, after: T) -> T {
-        let mean = T::HALF * (before + after);
+    #[inline(always)]
+    fn of<N: Number>(self, before: N, after: N) -> N {
+        let mean = N::HALF * (before + after);
         match self {
-            Self::Godunov => T::ZERO,
+            Self::Godunov => N::ZERO,
             Self::Unlimited => mean,
             Self::Limited => {
-                let twice = |x: T| (x + x).abs();
+                let twice = |x: N| (x + x).abs();
                 let size = mean.abs().least(twice(before)).least(twice(after));
-                if before * after > T::ZERO {
-                    if before > T::ZERO { size } else { -size }
-                } else {
-                    T::ZERO
-                }
+                // 1 or −1 where both have that sign, else 0.
+                let sign = N::HALF * (N::ONE.with_sign_of(before) + N::ONE.with_sign_of(after));
+                sign * size
             }
         }
     }
@@ -61,11 +63,30 @@ impl Slopes {
 
 /// What a cell is to a pair of waves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cell<T> {
+pub struct Cell<N> {
     /// z, kg/(m²s) for translations.
-    pub impedance: T,
+    pub impedance: N,
     /// C = cΔt/h, in \[0, 1\].
-    pub courant: T,
+    pub courant: N,
+    /// ½(1 − C): from the middle of a cell to that of the part that leaves it during the step.
+    pub(crate) rest: N,
+    /// C/z: change of v per difference of s between the joints.
+    pub(crate) to_velocity: N,
+    /// Cz: change of s per difference of v between the joints.
+    pub(crate) to_stress: N,
+}
+
+impl<T: Real> Cell<T> {
+    /// A cell by its impedance, kg/(m²s) for translations, and its Courant number in \[0, 1\].
+    pub fn new(impedance: f64, courant: f64) -> Self {
+        Self {
+            impedance: T::of(impedance),
+            courant: T::of(courant),
+            rest: T::of(0.5 * (1.0 - courant)),
+            to_velocity: T::of(courant / impedance),
+            to_stress: T::of(courant * impedance),
+        }
+    }
 }
 
 /// What a sweep does to energy, W/m² of the line's cross-section: times the time step J/m².
@@ -74,7 +95,7 @@ pub struct Cell<T> {
 /// energy after − energy before = inflow + gained − lost, to rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Account {
-    /// Work of the stress at both ends of the line over the step, positive inwards.
+    /// Work of the stress at the ends of the line over the step, positive inwards.
     pub inflow: f64,
     /// Variance of the reconstructed pieces.
     pub gained: f64,
@@ -89,129 +110,187 @@ impl Account {
     }
 }
 
+/// Cell by cell.
+impl<'a> std::iter::Sum<&'a Self> for Account {
+    fn sum<I: Iterator<Item = &'a Self>>(accounts: I) -> Self {
+        accounts.fold(Self::default(), |sum, own| Self {
+            inflow: sum.inflow + own.inflow,
+            gained: sum.gained + own.gained,
+            lost: sum.lost + own.lost,
+        })
+    }
+}
+
+/// A velocity and a stress: of a cell, of a joint, or their difference from a cell to the next.
+#[derive(Clone, Copy)]
+pub(crate) struct State<N> {
+    pub(crate) velocity: N,
+    pub(crate) stress: N,
+}
+
+impl<N: Number> State<N> {
+    /// The difference to the next cell.
+    #[inline(always)]
+    pub(crate) fn to(self, next: Self) -> Self {
+        Self { velocity: next.velocity - self.velocity, stress: next.stress - self.stress }
+    }
+}
+
 /// Characteristic variables and their slopes in a cell: s − zv to the right, s + zv to the left.
 #[derive(Clone, Copy)]
-struct Pieces<T> {
-    right: T,
-    left: T,
-    right_slope: T,
-    left_slope: T,
+pub(crate) struct Pieces<N> {
+    right: N,
+    left: N,
+    right_slope: N,
+    left_slope: N,
 }
 
-/// Mean over the step and change during the step.
-#[derive(Clone, Copy)]
-struct Linear<T> {
-    mean: T,
-    change: T,
+impl<N: Number> Pieces<N> {
+    /// From a cell's state and the differences from the cell before and to the cell after it, both in the
+    /// variables of this cell: v and s are continuous at its joints, z is not.
+    #[inline(always)]
+    pub(crate) fn new(
+        own: State<N>,
+        [before, after]: [State<N>; 2],
+        cell: Cell<N>,
+        slopes: Slopes,
+    ) -> Self {
+        let z = cell.impedance;
+        let right = |state: State<N>| state.stress - z * state.velocity;
+        let left = |state: State<N>| state.stress + z * state.velocity;
+        Self {
+            right: right(own),
+            left: left(own),
+            right_slope: slopes.of(right(before), right(after)),
+            left_slope: slopes.of(left(before), left(after)),
+        }
+    }
+
+    /// Mean over the step of what leaves to the right: the foremost part of length C.
+    #[inline(always)]
+    pub(crate) fn to_right(self, cell: Cell<N>) -> N {
+        self.right + cell.rest * self.right_slope
+    }
+
+    /// The same to the left.
+    #[inline(always)]
+    pub(crate) fn to_left(self, cell: Cell<N>) -> N {
+        self.left - cell.rest * self.left_slope
+    }
 }
 
-/// Velocity and stress at a joint.
+/// The state of the joint at which s − zv comes from the left and s + yv from the right.
+#[inline(always)]
+pub(crate) fn meet<N: Number>([z, from_left]: [N; 2], [y, from_right]: [N; 2]) -> State<N> {
+    let share = N::ONE / (z + y);
+    State {
+        velocity: (from_right - from_left) * share,
+        stress: (y * from_left + z * from_right) * share,
+    }
+}
+
+/// A cell after the step between its joints.
+#[inline(always)]
+pub(crate) fn updated<N: Number>(
+    own: State<N>,
+    [left, right]: [State<N>; 2],
+    cell: Cell<N>,
+) -> State<N> {
+    let across = left.to(right);
+    State {
+        velocity: own.velocity + cell.to_velocity * across.stress,
+        stress: own.stress + cell.to_stress * across.velocity,
+    }
+}
+
+/// Mean over the step of velocity and stress at a joint, and their change during the step.
 #[derive(Clone, Copy)]
 struct Joint<T> {
-    velocity: Linear<T>,
-    stress: Linear<T>,
+    mean: State<T>,
+    change: State<T>,
 }
 
-fn pieces<T: Real>(
-    velocity: &[T],
-    stress: &[T],
-    cell: Cell<T>,
-    place: usize,
+impl<T: Real> Joint<T> {
+    fn new([(own, cell), (other, next)]: [(&Pieces<T>, Cell<T>); 2]) -> Self {
+        let (z, y) = (cell.impedance, next.impedance);
+        let changes = [-(cell.courant * own.right_slope), next.courant * other.left_slope];
+        Self {
+            mean: meet([z, own.to_right(cell)], [y, other.to_left(next)]),
+            change: meet([z, changes[0]], [y, changes[1]]),
+        }
+    }
+
+    /// ∫ s v dt over the step, per Δt: both are straight in time.
+    fn work(&self) -> f64 {
+        let product = |state: State<T>| state.stress.wide() * state.velocity.wide();
+        product(self.mean) + product(self.change) / 12.0
+    }
+}
+
+/// ∫ s v dt over the step, per Δt, at the joint in the middle of four cells, W/m²; positive towards the
+/// first of them.
+pub(crate) fn work_between<T: Real>(
+    states: [State<T>; 4],
+    cells: [Cell<T>; 2],
     slopes: Slopes,
-) -> Pieces<T> {
-    let z = cell.impedance;
-    let right = |i: usize| stress[i] - z * velocity[i];
-    let left = |i: usize| stress[i] + z * velocity[i];
-    let [before, here, after] = [place - 1, place, place + 1];
-    Pieces {
-        right: right(here),
-        left: left(here),
-        // Both sides in the variables of this cell: v and s are continuous, z is not.
-        right_slope: slopes.of(right(here) - right(before), right(after) - right(here)),
-        left_slope: slopes.of(left(here) - left(before), left(after) - left(here)),
-    }
-}
-
-/// The joint of two cells.
-fn joint<T: Real>([left, right]: [(&Pieces<T>, Cell<T>); 2]) -> Joint<T> {
-    let (own, cell) = left;
-    let (other, next) = right;
-    // What leaves a cell during the step is its foremost part of length C.
-    let rest = |cell: Cell<T>| T::HALF * (T::ONE - cell.courant);
-    let from_left = Linear {
-        mean: own.right + rest(cell) * own.right_slope,
-        change: -(cell.courant * own.right_slope),
-    };
-    let from_right = Linear {
-        mean: other.left - rest(next) * other.left_slope,
-        change: next.courant * other.left_slope,
-    };
-    let (z, y) = (cell.impedance, next.impedance);
-    let velocity = |right: T, left: T| (left - right) / (z + y);
-    let stress = |right: T, left: T| (y * right + z * left) / (z + y);
-    Joint {
-        velocity: Linear {
-            mean: velocity(from_left.mean, from_right.mean),
-            change: velocity(from_left.change, from_right.change),
-        },
-        stress: Linear {
-            mean: stress(from_left.mean, from_right.mean),
-            change: stress(from_left.change, from_right.change),
-        },
-    }
+) -> f64 {
+    let differences = [0, 1, 2].map(|i| states[i].to(states[i + 1]));
+    let [left, right] = [0, 1].map(|i| {
+        Pieces::new(states[i + 1], [differences[i], differences[i + 1]], cells[i], slopes)
+    });
+    Joint::new([(&left, cells[0]), (&right, cells[1])]).work()
 }
 
 /// Advances a pair of fields by a step along a line whose first and last [`GHOSTS`] cells are ghosts,
-/// and keeps the account of its energy if there is one.
+/// and adds to the accounts of the other cells, if there are any; work at the ends goes to the outermost.
 ///
-/// All three slices have one length, of at least 2·[`GHOSTS`] + 1; shorter ones are left as they are.
+/// All slices have one length, of at least 2·[`GHOSTS`] + 1, `accounts` one of so many less; lines that
+/// are shorter are left as they are.
 pub fn sweep<T: Real>(
     velocity: &mut [T],
     stress: &mut [T],
     cells: &[Cell<T>],
     slopes: Slopes,
-    mut account: Option<&mut Account>,
+    mut accounts: Option<&mut [Account]>,
 ) {
     let length = cells.len().min(velocity.len()).min(stress.len());
     if length <= 2 * GHOSTS {
         return;
     }
     let (first, end) = (GHOSTS, length - GHOSTS);
-    let ghost = pieces(velocity, stress, cells[first - 1], first - 1, slopes);
-    let mut here = pieces(velocity, stress, cells[first], first, slopes);
-    let mut left = joint([(&ghost, cells[first - 1]), (&here, cells[first])]);
-    // A cell is written when its successor's pieces are known; these read the cell itself, too.
-    let mut pending: Option<(usize, T, T)> = None;
+    let state = |velocity: &[T], stress: &[T], place: usize| State {
+        velocity: velocity[place],
+        stress: stress[place],
+    };
+    let difference = |velocity: &[T], stress: &[T], place: usize| {
+        state(velocity, stress, place).to(state(velocity, stress, place + 1))
+    };
+    let mut before = difference(velocity, stress, first - 2);
+    let mut own = state(velocity, stress, first - 1);
+    let mut after = difference(velocity, stress, first - 1);
+    let ghost = Pieces::new(own, [before, after], cells[first - 1], slopes);
+    (before, own) = (after, state(velocity, stress, first));
+    after = difference(velocity, stress, first);
+    let mut here = Pieces::new(own, [before, after], cells[first], slopes);
+    let mut left = Joint::new([(&ghost, cells[first - 1]), (&here, cells[first])]);
     for place in first..end {
-        let next = pieces(velocity, stress, cells[place + 1], place + 1, slopes);
-        let right = joint([(&here, cells[place]), (&next, cells[place + 1])]);
-        let Cell { impedance, courant } = cells[place];
-        let v = velocity[place] + courant / impedance * (right.stress.mean - left.stress.mean);
-        let s = stress[place] + courant * impedance * (right.velocity.mean - left.velocity.mean);
-        if let Some(account) = account.as_deref_mut() {
+        let following = state(velocity, stress, place + 1);
+        let beyond = difference(velocity, stress, place + 1);
+        let next = Pieces::new(following, [after, beyond], cells[place + 1], slopes);
+        let right = Joint::new([(&here, cells[place]), (&next, cells[place + 1])]);
+        let moved = updated(own, [left.mean, right.mean], cells[place]);
+        (velocity[place], stress[place]) = (moved.velocity, moved.stress);
+        if let Some(account) = accounts.as_deref_mut().and_then(|all| all.get_mut(place - first)) {
             if place == first {
-                account.inflow -= work(&left);
+                account.inflow -= left.work();
             }
             if place + 1 == end {
-                account.inflow += work(&right);
+                account.inflow += right.work();
             }
-            note(account, &here, cells[place], &left, &right);
+            note(account, &here, cells[place], [&left, &right]);
         }
-        if let Some((place, v, s)) = pending.replace((place, v, s)) {
-            (velocity[place], stress[place]) = (v, s);
-        }
-        (here, left) = (next, right);
+        (own, after, here, left) = (following, beyond, next, right);
     }
-    if let Some((place, v, s)) = pending {
-        (velocity[place], stress[place]) = (v, s);
-    }
-}
-
-/// ∫ s v dt over the step, per Δt: both are straight in time.
-fn work<T: Real>(joint: &Joint<T>) -> f64 {
-    let product = |a: T, b: T| a.wide() * b.wide();
-    product(joint.stress.mean, joint.velocity.mean)
-        + product(joint.stress.change, joint.velocity.change) / 12.0
 }
 
 /// Adds what a cell gains and loses.
@@ -219,8 +298,7 @@ fn note<T: Real>(
     account: &mut Account,
     own: &Pieces<T>,
     cell: Cell<T>,
-    left: &Joint<T>,
-    right: &Joint<T>,
+    [left, right]: [&Joint<T>; 2],
 ) {
     let (z, c) = (cell.impedance.wide(), cell.courant.wide());
     if c == 0.0 {
@@ -239,11 +317,8 @@ fn note<T: Real>(
             + (c * square(came[1]) + rest * square(stayed[1])) / 12.0
     };
     let incoming = |joint: &Joint<T>, sign: f64| {
-        let value = |s: T, v: T| s.wide() + sign * z * v.wide();
-        [
-            value(joint.stress.mean, joint.velocity.mean),
-            value(joint.stress.change, joint.velocity.change),
-        ]
+        [joint.mean, joint.change]
+            .map(|state| state.stress.wide() + sign * z * state.velocity.wide())
     };
     let stayed = |value: T, slope: T, sign: f64| {
         [value.wide() - sign * 0.5 * c * slope.wide(), (1.0 - c) * slope.wide()]

@@ -3,10 +3,10 @@
 use models::cosserat::parameters::{Isotropic, PlaneCompliances, Theory};
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::{Field, Pair, Rotation, fields};
-use models::plasticity::parameters::{Interlayer, Mises};
+use models::plasticity::parameters::{Interlayer, YieldSet};
 use models::plasticity::projection::PlaneMetric;
 
-/// An elastic solid as pairs of waves along the axes and a rotation.
+/// A solid as pairs of waves along the axes, a rotation, and the set in which its stress stays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
     /// The components of its state.
@@ -15,70 +15,28 @@ pub struct Medium {
     pub pairs: Vec<Vec<Pair>>,
     /// Coupling of spins and antisymmetric stress.
     pub rotation: Option<Rotation>,
-    /// What keeps the stress in its yield set.
-    pub correction: Option<Correction>,
+    /// Stress and energy.
+    pub law: Law,
+    /// What keeps the stress in a set: associated flow. Dilatancies play no part.
+    pub yields: Option<YieldSet>,
 }
 
-/// The projection onto a yield set, in the norm of the energy: associated flow.
+/// The elastic law.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Correction {
-    /// von Mises, Drucker–Prager, Cosserat–Mises.
-    Mises(Mises, Isotropic),
-    /// Slip along layers, in plane strain.
-    Interlayer(Interlayer, Isotropic),
+pub enum Law {
+    /// By moduli.
+    Isotropic(Isotropic),
+    /// By compliances, in plane strain.
+    Compliances(PlaneCompliances),
 }
 
-impl Correction {
-    /// The stress in the yield set next to `trial`, with the energy of the difference, J/m³, and the
-    /// energy lost.
-    pub fn project(&self, trial: &Stress) -> Corrected {
-        let (stress, energy_lost, solid) = match self {
-            Self::Mises(set, solid) => {
-                let found = set.project(solid, trial);
-                (found.stress, found.energy_lost, solid)
-            }
-            Self::Interlayer(set, solid) => {
-                const PLACES: [(usize, usize); 4] = [(0, 0), (1, 1), (1, 0), (0, 1)];
-                let force = |stress: &Stress| PLACES.map(|(i, j)| stress.force[i][j]);
-                let [a, b, c, d] = force(trial);
-                let own = [a, b, c, d, trial.couple[2][0], trial.couple[2][1]];
-                let found = set.project(&PlaneMetric::from(solid), &own);
-                let mut stress = *trial;
-                for ((i, j), value) in PLACES.into_iter().zip(found.stress) {
-                    stress.force[i][j] = value;
-                }
-                // Across the plane as elasticity has it: nothing is strained there, nothing flows.
-                let normal = (found.stress[0] - a) + (found.stress[1] - b);
-                stress.force[2][2] += solid.lambda / (2.0 * (solid.lambda + solid.mu)) * normal;
-                let ratio = solid.couple().map_or(0.0, |m| (m.gamma - m.eta) / (m.gamma + m.eta));
-                for axis in 0..2 {
-                    let change = found.stress[4 + axis] - trial.couple[2][axis];
-                    stress.couple[2][axis] = found.stress[4 + axis];
-                    stress.couple[axis][2] += ratio * change;
-                }
-                (stress, found.energy_lost, solid)
-            }
-        };
-        let part = |a: [[f64; 3]; 3], b: [[f64; 3]; 3]| -> [[f64; 3]; 3] {
-            std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] - b[i][j]))
-        };
-        let difference = Stress {
-            force: part(trial.force, stress.force),
-            couple: part(trial.couple, stress.couple),
-        };
-        Corrected { stress, energy_lost, distance: solid.stored_energy(&difference) }
-    }
-}
-
-/// What a correction does.
+/// What the projection onto a yield set does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corrected {
     /// P(s̄).
     pub stress: Stress,
     /// Energy of s̄ less that of P(s̄), J/m³.
     pub energy_lost: f64,
-    /// Energy of s̄ − P(s̄), J/m³.
-    pub distance: f64,
 }
 
 impl Medium {
@@ -88,7 +46,8 @@ impl Medium {
             fields: fields(solid.theory(), dimensions),
             pairs: (0..dimensions).map(|axis| solid.pairs(dimensions, axis)).collect(),
             rotation: solid.rotation(),
-            correction: None,
+            law: Law::Isotropic(*solid),
+            yields: None,
         }
     }
 
@@ -98,12 +57,84 @@ impl Medium {
             fields: fields(Theory::Cosserat, 2),
             pairs: (0..2).map(|axis| solid.pairs(axis)).collect(),
             rotation: Some(solid.rotation()),
-            correction: None,
+            law: Law::Compliances(*solid),
+            yields: None,
         }
+    }
+
+    /// The same with a yield set. [`Mises`](models::plasticity::parameters::Mises) needs an isotropic law,
+    /// as does its projection; [`Interlayer`] is for plane strain.
+    #[must_use]
+    pub fn yielding(self, set: YieldSet) -> Self {
+        Self { yields: Some(set), ..self }
     }
 
     /// The greatest speed, m/s.
     pub fn greatest_speed(&self) -> f64 {
         self.pairs.iter().flatten().map(Pair::speed).fold(0.0, f64::max)
     }
+
+    /// Energy that an elastic stress stores, J/m³.
+    pub fn stored_energy(&self, stress: &Stress) -> f64 {
+        match &self.law {
+            Law::Isotropic(solid) => solid.stored_energy(stress),
+            Law::Compliances(solid) => solid.stored_energy(stress),
+        }
+    }
+
+    /// The mass that goes with a velocity (ρ, kg/m³) or a spin (j, kg/m); 0 for stresses.
+    pub fn inertia(&self, field: Field) -> f64 {
+        let own = self.pairs.iter().flatten().find(|pair| pair.velocity == field);
+        match (own, field, &self.law) {
+            (Some(pair), ..) => pair.inertia,
+            // A spin without couple stress has no pair.
+            (None, Field::Spin(_), Law::Isotropic(solid)) => {
+                solid.microrotation.map_or(0.0, |m| m.inertia)
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// The stress in the yield set next to `trial` in the norm of the energy, and the energy lost.
+    pub fn project(&self, trial: &Stress) -> Corrected {
+        match (&self.yields, &self.law) {
+            (Some(YieldSet::Mises(set)), Law::Isotropic(solid)) => {
+                let found = set.project(solid, trial);
+                Corrected { stress: found.stress, energy_lost: found.energy_lost }
+            }
+            (Some(YieldSet::Interlayer(set)), Law::Isotropic(solid)) => {
+                let mut corrected = slip(set, &PlaneMetric::from(solid), trial);
+                // Across the plane as elasticity has it: nothing is strained there, nothing flows.
+                let change = |i: usize, j: usize| corrected.stress.force[i][j] - trial.force[i][j];
+                let normal = change(0, 0) + change(1, 1);
+                corrected.stress.force[2][2] +=
+                    solid.lambda / (2.0 * (solid.lambda + solid.mu)) * normal;
+                let ratio = solid.couple().map_or(0.0, |m| (m.gamma - m.eta) / (m.gamma + m.eta));
+                for axis in 0..2 {
+                    let change = corrected.stress.couple[2][axis] - trial.couple[2][axis];
+                    corrected.stress.couple[axis][2] += ratio * change;
+                }
+                corrected
+            }
+            (Some(YieldSet::Interlayer(set)), Law::Compliances(solid)) => {
+                slip(set, &PlaneMetric::from(solid), trial)
+            }
+            (Some(YieldSet::Mises(_)), Law::Compliances(_)) | (None, _) => {
+                Corrected { stress: *trial, energy_lost: 0.0 }
+            }
+        }
+    }
+}
+
+/// The projection of the stresses in the plane.
+fn slip(set: &Interlayer, metric: &PlaneMetric, trial: &Stress) -> Corrected {
+    const PLACES: [(usize, usize); 4] = [(0, 0), (1, 1), (1, 0), (0, 1)];
+    let [a, b, c, d] = PLACES.map(|(i, j)| trial.force[i][j]);
+    let found = set.project(metric, &[a, b, c, d, trial.couple[2][0], trial.couple[2][1]]);
+    let mut stress = *trial;
+    for ((i, j), value) in PLACES.into_iter().zip(found.stress) {
+        stress.force[i][j] = value;
+    }
+    stress.couple[2][..2].copy_from_slice(&found.stress[4..]);
+    Corrected { stress, energy_lost: found.energy_lost }
 }

@@ -1,13 +1,13 @@
-//! The two kinds of floating-point numbers that fields may have.
+//! What sweeps compute with: floating-point numbers, and groups of them side by side.
 
 use std::fmt::Debug;
-use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// `f32` or `f64`.
-pub trait Real:
+/// A number, or several in lanes that do not see each other: every operation is that of the lanes.
+pub trait Number:
     Copy
     + Debug
-    + PartialOrd
+    + PartialEq
     + Send
     + Sync
     + Add<Output = Self>
@@ -15,8 +15,6 @@ pub trait Real:
     + Mul<Output = Self>
     + Div<Output = Self>
     + Neg<Output = Self>
-    + AddAssign
-    + SubAssign
     + 'static
 {
     /// 0.
@@ -26,27 +24,178 @@ pub trait Real:
     /// ½.
     const HALF: Self;
 
+    /// |x|.
+    fn abs(self) -> Self;
+
+    /// The smaller of two numbers.
+    fn least(self, other: Self) -> Self;
+
+    /// The size of this number with the sign of another.
+    fn with_sign_of(self, other: Self) -> Self;
+}
+
+/// `f32` or `f64`.
+pub trait Real: Number + PartialOrd {
+    /// As many numbers as fill a line of the cache.
+    type Lanes: Group<Self>;
+
     /// The nearest number of this kind.
     fn of(value: f64) -> Self;
 
     /// The same number.
     fn wide(self) -> f64;
+}
 
-    /// |x|.
-    fn abs(self) -> Self;
+/// Numbers in lanes.
+pub trait Group<T>: Number {
+    /// How many.
+    const COUNT: usize;
 
-    /// The smaller of two numbers.
-    fn least(self, other: Self) -> Self {
-        if other < self { other } else { self }
+    /// The same number in all lanes.
+    fn all(value: T) -> Self;
+
+    /// The numbers.
+    fn lanes(&self) -> &[T];
+
+    /// The numbers, to be set.
+    fn lanes_mut(&mut self) -> &mut [T];
+
+    /// Each lane's neighbour before it, that of the first being the last of `previous`.
+    fn after(self, previous: Self) -> Self;
+
+    /// Each lane's neighbour behind it, that of the last being the first of `next`.
+    fn before(self, next: Self) -> Self;
+}
+
+/// `COUNT` numbers on a line of the cache.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(64))]
+pub struct Lanes<T, const COUNT: usize>([T; COUNT]);
+
+macro_rules! lanewise {
+    ($($operation:ident $function:ident $sign:tt),*) => {
+        $(impl<T: Number, const COUNT: usize> $operation for Lanes<T, COUNT> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $function(mut self, other: Self) -> Self {
+                for lane in 0..COUNT {
+                    self.0[lane] = self.0[lane] $sign other.0[lane];
+                }
+                self
+            }
+        })*
+    };
+}
+
+lanewise!(Add add +, Sub sub -, Mul mul *, Div div /);
+
+impl<T: Number, const COUNT: usize> Neg for Lanes<T, COUNT> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(mut self) -> Self {
+        for lane in 0..COUNT {
+            self.0[lane] = -self.0[lane];
+        }
+        self
+    }
+}
+
+impl<T: Number, const COUNT: usize> Number for Lanes<T, COUNT> {
+    const ZERO: Self = Self([T::ZERO; COUNT]);
+    const ONE: Self = Self([T::ONE; COUNT]);
+    const HALF: Self = Self([T::HALF; COUNT]);
+
+    #[inline(always)]
+    fn abs(mut self) -> Self {
+        for lane in 0..COUNT {
+            self.0[lane] = self.0[lane].abs();
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn least(mut self, other: Self) -> Self {
+        for lane in 0..COUNT {
+            self.0[lane] = self.0[lane].least(other.0[lane]);
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn with_sign_of(mut self, other: Self) -> Self {
+        for lane in 0..COUNT {
+            self.0[lane] = self.0[lane].with_sign_of(other.0[lane]);
+        }
+        self
+    }
+}
+
+impl<T: Number, const COUNT: usize> Group<T> for Lanes<T, COUNT> {
+    const COUNT: usize = COUNT;
+
+    #[inline(always)]
+    fn all(value: T) -> Self {
+        Self([value; COUNT])
+    }
+
+    #[inline(always)]
+    fn lanes(&self) -> &[T] {
+        &self.0
+    }
+
+    #[inline(always)]
+    fn lanes_mut(&mut self) -> &mut [T] {
+        &mut self.0
+    }
+
+    #[inline(always)]
+    fn after(self, previous: Self) -> Self {
+        let mut moved = self;
+        moved.0[0] = previous.0[COUNT - 1];
+        for lane in 1..COUNT {
+            moved.0[lane] = self.0[lane - 1];
+        }
+        moved
+    }
+
+    #[inline(always)]
+    fn before(self, next: Self) -> Self {
+        let mut moved = self;
+        moved.0[COUNT - 1] = next.0[0];
+        for lane in 1..COUNT {
+            moved.0[lane - 1] = self.0[lane];
+        }
+        moved
     }
 }
 
 macro_rules! real {
-    ($kind:ty) => {
-        impl Real for $kind {
+    ($kind:ty, $lanes:literal) => {
+        impl Number for $kind {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const HALF: Self = 0.5;
+
+            #[inline(always)]
+            fn abs(self) -> Self {
+                self.abs()
+            }
+
+            #[inline(always)]
+            fn least(self, other: Self) -> Self {
+                if other < self { other } else { self }
+            }
+
+            #[inline(always)]
+            fn with_sign_of(self, other: Self) -> Self {
+                self.copysign(other)
+            }
+        }
+
+        impl Real for $kind {
+            type Lanes = Lanes<Self, $lanes>;
 
             #[allow(clippy::unnecessary_cast, reason = "it is one for f32")]
             fn of(value: f64) -> Self {
@@ -56,13 +205,9 @@ macro_rules! real {
             fn wide(self) -> f64 {
                 self.into()
             }
-
-            fn abs(self) -> Self {
-                self.abs()
-            }
         }
     };
 }
 
-real!(f32);
-real!(f64);
+real!(f32, 16);
+real!(f64, 8);

@@ -1,16 +1,15 @@
 //! A domain in parts: slabs along the last axis, each in a thread of its own.
 //!
-//! A part carries a halo of [`GHOSTS`] layers of its neighbours' cells and refreshes it before each sweep
-//! along the last axis. What the sweep makes of the halo itself is thrown away with the next refreshment,
-//! so that every cell sees the same operations as in the whole: the same bits.
+//! Before each sweep along the last axis a part gets the [`GHOSTS`] layers next to it from its neighbours.
+//! Every cell sees the same operations as in the whole, and sums are made by layers: the same bits.
 
-use crate::domain::{Boundary, Domain, DomainError, Grid, Scheme};
+use crate::boundary::Boundary;
+use crate::domain::{Domain, DomainError, Energy, Ledger, Problem};
+use crate::kernel::Instructions;
 use crate::line::GHOSTS;
-use crate::medium::Medium;
 use crate::real::Real;
 use models::cosserat::waves::Field;
-use std::ops::Range;
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 /// What crosses the cuts of a part: towards smaller and towards greater coordinates.
 pub trait Halo<T> {
@@ -27,80 +26,71 @@ pub struct Channels<T> {
     neighbours: [Option<Neighbour<T>>; 2],
 }
 
-/// To a neighbour, and from it.
-type Neighbour<T> = (Sender<Vec<T>>, Receiver<Vec<T>>);
+/// A neighbour and a message that came from it, to be filled anew.
+#[derive(Debug)]
+struct Neighbour<T> {
+    to: SyncSender<Vec<T>>,
+    from: Receiver<Vec<T>>,
+    spare: Vec<T>,
+}
 
-impl<T: Real> Halo<T> for Channels<T> {
+impl<T: Copy> Halo<T> for Channels<T> {
     fn begin(&mut self, send: [&[T]; 2]) {
-        for (neighbour, layers) in self.neighbours.iter().zip(send) {
-            if let Some((sender, _)) = neighbour {
+        for (neighbour, layers) in self.neighbours.iter_mut().zip(send) {
+            if let Some(neighbour) = neighbour {
+                let mut message = std::mem::take(&mut neighbour.spare);
+                message.clear();
+                message.extend_from_slice(layers);
                 // A neighbour that is gone has panicked: its thread is joined, and tells.
-                let _ = sender.send(layers.to_vec());
+                let _ = neighbour.to.send(message);
             }
         }
     }
 
     fn finish(&mut self, receive: [&mut [T]; 2]) {
-        for (neighbour, layers) in self.neighbours.iter().zip(receive) {
-            if let Some((_, receiver)) = neighbour
-                && let Ok(received) = receiver.recv()
+        for (neighbour, layers) in self.neighbours.iter_mut().zip(receive) {
+            if let Some(neighbour) = neighbour
+                && let Ok(received) = neighbour.from.recv()
             {
                 layers.copy_from_slice(&received);
+                neighbour.spare = received;
             }
         }
     }
 }
 
 /// A slab with its halo.
-#[derive(Debug)]
-struct Part<T, const D: usize, H> {
+struct Part<T: Real, const D: usize, H> {
     domain: Domain<T, D>,
     halo: H,
-    /// Cells of a layer.
-    layer: usize,
-    /// Layers of its own.
-    own: Range<usize>,
-    send: [Vec<T>; 2],
-    receive: [Vec<T>; 2],
+    send: [Vec<T::Lanes>; 2],
+    /// Its first cell.
+    first: usize,
+    /// Cells to be recorded after each step: places in the list of all, and own cells.
+    watched: Vec<(usize, usize)>,
+    /// All fields of those cells by step and cell.
+    records: Vec<f64>,
 }
 
-impl<T: Real, const D: usize, H: Halo<T>> Part<T, D, H> {
+impl<T: Real, const D: usize, H: Halo<T::Lanes>> Part<T, D, H> {
     fn advance(&mut self) {
-        let Self { domain, halo, layer, own, send, receive } = self;
-        let mut exchange = |domain: &mut Domain<T, D>| {
-            let layers = |range: Range<usize>| range.start * *layer..range.end * *layer;
-            let edges = [own.start..own.start + GHOSTS, own.end - GHOSTS..own.end].map(layers);
-            for (buffer, edge) in send.iter_mut().zip(edges) {
-                buffer.clear();
-                for values in domain.state() {
-                    buffer.extend_from_slice(&values[edge.clone()]);
-                }
-            }
-            let [first, last] = send.each_ref().map(Vec::as_slice);
-            halo.begin([first, last]);
-            let [first, last] = receive.each_mut().map(Vec::as_mut_slice);
-            halo.finish([first, last]);
-            let total = domain.state().first().map_or(0, Vec::len);
-            let halos = [0..own.start * *layer, own.end * *layer..total];
-            for (buffer, place) in receive.iter().zip(halos) {
-                if place.is_empty() {
-                    continue;
-                }
-                let size = place.len();
-                for (field, values) in domain.state_mut().iter_mut().enumerate() {
-                    values[place.clone()]
-                        .copy_from_slice(&buffer[field * size..(field + 1) * size]);
-                }
-            }
-        };
-        domain.advance_with(&mut exchange, None);
+        let Self { domain, halo, send, watched, records, .. } = self;
+        domain.advance_with(&mut |domain| {
+            domain.outermost(send);
+            halo.begin(send.each_ref().map(Vec::as_slice));
+            halo.finish(domain.halos_mut());
+        });
+        for &(_, cell) in watched.iter() {
+            domain.show(cell, records);
+        }
     }
 }
 
 /// A domain in parts.
-#[derive(Debug)]
-pub struct Split<T, const D: usize> {
-    parts: Vec<Part<T, D, Channels<T>>>,
+pub struct Split<T: Real, const D: usize> {
+    parts: Vec<Part<T, D, Channels<T::Lanes>>>,
+    /// Number of watched cells.
+    watched: usize,
 }
 
 impl<T: Real, const D: usize> Split<T, D> {
@@ -108,68 +98,53 @@ impl<T: Real, const D: usize> Split<T, D> {
     ///
     /// # Errors
     /// See [`DomainError`].
-    pub fn new(
-        grid: Grid<D>,
-        media: &[Medium],
-        of_cell: &[u16],
-        boundaries: &[[Boundary; 2]; D],
-        step: f64,
-        scheme: Scheme,
-        count: usize,
-    ) -> Result<Self, DomainError> {
-        let layers = grid.cells[D - 1];
-        let layer: usize = grid.cells[..D - 1].iter().product();
-        if of_cell.len() != layer * layers {
-            return Err(DomainError::Cells { found: of_cell.len(), needed: layer * layers });
-        }
-        if count == 0 || layers / count.max(1) < GHOSTS {
+    pub fn new(problem: &Problem<D>, count: usize) -> Result<Self, DomainError> {
+        problem.check()?;
+        let layers = problem.grid.cells[D - 1];
+        if count == 0 || (count > 1 && layers / count < GHOSTS) {
             return Err(DomainError::Parts { found: count, cells: layers });
         }
-        let is_periodic = boundaries[D - 1][0] == Boundary::Periodic;
+        let is_periodic = problem.boundaries[D - 1][0] == Boundary::Periodic;
         let mut parts = Vec::with_capacity(count);
         for index in 0..count {
             let range = index * layers / count..(index + 1) * layers / count;
             let is_cut =
                 [index > 0, index + 1 < count].map(|inside| count > 1 && (inside || is_periodic));
-            let halo = is_cut.map(|cut| if cut { GHOSTS } else { 0 });
-            let own = halo[0]..halo[0] + range.len();
-            let mut own_grid = grid;
-            own_grid.cells[D - 1] = own.end + halo[1];
-            // Layers count round where the domain does.
-            let own_media: Vec<u16> = (0..own_grid.cells[D - 1])
-                .flat_map(|place| {
-                    let at = (range.start + layers + place - halo[0]) % layers;
-                    of_cell[at * layer..(at + 1) * layer].iter().copied()
-                })
-                .collect();
-            let mut own_boundaries = boundaries.clone();
-            for (side, cut) in own_boundaries[D - 1].iter_mut().zip(is_cut) {
-                if cut {
-                    *side = Boundary::Free;
-                }
-            }
-            let domain =
-                Domain::new(own_grid, media.to_vec(), own_media, own_boundaries, step, scheme)?;
-            let size = domain.fields().len() * layer * GHOSTS;
-            let room = || [vec![T::ZERO; size], vec![T::ZERO; size]];
-            let (send, receive) = (room(), room());
-            let halo = Channels { neighbours: [None, None] };
-            parts.push(Part { domain, halo, layer, own, send, receive });
+            let first = range.start * problem.grid.faces(D - 1);
+            parts.push(Part {
+                domain: Domain::slab(problem, range, is_cut),
+                halo: Channels { neighbours: [None, None] },
+                send: [Vec::new(), Vec::new()],
+                first,
+                watched: Vec::new(),
+                records: Vec::new(),
+            });
         }
         for index in 0..count {
             let next = (index + 1) % count;
             if count == 1 || (next == 0 && !is_periodic) {
                 continue;
             }
-            let ((forth, from_behind), (back, from_ahead)) = (channel(), channel());
-            parts[index].halo.neighbours[1] = Some((forth, from_ahead));
-            parts[next].halo.neighbours[0] = Some((back, from_behind));
+            let ((forth, from_behind), (back, from_ahead)) = (sync_channel(2), sync_channel(2));
+            let neighbour = |to, from| Some(Neighbour { to, from, spare: Vec::new() });
+            parts[index].halo.neighbours[1] = neighbour(forth, from_ahead);
+            parts[next].halo.neighbours[0] = neighbour(back, from_behind);
         }
-        Ok(Self { parts })
+        Ok(Self { parts, watched: 0 })
+    }
+
+    /// Uses other instructions than the best; results do not depend on them.
+    pub fn set_instructions(&mut self, instructions: Instructions) {
+        for part in &mut self.parts {
+            part.domain.set_instructions(instructions);
+        }
     }
 
     /// Advances all fields by `steps` time steps, each part in a thread of its own.
     pub fn advance(&mut self, steps: usize) {
+        if let [part] = self.parts.as_mut_slice() {
+            return (0..steps).for_each(|_| part.advance());
+        }
         std::thread::scope(|scope| {
             for part in &mut self.parts {
                 scope.spawn(move || (0..steps).for_each(|_| part.advance()));
@@ -177,26 +152,111 @@ impl<T: Real, const D: usize> Split<T, D> {
         });
     }
 
-    /// The values of a field, the first axis running fastest; `None` if there is no such field.
-    pub fn values(&self, field: Field) -> Option<Vec<T>> {
+    /// Time, s.
+    pub fn time(&self) -> f64 {
+        self.parts.first().map_or(0.0, |part| part.domain.time())
+    }
+
+    /// The components of the state.
+    pub fn fields(&self) -> &[Field] {
+        self.parts.first().map_or(&[], |part| part.domain.fields())
+    }
+
+    /// Records all fields of these cells after each step; cells that are not there are left out.
+    pub fn watch(&mut self, cells: &[usize]) {
+        self.watched = cells.len();
+        for part in &mut self.parts {
+            let own = part.first..part.first + part.domain.grid().count();
+            part.watched = cells
+                .iter()
+                .enumerate()
+                .filter(|(_, cell)| own.contains(cell))
+                .map(|(place, cell)| (place, cell - part.first))
+                .collect();
+        }
+    }
+
+    /// What was recorded since the last call: by step, then by watched cell, then by field, stresses in
+    /// their yield sets.
+    pub fn records(&mut self) -> Vec<f64> {
+        let width = self.fields().len();
+        let steps = self
+            .parts
+            .iter()
+            .filter(|part| !part.watched.is_empty())
+            .map(|part| part.records.len() / (part.watched.len() * width))
+            .max()
+            .unwrap_or(0);
+        let mut all = vec![0.0; steps * self.watched * width];
+        for part in &mut self.parts {
+            let own = part.watched.len();
+            for (index, values) in part.records.chunks_exact(width).enumerate() {
+                let (step, place) = (index / own, part.watched[index % own].0);
+                let start = (step * self.watched + place) * width;
+                all[start..start + width].copy_from_slice(values);
+            }
+            part.records.clear();
+        }
+        all
+    }
+
+    /// What steps did to the energy so far.
+    pub fn ledger(&self) -> Ledger {
+        Ledger::sum(self.parts.iter().flat_map(|part| part.domain.ledgers()))
+    }
+
+    /// Energy of the deviation from the initial stress, each part in a thread of its own.
+    pub fn energy(&self) -> Energy {
+        let domains: Vec<&Domain<T, D>> = self.parts.iter().map(|part| &part.domain).collect();
+        if let [domain] = domains.as_slice() {
+            return domain.energy();
+        }
+        let all: Vec<Vec<Energy>> = std::thread::scope(|scope| {
+            let threads: Vec<_> =
+                domains.into_iter().map(|domain| scope.spawn(|| domain.energies())).collect();
+            threads.into_iter().map(|thread| thread.join().unwrap_or_default()).collect()
+        });
+        Energy::sum(all.iter().flatten())
+    }
+
+    /// The first value that is not finite: its field and its cell.
+    pub fn first_non_finite(&self) -> Option<(Field, usize)> {
+        let own = |part: &Part<T, D, _>| {
+            part.domain.first_non_finite().map(|(field, cell)| (field, part.first + cell))
+        };
+        self.parts.iter().find_map(own)
+    }
+
+    /// The values of a field, the first axis running fastest, with stresses in their yield sets; `None` if
+    /// there is no such field.
+    pub fn shown(&self, field: Field) -> Option<Vec<T>> {
+        let place = self.fields().iter().position(|own| *own == field)?;
+        let mut values = Vec::new();
         let mut all = Vec::new();
         for part in &self.parts {
-            let own = part.own.start * part.layer..part.own.end * part.layer;
-            all.extend_from_slice(&part.domain.values(field)?[own]);
+            for cell in 0..part.domain.grid().count() {
+                all.clear();
+                part.domain.show(cell, &mut all);
+                values.push(T::of(all[place]));
+            }
         }
-        Some(all)
+        Some(values)
+    }
+
+    /// The values of a field as they are computed with, the first axis running fastest; `None` if there is
+    /// no such field.
+    pub fn values(&self, field: Field) -> Option<Vec<T>> {
+        self.parts
+            .iter()
+            .map(|part| part.domain.values(field))
+            .collect::<Option<Vec<_>>>()
+            .map(|all| all.concat())
     }
 
     /// Sets the values of a field; of those beyond the end of either nothing happens.
     pub fn set(&mut self, field: Field, values: &[T]) {
-        let mut rest = values;
         for part in &mut self.parts {
-            let own = part.own.start * part.layer..part.own.end * part.layer;
-            let size = own.len().min(rest.len());
-            if let Some(place) = part.domain.values_mut(field) {
-                place[own.start..own.start + size].copy_from_slice(&rest[..size]);
-            }
-            rest = &rest[size..];
+            part.domain.set(field, values.get(part.first..).unwrap_or(&[]));
         }
     }
 }

@@ -208,6 +208,15 @@ impl PlaneCompliances {
         Ok(self)
     }
 
+    /// Energy that the stress in the plane stores, J/m³.
+    pub fn stored_energy(&self, stress: &Stress) -> f64 {
+        let pair = |a: f64, b: f64, x: f64, y: f64| 0.5 * a * (x * x + y * y) - b * x * y;
+        let (force, couple) = (&stress.force, &stress.couple[2]);
+        pair(self.a1, self.b1, force[0][0], force[1][1])
+            + pair(self.a2, self.b2, force[0][1], force[1][0])
+            + 0.5 * (couple[0] * couple[0] + couple[1] * couple[1]) / self.alpha2
+    }
+
     /// The compliances of an isotropic Cosserat solid; `None` without couple stress.
     pub fn of(solid: &Isotropic) -> Option<Self> {
         let Microrotation { alpha, inertia, couple } = solid.microrotation?;
