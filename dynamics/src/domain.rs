@@ -18,8 +18,8 @@
 //! yield conditions see the sum.
 //!
 //! Along the first axis cells lie in groups that fill a line of the cache per field; a group holds all its
-//! fields. Sweeps run over many lines at once ([`kernel`](crate::kernel)); with [`Detail::Full`] they run
-//! line by line ([`line`](crate::line)) and keep the account of the scheme's own dissipation. The bits of
+//! fields. Sweeps run over many lines at once ([`crate::kernel`]); with [`Detail::Full`] they run
+//! line by line ([`crate::line`]) and keep the account of the scheme's own dissipation. The bits of
 //! the fields are the same.
 
 use crate::boundary::{Boundary, Condition, Load, Signal, Source};

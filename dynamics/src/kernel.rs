@@ -1,8 +1,8 @@
-//! The sweep of [`line`](crate::line) on many lines at once, in the instructions that the processor has.
+//! The sweep of [`crate::line`] on many lines at once, in the instructions that the processor has.
 //!
 //! Cells lie in groups along the first axis, as many as fill a line of the cache. Across that axis the
-//! lanes of a group are lines of their own ([`Columns`]); along it they are neighbours, and what a lane
-//! needs of its neighbour comes by a shift ([`Rows`]). Both do to every cell what the plain sweep does, in
+//! lanes of a group are lines of their own (`Columns`); along it they are neighbours, and what a lane
+//! needs of its neighbour comes by a shift (`Rows`). Both do to every cell what the plain sweep does, in
 //! the same order: the bits are the same.
 
 use crate::line::{Cell, GHOSTS, Pieces, Slopes, State, meet, updated};

@@ -24,7 +24,7 @@
 //! remainder of a balance.
 //!
 //! What is written here is arithmetic on [`Number`]s: [`sweep`] does it to a line, cell by cell, and
-//! keeps the account; [`kernel`](crate::kernel) does the same to many lines at once.
+//! keeps the account; [`crate::kernel`] does the same to many lines at once.
 
 use crate::real::{Number, Real};
 
