@@ -4,10 +4,10 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use wellposed_figures::{
-    Axis, Band, Branch, Category, Curve, Direction, DirectionsFigure, DispersionFigure,
-    FigureError, Format, GrowthFigure, Level, Line, Look, Mark, Panel, PolarFigure, Response,
-    SpeedCurve, SpeedsFigure, SphereFigure, SphereMark, Spoke, SpokeStyle, Style, Vanishing,
-    VerdictMap,
+    Axis, Band, Branch, Category, Curve, Direction, DirectionsFigure, DispersionFigure, FieldAxis,
+    FieldFigure, FieldMark, FieldMarkKind, FigureError, Format, GrowthFigure, Level, Line, Look,
+    Mark, Panel, PolarFigure, Response, SpeedCurve, SpeedsFigure, SphereFigure, SphereMark, Spoke,
+    SpokeStyle, Style, Vanishing, VerdictMap,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -27,6 +27,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     save("directions", &|format| directions().draw(format))?;
     save("dispersion", &|format| dispersion(false).draw(format))?;
     save("dispersion_growth", &|format| dispersion(true).draw(format))?;
+    save("field_wave", &|format| field_wave().draw(format))?;
+    save("field_materials", &|format| field_materials().draw(format))?;
+    save("field_bar", &|format| field_bar().draw(format))?;
     save("speeds", &|format| speeds().draw(format))?;
     save("sphere", &|format| sphere(false).draw(format))?;
     save("sphere_growth", &|format| sphere(true).draw(format))
@@ -38,6 +41,91 @@ fn grid(from: f64, to: f64, points: usize) -> Vec<f64> {
 
 fn category(label: &str, look: Look) -> Category {
     Category { label: label.to_owned(), look }
+}
+
+/// A field of square cells, one per metre divided by `per_metre`.
+fn field(cells: [usize; 2], per_metre: f64, value: impl Fn(f64, f64) -> f64) -> FieldFigure {
+    let axis = |label: &str, cells: usize| FieldAxis {
+        label: label.to_owned(),
+        from: 0.0,
+        to: cells as f64 / per_metre,
+    };
+    let [columns, rows] = cells;
+    let place = |index: usize| (index as f64 + 0.5) / per_metre;
+    FieldFigure {
+        title: "Velocity at the end".to_owned(),
+        subtitle: "t = 0.25 s, plane z = 0".to_owned(),
+        x: axis("x (m)", columns),
+        y: axis("height y (m)", rows),
+        columns,
+        rows,
+        values: (0..columns * rows)
+            .map(|cell| value(place(cell % columns), place(cell / columns)))
+            .collect(),
+        label: "velocity v₂ (m/s)".to_owned(),
+        is_signed: true,
+        limit: None,
+        outlines: Vec::new(),
+        plastic: Vec::new(),
+        marks: Vec::new(),
+    }
+}
+
+fn field_mark(x: f64, y: f64, name: &str, kind: FieldMarkKind) -> FieldMark {
+    FieldMark { at: [x, y], name: name.to_owned(), kind }
+}
+
+/// A wave that radiates from a point, with colours that end below its largest value.
+fn field_wave() -> FieldFigure {
+    let wave = field([1000, 1000], 10.0, |x, y| {
+        let r = (x - 40.0).hypot(y - 50.0);
+        let envelope = (-((r - 28.0) / 11.0).powi(2)).exp();
+        0.031 * (0.9 * r).sin() * envelope * (y - 50.0) / r.max(1.0)
+    });
+    let marks = vec![
+        field_mark(40.0, 50.0, "shot", FieldMarkKind::Source),
+        field_mark(60.0, 50.0, "R1", FieldMarkKind::Receiver),
+        field_mark(80.0, 50.0, "R2", FieldMarkKind::Receiver),
+        field_mark(82.0, 51.0, "R3, beside R2", FieldMarkKind::Receiver),
+        field_mark(100.0, 100.0, "corner", FieldMarkKind::Receiver),
+        field_mark(120.0, 50.0, "too far", FieldMarkKind::Receiver),
+    ];
+    FieldFigure { limit: Some(0.02), marks, ..wave }
+}
+
+/// Two materials, of which one yields, and some cells that have lost their value.
+fn field_materials() -> FieldFigure {
+    let upper = |x: f64, y: f64| y > 4.0 + 0.1 * x;
+    let mut figure = field([240, 120], 10.0, |x, y| {
+        let r = (x - 9.0).hypot(y - 6.0);
+        let strength = if upper(x, y) { 1e6 } else { 4.5e5 };
+        let is_lost = (x - 21.5).abs() < 0.8 && (y - 9.5).abs() < 0.5;
+        if is_lost {
+            f64::NAN
+        } else {
+            strength * (1.4 * x + 0.4 * y).sin() * (-0.02 * r * r).exp()
+        }
+    });
+    figure.outlines = (0..240 * 120)
+        .map(|cell| u16::from(upper(0.1 * (cell % 240) as f64, 0.1 * (cell / 240) as f64)))
+        .collect();
+    figure.plastic = figure.values.iter().map(|value| value.abs() > 6.2e5).collect();
+    figure.title = "Stress of two materials".to_owned();
+    figure.label = "shear stress σ₁₂ (Pa)".to_owned();
+    figure.marks = vec![
+        field_mark(9.0, 6.0, "plate", FieldMarkKind::Source),
+        field_mark(18.0, 6.0, "gauge 4", FieldMarkKind::Receiver),
+    ];
+    figure
+}
+
+/// A domain too long to be drawn to scale.
+fn field_bar() -> FieldFigure {
+    let mut bar = field([900, 4], 10.0, |x, _| (0.3 * x).sin().powi(2) * (-0.05 * x).exp());
+    let ends = [("foot", 0.0), ("tip", 90.0)];
+    let marks = ends.map(|(name, x)| field_mark(x, 0.2, name, FieldMarkKind::Receiver)).to_vec();
+    bar.title = "Energy along a bar".to_owned();
+    FieldFigure { label: "energy density (J/m³)".to_owned(), is_signed: false, marks, ..bar }
 }
 
 /// A bound at 45° with growth that increases towards it.

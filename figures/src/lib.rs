@@ -10,6 +10,7 @@
 mod contour;
 mod directions;
 mod dispersion;
+mod field;
 mod growth;
 mod page;
 mod picture;
@@ -21,6 +22,7 @@ mod verdict_map;
 
 pub use directions::{Direction, DirectionsFigure, Style};
 pub use dispersion::{Band, Branch, DispersionFigure, Level};
+pub use field::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
 pub use growth::{GrowthFigure, Line, Mark, Panel};
 pub use polar::{PolarFigure, Spoke, SpokeStyle};
 pub use speeds::{Response, SpeedCurve, SpeedsFigure, Vanishing};
@@ -30,7 +32,8 @@ pub use verdict_map::{Axis, Category, Curve, Look, VerdictMap};
 /// The kind of file a figure is drawn into.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// Pixels, 1600 wide and 1100 high; higher where a legend needs the room.
+    /// Pixels, 1600 wide and 1100 high; higher where a legend needs the room, lower
+    /// where a field is wide.
     Png,
     /// Shapes and text, of the same size in pixels and to be scaled at will.
     Svg,
@@ -39,19 +42,19 @@ pub enum Format {
 /// A figure that could not be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum FigureError {
-    /// A field of the map does not have one value per cell.
-    #[error("the map's {field} has {found} values for {columns} × {rows} cells")]
+    /// A list of a figure does not have one value per cell.
+    #[error("the figure's {field} has {found} values for {columns} × {rows} cells")]
     CellCount {
-        /// Name of the field.
+        /// Name of the list.
         field: &'static str,
-        /// Number of values in the field.
+        /// Number of values in the list.
         found: usize,
-        /// Points of the x axis.
+        /// Points or cells along the x axis.
         columns: usize,
-        /// Points of the y axis.
+        /// Points or cells along the y axis.
         rows: usize,
     },
-    /// An axis of the map is not a uniform grid.
+    /// An axis is not a uniform grid.
     #[error("the axis \"{label}\" {problem}")]
     Axis {
         /// The axis's label.
@@ -66,6 +69,12 @@ pub enum FigureError {
         found: u8,
         /// Number of categories described.
         known: usize,
+    },
+    /// Values cannot be clipped at such a number.
+    #[error("the limit of the colours is {found}, which is not a positive finite number")]
+    Limit {
+        /// The number given.
+        found: f64,
     },
     /// The drawing library refused.
     #[error("drawing failed: {0}")]

@@ -129,6 +129,9 @@ pub(crate) fn left_axis(picture: &mut Picture, frame: Rectangle, ticks: &[Tick],
             picture.text(Text::new(at, Anchor::End, NUMBER, label));
         }
     }
+    if name.is_empty() {
+        return;
+    }
     let (name, size) = fit(name, NAME, frame.height());
     let at = [left - TICK - 10.0 - widest(ticks) - 0.4 * NAME, 0.5 * (top + bottom)];
     let text = Text::new(at, Anchor::Middle, size, name);

@@ -111,6 +111,7 @@ impl Text {
 
 enum Shape {
     Rectangle(Rectangle, Colour),
+    Patches(Vec<Rectangle>, Colour),
     Polygon(Vec<Point>, Colour),
     Line { points: Vec<Point>, width: f64, colour: Colour },
     Text(Text),
@@ -130,6 +131,12 @@ impl Picture {
 
     pub fn fill(&mut self, area: Rectangle, colour: Colour) {
         self.shapes.push(Shape::Rectangle(area, colour));
+    }
+
+    /// Fills many areas at once, with edges on whole fine pixels and none shared: a fifth of the
+    /// bytes of single areas in an SVG, and no hairlines between neighbours.
+    pub fn patches(&mut self, areas: Vec<Rectangle>, colour: Colour) {
+        self.shapes.push(Shape::Patches(areas, colour));
     }
 
     pub fn polygon(&mut self, points: Vec<Point>, colour: Colour) {
@@ -175,7 +182,7 @@ impl Picture {
                 self.paint(SVGBackend::with_string(&mut text, (width, height)), &SVG)?;
                 let fine = format!("width=\"{width}\" height=\"{height}\"");
                 let nominal = format!("width=\"{}\" height=\"{}\"", self.width, self.height);
-                Ok(text.replacen(&fine, &nominal, 1).into_bytes())
+                Ok(self.with_patches(&text.replacen(&fine, &nominal, 1)).into_bytes())
             }
             Format::Png => {
                 let mut pixels = vec![255; 3 * width as usize * height as usize];
@@ -183,6 +190,30 @@ impl Picture {
                 self.compress(&pixels)
             }
         }
+    }
+
+    /// The SVG with the paths of the patches in place of the polygons that stand for them.
+    fn with_patches(&self, text: &str) -> String {
+        let mut whole = String::with_capacity(text.len());
+        let mut rest = text;
+        for (index, shape) in self.shapes.iter().enumerate() {
+            let Shape::Patches(areas, RGBColor(red, green, blue)) = shape else { continue };
+            // Quotes within texts are escaped, so that no text holds the words looked for.
+            let stand_in = format!("points=\"{PATCHES},{index} \"/>");
+            let Some(place) = rest.find(&stand_in) else { continue };
+            let start = rest[..place].rfind('<').unwrap_or(place);
+            whole.push_str(&rest[..start]);
+            let look = format!("fill=\"#{red:02X}{green:02X}{blue:02X}\"");
+            whole.push_str(&format!("<path shape-rendering=\"crispEdges\" {look} d=\""));
+            for ([left, top], [right, bottom]) in areas.iter().filter_map(fine_patch) {
+                let (width, height) = (right - left, bottom - top);
+                whole.push_str(&format!("M{left} {top}h{width}v{height}h-{width}z"));
+            }
+            whole.push_str("\"/>");
+            rest = &rest[place + stand_in.len()..];
+        }
+        whole.push_str(rest);
+        whole
     }
 
     /// Averages the fine pixels and compresses the result.
@@ -223,11 +254,22 @@ impl Picture {
             bottom: f64::from(self.height),
         };
         let background = Shape::Rectangle(sheet, WHITE);
-        for shape in std::iter::once(&background).chain(&self.shapes) {
+        let shapes = self.shapes.iter().enumerate();
+        for (index, shape) in std::iter::once((0, &background)).chain(shapes) {
             match shape {
                 Shape::Rectangle(area, colour) => {
                     let (from, to) = (fine([area.left, area.top]), fine([area.right, area.bottom]));
                     on.draw_rect(from, to, colour, true).map_err(refused)?;
+                }
+                Shape::Patches(_, colour) if dialect.is_text => {
+                    let stand_in = [(PATCHES, index as i32)];
+                    on.fill_polygon(stand_in, colour).map_err(refused)?;
+                }
+                Shape::Patches(areas, colour) => {
+                    for ([left, top], [right, bottom]) in areas.iter().filter_map(fine_patch) {
+                        let (from, to) = ((left, top), (right, bottom));
+                        on.draw_rect(from, to, colour, true).map_err(refused)?;
+                    }
                 }
                 Shape::Polygon(points, colour) => {
                     let corners = points.iter().map(|&point| fine(point));
@@ -273,15 +315,15 @@ struct Dialect {
     size_per_em: f64,
     /// Distance from the place handed over to the baseline, in em.
     baseline: f64,
-    /// Whether a line is given to the library whole.
-    whole_lines: bool,
+    /// Whether the output is text: a line is given to the library whole, patches become paths.
+    is_text: bool,
 }
 
 /// The library's size is the height from ascender to descender, 1.164 em in DejaVu Sans.
 /// Its polygon of a thick line has holes where a line turns back on itself, so lines are drawn
 /// piece by piece.
-const BITMAP: Dialect = Dialect { size_per_em: 1.164, baseline: 0.582, whole_lines: false };
-const SVG: Dialect = Dialect { size_per_em: 1.24, baseline: 0.76, whole_lines: true };
+const BITMAP: Dialect = Dialect { size_per_em: 1.164, baseline: 0.582, is_text: false };
+const SVG: Dialect = Dialect { size_per_em: 1.24, baseline: 0.76, is_text: true };
 
 fn refused(error: impl std::fmt::Display) -> FigureError {
     FigureError::Drawing(error.to_string())
@@ -315,7 +357,7 @@ impl Dialect {
         colour: Colour,
     ) -> Result<(), FigureError> {
         let fine_width = width * f64::from(FINENESS);
-        if self.whole_lines {
+        if self.is_text {
             use plotters::style::Color;
             let style = colour.stroke_width(fine_width.round().max(1.0) as u32);
             let points = points.iter().map(|&point| fine(point));
@@ -348,6 +390,15 @@ impl Dialect {
 fn fine([x, y]: Point) -> (i32, i32) {
     let scale = f64::from(FINENESS);
     ((scale * x).round() as i32, (scale * y).round() as i32)
+}
+
+/// First coordinate of the polygons that stand for patches in an SVG; far from the sheet.
+const PATCHES: i32 = -1_000_000;
+
+/// The corners of a patch in fine pixels; none where it is smaller than one of these.
+fn fine_patch(area: &Rectangle) -> Option<([i32; 2], [i32; 2])> {
+    let (from, to) = (fine([area.left, area.top]), fine([area.right, area.bottom]));
+    (from.0 < to.0 && from.1 < to.1).then_some(([from.0, from.1], [to.0, to.1]))
 }
 
 pub(crate) fn circle([x, y]: Point, radius: f64, corners: usize) -> Vec<Point> {
@@ -508,9 +559,30 @@ mod tests {
             picture.render(Format::Png).unwrap()
         };
         let missing = drawn('\u{10fffd}');
-        for symbol in "ΔφνςθκψσρλμαβγηΨΣΩω°²³⁻¹⁰⁴⁵⁶⁷⁸⁹₁₂₃−–×½⅓∞√∂≤≥|é".chars()
+        for symbol in "ΔφνςθκψσρλμαβγηΨΣΩω°²³⁻¹⁰⁴⁵⁶⁷⁸⁹₁₂₃−–×¼½⅓∞√∂≤≥|é".chars()
         {
             assert_ne!(drawn(symbol), missing, "{symbol}");
+        }
+    }
+
+    #[test]
+    fn patches_are_drawn_alike_in_both_formats() {
+        let mut picture = Picture::new(30, 20);
+        let at = |left: f64| Rectangle { left, top: 5.0, right: left + 4.0, bottom: 9.0 };
+        picture.text(Text::new([2.0, 18.0], Anchor::Start, 5.0, "points=\"-1000000,1 \"/>"));
+        picture.patches(vec![at(3.0), at(7.0), Rectangle { right: 20.0, ..at(20.0) }], INK);
+        picture.patches(vec![at(15.0)], WHITE);
+        let svg = String::from_utf8(picture.render(Format::Svg).unwrap()).unwrap();
+        assert!(
+            svg.contains("fill=\"#191919\" d=\"M9 15h12v12h-12zM21 15h12v12h-12z\"/>"),
+            "{svg}"
+        );
+        assert!(svg.contains("fill=\"#FFFFFF\" d=\"M45 15h12v12h-12z\"/>"), "{svg}");
+        assert!(!svg.contains("<polygon"));
+        let (width, pixels) = crate::tests::pixels(&picture.render(Format::Png).unwrap());
+        let dark = |x: usize, y: usize| pixels[3 * (y * width + x)] == 25;
+        for (x, y) in (0..30).flat_map(|x| (0..12).map(move |y| (x, y))) {
+            assert_eq!(dark(x, y), (3..11).contains(&x) && (5..9).contains(&y), "{x} {y}");
         }
     }
 

@@ -109,7 +109,7 @@ pub(crate) fn shade(share: f64) -> Colour {
 }
 
 /// How bright a colour appears, from 0 to 255 (Rec. 601).
-fn luminance(RGBColor(red, green, blue): Colour) -> f64 {
+pub(crate) fn luminance(RGBColor(red, green, blue): Colour) -> f64 {
     0.299 * f64::from(red) + 0.587 * f64::from(green) + 0.114 * f64::from(blue)
 }
 
@@ -632,7 +632,7 @@ impl VerdictMap {
 /// Distance of the colour bar from the map, its width, and the length of its arrows.
 pub(crate) const BAR_GAP: f64 = 34.0;
 pub(crate) const BAR: f64 = 36.0;
-const ARROW: f64 = 30.0;
+pub(crate) const ARROW: f64 = 30.0;
 
 fn cell_size(frame: Rectangle, raster: &Raster) -> (f64, f64) {
     (frame.width() / raster.columns as f64, frame.height() / raster.rows as f64)
@@ -743,7 +743,7 @@ pub(crate) fn runs(count: usize, selected: impl Fn(usize) -> bool) -> Vec<(usize
 }
 
 /// A share of the area in words that never claim all or nothing wrongly.
-fn percent(part: usize, whole: usize) -> String {
+pub(crate) fn percent(part: usize, whole: usize) -> String {
     let share = 100.0 * part as f64 / whole.max(1) as f64;
     if part == whole {
         "100 %".to_owned()
