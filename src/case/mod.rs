@@ -298,8 +298,10 @@ impl Case {
     /// The same state for another kind of model, without what that kind does not use.
     pub fn for_kind(&self, kind: Kind) -> Self {
         let yields = self.yields.filter(|set| kind.yield_sets().contains(set));
-        let dynamics = self.dynamics.clone().filter(|_| kind == self.kind);
-        let mut case = Self { kind, yields, compare: None, dynamics, ..self.clone() };
+        let mut case = Self { kind, yields, compare: None, ..self.clone() };
+        if kind != self.kind {
+            case.dynamics = None;
+        }
         let medium = case.medium();
         for key in KEYS.iter().filter(|key| !key.is_used_by(medium)) {
             key.clear(&mut case.numbers);

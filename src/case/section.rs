@@ -72,11 +72,24 @@ impl<'a> Node<'a> {
     /// The node as it is named in a message.
     pub(super) fn words(&self) -> String {
         match self {
-            Self::Value(value) => describe(value),
+            Self::Value(value) => short_list(value).unwrap_or_else(|| describe(value)),
             Self::Table(_) => "a section".to_owned(),
             Self::Tables(tables) => format!("a list of {}", tables.len()),
         }
     }
+}
+
+/// A list of a few numbers as it stands.
+fn short_list(value: &DeValue) -> Option<String> {
+    const MOST: usize = 9;
+    let array = value.as_array().filter(|array| (1..=MOST).contains(&array.len()))?;
+    let item = |item: &DeValue| match item {
+        DeValue::Integer(integer) => read::number(item).map(|_| shown(&integer.to_string())),
+        DeValue::Float(float) => read::number(item).map(|_| shown(float.as_str())),
+        _ => None,
+    };
+    let items: Option<Vec<String>> = array.iter().map(|own| item(own.get_ref())).collect();
+    items.map(|items| format!("[{}]", items.join(", ")))
 }
 
 impl<'a> Table<'a> {

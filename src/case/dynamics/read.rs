@@ -295,10 +295,19 @@ impl Reader<'_> {
 
     /// A shape; `extra` is the one without keys that is allowed here.
     fn shape(&self, section: &mut Section, extra: &Shape) -> Result<Shape, CaseError> {
-        let names = match self.dimensions() {
-            2 => ["box", "circle", "layer", "half-plane", extra.name(2)],
-            _ => ["box", "sphere", "layer", "half-space", extra.name(3)],
+        let d = self.dimensions();
+        let named = |d: usize| match d {
+            2 => ["box", "circle", "layer", "half-plane", extra.name(d)],
+            _ => ["box", "sphere", "layer", "half-space", extra.name(d)],
         };
+        let (names, others) = (named(d), named(5 - d));
+        let found = section.node("shape").and_then(text).unwrap_or_default();
+        if let Some(index) = others.iter().position(|other| *other == found)
+            && names[index] != found
+        {
+            let found = format!("found '{found}' in a grid of {d} dimensions");
+            return Err(section.error("shape", found, format!("write {}", names[index])));
+        }
         let index = section.choice("shape", &[0, 1, 2, 3, 4], |index: usize| names[index])?;
         Ok(match index {
             0 => {
@@ -321,7 +330,6 @@ impl Reader<'_> {
             }
             3 => {
                 let point = self.point(section, "point", "a point of the edge")?;
-                let d = self.dimensions();
                 let expected = format!("a list of {d} numbers, not all 0 (points into the shape)");
                 let is_normal =
                     |node: &Node| numbers(d)(node).filter(|n| n.iter().any(|n| *n != 0.0));
