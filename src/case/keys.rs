@@ -185,6 +185,16 @@ pub(super) enum Value {
     Matrix([[f64; 2]; 2]),
 }
 
+impl Value {
+    /// A text.
+    pub(super) fn text(&self) -> Option<&str> {
+        match self {
+            Self::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+}
+
 impl Field {
     /// The type in words.
     pub(super) fn expected(self) -> &'static str {

@@ -1,5 +1,6 @@
 //! Kinds of model that a case can name.
 
+use models::cosserat::parameters::Theory;
 use models::granular_flow::Kind as Flow;
 
 /// A kind of model.
@@ -25,6 +26,15 @@ pub enum Solid {
 }
 
 impl Solid {
+    /// Whether it has a rotation of its own, and couple stress.
+    pub const fn theory(self) -> Theory {
+        match self {
+            Self::Classical => Theory::Classical,
+            Self::ReducedCosserat => Theory::Reduced,
+            Self::Cosserat | Self::CosseratCompliances => Theory::Cosserat,
+        }
+    }
+
     const fn name(self) -> &'static str {
         match self {
             Self::Classical => "classical",

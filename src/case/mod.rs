@@ -1,11 +1,14 @@
 //! Case files: parsing, `--set`, diagnostics with place and remedy, and conversion to the checked
 //! structs of the models.
 
+pub mod dynamics;
 mod error;
 mod keys;
 mod kind;
 mod read;
+mod section;
 
+pub use dynamics::Dynamics;
 pub use error::{CaseError, Place};
 pub use keys::{
     BackgroundNumbers, KEYS, Key, ModelNumbers, Numbers, Parameter, Presence, SolidNumbers,
@@ -13,10 +16,12 @@ pub use keys::{
 };
 pub use kind::{Kind, Medium, NoSuchMedium, Solid, Yield};
 
+use dynamics::Grid;
 use keys::Value;
 use models::granular_flow::state::State;
 use models::granular_flow::{InputError, Kind as Flow, Model, Parameters};
 use read::{Entries, Places};
+use section::Section;
 use std::fmt::Write;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -28,6 +33,9 @@ pub const MOST_POINTS: usize = 100_000_000;
 /// [`half_spaces`](models::plasticity::parameters::Interlayer::half_spaces); those of couples last.
 pub const ACTIVE_NAMES: [&str; 8] =
     ["+sigma21", "-sigma21", "+sigma12", "-sigma12", "+m31", "-m31", "+m32", "-m32"];
+
+/// What stands for a yield set in a region that stays elastic.
+const NO_YIELD: &str = "none";
 
 /// Largest case file, bytes: more is no case, and is not read into memory.
 const LARGEST_FILE: u64 = 1 << 20;
@@ -52,6 +60,8 @@ pub struct Case {
     pub map: Option<Map>,
     /// Kinds of model to compare on this state.
     pub compare: Option<Vec<Kind>>,
+    /// How the case is run in time, if it says so.
+    pub dynamics: Option<Dynamics>,
     places: Places,
     source: Option<PathBuf>,
 }
@@ -81,6 +91,7 @@ impl PartialEq for Case {
             && self.numbers == other.numbers
             && self.map == other.map
             && self.compare == other.compare
+            && self.dynamics == other.dynamics
     }
 }
 
@@ -159,12 +170,16 @@ impl Case {
     /// # Errors
     /// What is wrong, where, and what is allowed.
     pub fn parse(text: &str, file: &str, sets: &[String]) -> Result<Self, CaseError> {
-        let entries = Entries::read(text, file, sets)?;
+        let mut entries = Entries::read(text, file, sets)?;
         let kind = read::kind(entries.text("model.kind")?, "model.kind", &entries.places)?;
+        let grid = dynamics::read::grid(&entries, kind)?;
+        if let Some(grid) = &grid {
+            dynamics::read::provide_dimensions(&mut entries, kind, grid);
+        }
         let compare = compare(&entries)?;
         let kinds: Vec<Kind> =
             [kind].into_iter().chain(compare.iter().flatten().copied()).collect();
-        let yields = yield_set(&entries, kind)?;
+        let yields = yield_set(&entries, kind, &[])?;
         let media: Vec<Medium> = kinds.iter().map(|&kind| Medium { kind, yields }).collect();
         let numbers = numbers(&entries, &media)?;
         let active = active(&entries, media[0])?;
@@ -191,8 +206,73 @@ impl Case {
             _ => String::new(),
         };
         let name = name(&entries, file)?;
-        let (places, source) = (entries.places, None);
-        Ok(Self { name, title, kind, yields, active, numbers, map, compare, places, source })
+        let (places, dynamics, source) = (entries.places.clone(), None, None);
+        let case = Self {
+            name,
+            title,
+            kind,
+            yields,
+            active,
+            numbers,
+            map,
+            compare,
+            dynamics,
+            places,
+            source,
+        };
+        let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+        let dynamics =
+            grid.map(|grid| dynamics::read::read(grid, &case, &entries, folder)).transpose()?;
+        Ok(Self { dynamics, ..case })
+    }
+
+    /// The case of a region: this one but for the kind, yield set and numbers that the region has
+    /// of its own.
+    fn of_region(
+        &self,
+        entries: &Entries,
+        region: &mut Section,
+        grid: &Grid,
+    ) -> Result<Self, CaseError> {
+        const KIND: &str = "model.kind";
+        let mut entries = entries.of_region(region)?;
+        let kind = read::kind(entries.text(KIND)?, KIND, &entries.places)?;
+        let Kind::Solid(_) = kind else {
+            let allowed = format!("solids alone: {}", Kind::SOLIDS.map(Kind::name).join(", "));
+            return Err(entries.places.error(
+                KIND,
+                format!("found {}, a flow", kind.name()),
+                allowed,
+            ));
+        };
+        if let Some(set) = self.yields.filter(|set| !kind.yield_sets().contains(set))
+            && entries.is_inherited("yield.kind")
+        {
+            let names: Vec<&str> = kind.yield_sets().iter().map(|set| set.name()).collect();
+            return Err(entries.places.error(
+                KIND,
+                format!("found {}, which cannot yield by {}", kind.name(), set.name()),
+                format!("add yield = {{ kind = ... }} with one of none, {}", names.join(", ")),
+            ));
+        }
+        dynamics::read::provide_dimensions(&mut entries, kind, grid);
+        let yields = yield_set(&entries, kind, &[NO_YIELD])?;
+        let medium = Medium { kind, yields };
+        if kind != self.kind {
+            // What the case's own kind uses and this one does not was not meant for it.
+            entries.keep_inherited(|name| {
+                Key::find(name).is_some_and(|key| key.is_used_by(medium) && key.field.is_kept())
+            });
+        }
+        let mut numbers = numbers(&entries, &[medium])?;
+        dynamics::read::check_dimensions(&entries.places, kind, numbers.solid.dimensions, grid)?;
+        let active = active(&entries, medium)?;
+        (numbers.stress, numbers.wave) = (self.numbers.stress, self.numbers.wave);
+        for key in KEYS.iter().filter(|key| !key.is_used_by(medium)) {
+            key.clear(&mut numbers);
+        }
+        let (map, compare, dynamics, places) = (None, None, None, entries.places);
+        Ok(Self { kind, yields, active, numbers, map, compare, dynamics, places, ..self.clone() })
     }
 
     /// Kind of model and yield set.
@@ -219,6 +299,9 @@ impl Case {
     pub fn for_kind(&self, kind: Kind) -> Self {
         let yields = self.yields.filter(|set| kind.yield_sets().contains(set));
         let mut case = Self { kind, yields, compare: None, ..self.clone() };
+        if kind != self.kind {
+            case.dynamics = None;
+        }
         let medium = case.medium();
         for key in KEYS.iter().filter(|key| !key.is_used_by(medium)) {
             key.clear(&mut case.numbers);
@@ -349,6 +432,17 @@ impl Case {
         }
     }
 
+    /// An error at a key of a section that says how the case is run in time, as in
+    /// `load[0].amplitude`; indices from 0.
+    pub fn locate_dynamics(
+        &self,
+        path: &str,
+        found: impl Into<String>,
+        allowed: impl Into<String>,
+    ) -> CaseError {
+        self.places.error(path, found, allowed)
+    }
+
     /// The resolved case as TOML: every value that the kind uses, defaults included, numbers in
     /// their shortest form that reads back to the same double.
     pub fn to_toml(&self) -> String {
@@ -358,7 +452,30 @@ impl Case {
         }
         let _ = writeln!(text, "name = {}", toml::Value::from(self.name.as_str()));
         let mut section = "";
-        for key in KEYS {
+        for (key, value) in self.values() {
+            let (own, name) = key.split();
+            if own != section {
+                let _ = write!(text, "\n[{own}]\n");
+                section = own;
+            }
+            let _ = writeln!(text, "{name} = {value}");
+        }
+        if let Some(map) = &self.map {
+            let _ = write!(text, "\n[map]\nx = {}\ny = {}\n", map.x, map.y);
+        }
+        if let Some(kinds) = &self.compare {
+            let names = kinds.iter().map(|kind| kind.name().to_owned()).collect();
+            let _ = write!(text, "\n[compare]\nkinds = {}\n", Value::Texts(names));
+        }
+        if let Some(dynamics) = &self.dynamics {
+            text.push_str(&dynamics.to_toml());
+        }
+        text
+    }
+
+    /// The keys that the case uses and their values, without those of `[map]` and `[compare]`.
+    fn values(&self) -> impl Iterator<Item = (&'static Key, Value)> {
+        KEYS.iter().filter_map(|key| {
             let value = match key.name {
                 "model.kind" => Some(Value::Text(self.kind.name().to_owned())),
                 "yield.kind" => self.yields.map(|set| Value::Text(set.name().to_owned())),
@@ -372,23 +489,8 @@ impl Case {
                 }
                 _ => None,
             };
-            if let Some(value) = value {
-                let (own, name) = key.split();
-                if own != section {
-                    let _ = write!(text, "\n[{own}]\n");
-                    section = own;
-                }
-                let _ = writeln!(text, "{name} = {value}");
-            }
-        }
-        if let Some(map) = &self.map {
-            let _ = write!(text, "\n[map]\nx = {}\ny = {}\n", map.x, map.y);
-        }
-        if let Some(kinds) = &self.compare {
-            let names = kinds.iter().map(|kind| kind.name().to_owned()).collect();
-            let _ = write!(text, "\n[compare]\nkinds = {}\n", Value::Texts(names));
-        }
-        text
+            value.map(|value| (key, value))
+        })
     }
 
     /// The medium, and those to compare.
@@ -430,8 +532,12 @@ fn name(entries: &Entries, file: &str) -> Result<String, CaseError> {
     Ok(stem.chars().map(|c| if may_stand(c) { c } else { '-' }).collect())
 }
 
-/// The yield set that `[yield]` names.
-fn yield_set(entries: &Entries, kind: Kind) -> Result<Option<Yield>, CaseError> {
+/// The yield set that `[yield]` names; a name among `none` stands for none.
+fn yield_set(
+    entries: &Entries,
+    kind: Kind,
+    none: &[&'static str],
+) -> Result<Option<Yield>, CaseError> {
     const KEY: &str = "yield.kind";
     if !entries.has_section("yield") {
         return match entries.has_section("stress") && !kind.yield_sets().is_empty() {
@@ -449,9 +555,13 @@ fn yield_set(entries: &Entries, kind: Kind) -> Result<Option<Yield>, CaseError> 
         return Err(entries.places.error("yield", found, "leave the section out: flows yield"));
     }
     let name = entries.text(KEY)?;
+    if none.contains(&name) {
+        return Ok(None);
+    }
     let found = Yield::from_name(name).filter(|set| sets.contains(set));
     found.map(Some).ok_or_else(|| {
-        let names: Vec<&str> = sets.iter().map(|set| set.name()).collect();
+        let names: Vec<&str> =
+            sets.iter().map(|set| set.name()).chain(none.iter().copied()).collect();
         let meant = read::suggestion(read::nearest(name, names.iter().copied()));
         let found = format!("found '{}'", error::shown(name));
         let allowed = format!("{meant}allowed for {}: {}", kind.name(), names.join(", "));

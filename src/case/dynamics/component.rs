@@ -1,0 +1,71 @@
+//! Names of the components of the state of a solid.
+
+use models::cosserat::parameters::Theory;
+use models::cosserat::waves::{Field, fields};
+use std::fmt;
+
+/// A component of the state of a solid: `v1`, `w3`, `sigma12`, `m31`. The second index of a stress
+/// is the face normal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Component(pub Field);
+
+impl Component {
+    /// The components that a theory has in 2 (plane strain) or 3 dimensions.
+    pub fn all(theory: Theory, dimensions: usize) -> Vec<Self> {
+        fields(theory, dimensions).into_iter().map(Self).collect()
+    }
+
+    /// Those that act on sides normal to `axis` (from 0): velocities and spins of the side, stresses
+    /// and couple stresses on it.
+    pub fn on_side(theory: Theory, dimensions: usize, axis: usize) -> Vec<Self> {
+        let acts = |component: &Self| match component.0 {
+            Field::Velocity(_) => true,
+            // Without couple stress no spin is handed on.
+            Field::Spin(_) => theory == Theory::Cosserat,
+            Field::Stress(i, j) => j == axis || (theory == Theory::Classical && i == axis),
+            Field::Couple(_, j) => j == axis,
+        };
+        Self::all(theory, dimensions).into_iter().filter(acts).collect()
+    }
+
+    /// Whether it is a velocity or a spin.
+    pub const fn is_velocity(self) -> bool {
+        matches!(self.0, Field::Velocity(_) | Field::Spin(_))
+    }
+
+    /// The one of that name among some. In classical solids `sigma21` is `sigma12`.
+    pub fn find(name: &str, theory: Theory, among: &[Self]) -> Option<Self> {
+        let is_named = |component: &&Self| {
+            let transposed = match component.0 {
+                Field::Stress(i, j) if theory == Theory::Classical => Field::Stress(j, i),
+                field => field,
+            };
+            component.to_string() == name || Self(transposed).to_string() == name
+        };
+        among.iter().find(is_named).copied()
+    }
+}
+
+/// The name in case files.
+impl fmt::Display for Component {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Field::Velocity(i) => write!(formatter, "v{}", i + 1),
+            Field::Spin(k) => write!(formatter, "w{}", k + 1),
+            Field::Stress(i, j) => write!(formatter, "sigma{}{}", i + 1, j + 1),
+            Field::Couple(k, j) => write!(formatter, "m{}{}", k + 1, j + 1),
+        }
+    }
+}
+
+impl From<Field> for Component {
+    fn from(field: Field) -> Self {
+        Self(field)
+    }
+}
+
+impl From<Component> for Field {
+    fn from(component: Component) -> Self {
+        component.0
+    }
+}
