@@ -271,17 +271,44 @@ impl Ledger {
         self.inflow + self.sources + self.released - self.plastic - self.numerical()
     }
 
-    /// The sum of ledgers in their order.
-    pub fn sum<'a>(ledgers: impl IntoIterator<Item = &'a Self>) -> Self {
-        ledgers.into_iter().fold(Self::default(), |sum, own| Self {
-            inflow: sum.inflow + own.inflow,
-            sources: sum.sources + own.sources,
-            released: sum.released + own.released,
-            plastic: sum.plastic + own.plastic,
-            gained: sum.gained + own.gained,
-            lost: sum.lost + own.lost,
-            least_plastic: sum.least_plastic.min(own.least_plastic),
-        })
+    /// Each term of both.
+    fn with(self, other: Self, term: impl Fn(f64, f64) -> f64) -> Self {
+        Self {
+            inflow: term(self.inflow, other.inflow),
+            sources: term(self.sources, other.sources),
+            released: term(self.released, other.released),
+            plastic: term(self.plastic, other.plastic),
+            gained: term(self.gained, other.gained),
+            lost: term(self.lost, other.lost),
+            least_plastic: self.least_plastic.min(other.least_plastic),
+        }
+    }
+}
+
+/// Sums over many steps, whose terms may be a thousand times the energy there is: each with what its last
+/// digit could not hold (Kahan 1965).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Total {
+    sum: Ledger,
+    rest: Ledger,
+}
+
+impl Total {
+    fn add(&mut self, step: Ledger) {
+        let term = step.with(self.rest, |new, rest| new + rest);
+        let sum = self.sum.with(term, |sum, new| sum + new);
+        let added = sum.with(self.sum, |sum, before| sum - before);
+        (self.sum, self.rest) = (sum, term.with(added, |new, added| new - added));
+    }
+
+    /// The sum of totals in their order.
+    pub(crate) fn sum<'a>(totals: impl IntoIterator<Item = &'a Self>) -> Ledger {
+        let mut all = Self::default();
+        for own in totals {
+            all.add(own.sum);
+            all.add(own.rest);
+        }
+        all.sum
     }
 }
 
@@ -514,8 +541,10 @@ pub struct Domain<T: Real, const D: usize> {
     halo_patterns: [Vec<u32>; 2],
     /// Steps done.
     steps: usize,
-    /// By layer across the last axis: sums do not depend on who does them.
+    /// Of the step under way, by layer across the last axis: sums do not depend on who does them.
     ledgers: Vec<Ledger>,
+    /// Of all steps before, by the same layers.
+    totals: Vec<Total>,
     buffer: Buffer<T>,
 }
 
@@ -713,6 +742,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             halo_patterns,
             steps: 0,
             ledgers: vec![Ledger::default(); layers.len()],
+            totals: vec![Total::default(); layers.len()],
             buffer,
             media,
         };
@@ -848,12 +878,12 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// What steps did to the energy so far.
     pub fn ledger(&self) -> Ledger {
-        Ledger::sum(&self.ledgers)
+        Total::sum(&self.totals)
     }
 
     /// The same by layer across the last axis.
-    pub(crate) fn ledgers(&self) -> &[Ledger] {
-        &self.ledgers
+    pub(crate) fn totals(&self) -> &[Total] {
+        &self.totals
     }
 
     /// Energy of the deviation from the initial stress.
@@ -917,6 +947,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
         if is_plastic && self.scheme.placement == Placement::Last {
             self.correct(false);
         }
+        for (total, step) in self.totals.iter_mut().zip(&mut self.ledgers) {
+            total.add(std::mem::take(step));
+        }
     }
 
     /// The domain with its stresses in their yield sets: what is shown of it.
@@ -924,7 +957,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
     pub fn admissible(&self) -> Self {
         let mut shown = self.clone();
         shown.correct(false);
-        shown.ledgers.clone_from(&self.ledgers);
+        shown.ledgers.fill(Ledger::default());
         shown
     }
 

@@ -20,30 +20,33 @@ pub enum Instructions {
 }
 
 impl Instructions {
-    /// The sets that this processor has, the widest last.
-    pub fn available() -> Vec<Self> {
-        let mut all = vec![Self::Baseline];
+    /// Whether this processor has the set.
+    pub fn is_available(self) -> bool {
         #[cfg(target_arch = "x86_64")]
-        {
-            if is_x86_feature_detected!("avx2") {
-                all.push(Self::Avx2);
+        return match self {
+            Self::Baseline => true,
+            Self::Avx2 => is_x86_feature_detected!("avx2"),
+            Self::Avx512 => {
+                is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512vl")
             }
-            if is_x86_feature_detected!("avx512f")
-                && is_x86_feature_detected!("avx512dq")
-                && is_x86_feature_detected!("avx512vl")
-            {
-                all.push(Self::Avx512);
-            }
-        }
-        all
+        };
+        #[cfg(not(target_arch = "x86_64"))]
+        return self == Self::Baseline;
+    }
+
+    /// The sets that this processor has, the widest last.
+    pub fn available() -> impl Iterator<Item = Self> {
+        [Self::Baseline, Self::Avx2, Self::Avx512].into_iter().filter(|set| set.is_available())
     }
 
     /// The widest set that this processor has.
     pub fn best() -> Self {
-        Self::available().pop().unwrap_or(Self::Baseline)
+        Self::available().last().unwrap_or(Self::Baseline)
     }
 
-    /// Does the work in these instructions, or in fewer where the processor has not got them.
+    /// Does the work in these instructions, or in the baseline's where the processor has not got them.
     pub(crate) fn run(self, work: impl Work) {
         #[cfg(target_arch = "x86_64")]
         {
@@ -55,15 +58,12 @@ impl Instructions {
             fn avx512(work: impl Work) {
                 work.run();
             }
-            if self != Self::Baseline && !Self::available().contains(&self) {
-                return Self::best().run(work);
-            }
             match self {
-                Self::Baseline => work.run(),
-                // SAFETY: the processor has AVX2, as `available` has just found.
-                Self::Avx2 => unsafe { avx2(work) },
-                // SAFETY: the processor has all three, as `available` has just found.
-                Self::Avx512 => unsafe { avx512(work) },
+                // SAFETY: the processor has AVX2.
+                Self::Avx2 if self.is_available() => unsafe { avx2(work) },
+                // SAFETY: the processor has all three.
+                Self::Avx512 if self.is_available() => unsafe { avx512(work) },
+                _ => work.run(),
             }
         }
         #[cfg(not(target_arch = "x86_64"))]

@@ -4,7 +4,7 @@
 //! Every cell sees the same operations as in the whole, and sums are made by layers: the same bits.
 
 use crate::boundary::Boundary;
-use crate::domain::{Domain, DomainError, Energy, Ledger, Problem};
+use crate::domain::{Domain, DomainError, Energy, Ledger, Problem, Total};
 use crate::kernel::Instructions;
 use crate::line::GHOSTS;
 use crate::real::Real;
@@ -202,7 +202,7 @@ impl<T: Real, const D: usize> Split<T, D> {
 
     /// What steps did to the energy so far.
     pub fn ledger(&self) -> Ledger {
-        Ledger::sum(self.parts.iter().flat_map(|part| part.domain.ledgers()))
+        Total::sum(self.parts.iter().flat_map(|part| part.domain.totals()))
     }
 
     /// Energy of the deviation from the initial stress, each part in a thread of its own.

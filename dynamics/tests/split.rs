@@ -51,8 +51,9 @@ fn same<const D: usize>(sides: &[[Boundary; 2]; D], cells: [usize; D], placement
     let full = Scheme { detail: Detail::Full, ..scheme };
     let plain = Problem { scheme: full, ..problem.clone() };
     let ways = [(1, &plain), (3, &plain), (1, &problem), (2, &problem), (3, &problem)];
-    let sets = Instructions::available().into_iter();
-    for ((parts, problem), set) in sets.flat_map(|set| ways.map(|way| (way, set))) {
+    for ((parts, problem), set) in
+        Instructions::available().flat_map(|set| ways.map(|way| (way, set)))
+    {
         let mut split: Split<f64, D> = Split::new(problem, parts).expect("sound");
         split.set_instructions(set);
         for (index, &field) in fields.iter().enumerate() {

@@ -1,0 +1,85 @@
+//! Steps allocate nothing once they are under way.
+
+use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
+use models::cosserat::waves::Field;
+use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises, YieldSet};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use wellposed_dynamics::boundary::{Boundary, Load, Source};
+use wellposed_dynamics::domain::{Detail, Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::line::Slopes;
+use wellposed_dynamics::medium::Medium;
+use wellposed_dynamics::split::Split;
+
+struct Counting;
+
+static COUNT: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: everything is handed to the system's allocator as it comes.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller keeps the promises of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the pointer comes from `alloc` above, and so from the system's.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn allocations(problem: &Problem<2>, parts: usize, steps: usize) -> usize {
+    let mut split: Split<f64, 2> = Split::new(problem, parts).expect("sound");
+    split.set(Field::Velocity(0), &(0..180).map(|i| (i % 7) as f64).collect::<Vec<_>>());
+    split.advance(3);
+    let before = COUNT.load(Ordering::Relaxed);
+    split.advance(steps);
+    COUNT.load(Ordering::Relaxed) - before
+}
+
+/// Whatever starting threads takes, more steps take no more.
+#[test]
+fn steps_allocate_nothing() {
+    let couple = Some(CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 });
+    let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple };
+    let solid = Isotropic::new(1.4, 0.9, 1.2, Some(rotation)).expect("sound moduli");
+    let layers = InterlayerCouple { strength: 0.16, friction: 0.3, dilatancy: 0.3 };
+    let sets = [
+        YieldSet::Mises(Mises::drucker_prager(0.2, 0.3, 0.3)),
+        YieldSet::Interlayer(Interlayer {
+            shear_strength: 0.2,
+            shear_friction: 0.5,
+            shear_dilatancy: 0.5,
+            couple: Some(layers),
+        }),
+    ];
+    for (set, detail) in
+        sets.into_iter().flat_map(|set| [Detail::Light, Detail::Full].map(|detail| (set, detail)))
+    {
+        let medium = Medium::isotropic(&solid, 2).yielding(set);
+        let step = 2.0 * 0.1 / medium.greatest_speed();
+        let scheme = Scheme { slopes: Slopes::Limited, placement: Placement::Middle, detail };
+        let signal: wellposed_dynamics::boundary::Signal = Arc::new(f64::sin);
+        let faces = vec![(2, 1.0)];
+        let load = Load { axis: 0, end: 1, pair: 0, faces, signal: signal.clone() };
+        let amplitudes = vec![(Field::Spin(2), 1.0), (Field::Stress(0, 0), 1.0)];
+        let source = Source { cells: vec![(40, 1.0)], amplitudes, signal };
+        let grid = Grid { cells: [15, 12], spacing: [0.1, 0.1] };
+        let sides = [[Boundary::Fixed, Boundary::Free], [Boundary::Periodic, Boundary::Periodic]];
+        let problem = Problem {
+            loads: vec![load],
+            sources: vec![source],
+            ..Problem::new(grid, vec![medium], vec![0; 180], sides, step, scheme)
+        };
+        assert_eq!(allocations(&problem, 1, 200), 0);
+        // Threads: as many in few steps as in many.
+        let few = (0..5).map(|_| allocations(&problem, 3, 10)).min();
+        let many = (0..5).map(|_| allocations(&problem, 3, 500)).min();
+        assert_eq!(few, many);
+    }
+}

@@ -1,0 +1,275 @@
+//! The ledger of energy with all that can act, for many steps; what opens it; energy without load.
+
+use models::cosserat::parameters::{
+    CoupleModuli, Isotropic, Microrotation, PlaneCompliances, Theory,
+};
+use models::cosserat::stress::Stress;
+use models::cosserat::waves::Field;
+use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises, YieldSet};
+use std::sync::Arc;
+use wellposed_dynamics::boundary::{Boundary, Condition, Load, Source};
+use wellposed_dynamics::domain::{Detail, Domain, Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::line::Slopes;
+use wellposed_dynamics::medium::Medium;
+use wellposed_dynamics::real::Real;
+
+const THEORIES: [Theory; 3] = [Theory::Classical, Theory::Reduced, Theory::Cosserat];
+
+fn solid(theory: Theory, factor: f64) -> Isotropic {
+    let couple =
+        (theory == Theory::Cosserat).then_some(CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 });
+    let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple };
+    let microrotation = (theory != Theory::Classical).then_some(rotation);
+    Isotropic::new(1.4 * factor, 0.9, 1.2, microrotation).expect("sound moduli")
+}
+
+fn cone(friction: f64) -> YieldSet {
+    YieldSet::Mises(Mises {
+        antisymmetric_weight: 0.8,
+        symmetric_length: Some(0.9),
+        antisymmetric_length: Some(0.7),
+        ..Mises::drucker_prager(0.2, friction, friction)
+    })
+}
+
+fn layers(theory: Theory) -> YieldSet {
+    let couple = InterlayerCouple { strength: 0.16, friction: 0.3, dilatancy: 0.3 };
+    YieldSet::Interlayer(Interlayer {
+        shear_strength: 0.2,
+        shear_friction: 0.5,
+        shear_dilatancy: 0.5,
+        couple: (theory == Theory::Cosserat).then_some(couple),
+    })
+}
+
+fn noise(index: u64) -> f64 {
+    let mixed = index.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let mixed = (mixed ^ (mixed >> 31)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    (mixed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+}
+
+fn fill<T: Real, const D: usize>(domain: &mut Domain<T, D>, size: f64) {
+    let cells = domain.grid().count();
+    for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
+        let value = |cell: usize| T::of(size * noise((1000 * index + cell) as u64));
+        domain.set(field, &(0..cells).map(value).collect::<Vec<_>>());
+    }
+}
+
+/// Two media, one of which yields, under an initial stress: pushed and pulled at a side that is mixed, open
+/// at another, with a force, a couple and a moment inside, and gravity.
+fn everything(theory: Theory, set: YieldSet, placement: Placement) -> Problem<2> {
+    let media = [1.0, 2.0].map(|factor| Medium::isotropic(&solid(theory, factor), 2));
+    let [soft, stiff] = media;
+    let media = vec![soft.yielding(set), stiff];
+    let grid = Grid { cells: [12, 10], spacing: [0.1, 0.12] };
+    let of_cell = (0..120).map(|i| u16::from(noise(i) > 0.3)).collect();
+    let pairs = media[0].pairs[0].len();
+    let mixed = |face: usize| match face {
+        0..4 => Condition::Velocity(0.0),
+        4..8 => Condition::Traction(0.0),
+        _ => Condition::NonReflecting,
+    };
+    let left = Boundary::ByFace((0..pairs).map(|_| (0..10).map(mixed).collect()).collect());
+    let sides = [[left, Boundary::NonReflecting], [Boundary::Fixed, Boundary::Free]];
+    let step = 2.0 * 0.1 / media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
+    let scheme = Scheme { slopes: Slopes::Limited, placement, detail: Detail::Full };
+    let load = |axis: usize, end: usize, pair: usize, frequency: f64| Load {
+        axis,
+        end,
+        pair,
+        faces: (0..9).map(|face| (face, 0.05)).collect(),
+        signal: Arc::new(move |time: f64| (frequency * time).sin()),
+    };
+    let mut amplitudes = vec![
+        (Field::Velocity(1), 0.01),
+        (Field::Stress(0, 0), 0.002),
+        (Field::Stress(0, 1), 0.001),
+    ];
+    if theory != Theory::Classical {
+        amplitudes.push((Field::Spin(2), 0.01));
+    }
+    let source = Source {
+        cells: vec![(51, 0.6), (52, 0.4)],
+        amplitudes,
+        signal: Arc::new(|time: f64| (3.0 * time).cos()),
+    };
+    let pressure = |layer: usize| Stress {
+        force: [[-0.02 * layer as f64, 0.01, 0.0], [0.01, -0.03 * layer as f64, 0.0], [0.0; 3]],
+        couple: [[0.0; 3]; 3],
+    };
+    Problem {
+        loads: vec![load(0, 0, 0, 2.0), load(0, 0, 1, 3.1), load(1, 1, 1, 1.3)],
+        sources: vec![source],
+        acceleration: [0.0, -0.05],
+        initial_stress: Some((1, (0..10).map(pressure).collect())),
+        ..Problem::new(grid, media, of_cell, sides, step, scheme)
+    }
+}
+
+/// What is left over after `steps` steps, over the largest energy.
+fn residual(problem: &Problem<2>, steps: usize) -> f64 {
+    let mut domain: Domain<f64, 2> = Domain::new(problem).expect("sound");
+    let (mut greatest, mut worst) = (0.0f64, 0.0f64);
+    for index in 0..steps {
+        domain.advance();
+        if index % 10 == 0 {
+            let energy = domain.energy().total();
+            greatest = greatest.max(energy);
+            worst = worst.max((energy - domain.ledger().change()).abs());
+        }
+    }
+    let ledger = domain.ledger();
+    assert!(ledger.least_plastic >= -1e-14, "{:e}", ledger.least_plastic);
+    assert!(ledger.plastic > 0.0 && ledger.sources != 0.0 && ledger.released != 0.0, "{ledger:?}");
+    worst / greatest
+}
+
+#[test]
+fn the_ledger_closes_over_ten_thousand_steps() {
+    let mut all = Vec::new();
+    for theory in THEORIES {
+        all.push((theory, cone(0.4), Placement::Middle));
+        all.push((theory, cone(0.0), Placement::Last));
+        all.push((theory, layers(theory), Placement::Middle));
+    }
+    for (theory, set, placement) in all {
+        let found = residual(&everything(theory, set, placement), 10_000);
+        println!("{theory:?} {placement:?}: {found:e}");
+        assert!(found < 1e-12, "{theory:?} {placement:?}: {found:e}");
+    }
+}
+
+/// An impedance that is wrong by a percent opens it, and so does plastic dissipation that is left out.
+#[test]
+fn mistakes_open_the_ledger() {
+    let sound = everything(Theory::Cosserat, cone(0.4), Placement::Middle);
+    for (axis, pair) in [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2)] {
+        let mut wrong = sound.clone();
+        // z = √(mM).
+        wrong.media[1].pairs[axis][pair].modulus *= 1.01 * 1.01;
+        wrong.step *= 0.98;
+        let found = residual(&wrong, 300);
+        assert!(found > 1e-6, "pair {pair} along {axis}: {found:e}");
+    }
+    let mut domain: Domain<f64, 2> = Domain::new(&sound).expect("sound");
+    (0..300).for_each(|_| domain.advance());
+    let ledger = domain.ledger();
+    let energy = domain.energy().total();
+    let gap = energy - (ledger.change() + ledger.plastic);
+    assert!(gap.abs() > 1e-3 * energy, "{gap:e} of {energy:e}");
+}
+
+/// The sides that do no work.
+fn quiet(medium: &Medium, which: usize) -> [[Boundary; 2]; 2] {
+    let side = |axis: usize| match which {
+        0 => Boundary::Periodic,
+        1 => Boundary::Fixed,
+        2 => Boundary::Free,
+        3 => Boundary::NonReflecting,
+        4 => Boundary::symmetry(medium, axis),
+        _ => Boundary::antisymmetry(medium, axis),
+    };
+    [0, 1].map(|axis| [side(axis), side(axis)])
+}
+
+fn media() -> Vec<Medium> {
+    let couple = CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 };
+    let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple: Some(couple) };
+    let isotropic = Isotropic::new(1.4, 0.9, 1.2, Some(rotation)).expect("sound moduli");
+    let compliances = PlaneCompliances::of(&isotropic).expect("with couple stress");
+    let cubic = PlaneCompliances { a2: 1.3 * compliances.a2, ..compliances };
+    let mut all = vec![
+        Medium::compliances(&cubic),
+        Medium::compliances(&cubic).yielding(layers(Theory::Cosserat)),
+    ];
+    for theory in THEORIES {
+        let medium = Medium::isotropic(&solid(theory, 1.0), 2);
+        all.extend([medium.clone(), medium.clone().yielding(cone(0.4))]);
+        all.push(medium.yielding(layers(theory)));
+    }
+    all
+}
+
+/// Noise at Courant number 1, for 10⁵ steps, with all sides: energy never grows.
+#[test]
+fn a_hundred_thousand_steps_are_stable() {
+    for medium in media() {
+        for which in 0..6 {
+            let sides = quiet(&medium, which);
+            let step = 2.0 * 0.1 / medium.greatest_speed();
+            let scheme = Scheme::new(Slopes::Limited, Placement::Middle);
+            let grid = Grid { cells: [6, 5], spacing: [0.1, 0.1] };
+            let media = vec![medium.clone()];
+            let problem = Problem::new(grid, media, vec![0; 30], sides, step, scheme);
+            let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
+            fill(&mut domain, 1.0);
+            let mut last = domain.energy().total();
+            for _ in 0..100 {
+                for _ in 0..1000 {
+                    domain.advance();
+                }
+                let now = domain.energy().total();
+                assert!(now <= last * (1.0 + 1e-12), "{medium:?} {which}: {now} after {last}");
+                last = now;
+            }
+            assert_eq!(domain.first_non_finite(), None);
+        }
+    }
+}
+
+/// The energy that the domain tells is that of the laws, and that of the pairs: ½ρv², ½s²/M.
+#[test]
+fn energies_are_those_of_the_laws() {
+    for medium in media() {
+        let grid = Grid { cells: [4, 3], spacing: [0.1, 0.2] };
+        let sides = quiet(&medium, 2);
+        let scheme = Scheme::new(Slopes::Limited, Placement::Middle);
+        let problem = Problem::new(grid, vec![medium.clone()], vec![0; 12], sides, 1e-3, scheme);
+        let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
+        fill(&mut domain, 1.0);
+        let stored: f64 =
+            (0..12).map(|cell| 0.02 * medium.stored_energy(&domain.whole_stress(cell))).sum();
+        let kinetic: f64 = domain
+            .fields()
+            .iter()
+            .flat_map(|f| domain.values(*f).expect("a field").into_iter().map(|v| (*f, v)))
+            .map(|(field, v)| 0.01 * medium.inertia(field) * v * v)
+            .sum();
+        let energy = domain.energy();
+        assert!((energy.stored - stored).abs() < 1e-13 * stored, "{medium:?}");
+        assert!((energy.kinetic - kinetic).abs() < 1e-13 * kinetic, "{medium:?}");
+        // A wave along an axis stores ½s²/M.
+        for pair in &medium.pairs[0] {
+            let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
+            domain.set(pair.stress, &[1.0; 12]);
+            for (follower, ratio) in &pair.followers {
+                domain.set(*follower, &[*ratio; 12]);
+            }
+            let expected = 12.0 * 0.02 * 0.5 / pair.modulus;
+            let found = domain.energy().stored;
+            assert!((found - expected).abs() < 1e-13 * expected, "{pair:?}: {found} {expected}");
+        }
+    }
+}
+
+/// Single precision does what double precision does, to its rounding.
+#[test]
+fn single_precision_follows() {
+    let problem = everything(Theory::Cosserat, cone(0.4), Placement::Middle);
+    let mut wide: Domain<f64, 2> = Domain::new(&problem).expect("sound");
+    let mut narrow: Domain<f32, 2> = Domain::new(&problem).expect("sound");
+    for _ in 0..200 {
+        wide.advance();
+        narrow.advance();
+    }
+    for &field in wide.fields() {
+        let (a, b) = (wide.values(field).expect("a field"), narrow.values(field).expect("a field"));
+        let greatest = a.iter().fold(0.0f64, |x, y| x.max(y.abs()));
+        for (a, b) in a.iter().zip(b) {
+            assert!((a - f64::from(b)).abs() < 2e-4 * greatest, "{field:?} {a} {b}");
+        }
+    }
+    let (a, b) = (wide.energy().total(), narrow.energy().total());
+    assert!((a - b).abs() < 1e-4 * a, "{a} {b}");
+}
