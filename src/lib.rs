@@ -1,7 +1,7 @@
 //! Well-posedness of continuum models of granular media.
 //!
 //! Describe a medium and a state in a case file; `wellposed` says whether its equations are
-//! well-posed. One file per verb ([`map`], [`point`], [`dispersion`], [`speeds`], [`cases`], [`new`]);
+//! well-posed. One file per verb ([`map`], [`point`], [`dispersion`], [`speeds`], [`run`], [`cases`], [`new`]);
 //! [`case`] reads case files; [`output`] keeps folders of results. No physics and no numerics here.
 #![deny(missing_docs)]
 
@@ -15,6 +15,7 @@ pub mod new;
 pub mod output;
 pub mod point;
 pub mod progress;
+pub mod run;
 pub mod solid;
 pub mod speeds;
 pub mod words;
@@ -65,6 +66,9 @@ pub enum Error {
     /// Results cannot be written.
     #[error(transparent)]
     Output(#[from] output::OutputError),
+    /// A run ended by its own state.
+    #[error(transparent)]
+    Stopped(#[from] run::Stopped),
     /// No memory for the map.
     #[error("no memory for a map of {points} points: ask for fewer")]
     Memory {
@@ -89,10 +93,12 @@ pub enum Error {
 }
 
 impl Error {
-    /// The program's exit code: 2, but 0 where the reader of a pipe had enough.
+    /// The program's exit code: 2, but 0 where the reader of a pipe had enough, and 3 where a run was stopped
+    /// by its own state.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Stdout(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
+            Self::Stopped(_) => 3,
             _ => 2,
         }
     }

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use wellposed::case::{Kind, Medium, Yield};
 use wellposed::map::{self, Extras};
-use wellposed::{Error, Format, Options, VERSION, cases, dispersion, new, point, speeds};
+use wellposed::{Error, Format, Options, VERSION, cases, dispersion, new, point, run, speeds};
 
 /// Well-posedness of continuum models of granular media.
 #[derive(Parser)]
@@ -45,6 +45,11 @@ enum Verb {
     },
     /// Characteristic speeds of a solid against the direction, elastic and yielding
     Speeds {
+        #[command(flatten)]
+        run: Run,
+    },
+    /// Solve a dynamic problem of a solid in time: fields, receivers, energy ledger and a picture
+    Run {
         #[command(flatten)]
         run: Run,
     },
@@ -151,6 +156,7 @@ fn carry_out(verb: Verb) -> Result<(), Error> {
         Verb::Point { run } => point::run(&run.into(), &mut stdout)?,
         Verb::Dispersion { run } => dispersion::run(&run.into(), &mut stdout)?,
         Verb::Speeds { run } => speeds::run(&run.into(), &mut stdout)?,
+        Verb::Run { run } => run::run(&run.into(), &mut stdout)?,
         Verb::Cases => cases::run(&mut stdout)?,
         Verb::New { kind, yields, file, force } => {
             let medium = Medium::new(kind, yields)?;

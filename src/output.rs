@@ -47,10 +47,14 @@ pub const SPEEDS: [&str; 8] = [
     "sphere.csv",
 ];
 
+/// What `run` writes besides; receivers where there are any.
+pub const RUN: [&str; 7] =
+    ["run.png", "run.svg", "receivers.csv", "ledger.csv", "fields.npz", "run.json", "run.txt"];
+
 /// Every file that a verb may write. `--force` removes the ones of another case, so that no result
 /// ever stands beside a case that it does not belong to.
 pub fn results() -> impl Iterator<Item = &'static str> {
-    MAP.into_iter().chain(POINT).chain(DISPERSION).chain(SPEEDS)
+    MAP.into_iter().chain(POINT).chain(DISPERSION).chain(SPEEDS).chain(RUN)
 }
 
 /// Results cannot be written.

@@ -190,6 +190,15 @@ impl Solid {
     }
 }
 
+/// The elasticity of a case and its yield set, whatever the stress.
+///
+/// # Errors
+/// The constant that is out of range; that the case is one of a flow.
+pub fn elastic_and_set(case: &Case) -> Result<(Elastic, Option<YieldSet>), InputError> {
+    let set = case.yields.map(|set| yield_set(case, set)).transpose()?;
+    Ok((Elastic::of(case)?, set))
+}
+
 /// Unit vector along a wave.
 pub fn normal(wave: &Wave) -> [f64; 3] {
     let (sin, cos) = radians(wave.direction_deg).sin_cos();
@@ -286,6 +295,15 @@ impl Elastic {
                 (layout, stiffness)
             }
             Self::Compliances(solid) => (solid.layout(), solid.stiffness()),
+        }
+    }
+
+    /// The rate equations in `D` dimensions, with all stresses that come along among the unknowns.
+    pub fn carried_rates<const D: usize>(&self) -> RateEquations<D> {
+        let (layout, stiffness) = self.law::<D>();
+        match self {
+            Self::Isotropic(_) => self.rates(&layout.carrying(), &stiffness),
+            Self::Compliances(_) => self.rates(&layout, &stiffness),
         }
     }
 

@@ -336,7 +336,7 @@ fn an_error_of_a_model_names_the_line_of_the_region() {
     let start = "--set region[0].model.mu=-1: region[0].model.mu: found -1";
     assert!(error.starts_with(start), "{error}");
     let case = parse(PLANE).unwrap();
-    let error = case.locate_dynamics("load[1].at", "too near", "move it").to_string();
+    let error = case.dynamics.unwrap().locate("load[1].at", "too near", "move it").to_string();
     assert_eq!(error, "folder/x.toml:62: load[1].at: too near; move it");
 }
 

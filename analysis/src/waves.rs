@@ -16,7 +16,7 @@ use crate::dense;
 use crate::qz::Qz;
 use models::LinearisedSystem;
 use models::rates::RateEquations;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
 type Matrix = DMatrix<Complex64>;
@@ -421,4 +421,38 @@ fn pair(matrix: &Matrix) -> [Complex64; 2] {
     let (middle, half) = ((a + d) * 0.5, (a - d) * 0.5);
     let root = (half * half + matrix[(0, 1)] * matrix[(1, 0)]).sqrt();
     [middle + root, middle - root]
+}
+
+/// Frequencies (rad/s, positive, descending) and amplitudes of the plane waves of an elastic solid with the
+/// wave vector κ, 1/m: U = Re û exp(i(κ·x − ωt)), unknowns in their order.
+///
+/// From L⁻¹(iκB + Q)L⁻ᵀ y = −iω y with A = LLᵀ, whose matrix is skew: û = L⁻ᵀy. Empty where the equations have
+/// no symmetric form.
+pub fn plane_waves<const D: usize>(
+    equations: &RateEquations<D>,
+    wave: [f64; D],
+) -> Vec<(f64, DVector<Complex64>)> {
+    /// Frequencies below this part of the greatest are zero.
+    const STILL: f64 = 1e-9;
+    let Some(form) = equations.symmetric() else { return Vec::new() };
+    let inverse = form.a.cholesky().and_then(|factor| factor.l().try_inverse());
+    let Some(inverse) = inverse else { return Vec::new() };
+    let scaled = |m: &DMatrix<f64>| &inverse * m * inverse.transpose();
+    let mut symbol = scaled(&form.q).map(|x| Complex64::new(0.0, x));
+    for (b, k) in form.b.iter().zip(wave) {
+        symbol += scaled(b).map(|x| Complex64::new(-k * x, 0.0));
+    }
+    // Hermitian but for rounding.
+    let eigen = (&symbol + symbol.adjoint()).scale(0.5).symmetric_eigen();
+    let greatest = eigen.eigenvalues.amax();
+    let back = inverse.transpose().map(Complex64::from);
+    let mut waves: Vec<(f64, DVector<Complex64>)> = eigen
+        .eigenvalues
+        .iter()
+        .enumerate()
+        .filter(|(_, frequency)| **frequency > STILL * greatest)
+        .map(|(i, frequency)| (*frequency, &back * eigen.eigenvectors.column(i)))
+        .collect();
+    waves.sort_by(|a, b| b.0.total_cmp(&a.0));
+    waves
 }

@@ -19,7 +19,7 @@ use support::states::Random;
 use wellposed_analysis::energy::energy;
 use wellposed_analysis::growth::{Verdict, assess};
 use wellposed_analysis::pencil::{Pencil, Roots};
-use wellposed_analysis::waves::{Polarisation, Waves, roots, squared_speeds};
+use wellposed_analysis::waves::{Polarisation, Waves, plane_waves, roots, squared_speeds};
 
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
@@ -896,4 +896,38 @@ fn energy_tells_sound_equations_from_others() {
     assert!(found.growth > 1e-2, "{found:?}");
     let found = energy(&solid.rates::<2>(), &elastic.equations(), 1.0);
     assert!(found.growth < 1e-7, "{found:?}");
+}
+
+/// Plane waves solve the linearised equations, with the frequencies of their families.
+#[test]
+fn plane_waves_solve_the_equations() {
+    let couple = Some(CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 });
+    let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple };
+    let solid = Isotropic::new(1.4, 0.9, 1.2, Some(rotation)).expect("sound moduli");
+    let layout = solid.layout::<3>();
+    let rates = layout.rates(&solid.stiffness(layout.all_stresses()), 1.2, 0.37);
+    let wave = [1.1, -0.7, 0.4];
+    let number = wave.iter().map(|k| k * k).sum::<f64>().sqrt();
+    let found = plane_waves(&rates, wave);
+    assert_eq!(found.len(), 6);
+    let mut system = LinearisedSystem::default();
+    rates.linearise(&mut system);
+    for (frequency, amplitude) in &found {
+        // (−iωA + iκB + C)û = 0.
+        let i = Complex64::i();
+        let mut sum = system.a.map(|x| x.value).map(Complex64::from) * amplitude * (-i * frequency);
+        for (b, k) in system.b.iter().zip(wave) {
+            sum += b.map(|x| x.value).map(Complex64::from) * amplitude * (i * k);
+        }
+        sum += system.c.map(|x| x.value).map(Complex64::from) * amplitude;
+        let size = amplitude.map(|x| x.norm()).max() * frequency;
+        assert!(sum.map(|x| x.norm()).max() < 1e-12 * size, "{frequency}");
+    }
+    let mut expected = roots(&rates, wave.map(|k| k / number), number);
+    expected.retain(|root| root.im > 1e-9);
+    expected.sort_by(|a, b| b.im.total_cmp(&a.im));
+    assert_eq!(expected.len(), 6);
+    for (root, (frequency, _)) in expected.iter().zip(&found) {
+        assert!((root.im - frequency).abs() < 1e-12 * frequency, "{root} {frequency}");
+    }
 }

@@ -222,15 +222,14 @@ impl<const D: usize> Problem<D> {
             _ => Ok(()),
         }
     }
+}
 
-    /// Memory that the fields take, bytes, in numbers of kind `T`.
-    pub fn memory<T: Real>(&self) -> usize {
-        let groups = groups::<T>(self.grid.cells[0]);
-        let rows = self.grid.count() / self.grid.cells[0].max(1);
-        let fields = self.media.first().map_or(0, |medium| medium.fields.len());
-        rows * groups * (fields * size_of::<T::Lanes>() + size_of::<u32>())
-            + self.of_cell.len() * size_of::<u16>()
-    }
+/// Memory that a domain takes, bytes, in numbers of kind `T`: so many fields, and what goes with them.
+pub fn memory<T: Real>(cells: &[usize], fields: usize) -> f64 {
+    let length = cells.first().copied().unwrap_or(0).max(1);
+    let count: f64 = cells.iter().map(|&count| count as f64).product();
+    let per_row = groups::<T>(length) * (fields * size_of::<T::Lanes>() + size_of::<u32>());
+    count / length as f64 * per_row as f64 + count * size_of::<u16>() as f64
 }
 
 /// Groups of a row: its cells, and the ghosts behind them.
@@ -961,18 +960,15 @@ impl<T: Real, const D: usize> Domain<T, D> {
         shown
     }
 
-    /// Appends all fields of a cell as they are shown: the stress in its yield set.
-    pub(crate) fn show(&self, cell: usize, values: &mut Vec<f64>) {
+    /// Appends all fields of a cell as they are shown: the whole stress, the initial one included, in its
+    /// yield set.
+    pub fn show(&self, cell: usize, values: &mut Vec<f64>) {
         let medium = &self.media[usize::from(self.of_cell[cell])];
-        let initial = self.initial_stress(cell);
-        let trial = combined(&self.stress(cell), &initial, 1.0);
-        let corrected = medium.yields.is_some().then(|| medium.project(&trial).stress);
+        let stress = medium.project(&self.whole_stress(cell)).stress;
         for (place, field) in self.fields().iter().enumerate() {
-            let of = |stress: &Stress| component(*field, stress);
-            let own = self.at(cell, place).wide();
-            values.push(match corrected.filter(|stress| *stress != trial) {
-                Some(stress) => of(&stress).map_or(own, |new| new - of(&initial).unwrap_or(0.0)),
-                None => own,
+            values.push(match component(*field, &stress) {
+                Some(value) => value,
+                None => self.at(cell, place).wide(),
             });
         }
     }

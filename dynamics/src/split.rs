@@ -176,8 +176,8 @@ impl<T: Real, const D: usize> Split<T, D> {
         }
     }
 
-    /// What was recorded since the last call: by step, then by watched cell, then by field, stresses in
-    /// their yield sets.
+    /// What was recorded since the last call: by step, then by watched cell, then by field, as
+    /// [`Domain::show`] gives them.
     pub fn records(&mut self) -> Vec<f64> {
         let width = self.fields().len();
         let steps = self
@@ -227,20 +227,29 @@ impl<T: Real, const D: usize> Split<T, D> {
         self.parts.iter().find_map(own)
     }
 
-    /// The values of a field, the first axis running fastest, with stresses in their yield sets; `None` if
-    /// there is no such field.
-    pub fn shown(&self, field: Field) -> Option<Vec<T>> {
-        let place = self.fields().iter().position(|own| *own == field)?;
-        let mut values = Vec::new();
-        let mut all = Vec::new();
-        for part in &self.parts {
-            for cell in 0..part.domain.grid().count() {
-                all.clear();
-                part.domain.show(cell, &mut all);
-                values.push(T::of(all[place]));
+    /// Records all fields of the watched cells as they are.
+    pub fn record(&mut self) {
+        for part in &mut self.parts {
+            for &(_, cell) in &part.watched {
+                part.domain.show(cell, &mut part.records);
             }
         }
-        Some(values)
+    }
+
+    /// The values of all fields, the first axis running fastest, as [`Domain::show`] gives them.
+    pub fn shown(&self) -> Vec<Vec<f64>> {
+        let mut fields = vec![Vec::new(); self.fields().len()];
+        let mut state = Vec::new();
+        for part in &self.parts {
+            for cell in 0..part.domain.grid().count() {
+                state.clear();
+                part.domain.show(cell, &mut state);
+                for (values, value) in fields.iter_mut().zip(&state) {
+                    values.push(*value);
+                }
+            }
+        }
+        fields
     }
 
     /// The values of a field as they are computed with, the first axis running fastest; `None` if there is

@@ -574,6 +574,16 @@ impl Picture {
 }
 
 impl Dynamics {
+    /// An error at a key of these sections, as in `load[0].amplitude`; indices from 0.
+    pub fn locate(
+        &self,
+        path: &str,
+        found: impl Into<String>,
+        allowed: impl Into<String>,
+    ) -> CaseError {
+        self.places.error(path, found, allowed)
+    }
+
     /// The region of each cell, by its place in [`regions`](Self::regions), the first axis running
     /// fastest; all 0 without regions. A cell belongs to the region that holds its centre.
     ///

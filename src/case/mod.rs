@@ -432,15 +432,16 @@ impl Case {
         }
     }
 
-    /// An error at a key of a section that says how the case is run in time, as in
-    /// `load[0].amplitude`; indices from 0.
-    pub fn locate_dynamics(
-        &self,
-        path: &str,
-        found: impl Into<String>,
-        allowed: impl Into<String>,
-    ) -> CaseError {
-        self.places.error(path, found, allowed)
+    /// How the case is run in time.
+    ///
+    /// # Errors
+    /// That the case does not say, and how to.
+    pub fn required_dynamics(&self) -> Result<&Dynamics, CaseError> {
+        self.dynamics.as_ref().ok_or_else(|| {
+            let allowed = "add a section [grid] with cells = [200, 200] and spacing = 1.0, and [time] \
+                           with duration";
+            self.places.error("grid", "missing", allowed)
+        })
     }
 
     /// The resolved case as TOML: every value that the kind uses, defaults included, numbers in
