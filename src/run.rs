@@ -17,7 +17,7 @@ use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
 use files::npz::Npz;
 use models::cosserat::waves::Field;
 use serde_json::json;
-use setup::{Setup, cell_at, centre, media, steps};
+use setup::{Setup, Steps, cell_at, centre, media, steps};
 use std::fmt::Write as _;
 use std::io::Write;
 
@@ -81,13 +81,14 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let dynamics = case.required_dynamics()?;
     let media = media(&case, dynamics)?;
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
-    let (count, step) = steps(dynamics, &media)?;
+    let Steps { count, step, by_rotation } = steps(dynamics, &media)?;
     let needed = needed(dynamics, &media, count);
     let cells = dynamics.grid.cells.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ");
     let plan = format!(
-        "{cells} cells of {} fields, {count} steps of {} s, memory {}",
+        "{cells} cells of {} fields, {count} steps of {} s ({}), memory {}",
         media[0].fields.len(),
         short(step),
+        if by_rotation { "for the natural rotation" } else { "for the fastest wave" },
         bytes(needed)
     );
     if let Some(available) = available_memory().filter(|available| needed > *available) {

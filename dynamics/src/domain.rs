@@ -1507,8 +1507,12 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     *value = *value + ratio * change;
                 }
                 let account = self.buffer.accounts[i];
+                // What crosses a cut, or comes round, stays inside.
+                let is_outside = |end: usize| matches!(self.sides[axis][end], Side::Mirror(_));
+                let ends = [i == 0, i + 1 == count];
+                let is_edge = (0..2).any(|end| ends[end] && is_outside(end));
                 let ledger = &mut self.ledgers[cell / layer];
-                ledger.inflow += unit * account.inflow;
+                ledger.inflow += if is_edge { unit * account.inflow } else { 0.0 };
                 ledger.gained += unit * account.gained;
                 ledger.lost += unit * account.lost;
             }

@@ -59,6 +59,15 @@ fn modes<const D: usize>(
         .map(|i| (eigen.eigenvalues[i], &back * eigen.eigenvectors.column(i)))
         .collect();
     modes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Shear waves in space come in pairs of one frequency, polarised as the solver likes: polarised here so
+    // that all fields take part.
+    for i in 1..modes.len() {
+        if modes[i].0 - modes[i - 1].0 < 1e-9 * modes[i].0 {
+            let (one, other) = (modes[i - 1].1.clone(), modes[i].1.clone() * Complex64::cis(1.0));
+            modes[i - 1].1 = (&one + &other).unscale(2f64.sqrt());
+            modes[i].1 = (&one - &other).unscale(2f64.sqrt());
+        }
+    }
     modes
 }
 
@@ -342,7 +351,8 @@ fn domains_that_cannot_be_are_refused() {
 #[ignore = "some minutes: cargo test -p wellposed-dynamics --test domain -- --ignored --nocapture"]
 fn every_field_is_of_second_order_on_fine_grids() {
     for slopes in [Slopes::Limited, Slopes::Unlimited] {
-        orders::<2>(&[64, 128, 256, 512], slopes, 1.88);
+        orders::<2>(&[64, 128, 256, 512], slopes, 1.9);
+        orders::<3>(&[16, 32, 64, 128], slopes, 1.9);
     }
 }
 

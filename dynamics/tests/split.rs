@@ -3,7 +3,9 @@
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
 use models::plasticity::parameters::{Mises, YieldSet};
 use wellposed_dynamics::boundary::Boundary;
-use wellposed_dynamics::domain::{Detail, Domain, DomainError, Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::domain::{
+    Detail, Domain, DomainError, Grid, Ledger, Placement, Problem, Scheme,
+};
 use wellposed_dynamics::kernel::Instructions;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
@@ -51,6 +53,7 @@ fn same<const D: usize>(sides: &[[Boundary; 2]; D], cells: [usize; D], placement
     let full = Scheme { detail: Detail::Full, ..scheme };
     let plain = Problem { scheme: full, ..problem.clone() };
     let ways = [(1, &plain), (3, &plain), (1, &problem), (2, &problem), (3, &problem)];
+    let mut full_ledger: Option<Ledger> = None;
     for ((parts, problem), set) in
         Instructions::available().flat_map(|set| ways.map(|way| (way, set)))
     {
@@ -77,6 +80,7 @@ fn same<const D: usize>(sides: &[[Boundary; 2]; D], cells: [usize; D], placement
         } else {
             assert!((found.inflow - expected.inflow).abs() <= 1e-13 * start);
             assert!(found.numerical() > 0.0);
+            assert_eq!(*full_ledger.get_or_insert(found), found);
         }
     }
 }

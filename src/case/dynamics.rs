@@ -97,8 +97,10 @@ impl Grid {
 pub struct Time {
     /// Duration, s; positive.
     pub duration: f64,
-    /// Courant number of a sweep along an axis; in (0, 1].
+    /// Courant number of a sweep along an axis, at most; in (0, 1].
     pub courant: f64,
+    /// Angle by which a step turns spins against antisymmetric stress, degrees, at most; in (0, 180].
+    pub rotation_deg: f64,
 }
 
 /// The choices of the scheme.
@@ -547,7 +549,7 @@ pub struct Receiver {
 /// What else is recorded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Output {
-    /// Time between two lines of the energy ledger, s; 0: every step.
+    /// Time between two lines of the energy ledger, s; 0: so that there are at most 1000.
     pub ledger_interval: f64,
     /// What pictures show.
     pub picture: Picture,

@@ -20,6 +20,9 @@ use models::plasticity::parameters::YieldSet;
 use num_complex::Complex64;
 use std::sync::Arc;
 
+/// Most steps of a run.
+const MOST_STEPS: f64 = 1e12;
+
 /// What a case comes to: a problem and the state at its beginning.
 pub(super) struct Setup<const D: usize> {
     pub(super) problem: Problem<D>,
@@ -57,36 +60,55 @@ pub(super) fn media(case: &Case, dynamics: &Dynamics) -> Result<Vec<Medium>, Err
         dynamics.regions.iter().map(|region| medium(&region.case)).collect::<Result<_, _>>()?;
     if let Some(odd) = all.iter().position(|medium| medium.fields != all[0].fields) {
         let kinds = [odd, 0].map(|index| dynamics.regions[index].case.kind.name());
-        let found = format!("found {}, beside {} in region 1", kinds[0], kinds[1]);
+        let found = format!("found {}, beside {} in region[0]", kinds[0], kinds[1]);
         let allowed = "all regions of a run need the same fields: solids of one theory";
         return Err(dynamics.locate(&format!("region[{odd}].model.kind"), found, allowed).into());
     }
     Ok(all)
 }
 
-/// The longest step at the case's Courant number, s, and how many there are: the step is shortened until
-/// they end with the run.
-pub(super) fn steps(dynamics: &Dynamics, media: &[Medium]) -> Result<(usize, f64), Error> {
-    let rate = (0..dynamics.grid.dimensions()).map(|axis| {
-        let speeds = media.iter().flat_map(|m| &m.pairs[axis]).map(|pair| pair.speed());
-        speeds.fold(0.0, f64::max) / dynamics.grid.spacing[axis]
+/// The steps of a run.
+#[derive(Clone, Copy)]
+pub(super) struct Steps {
+    pub(super) count: usize,
+    /// Δt, s.
+    pub(super) step: f64,
+    /// Whether it is the natural rotation that asks for so many.
+    pub(super) by_rotation: bool,
+}
+
+/// The longest steps that the case lets waves and the natural rotation have, shortened until they end with
+/// the run.
+pub(super) fn steps(dynamics: &Dynamics, media: &[Medium]) -> Result<Steps, CaseError> {
+    let greatest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+    let rates = (0..dynamics.grid.dimensions()).map(|axis| {
+        let pairs = media.iter().flat_map(|m| &m.pairs[axis]);
+        greatest(&mut pairs.map(|pair| pair.speed())) / dynamics.grid.spacing[axis]
     });
     // A step is two sweeps along each axis.
-    let longest = 2.0 * dynamics.time.courant / rate.fold(0.0, f64::max);
+    let by_waves = 2.0 * dynamics.time.courant / greatest(&mut rates.into_iter());
+    let frequencies = media.iter().filter_map(|m| Some(m.rotation?.frequency));
+    let by_rotation =
+        dynamics.time.rotation_deg.to_radians() / greatest(&mut frequencies.into_iter());
+    let longest = by_waves.min(by_rotation);
     let count = (dynamics.time.duration / longest * (1.0 - 1e-12)).ceil().max(1.0);
-    if count > 1e12 {
+    if count > MOST_STEPS {
         let found = format!("{count:.3e} steps of {longest:.3e} s");
-        let allowed = "a run may have 10¹² steps: give a shorter duration, or larger cells";
-        return Err(dynamics.locate("time.duration", found, allowed).into());
+        let allowed = "at most 10¹² steps: give a shorter duration, or larger cells";
+        return Err(dynamics.locate("time.duration", found, allowed));
     }
-    Ok((count as usize, dynamics.time.duration / count))
+    Ok(Steps {
+        count: count as usize,
+        step: dynamics.time.duration / count,
+        by_rotation: by_rotation < by_waves,
+    })
 }
 
 impl<const D: usize> Setup<D> {
     pub(super) fn new(case: &Case, dynamics: &Dynamics, media: Vec<Medium>) -> Result<Self, Error> {
         let cells = std::array::from_fn(|axis| dynamics.grid.cells[axis]);
         let spacing = std::array::from_fn(|axis| dynamics.grid.spacing[axis]);
-        let (count, step) = steps(dynamics, &media)?;
+        let Steps { count, step, .. } = steps(dynamics, &media)?;
         let of_cell = dynamics.media_of_cells()?;
         let scheme = Scheme {
             slopes: match dynamics.scheme.order {

@@ -153,8 +153,12 @@ fn time(root: &mut Section) -> Result<Time, CaseError> {
     let is_stable = |node: &Node| positive(node).filter(|courant| *courant <= 1.0);
     let expected = "a number above 0 and at most 1 (Courant number): a sweep is unstable above 1";
     let courant = section.optional("courant", expected, is_stable)?.unwrap_or(1.0);
+    let is_turn = |node: &Node| positive(node).filter(|angle| *angle <= 180.0);
+    let expected = "a number above 0 and at most 180 in degrees: by how much a step may turn spins \
+                    against antisymmetric stress";
+    let rotation_deg = section.optional("rotation_deg", expected, is_turn)?.unwrap_or(30.0);
     section.finish()?;
-    Ok(Time { duration, courant })
+    Ok(Time { duration, courant, rotation_deg })
 }
 
 fn scheme(root: &mut Section) -> Result<Scheme, CaseError> {
@@ -693,7 +697,7 @@ impl Reader<'_> {
     fn output(&self, root: &mut Section) -> Result<Output, CaseError> {
         let mut output = Output { ledger_interval: 0.0, picture: Picture::Speed };
         let Some(mut section) = root.table("output")? else { return Ok(output) };
-        let expected = "a number of at least 0 in s (0: every step)";
+        let expected = "a number of at least 0 in s (0: at most 1000 lines)";
         if let Some(interval) = section.optional("ledger_interval", expected, not_negative)? {
             output.ledger_interval = interval;
         }

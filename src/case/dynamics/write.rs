@@ -19,6 +19,7 @@ impl Dynamics {
         text += &Resolved::default()
             .number("duration", self.time.duration)
             .number("courant", self.time.courant)
+            .number("rotation_deg", self.time.rotation_deg)
             .under("[time]");
         text += &Resolved::default()
             .text("order", self.scheme.order.name())

@@ -1,0 +1,383 @@
+//! Runs in time through the program: against exact waves, with the same bits for any number of threads, at
+//! rest under balanced weight; and what cannot be run.
+
+use files::npz::{Values, read};
+use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
+use num_complex::Complex64;
+use std::f64::consts::PI;
+use std::fs;
+use std::path::Path;
+use wellposed::{Error, Options, run};
+
+const COSSERAT: &str = "
+[model]
+kind = 'cosserat'
+dimensions = 2
+lambda = 8.1e9
+mu = 8.1e9
+alpha = 1.005e9
+beta = 7.75e8
+gamma = 1.5e8
+eta = 3e8
+density = 2700
+inertia = 2700
+";
+
+const CLASSICAL: &str = "
+[model]
+kind = 'classical'
+lambda = 1.2e8
+mu = 8e7
+density = 1900
+";
+
+fn options(folder: &Path, case: &str) -> Options {
+    let file = folder.join("case.run.toml");
+    fs::write(&file, case).expect("a scratch file");
+    Options { case: file, out: Some(folder.join("out")), force: true, ..Options::default() }
+}
+
+fn carried_out(folder: &Path, case: &str) -> Result<String, Error> {
+    let mut stdout = Vec::new();
+    run::run(&options(folder, case), &mut stdout)?;
+    Ok(String::from_utf8(stdout).expect("text"))
+}
+
+fn refused(case: &str) -> String {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let error = carried_out(folder.path(), case).expect_err("a wrong case");
+    assert_eq!(error.exit_code(), 2, "{error}");
+    assert!(!folder.path().join("out").exists(), "nothing is written");
+    // Without the folder, which is another each time.
+    error.to_string().rsplit_once("case.run.toml").expect("the file").1.to_owned()
+}
+
+/// Columns of a CSV file by name.
+fn columns(path: &Path) -> Vec<(String, Vec<f64>)> {
+    let text = fs::read_to_string(path).expect("a table");
+    let mut lines = text.lines();
+    let header = lines.next().expect("a header").split(',');
+    let mut columns: Vec<(String, Vec<f64>)> =
+        header.map(|name| (name.to_owned(), Vec::new())).collect();
+    for line in lines {
+        for (column, cell) in columns.iter_mut().zip(line.split(',')) {
+            column.1.push(cell.parse().expect("a number"));
+        }
+    }
+    columns
+}
+
+fn column(columns: &[(String, Vec<f64>)], name: &str) -> Vec<f64> {
+    columns.iter().find(|column| column.0 == name).expect("a column").1.clone()
+}
+
+/// Plane waves of all branches in the medium of a unit test of SPECFEM++: what a receiver sees turns with
+/// the frequency that the equations have, found here from the determinant of the equations of motion.
+#[test]
+fn plane_waves_have_their_frequencies() {
+    let couple = Some(CoupleModuli { beta: 7.75e8, gamma: 1.5e8, eta: 3e8 });
+    let rotation = Microrotation { alpha: 1.005e9, inertia: 2700.0, couple };
+    let solid = Isotropic::new(8.1e9, 8.1e9, 2700.0, Some(rotation)).expect("sound moduli");
+    // Along x₁: ρω² = (λ+2μ)k² and, of shear and spin, ρω² = (μ+α)k² and jω² = (γ+η)k² + 4α coupled by
+    // 2αk, so that the product of the differences is (2αk)².
+    let (length, count) = (20.0, 100);
+    let k = 2.0 * PI / length;
+    let a = (8.1e9 + 1.005e9) * k * k / 2700.0;
+    let b = ((1.5e8 + 3e8) * k * k + 4.0 * 1.005e9) / 2700.0;
+    let c = (2.0 * 1.005e9 * k / 2700.0_f64).powi(2);
+    let root = (0.25 * (a - b) * (a - b) + c).sqrt();
+    let squares =
+        [solid.speeds().longitudinal.powi(2) * k * k, 0.5 * (a + b) + root, 0.5 * (a + b) - root];
+    let mut frequencies = squares.map(f64::sqrt);
+    frequencies.sort_by(|a, b| b.total_cmp(a));
+    for (branch, frequency) in frequencies.into_iter().enumerate() {
+        let folder = tempfile::tempdir().expect("a scratch folder");
+        let duration = 0.9 * 2.0 * PI / frequency;
+        let case = format!(
+            "{COSSERAT}
+            [grid]
+            cells = [{count}, 4]
+            spacing = {}
+            [time]
+            duration = {duration}
+            [[side]]
+            side = 'x1-'
+            kind = 'periodic'
+            [[side]]
+            side = 'x1+'
+            kind = 'periodic'
+            [[side]]
+            side = 'x2-'
+            kind = 'periodic'
+            [[side]]
+            side = 'x2+'
+            kind = 'periodic'
+            [[initial]]
+            kind = 'plane-wave'
+            branch = {}
+            wavelength = {length}
+            amplitude = 1e-3
+            [[receiver]]
+            at = [7.1, 0.3]
+            ",
+            length / f64::from(count),
+            branch + 1,
+        );
+        carried_out(folder.path(), &case).expect("a sound case");
+        let seen = columns(&folder.path().join("out/receivers.csv"));
+        let time = column(&seen, "time");
+        let [along, across] = ["r1.v1", "r1.v2"].map(|name| column(&seen, name));
+        let is_pressure = along.iter().map(|v| v.abs()).sum::<f64>()
+            > across.iter().map(|v| v.abs()).sum::<f64>();
+        let velocity = if is_pressure { along } else { across };
+        // exp(i(kx − ωt)) at the middle of the cell, the greatest velocity being real.
+        let phase = k * 7.1;
+        let error = time
+            .iter()
+            .zip(&velocity)
+            .map(|(t, v)| (v - 1e-3 * Complex64::cis(phase - frequency * t).re).abs())
+            .fold(0.0, f64::max);
+        assert!(error < 1e-2 * 1e-3, "branch {branch}: {error:e}");
+    }
+}
+
+/// A rich case, short.
+fn rich(extra: &str) -> String {
+    format!(
+        "{CLASSICAL}
+        [grid]
+        cells = [30, 24]
+        spacing = 0.5
+        origin = [-7.5, -12]
+        [time]
+        duration = 0.05
+        [scheme]
+        ledger = 'full'
+        [[region]]
+        shape = 'layer'
+        axis = 2
+        from = -8
+        to = 0
+        yield = {{ kind = 'drucker-prager', strength = 2e4, friction = 0.5, dilatancy = 0.5 }}
+        [[region]]
+        shape = 'rest'
+        model = {{ lambda = 4e9, mu = 4e9 }}
+        [gravity]
+        acceleration = [0, -9.81]
+        lateral_ratio = 0.5
+        [[side]]
+        side = 'x1-'
+        kind = 'non-reflecting'
+        [[side]]
+        side = 'x2-'
+        kind = 'fixed'
+        [[receiver]]
+        name = 'edge'
+        at = [1.5, -0.05]
+        {extra}"
+    )
+}
+
+const STRUCK: &str = "
+[[load]]
+side = 'x2+'
+field = 'sigma22'
+from = -1
+to = 1
+amplitude = -4e5
+time = { kind = 'pulse', duration = 0.02 }
+[[source]]
+kind = 'force'
+amplitude = [1e4, 0]
+at = [-3, -3]
+radius = 1
+time = { kind = 'ricker', frequency = 60 }
+";
+
+/// The same files for 1, 2, 3 and 7 threads; and the ledger of the full kind closes.
+#[test]
+fn threads_change_no_bit() {
+    let mut all = Vec::new();
+    for threads in [1, 2, 3, 7] {
+        let folder = tempfile::tempdir().expect("a scratch folder");
+        let options = Options { threads: Some(threads), ..options(folder.path(), &rich(STRUCK)) };
+        run::run(&options, &mut Vec::new()).expect("a sound case");
+        let out = folder.path().join("out");
+        let mut names: Vec<_> =
+            fs::read_dir(&out).expect("results").map(|e| e.expect("a file").file_name()).collect();
+        names.sort();
+        let files: Vec<(_, Vec<u8>)> = names
+            .into_iter()
+            .map(|n| (n.clone(), fs::read(out.join(n)).expect("a file")))
+            .collect();
+        let ledger = columns(&out.join("ledger.csv"));
+        let residual =
+            column(&ledger, "residual").into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let [kinetic, stored] = ["kinetic", "stored"].map(|name| column(&ledger, name));
+        let greatest = kinetic.iter().zip(&stored).map(|(a, b)| a + b).fold(0.0, f64::max);
+        assert!(residual < 1e-12 * greatest, "{residual:e} of {greatest:e}");
+        let [plastic, released] = ["plastic", "initial_stress"].map(|name| column(&ledger, name));
+        assert!(*plastic.last().expect("lines") > 0.01 * greatest);
+        assert!(released.last().expect("lines").abs() > 1e-3 * greatest);
+        all.push(files);
+    }
+    for other in &all[1..] {
+        for (one, other) in all[0].iter().zip(other) {
+            assert!(one == other, "{:?}", one.0);
+        }
+        assert_eq!(all[0].len(), other.len());
+    }
+}
+
+/// Weight that the initial stress balances moves nothing; the stress shown is the lithostatic one.
+#[test]
+fn balanced_weight_is_at_rest() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    carried_out(folder.path(), &rich("")).expect("a sound case");
+    let bytes = fs::read(folder.path().join("out/fields.npz")).expect("fields");
+    let arrays = read(&bytes).expect("arrays");
+    let of = |name: &str| {
+        let array = arrays.iter().find(|array| array.name == name).expect("an array");
+        let Values::F64(values) = &array.values else { panic!("numbers") };
+        values.clone()
+    };
+    assert!(of("v1").iter().chain(&of("v2")).all(|v| *v == 0.0));
+    let [x2, vertical, lateral, across] = ["x2", "sigma22", "sigma11", "sigma33"].map(of);
+    for (row, x2) in x2.iter().enumerate() {
+        // Half of its own cell and all above.
+        let expected = 1900.0 * 9.81 * x2;
+        for column in 0..30 {
+            let cell = 30 * row + column;
+            assert!((vertical[cell] - expected).abs() < 1e-12 * expected.abs());
+            assert!((lateral[cell] - 0.5 * expected).abs() < 1e-12 * expected.abs());
+            assert!((across[cell] - 0.5 * expected).abs() < 1e-12 * expected.abs());
+        }
+    }
+}
+
+/// Too much: the run stops, says where, and keeps what was sound.
+#[test]
+fn what_is_not_finite_stops_the_run() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let case = rich(
+        "[[load]]\nside = 'x1+'\nfield = 'v1'\namplitude = 1e300\ntime = { kind = 'sine', \
+                     frequency = 20, start = 0.02 }",
+    );
+    let error = carried_out(folder.path(), &case).expect_err("too much");
+    assert_eq!(error.exit_code(), 3);
+    let message = error.to_string();
+    assert!(message.contains("not finite") && message.contains("is saved"), "{message}");
+    let out = folder.path().join("out");
+    let bytes = fs::read(out.join("fields.npz")).expect("fields");
+    for array in read(&bytes).expect("arrays") {
+        if let Values::F64(values) = array.values {
+            assert!(values.iter().all(|v| v.is_finite()), "{}", array.name);
+        }
+    }
+    let report: serde_json::Value =
+        serde_json::from_slice(&fs::read(out.join("run.json")).expect("a report")).expect("JSON");
+    assert!(report["stopped"].as_str().is_some_and(|text| text.contains("not finite")));
+    assert_eq!(
+        columns(&out.join("receivers.csv"))[0].1.len() as u64,
+        report["steps"].as_u64().unwrap() + 1
+    );
+}
+
+#[test]
+fn runs_that_cannot_be_are_refused() {
+    let plain = |extra: &str| {
+        format!("{CLASSICAL}[grid]\ncells = [8, 8]\nspacing = 1\n[time]\nduration = 0.01\n{extra}")
+    };
+    let pulse = "time = { kind = 'pulse', duration = 0.01 }";
+    let cases = [
+        (
+            CLASSICAL.replace("lambda", "dimensions = 2\nlambda"),
+            ": grid: missing; add a section [grid] with cells = [200, 200] and spacing = 1.0, and [time] with duration",
+        ),
+        (
+            plain(
+                "[[region]]\nshape = 'layer'\naxis = 1\nfrom = 0\nto = 5\n[[region]]\nshape = 'layer'\naxis = 1\nfrom = 4\nto = 8\n",
+            ),
+            "give every cell to one region",
+        ),
+        (
+            plain("[[region]]\nshape = 'layer'\naxis = 1\nfrom = 0\nto = 5\n"),
+            "add [[region]] with shape = \"rest\"",
+        ),
+        (
+            plain(
+                "[[region]]\nshape = 'layer'\naxis = 1\nfrom = 0\nto = 4\n[[region]]\nshape = 'rest'\nmodel = { kind = 'cosserat', lambda = 1e8, mu = 1e8, alpha = 1e8, beta = 1, gamma = 1, eta = 1, density = 1, inertia = 1 }\n",
+            ),
+            "all regions of a run need the same fields",
+        ),
+        (
+            plain("[[region]]\nshape = 'rest'\nmodel = { mu = -1 }\n"),
+            "positive definite only for μ > 0",
+        ),
+        (
+            plain(&format!(
+                "[[load]]\nside = 'x1-'\nfield = 'v1'\nfrom = 20\nto = 30\namplitude = 1\n{pulse}\n"
+            )),
+            "no face of the side has its middle in it",
+        ),
+        (
+            plain(&format!(
+                "[[source]]\nkind = 'moment'\namplitude = [[0, 1], [2, 0]]\nat = [4, 4]\n{pulse}\n"
+            )),
+            "not symmetric in a classical solid",
+        ),
+        (
+            plain("[[initial]]\nkind = 'plane-wave'\nbranch = 3\nwavelength = 2\namplitude = 1\n"),
+            "branch",
+        ),
+        (
+            plain(
+                "[gravity]\nacceleration = [-9.81, 0]\n[[region]]\nshape = 'layer'\naxis = 2\nfrom = 0\nto = 5\n[[region]]\nshape = 'rest'\nmodel = { density = 1000 }\n",
+            ),
+            "densities 1900.0 and 1000.0 side by side",
+        ),
+        (
+            plain("[initial_stress]\nsigma12 = 1e9\n[yield]\nkind = 'von-mises'\nstrength = 1e6\n"),
+            "beyond yield",
+        ),
+        (
+            plain("[yield]\nkind = 'von-mises'\nstrength = 1e6\nhardening = 1e6\n"),
+            "ideal plasticity",
+        ),
+        (plain("").replace("[8, 8]", "[60000, 60000]"), "are free"),
+        (plain("").replace("duration = 0.01", "duration = 1e300"), "10¹² steps"),
+    ];
+    for (case, expected) in cases {
+        let message = refused(&case);
+        assert!(message.contains(expected), "{expected}: {message}");
+        println!("{message}");
+    }
+}
+
+/// In single precision the same to single precision.
+#[test]
+fn single_precision() {
+    let seen = ["f64", "f32"].map(|precision| {
+        let folder = tempfile::tempdir().expect("a scratch folder");
+        let case =
+            rich(STRUCK).replace("[scheme]", &format!("[scheme]\nprecision = '{precision}'"));
+        carried_out(folder.path(), &case).expect("a sound case");
+        column(&columns(&folder.path().join("out/receivers.csv")), "edge.v2")
+    });
+    let greatest = seen[0].iter().fold(0.0f64, |a, b| a.max(b.abs()));
+    for (wide, narrow) in seen[0].iter().zip(&seen[1]) {
+        assert!((wide - narrow).abs() < 1e-3 * greatest, "{wide} {narrow}");
+    }
+}
+
+/// A dry run checks everything and writes nothing.
+#[test]
+fn dry_runs_write_nothing() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let options = Options { dry_run: true, ..options(folder.path(), &rich(STRUCK)) };
+    let mut stdout = Vec::new();
+    run::run(&options, &mut stdout).expect("a sound case");
+    let text = String::from_utf8(stdout).expect("text");
+    assert!(text.contains("30 × 24 cells of 6 fields") && text.contains("ledger.csv"), "{text}");
+    assert!(!folder.path().join("out").exists());
+}
