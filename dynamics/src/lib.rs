@@ -1,8 +1,10 @@
 //! Solids in time: sweeps along coordinate lines, and what stands between them.
 //!
 //! - [`medium`]: what a solid is to the sweeps;
+//! - [`problem`]: what is to be solved;
 //! - [`domain`]: fields on a rectangular grid, and a step of theirs;
 //! - [`boundary`]: what lies beyond its sides, and what acts there and inside;
+//! - [`ledger`]: the energy there is, and what steps did to it;
 //! - [`split`]: the same in parts, each in a thread of its own, and the halo between them;
 //! - [`mod@line`]: one pair of fields along a line of cells and joints, with its energy account;
 //! - [`kernel`]: the same on many lines at once, in the instructions that the processor has;
@@ -12,7 +14,10 @@
 pub mod boundary;
 pub mod domain;
 pub mod kernel;
+pub mod ledger;
 pub mod line;
 pub mod medium;
+pub mod problem;
 pub mod real;
+mod side;
 pub mod split;

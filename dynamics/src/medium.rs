@@ -138,3 +138,47 @@ fn slip(set: &Interlayer, metric: &PlaneMetric, trial: &Stress) -> Corrected {
     stress.couple[2][..2].copy_from_slice(&found.stress[4..]);
     Corrected { stress, energy_lost: found.energy_lost }
 }
+
+/// The component of a stress that a field is.
+pub(crate) fn component(field: Field, stress: &Stress) -> Option<f64> {
+    match field {
+        Field::Stress(i, j) => Some(stress.force[i][j]),
+        Field::Couple(k, j) => Some(stress.couple[k][j]),
+        Field::Velocity(_) | Field::Spin(_) => None,
+    }
+}
+
+/// The energy density as products of fields: what the energies of one and of two components tell.
+pub(crate) fn energy_terms(medium: &Medium) -> Vec<(usize, usize, f64)> {
+    let fields = &medium.fields;
+    let stress = |places: &[usize]| {
+        let mut stress = Stress::default();
+        for &place in places {
+            match fields[place] {
+                Field::Stress(i, j) => {
+                    stress.force[i][j] = 1.0;
+                    if medium.rotation.is_none() {
+                        stress.force[j][i] = 1.0;
+                    }
+                }
+                Field::Couple(k, j) => stress.couple[k][j] = 1.0,
+                Field::Velocity(_) | Field::Spin(_) => {}
+            }
+        }
+        medium.stored_energy(&stress)
+    };
+    let mut terms = Vec::new();
+    for (one, &field) in fields.iter().enumerate() {
+        let inertia = medium.inertia(field);
+        let own = if inertia > 0.0 { 0.5 * inertia } else { stress(&[one]) };
+        terms.push((one, one, own));
+        for other in 0..one {
+            let product = stress(&[one, other]) - own - stress(&[other]);
+            if inertia == 0.0 && product.abs() > 1e-14 * own {
+                terms.push((one, other, product));
+            }
+        }
+    }
+    terms.retain(|term| term.2 != 0.0);
+    terms
+}

@@ -4,9 +4,11 @@
 //! Every cell sees the same operations as in the whole, and sums are made by layers: the same bits.
 
 use crate::boundary::Boundary;
-use crate::domain::{Domain, DomainError, Energy, Ledger, Problem, Total};
+use crate::domain::Domain;
 use crate::kernel::Instructions;
+use crate::ledger::{Energy, Ledger, Total};
 use crate::line::GHOSTS;
+use crate::problem::{DomainError, Problem};
 use crate::real::Real;
 use models::cosserat::waves::Field;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};

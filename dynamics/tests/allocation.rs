@@ -7,9 +7,9 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use wellposed_dynamics::boundary::{Boundary, Load, Source};
-use wellposed_dynamics::domain::{Detail, Grid, Placement, Problem, Scheme};
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
+use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme};
 use wellposed_dynamics::split::Split;
 
 struct Counting;

@@ -7,9 +7,10 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 use wellposed_dynamics::boundary::{Boundary, Condition};
-use wellposed_dynamics::domain::{Detail, Domain, DomainError, Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
+use wellposed_dynamics::problem::{Detail, DomainError, Grid, Placement, Problem, Scheme};
 
 const THEORIES: [Theory; 3] = [Theory::Classical, Theory::Reduced, Theory::Cosserat];
 

@@ -8,9 +8,10 @@ use models::cosserat::waves::Field;
 use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises, YieldSet};
 use std::sync::Arc;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Source};
-use wellposed_dynamics::domain::{Detail, Domain, Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
+use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme};
 use wellposed_dynamics::real::Real;
 
 const THEORIES: [Theory; 3] = [Theory::Classical, Theory::Reduced, Theory::Cosserat];

@@ -5,9 +5,10 @@ use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
 use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises, YieldSet};
 use wellposed_dynamics::boundary::Boundary;
-use wellposed_dynamics::domain::{Detail, Domain, Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
+use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme};
 
 fn solid(theory: Theory) -> Isotropic {
     let couple =

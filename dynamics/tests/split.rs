@@ -3,12 +3,12 @@
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
 use models::plasticity::parameters::{Mises, YieldSet};
 use wellposed_dynamics::boundary::Boundary;
-use wellposed_dynamics::domain::{
-    Detail, Domain, DomainError, Grid, Ledger, Placement, Problem, Scheme,
-};
+use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::kernel::Instructions;
+use wellposed_dynamics::ledger::Ledger;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
+use wellposed_dynamics::problem::{Detail, DomainError, Grid, Placement, Problem, Scheme};
 use wellposed_dynamics::real::Real;
 use wellposed_dynamics::split::Split;
 
