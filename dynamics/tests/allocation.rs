@@ -77,9 +77,10 @@ fn steps_allocate_nothing() {
             ..Problem::new(grid, vec![medium], vec![0; 180], sides, step, scheme)
         };
         assert_eq!(allocations(&problem, 1, 200), 0);
-        // Threads: as many in few steps as in many.
-        let few = (0..5).map(|_| allocations(&problem, 3, 10)).min();
-        let many = (0..5).map(|_| allocations(&problem, 3, 500)).min();
-        assert_eq!(few, many);
+        // Threads: to start them and to let each wait for the first time, whenever that is, but nothing by
+        // the step.
+        let few = allocations(&problem, 3, 10);
+        let many = allocations(&problem, 3, 500);
+        assert!(many < few + 100, "{few} {many}");
     }
 }
