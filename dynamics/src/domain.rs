@@ -441,6 +441,19 @@ impl<T: Real, const D: usize> Domain<T, D> {
         &self.totals
     }
 
+    /// Takes over steps done and totals by layer, as after so many steps.
+    pub(crate) fn take_over(&mut self, steps: usize, totals: impl Iterator<Item = Total>) {
+        self.steps = steps;
+        for (own, total) in self.totals.iter_mut().zip(totals) {
+            *own = total;
+        }
+    }
+
+    /// Steps done.
+    pub(crate) fn steps(&self) -> usize {
+        self.steps
+    }
+
     /// Energy of the deviation from the initial stress.
     pub fn energy(&self) -> Energy {
         Energy::sum(&self.energies())

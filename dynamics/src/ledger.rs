@@ -36,6 +36,16 @@ impl Ledger {
         self.inflow + self.sources + self.released - self.plastic - self.numerical()
     }
 
+    fn numbers(self) -> [f64; 7] {
+        let Self { inflow, sources, released, plastic, gained, lost, least_plastic } = self;
+        [inflow, sources, released, plastic, gained, lost, least_plastic]
+    }
+
+    fn from_numbers(numbers: [f64; 7]) -> Self {
+        let [inflow, sources, released, plastic, gained, lost, least_plastic] = numbers;
+        Self { inflow, sources, released, plastic, gained, lost, least_plastic }
+    }
+
     /// Each term of both.
     fn with(self, other: Self, term: impl Fn(f64, f64) -> f64) -> Self {
         Self {
@@ -59,6 +69,18 @@ pub(crate) struct Total {
 }
 
 impl Total {
+    /// As numbers.
+    pub(crate) fn numbers(&self) -> [f64; 14] {
+        let [sum, rest] = [self.sum, self.rest].map(Ledger::numbers);
+        std::array::from_fn(|i| if i < 7 { sum[i] } else { rest[i - 7] })
+    }
+
+    /// From the same numbers.
+    pub(crate) fn from_numbers(numbers: [f64; 14]) -> Self {
+        let of = |first: usize| Ledger::from_numbers(std::array::from_fn(|i| numbers[first + i]));
+        Self { sum: of(0), rest: of(7) }
+    }
+
     pub(crate) fn add(&mut self, step: Ledger) {
         let term = step.with(self.rest, |new, rest| new + rest);
         let sum = self.sum.with(term, |sum, new| sum + new);

@@ -88,6 +88,17 @@ impl<T: Real, const D: usize, H: Halo<T::Lanes>> Part<T, D, H> {
     }
 }
 
+/// All that the steps to come depend on, however many parts there are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Snapshot<T> {
+    /// Steps done.
+    pub steps: usize,
+    /// Values by field, then by cell, the first axis running fastest.
+    pub fields: Vec<Vec<T>>,
+    /// The ledger by layer across the last axis.
+    pub totals: Vec<[f64; 14]>,
+}
+
 /// A domain in parts.
 pub struct Split<T: Real, const D: usize> {
     parts: Vec<Part<T, D, Channels<T::Lanes>>>,
@@ -200,6 +211,39 @@ impl<T: Real, const D: usize> Split<T, D> {
             part.records.clear();
         }
         all
+    }
+
+    /// All that the steps to come depend on.
+    pub fn snapshot(&self) -> Snapshot<T> {
+        let fields = self.fields().to_vec();
+        let totals = self.parts.iter().flat_map(|part| part.domain.totals());
+        Snapshot {
+            steps: self.parts.first().map_or(0, |part| part.domain.steps()),
+            fields: fields.into_iter().filter_map(|field| self.values(field)).collect(),
+            totals: totals.map(Total::numbers).collect(),
+        }
+    }
+
+    /// Goes back, or on, to a snapshot of the same problem; `false` where it is one of another.
+    pub fn restore(&mut self, snapshot: &Snapshot<T>) -> bool {
+        let cells: usize = self.parts.iter().map(|part| part.domain.grid().count()).sum();
+        let layers: usize = self.parts.iter().map(|part| part.domain.totals().len()).sum();
+        let fields = self.fields().to_vec();
+        if snapshot.fields.len() != fields.len()
+            || snapshot.fields.iter().any(|values| values.len() != cells)
+            || snapshot.totals.len() != layers
+        {
+            return false;
+        }
+        for (field, values) in fields.into_iter().zip(&snapshot.fields) {
+            self.set(field, values);
+        }
+        let mut totals = snapshot.totals.iter().map(|numbers| Total::from_numbers(*numbers));
+        for part in &mut self.parts {
+            let own = part.domain.totals().len();
+            part.domain.take_over(snapshot.steps, totals.by_ref().take(own));
+        }
+        true
     }
 
     /// What steps did to the energy so far.

@@ -1,6 +1,7 @@
 //! A domain in parts is the domain in one piece, to the last bit.
 
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
+use models::cosserat::waves::Field;
 use models::plasticity::parameters::{Mises, YieldSet};
 use wellposed_dynamics::boundary::Boundary;
 use wellposed_dynamics::domain::Domain;
@@ -114,6 +115,37 @@ fn so_they_have_in_single_precision() {
     for length in [9, 30, 31, 32, 40] {
         same::<f32, 2>(&sides, [length, 13], Placement::Middle);
     }
+}
+
+/// Steps that go on from a snapshot, in other parts, are those that were never interrupted.
+#[test]
+fn snapshots_resume() {
+    let media = [Medium::isotropic(&solids()[0], 2)];
+    let set = YieldSet::Mises(Mises::drucker_prager(0.3, 0.2, 0.2));
+    let media = media.map(|medium| medium.yielding(set));
+    let grid = Grid { cells: [14, 9], spacing: [0.1, 0.1] };
+    let sides = std::array::from_fn(|_| [Boundary::Fixed, Boundary::NonReflecting]);
+    let detail = Detail::Full;
+    let scheme = Scheme { detail, ..Scheme::new(Slopes::Limited, Placement::Middle) };
+    let step = 1.9 * 0.1 / media[0].greatest_speed();
+    let problem = Problem::new(grid, media.to_vec(), vec![0; 126], sides, step, scheme);
+    let start = || {
+        let mut split: Split<f64, 2> = Split::new(&problem, 2).expect("sound");
+        let values: Vec<f64> = (0..126).map(noise).collect();
+        split.set(Field::Velocity(0), &values);
+        split
+    };
+    let (mut whole, mut first) = (start(), start());
+    whole.advance(40);
+    first.advance(17);
+    let mut second: Split<f64, 2> = Split::new(&problem, 3).expect("sound");
+    assert!(second.restore(&first.snapshot()));
+    second.advance(23);
+    assert_eq!(second.snapshot(), whole.snapshot());
+    assert_eq!((second.ledger(), second.time()), (whole.ledger(), whole.time()));
+    let mut other = first.snapshot();
+    other.totals.pop();
+    assert!(!second.restore(&other));
 }
 
 #[test]
