@@ -91,6 +91,10 @@ pub struct Domain<T: Real, const D: usize> {
     kicks: Vec<Kick>,
     acceleration: [f64; D],
     initial_stress: Option<(usize, Vec<Stress>)>,
+    /// Plastic dissipation by cell, J/m³; empty where nothing yields.
+    dissipated: Vec<f64>,
+    /// Places of velocities and spins, and Δt times the sum of their values, the first one halved, by cell.
+    integrals: Vec<(usize, Vec<f64>)>,
     /// What lies beyond cuts: by depth, row of the layer, group and pair; and the patterns there.
     halos: [Vec<[T::Lanes; 2]>; 2],
     halo_patterns: [Vec<u32>; 2],
@@ -261,6 +265,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
             Some([place(Field::Spin(k))?, place(Field::Stress(i, j))?, place(Field::Stress(j, i))?])
         });
+        let is_plastic = media.iter().any(|medium| medium.yields.is_some());
+        let integrals = problem.integrals.iter().filter_map(|&field| place(field));
+        let cells = grid.count();
         let longest = grid.cells.iter().copied().max().unwrap_or(0);
         let widest = media[0].pairs.iter().map(Vec::len).max().unwrap_or(0);
         let number = rows.len();
@@ -293,6 +300,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
             kicks: kicks.collect(),
             acceleration: problem.acceleration,
             initial_stress,
+            dissipated: vec![0.0; if is_plastic { cells } else { 0 }],
+            integrals: integrals.map(|place| (place, vec![0.0; cells])).collect(),
             halos,
             halo_patterns,
             steps: 0,
@@ -485,8 +494,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// The same, with something done before each sweep along the last axis.
     pub(crate) fn advance_with(&mut self, before_last: &mut dyn FnMut(&mut Self)) {
-        let is_plastic = self.media.iter().any(|medium| medium.yields.is_some());
+        let is_plastic = !self.dissipated.is_empty();
         let start = self.time();
+        if self.steps == 0 {
+            self.integrate(0.5);
+        }
         self.set_time(start + 0.25 * self.step);
         for axis in 0..D {
             if axis + 1 == D {
@@ -515,9 +527,41 @@ impl<T: Real, const D: usize> Domain<T, D> {
         if is_plastic && self.scheme.placement == Placement::Last {
             self.correct(false);
         }
+        self.integrate(1.0);
         for (total, step) in self.totals.iter_mut().zip(&mut self.ledgers) {
             total.add(std::mem::take(step));
         }
+    }
+
+    /// Adds to the integrals in time by the trapezoidal rule.
+    fn integrate(&mut self, steps: f64) {
+        let mut integrals = std::mem::take(&mut self.integrals);
+        for (place, sums) in &mut integrals {
+            for (cell, sum) in sums.iter_mut().enumerate() {
+                *sum += steps * self.step * self.at(cell, *place).wide();
+            }
+        }
+        self.integrals = integrals;
+    }
+
+    /// The integrals in time of the problem in a cell, m or rad.
+    pub(crate) fn integrals(&self, cell: usize) -> impl Iterator<Item = f64> {
+        let last = 0.5 * self.step;
+        let is_under_way = self.steps > 0;
+        self.integrals.iter().map(move |(place, sums)| match is_under_way {
+            true => sums[cell] - last * self.at(cell, *place).wide(),
+            false => 0.0,
+        })
+    }
+
+    /// What steps added up by cell: dissipation, and the sums of integrals.
+    pub(crate) fn sums(&self) -> impl Iterator<Item = &Vec<f64>> {
+        [&self.dissipated].into_iter().chain(self.integrals.iter().map(|(_, sums)| sums))
+    }
+
+    /// The same, to be set.
+    pub(crate) fn sums_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        [&mut self.dissipated].into_iter().chain(self.integrals.iter_mut().map(|(_, sums)| sums))
     }
 
     /// The domain with its stresses in their yield sets: what is shown of it.
@@ -526,11 +570,12 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let mut shown = self.clone();
         shown.correct(false);
         shown.ledgers.fill(Ledger::default());
+        shown.dissipated.clone_from(&self.dissipated);
         shown
     }
 
     /// Appends all fields of a cell as they are shown: the whole stress, the initial one included, in its
-    /// yield set.
+    /// yield set. Behind them the integrals of the problem.
     pub fn show(&self, cell: usize, values: &mut Vec<f64>) {
         let medium = &self.media[usize::from(self.of_cell[cell])];
         let stress = medium.project(&self.whole_stress(cell)).stress;
@@ -540,6 +585,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 None => self.at(cell, place).wide(),
             });
         }
+        values.extend(self.integrals(cell));
     }
 
     fn set_time(&mut self, time: f64) {
@@ -669,6 +715,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             ledger.plastic += volume * loss;
             ledger.released += volume * released;
             ledger.least_plastic = ledger.least_plastic.min(share);
+            self.dissipated[cell] += loss;
             for place in 0..self.fields().len() {
                 let of = |stress: &Stress| component(self.fields()[place], stress);
                 let (Some(own), Some(plastic)) = (of(&corrected.stress), of(&plastic)) else {

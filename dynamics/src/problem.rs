@@ -4,6 +4,7 @@ use crate::boundary::{Boundary, Load, Source};
 use crate::line::{GHOSTS, Slopes};
 use crate::medium::Medium;
 use models::cosserat::stress::Stress;
+use models::cosserat::waves::Field;
 
 /// A rectangular grid of `D` dimensions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,6 +94,8 @@ pub struct Problem<const D: usize> {
     pub acceleration: [f64; D],
     /// An initial stress in equilibrium: an axis, and the stress in each layer across it; or none.
     pub initial_stress: Option<(usize, Vec<Stress>)>,
+    /// Velocities and spins of which the integrals in time, displacements and rotations, are kept.
+    pub integrals: Vec<Field>,
 }
 
 impl<const D: usize> Problem<D> {
@@ -116,6 +119,7 @@ impl<const D: usize> Problem<D> {
             sources: Vec::new(),
             acceleration: [0.0; D],
             initial_stress: None,
+            integrals: Vec::new(),
         }
     }
 

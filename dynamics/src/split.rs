@@ -97,6 +97,8 @@ pub struct Snapshot<T> {
     pub fields: Vec<Vec<T>>,
     /// The ledger by layer across the last axis.
     pub totals: Vec<[f64; 14]>,
+    /// Plastic dissipation by cell, where anything yields, J/m³; then the sums of the problem's integrals.
+    pub sums: Vec<Vec<f64>>,
 }
 
 /// A domain in parts.
@@ -175,6 +177,12 @@ impl<T: Real, const D: usize> Split<T, D> {
         self.parts.first().map_or(&[], |part| part.domain.fields())
     }
 
+    /// Numbers that are shown of a cell: its fields and the integrals of the problem.
+    pub fn width(&self) -> usize {
+        let integrals = self.parts.first().map_or(0, |part| part.domain.sums().count() - 1);
+        self.fields().len() + integrals
+    }
+
     /// Records all fields of these cells after each step; cells that are not there are left out.
     pub fn watch(&mut self, cells: &[usize]) {
         self.watched = cells.len();
@@ -192,7 +200,7 @@ impl<T: Real, const D: usize> Split<T, D> {
     /// What was recorded since the last call: by step, then by watched cell, then by field, as
     /// [`Domain::show`] gives them.
     pub fn records(&mut self) -> Vec<f64> {
-        let width = self.fields().len();
+        let width = self.width();
         let steps = self
             .parts
             .iter()
@@ -221,6 +229,7 @@ impl<T: Real, const D: usize> Split<T, D> {
             steps: self.parts.first().map_or(0, |part| part.domain.steps()),
             fields: fields.into_iter().filter_map(|field| self.values(field)).collect(),
             totals: totals.map(Total::numbers).collect(),
+            sums: self.sums(),
         }
     }
 
@@ -232,6 +241,7 @@ impl<T: Real, const D: usize> Split<T, D> {
         if snapshot.fields.len() != fields.len()
             || snapshot.fields.iter().any(|values| values.len() != cells)
             || snapshot.totals.len() != layers
+            || snapshot.sums.iter().map(Vec::len).ne(self.sums().iter().map(Vec::len))
         {
             return false;
         }
@@ -242,8 +252,30 @@ impl<T: Real, const D: usize> Split<T, D> {
         for part in &mut self.parts {
             let own = part.domain.totals().len();
             part.domain.take_over(snapshot.steps, totals.by_ref().take(own));
+            for (own, all) in part.domain.sums_mut().zip(&snapshot.sums) {
+                let count = own.len();
+                own.copy_from_slice(all.get(part.first..part.first + count).unwrap_or(&[]));
+            }
         }
         true
+    }
+
+    /// Plastic dissipation by cell, J/m³; empty where nothing yields.
+    pub fn dissipated(&self) -> Vec<f64> {
+        self.sums().swap_remove(0)
+    }
+
+    fn sums(&self) -> Vec<Vec<f64>> {
+        let mut all: Vec<Vec<f64>> = Vec::new();
+        for part in &self.parts {
+            for (index, own) in part.domain.sums().enumerate() {
+                match all.get_mut(index) {
+                    Some(sum) => sum.extend_from_slice(own),
+                    None => all.push(own.clone()),
+                }
+            }
+        }
+        all
     }
 
     /// What steps did to the energy so far.
@@ -284,7 +316,7 @@ impl<T: Real, const D: usize> Split<T, D> {
 
     /// The values of all fields, the first axis running fastest, as [`Domain::show`] gives them.
     pub fn shown(&self) -> Vec<Vec<f64>> {
-        let mut fields = vec![Vec::new(); self.fields().len()];
+        let mut fields = vec![Vec::new(); self.width()];
         let mut state = Vec::new();
         for part in &self.parts {
             for cell in 0..part.domain.grid().count() {
