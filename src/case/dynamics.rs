@@ -11,7 +11,7 @@ mod write;
 pub use component::Component;
 pub use function::{Samples, TimeFunction};
 
-use super::read::Places;
+use super::place::Places;
 use super::{Case, CaseError};
 
 /// Most cells of a grid.

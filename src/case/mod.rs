@@ -5,8 +5,10 @@ pub mod dynamics;
 mod error;
 mod keys;
 mod kind;
+mod place;
 mod read;
 mod section;
+mod value;
 
 pub use dynamics::Dynamics;
 pub use error::{CaseError, Place};
@@ -20,11 +22,13 @@ use dynamics::Grid;
 use keys::Value;
 use models::granular_flow::state::State;
 use models::granular_flow::{InputError, Kind as Flow, Model, Parameters};
-use read::{Entries, Places};
+use place::Places;
+use read::Entries;
 use section::Section;
 use std::fmt::Write;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use value::{nearest, suggestion};
 
 /// Largest number of points of a map.
 pub const MOST_POINTS: usize = 100_000_000;
@@ -563,7 +567,7 @@ fn yield_set(
     found.map(Some).ok_or_else(|| {
         let names: Vec<&str> =
             sets.iter().map(|set| set.name()).chain(none.iter().copied()).collect();
-        let meant = read::suggestion(read::nearest(name, names.iter().copied()));
+        let meant = suggestion(nearest(name, names.iter().copied()));
         let found = format!("found '{}'", error::shown(name));
         let allowed = format!("{meant}allowed for {}: {}", kind.name(), names.join(", "));
         entries.places.error(KEY, found, allowed)
@@ -588,7 +592,7 @@ fn active(entries: &Entries, medium: Medium) -> Result<Option<Vec<usize>>, CaseE
     for name in names {
         let found = format!("found '{}'", error::shown(name));
         let Some(index) = known.iter().position(|known| known == name) else {
-            let meant = read::suggestion(read::nearest(name, known.iter().copied()));
+            let meant = suggestion(nearest(name, known.iter().copied()));
             let allowed = format!("{meant}allowed: {}", known.join(", "));
             return Err(entries.places.error(KEY, found, allowed));
         };
@@ -615,7 +619,7 @@ fn numbers(entries: &Entries, media: &[Medium]) -> Result<Numbers, CaseError> {
         .find(|key| key.field.is_kept() && entries.get(key.name).is_some() && !is_used(key))
     {
         let namesake = KEYS.iter().find(|k| is_used(k) && k.split().1 == key.split().1);
-        let meant = read::suggestion(namesake.map(|key| key.name));
+        let meant = suggestion(namesake.map(|key| key.name));
         let of_kind = media.iter().any(|medium| key.kinds.contains(&medium.kind));
         let (user, owners): (_, Vec<&str>) = match (of_kind, media[0].yields) {
             (true, None) => {
@@ -804,7 +808,7 @@ fn no_parameter(entries: &Entries, medium: Medium, place: &str, name: &str) -> C
         }
         Some(_) => format!("'{shown}' is no single number"),
         None => {
-            meant = read::suggestion(read::nearest(name, names.iter().map(String::as_str)));
+            meant = suggestion(nearest(name, names.iter().map(String::as_str)));
             format!("there is no '{shown}' to sweep")
         }
     };

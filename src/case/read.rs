@@ -3,108 +3,11 @@
 use super::error::{CaseError, Place, shown};
 use super::keys::{Field, KEYS, Key, Value};
 use super::kind::{Kind, Medium, Yield};
+use super::place::{Places, is_inside};
 use super::section::{Node, Refused, Section, Table, segment};
+use super::value::{count, describe, nearest, number, pair, suggestion, text, texts};
 use std::collections::BTreeMap;
-use std::sync::Arc;
-use toml::de::{DeArray, DeInteger, DeTable, DeValue};
-
-/// Where the keys and sections of a case stand, to answer for them later.
-#[derive(Clone, Debug)]
-pub(super) struct Places {
-    /// Shared by the case and its regions.
-    all: Arc<Standing>,
-    /// Keys that stand under another name: those that a region has of its own.
-    aliases: BTreeMap<&'static str, String>,
-}
-
-/// Where something stands makes no case different from another.
-impl PartialEq for Places {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
-
-/// Lines and options by key.
-#[derive(Clone, Debug)]
-struct Standing {
-    file: String,
-    lines: BTreeMap<String, usize>,
-    options: BTreeMap<String, String>,
-}
-
-impl Standing {
-    /// Forgets where a key and all inside it stand.
-    fn forget(&mut self, key: &str) {
-        let is_kept = |name: &str| {
-            name.strip_prefix(key)
-                .is_none_or(|rest| !(rest.is_empty() || rest.starts_with(['.', '['])))
-        };
-        self.lines.retain(|name, _| is_kept(name));
-        self.options.retain(|name, _| is_kept(name));
-    }
-}
-
-impl Places {
-    fn new(file: &str) -> Self {
-        let (file, lines, options) = (file.to_owned(), BTreeMap::new(), BTreeMap::new());
-        Self { all: Arc::new(Standing { file, lines, options }), aliases: BTreeMap::new() }
-    }
-
-    /// The name under which a key stands.
-    fn alias<'k>(&'k self, key: &'k str) -> &'k str {
-        self.aliases.get(key).map_or(key, String::as_str)
-    }
-
-    /// The place of a key, or else of the innermost section around it, or else the file.
-    pub(super) fn of(&self, key: &str) -> Place {
-        let mut name = self.alias(key);
-        loop {
-            if let Some(text) = self.all.options.get(name) {
-                return Place::Option(text.clone());
-            }
-            if let Some(&line) = self.all.lines.get(name) {
-                return Place::Line { file: self.all.file.clone(), line };
-            }
-            match name.rfind(['.', '[']) {
-                Some(end) => name = &name[..end],
-                None => break,
-            }
-        }
-        // A section may stand in options alone.
-        match self.all.options.iter().find(|(name, _)| is_inside(name, key)) {
-            Some((_, text)) => Place::Option(text.clone()),
-            None => Place::File(self.all.file.clone()),
-        }
-    }
-
-    /// A section as it is named in a message.
-    fn title(&self, section: &str) -> String {
-        self.aliases.get(section).cloned().unwrap_or_else(|| format!("[{section}]"))
-    }
-
-    /// The place of an axis of `[map]`: the option that set one of its values, or else its line.
-    pub(super) fn of_axis(&self, axis: &str) -> Place {
-        let set = ["from", "to", "parameter", "points"]
-            .iter()
-            .find_map(|name| self.all.options.get(&format!("{axis}.{name}")));
-        set.map_or_else(|| self.of(axis), |text| Place::Option(text.clone()))
-    }
-
-    /// An error at a key.
-    pub(super) fn error(
-        &self,
-        key: &str,
-        found: impl Into<String>,
-        allowed: impl Into<String>,
-    ) -> CaseError {
-        CaseError::Key {
-            place: self.of(key),
-            key: shown(self.alias(key)),
-            found: found.into(),
-            allowed: allowed.into(),
-        }
-    }
-}
+use toml::de::{DeTable, DeValue};
 
 /// The sections of a case that say how it is run in time, in the order in which they are written;
 /// whether each is a list.
@@ -152,7 +55,6 @@ impl<'a> Entries<'a> {
         found.sort_by_key(|entry| entry.offset);
 
         let mut places = Places::new(file);
-        let standing = Arc::make_mut(&mut places.all);
         let mut in_time = Table::default();
         let mut parts: Vec<(String, usize)> = Vec::new();
         for entry in &found {
@@ -166,8 +68,7 @@ impl<'a> Entries<'a> {
         }
         let line = lines(text);
         for (name, offset) in parts {
-            // A dotted section has several headers; the first one answers for it.
-            standing.lines.entry(name).or_insert_with(|| line(offset));
+            places.add_line(name, line(offset));
         }
         let mut entries = Self { values: BTreeMap::new(), in_time, places };
         let mut unknown = None;
@@ -227,8 +128,7 @@ impl<'a> Entries<'a> {
             }
             return Ok(Some(name.to_owned()));
         };
-        let options = &mut Arc::make_mut(&mut self.places.all).options;
-        options.insert(key.name.to_owned(), set.to_owned());
+        self.places.add_option(key.name.to_owned(), set);
         // Quotes around text may be left out, as the shell takes them away.
         let bare = || DeValue::String(text.into());
         let value = match DeValue::parse(text) {
@@ -252,9 +152,8 @@ impl<'a> Entries<'a> {
             let (place, key) = (Place::Option(set.to_owned()), shown(&key));
             CaseError::Key { place, key, found, allowed }
         })?;
-        let standing = Arc::make_mut(&mut self.places.all);
-        standing.forget(&key);
-        standing.options.insert(key, set.to_owned());
+        self.places.forget(&key);
+        self.places.add_option(key, set);
         Ok(())
     }
 
@@ -282,13 +181,13 @@ impl<'a> Entries<'a> {
             });
             for key in KEYS.iter().filter(|key| is_inside(key.name, section)) {
                 if is_alone {
-                    own.places.aliases.insert(key.name, region.key(key.name));
+                    own.places.add_alias(key.name, region.key(key.name));
                 } else if let Some(value) = self.get(key.name) {
                     own.values.insert(key.name, value.clone());
                 }
             }
             if let Some(table) = table {
-                own.places.aliases.insert(section, region.key(section));
+                own.places.add_alias(section, region.key(section));
                 given.push((section, table));
             }
         }
@@ -300,7 +199,7 @@ impl<'a> Entries<'a> {
                     unknown.get_or_insert(name);
                     continue;
                 };
-                own.places.aliases.insert(key.name, region.key(key.name));
+                own.places.add_alias(key.name, region.key(key.name));
                 let Some(value) = node.value().and_then(|value| read_value(key, value)) else {
                     let found = format!("found {}", node.words());
                     return Err(own.places.error(key.name, found, allowed(key)));
@@ -319,13 +218,13 @@ impl<'a> Entries<'a> {
 
     /// Whether a region has the value from the case.
     pub(super) fn is_inherited(&self, key: &str) -> bool {
-        !self.places.aliases.contains_key(key)
+        !self.places.has_alias(key)
     }
 
     /// Drops what a region has from the case and its own medium does not use.
     pub(super) fn keep_inherited(&mut self, is_used: impl Fn(&str) -> bool) {
-        let aliases = &self.places.aliases;
-        self.values.retain(|key, _| aliases.contains_key(key) || is_used(key));
+        let places = &self.places;
+        self.values.retain(|key, _| places.has_alias(key) || is_used(key));
     }
 
     /// What to say of a key that the table does not have: what it may mean, and what is allowed.
@@ -361,8 +260,7 @@ impl<'a> Entries<'a> {
 
     /// Whether a section stands in the file or was set.
     pub(super) fn has_section(&self, section: &str) -> bool {
-        self.places.all.lines.contains_key(section)
-            || self.values.keys().any(|key| is_inside(key, section))
+        self.places.has_line(section) || self.values.keys().any(|key| is_inside(key, section))
     }
 
     /// The value of a key that must be there.
@@ -407,27 +305,6 @@ pub(super) fn allowed(key: &Key) -> String {
     format!("expected {}{unit} ({})", key.field.expected(), key.meaning)
 }
 
-/// The name nearest to a misspelt one, where one is near.
-pub(super) fn nearest<'a>(
-    name: &str,
-    candidates: impl IntoIterator<Item = &'a str>,
-) -> Option<&'a str> {
-    const NEAR: f64 = 0.3; // a third of the letters right
-    let name: String = name.chars().take(80).collect();
-    candidates
-        .into_iter()
-        .map(|candidate| (strsim::normalized_damerau_levenshtein(&name, candidate), candidate))
-        .filter(|(likeness, _)| *likeness >= NEAR)
-        // The first of those that are equally near.
-        .reduce(|best, other| if other.0 > best.0 { other } else { best })
-        .map(|(_, candidate)| candidate)
-}
-
-/// A question in front of what is allowed, or nothing.
-pub(super) fn suggestion(name: Option<&str>) -> String {
-    name.map_or(String::new(), |name| format!("did you mean '{name}'? "))
-}
-
 /// The line of an offset, both counted in the text; lines from 1.
 fn lines(text: &str) -> impl Fn(usize) -> usize {
     let ends: Vec<usize> = text.match_indices('\n').map(|(offset, _)| offset).collect();
@@ -452,10 +329,6 @@ fn collect<'d, 'a>(prefix: &str, table: &'d DeTable<'a>, found: &mut Vec<Found<'
         }
         found.push(Found { name, value, offset: key.span().start });
     }
-}
-
-fn is_inside(key: &str, section: &str) -> bool {
-    key.strip_prefix(section).is_some_and(|rest| rest.starts_with('.'))
 }
 
 fn is_section(name: &str) -> bool {
@@ -491,87 +364,6 @@ fn read_value(key: &Key, value: &DeValue) -> Option<Value> {
         }
         Field::Pair(_) | Field::OptionalPair(_) => pair(value, number).map(Value::Pair),
         Field::OptionalMatrix(_) => pair(value, |row| pair(row, number)).map(Value::Matrix),
-    }
-}
-
-/// Text in one line.
-pub(super) fn text(value: &DeValue) -> Option<String> {
-    value.as_str().filter(|text| !text.chars().any(char::is_control)).map(str::to_owned)
-}
-
-/// Integers count as numbers as far as doubles hold them exactly.
-pub(super) fn number(value: &DeValue) -> Option<f64> {
-    const EXACT: i64 = 1 << f64::MANTISSA_DIGITS;
-    match value {
-        DeValue::Float(float) => float.as_str().parse().ok(),
-        DeValue::Integer(_) => {
-            integer(value).filter(|i| (-EXACT..=EXACT).contains(i)).map(|i| i as f64)
-        }
-        _ => None,
-    }
-    .filter(|number: &f64| number.is_finite())
-}
-
-fn integer(value: &DeValue) -> Option<i64> {
-    let integer = value.as_integer()?;
-    i64::from_str_radix(integer.as_str(), integer.radix()).ok()
-}
-
-/// Whether what begins like an integer is one, however large: `0x` alone has no digits.
-fn has_digits(integer: &DeInteger) -> bool {
-    let digits = integer.as_str().trim_start_matches(['+', '-']);
-    !digits.is_empty() && digits.chars().all(|digit| digit.is_digit(integer.radix()))
-}
-
-pub(super) fn count(value: &DeValue) -> Option<usize> {
-    integer(value).filter(|&count| count >= 1).and_then(|count| count.try_into().ok())
-}
-
-pub(super) fn texts(value: &DeValue) -> Option<Vec<String>> {
-    value.as_array()?.iter().map(|text| text.get_ref().as_str().map(str::to_owned)).collect()
-}
-
-fn pair<T>(value: &DeValue, read: impl Fn(&DeValue) -> Option<T>) -> Option<[T; 2]> {
-    let array: &DeArray = value.as_array()?;
-    let items: Option<Vec<T>> = array.iter().map(|item| read(item.get_ref())).collect();
-    items?.try_into().ok()
-}
-
-/// A value as it is named in a message.
-pub(super) fn describe(value: &DeValue) -> String {
-    match value {
-        DeValue::String(text) => format!("the text '{}'", shown(text)),
-        DeValue::Integer(integer) => {
-            let digits = shown(&integer.to_string());
-            match number(value) {
-                Some(_) => format!("the integer {digits}"),
-                None if !has_digits(integer) => format!("'{digits}', which is not a number"),
-                None => format!("the integer {digits}, too large to be exact; write it as 1e20"),
-            }
-        }
-        DeValue::Float(float) => {
-            let digits = shown(float.as_str());
-            match number(value) {
-                Some(_) => format!("the number {digits}"),
-                None => format!("{digits}, which is not finite"),
-            }
-        }
-        DeValue::Boolean(boolean) => format!("the truth value {boolean}"),
-        DeValue::Datetime(datetime) => format!("the date {datetime}"),
-        DeValue::Array(array) => {
-            // The item that does not go with the others.
-            let items = || array.iter().map(|item| item.get_ref());
-            let is_of_texts = items().next().is_some_and(DeValue::is_str);
-            let odd = items().find(|item| match is_of_texts {
-                true => !item.is_str(),
-                false => !item.is_array() && number(item).is_none(),
-            });
-            match odd {
-                Some(item) => format!("a list that holds {}", describe(item)),
-                None => format!("a list of {}", array.len()),
-            }
-        }
-        DeValue::Table(_) => "a section".to_owned(),
     }
 }
 

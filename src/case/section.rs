@@ -2,7 +2,8 @@
 //! what it was asked for.
 
 use super::error::{CaseError, Place, shown};
-use super::read::{self, Places, describe, nearest, suggestion};
+use super::place::Places;
+use super::value::{self, describe, list, nearest, short_list, suggestion};
 use std::fmt::{Debug, Display};
 use toml::de::{DeTable, DeValue};
 
@@ -77,19 +78,6 @@ impl<'a> Node<'a> {
             Self::Tables(tables) => format!("a list of {}", tables.len()),
         }
     }
-}
-
-/// A list of a few numbers as it stands.
-fn short_list(value: &DeValue) -> Option<String> {
-    const MOST: usize = 9;
-    let array = value.as_array().filter(|array| (1..=MOST).contains(&array.len()))?;
-    let item = |item: &DeValue| match item {
-        DeValue::Integer(integer) => read::number(item).map(|_| shown(&integer.to_string())),
-        DeValue::Float(float) => read::number(item).map(|_| shown(float.as_str())),
-        _ => None,
-    };
-    let items: Option<Vec<String>> = array.iter().map(|own| item(own.get_ref())).collect();
-    items.map(|items| format!("[{}]", items.join(", ")))
 }
 
 impl<'a> Table<'a> {
@@ -226,7 +214,7 @@ fn step(text: &str) -> Option<Step<'_>> {
 
 /// A finite number.
 pub(super) fn number(node: &Node) -> Option<f64> {
-    read::number(node.value()?)
+    value::number(node.value()?)
 }
 
 /// A number above zero.
@@ -241,17 +229,17 @@ pub(super) fn not_negative(node: &Node) -> Option<f64> {
 
 /// A whole number of at least 1.
 pub(super) fn count(node: &Node) -> Option<usize> {
-    read::count(node.value()?)
+    value::count(node.value()?)
 }
 
 /// Text in one line.
 pub(super) fn text(node: &Node) -> Option<String> {
-    read::text(node.value()?)
+    value::text(node.value()?)
 }
 
 /// A list of texts.
 pub(super) fn texts(node: &Node) -> Option<Vec<String>> {
-    read::texts(node.value()?)
+    value::texts(node.value()?)
 }
 
 /// True or false.
@@ -259,25 +247,16 @@ pub(super) fn truth(node: &Node) -> Option<bool> {
     node.value()?.as_bool()
 }
 
-/// `length` values; one alone needs no brackets.
-fn list<T>(value: &DeValue, length: usize, read: impl Fn(&DeValue) -> Option<T>) -> Option<Vec<T>> {
-    let Some(array) = value.as_array() else {
-        return (length == 1).then(|| read(value).map(|item| vec![item])).flatten();
-    };
-    let items: Option<Vec<T>> = array.iter().map(|item| read(item.get_ref())).collect();
-    items.filter(|items| items.len() == length)
-}
-
 /// `length` numbers; one alone needs no brackets.
 pub(super) fn numbers(length: usize) -> impl Fn(&Node) -> Option<Vec<f64>> {
-    move |node| list(node.value()?, length, read::number)
+    move |node| list(node.value()?, length, value::number)
 }
 
 /// Two or three whole numbers of at least 1.
 pub(super) fn cells(node: &Node) -> Option<Vec<usize>> {
     let value = node.value()?;
     let length = value.as_array()?.len();
-    list(value, length, read::count).filter(|_| (2..=3).contains(&length))
+    list(value, length, value::count).filter(|_| (2..=3).contains(&length))
 }
 
 /// A positive number for all axes, or one for each.
@@ -290,7 +269,7 @@ pub(super) fn spacing(length: usize) -> impl Fn(&Node) -> Option<Vec<f64>> {
 
 /// A square matrix by rows.
 pub(super) fn matrix(size: usize) -> impl Fn(&Node) -> Option<Vec<Vec<f64>>> {
-    move |node| list(node.value()?, size, |row| list(row, size, read::number))
+    move |node| list(node.value()?, size, |row| list(row, size, value::number))
 }
 
 /// Reads one table: what is asked for is what it may hold.

@@ -7,7 +7,8 @@ use super::{
 };
 use crate::case::error::{CaseError, Place, shown};
 use crate::case::keys::{Key, Value};
-use crate::case::read::{Entries, Places, SECTIONS_IN_TIME};
+use crate::case::place::Places;
+use crate::case::read::{Entries, SECTIONS_IN_TIME};
 use crate::case::section::{
     Node, Section, cells, count, joined, matrix, not_negative, number, numbers, positive, spacing,
     text, texts, truth,

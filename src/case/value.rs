@@ -1,0 +1,135 @@
+//! Typed values out of TOML, and how a message names what was found and what may have been meant.
+
+use super::error::shown;
+use toml::de::{DeArray, DeInteger, DeValue};
+
+/// Text in one line.
+pub(super) fn text(value: &DeValue) -> Option<String> {
+    value.as_str().filter(|text| !text.chars().any(char::is_control)).map(str::to_owned)
+}
+
+/// Integers count as numbers as far as doubles hold them exactly.
+pub(super) fn number(value: &DeValue) -> Option<f64> {
+    const EXACT: i64 = 1 << f64::MANTISSA_DIGITS;
+    match value {
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        DeValue::Integer(_) => {
+            integer(value).filter(|i| (-EXACT..=EXACT).contains(i)).map(|i| i as f64)
+        }
+        _ => None,
+    }
+    .filter(|number: &f64| number.is_finite())
+}
+
+fn integer(value: &DeValue) -> Option<i64> {
+    let integer = value.as_integer()?;
+    i64::from_str_radix(integer.as_str(), integer.radix()).ok()
+}
+
+/// Whether what begins like an integer is one, however large: `0x` alone has no digits.
+fn has_digits(integer: &DeInteger) -> bool {
+    let digits = integer.as_str().trim_start_matches(['+', '-']);
+    !digits.is_empty() && digits.chars().all(|digit| digit.is_digit(integer.radix()))
+}
+
+/// A whole number of at least 1.
+pub(super) fn count(value: &DeValue) -> Option<usize> {
+    integer(value).filter(|&count| count >= 1).and_then(|count| count.try_into().ok())
+}
+
+/// A list of texts.
+pub(super) fn texts(value: &DeValue) -> Option<Vec<String>> {
+    value.as_array()?.iter().map(|text| text.get_ref().as_str().map(str::to_owned)).collect()
+}
+
+/// Two values.
+pub(super) fn pair<T>(value: &DeValue, read: impl Fn(&DeValue) -> Option<T>) -> Option<[T; 2]> {
+    let array: &DeArray = value.as_array()?;
+    let items: Option<Vec<T>> = array.iter().map(|item| read(item.get_ref())).collect();
+    items?.try_into().ok()
+}
+
+/// `length` values; one alone needs no brackets.
+pub(super) fn list<T>(
+    value: &DeValue,
+    length: usize,
+    read: impl Fn(&DeValue) -> Option<T>,
+) -> Option<Vec<T>> {
+    let Some(array) = value.as_array() else {
+        return (length == 1).then(|| read(value).map(|item| vec![item])).flatten();
+    };
+    let items: Option<Vec<T>> = array.iter().map(|item| read(item.get_ref())).collect();
+    items.filter(|items| items.len() == length)
+}
+
+/// A value as it is named in a message.
+pub(super) fn describe(value: &DeValue) -> String {
+    match value {
+        DeValue::String(text) => format!("the text '{}'", shown(text)),
+        DeValue::Integer(integer) => {
+            let digits = shown(&integer.to_string());
+            match number(value) {
+                Some(_) => format!("the integer {digits}"),
+                None if !has_digits(integer) => format!("'{digits}', which is not a number"),
+                None => format!("the integer {digits}, too large to be exact; write it as 1e20"),
+            }
+        }
+        DeValue::Float(float) => {
+            let digits = shown(float.as_str());
+            match number(value) {
+                Some(_) => format!("the number {digits}"),
+                None => format!("{digits}, which is not finite"),
+            }
+        }
+        DeValue::Boolean(boolean) => format!("the truth value {boolean}"),
+        DeValue::Datetime(datetime) => format!("the date {datetime}"),
+        DeValue::Array(array) => {
+            // The item that does not go with the others.
+            let items = || array.iter().map(|item| item.get_ref());
+            let is_of_texts = items().next().is_some_and(DeValue::is_str);
+            let odd = items().find(|item| match is_of_texts {
+                true => !item.is_str(),
+                false => !item.is_array() && number(item).is_none(),
+            });
+            match odd {
+                Some(item) => format!("a list that holds {}", describe(item)),
+                None => format!("a list of {}", array.len()),
+            }
+        }
+        DeValue::Table(_) => "a section".to_owned(),
+    }
+}
+
+/// A list of a few numbers as it stands.
+pub(super) fn short_list(value: &DeValue) -> Option<String> {
+    const MOST: usize = 9;
+    let array = value.as_array().filter(|array| (1..=MOST).contains(&array.len()))?;
+    let item = |item: &DeValue| match item {
+        DeValue::Integer(integer) => number(item).map(|_| shown(&integer.to_string())),
+        DeValue::Float(float) => number(item).map(|_| shown(float.as_str())),
+        _ => None,
+    };
+    let items: Option<Vec<String>> = array.iter().map(|own| item(own.get_ref())).collect();
+    items.map(|items| format!("[{}]", items.join(", ")))
+}
+
+/// The name nearest to a misspelt one, where one is near.
+pub(super) fn nearest<'a>(
+    name: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
+    const NEAR: f64 = 0.3; // a third of the letters right
+    let name: String = name.chars().take(80).collect();
+    candidates
+        .into_iter()
+        .map(|candidate| (strsim::normalized_damerau_levenshtein(&name, candidate), candidate))
+        .filter(|(likeness, _)| *likeness >= NEAR)
+        // The first of those that are equally near.
+        .reduce(|best, other| if other.0 > best.0 { other } else { best })
+        .map(|(_, candidate)| candidate)
+}
+
+/// A question in front of what is allowed, or nothing.
+pub(super) fn suggestion(name: Option<&str>) -> String {
+    name.map_or(String::new(), |name| format!("did you mean '{name}'? "))
+}
