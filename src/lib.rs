@@ -1,7 +1,7 @@
 //! Well-posedness of continuum models of granular media.
 //!
 //! Describe a medium and a state in a case file; `wellposed` says whether its equations are
-//! well-posed. One file per verb ([`map`], [`point`], [`dispersion`], [`speeds`], [`run`], [`cases`], [`new`]);
+//! well-posed. One file per verb ([`map`], [`point`], [`dispersion`], [`speeds`], [`run`], [`plot`], [`cases`], [`new`]);
 //! [`case`] reads case files; [`output`] keeps folders of results. No physics and no numerics here.
 #![deny(missing_docs)]
 
@@ -13,6 +13,7 @@ pub mod hyperbolicity;
 pub mod map;
 pub mod new;
 pub mod output;
+pub mod plot;
 pub mod point;
 pub mod progress;
 pub mod run;
@@ -69,6 +70,25 @@ pub enum Error {
     /// A run ended by its own state.
     #[error(transparent)]
     Stopped(#[from] run::Stopped),
+    /// Somebody ended a run, which may go on.
+    #[error("interrupted at {time} s; wellposed resume {folder} goes on")]
+    Interrupted {
+        /// The time that it had come to, s.
+        time: String,
+        /// The folder of its results.
+        folder: String,
+    },
+    /// A file of results cannot be read again.
+    #[error("{file}: {cause}; run the case again with --force")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// Why not.
+        cause: String,
+    },
+    /// A snapshot could not be made.
+    #[error(transparent)]
+    Snapshot(#[from] files::vti::VtiError),
     /// No memory for the map.
     #[error("no memory for a map of {points} points: ask for fewer")]
     Memory {
@@ -93,12 +113,13 @@ pub enum Error {
 }
 
 impl Error {
-    /// The program's exit code: 2, but 0 where the reader of a pipe had enough, and 3 where a run was stopped
-    /// by its own state.
+    /// The program's exit code: 2, but 0 where the reader of a pipe had enough, 3 where a run was stopped
+    /// by its own state, 130 where it was interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Stdout(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
             Self::Stopped(_) => 3,
+            Self::Interrupted { .. } => 130,
             _ => 2,
         }
     }

@@ -7,7 +7,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use wellposed::case::{Kind, Medium, Yield};
 use wellposed::map::{self, Extras};
-use wellposed::{Error, Format, Options, VERSION, cases, dispersion, new, point, run, speeds};
+use wellposed::run::{self, Control};
+use wellposed::{Error, Format, Options, VERSION, cases, dispersion, new, plot, point, speeds};
 
 /// Well-posedness of continuum models of granular media.
 #[derive(Parser)]
@@ -22,7 +23,7 @@ enum Verb {
     /// Verdict over two parameters of a case: picture, data and a summary in words
     Map {
         #[command(flatten)]
-        run: Run,
+        run: Common,
         /// Also locate the greatest growth rate over all waves at every point
         #[arg(long)]
         bound: bool,
@@ -36,22 +37,44 @@ enum Verb {
     /// Everything about one state: background, characteristics, roots, growth, verdict
     Point {
         #[command(flatten)]
-        run: Run,
+        run: Common,
     },
     /// Frequencies and speeds of the waves of a solid against the wave number
     Dispersion {
         #[command(flatten)]
-        run: Run,
+        run: Common,
     },
     /// Characteristic speeds of a solid against the direction, elastic and yielding
     Speeds {
         #[command(flatten)]
-        run: Run,
+        run: Common,
     },
     /// Solve a dynamic problem of a solid in time: fields, receivers, energy ledger and a picture
     Run {
         #[command(flatten)]
-        run: Run,
+        run: Common,
+        /// Seconds between two checkpoints, from which an interrupted run resumes
+        #[arg(long, value_name = "SECONDS", default_value_t = run::CHECKPOINT_EVERY)]
+        checkpoint_every: f64,
+    },
+    /// Go on with a run that was interrupted or killed; its results are the same bits
+    Resume {
+        /// The folder of its results
+        folder: PathBuf,
+        /// Number of threads [default: one per core]; results do not depend on it
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+        threads: Option<u16>,
+        /// Seconds between two checkpoints
+        #[arg(long, value_name = "SECONDS", default_value_t = run::CHECKPOINT_EVERY)]
+        checkpoint_every: f64,
+        /// Form of what is printed
+        #[arg(long, value_enum, default_value = "text")]
+        format: FormatName,
+    },
+    /// Draw the pictures of a finished run again
+    Plot {
+        /// The folder of its results
+        folder: PathBuf,
     },
     /// List the cases that come with the program
     Cases,
@@ -79,7 +102,7 @@ enum Verb {
 
 /// What all verbs take that run a case.
 #[derive(Args)]
-struct Run {
+struct Common {
     /// The case file
     case: PathBuf,
     /// Set a key of the case, as in background.pressure=500; may be repeated
@@ -108,6 +131,15 @@ enum FormatName {
     Json,
 }
 
+impl From<FormatName> for Format {
+    fn from(name: FormatName) -> Self {
+        match name {
+            FormatName::Text => Self::Text,
+            FormatName::Json => Self::Json,
+        }
+    }
+}
+
 fn kind(name: String) -> Result<Kind, String> {
     Kind::from_name(&name).ok_or_else(|| format!("no kind of model is called {name}"))
 }
@@ -116,15 +148,12 @@ fn yield_set(name: String) -> Result<Yield, String> {
     Yield::from_name(&name).ok_or_else(|| format!("no yield set is called {name}"))
 }
 
-impl From<Run> for Options {
-    fn from(run: Run) -> Self {
+impl From<Common> for Options {
+    fn from(run: Common) -> Self {
         Self {
             case: run.case,
             sets: run.sets,
-            format: match run.format {
-                FormatName::Text => Format::Text,
-                FormatName::Json => Format::Json,
-            },
+            format: run.format.into(),
             out: run.out,
             force: run.force,
             dry_run: run.dry_run,
@@ -156,7 +185,15 @@ fn carry_out(verb: Verb) -> Result<(), Error> {
         Verb::Point { run } => point::run(&run.into(), &mut stdout)?,
         Verb::Dispersion { run } => dispersion::run(&run.into(), &mut stdout)?,
         Verb::Speeds { run } => speeds::run(&run.into(), &mut stdout)?,
-        Verb::Run { run } => run::run(&run.into(), &mut stdout)?,
+        Verb::Run { run, checkpoint_every } => {
+            run::run(&run.into(), Control { checkpoint_every }, &mut stdout)?;
+        }
+        Verb::Resume { folder, threads, checkpoint_every, format } => {
+            let threads = threads.map(usize::from);
+            let control = Control { checkpoint_every };
+            run::resume(&folder, threads, control, format.into(), &mut stdout)?;
+        }
+        Verb::Plot { folder } => plot::run(&folder, &mut stdout)?,
         Verb::Cases => cases::run(&mut stdout)?,
         Verb::New { kind, yields, file, force } => {
             let medium = Medium::new(kind, yields)?;

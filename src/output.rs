@@ -47,9 +47,60 @@ pub const SPEEDS: [&str; 8] = [
     "sphere.csv",
 ];
 
-/// What `run` writes besides; receivers where there are any.
-pub const RUN: [&str; 7] =
-    ["run.png", "run.svg", "receivers.csv", "ledger.csv", "fields.npz", "run.json", "run.txt"];
+/// What `run` writes besides: receivers and their pictures where there are any, snapshots and their animation
+/// where they are asked for, and every snapshot by its own name.
+pub const RUN: [&str; 17] = [
+    "run.png",
+    "run.svg",
+    "seismograms.png",
+    "seismograms.svg",
+    "ledger.png",
+    "ledger.svg",
+    "dissipation.png",
+    "dissipation.svg",
+    "animation.gif",
+    "receivers.csv",
+    "receivers.npz",
+    "ledger.csv",
+    "fields.npz",
+    "snapshots.pvd",
+    "checkpoint",
+    "run.json",
+    "run.txt",
+];
+
+/// What says that a run is finished.
+const FINISHED: &str = "run.json";
+
+/// A file that a run keeps open or writes again and again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Growing {
+    /// What receivers saw.
+    Receivers,
+    /// The ledger of energy.
+    Ledger,
+    /// What resumes a run.
+    Checkpoint,
+    /// Wall times and speeds: no result.
+    Log,
+}
+
+impl Growing {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Receivers => "receivers.csv",
+            Self::Ledger => "ledger.csv",
+            Self::Checkpoint => "checkpoint",
+            Self::Log => "log.txt",
+        }
+    }
+}
+
+/// Whether the name is that of a snapshot: `snapshot-00000012.vti`.
+pub fn is_snapshot(name: &str) -> bool {
+    let inner = name.strip_prefix("snapshot-").and_then(|name| name.strip_suffix(".vti"));
+    inner.is_some_and(|step| !step.is_empty() && step.bytes().all(|byte| byte.is_ascii_digit()))
+}
 
 /// Every file that a verb may write. `--force` removes the ones of another case, so that no result
 /// ever stands beside a case that it does not belong to.
@@ -70,7 +121,8 @@ pub struct OutputError {
 }
 
 impl OutputError {
-    fn new(path: &Path, cause: impl ToString) -> Self {
+    /// Something that cannot be written.
+    pub fn new(path: &Path, cause: impl ToString) -> Self {
         Self {
             path: path.to_owned(),
             cause: cause.to_string(),
@@ -120,9 +172,107 @@ impl ResultFolder {
         Ok(Self { path, case: text, is_foreign: foreign.is_some() })
     }
 
+    /// The folder of a run that was not finished, and its case.
+    ///
+    /// # Errors
+    /// It holds no run, a finished one, or one of another version of the program.
+    pub fn of_run(path: &Path) -> Result<(Self, Case), crate::Error> {
+        let refused = |cause: &str, remedy| OutputError {
+            path: path.to_owned(),
+            cause: cause.to_owned(),
+            remedy,
+        };
+        let file = path.join(CASE);
+        if !file.is_file() {
+            let remedy = "name the folder of results of wellposed run";
+            return Err(refused("no run: it holds no case.toml", remedy).into());
+        }
+        let case = Case::load(&file, &[])?;
+        if !holds(&path.join(PROGRAM), &program()) {
+            let remedy = "resume it with that version, or run the case again with --force";
+            return Err(refused("a run of another version of this program", remedy).into());
+        }
+        if path.join(FINISHED).exists() {
+            return Err(refused("the run is finished", "wellposed plot draws it again").into());
+        }
+        Ok((Self { path: path.to_owned(), case: case.to_toml(), is_foreign: false }, case))
+    }
+
+    /// The folder of a finished run, to be drawn again, and its case.
+    ///
+    /// # Errors
+    /// It holds no finished run.
+    pub fn finished(path: &Path) -> Result<(Self, Case), crate::Error> {
+        let refused = |cause: &str, remedy| OutputError {
+            path: path.to_owned(),
+            cause: cause.to_owned(),
+            remedy,
+        };
+        let file = path.join(CASE);
+        if !path.join(FINISHED).exists() || !file.is_file() {
+            let remedy = "name the folder of results of wellposed run; resume an unfinished one";
+            return Err(refused("no finished run", remedy).into());
+        }
+        let case = Case::load(&file, &[])?;
+        Ok((Self { path: path.to_owned(), case: case.to_toml(), is_foreign: false }, case))
+    }
+
+    /// Whether a run may begin here: a finished or an unfinished one is not thrown away unasked.
+    ///
+    /// # Errors
+    /// What stands in the way, and the remedy.
+    pub fn check_runs(&self, force: bool) -> Result<(), OutputError> {
+        let refused = |cause: &str, remedy| {
+            Err(OutputError { path: self.path.clone(), cause: cause.to_owned(), remedy })
+        };
+        if force {
+            Ok(())
+        } else if self.path.join(FINISHED).exists() {
+            refused("the folder holds this run, finished", "compute it again with --force")
+        } else if self.growing(Growing::Checkpoint).exists() {
+            let remedy = "go on with wellposed resume, or begin again with --force";
+            refused("the folder holds this run, interrupted", remedy)
+        } else {
+            Ok(())
+        }
+    }
+
     /// The folder.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// The resolved case.
+    pub fn case(&self) -> &str {
+        &self.case
+    }
+
+    /// Where a file stands that grows.
+    pub fn growing(&self, file: Growing) -> PathBuf {
+        self.path.join(file.name())
+    }
+
+    /// Removes a file, if it is there.
+    ///
+    /// # Errors
+    /// It cannot be removed.
+    pub fn remove(&self, file: Growing) -> Result<(), OutputError> {
+        remove(&self.growing(file))
+    }
+
+    /// Makes the folder ready for a run from its beginning: as [`open`](Self::open), and without anything
+    /// of an earlier run.
+    ///
+    /// # Errors
+    /// What cannot be written or removed, and why.
+    pub fn open_run(&self) -> Result<(), OutputError> {
+        self.open()?;
+        let own = |name: &String| {
+            is_snapshot(name) || *name == Growing::Log.name() || RUN.iter().any(|own| own == name)
+        };
+        names(&self.path)?.iter().filter(|name| own(name)).try_for_each(|name| {
+            remove(&self.path.join(name))
+        })
     }
 
     /// Makes the folder ready: creates it, removes results of another case and what a killed run
@@ -133,15 +283,9 @@ impl ResultFolder {
     pub fn open(&self) -> Result<(), OutputError> {
         fs::create_dir_all(&self.path).map_err(|e| OutputError::new(&self.path, e))?;
         let half_written = names(&self.path)?.into_iter().filter(|name| is_half_written(name));
-        let stale = results().filter(|_| self.is_foreign).map(str::to_owned);
+        let stale = names(&self.path)?.into_iter().filter(|name| self.is_foreign && is_result(name));
         for name in half_written.chain(stale) {
-            let path = self.path.join(name);
-            match fs::remove_file(&path) {
-                Err(error) if error.kind() != ErrorKind::NotFound => {
-                    return Err(OutputError::new(&path, error));
-                }
-                _ => {}
-            }
+            remove(&self.path.join(name))?;
         }
         // The case file itself may stand here, word for word.
         if !holds(&self.path.join(CASE), &self.case) {
@@ -155,8 +299,25 @@ impl ResultFolder {
     /// # Errors
     /// The file, and why it cannot be written.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
-        debug_assert!(results().any(|known| known == name), "{name} is not listed");
+        debug_assert!(is_result(name), "{name} is not listed");
         write_file(&self.path.join(name), bytes)
+    }
+}
+
+/// Whether a verb may write a file of that name.
+fn is_result(name: &str) -> bool {
+    is_snapshot(name) || results().any(|known| known == name)
+}
+
+/// Removes a file, if it is there.
+fn remove(path: &Path) -> Result<(), OutputError> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(OutputError {
+            path: path.to_owned(),
+            cause: error.to_string(),
+            remedy: "let it be removed, or name another folder with --out",
+        }),
+        _ => Ok(()),
     }
 }
 
@@ -185,7 +346,7 @@ fn foreign(folder: &Path, case: &str) -> Result<Option<&'static str>, OutputErro
         return Ok(Some("the folder holds something other than results of this case"));
     }
     // A run killed early may have left the case alone; there is no result to be taken for another.
-    let has_origin = names.iter().any(|name| name == PROGRAM || results().any(|r| r == name));
+    let has_origin = names.iter().any(|name| name == PROGRAM || is_result(name));
     if has_origin && !holds(&folder.join(PROGRAM), &program()) {
         return Ok(Some("the folder holds results of another version of this program"));
     }
@@ -208,7 +369,7 @@ fn is_half_written(name: &str) -> bool {
     let inner = name.strip_prefix('.').and_then(|name| name.strip_suffix(".partial"));
     inner.and_then(|inner| inner.rsplit_once('.')).is_some_and(|(name, process)| {
         let is_number = process.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-');
-        let is_own = results().chain([CASE, PROGRAM, PROBE]).any(|own| own == name);
+        let is_own = is_result(name) || [CASE, PROGRAM, PROBE].contains(&name);
         is_number && is_own
     })
 }

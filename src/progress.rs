@@ -28,6 +28,13 @@ impl Progress {
         Self { bar, start: Instant::now(), show: Once::new() }
     }
 
+    /// What is to be said beside the bar.
+    pub fn note(&self, text: String) {
+        if let Some(bar) = &self.bar {
+            bar.set_message(text);
+        }
+    }
+
     /// `steps` more are done.
     pub fn tick(&self, steps: u64) {
         if let Some(bar) = &self.bar {

@@ -230,7 +230,9 @@ fn bundled_cases_are_valid_and_have_headers() {
     for (path, text) in CASES {
         let case = Case::parse(text, path, &[]).unwrap_or_else(|error| panic!("{error}"));
         assert!(!case.title.is_empty(), "{path}");
-        let verb = if let Kind::Solid(_) = case.kind {
+        let verb = if case.dynamics.is_some() {
+            "run"
+        } else if let Kind::Solid(_) = case.kind {
             Solid::of(&case).unwrap_or_else(|error| panic!("{error}"));
             if case.map.is_some() { "map" } else { "dispersion" }
         } else {
@@ -584,7 +586,7 @@ fn files_that_cannot_be_read_say_why() {
         (write("comment.toml", b"# nothing\n"), "comment.toml: model.kind: missing"),
         (write("latin.toml", b"a = 1\ntitle = '\xe9'"), "latin.toml:2: a byte that is not UTF-8"),
         (write("zero.toml", &[0; 100]), "zero.toml:1: "),
-        (write("large.toml", &vec![b'#'; 2 << 20]), "larger than 1 MiB"),
+        (write("large.toml", &vec![b'#'; (1 << 28) + 1]), "larger than 256 MiB"),
         (write("deep.toml", format!("a = {}", "[".repeat(100_000)).as_bytes()), "deep.toml:1: "),
     ] {
         let error = Case::load(&path, &[]).unwrap_err().to_string();

@@ -96,15 +96,21 @@ fn every_bundled_case_runs() {
     for (path, text) in CASES {
         let name = Path::new(path).file_name().unwrap().to_str().unwrap();
         fs::write(here.join(name), shrunk(text)).unwrap();
-        let verb = match text {
-            _ if text.contains("[map]") => "map",
-            _ if text.contains("[background]") => "point",
-            _ => "dispersion",
+        let case = Case::load(&here.join(name), &[]).unwrap();
+        let (verb, sets) = match text {
+            _ if text.contains("[map]") => ("map", Vec::new()),
+            _ if text.contains("[background]") => ("point", Vec::new()),
+            _ => match &case.dynamics {
+                // Its beginning.
+                Some(own) => ("run", vec![format!("time.duration={:e}", 0.05 * own.time.duration)]),
+                None => ("dispersion", Vec::new()),
+            },
         };
-        let (stdout, _) = ends_with(0, &here, &format!("{verb} {name}"));
+        let options: String = sets.iter().map(|set| format!(" --set {set}")).collect();
+        let (stdout, _) = ends_with(0, &here, &format!("{verb} {name}{options}"));
         assert!(!stdout.is_empty());
         let out = here.join("out").join(name.trim_end_matches(".toml"));
-        let case = Case::load(&here.join(name), &[]).unwrap();
+        let case = Case::load(&here.join(name), &sets).unwrap();
         assert_eq!(fs::read_to_string(out.join("case.toml")).unwrap(), case.to_toml());
         let program = fs::read_to_string(out.join("program.json")).unwrap();
         let program: serde_json::Value = serde_json::from_str(&program).unwrap();

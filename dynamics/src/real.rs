@@ -44,6 +44,12 @@ pub trait Real: Number + PartialOrd {
 
     /// The same number.
     fn wide(self) -> f64;
+
+    /// Its bytes, the least first.
+    fn bytes(self) -> impl Iterator<Item = u8>;
+
+    /// Numbers from such bytes; `None` where one is not whole.
+    fn from_bytes(bytes: &[u8]) -> Option<Vec<Self>>;
 }
 
 /// Numbers in lanes.
@@ -204,6 +210,15 @@ macro_rules! real {
 
             fn wide(self) -> f64 {
                 self.into()
+            }
+
+            fn bytes(self) -> impl Iterator<Item = u8> {
+                self.to_le_bytes().into_iter()
+            }
+
+            fn from_bytes(bytes: &[u8]) -> Option<Vec<Self>> {
+                let (numbers, []) = bytes.as_chunks() else { return None };
+                Some(numbers.iter().map(|number| Self::from_le_bytes(*number)).collect())
             }
         }
     };

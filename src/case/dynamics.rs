@@ -551,6 +551,10 @@ pub struct Receiver {
 pub struct Output {
     /// Time between two lines of the energy ledger, s; 0: so that there are at most 1000.
     pub ledger_interval: f64,
+    /// Time between two snapshots of all fields, s; 0: none.
+    pub snapshot_interval: f64,
+    /// Velocities and spins whose integrals in time, displacements and rotations, are kept.
+    pub integrals: Vec<Component>,
     /// What pictures show.
     pub picture: Picture,
 }
@@ -563,6 +567,10 @@ pub enum Picture {
     Speed,
     /// A component of the state.
     Component(Component),
+    /// The integral in time of a velocity or spin.
+    Integral(Component),
+    /// Plastic dissipation per volume.
+    Dissipation,
 }
 
 impl Picture {
@@ -571,6 +579,8 @@ impl Picture {
         match self {
             Self::Speed => "speed".to_owned(),
             Self::Component(component) => component.to_string(),
+            Self::Integral(component) => component.integral().unwrap_or_default(),
+            Self::Dissipation => "dissipation".to_owned(),
         }
     }
 }

@@ -41,8 +41,8 @@ pub const ACTIVE_NAMES: [&str; 8] =
 /// What stands for a yield set in a region that stays elastic.
 const NO_YIELD: &str = "none";
 
-/// Largest case file, bytes: more is no case, and is not read into memory.
-const LARGEST_FILE: u64 = 1 << 20;
+/// Largest case file, bytes: more is no case, and is not read into memory. Tables of loads take room.
+const LARGEST_FILE: u64 = 1 << 28;
 
 /// A case as its file states it, with defaults filled in.
 #[derive(Clone, Debug)]
@@ -152,7 +152,7 @@ impl Case {
             .and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes))
             .map_err(|error| unreadable(error.to_string()))?;
         if bytes.len() as u64 > LARGEST_FILE {
-            return Err(unreadable("larger than 1 MiB, so no case file".into()));
+            return Err(unreadable("larger than 256 MiB, so no case file".into()));
         }
         let file = path.display().to_string();
         match std::str::from_utf8(&bytes) {

@@ -272,6 +272,12 @@ pub(super) fn matrix(size: usize) -> impl Fn(&Node) -> Option<Vec<Vec<f64>>> {
     move |node| list(node.value()?, size, |row| list(row, size, value::number))
 }
 
+/// Any number of pairs of numbers.
+pub(super) fn rows(node: &Node) -> Option<Vec<[f64; 2]>> {
+    let pairs = node.value()?.as_array()?.iter();
+    pairs.map(|row| value::pair(row.get_ref(), value::number)).collect()
+}
+
 /// Reads one table: what is asked for is what it may hold.
 pub(super) struct Section<'a> {
     path: String,

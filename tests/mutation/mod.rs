@@ -137,7 +137,7 @@ pub fn shrunk(text: &str) -> String {
     let mut lines = Vec::new();
     for line in text.lines() {
         match line.split_once(" = { ") {
-            Some((axis, rest)) => {
+            Some((axis @ ("x" | "y"), rest)) => {
                 lines.push(format!("[map.{axis}]"));
                 for pair in rest.trim_end_matches([' ', '}']).split(", ") {
                     let points = if axis == "x" { "points = 4" } else { "points = 3" };
@@ -145,7 +145,7 @@ pub fn shrunk(text: &str) -> String {
                     lines.push(pair.to_owned());
                 }
             }
-            None => lines.push(line.to_owned()),
+            _ => lines.push(line.to_owned()),
         }
     }
     lines.join("\n") + "\n"

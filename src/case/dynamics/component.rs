@@ -33,6 +33,15 @@ impl Component {
         matches!(self.0, Field::Velocity(_) | Field::Spin(_))
     }
 
+    /// The name of the integral in time of a velocity or spin: `u1`, `phi3`; `None` of a stress.
+    pub fn integral(self) -> Option<String> {
+        match self.0 {
+            Field::Velocity(i) => Some(format!("u{}", i + 1)),
+            Field::Spin(k) => Some(format!("phi{}", k + 1)),
+            Field::Stress(..) | Field::Couple(..) => None,
+        }
+    }
+
     /// The one of that name among some. In classical solids `sigma21` is `sigma12`.
     pub fn find(name: &str, theory: Theory, among: &[Self]) -> Option<Self> {
         let is_named = |component: &&Self| {

@@ -48,8 +48,6 @@ pub enum TimeFunction {
 /// Samples of a function of time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Samples {
-    /// The file of the samples, as the case names it; empty if they come from elsewhere.
-    pub file: String,
     /// Times (s), increasing, and values; kept once for all copies of a case.
     samples: Arc<[[f64; 2]]>,
 }
@@ -57,11 +55,10 @@ pub struct Samples {
 impl Samples {
     /// Samples of a function of time; `None` unless there are two at least, all numbers are finite
     /// and times increase.
-    pub fn new(file: String, samples: Vec<[f64; 2]>) -> Option<Self> {
+    pub fn new(samples: Vec<[f64; 2]>) -> Option<Self> {
         let is_finite = samples.iter().flatten().all(|x| x.is_finite());
         let increases = samples.windows(2).all(|pair| pair[0][0] < pair[1][0]);
-        (samples.len() >= 2 && is_finite && increases)
-            .then(|| Self { file, samples: samples.into() })
+        (samples.len() >= 2 && is_finite && increases).then(|| Self { samples: samples.into() })
     }
 
     /// Times, s, and values.
@@ -93,7 +90,7 @@ impl TimeFunction {
 
     /// A function by its samples; see [`Samples::new`].
     pub fn from_samples(samples: Vec<[f64; 2]>) -> Option<Self> {
-        Samples::new(String::new(), samples).map(Self::Table)
+        Samples::new(samples).map(Self::Table)
     }
 
     /// Its value at the time `t`, s.

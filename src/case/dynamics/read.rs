@@ -10,8 +10,8 @@ use crate::case::keys::{Key, Value};
 use crate::case::place::Places;
 use crate::case::read::{Entries, SECTIONS_IN_TIME};
 use crate::case::section::{
-    Node, Section, cells, count, joined, matrix, not_negative, number, numbers, positive, spacing,
-    text, texts, truth,
+    Node, Section, cells, count, joined, matrix, not_negative, number, numbers, positive, rows,
+    spacing, text, texts, truth,
 };
 use crate::case::{Case, Kind, Solid};
 use models::cosserat::parameters::Theory;
@@ -696,22 +696,48 @@ impl Reader<'_> {
     }
 
     fn output(&self, root: &mut Section) -> Result<Output, CaseError> {
-        let mut output = Output { ledger_interval: 0.0, picture: Picture::Speed };
+        let mut output = Output {
+            ledger_interval: 0.0,
+            snapshot_interval: 0.0,
+            integrals: Vec::new(),
+            picture: Picture::Speed,
+        };
         let Some(mut section) = root.table("output")? else { return Ok(output) };
         let expected = "a number of at least 0 in s (0: at most 1000 lines)";
         if let Some(interval) = section.optional("ledger_interval", expected, not_negative)? {
             output.ledger_interval = interval;
         }
+        let expected = "a number of at least 0 in s (0: none)";
+        if let Some(interval) = section.optional("snapshot_interval", expected, not_negative)? {
+            output.snapshot_interval = interval;
+        }
+        let possible: Vec<(String, Component)> = self
+            .components
+            .iter()
+            .filter_map(|component| Some((component.integral()?, *component)))
+            .collect();
+        let words: Vec<String> = possible.iter().map(|own| own.0.clone()).collect();
+        let expected = format!("a list with any of {}", joined(&words));
+        for name in section.optional("integrals", &expected, texts)?.unwrap_or_default() {
+            let own = possible.iter().find(|own| own.0 == name);
+            let (_, component) = own.ok_or_else(|| section.no_such("integrals", &name, &words))?;
+            if output.integrals.contains(component) {
+                let found = format!("found '{name}' twice");
+                return Err(section.error("integrals", found, "name each once"));
+            }
+            output.integrals.push(*component);
+        }
         let mut pictures = vec![Picture::Speed];
         pictures.extend(self.components.iter().copied().map(Picture::Component));
+        pictures.extend(output.integrals.iter().copied().map(Picture::Integral));
+        pictures.push(Picture::Dissipation);
         let words: Vec<String> = pictures.iter().map(|picture| picture.name()).collect();
         let expected = format!("one of {}", joined(&words));
-        if let Some(name) = section.optional("picture", &expected, text)?
-            && name != Picture::Speed.name()
-        {
+        if let Some(name) = section.optional("picture", &expected, text)? {
+            let own = pictures.iter().copied().find(|picture| picture.name() == name);
             let component = Component::find(&name, self.theory, &self.components);
-            let component = component.ok_or_else(|| section.no_such("picture", &name, &words))?;
-            output.picture = Picture::Component(component);
+            let own = own.or(component.map(Picture::Component));
+            output.picture = own.ok_or_else(|| section.no_such("picture", &name, &words))?;
         }
         section.finish()?;
         Ok(output)
@@ -757,12 +783,21 @@ impl Reader<'_> {
         Ok(function)
     }
 
-    /// The samples in the file that a table names.
+    /// The samples of a table, or of the file that it names.
     fn samples(&self, section: &mut Section) -> Result<Samples, CaseError> {
         const NEEDS: &str = "name a CSV file of two columns, time in s and value, in a folder as \
                              seen from that of the case";
         const FEW: &str = "expected at least two lines of a time in s and a value";
-        let file = section.required("file", &format!("text in quotes ({NEEDS})"), text)?;
+        const BESIDE: &str = "a list of at least two pairs [time in s, value], times increasing";
+        let usable = |node: &Node| {
+            let pairs = rows(node)?;
+            Samples::new(pairs)
+        };
+        if let Some(samples) = section.optional("samples", BESIDE, usable)? {
+            return Ok(samples);
+        }
+        let expected = format!("text in quotes ({NEEDS}), or samples = [[t, value], ...]");
+        let file = section.required("file", &expected, text)?;
         let path = self.folder.join(&file);
         let unreadable =
             |cause: &str| section.error("file", format!("'{}': {cause}", shown(&file)), NEEDS);
@@ -781,7 +816,7 @@ impl Reader<'_> {
             allowed: allowed.to_owned(),
         })?;
         let found = format!("'{}' has {}", shown(&file), plural(samples.len(), "sample"));
-        Samples::new(file.clone(), samples).ok_or_else(|| section.error("file", found, FEW))
+        Samples::new(samples).ok_or_else(|| section.error("file", found, FEW))
     }
 }
 

@@ -51,8 +51,12 @@ impl Dynamics {
                 .texts("fields", &receiver.fields)
                 .under("[[receiver]]")
         }));
+        let integrals: Vec<String> =
+            self.output.integrals.iter().filter_map(|own| own.integral()).collect();
         text += &Resolved::default()
             .number("ledger_interval", self.output.ledger_interval)
+            .number("snapshot_interval", self.output.snapshot_interval)
+            .texts("integrals", &integrals)
             .text("picture", self.output.picture.name())
             .under("[output]");
         text
@@ -184,6 +188,6 @@ fn function(function: &TimeFunction) -> Resolved {
         TimeFunction::Sine { frequency, start } => {
             resolved.number("frequency", frequency).number("start", start)
         }
-        TimeFunction::Table(samples) => resolved.text("file", &samples.file),
+        TimeFunction::Table(samples) => resolved.number("samples", samples.samples()),
     }
 }

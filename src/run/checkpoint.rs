@@ -1,0 +1,131 @@
+//! What a run needs to go on: state, and how far its growing files were.
+
+use crate::output::{Growing, OutputError, ResultFolder};
+use dynamics::real::Real;
+use dynamics::split::Snapshot;
+use files::sealed::{read_sealed, write_sealed};
+use serde_json::{Value, json};
+use std::io::ErrorKind;
+
+/// A checkpoint of any precision.
+pub(super) struct Checkpoint {
+    pub(super) steps: usize,
+    /// Bytes of the receivers' and the ledger's file.
+    pub(super) offsets: [u64; 2],
+    /// Energy at the beginning, J.
+    pub(super) start: f64,
+    fields: Vec<Vec<u8>>,
+    totals: Vec<u8>,
+    sums: Vec<Vec<u8>>,
+}
+
+/// The numbers of a section, if it is one of whole numbers.
+fn doubles(bytes: &[u8]) -> Option<Vec<f64>> {
+    let (numbers, []) = bytes.as_chunks() else { return None };
+    Some(numbers.iter().map(|number| f64::from_le_bytes(*number)).collect())
+}
+
+fn bytes(numbers: &[f64]) -> Vec<u8> {
+    numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
+}
+
+impl Checkpoint {
+    /// Of a run's state.
+    pub(super) fn new<T: Real>(snapshot: &Snapshot<T>, offsets: [u64; 2], start: f64) -> Self {
+        let narrow = |values: &Vec<T>| values.iter().flat_map(|value| value.bytes()).collect();
+        Self {
+            steps: snapshot.steps,
+            offsets,
+            start,
+            fields: snapshot.fields.iter().map(narrow).collect(),
+            totals: bytes(snapshot.totals.as_flattened()),
+            sums: snapshot.sums.iter().map(|sums| bytes(sums)).collect(),
+        }
+    }
+
+    /// The state; `None` where the numbers are not of this kind.
+    pub(super) fn snapshot<T: Real>(&self) -> Option<Snapshot<T>> {
+        let (totals, []) = &doubles(&self.totals)?.as_chunks::<14>() else { return None };
+        Some(Snapshot {
+            steps: self.steps,
+            fields: self.fields.iter().map(|field| T::from_bytes(field)).collect::<Option<_>>()?,
+            totals: totals.to_vec(),
+            sums: self.sums.iter().map(|sums| doubles(sums)).collect::<Option<_>>()?,
+        })
+    }
+
+    /// Writes it, whole or not at all.
+    pub(super) fn write(&self, folder: &ResultFolder) -> Result<(), OutputError> {
+        let about = json!({
+            "steps": self.steps,
+            "offsets": self.offsets,
+            "start": self.start.to_bits(),
+            "fields": self.fields.len(),
+            "sums": self.sums.len(),
+        })
+        .to_string();
+        let mut sections: Vec<(&str, &[u8])> =
+            vec![("case", folder.case().as_bytes()), ("about", about.as_bytes())];
+        sections.push(("totals", &self.totals));
+        sections.extend(self.fields.iter().map(|field| ("field", field.as_slice())));
+        sections.extend(self.sums.iter().map(|sums| ("sums", sums.as_slice())));
+        let path = folder.growing(Growing::Checkpoint);
+        write_sealed(&path, &sections).map_err(|error| OutputError::new(&path, error))
+    }
+
+    /// The checkpoint of a folder; `None` where there is none: the run had not come so far.
+    ///
+    /// # Errors
+    /// It is damaged, or of another case.
+    pub(super) fn read(folder: &ResultFolder) -> Result<Option<Self>, OutputError> {
+        let path = folder.growing(Growing::Checkpoint);
+        if let Err(error) = std::fs::metadata(&path)
+            && error.kind() == ErrorKind::NotFound
+        {
+            return Ok(None);
+        }
+        let damaged = |cause: String| OutputError {
+            path: path.clone(),
+            cause,
+            remedy: "start the run again, with --force",
+        };
+        let sections = read_sealed(&path).map_err(|error| damaged(error.to_string()))?;
+        let of = |name: &str| {
+            let own = sections.iter().filter(move |section| section.0 == name);
+            own.map(|section| section.1.clone()).collect::<Vec<_>>()
+        };
+        let odd = || damaged("not a checkpoint of this program".to_owned());
+        if of("case").first().map(Vec::as_slice) != Some(folder.case().as_bytes()) {
+            return Err(damaged("a checkpoint of another case".to_owned()));
+        }
+        let about: Value =
+            of("about").first().and_then(|own| serde_json::from_slice(own).ok()).ok_or_else(odd)?;
+        let number = |value: &Value| value.as_u64();
+        let offsets = [0, 1].map(|i| number(&about["offsets"][i]));
+        let ([Some(receivers), Some(ledger)], Some(steps), Some(start), Some(totals)) = (
+            offsets,
+            number(&about["steps"]),
+            number(&about["start"]),
+            of("totals").into_iter().next(),
+        ) else {
+            return Err(odd());
+        };
+        Ok(Some(Self {
+            steps: usize::try_from(steps).map_err(|_| odd())?,
+            offsets: [receivers, ledger],
+            start: f64::from_bits(start),
+            fields: of("field"),
+            totals,
+            sums: of("sums"),
+        }))
+    }
+
+    /// That its state is none of this run's.
+    pub(super) fn refused(folder: &ResultFolder) -> OutputError {
+        OutputError {
+            path: folder.growing(Growing::Checkpoint),
+            cause: "its fields are not those of the case".to_owned(),
+            remedy: "start the run again, with --force",
+        }
+    }
+}
