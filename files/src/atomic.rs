@@ -5,7 +5,7 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// A file or folder that could not be written.
+/// A file or folder that could not be written or read.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot {action} {}: {source}", path.display())]
 pub struct FileError {
@@ -23,6 +23,15 @@ pub struct FileError {
 /// flushed to the device, and the temporary file takes the final name in one step. When any step
 /// fails the temporary file is removed.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    write_atomically_with(path, |file| file.write_all(bytes))
+}
+
+/// As [`write_atomically`], for content that is not in memory as a whole: `write` puts it into
+/// the file, which collects nothing, so that many small pieces deserve a buffer of their own.
+pub fn write_atomically_with(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> io::Result<()>,
+) -> Result<(), FileError> {
     let at = |path: &Path, action| {
         let path = path.to_path_buf();
         move |source| FileError { path, action, source }
@@ -31,11 +40,7 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
         let source = io::Error::new(io::ErrorKind::InvalidInput, "the path names no file");
         return Err(at(path, "write")(source));
     };
-    // A bare file name has the empty path as its parent, which means the current folder.
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
+    let folder = folder_of(path);
     fs::create_dir_all(folder).map_err(at(folder, "create the folder"))?;
 
     // The process number keeps two programs apart that write the same file at the same time;
@@ -50,8 +55,7 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
         .create_new(true)
         .open(&temporary)
         .map_err(at(&temporary, "create"))?;
-    let written = file
-        .write_all(bytes)
+    let written = write(&mut file)
         .and_then(|()| file.sync_all())
         .map_err(at(&temporary, "write"))
         .and_then(|()| fs::rename(&temporary, path).map_err(at(path, "write")));
@@ -61,10 +65,24 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
         let _ = fs::remove_file(&temporary);
         return written;
     }
-    // The new name reaches the device only with its folder. Not every system can open or flush a
-    // folder, and the file itself is complete by now, so a refusal is no failure.
-    let _ = File::open(folder).and_then(|folder| folder.sync_all());
+    sync_name(path);
     Ok(())
+}
+
+/// The folder of a file.
+fn folder_of(path: &Path) -> &Path {
+    // A bare file name has the empty path as its parent, which means the current folder.
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// Brings the name of a new file to the device, which it reaches only with its folder. Not every
+/// system can open or flush a folder, and the file itself is complete by now, so a refusal is no
+/// failure.
+pub(crate) fn sync_name(path: &Path) {
+    let _ = File::open(folder_of(path)).and_then(|folder| folder.sync_all());
 }
 
 #[cfg(test)]
@@ -109,6 +127,20 @@ mod tests {
         assert_eq!(error.path, file);
         assert!(error.to_string().starts_with("cannot create the folder "));
         assert_eq!(fs::read(&file).unwrap(), b"kept");
+    }
+
+    #[test]
+    fn content_that_fails_leaves_the_earlier_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("result");
+        write_atomically(&path, b"earlier").unwrap();
+        let error = write_atomically_with(&path, |file| {
+            file.write_all(b"half of")?;
+            Err(io::Error::other("the source ran dry"))
+        });
+        assert_eq!(error.unwrap_err().source.to_string(), "the source ran dry");
+        assert_eq!(fs::read(&path).unwrap(), b"earlier");
+        assert_eq!(names(folder.path()), ["result"]);
     }
 
     #[test]

@@ -58,7 +58,7 @@ pub fn table(
 
 /// The shortest decimal form that reads back to the same bits. Very large and very small numbers
 /// get an exponent: written out, they would be shortest in digits but not in characters.
-fn shortest(number: f64) -> String {
+pub(crate) fn shortest(number: f64) -> String {
     let size = number.abs();
     if number.is_nan() {
         String::new()

@@ -1,12 +1,17 @@
 //! Files that other programs read: whole or not at all, and the same bytes for the same content.
 //!
-//! This crate knows no physics. It turns columns and arrays into bytes ([`csv`], [`npz`]) and puts
-//! bytes on disk so that a reader never meets a half-written file ([`write_atomically`]).
+//! This crate knows no physics. It turns columns and arrays into bytes ([`csv`], [`npz`], [`vti`])
+//! and puts bytes on disk so that a reader never meets a half-written file
+//! ([`write_atomically`]). For work that goes on after an interruption there are files that notice
+//! their own damage ([`sealed`]) and tables that grow row by row ([`append`]).
 
 #![deny(missing_docs)]
 
+pub mod append;
 mod atomic;
 pub mod csv;
 pub mod npz;
+pub mod sealed;
+pub mod vti;
 
-pub use atomic::{FileError, write_atomically};
+pub use atomic::{FileError, write_atomically, write_atomically_with};

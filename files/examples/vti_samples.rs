@@ -1,0 +1,82 @@
+//! Writes image data with known values, for `files/checks/vti.py` to check with VTK's own reader:
+//!
+//!     cargo run -p wellposed-files --example vti_samples -- FOLDER
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use wellposed_files::vti::{Grid, ImageData, Number, Storage, collection};
+use wellposed_files::write_atomically;
+
+/// Number of a cell along each axis, the first axis fastest.
+fn indices(cells: &[usize]) -> Vec<[usize; 3]> {
+    let along = |axis| 0..cells.get(axis).copied().unwrap_or(1);
+    let planes = along(2).flat_map(|k| along(1).map(move |j| (j, k)));
+    planes.flat_map(|(j, k)| along(0).map(move |i| [i, j, k])).collect()
+}
+
+/// A value that tells its cell and its component, without rounding even with 32 bits.
+fn tell([i, j, k]: [usize; 3], component: usize) -> f64 {
+    i as f64 - 100.0 * j as f64 + 10_000.0 * k as f64 + 0.125 * component as f64
+}
+
+fn fill<T: Number>(data: &mut ImageData, places: &[[usize; 3]], real: fn(f64) -> T) {
+    let of = |component: usize| -> Vec<T> {
+        places.iter().map(|&place| real(tell(place, component))).collect()
+    };
+    let interleaved: Vec<T> = places
+        .iter()
+        .flat_map(|&place| (0..6).map(move |component| real(tell(place, component))))
+        .collect();
+    let cases = [
+        data.add("scalar [Pa]", 1, &of(0)),
+        data.add_vector("vector <σ & \"ε\"> [m/s]", &[&of(0), &of(1)]),
+        data.add("six [1]", 6, &interleaved),
+    ];
+    cases.into_iter().collect::<Result<(), _>>().expect("arrays of the right length");
+}
+
+fn sample(cells: &[usize], storage: Storage, narrow: bool) -> Result<ImageData, Box<dyn Error>> {
+    let origin = [-1.5, 0.25, 1e-7][..cells.len()].to_vec();
+    let spacing = [0.1, 1.0 / 3.0, 2.5e-8][..cells.len()].to_vec();
+    let grid = Grid { cells: cells.to_vec(), origin, spacing };
+    let mut data = ImageData::new(grid, storage)?;
+    let places = indices(cells);
+    data.set_time(0.1)?;
+    if narrow {
+        fill(&mut data, &places, |value| value as f32);
+    } else {
+        fill(&mut data, &places, |value| value);
+        let odd = [f64::NAN, f64::INFINITY, -0.0, 5e-324, f64::MAX, 1.0 / 3.0];
+        let odd: Vec<f64> = (0..places.len()).map(|index| odd[index % odd.len()]).collect();
+        data.add("odd", 1, &odd)?;
+        let numbers: Vec<i32> = (0..).take(places.len()).collect();
+        data.add("number", 1, &numbers)?;
+    }
+    Ok(data)
+}
+
+fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
+    let mut files = Vec::new();
+    // A single cell; one that fills its blocks of 2^18 bytes exactly, which 2^15 numbers of 64 bits
+    // do; and ones that do not.
+    let grids: [&[usize]; 7] =
+        [&[1, 1], &[5, 3], &[256, 128], &[301, 211], &[1, 1, 1], &[5, 4, 3], &[61, 53, 47]];
+    for cells in grids {
+        let lengths: Vec<String> = cells.iter().map(usize::to_string).collect();
+        for (storage, how) in [(Storage::Plain, "plain"), (Storage::Compressed, "zlib")] {
+            for (narrow, bits) in [(false, 64), (true, 32)] {
+                let name = format!("{}_{how}_{bits}.vti", lengths.join("x"));
+                sample(cells, storage, narrow)?.write(&folder.join(&name))?;
+                files.push((files.len() as f64 / 8.0, name));
+            }
+        }
+    }
+    write_atomically(&folder.join("samples.pvd"), &collection(&files)?)?;
+    Ok(())
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let folder = std::env::args_os().nth(1).ok_or("usage: vti_samples FOLDER")?;
+    write(&PathBuf::from(folder))
+}
