@@ -260,6 +260,15 @@ impl ResultFolder {
         remove(&self.growing(file))
     }
 
+    /// Removes what a killed run left half-written.
+    ///
+    /// # Errors
+    /// It cannot be removed.
+    pub fn sweep(&self) -> Result<(), OutputError> {
+        let mut half_written = names(&self.path)?.into_iter().filter(|name| is_half_written(name));
+        half_written.try_for_each(|name| remove(&self.path.join(name)))
+    }
+
     /// Makes the folder ready for a run from its beginning: as [`open`](Self::open), and without anything
     /// of an earlier run.
     ///
@@ -270,9 +279,10 @@ impl ResultFolder {
         let own = |name: &String| {
             is_snapshot(name) || *name == Growing::Log.name() || RUN.iter().any(|own| own == name)
         };
-        names(&self.path)?.iter().filter(|name| own(name)).try_for_each(|name| {
-            remove(&self.path.join(name))
-        })
+        names(&self.path)?
+            .iter()
+            .filter(|name| own(name))
+            .try_for_each(|name| remove(&self.path.join(name)))
     }
 
     /// Makes the folder ready: creates it, removes results of another case and what a killed run
@@ -282,9 +292,10 @@ impl ResultFolder {
     /// What cannot be written, and why.
     pub fn open(&self) -> Result<(), OutputError> {
         fs::create_dir_all(&self.path).map_err(|e| OutputError::new(&self.path, e))?;
-        let half_written = names(&self.path)?.into_iter().filter(|name| is_half_written(name));
-        let stale = names(&self.path)?.into_iter().filter(|name| self.is_foreign && is_result(name));
-        for name in half_written.chain(stale) {
+        self.sweep()?;
+        let stale =
+            names(&self.path)?.into_iter().filter(|name| self.is_foreign && is_result(name));
+        for name in stale {
             remove(&self.path.join(name))?;
         }
         // The case file itself may stand here, word for word.

@@ -37,7 +37,10 @@ pub(crate) fn draw(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> R
 }
 
 /// Columns of a table of numbers by name.
-pub(crate) fn table(folder: &ResultFolder, file: Growing) -> Result<Vec<(String, Vec<f64>)>, Error> {
+pub(crate) fn table(
+    folder: &ResultFolder,
+    file: Growing,
+) -> Result<Vec<(String, Vec<f64>)>, Error> {
     let path = folder.growing(file);
     let unreadable = |cause: String| Error::Unreadable { file: path.display().to_string(), cause };
     let text = std::fs::read_to_string(&path).map_err(|error| unreadable(error.to_string()))?;
@@ -206,9 +209,10 @@ impl<'a> Section<'a> {
             plastic: Vec::new(),
             marks: receivers
                 .filter_map(|own| mark(&own.at, &own.name, FieldMarkKind::Receiver))
-                .chain(sources.filter_map(|own| {
-                    mark(&own.at, own.action.name(), FieldMarkKind::Source)
-                }))
+                .chain(
+                    sources
+                        .filter_map(|own| mark(&own.at, own.action.name(), FieldMarkKind::Source)),
+                )
                 .collect(),
         }
     }

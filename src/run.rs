@@ -19,9 +19,9 @@ use dynamics::domain::memory;
 use dynamics::ledger::{Energy, Ledger};
 use dynamics::medium::Medium;
 use files::npz::Npz;
+pub(crate) use march::unit;
 use models::cosserat::waves::Field;
 use serde_json::json;
-pub(crate) use march::unit;
 use setup::{Setup, Steps, cell_at, centre, media, steps};
 use std::fmt::Write as _;
 use std::io::Write;
@@ -112,6 +112,7 @@ pub fn run(options: &Options, control: Control, stdout: &mut dyn Write) -> Resul
     }
     // Nothing is left to be said if standard error is closed.
     let _ = writeln!(std::io::stderr(), "{plan}");
+    warn(dynamics, steps(dynamics, &media)?.step);
     let job = Job { case: &case, dynamics, folder: &folder, control, threads: options.threads };
     job.carry_out(media, None, options.format, stdout)
 }
@@ -131,12 +132,27 @@ pub fn resume(
     let dynamics = case.required_dynamics()?;
     let media = media(&case, dynamics)?;
     let plan = plan(dynamics, &media)?;
+    folder.sweep()?;
     let found = Checkpoint::read(&folder)?;
     let start = found.as_ref().map_or(0.0, |found| found.steps as f64);
     let Steps { count, .. } = steps(dynamics, &media)?;
     let _ = writeln!(std::io::stderr(), "{plan}\nfrom {:.1} %", 100.0 * start / count as f64);
     let job = Job { case: &case, dynamics, folder: &folder, control, threads };
     job.carry_out(media, found, format, stdout)
+}
+
+/// What is likely not meant.
+fn warn(dynamics: &Dynamics, step: f64) {
+    const FEW: f64 = 4.0;
+    let loads = dynamics.loads.iter().map(|load| ("load", &load.time)).enumerate();
+    let sources = dynamics.sources.iter().map(|source| ("source", &source.time)).enumerate();
+    for (index, (name, time)) in loads.chain(sources) {
+        if let Some(shortest) = time.shortest().filter(|time| *time < FEW * step) {
+            let steps = short(shortest / step);
+            let text = format!("warning: {name}[{index}].time changes within {steps} steps");
+            let _ = writeln!(std::io::stderr(), "{text}: smaller cells see more of it");
+        }
+    }
 }
 
 /// What will be computed, in words, if memory suffices.
@@ -271,8 +287,14 @@ impl Job<'_> {
 /// What the receivers saw, as arrays of the names of the table's columns.
 fn receivers(folder: &ResultFolder) -> Result<Vec<u8>, Error> {
     let mut archive = Npz::new();
-    for (name, values) in plot::table(folder, Growing::Receivers)? {
-        archive.add_f64(&name, &[values.len()], &values)?;
+    let columns = plot::table(folder, Growing::Receivers)?;
+    let names: Vec<&str> = columns.iter().map(|column| column.0.as_str()).collect();
+    let of = |name: &&str| name.rsplit_once('.').map_or("s", |(_, name)| unit(name));
+    let units: Vec<&str> = names.iter().map(of).collect();
+    archive.add_text("names", &[names.len()], &names)?;
+    archive.add_text("units", &[units.len()], &units)?;
+    for (name, values) in &columns {
+        archive.add_f64(name, &[values.len()], values)?;
     }
     Ok(archive.finish()?)
 }
@@ -285,6 +307,9 @@ fn fields(dynamics: &Dynamics, names: &[String], found: &Found) -> Result<Vec<u8
         archive.add_f64(&format!("x{}", axis + 1), &[middles.len()], &middles)?;
     }
     archive.add_f64("time", &[], &[found.steps as f64 * found.step])?;
+    let units: Vec<&str> = names.iter().map(|name| unit(name)).collect();
+    archive.add_text("names", &[names.len()], names)?;
+    archive.add_text("units", &[units.len()], &units)?;
     // The first axis runs fastest.
     let shape: Vec<usize> = grid.cells.iter().rev().copied().collect();
     for (name, values) in names.iter().zip(&found.values) {

@@ -248,7 +248,7 @@ fn a_case_is_read_as_written() {
     assert_eq!(dynamics.grid.extent(0), [-5.0, 5.0]);
     assert_eq!((dynamics.grid.count(), dynamics.time.courant), (200, 0.9));
     assert_eq!(dynamics.scheme.order.name(), "godunov");
-    assert_eq!(dynamics.scheme.correction.name(), "second-order");
+    assert_eq!(dynamics.scheme.correction.name(), "first-order");
     let names = |list: &[Component]| list.iter().map(Component::to_string).collect::<Vec<_>>();
     let Condition::Mixed { held } = &dynamics.sides[1].condition else { panic!() };
     assert_eq!(names(held), ["v2", "w3"]);
@@ -368,8 +368,7 @@ time = { kind = 'step' }
         let again = parse(&resolved).unwrap_or_else(|error| panic!("{error}\n{resolved}"));
         assert_eq!(again, case, "{resolved}");
         assert_eq!(again.to_toml(), resolved);
-        for default in ["correction = \"second-order\"", "start = 0.0", "fields = [\"v1\", \"v2\""]
-        {
+        for default in ["correction = \"first-order\"", "start = 0.0", "fields = [\"v1\", \"v2\""] {
             assert!(resolved.contains(default), "{default} is missing in\n{resolved}");
         }
         // A difference in a run is a difference between cases.
@@ -539,7 +538,7 @@ fn bad_input_is_answered_with_line_key_and_remedy() {
         ("'surface.1'", "'r1'", "137: receiver[1].name: found 'r1', the name of receiver[0] (folder/x.toml:134); give each receiver its own name"),
         ("'surface.1'", "'a b'", "137: receiver[1].name: found the text 'a b'; expected text in quotes (letters, digits, '-', '_' and '.')"),
         ("['v1', 'sigma21']", "['v1', 'v1']", "139: receiver[1].fields: found 'v1' twice; name each component once"),
-        ("picture = 'w3'", "picture = 'sped'", &format!("142: output.picture: found 'sped'; did you mean 'speed'? allowed: speed, {FIELDS}")),
+        ("picture = 'w3'", "picture = 'sped'", &format!("142: output.picture: found 'sped'; did you mean 'speed'? allowed: speed, {FIELDS}, dissipation")),
     ];
     for (old, new, message) in table {
         let error = parse(&with(PLANE, old, new)).expect_err(new);

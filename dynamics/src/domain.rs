@@ -574,6 +574,14 @@ impl<T: Real, const D: usize> Domain<T, D> {
         shown
     }
 
+    /// The first cell whose stress is not in its yield set.
+    pub(crate) fn first_beyond_yield(&self) -> Option<usize> {
+        (0..self.of_cell.len()).find(|&cell| {
+            let stress = self.whole_stress(cell);
+            self.media[usize::from(self.of_cell[cell])].project(&stress).stress != stress
+        })
+    }
+
     /// Appends all fields of a cell as they are shown: the whole stress, the initial one included, in its
     /// yield set. Behind them the integrals of the problem.
     pub fn show(&self, cell: usize, values: &mut Vec<f64>) {
@@ -602,7 +610,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let kicks = std::mem::take(&mut self.kicks);
         for kick in &kicks {
             let impulse = (kick.signal)(0.5 * (from + to)) * (to - from);
-            let moment = (kick.signal)(to) - (kick.signal)(from);
+            // Before the beginning there is none: what is there at once comes with the first step.
+            let before = if from > 0.0 { (kick.signal)(from) } else { 0.0 };
+            let moment = (kick.signal)(to) - before;
             for &(cell, share) in &kick.cells {
                 let medium = usize::from(self.of_cell[cell]);
                 for &(place, amplitude) in &kick.amplitudes {
@@ -785,6 +795,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let rows = self.layer() / self.grid.cells[0].max(1);
         for (end, send) in send.iter_mut().enumerate() {
             send.clear();
+            if !matches!(self.sides[D - 1][end], Side::Cut) {
+                continue;
+            }
             for depth in 0..GHOSTS {
                 let layer = if end == 0 { depth } else { layers - 1 - depth };
                 for group in layer * rows * self.groups..(layer + 1) * rows * self.groups {

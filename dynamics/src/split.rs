@@ -314,6 +314,12 @@ impl<T: Real, const D: usize> Split<T, D> {
         }
     }
 
+    /// The first cell whose stress is not in its yield set.
+    pub fn first_beyond_yield(&self) -> Option<usize> {
+        let own = |part: &Part<T, D, _>| Some(part.first + part.domain.first_beyond_yield()?);
+        self.parts.iter().find_map(own)
+    }
+
     /// The values of all fields, the first axis running fastest, as [`Domain::show`] gives them.
     pub fn shown(&self) -> Vec<Vec<f64>> {
         let mut fields = vec![Vec::new(); self.width()];

@@ -158,10 +158,10 @@ words! {
 words! {
     /// Accuracy in time of plastic flow.
     Correction {
-        /// In the middle of a step.
-        SecondOrder = "second-order",
         /// After each step.
-        FirstOrder = "first-order"
+        FirstOrder = "first-order",
+        /// In the middle of a step.
+        SecondOrder = "second-order"
     }
 }
 

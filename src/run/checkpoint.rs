@@ -5,6 +5,7 @@ use dynamics::real::Real;
 use dynamics::split::Snapshot;
 use files::sealed::{read_sealed, write_sealed};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::io::ErrorKind;
 
 /// A checkpoint of any precision.
@@ -45,7 +46,8 @@ impl Checkpoint {
 
     /// The state; `None` where the numbers are not of this kind.
     pub(super) fn snapshot<T: Real>(&self) -> Option<Snapshot<T>> {
-        let (totals, []) = &doubles(&self.totals)?.as_chunks::<14>() else { return None };
+        let totals = doubles(&self.totals)?;
+        let (totals, []) = totals.as_chunks::<14>() else { return None };
         Some(Snapshot {
             steps: self.steps,
             fields: self.fields.iter().map(|field| T::from_bytes(field)).collect::<Option<_>>()?,
@@ -60,15 +62,20 @@ impl Checkpoint {
             "steps": self.steps,
             "offsets": self.offsets,
             "start": self.start.to_bits(),
-            "fields": self.fields.len(),
-            "sums": self.sums.len(),
         })
         .to_string();
         let mut sections: Vec<(&str, &[u8])> =
             vec![("case", folder.case().as_bytes()), ("about", about.as_bytes())];
         sections.push(("totals", &self.totals));
-        sections.extend(self.fields.iter().map(|field| ("field", field.as_slice())));
-        sections.extend(self.sums.iter().map(|sums| ("sums", sums.as_slice())));
+        let numbered = |name: &str, count: usize| -> Vec<String> {
+            (0..count).map(|index| format!("{name}{index}")).collect()
+        };
+        let names = [numbered("field", self.fields.len()), numbered("sums", self.sums.len())];
+        let contents = [&self.fields, &self.sums];
+        for (names, contents) in names.iter().zip(contents) {
+            let named = names.iter().zip(contents);
+            sections.extend(named.map(|(name, bytes)| (name.as_str(), bytes.as_slice())));
+        }
         let path = folder.growing(Growing::Checkpoint);
         write_sealed(&path, &sections).map_err(|error| OutputError::new(&path, error))
     }
@@ -90,33 +97,31 @@ impl Checkpoint {
             remedy: "start the run again, with --force",
         };
         let sections = read_sealed(&path).map_err(|error| damaged(error.to_string()))?;
-        let of = |name: &str| {
-            let own = sections.iter().filter(move |section| section.0 == name);
-            own.map(|section| section.1.clone()).collect::<Vec<_>>()
-        };
+        let mut sections: BTreeMap<String, Vec<u8>> = sections.into_iter().collect();
+        let mut take = |name: &str| sections.remove(name);
         let odd = || damaged("not a checkpoint of this program".to_owned());
-        if of("case").first().map(Vec::as_slice) != Some(folder.case().as_bytes()) {
+        if take("case").as_deref() != Some(folder.case().as_bytes()) {
             return Err(damaged("a checkpoint of another case".to_owned()));
         }
         let about: Value =
-            of("about").first().and_then(|own| serde_json::from_slice(own).ok()).ok_or_else(odd)?;
+            take("about").and_then(|own| serde_json::from_slice(&own).ok()).ok_or_else(odd)?;
         let number = |value: &Value| value.as_u64();
         let offsets = [0, 1].map(|i| number(&about["offsets"][i]));
-        let ([Some(receivers), Some(ledger)], Some(steps), Some(start), Some(totals)) = (
-            offsets,
-            number(&about["steps"]),
-            number(&about["start"]),
-            of("totals").into_iter().next(),
-        ) else {
+        let ([Some(receivers), Some(ledger)], Some(steps), Some(start), Some(totals)) =
+            (offsets, number(&about["steps"]), number(&about["start"]), take("totals"))
+        else {
             return Err(odd());
+        };
+        let mut numbered = |name: &str| -> Vec<Vec<u8>> {
+            (0..).map_while(|index| take(&format!("{name}{index}"))).collect()
         };
         Ok(Some(Self {
             steps: usize::try_from(steps).map_err(|_| odd())?,
             offsets: [receivers, ledger],
             start: f64::from_bits(start),
-            fields: of("field"),
+            fields: numbered("field"),
             totals,
-            sums: of("sums"),
+            sums: numbered("sums"),
         }))
     }
 

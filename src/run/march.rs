@@ -37,6 +37,11 @@ fn listen() {
     });
 }
 
+/// Whether a state has numbers for its energy.
+fn is_sound(line: &Line) -> bool {
+    line.energy.total().is_finite() && line.ledger.change().is_finite()
+}
+
 /// How many steps lie between two lines or snapshots.
 fn interval(seconds: f64, step: f64) -> usize {
     ((seconds / step).round() as usize).max(1)
@@ -69,6 +74,13 @@ impl Job<'_> {
         let watched: Vec<usize> =
             dynamics.receivers.iter().map(|receiver| cell_at(dynamics, &receiver.at)).collect();
         split.watch(&watched);
+        if let Some(cell) = split.first_beyond_yield().filter(|_| from.is_none()) {
+            let place = centre(dynamics, cell);
+            let found = format!("a stress beyond yield in the cell at {place:?}");
+            let allowed = "initial stresses, and those of [initial_stress] with them, within the \
+                           yield set";
+            return Err(dynamics.locate("initial", found, allowed).into());
+        }
         let names = shown(dynamics, &fields);
         let mut files = match &from {
             None => {
@@ -118,20 +130,35 @@ impl Job<'_> {
             let next = next.min(steps - done);
             split.advance(next);
             let now = line(&split);
-            if !now.energy.total().is_finite() || !now.ledger.change().is_finite() {
-                stopped = Some(self.broken(&split, done as f64 * problem.step));
-                // The same bits again, as far as they were sound.
+            if !is_sound(&now) {
+                // The same bits again as far as they were sound, then step by step.
                 split = start()?;
                 split.advance(done);
+                split.watch(&watched);
+                loop {
+                    let sound = split.snapshot();
+                    split.advance(1);
+                    let now = line(&split);
+                    if !is_sound(&now) || done == steps {
+                        stopped = Some(self.broken(&split, done as f64 * problem.step));
+                        split.restore(&sound);
+                        break;
+                    }
+                    files.receivers(&split.records(), done + 1, problem.step)?;
+                    (done, last) = (done + 1, now);
+                }
+                if done > 0 && !done.is_multiple_of(lines) {
+                    files.line(&last, energy_at_start)?;
+                }
                 break;
             }
             files.receivers(&split.records(), done + 1, problem.step)?;
             done += next;
             last = now;
-            if done % lines == 0 || done == steps {
+            if done.is_multiple_of(lines) || done == steps {
                 files.line(&now, energy_at_start)?;
             }
-            if snapshots.is_some_and(|every| done % every == 0 || done == steps) {
+            if snapshots.is_some_and(|every| done.is_multiple_of(every) || done == steps) {
                 files.snapshot(&split, &names, done, problem.step, snapshots)?;
             }
             let updates = 2.0 * (done - first) as f64 * problem.grid.count() as f64;
@@ -298,10 +325,8 @@ impl<'a> Files<'a> {
         if !step.is_multiple_of(every) {
             list.push(step);
         }
-        let list: Vec<(f64, String)> = list
-            .into_iter()
-            .map(|step| (step as f64 * duration, snapshot_name(step)))
-            .collect();
+        let list: Vec<(f64, String)> =
+            list.into_iter().map(|step| (step as f64 * duration, snapshot_name(step))).collect();
         Ok(folder.write("snapshots.pvd", &collection(&list)?)?)
     }
 

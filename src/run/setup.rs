@@ -41,13 +41,7 @@ pub(super) fn media(case: &Case, dynamics: &Dynamics) -> Result<Vec<Medium>, Err
             Elastic::Isotropic(solid) => Medium::isotropic(solid, dimensions),
             Elastic::Compliances(solid) => Medium::compliances(solid),
         };
-        if let Some(YieldSet::Mises(set)) = &set
-            && set.hardening != 0.0
-        {
-            let (key, found) = ("yield.hardening", format!("{:?}", set.hardening));
-            let allowed = "runs have ideal plasticity: leave it out, or 0".into();
-            return Err(own.locate(InputError { key, found, allowed }).into());
-        }
+        check_flow(set.as_ref()).map_err(|error| own.locate(error))?;
         Ok(match set {
             Some(set) => medium.yielding(set),
             None => medium,
@@ -65,6 +59,34 @@ pub(super) fn media(case: &Case, dynamics: &Dynamics) -> Result<Vec<Medium>, Err
         return Err(dynamics.locate(&format!("region[{odd}].model.kind"), found, allowed).into());
     }
     Ok(all)
+}
+
+/// That flow is ideal and associated: a run knows no other.
+fn check_flow(set: Option<&YieldSet>) -> Result<(), InputError> {
+    let refused = |key, found: f64, allowed: String| {
+        Err(InputError { key, found: format!("{found:?}"), allowed })
+    };
+    let associated =
+        |friction: f64| format!("runs have associated flow: {friction:?}, as the friction");
+    match set {
+        Some(YieldSet::Mises(set)) if set.hardening != 0.0 => {
+            let allowed = "runs have ideal plasticity: leave it out, or 0";
+            refused("yield.hardening", set.hardening, allowed.to_owned())
+        }
+        Some(YieldSet::Mises(set)) if set.dilatancy != set.friction => {
+            refused("yield.dilatancy", set.dilatancy, associated(set.friction))
+        }
+        Some(YieldSet::Interlayer(set)) if set.shear_dilatancy != set.shear_friction => {
+            refused("yield.shear_dilatancy", set.shear_dilatancy, associated(set.shear_friction))
+        }
+        Some(YieldSet::Interlayer(set)) => match set.couple {
+            Some(couple) if couple.dilatancy != couple.friction => {
+                refused("yield.couple_dilatancy", couple.dilatancy, associated(couple.friction))
+            }
+            _ => Ok(()),
+        },
+        _ => Ok(()),
+    }
 }
 
 /// The steps of a run.
@@ -167,7 +189,7 @@ fn refused(dynamics: &Dynamics, error: &DomainError) -> CaseError {
         DomainError::InitialStress => "initial_stress",
         _ => "grid",
     };
-    dynamics.locate(key, error.to_string(), "see the README's keys of runs")
+    dynamics.locate(key, error.to_string(), "the README lists what there is under Solids in time")
 }
 
 /// That the initial stress is in the yield sets: else the first step would release it.
@@ -222,21 +244,38 @@ fn bell(distance: f64, radius: f64) -> f64 {
     }
 }
 
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).fold(0.0, |sum, (a, b)| f64::hypot(sum, a - b))
+/// The distance along an axis; round the grid where that is periodic and shorter.
+fn along(dynamics: &Dynamics, axis: usize, a: f64, b: f64) -> f64 {
+    let is_periodic = whole_side(dynamics, Side { axis, is_upper: false })
+        .is_some_and(|entry| entry.condition == SideKind::Periodic);
+    let [first, last] = dynamics.grid.extent(axis);
+    match is_periodic {
+        true => (a - b) - ((a - b) / (last - first)).round() * (last - first),
+        false => a - b,
+    }
+}
+
+fn distance(dynamics: &Dynamics, axes: &[usize], a: &[f64], b: &[f64]) -> f64 {
+    let parts = axes.iter().zip(a.iter().zip(b));
+    parts.fold(0.0, |sum, (axis, (a, b))| f64::hypot(sum, along(dynamics, *axis, *a, *b)))
+}
+
+/// The last entry of a whole side.
+fn whole_side(dynamics: &Dynamics, side: Side) -> Option<&SideCondition> {
+    dynamics.sides.iter().rev().find(|entry| entry.side == side && entry.part.is_none())
 }
 
 /// Shares of the places about a point, which add up to 1; of the nearest place alone if none is within the
 /// radius.
 fn shares(
     places: impl Iterator<Item = (usize, Vec<f64>)>,
-    at: &[f64],
+    distance: impl Fn(&[f64]) -> f64,
     radius: f64,
 ) -> Vec<(usize, f64)> {
     let mut nearest = (f64::INFINITY, 0);
     let mut within = Vec::new();
     for (index, middle) in places {
-        let distance = distance(&middle, at);
+        let distance = distance(&middle);
         if distance < nearest.0 {
             nearest = (distance, index);
         }
@@ -279,13 +318,17 @@ impl Place<'_> {
 
     fn boundary(&self, side: Side) -> Result<Boundary, Error> {
         let pairs = &self.medium.pairs[side.axis];
+        let last = whole_side(self.dynamics, side);
+        if last.is_some_and(|entry| entry.condition == SideKind::Periodic) {
+            return Ok(Boundary::Periodic);
+        }
         let faces = self.faces(side);
         let mut by_face = vec![vec![Condition::Traction(0.0); faces.len()]; pairs.len()];
         let own = |entry: &(usize, &SideCondition)| entry.1.side == side;
         for (index, entry) in self.dynamics.sides.iter().enumerate().filter(own) {
             let of_pair: Vec<Condition> = match &entry.condition {
-                // A side is periodic as a whole, or not at all.
-                SideKind::Periodic => return Ok(Boundary::Periodic),
+                // A later entry holds.
+                SideKind::Periodic => continue,
                 SideKind::Free => vec![Condition::Traction(0.0); pairs.len()],
                 SideKind::Fixed => vec![Condition::Velocity(0.0); pairs.len()],
                 SideKind::NonReflecting => vec![Condition::NonReflecting; pairs.len()],
@@ -318,11 +361,18 @@ impl Place<'_> {
             }
             self.refuse_empty(is_empty, &format!("side[{index}]"))?;
         }
-        // A load says what is given on its faces.
+        // A load says what is given on its faces; two must not say different things.
+        let mut said = vec![vec![None; faces.len()]; pairs.len()];
         for (index, load) in self.dynamics.loads.iter().enumerate() {
             if load.side == side {
                 let (pair, condition) = self.pair_of(index, load)?;
                 for (face, _) in self.loaded(index, load)? {
+                    if said[pair][face].replace(condition).is_some_and(|own| own != condition) {
+                        let found = format!("{} on faces with another load", load.field);
+                        let allowed = "either the velocity or the stress of a wave on a face";
+                        let key = format!("load[{index}].field");
+                        return Err(self.dynamics.locate(&key, found, allowed).into());
+                    }
                     by_face[pair][face] = condition;
                 }
             }
@@ -369,7 +419,8 @@ impl Place<'_> {
             Action::Point { at, radius } => {
                 let axes = load.side.axes(self.dynamics.grid.dimensions());
                 let area: f64 = axes.iter().map(|&axis| self.dynamics.grid.spacing[axis]).product();
-                let shares = shares(faces, at, *radius).into_iter();
+                let to = |middle: &[f64]| distance(self.dynamics, &axes, middle, at);
+                let shares = shares(faces, to, *radius).into_iter();
                 shares.map(|(face, share)| (face, load.amplitude * share / area)).collect()
             }
         };
@@ -391,19 +442,22 @@ impl Place<'_> {
 
     fn source(&self, index: usize, source: &Inside) -> Result<Source, Error> {
         let grid = &self.dynamics.grid;
-        let near: Vec<[usize; 2]> = (0..grid.dimensions())
+        // Cells that may be near along each axis, round the grid where that is periodic.
+        let near: Vec<Vec<usize>> = (0..grid.dimensions())
             .map(|axis| {
-                let index = |x: f64| (x - grid.origin[axis]) / grid.spacing[axis];
-                let first = index(source.at[axis] - source.radius).floor().max(0.0) as usize;
-                let last = index(source.at[axis] + source.radius).ceil().max(0.0) as usize;
-                [first, last.min(grid.cells[axis] - 1)]
+                let reach = source.radius + grid.spacing[axis];
+                let is_near = |index: &usize| {
+                    along(self.dynamics, axis, grid.centre(axis, *index), source.at[axis]).abs()
+                        <= reach
+                };
+                (0..grid.cells[axis]).filter(is_near).collect()
             })
             .collect();
         let mut places = vec![(0, Vec::new())];
         for axis in (0..grid.dimensions()).rev() {
             places = places
                 .iter()
-                .flat_map(|place| (near[axis][0]..=near[axis][1]).map(move |index| (place, index)))
+                .flat_map(|place| near[axis].iter().map(move |index| (place, *index)))
                 .map(|((cell, middle), index)| {
                     let mut middle: Vec<f64> = middle.clone();
                     middle.insert(0, grid.centre(axis, index));
@@ -438,13 +492,16 @@ impl Place<'_> {
                 }
                 entries.filter(|(field, _)| self.medium.fields.contains(field)).collect()
             }
+            // In plane strain across the plane as well.
             SourceKind::Explosion(moment) => {
-                (0..grid.dimensions()).map(|i| (Field::Stress(i, i), *moment)).collect()
+                (0..3).map(|i| (Field::Stress(i, i), *moment)).collect()
             }
         };
         let time = source.time.clone();
+        let axes: Vec<usize> = (0..grid.dimensions()).collect();
+        let to = |middle: &[f64]| distance(self.dynamics, &axes, middle, &source.at);
         Ok(Source {
-            cells: shares(places.into_iter(), &source.at, source.radius),
+            cells: shares(places.into_iter(), to, source.radius),
             amplitudes: amplitudes.into_iter().filter(|(_, amplitude)| *amplitude != 0.0).collect(),
             signal: Arc::new(move |t| time.value(t)),
         })
@@ -545,10 +602,13 @@ impl Place<'_> {
         for (index, part) in self.dynamics.initial.iter().enumerate() {
             match part {
                 Initial::Pulse { field, amplitude, centre, radius } => {
+                    let axes: Vec<usize> = (0..D).collect();
                     add(field.0, &mut |x| {
                         let r = match centre {
-                            Centre::Point(at) => distance(x, at),
-                            Centre::Plane { axis, at } => x[*axis] - at,
+                            Centre::Point(at) => distance(self.dynamics, &axes, x, at),
+                            Centre::Plane { axis, at } => {
+                                along(self.dynamics, *axis, x[*axis], *at)
+                            }
                         };
                         amplitude * (-(r / radius).powi(2)).exp()
                     });
@@ -655,12 +715,15 @@ impl Place<'_> {
             .iter()
             .filter_map(|&field| Some((field, amplitudes[of(field)?])))
             .collect();
-        let greatest = found
-            .iter()
-            .filter(|(field, _)| matches!(field, Field::Velocity(_)))
+        // |v| and the phase of its greatest component; in units of energy, of which the wave has one.
+        let velocities = || found.iter().filter(|(f, _)| matches!(f, Field::Velocity(_)));
+        let speed = velocities().map(|own| own.1.norm_sqr()).sum::<f64>().sqrt();
+        let density = self.medium.inertia(Field::Velocity(0));
+        let greatest = velocities()
             .map(|(_, amplitude)| *amplitude)
             .max_by(|a, b| a.norm().total_cmp(&b.norm()))
-            .filter(|amplitude| amplitude.norm() > 0.0);
+            .filter(|_| density.sqrt() * speed > 1e-6)
+            .map(|amplitude| amplitude.unscale(amplitude.norm()).scale(speed));
         let Some(greatest) = greatest else {
             let found = "a branch that moves nothing but spins";
             let allowed = "a wave whose velocity can have an amplitude: another branch";

@@ -123,7 +123,16 @@ impl<T: Real, const D: usize> Domain<T, D> {
                         stress: domain.at(row * length + x, stress),
                     };
                     let ghost = match &self.sides[0][end] {
-                        Side::Mirror(mirror) => mirror.ghost(pair, row, own(self, from_end(end))),
+                        Side::Mirror(mirror) => {
+                            let mut inside = own(self, from_end(end));
+                            // A single cell is seen through the other mirror.
+                            if let (true, Side::Mirror(other)) =
+                                (depth >= length, &self.sides[0][1 - end])
+                            {
+                                inside = other.ghost(pair, row, inside);
+                            }
+                            mirror.ghost(pair, row, inside)
+                        }
                         Side::Periodic | Side::Cut => own(self, from_end(1 - end)),
                     };
                     if end == 0 {
@@ -178,7 +187,12 @@ impl<T: Real, const D: usize> Domain<T, D> {
                                 for lane in 0..lanes.min(length - (group * lanes).min(length)) {
                                     let [velocity, stress] = own.map(|own| own.lanes()[lane]);
                                     let face = number * length + group * lanes + lane;
-                                    let own = State { velocity, stress };
+                                    let mut own = State { velocity, stress };
+                                    if let (true, Side::Mirror(other)) =
+                                        (depth >= count, &self.sides[axis][1 - end])
+                                    {
+                                        own = other.ghost(pair, face, own);
+                                    }
                                     let own = mirror.ghost(pair, face, own);
                                     ghost[0].lanes_mut()[lane] = own.velocity;
                                     ghost[1].lanes_mut()[lane] = own.stress;

@@ -124,6 +124,19 @@ impl TimeFunction {
         }
     }
 
+    /// The shortest time in which much happens, s; `None` where that is a jump alone.
+    pub fn shortest(&self) -> Option<f64> {
+        match *self {
+            Self::Step { duration, .. } => duration,
+            Self::Triangle { duration, .. } | Self::Pulse { duration, .. } => Some(duration),
+            Self::Ricker { frequency, .. } | Self::Sine { frequency, .. } => Some(1.0 / frequency),
+            Self::Table(ref samples) => {
+                let times = samples.samples().windows(2).map(|pair| pair[1][0] - pair[0][0]);
+                times.reduce(f64::min)
+            }
+        }
+    }
+
     /// Name in case files.
     pub const fn name(&self) -> &'static str {
         match self {

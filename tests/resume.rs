@@ -1,0 +1,182 @@
+//! Runs that are killed, interrupted or damaged, from outside.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");
+
+const CASE: &str = "
+[model]
+kind = 'reduced-cosserat'
+lambda = 1.2e8
+mu = 8e7
+alpha = 3e7
+density = 1900
+inertia = 300
+[yield]
+kind = 'von-mises'
+strength = 2e4
+[grid]
+cells = [60, 50]
+spacing = 0.5
+[time]
+duration = 0.15
+[scheme]
+ledger = 'full'
+[[side]]
+side = 'x1-'
+kind = 'non-reflecting'
+[[load]]
+side = 'x2+'
+field = 'sigma22'
+from = 8
+to = 14
+amplitude = -1e5
+time = { kind = 'pulse', duration = 0.05 }
+[[receiver]]
+at = [12, 20]
+[output]
+snapshot_interval = 0.03
+integrals = ['u2', 'phi3']
+";
+
+/// An empty folder with the case.
+fn folder(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("resume").join(name);
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(&path).unwrap();
+    fs::write(path.join("case.toml"), CASE).unwrap();
+    path
+}
+
+fn command(folder: &Path, arguments: &str) -> Command {
+    let mut command = Command::new(PROGRAM);
+    command.current_dir(folder).args(arguments.split_whitespace());
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    command
+}
+
+fn ends(folder: &Path, arguments: &str) -> Output {
+    command(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).output().unwrap()
+}
+
+/// All results: everything but the log.
+fn results(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut all: Vec<(String, Vec<u8>)> = fs::read_dir(folder.join("out"))
+        .unwrap()
+        .map(|entry| entry.unwrap())
+        .map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap()))
+        .filter(|(name, _)| name != "log.txt")
+        .collect();
+    all.sort();
+    all
+}
+
+const RUN: &str = "run case.toml --out out --checkpoint-every 0 --threads 1";
+
+/// Killed at twenty instants, each resumed until it is finished: the same files.
+#[test]
+fn killed_runs_resume_to_the_same_files() {
+    let whole = folder("whole");
+    let start = Instant::now();
+    assert!(ends(&whole, RUN).status.success());
+    let duration = start.elapsed();
+    let expected = results(&whole);
+    assert!(expected.iter().any(|file| file.0 == "snapshot-00000000.vti"));
+    for index in 0..20 {
+        let here = folder(&format!("killed{index}"));
+        let mut child = command(&here, RUN).spawn().unwrap();
+        std::thread::sleep(duration.mul_f64((f64::from(index) + 0.5) / 21.0));
+        // As kill −9 does; a run that was faster is finished, which is right as well.
+        let _ = child.kill();
+        child.wait().unwrap();
+        if here.join("out/run.json").exists() {
+            // It may have ended just when the checkpoint was to go.
+            let _ = fs::remove_file(here.join("out/checkpoint"));
+        } else if !here.join("out/program.json").exists() {
+            assert!(ends(&here, &format!("{RUN} --force")).status.success());
+        } else {
+            // With other threads, and broken off once more.
+            let mut child =
+                command(&here, "resume out --threads 2 --checkpoint-every 0").spawn().unwrap();
+            std::thread::sleep(duration.mul_f64(0.1));
+            let _ = child.kill();
+            child.wait().unwrap();
+            if !here.join("out/run.json").exists() {
+                let output = ends(&here, "resume out --threads 3");
+                let text = String::from_utf8_lossy(&output.stderr).into_owned();
+                assert!(output.status.success(), "{index}: {text}");
+            } else {
+                let _ = fs::remove_file(here.join("out/checkpoint"));
+            }
+        }
+        let found = results(&here);
+        for (one, other) in found.iter().zip(&expected) {
+            assert!(one == other, "{index}: {} differs from {}", one.0, other.0);
+        }
+        assert_eq!(found.len(), expected.len(), "{index}");
+    }
+}
+
+/// Half a run: interrupted as by Ctrl-C, with a checkpoint and its own exit code.
+#[cfg(unix)]
+fn interrupted(name: &str) -> PathBuf {
+    let here = folder(name);
+    let mut child = command(&here, "run case.toml --out out --threads 1").spawn().unwrap();
+    let start = Instant::now();
+    while !here.join("out/snapshot-00000000.vti").exists() {
+        assert!(start.elapsed() < Duration::from_secs(60));
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(here.join("out/checkpoint").exists());
+    here
+}
+
+#[cfg(unix)]
+#[test]
+fn interrupted_runs_leave_a_checkpoint() {
+    let here = interrupted("interrupted");
+    let again = ends(&here, "run case.toml --out out");
+    assert_eq!(again.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&again.stderr).contains("go on with wellposed resume"));
+    assert!(ends(&here, "resume out").status.success());
+    let again = ends(&here, "resume out");
+    assert_eq!(again.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&again.stderr).contains("the run is finished"));
+    assert_eq!(ends(&here, "run case.toml --out out").status.code(), Some(2));
+    assert!(ends(&here, "plot out").status.success());
+}
+
+/// Damaged checkpoints, and folders that hold none, are refused.
+#[cfg(unix)]
+#[test]
+fn damaged_checkpoints_are_refused() {
+    let here = interrupted("damaged");
+    let path = here.join("out/checkpoint");
+    let sound = fs::read(&path).unwrap();
+    let mut flipped = sound.clone();
+    flipped[sound.len() / 2] ^= 4;
+    for damaged in [flipped, sound[..sound.len() - 5].to_vec(), Vec::new()] {
+        fs::write(&path, damaged).unwrap();
+        let output = ends(&here, "resume out");
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains("checkpoint") && text.contains("--force"), "{text}");
+    }
+    fs::write(&path, &sound).unwrap();
+    // Tables that lost what the checkpoint knows.
+    let table = here.join("out/receivers.csv");
+    let rows = fs::read(&table).unwrap();
+    fs::write(&table, &rows[..20]).unwrap();
+    assert_eq!(ends(&here, "resume out").status.code(), Some(2));
+    fs::write(&table, rows).unwrap();
+    assert!(ends(&here, "resume out").status.success());
+    for arguments in ["resume nowhere", "resume .", "plot nowhere"] {
+        assert_eq!(ends(&here, arguments).status.code(), Some(2), "{arguments}");
+    }
+}
