@@ -180,3 +180,24 @@ fn damaged_checkpoints_are_refused() {
         assert_eq!(ends(&here, arguments).status.code(), Some(2), "{arguments}");
     }
 }
+
+/// A disk that is full, here a limit to the size of files: the run ends with a message, and the last
+/// checkpoint stays as it was.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_the_last_checkpoint() {
+    let here = interrupted("full");
+    let path = here.join("out/checkpoint");
+    let sound = fs::read(&path).unwrap();
+    // Blocks of a kilobyte; without the signal that a write beyond them sends.
+    let limit = sound.len() / 1024 / 2;
+    let script = format!(
+        "trap '' XFSZ; ulimit -f {limit}; exec '{PROGRAM}' resume out --checkpoint-every 0 --threads 1"
+    );
+    let output = Command::new("bash").args(["-c", &script]).current_dir(&here).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(text.contains("File too large"), "{text}");
+    assert!(fs::read(&path).unwrap() == sound);
+    assert!(ends(&here, "resume out").status.success());
+}
