@@ -402,6 +402,8 @@ fn figure(case: &Case, dynamics: &Dynamics, found: &Found) -> FieldFigure {
         label,
         is_signed,
         limit: None,
+        scale: None,
+        curves: None,
         outlines: match dynamics.regions.len() {
             0 | 1 => Vec::new(),
             _ => cells.map(|cell| found.of_cell[cell]).collect(),
