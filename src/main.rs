@@ -7,8 +7,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use wellposed::case::{Kind, Medium, Yield};
 use wellposed::map::{self, Extras};
+use wellposed::new::{self, Purpose};
 use wellposed::run::{self, Control};
-use wellposed::{Error, Format, Options, VERSION, cases, dispersion, new, plot, point, speeds};
+use wellposed::{Error, Format, Options, VERSION, cases, dispersion, plot, point, speeds};
 
 /// Well-posedness of continuum models of granular media.
 #[derive(Parser)]
@@ -87,6 +88,9 @@ enum Verb {
         #[arg(long = "yield", value_name = "SET", value_parser =
             PossibleValuesParser::new(Yield::ALL.map(Yield::name)).try_map(yield_set))]
         yields: Option<Yield>,
+        /// A dynamic problem of a solid, for wellposed run
+        #[arg(long = "run")]
+        runs: bool,
         /// File to write [default: <KIND>.toml]
         file: Option<PathBuf>,
         /// Overwrite the file if it exists
@@ -195,9 +199,10 @@ fn carry_out(verb: Verb) -> Result<(), Error> {
         }
         Verb::Plot { folder } => plot::run(&folder, &mut stdout)?,
         Verb::Cases => cases::run(&mut stdout)?,
-        Verb::New { kind, yields, file, force } => {
+        Verb::New { kind, yields, runs, file, force } => {
             let medium = Medium::new(kind, yields)?;
-            let path = new::run(medium, file.as_deref(), force)?;
+            let purpose = if runs { Purpose::Run } else { Purpose::State };
+            let path = new::run(medium, purpose, file.as_deref(), force)?;
             let _ = writeln!(std::io::stderr(), "wrote {}", path.display());
         }
         Verb::Completions { shell } => {

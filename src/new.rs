@@ -5,11 +5,28 @@ use crate::output::{OutputError, write_file};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+/// What a case is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// One state: `point`, `map`, `dispersion`, `speeds`.
+    State,
+    /// A dynamic problem: `run`.
+    Run,
+}
+
+/// A dynamic problem in plane strain, to be changed.
+const RUN: &str = include_str!("new/run.toml");
+
 /// Writes a case for that medium to `file`, or else to `<kind>.toml`; says where.
 ///
 /// # Errors
 /// The file exists and `force` is not given, or it cannot be written.
-pub fn run(medium: Medium, file: Option<&Path>, force: bool) -> Result<PathBuf, OutputError> {
+pub fn run(
+    medium: Medium,
+    purpose: Purpose,
+    file: Option<&Path>,
+    force: bool,
+) -> Result<PathBuf, OutputError> {
     let path = file.map_or_else(|| format!("{}.toml", medium.kind.name()).into(), Path::to_owned);
     if !force && path.symlink_metadata().is_ok() {
         return Err(OutputError {
@@ -18,17 +35,28 @@ pub fn run(medium: Medium, file: Option<&Path>, force: bool) -> Result<PathBuf, 
             remedy: "name another file, or overwrite with --force",
         });
     }
-    write_file(&path, text(medium).as_bytes())?;
+    if let (Kind::Flow(_), Purpose::Run) = (medium.kind, purpose) {
+        return Err(OutputError {
+            path,
+            cause: format!("{} is a flow", medium.kind.name()),
+            remedy: "name a solid: only these run in time",
+        });
+    }
+    write_file(&path, text_for(medium, purpose).as_bytes())?;
     Ok(path)
 }
 
-/// The text of the case: every key that the medium uses, with unit and meaning.
+/// The text of a case of one state: every key that the medium uses, with unit and meaning.
 pub fn text(medium: impl Into<Medium>) -> String {
-    let medium: Medium = medium.into();
+    text_for(medium.into(), Purpose::State)
+}
+
+/// The text of a case for that purpose.
+pub fn text_for(medium: Medium, purpose: Purpose) -> String {
     let kind = medium.kind;
     let mut text = format!(
         "\
-# One state of one material. SI units; angles in degrees, anticlockwise from x₁.
+# {what}. SI units; angles in degrees, anticlockwise from x₁.
 # A key behind a '#' shows its default, or an example where there is none: take away the '#' to
 # set it.
 #
@@ -40,7 +68,12 @@ title = \"{title}: a first case\"
 [model]
 kind = \"{name}\"
 ",
+        what = match purpose {
+            Purpose::State => "One state of one material",
+            Purpose::Run => "A dynamic problem in plane strain",
+        },
         verbs = match kind {
+            _ if purpose == Purpose::Run => "# wellposed run FILE    fields, seismograms, ledger of energy",
             Kind::Flow(_) => {
                 "# wellposed point FILE    everything about this state
 # wellposed map FILE      verdict over the two parameters of [map]"
@@ -63,6 +96,19 @@ kind = \"{name}\"
             value = "2".into();
         }
         let (own, name) = key.split();
+        if purpose == Purpose::Run {
+            // A run needs no state, and its flow is ideal and associated.
+            if !matches!(own, "model" | "yield") || matches!(name, "hardening" | "plastic_rate") {
+                continue;
+            }
+            if name == "dimensions" {
+                value = "2".into();
+            }
+            let friction = key.name.replace("dilatancy", "friction");
+            if let Some(example) = Key::find(&friction).filter(|_| name.ends_with("dilatancy")).and_then(Key::example) {
+                value = example;
+            }
+        }
         // Of the two ways to say what slips one is shown.
         if own == "stress" && has_active {
             continue;
@@ -73,7 +119,7 @@ kind = \"{name}\"
             if let ("yield", Some(set)) = (own, medium.yields) {
                 let _ = writeln!(text, "kind = \"{}\"", set.name());
             }
-            if own == "yield" && has_active {
+            if own == "yield" && has_active && purpose == Purpose::State {
                 let _ = writeln!(
                     text,
                     "# Any of {}; or else a section [stress] with pressure, deviatoric_stress,\n\
@@ -86,6 +132,9 @@ kind = \"{name}\"
         }
         let mark = if matches!(key.presence, Presence::Required(_)) { "" } else { "# " };
         let _ = writeln!(text, "{:<46}  # {}", format!("{mark}{name} = {value}"), comment(key));
+    }
+    if purpose == Purpose::Run {
+        return text + "\n" + RUN;
     }
     let sets = kind.yield_sets();
     if medium.yields.is_none() && !sets.is_empty() {

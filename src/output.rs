@@ -260,6 +260,17 @@ impl ResultFolder {
         remove(&self.growing(file))
     }
 
+    /// Names of the snapshots, in their order.
+    ///
+    /// # Errors
+    /// The folder cannot be read.
+    pub fn snapshots(&self) -> Result<Vec<String>, OutputError> {
+        let mut all = names(&self.path)?;
+        all.retain(|name| is_snapshot(name));
+        all.sort();
+        Ok(all)
+    }
+
     /// Removes what a killed run left half-written.
     ///
     /// # Errors

@@ -2,11 +2,15 @@
 
 use crate::Error;
 use crate::case::Case;
-use crate::case::dynamics::{Dynamics, Picture};
+use crate::case::dynamics::{Component, Dynamics, Picture};
 use crate::output::{Growing, ResultFolder};
 use crate::words::{case_title, short};
-use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
+use figures::{
+    Animation, FieldAxis, FieldFigure, FieldMark, FieldMarkKind, LedgerFigure, LedgerTerm,
+    SeismogramFigure, SeismogramPanel, Trace,
+};
 use files::npz::{Array, Values, read};
+use models::cosserat::waves::Field;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::Path;
@@ -28,12 +32,139 @@ pub(crate) fn draw(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> R
     let figure = fields.figure(case, dynamics, dynamics.output.picture);
     folder.write("run.png", &figure.draw(figures::Format::Png)?)?;
     folder.write("run.svg", &figure.draw(figures::Format::Svg)?)?;
+    seismograms(case, dynamics, folder)?;
+    ledger(case, dynamics, folder)?;
+    animation(case, dynamics, folder)?;
     if fields.of("dissipation").is_some() && dynamics.output.picture != Picture::Dissipation {
         let figure = fields.figure(case, dynamics, Picture::Dissipation);
         folder.write("dissipation.png", &figure.draw(figures::Format::Png)?)?;
         folder.write("dissipation.svg", &figure.draw(figures::Format::Svg)?)?;
     }
     Ok(())
+}
+
+/// What the receivers saw: a panel for each quantity that one of them recorded.
+fn seismograms(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<(), Error> {
+    /// Panels of a page; of more quantities the first.
+    const MOST: usize = 8;
+    if dynamics.receivers.is_empty() {
+        return Ok(());
+    }
+    let columns = table(folder, Growing::Receivers)?;
+    let mut panels: Vec<(String, Vec<Trace>)> = Vec::new();
+    for (column, values) in columns.iter().skip(1) {
+        let Some((receiver, name)) = column.rsplit_once('.') else { continue };
+        let trace = Trace { name: receiver.to_owned(), values: values.clone() };
+        match panels.iter_mut().find(|panel| panel.0 == name) {
+            Some(panel) => panel.1.push(trace),
+            None => panels.push((name.to_owned(), vec![trace])),
+        }
+    }
+    let all = panels.len();
+    panels.truncate(MOST);
+    let figure = SeismogramFigure {
+        title: case_title(case),
+        subtitle: match all > MOST {
+            true => format!("the first {MOST} of {all} quantities in receivers.csv"),
+            false => String::new(),
+        },
+        time_label: "time t, s".to_owned(),
+        panels: panels
+            .into_iter()
+            .map(|(name, traces)| SeismogramPanel { label: label(&name), traces })
+            .collect(),
+        times: columns.into_iter().next().map(|column| column.1).unwrap_or_default(),
+    };
+    folder.write("seismograms.png", &figure.draw(figures::Format::Png)?)?;
+    Ok(folder.write("seismograms.svg", &figure.draw(figures::Format::Svg)?)?)
+}
+
+/// Where the energy was, and what became of it.
+fn ledger(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<(), Error> {
+    let mut columns = table(folder, Growing::Ledger)?.into_iter();
+    let times = columns.next().map(|column| column.1).unwrap_or_default();
+    let words = |name: &str| match name {
+        "kinetic" => "kinetic energy",
+        "stored" => "stored energy",
+        "sides" => "work at the sides",
+        "sources" => "work of sources and weight",
+        "initial_stress" => "released by the initial stress",
+        "plastic" => "plastic dissipation",
+        "numerical" => "dissipation of the scheme",
+        "residual" => "left over",
+        _ => "balance: the scheme's, not counted",
+    };
+    let mut terms: Vec<LedgerTerm> = columns
+        .map(|(name, values)| LedgerTerm { name: words(&name).to_owned(), values })
+        .collect();
+    let Some(balance) = terms.pop() else { return Ok(()) };
+    terms.retain(|term| term.values.iter().any(|value| *value != 0.0));
+    let unit = if dynamics.grid.dimensions() == 2 { "J/m" } else { "J" };
+    let figure = LedgerFigure {
+        title: case_title(case),
+        subtitle: String::new(),
+        time_label: "time t, s".to_owned(),
+        label: format!("energy, {unit}"),
+        times,
+        terms,
+        balance,
+    };
+    folder.write("ledger.png", &figure.draw(figures::Format::Png)?)?;
+    Ok(folder.write("ledger.svg", &figure.draw(figures::Format::Svg)?)?)
+}
+
+/// The snapshots one after the other, in one scale of colours.
+fn animation(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<(), Error> {
+    const SECONDS_PER_FRAME: f64 = 0.1;
+    const WIDTH: u32 = 800;
+    let names = folder.snapshots()?;
+    if names.len() < 2 {
+        return Ok(());
+    }
+    let section = Section::new(dynamics);
+    let picture = dynamics.output.picture;
+    let array = match picture {
+        Picture::Speed | Picture::Component(Component(Field::Velocity(_))) => {
+            "velocity [m/s]".to_owned()
+        }
+        _ => format!("{} [{}]", picture.name(), crate::run::unit(&picture.name())),
+    };
+    // Twice through all, not to hold them all.
+    let values = |name: &str| -> Result<(f64, Vec<f64>), Error> {
+        let path = folder.path().join(name);
+        let unreadable =
+            |cause: String| Error::Unreadable { file: path.display().to_string(), cause };
+        let bytes = std::fs::read(&path).map_err(|error| unreadable(error.to_string()))?;
+        let time = files::vti::plain_time(&bytes);
+        let all = files::vti::plain_values(&bytes, &array);
+        let (Some(time), Some(all)) = (time, all) else {
+            return Err(unreadable(format!("no array {array}")));
+        };
+        let of = |cell: usize| match picture {
+            Picture::Speed => all[3 * cell..3 * cell + 3].iter().fold(0.0, |s, v| f64::hypot(s, *v)),
+            Picture::Component(Component(Field::Velocity(i))) => all[3 * cell + i],
+            _ => all[cell],
+        };
+        if all.len() < dynamics.grid.count() {
+            return Err(unreadable(format!("too few values of {array}")));
+        }
+        Ok((time, section.cells().map(of).collect()))
+    };
+    let mut greatest = 0.0f64;
+    for name in &names {
+        greatest = values(name)?.1.iter().fold(greatest, |sum, value| sum.max(value.abs()));
+    }
+    if greatest == 0.0 {
+        return Ok(());
+    }
+    let mut animation = Animation::new(Vec::new(), SECONDS_PER_FRAME, WIDTH)?;
+    for name in &names {
+        let (time, values) = values(name)?;
+        let mut figure = section.figure(case, dynamics, picture, time, values);
+        figure.scale = Some(greatest);
+        animation.add(&figure)?;
+    }
+    Ok(folder.write("animation.gif", &animation.finish()?)?)
 }
 
 /// Columns of a table of numbers by name.
@@ -205,6 +336,8 @@ impl<'a> Section<'a> {
             },
             is_signed: !matches!(picture, Picture::Speed | Picture::Dissipation),
             limit: None,
+            scale: None,
+            curves: None,
             outlines: Vec::new(),
             plastic: Vec::new(),
             marks: receivers

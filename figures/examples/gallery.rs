@@ -5,9 +5,10 @@ use std::path::PathBuf;
 
 use wellposed_figures::{
     Axis, Band, Branch, Category, Curve, Direction, DirectionsFigure, DispersionFigure, FieldAxis,
-    FieldFigure, FieldMark, FieldMarkKind, FigureError, Format, GrowthFigure, Level, Line, Look,
-    Mark, Panel, PolarFigure, Response, SpeedCurve, SpeedsFigure, SphereFigure, SphereMark, Spoke,
-    SpokeStyle, Style, Vanishing, VerdictMap,
+    FieldFigure, FieldMark, FieldMarkKind, FigureError, Format, GrowthFigure, LedgerFigure,
+    LedgerTerm, Level, Line, Look, Mark, Panel, PolarFigure, Response, SeismogramFigure,
+    SeismogramPanel, SpeedCurve, SpeedsFigure, SphereFigure, SphereMark, Spoke, SpokeStyle, Style,
+    Trace, Vanishing, VerdictMap, animate,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -30,6 +31,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     save("field_wave", &|format| field_wave().draw(format))?;
     save("field_materials", &|format| field_materials().draw(format))?;
     save("field_bar", &|format| field_bar().draw(format))?;
+    save("field_curves", &|format| field_curves().draw(format))?;
+    save("field_hill", &|format| field_hill().draw(format))?;
+    save("seismogram", &|format| seismogram([6, 3], 4_000).draw(format))?;
+    save("seismogram_long", &|format| seismogram([3, 10], 1_000_000).draw(format))?;
+    save("ledger", &|format| ledger(true).draw(format))?;
+    save("ledger_residual", &|format| ledger(false).draw(format))?;
+    let frames: Vec<FieldFigure> = grid(0.0, 0.4, 25).into_iter().map(moving).collect();
+    std::fs::write(folder.join("wave.gif"), animate(&frames, 0.08, 800)?)?;
     save("speeds", &|format| speeds().draw(format))?;
     save("sphere", &|format| sphere(false).draw(format))?;
     save("sphere_growth", &|format| sphere(true).draw(format))
@@ -65,6 +74,8 @@ fn field(cells: [usize; 2], per_metre: f64, value: impl Fn(f64, f64) -> f64) -> 
         label: "velocity v₂ (m/s)".to_owned(),
         is_signed: true,
         limit: None,
+        scale: None,
+        curves: None,
         outlines: Vec::new(),
         plastic: Vec::new(),
         marks: Vec::new(),
@@ -126,6 +137,148 @@ fn field_bar() -> FieldFigure {
     let marks = ends.map(|(name, x)| field_mark(x, 0.2, name, FieldMarkKind::Receiver)).to_vec();
     bar.title = "Energy along a bar".to_owned();
     FieldFigure { label: "energy density (J/m³)".to_owned(), is_signed: false, marks, ..bar }
+}
+
+/// The stress around a crack with lines of equal value that carry their numbers.
+fn field_curves() -> FieldFigure {
+    let mut figure = field([300, 200], 10.0, |x, y| {
+        let (x, y) = (x - 15.0, y - 10.0);
+        let ends = [-4.0, 4.0].map(|end: f64| (x - end) / (1.0 + (x - end).powi(2) + y * y));
+        6e4 * (ends[1] - ends[0]) * (1.0 + 0.2 * (0.7 * y).sin()) + 400.0 * x
+    });
+    figure.title = "Stress around a crack".to_owned();
+    figure.label = "shear stress σ₁₂ (Pa)".to_owned();
+    figure.curves = Some([-4e4, -2e4, -1e4, -5e3, -2e3, 0.0, 2e3, 5e3, 1e4, 2e4].to_vec());
+    figure.marks = vec![
+        field_mark(11.0, 10.0, "left tip", FieldMarkKind::Receiver),
+        field_mark(19.0, 10.0, "right tip", FieldMarkKind::Receiver),
+    ];
+    figure
+}
+
+/// A quantity without a sign with its lines of equal value.
+fn field_hill() -> FieldFigure {
+    let figure = field([160, 160], 10.0, |x, y| {
+        let hill =
+            |a: f64, b: f64, width: f64| (-((x - a).powi(2) + (y - b).powi(2)) / width).exp();
+        hill(5.0, 6.0, 14.0) + 0.6 * hill(11.0, 11.0, 9.0)
+    });
+    FieldFigure {
+        title: "Energy of two shots".to_owned(),
+        label: "energy density (J/m³)".to_owned(),
+        is_signed: false,
+        curves: Some((1..10).map(|tenth| 0.1 * f64::from(tenth)).collect()),
+        ..figure
+    }
+}
+
+/// A frame of a wave that comes from a point and is thrown back by a stiffer half.
+fn moving(time: f64) -> FieldFigure {
+    let pulse = |phase: f64| phase.sin() * (-0.06 * phase * phase).exp();
+    let wave = field([300, 180], 10.0, |x, y| {
+        let distance = |from: f64| (x - from).hypot(y - 9.0);
+        let of =
+            |from: f64| pulse(2.2 * (distance(from) - 55.0 * time)) / (1.0 + 0.2 * distance(from));
+        let shown = if x < 20.0 { of(10.0) - 0.6 * of(30.0) } else { 0.5 * of(10.0) };
+        0.01 * shown
+    });
+    let marks = vec![
+        field_mark(10.0, 9.0, "shot", FieldMarkKind::Source),
+        field_mark(17.0, 9.0, "R1", FieldMarkKind::Receiver),
+        field_mark(24.0, 14.0, "R2", FieldMarkKind::Receiver),
+    ];
+    FieldFigure {
+        title: "A wave meets a stiffer half".to_owned(),
+        subtitle: format!("t = {time:.3} s"),
+        scale: Some(0.003),
+        outlines: (0..300 * 180).map(|cell| u16::from(cell % 300 >= 200)).collect(),
+        plastic: wave.values.iter().map(|value| value.abs() > 0.0025).collect(),
+        marks,
+        ..wave
+    }
+}
+
+/// Pulses at receivers; the last quantity does not move, one receiver fails.
+fn seismogram([panels, receivers]: [usize; 2], samples: usize) -> SeismogramFigure {
+    let labels = [
+        "velocity v₁, m/s",
+        "velocity v₂, m/s",
+        "stress σ₁₁, Pa",
+        "stress σ₁₂, Pa",
+        "rotation rate Ω₃, 1/s",
+        "couple stress μ₃₁, N/m",
+    ];
+    let times = grid(0.0, 0.8, samples);
+    let sizes = [3e-3, 1.4e-3, 2.2e4, 9e3, 4e-7, 0.0];
+    let value = |panel: usize, receiver: usize, time: f64| {
+        let arrival = 0.12 + 0.11 * receiver as f64;
+        let beats = if samples > 100_000 { 4000.0 } else { 90.0 };
+        let since = time - arrival;
+        let offset = if panel == 2 { -5e4 } else { 0.0 };
+        if receiver == 2 && (0.55..0.6).contains(&time) {
+            f64::NAN
+        } else if since < 0.0 {
+            offset
+        } else {
+            let decay = (-9.0 * since).exp() / (1.0 + 0.5 * receiver as f64);
+            offset + sizes[panel] * decay * (beats * since + panel as f64).sin()
+        }
+    };
+    let trace = |panel: usize, receiver: usize| Trace {
+        name: format!("receiver R{}", receiver + 1),
+        values: times.iter().map(|time| value(panel, receiver, *time)).collect(),
+    };
+    let panel = |panel: usize| SeismogramPanel {
+        label: labels[if panels < 6 && panel == 2 { 5 } else { panel }].to_owned(),
+        traces: (0..receivers)
+            .map(|receiver| trace(if panels < 6 && panel == 2 { 5 } else { panel }, receiver))
+            .collect(),
+    };
+    SeismogramFigure {
+        title: "What the receivers record".to_owned(),
+        subtitle: "Cosserat solid, 400 × 300 cells".to_owned(),
+        time_label: "time t, s".to_owned(),
+        panels: (0..panels).map(panel).collect(),
+        times,
+    }
+}
+
+/// Energies of a shot in a yielding solid, with a balance of percents or a residual.
+fn ledger(is_coarse: bool) -> LedgerFigure {
+    let times = grid(0.0, 0.5, 2_000);
+    let term = |name: &str, value: &dyn Fn(f64) -> f64| LedgerTerm {
+        name: name.to_owned(),
+        values: times.iter().map(|time| value(*time)).collect(),
+    };
+    let came = |t: f64| 3200.0 * (1.0 - (-30.0 * t).exp());
+    let left = |t: f64| -900.0 * (t - 0.3).max(0.0) / 0.2;
+    let lost = |t: f64| 1.0 - (-4.0 * t).exp();
+    let swings = |t: f64| 0.5 + 0.5 * (60.0 * t).cos() * (-9.0 * t).exp();
+    let all = |t: f64| came(t) + left(t) - 1300.0 * lost(t) - 160.0 * t;
+    let balance = if is_coarse {
+        term("balance, share of the largest energy", &|t| 0.03 * lost(t))
+    } else {
+        term("residual, share of the largest energy", &|t| {
+            2e-13 * t.sqrt() * ((1e5 * t).sin() + (3e4 * t * t).sin())
+        })
+    };
+    LedgerFigure {
+        title: "Where the energy goes".to_owned(),
+        subtitle: "Cosserat solid, 400 × 300 cells".to_owned(),
+        time_label: "time t, s".to_owned(),
+        label: "energy, J/m".to_owned(),
+        terms: vec![
+            term("kinetic", &|t| all(t) * swings(t)),
+            term("stored", &|t| all(t) * (1.0 - swings(t))),
+            term("work of the sides", &left),
+            term("work of the sources", &came),
+            term("released by the initial stress", &|t| 220.0 * t),
+            term("plastic dissipation", &|t| 1300.0 * lost(t)),
+            term("dissipation of the scheme", &|t| 160.0 * t),
+        ],
+        times: times.clone(),
+        balance,
+    }
 }
 
 /// A bound at 45° with growth that increases towards it.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use plotters::style::RGBColor;
 
-use crate::page::{self, Entry, Legend, MARGIN, NAME, NUMBER, RULE};
+use crate::page::{self, Legend, MARGIN, NAME, NUMBER, RULE};
 use crate::picture::{
     Anchor, Colour, INK, Picture, Point, Rectangle, Text, WHITE, circle, dashes, text_width,
 };
@@ -76,6 +76,15 @@ pub struct FieldFigure {
     /// The magnitude at which colours end, in the unit of `label`, where it is below the largest;
     /// values beyond are clipped, and the colour bar says so. The largest magnitude without.
     pub limit: Option<f64>,
+    /// The magnitude at which colours end, in the unit of `label`, whatever the values are; `limit`
+    /// does not matter then. Figures of one kind with the same scale have the same colours, colour
+    /// bar and arrangement, as the frames of an [`crate::Animation`] must: without a sign, negative
+    /// values then count as beyond the scale.
+    pub scale: Option<f64>,
+    /// Values on which lines of equal value are drawn, in the unit of `label`, with their numbers
+    /// on them, in place of those at ¼ and ½ of the colours of a quantity with a sign. Values that
+    /// are not finite or nowhere attained have no line.
+    pub curves: Option<Vec<f64>>,
     /// Index of the material of each cell, ordered as the values; lines are drawn between
     /// different ones. Empty for a single material.
     pub outlines: Vec<u16>,
@@ -141,6 +150,11 @@ const BAR_BELOW: f64 = 20.0;
 const LEVELS: [f64; 4] = [-0.5, -0.25, 0.25, 0.5];
 const LEVEL_WIDTH: f64 = 1.4;
 const LEVEL_DASHES: [f64; 2] = [7.0, 5.0];
+/// Lines on colours darker than this share of the scale are white.
+const DARK: f64 = 0.6;
+/// Size of the numbers on lines of equal value, and length of line for each of them.
+const LEVEL_NUMBER: f64 = 20.0;
+const LEVEL_REPEAT: f64 = 900.0;
 /// Points of lines of equal value above which they are no help; each line counts for some more.
 const MOST_LEVEL_POINTS: usize = 60_000;
 /// Distance of the lines over negative values where lines of equal value would be too many.
@@ -152,14 +166,19 @@ const MARK_NAME: f64 = 22.0;
 const MARK_RADIUS: f64 = 15.0;
 
 /// The colours of a field.
-struct Scale {
+#[derive(Clone)]
+pub(crate) struct Scale {
     is_signed: bool,
+    /// Whether the colours are those of other figures, too, and not only of this one.
+    is_fixed: bool,
     /// Magnitude of the darkest colour; zero where there is no other value.
     end: f64,
     /// The value of largest magnitude.
     extreme: f64,
     /// Number of cells beyond the end.
     clipped: usize,
+    /// Whether the colours at the lower and upper end stand for values beyond.
+    open: [bool; 2],
     /// Number of cells that hold no finite number.
     unknown: usize,
 }
@@ -175,14 +194,38 @@ impl Scale {
             }
             lowest = lowest.min(value);
         }
-        let end = figure.limit.map_or(extreme.abs(), |limit| limit.min(extreme.abs()));
+        let is_negative = lowest < -ROUND_OFF * extreme.abs();
+        let (is_fixed, is_signed, end) = match figure.scale {
+            Some(end) => (true, figure.is_signed, end),
+            None => {
+                let end = figure.limit.map_or(extreme.abs(), |limit| limit.min(extreme.abs()));
+                (false, figure.is_signed || is_negative, end)
+            }
+        };
+        let is_below = is_negative && !is_signed;
+        let low = match () {
+            () if is_signed => -end,
+            () if is_below => 0.0,
+            () => f64::NEG_INFINITY,
+        };
+        let clipped = finite().filter(|value| *value > end || *value < low).count();
+        let is_open = clipped > 0 || is_fixed;
         Self {
-            is_signed: figure.is_signed || lowest < -ROUND_OFF * extreme.abs(),
+            is_signed,
+            is_fixed,
             end,
             extreme,
-            clipped: finite().filter(|value| value.abs() > end).count(),
+            clipped,
+            open: [is_below || (is_signed && is_open), is_open],
             unknown: figure.values.len() - finite().count(),
         }
+    }
+
+    /// All colours that figures of such a scale may have, ink and paper apart.
+    pub fn colours(&self) -> Vec<Colour> {
+        let first = if self.is_signed { -SHADES } else { 0 };
+        let steps = (first..=SHADES).map(|step| self.colour(step));
+        steps.chain([UNKNOWN_GROUND, UNKNOWN_HATCH]).collect()
     }
 
     /// The step of the colour map that shows a value.
@@ -233,10 +276,10 @@ impl Scale {
         let mut ticks =
             page::spaced(length, upright, |most| scale::ticks(low, self.end, most, degrees));
         let mut ends = Vec::new();
-        if self.clipped > 0 {
+        if self.open[1] {
             ends.push((self.end, format!("≥ {}", plain(self.end))));
-            if self.is_signed {
-                ends.push((-self.end, format!("≤ {}", plain(-self.end))));
+            if self.open[0] {
+                ends.push((low, format!("≤ {}", plain(low))));
             }
         } else if ticks.len() < 2 {
             ends.push((self.end, plain(self.end)));
@@ -379,12 +422,21 @@ struct Arrangement {
     has_borders: bool,
 }
 
+/// An entry of the legend, with the widest words that another figure of the same scale may have.
+struct FieldEntry {
+    words: String,
+    widest: String,
+    swatch: page::Swatch,
+}
+
 /// What tells positive and negative values apart in grey.
 enum Levels {
     /// Lines of equal value with the share of the end of the colours that they belong to.
     Lines(Vec<(f64, Vec<Point>)>),
     /// None, or too many to be told apart: large negative values are ruled instead.
     Ruled,
+    /// Too many of those asked for, of a quantity without a sign.
+    TooMany,
     None,
 }
 
@@ -419,9 +471,9 @@ impl FieldFigure {
                 return Err(FigureError::CellCount { field, found, columns, rows });
             }
         }
-        match self.limit {
-            Some(found) if !(found > 0.0 && found.is_finite()) => Err(FigureError::Limit { found }),
-            _ => Ok(()),
+        match [self.limit, self.scale].into_iter().flatten().find(|end| !is_end(*end)) {
+            Some(found) => Err(FigureError::Limit { found }),
+            None => Ok(()),
         }
     }
 
@@ -435,15 +487,32 @@ impl FieldFigure {
         let levels = self.levels(scale, &trial);
         let left_out =
             |layout| self.place_names(layout).iter().filter(|place| place.is_none()).count();
-        let list = |left_out| {
-            let entries = self.legend(scale, &levels, has_borders, left_out);
-            Legend::new(entries, page::WIDTH - 2.0 * MARGIN)
+        let list = |scale: &Scale, levels: &Levels, left_out| {
+            let entries = self.legend(scale, levels, has_borders, left_out);
+            let (mut listed, mut widest) = (Vec::new(), Vec::new());
+            for entry in entries {
+                widest.push(entry.widest);
+                listed.push((entry.words, entry.swatch));
+            }
+            Legend::with_room(listed, &widest, page::WIDTH - 2.0 * MARGIN)
         };
-        let mut legend = list(left_out(&trial));
-        let mut layout = self.layout(scale, top, legend.height());
+        // Figures of the same scale leave room for what others may have to say.
+        let height = |legend: &Legend, left_out| {
+            if !scale.is_fixed {
+                return legend.height();
+            }
+            let all = Scale { unknown: scale.unknown.max(1), ..scale.clone() };
+            let most =
+                if self.has_curves(scale) { Levels::Lines(Vec::new()) } else { Levels::None };
+            list(&all, &most, left_out).height().max(legend.height())
+        };
+        let count = left_out(&trial);
+        let mut legend = list(scale, &levels, count);
+        let mut layout = self.layout(scale, top, height(&legend, count));
         // Less room for the field may leave out more names.
-        legend = list(left_out(&layout));
-        layout = self.layout(scale, top, legend.height());
+        let count = left_out(&layout);
+        legend = list(scale, &levels, count);
+        layout = self.layout(scale, top, height(&legend, count));
         let levels = match levels {
             Levels::Lines(_) => self.levels(scale, &layout),
             levels => levels,
@@ -451,7 +520,27 @@ impl FieldFigure {
         Arrangement { layout, legend, levels, has_borders }
     }
 
-    fn picture(&self, format: Format) -> Result<Picture, FigureError> {
+    /// Whether there are lines of equal value where the values let them.
+    fn has_curves(&self, scale: &Scale) -> bool {
+        self.curves.is_some() || scale.is_signed
+    }
+
+    /// The values with lines, as shares of the end of the colours.
+    fn level_shares(&self, scale: &Scale) -> Vec<f64> {
+        let Some(curves) = &self.curves else { return LEVELS.to_vec() };
+        let mut shares: Vec<f64> = curves.iter().map(|level| level / scale.end).collect();
+        shares.retain(|share| share.is_finite());
+        shares.sort_by(f64::total_cmp);
+        shares.dedup();
+        shares
+    }
+
+    /// The colours of the figure as those of all frames with the same scale.
+    pub(crate) fn colours(&self) -> Vec<Colour> {
+        Scale::of(self).colours()
+    }
+
+    pub(crate) fn picture(&self, format: Format) -> Result<Picture, FigureError> {
         self.check()?;
         let scale = Scale::of(self);
         let Arrangement { layout, legend, levels, has_borders } = self.arrange(&scale, format);
@@ -464,12 +553,25 @@ impl FieldFigure {
                 lines.iter().for_each(|(share, line)| draw_level(&mut picture, *share, line));
             }
             Levels::Ruled => self.rule_negative(&mut picture, &scale, &raster),
-            Levels::None => {}
+            Levels::TooMany | Levels::None => {}
         }
         if has_borders {
             draw_borders(&mut picture, self.borders(&raster).unwrap_or_default());
         }
         self.draw_plastic(&mut picture, layout.frame);
+        if let Levels::Lines(lines) = &levels {
+            for number in self.place_numbers(&scale, &layout, lines) {
+                let bounds = number.bounds();
+                let ground = Rectangle {
+                    top: bounds.top + 1.0,
+                    left: bounds.left - 3.0,
+                    right: bounds.right + 3.0,
+                    ..bounds
+                };
+                picture.fill(ground, WHITE);
+                picture.text(number);
+            }
+        }
         picture.frame(layout.frame, RULE, INK);
         self.draw_axes(&mut picture, &layout);
         if let Some(bar) = layout.bar {
@@ -595,7 +697,7 @@ impl FieldFigure {
     }
 
     fn levels(&self, scale: &Scale, layout: &Layout) -> Levels {
-        if !scale.is_signed || scale.end == 0.0 {
+        if !self.has_curves(scale) || scale.end == 0.0 {
             return Levels::None;
         }
         let frame = layout.frame;
@@ -619,7 +721,7 @@ impl FieldFigure {
         };
         let mut lines = Vec::new();
         let mut effort = 0;
-        for share in LEVELS {
+        for share in self.level_shares(scale) {
             for line in contour::lines(columns + 2, rows + 2, value, share * scale.end) {
                 let points: Vec<Point> = line
                     .iter()
@@ -628,20 +730,120 @@ impl FieldFigure {
                 // Specks tell nothing, but many of them that there is no line to follow.
                 effort += 10 + points.len();
                 if effort > MOST_LEVEL_POINTS {
-                    return Levels::Ruled;
+                    return if scale.is_signed { Levels::Ruled } else { Levels::TooMany };
                 }
                 if length(&points) > 12.0 {
                     lines.push((share, points));
                 }
             }
         }
-        if !lines.is_empty() {
+        if !lines.is_empty() || self.curves.is_some() {
             Levels::Lines(lines)
         } else if self.values.iter().any(|value| *value < -0.25 * scale.end) {
             Levels::Ruled
+        } else if scale.is_fixed {
+            Levels::Lines(lines)
         } else {
             Levels::None
         }
+    }
+
+    /// The numbers on lines of equal value that were asked for, each on a level piece of its line
+    /// and clear of marks, of other numbers and, as far as can be, of other lines.
+    fn place_numbers(
+        &self,
+        scale: &Scale,
+        layout: &Layout,
+        lines: &[(f64, Vec<Point>)],
+    ) -> Vec<Text> {
+        if self.curves.is_none() {
+            return Vec::new();
+        }
+        let frame = layout.frame;
+        let mut taken: Vec<Rectangle> =
+            self.places(frame).iter().map(|(at, _)| around(*at)).collect();
+        taken.extend(self.place_names(layout).iter().flatten().map(padded));
+        // The index of a line in each small square that it passes; two where several do.
+        const SQUARE: f64 = 6.0;
+        let square = |[x, y]: Point| ((x / SQUARE) as usize, (y / SQUARE) as usize);
+        let mut passed: BTreeMap<(usize, usize), [usize; 2]> = BTreeMap::new();
+        for (index, (_, line)) in lines.iter().enumerate() {
+            for &point in line {
+                let own = passed.entry(square(point)).or_insert([index; 2]);
+                own[1] = if own[0] == index { own[1] } else { index };
+            }
+        }
+        // Long lines first: they need their numbers most.
+        let mut order: Vec<(f64, usize)> =
+            lines.iter().enumerate().map(|(index, (_, line))| (length(line), index)).collect();
+        order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let mut numbers = Vec::new();
+        for (whole, index) in order {
+            let (share, line) = &lines[index];
+            let words = plain(share * scale.end);
+            let width = text_width(&words, LEVEL_NUMBER, false);
+            // A number would hide the whole of a small ring.
+            let least = if line.first() == line.last() { 4.5 } else { 1.6 };
+            if whole < least * width {
+                continue;
+            }
+            let mut own: Vec<Point> = Vec::new();
+            let is_free = |text: &Text, taken: &[Rectangle]| {
+                let pad = padded(text);
+                pad.left > frame.left + 4.0
+                    && pad.right < frame.right - 4.0
+                    && pad.top > frame.top + 4.0
+                    && pad.bottom < frame.bottom - 4.0
+                    && !taken.iter().any(|other| other.overlaps(&pad))
+            };
+            let crossings = |area: Rectangle| {
+                let (from, to) = (square([area.left, area.top]), square([area.right, area.bottom]));
+                let squares = (from.0..=to.0).flat_map(|x| (from.1..=to.1).map(move |y| (x, y)));
+                squares
+                    .filter_map(|place| passed.get(&place))
+                    .filter(|own| own.iter().any(|other| *other != index))
+                    .count()
+            };
+            let count = 1 + (whole / LEVEL_REPEAT) as usize;
+            // Along the line, of which each of its numbers has a part.
+            let step = (line.len() / (60 * count)).max(1);
+            for part in 0..count {
+                let [first, last] = [part, part + 1].map(|edge| edge * (line.len() - 1) / count);
+                let mut best: Option<(f64, Text)> = None;
+                for middle in (first..=last).step_by(step) {
+                    let [x, y] = line[middle];
+                    let at = [x, y + 0.36 * LEVEL_NUMBER];
+                    let text = Text::new(at, Anchor::Middle, LEVEL_NUMBER, &words);
+                    let is_near = |&[a, b]: &Point| (a - x).hypot(b - y) < 0.25 * LEVEL_REPEAT;
+                    if !is_free(&text, &taken) || own.iter().any(is_near) {
+                        continue;
+                    }
+                    let area = padded(&text);
+                    // How far the line leaves the middle of its number.
+                    let reach = (middle.saturating_sub(200)..(middle + 200).min(line.len()))
+                        .map(|other| line[other])
+                        .filter(|point| {
+                            (point[0] - x).abs() < 0.5 * width && (point[1] - y).abs() < 60.0
+                        })
+                        .map(|point| (point[1] - y).abs())
+                        .fold(0.0, f64::max)
+                        .min(LEVEL_NUMBER);
+                    let place = (middle - first) as f64 / (last - first).max(1) as f64;
+                    let cost = crossings(area) as f64 + 0.1 * reach + 2.0 * (place - 0.5).abs();
+                    if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+                        best = Some((cost, text));
+                    }
+                }
+                if let Some((_, text)) = best {
+                    own.push(text.at);
+                    // Numbers in a row would be read as one.
+                    let pad = padded(&text);
+                    taken.push(Rectangle { left: pad.left - 8.0, right: pad.right + 8.0, ..pad });
+                    numbers.push(text);
+                }
+            }
+        }
+        numbers
     }
 
     /// The lines between different materials as thin areas; none where they would cover the field.
@@ -775,8 +977,11 @@ impl FieldFigure {
         }
         match levels {
             Levels::Lines(_) => {
-                for level in LEVELS {
-                    draw_level(picture, level, &across(scale.share(level * scale.end)));
+                for level in self.level_shares(scale) {
+                    let share = scale.share(level * scale.end);
+                    if (0.0..=1.0).contains(&share) {
+                        draw_level(picture, level, &across(share));
+                    }
                 }
             }
             Levels::Ruled => {
@@ -788,13 +993,14 @@ impl FieldFigure {
                 };
                 draw_ruled(picture, ruled);
             }
-            Levels::None => {}
+            Levels::TooMany | Levels::None => {}
         }
         // Arrows say that the colours at the ends stand for all values beyond.
-        let ends: &[f64] = match (scale.clipped > 0, scale.is_signed) {
-            (false, _) => &[],
-            (true, false) => &[1.0],
-            (true, true) => &[0.0, 1.0],
+        let ends: &[f64] = match scale.open {
+            [false, false] => &[],
+            [true, false] => &[0.0],
+            [false, true] => &[1.0],
+            [true, true] => &[0.0, 1.0],
         };
         for &end in ends {
             let base = across(end + (0.5 - end) * 2.0 * ARROW / length);
@@ -852,12 +1058,6 @@ impl FieldFigure {
     /// A place for the name of each mark in the domain, none where there is no room.
     fn place_names(&self, layout: &Layout) -> Vec<Option<Text>> {
         let places = self.places(layout.frame);
-        let around = |[x, y]: Point| Rectangle {
-            left: x - MARK_RADIUS,
-            top: y - MARK_RADIUS,
-            right: x + MARK_RADIUS,
-            bottom: y + MARK_RADIUS,
-        };
         let mut taken: Vec<Rectangle> = places.iter().map(|(at, _)| around(*at)).collect();
         // Names stand on either side of the frame's lines, not on them.
         let (area, frame) = (layout.names, layout.frame);
@@ -930,9 +1130,12 @@ impl FieldFigure {
         levels: &Levels,
         has_borders: bool,
         names_left_out: usize,
-    ) -> Vec<Entry> {
-        let mut entries: Vec<Entry> = Vec::new();
+    ) -> Vec<FieldEntry> {
+        let mut entries: Vec<FieldEntry> = Vec::new();
         let cells = self.values.len();
+        // Words that differ between figures of the same scale are brief.
+        const MOST: &str = ">99.9 %";
+        let of_cells = if scale.is_fixed { "" } else { " of the cells" };
         let first = self.values[0];
         let is_constant = self.values.iter().all(|value| *value == first);
         let everywhere = if scale.end == 0.0 && scale.unknown == 0 {
@@ -943,23 +1146,29 @@ impl FieldFigure {
             let is_said = is_constant && scale.unknown == 0;
             is_said.then(|| format!("{} everywhere", plain(first)))
         };
-        if let Some(words) = everywhere {
+        // The colours say so where they are given.
+        if let Some(words) = everywhere.filter(|_| !scale.is_fixed) {
             let colon = if self.label.is_empty() { "" } else { ": " };
             let ground = scale.colour(if scale.end == 0.0 { 0 } else { scale.step(first) });
             let swatch = move |picture: &mut Picture, area: Rectangle| {
                 picture.fill(area, ground);
                 picture.frame(area, 1.5, INK);
             };
-            entries.push((format!("{}{colon}{words}", self.label), Box::new(swatch)));
+            entries.push(entry(format!("{}{colon}{words}", self.label), swatch));
         }
-        if scale.clipped > 0 {
+        if scale.clipped > 0 || scale.is_fixed {
             let sign = if scale.is_signed { "±" } else { "" };
             let share = percent(scale.clipped, cells);
-            let words = format!(
-                "clipped at {sign}{} (largest {}; {share} of the cells)",
-                plain(scale.end),
-                plain(scale.extreme),
-            );
+            let end = plain(scale.end);
+            let beyond = |share: &str| format!("beyond {sign}{end} ({share})");
+            let [words, widest] = if scale.is_fixed {
+                [&share, MOST].map(beyond)
+            } else {
+                let largest = plain(scale.extreme);
+                let clipped =
+                    format!("clipped at {sign}{end} (largest {largest}; {share}{of_cells})");
+                [clipped.clone(), clipped]
+            };
             let (low, high) = (scale.step(-scale.end), SHADES);
             let colours =
                 [if scale.is_signed { low } else { high }, high].map(|step| scale.colour(step));
@@ -969,16 +1178,35 @@ impl FieldFigure {
                 picture.fill(Rectangle { left: middle, ..area }, colours[1]);
                 picture.frame(area, 1.5, INK);
             };
-            entries.push((words, Box::new(swatch)));
+            entries.push(FieldEntry { words, widest, swatch: Box::new(swatch) });
         }
         match levels {
+            Levels::Lines(_) if self.curves.is_some() => {
+                let levels = self.level_shares(scale);
+                for (sign, words) in
+                    [(1.0, "equal value, as numbered"), (-1.0, "equal negative value")]
+                {
+                    if !levels.iter().any(|level| (*level < 0.0) == (sign < 0.0)) {
+                        continue;
+                    }
+                    let swatch = move |picture: &mut Picture, area: Rectangle| {
+                        let y = 0.5 * (area.top + area.bottom);
+                        draw_level(picture, 0.5 * sign, &[[area.left, y], [area.right, y]]);
+                    };
+                    entries.push(entry(words.to_owned(), swatch));
+                }
+            }
+            Levels::TooMany => {
+                let words = "lines of equal value not drawn: too many";
+                entries.push(entry(words.to_owned(), |_, _| {}));
+            }
             Levels::Lines(_) => {
                 for (sign, words) in [(1.0, "+¼ and +½"), (-1.0, "−¼ and −½")] {
                     let swatch = move |picture: &mut Picture, area: Rectangle| {
                         let y = 0.5 * (area.top + area.bottom);
                         draw_level(picture, 0.5 * sign, &[[area.left, y], [area.right, y]]);
                     };
-                    entries.push((format!("{words} of the scale"), Box::new(swatch)));
+                    entries.push(entry(format!("{words} of the scale"), swatch));
                 }
             }
             Levels::Ruled => {
@@ -988,38 +1216,22 @@ impl FieldFigure {
                     draw_ruled(picture, area);
                     picture.frame(area, 1.5, INK);
                 };
-                entries.push(("below −¼ of the scale".to_owned(), Box::new(swatch)));
+                entries.push(entry("below −¼ of the scale".to_owned(), swatch));
             }
             Levels::None => {}
-        }
-        if scale.unknown > 0 {
-            let swatch = |picture: &mut Picture, area: Rectangle| {
-                picture.fill(area, UNKNOWN_GROUND);
-                let mut y = area.top + 3.0;
-                let mut lines = Vec::new();
-                while y < area.bottom {
-                    lines.push(Rectangle { top: y, bottom: y + 1.4, ..area });
-                    y += 6.0;
-                }
-                picture.patches(lines, UNKNOWN_HATCH);
-                picture.frame(area, 1.5, INK);
-            };
-            let share = percent(scale.unknown, cells);
-            let words = format!("not a finite number ({share} of the cells)");
-            entries.push((words, Box::new(swatch)));
         }
         if has_borders {
             let swatch = |picture: &mut Picture, area: Rectangle| {
                 let y = 0.5 * (area.top + area.bottom);
                 draw_borders(picture, vec![Rectangle { top: y, bottom: y, ..area }]);
             };
-            entries.push(("border between materials".to_owned(), Box::new(swatch)));
+            entries.push(entry("border between materials".to_owned(), swatch));
         } else if self.outlines.iter().any(|material| *material != self.outlines[0]) {
             let words = "borders between materials not drawn: too many";
-            entries.push((words.to_owned(), Box::new(|_, _| {})));
+            entries.push(entry(words.to_owned(), |_, _| {}));
         }
         let yielded = self.plastic.iter().filter(|yielded| **yielded).count();
-        if yielded > 0 {
+        if yielded > 0 || (scale.is_fixed && !self.plastic.is_empty()) {
             let swatch = |picture: &mut Picture, area: Rectangle| {
                 let y = 0.5 * (area.top + area.bottom);
                 let place = |index: i32| [area.left + DOTS * (f64::from(index) + 0.5), y];
@@ -1033,8 +1245,9 @@ impl FieldFigure {
                     .collect();
                 draw_dots(picture, &dots, area);
             };
-            let words = format!("yielded ({} of the cells)", percent(yielded, cells));
-            entries.push((words, Box::new(swatch)));
+            let words = |share: &str| format!("yielded ({share}{of_cells})");
+            let [words, widest] = [&percent(yielded, cells), MOST].map(words);
+            entries.push(FieldEntry { words, widest, swatch: Box::new(swatch) });
         }
         let frame = Rectangle { left: 0.0, top: 0.0, right: 1.0, bottom: 1.0 };
         let inside = self.places(frame);
@@ -1053,7 +1266,7 @@ impl FieldFigure {
                     let middle = [0.5 * (area.left + area.right), 0.5 * (area.top + area.bottom)];
                     draw_mark(picture, middle, kind);
                 };
-                entries.push((words, Box::new(swatch)));
+                entries.push(entry(words, swatch));
             }
         }
         if names_left_out > 0 {
@@ -1061,10 +1274,37 @@ impl FieldFigure {
                 1 => "1 name left out for want of room".to_owned(),
                 count => format!("{count} names left out for want of room"),
             };
-            entries.push((words, Box::new(|_, _| {})));
+            entries.push(entry(words, |_, _| {}));
+        }
+        // Last, so that the others keep their places.
+        if scale.unknown > 0 {
+            let swatch = |picture: &mut Picture, area: Rectangle| {
+                picture.fill(area, UNKNOWN_GROUND);
+                let mut y = area.top + 3.0;
+                let mut lines = Vec::new();
+                while y < area.bottom {
+                    lines.push(Rectangle { top: y, bottom: y + 1.4, ..area });
+                    y += 6.0;
+                }
+                picture.patches(lines, UNKNOWN_HATCH);
+                picture.frame(area, 1.5, INK);
+            };
+            let share = percent(scale.unknown, cells);
+            let words = |share: &str| format!("not a finite number ({share}{of_cells})");
+            let [words, widest] = [&share, MOST].map(words);
+            entries.push(FieldEntry { words, widest, swatch: Box::new(swatch) });
+        }
+        if !scale.is_fixed {
+            for FieldEntry { words, widest, .. } in &mut entries {
+                widest.clone_from(words);
+            }
         }
         entries
     }
+}
+
+fn entry(words: String, swatch: impl Fn(&mut Picture, Rectangle) + 'static) -> FieldEntry {
+    FieldEntry { widest: words.clone(), words, swatch: Box::new(swatch) }
 }
 
 /// The name of an axis, with the factor by which it is drawn too long.
@@ -1115,12 +1355,13 @@ fn draw_ruled(picture: &mut Picture, area: Rectangle) {
 }
 
 fn draw_level(picture: &mut Picture, share: f64, points: &[Point]) {
+    let colour = if share.abs() > DARK { WHITE } else { INK };
     let pattern: &[f64] = if share < 0.0 { &LEVEL_DASHES } else { &[] };
     if pattern.is_empty() {
-        return picture.line(points, LEVEL_WIDTH, INK);
+        return picture.line(points, LEVEL_WIDTH, colour);
     }
     for dash in dashes(points, pattern) {
-        picture.line(dash, LEVEL_WIDTH, INK);
+        picture.line(dash, LEVEL_WIDTH, colour);
     }
 }
 
@@ -1175,6 +1416,21 @@ fn draw_mark(picture: &mut Picture, [x, y]: Point, kind: FieldMarkKind) {
                 picture.polygon([3, 7, 11].map(|corner: usize| corners[corner]).to_vec(), colour);
             }
         }
+    }
+}
+
+/// Whether colours can end at a number.
+fn is_end(value: f64) -> bool {
+    value > 0.0 && value.is_finite()
+}
+
+/// The room of a mark.
+fn around([x, y]: Point) -> Rectangle {
+    Rectangle {
+        left: x - MARK_RADIUS,
+        top: y - MARK_RADIUS,
+        right: x + MARK_RADIUS,
+        bottom: y + MARK_RADIUS,
     }
 }
 
@@ -1269,6 +1525,8 @@ mod tests {
             label: "velocity v₂ (m/s)".to_owned(),
             is_signed: true,
             limit: None,
+            scale: None,
+            curves: None,
             outlines: Vec::new(),
             plastic: Vec::new(),
             marks: Vec::new(),
@@ -1461,6 +1719,86 @@ mod tests {
     }
 
     #[test]
+    fn a_fixed_scale_gives_all_fields_the_same_colours_and_places() {
+        let fixed = |is_signed: bool, value: &dyn Fn(f64) -> f64| {
+            let mut figure = figure(60, 40, |x, _| value(x));
+            figure.values[0] = 0.8;
+            (figure.is_signed, figure.scale, figure.limit) = (is_signed, Some(2.0), Some(0.1));
+            figure.plastic = figure.values.iter().map(|value| *value > 1.0).collect();
+            figure
+        };
+        let values: [&dyn Fn(f64) -> f64; 5] =
+            [&|_| 0.0, &|x| x, &|x| -0.3 * x, &|_| f64::NAN, &|x| (40.0 * x).sin()];
+        for is_signed in [false, true] {
+            let first = arranged(&fixed(is_signed, values[0]));
+            for value in values {
+                let figure = fixed(is_signed, value);
+                let (scale, arrangement) = arranged(&figure);
+                assert_eq!(scale.end, 2.0);
+                let own = &arrangement.layout;
+                assert_eq!(own.frame, first.1.layout.frame);
+                assert_eq!(own.bar, first.1.layout.bar);
+                assert_eq!(own.height, first.1.layout.height);
+                assert_eq!(
+                    channels(scale.colour(scale.step(0.8))),
+                    Drawn::new(&figure).at(0.5 / 60.0, 0.5 / 40.0)
+                );
+                assert!(says(&figure, "≥ 2") && !says(&figure, "everywhere"));
+                assert_eq!(says(&figure, "≤ −2"), is_signed);
+                check(&figure);
+            }
+        }
+        assert!(says(&fixed(true, &|x| x), "beyond ±2 (66.7 %)"));
+        assert!(says(&fixed(true, &|_| 0.0), "beyond ±2 (0 %)"));
+        // Without a sign, negative values are told of and not shown as positive ones.
+        assert!(says(&fixed(false, &|x| -0.3 * x), "≤ 0"));
+        assert!(says(&fixed(false, &|x| -0.3 * x), "beyond 2 (>99.9 %)"));
+    }
+
+    #[test]
+    fn lines_asked_for_carry_their_numbers() {
+        let mut wave = figure(120, 80, |x, y| 10.0 * (0.6 * x).sin() * (0.5 * y).cos());
+        wave.curves = Some(vec![-7.5, -2.5, 0.0, 5.0, 5.0, f64::NAN, f64::INFINITY, 77.0]);
+        let said = texts(&wave);
+        let number = |words: &str| said.iter().filter(|text| *text == words).count();
+        for words in ["−7.5", "−2.5"] {
+            assert!(number(words) >= 1, "{words} {said:?}");
+        }
+        assert!(says(&wave, "equal value, as numbered") && says(&wave, "equal negative value"));
+        assert!(!says(&wave, "of the scale") && !says(&wave, "77"));
+        check(&wave);
+        // Crowded with marks and lines.
+        wave.marks = (0..80)
+            .map(|index| {
+                let place = f64::from(index);
+                mark(0.15 * place, 4.0 + 3.0 * place.sin(), "name", FieldMarkKind::Receiver)
+            })
+            .collect();
+        wave.curves = Some((-40..40).map(|level| 0.25 * f64::from(level)).collect());
+        check(&wave);
+        // A quantity without a sign has lines only where they are asked for.
+        let mut hill = figure(90, 90, |x, y| 9.0 * (-0.1 * (x - 4.0).hypot(y - 4.0)).exp());
+        hill.is_signed = false;
+        assert!(matches!(arranged(&hill).1.levels, Levels::None));
+        hill.curves = Some(vec![8.0, 7.0]);
+        assert!(matches!(arranged(&hill).1.levels, Levels::Lines(_)));
+        assert!(!says(&hill, "negative"));
+        check(&hill);
+        for curves in [Vec::new(), vec![0.0], vec![1e-320, -1e300]] {
+            hill.curves = Some(curves);
+            check(&hill);
+        }
+        let mut noise =
+            figure(400, 400, |x, y| (1e4 * (12.9898 * x + 78.233 * y).sin()).fract().abs());
+        (noise.is_signed, noise.curves) = (false, Some(vec![0.5]));
+        assert!(says(&noise, "not drawn: too many"));
+        check(&noise);
+        let mut zero = figure(20, 10, |_, _| 0.0);
+        zero.curves = Some(vec![0.0, 1.0]);
+        check(&zero);
+    }
+
+    #[test]
     fn constant_fields_say_so() {
         for is_signed in [false, true] {
             for (value, words) in [
@@ -1512,7 +1850,15 @@ mod tests {
     #[test]
     fn shades_grow_darker_evenly_and_alike_on_both_sides() {
         for is_signed in [false, true] {
-            let scale = Scale { is_signed, end: 1.0, extreme: 1.0, clipped: 0, unknown: 0 };
+            let scale = Scale {
+                is_signed,
+                is_fixed: false,
+                end: 1.0,
+                extreme: 1.0,
+                clipped: 0,
+                open: [false; 2],
+                unknown: 0,
+            };
             let light = |step: i16| crate::verdict_map::luminance(scale.colour(step));
             for step in 1..=SHADES {
                 let fall = light(step - 1) - light(step);
@@ -1650,6 +1996,7 @@ mod tests {
         );
         for limit in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(refused(&|figure| figure.limit = Some(limit)).contains("limit of the colours"));
+            assert!(refused(&|figure| figure.scale = Some(limit)).contains("limit of the colours"));
         }
     }
 }

@@ -38,7 +38,7 @@ pub struct Panel {
     pub y_label: String,
     /// Whether the horizontal axis is logarithmic; points that are not positive are left out then.
     pub x_log: bool,
-    /// The lines, one per model; four have looks of their own.
+    /// The lines, one per model; eight have looks of their own.
     pub curves: Vec<Line>,
     /// Pale wide lines below the others, such as what they tend to: all of one look, listed once
     /// by the label of the first. They leave out the linear part of the vertical axis, on which
@@ -69,6 +69,7 @@ const GUIDE: Colour = RGBColor(203, 205, 214);
 const GUIDE_WIDTH: f64 = 11.0;
 
 /// What tells lines apart, in colour and in grey.
+#[derive(Clone, Copy)]
 pub(crate) struct Look {
     pub colour: Colour,
     pub dashes: &'static [f64],
@@ -81,10 +82,14 @@ enum Marker {
     Disc,
     Square,
     Triangle,
+    Diamond,
+    Ring,
+    Plummet,
+    Window,
 }
 
 /// Colours after Okabe and Ito (2008), told apart by colour-blind readers.
-pub(crate) const LOOKS: [Look; 4] = [
+pub(crate) const LOOKS: [Look; 8] = [
     Look { colour: RGBColor(0, 0, 0), dashes: &[], marker: Marker::None },
     Look { colour: RGBColor(213, 94, 0), dashes: &[16.0, 8.0], marker: Marker::Disc },
     Look { colour: RGBColor(0, 114, 178), dashes: &[4.0, 6.0], marker: Marker::Square },
@@ -93,7 +98,25 @@ pub(crate) const LOOKS: [Look; 4] = [
         dashes: &[20.0, 6.0, 4.0, 6.0],
         marker: Marker::Triangle,
     },
+    Look { colour: RGBColor(176, 80, 140), dashes: &[], marker: Marker::Diamond },
+    Look { colour: RGBColor(150, 110, 0), dashes: &[28.0, 7.0], marker: Marker::Ring },
+    Look { colour: RGBColor(70, 150, 205), dashes: &[9.0, 5.0], marker: Marker::Plummet },
+    Look {
+        colour: RGBColor(112, 112, 112),
+        dashes: &[3.0, 5.0, 12.0, 5.0],
+        marker: Marker::Window,
+    },
 ];
+
+impl Look {
+    /// The look of a line by its place in the legend. Beyond the eight, colours meet with other
+    /// dashes and markers.
+    pub fn of(index: usize) -> Self {
+        let count = LOOKS.len();
+        let other = LOOKS[(index + index / count) % count];
+        Self { colour: LOOKS[index % count].colour, ..other }
+    }
+}
 
 /// Ground of the linear part of a vertical axis.
 pub(crate) const LINEAR: Colour = RGBColor(240, 240, 236);
@@ -280,22 +303,37 @@ pub(crate) fn legend_of(labels: &[&str]) -> Vec<Entry> {
     entries
 }
 
-pub(crate) fn draw_marker(picture: &mut Picture, [x, y]: Point, look: &Look) {
+pub(crate) fn draw_marker(picture: &mut Picture, at: Point, look: &Look) {
+    draw_marker_of(picture, at, look, MARKER_RADIUS);
+}
+
+/// Draws a marker of a radius in pixels.
+pub(crate) fn draw_marker_of(picture: &mut Picture, [x, y]: Point, look: &Look, radius: f64) {
+    let turned = |r: f64, sign: f64| {
+        vec![
+            [x, y - sign * r],
+            [x + 0.9 * r, y + sign * 0.6 * r],
+            [x - 0.9 * r, y + sign * 0.6 * r],
+        ]
+    };
+    let square = |r: f64| vec![[x - r, y - r], [x + r, y - r], [x + r, y + r], [x - r, y + r]];
     let shape = |radius: f64| match look.marker {
         Marker::None => None,
-        Marker::Disc => Some(crate::picture::circle([x, y], radius, 24)),
-        Marker::Square => {
-            let r = 0.88 * radius;
-            Some(vec![[x - r, y - r], [x + r, y - r], [x + r, y + r], [x - r, y + r]])
-        }
-        Marker::Triangle => {
+        Marker::Disc | Marker::Ring => Some(crate::picture::circle([x, y], radius, 24)),
+        Marker::Square | Marker::Window => Some(square(0.88 * radius)),
+        Marker::Triangle => Some(turned(1.2 * radius, 1.0)),
+        Marker::Plummet => Some(turned(1.2 * radius, -1.0)),
+        Marker::Diamond => {
             let r = 1.2 * radius;
-            Some(vec![[x, y - r], [x + 0.9 * r, y + 0.6 * r], [x - 0.9 * r, y + 0.6 * r]])
+            Some(vec![[x, y - r], [x + r, y], [x, y + r], [x - r, y]])
         }
     };
-    if let (Some(rim), Some(body)) = (shape(MARKER_RADIUS + 2.0), shape(MARKER_RADIUS)) {
+    if let (Some(rim), Some(body)) = (shape(radius + 2.0), shape(radius)) {
         picture.polygon(rim, WHITE);
         picture.polygon(body, look.colour);
+    }
+    if let (Marker::Ring | Marker::Window, Some(hole)) = (look.marker, shape(0.5 * radius)) {
+        picture.polygon(hole, WHITE);
     }
 }
 

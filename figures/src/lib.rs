@@ -1,30 +1,37 @@
-//! Pictures of verdicts, growth rates and directions, ready for print.
+//! Pictures of verdicts, growth rates, directions and motions, ready for print.
 //!
-//! Plain structs go in, the bytes of a PNG or SVG file come out. This crate knows no solver and no
-//! physics: names, units and symbols arrive as labels. The same struct gives the same bytes.
+//! Plain structs go in, the bytes of a PNG, SVG or GIF file come out. This crate knows no solver
+//! and no physics: names, units and symbols arrive as labels. The same struct gives the same bytes.
 //! Everything stays readable in grey: what colour tells, lightness, hatching, dashes or markers
 //! tell too. The fonts are part of the program; nothing is taken from the system.
 
 #![deny(missing_docs)]
 
+mod animation;
 mod contour;
 mod directions;
 mod dispersion;
 mod field;
 mod growth;
+mod ledger;
 mod page;
 mod picture;
 mod polar;
+mod record;
 mod scale;
+mod seismogram;
 mod speeds;
 mod sphere;
 mod verdict_map;
 
+pub use animation::{Animation, animate};
 pub use directions::{Direction, DirectionsFigure, Style};
 pub use dispersion::{Band, Branch, DispersionFigure, Level};
 pub use field::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
 pub use growth::{GrowthFigure, Line, Mark, Panel};
+pub use ledger::{LedgerFigure, LedgerTerm};
 pub use polar::{PolarFigure, Spoke, SpokeStyle};
+pub use seismogram::{SeismogramFigure, SeismogramPanel, Trace};
 pub use speeds::{Response, SpeedCurve, SpeedsFigure, Vanishing};
 pub use sphere::{SphereFigure, SphereMark};
 pub use verdict_map::{Axis, Category, Curve, Look, VerdictMap};
@@ -32,8 +39,8 @@ pub use verdict_map::{Axis, Category, Curve, Look, VerdictMap};
 /// The kind of file a figure is drawn into.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// Pixels, 1600 wide and 1100 high; higher where a legend needs the room, lower
-    /// where a field is wide.
+    /// Pixels, 1600 wide and 1100 high; higher where a legend or many panels need the
+    /// room, lower where a field is wide.
     Png,
     /// Shapes and text, of the same size in pixels and to be scaled at will.
     Svg,
@@ -76,6 +83,22 @@ pub enum FigureError {
         /// The number given.
         found: f64,
     },
+    /// A record does not have one value per time.
+    #[error("the record \"{name}\" has {found} values for {times} times")]
+    RecordLength {
+        /// Name of the record.
+        name: String,
+        /// Number of values in the record.
+        found: usize,
+        /// Number of times.
+        times: usize,
+    },
+    /// The frames of an animation do not go together, or cannot be shown.
+    #[error("the animation {0}")]
+    Animation(String),
+    /// The animation could not be written.
+    #[error("the animation could not be written: {0}")]
+    Gif(#[from] gif::EncodingError),
     /// The drawing library refused.
     #[error("drawing failed: {0}")]
     Drawing(String),

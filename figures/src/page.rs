@@ -156,7 +156,7 @@ pub(crate) fn spaced(length: f64, upright: bool, scale: impl Fn(usize) -> Vec<Ti
 }
 
 /// Draws a sample of what an entry of the legend stands for.
-type Swatch = Box<dyn Fn(&mut Picture, Rectangle)>;
+pub(crate) type Swatch = Box<dyn Fn(&mut Picture, Rectangle)>;
 
 /// An entry of the legend: its words and its sample.
 pub(crate) type Entry = (String, Swatch);
@@ -175,10 +175,16 @@ impl Legend {
     const ROW: f64 = 1.7 * NUMBER;
 
     pub fn new(entries: Vec<Entry>, width: f64) -> Self {
+        let words: Vec<String> = entries.iter().map(|(words, _)| words.clone()).collect();
+        Self::with_room(entries, &words, width)
+    }
+
+    /// A legend with columns wide enough for other words than those of the entries.
+    pub fn with_room(entries: Vec<Entry>, room: &[String], width: f64) -> Self {
         let beside = Self::SWATCH + Self::GAP + Self::BETWEEN;
-        let natural: Vec<f64> = entries
+        let natural: Vec<f64> = room
             .iter()
-            .map(|(label, _)| text_width(label, NUMBER, false).ceil() + 1.0 + beside)
+            .map(|words| text_width(words, NUMBER, false).ceil() + 1.0 + beside)
             .collect();
         let widths = |columns: usize| -> Vec<f64> {
             (0..columns)

@@ -184,12 +184,17 @@ impl Picture {
                 let nominal = format!("width=\"{}\" height=\"{}\"", self.width, self.height);
                 Ok(self.with_patches(&text.replacen(&fine, &nominal, 1)).into_bytes())
             }
-            Format::Png => {
-                let mut pixels = vec![255; 3 * width as usize * height as usize];
-                self.paint(BitMapBackend::with_buffer(&mut pixels, (width, height)), &BITMAP)?;
-                self.compress(&pixels)
-            }
+            Format::Png => self.compress(&self.pixels()?),
         }
+    }
+
+    /// The pixels of the picture row by row, three bytes each.
+    pub fn pixels(&self) -> Result<Vec<u8>, FigureError> {
+        register_fonts();
+        let (width, height) = (self.width * FINENESS, self.height * FINENESS);
+        let mut fine = vec![255; 3 * width as usize * height as usize];
+        self.paint(BitMapBackend::with_buffer(&mut fine, (width, height)), &BITMAP)?;
+        Ok(self.averaged(&fine))
     }
 
     /// The SVG with the paths of the patches in place of the polygons that stand for them.
@@ -216,8 +221,8 @@ impl Picture {
         whole
     }
 
-    /// Averages the fine pixels and compresses the result.
-    fn compress(&self, fine: &[u8]) -> Result<Vec<u8>, FigureError> {
+    /// Averages the fine pixels.
+    fn averaged(&self, fine: &[u8]) -> Vec<u8> {
         let fineness = FINENESS as usize;
         let width = 3 * self.width as usize;
         let mut pixels = Vec::with_capacity(width * self.height as usize);
@@ -236,12 +241,16 @@ impl Picture {
             let count = (FINENESS * FINENESS) as u16;
             pixels.extend(sums.iter().map(|sum| ((sum + count / 2) / count) as u8));
         }
+        pixels
+    }
+
+    fn compress(&self, pixels: &[u8]) -> Result<Vec<u8>, FigureError> {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
         let mut writer = encoder.write_header()?;
-        writer.write_image_data(&pixels)?;
+        writer.write_image_data(pixels)?;
         writer.finish()?;
         Ok(bytes)
     }

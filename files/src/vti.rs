@@ -324,6 +324,33 @@ impl ImageData {
     }
 }
 
+/// The values of an array of doubles in a file that was written by [`ImageData`] with
+/// [`Storage::Plain`]; `None` if it is another file, damaged, or has no such array.
+pub fn plain_values(bytes: &[u8], name: &str) -> Option<Vec<f64>> {
+    const END: &[u8] = b"<AppendedData encoding=\"raw\">\n   _";
+    let end = bytes.windows(END.len()).position(|window| window == END)?;
+    let head = std::str::from_utf8(&bytes[..end]).ok()?;
+    if head.contains(" compressor=") {
+        return None;
+    }
+    let named = format!(" type=\"Float64\" Name=\"{}\" ", escaped(name));
+    let element = head.lines().find(|line| line.contains(&named) && line.contains(" offset="))?;
+    let offset = element.split(" offset=\"").nth(1)?.split('"').next()?.parse::<usize>().ok()?;
+    let values = bytes.get(end + END.len()..)?.get(offset..)?;
+    let (length, values) = values.split_first_chunk()?;
+    let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
+    let (numbers, []) = values.get(..length)?.as_chunks() else { return None };
+    Some(numbers.iter().map(|number| f64::from_le_bytes(*number)).collect())
+}
+
+/// The time of a file that was written by [`ImageData`]; `None` if it is another file or has none.
+pub fn plain_time(bytes: &[u8]) -> Option<f64> {
+    const NAME: &[u8] = b" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">";
+    let start = bytes.windows(NAME.len()).position(|window| window == NAME)? + NAME.len();
+    let text = bytes.get(start..)?.split(|byte| *byte == b'<').next()?;
+    std::str::from_utf8(text).ok()?.parse().ok()
+}
+
 /// A collection (`.pvd`) of files, each with its time, in seconds as a rule, and its path relative
 /// to the collection.
 pub fn collection(entries: &[(f64, impl AsRef<str>)]) -> Result<Vec<u8>, VtiError> {
@@ -434,6 +461,28 @@ mod tests {
 
     fn number(bytes: &[u8], index: usize) -> usize {
         u64::from_le_bytes(bytes[8 * index..][..8].try_into().unwrap()) as usize
+    }
+
+    #[test]
+    fn plain_values_are_read_back() {
+        let grid = Grid { cells: vec![2, 3], origin: vec![0.0; 2], spacing: vec![0.5; 2] };
+        let mut data = ImageData::new(grid, Storage::Plain).unwrap();
+        data.add("first <&> [Pa]", 1, &[1.0, -2.0, f64::INFINITY, 4.0, 5.0, 1e-300]).unwrap();
+        data.add_vector("second [m/s]", &[&[1.0; 6], &[2.0; 6]]).unwrap();
+        let bytes = data.bytes();
+        let first = [1.0, -2.0, f64::INFINITY, 4.0, 5.0, 1e-300];
+        assert_eq!(plain_values(&bytes, "first <&> [Pa]").unwrap(), first);
+        assert_eq!(plain_values(&bytes, "second [m/s]").unwrap()[..3], [1.0, 2.0, 0.0]);
+        assert_eq!(plain_values(&bytes, "third"), None);
+        for end in 0..bytes.len() - 60 {
+            // What is cut off is not made up.
+            let found = plain_values(&bytes[..end], "second [m/s]");
+            assert!(found.is_none_or(|values| values.len() == 18), "{end}");
+        }
+        assert_eq!(plain_values(b"", "first"), None);
+        assert_eq!(plain_time(&bytes), None);
+        data.set_time(0.125).unwrap();
+        assert_eq!(plain_time(&data.bytes()), Some(0.125));
     }
 
     #[test]

@@ -1,0 +1,474 @@
+//! Fields that change in time, as a moving picture.
+
+use std::collections::HashMap;
+use std::io::Write;
+
+use plotters::style::RGBColor;
+
+use crate::field::FieldFigure;
+use crate::picture::{Colour, INK, WHITE};
+use crate::{FigureError, Format};
+
+/// The most colours of an animated GIF.
+const COLOURS: usize = 256;
+/// Shades between ink and paper, which the edges of letters and lines need.
+const GREYS: u8 = 24;
+/// Shades between ink and each of the colours of a field.
+const MIXES: [f64; 2] = [0.35, 0.7];
+
+/// An animated GIF of fields, written frame by frame, so that not all of them need be held at once.
+///
+/// The frames have one palette of the fields' own colours: a value keeps its colour from frame to
+/// frame. They must have the same [`FieldFigure::scale`] and take the same room; whatever else they
+/// share, such as axes, marks and label, should not change either. The animation starts over for
+/// ever.
+///
+/// A frame that is refused leaves the others as they are. What is written before
+/// [`Animation::finish`] is not yet a whole file.
+pub struct Animation<W: Write> {
+    state: State<W>,
+    /// Hundredths of a second for each frame.
+    delay: u16,
+    width: u16,
+}
+
+enum State<W: Write> {
+    Empty(W),
+    Begun(Box<Reel<W>>),
+    /// The writer was lost in a failure.
+    Lost,
+}
+
+/// What the first frame has laid down.
+struct Reel<W: Write> {
+    encoder: gif::Encoder<W>,
+    palette: Palette,
+    /// Width and height of the picture before it is scaled down.
+    drawn: [u32; 2],
+    size: [u16; 2],
+    scale: f64,
+    is_signed: bool,
+}
+
+/// Draws fields one after the other as the bytes of an animated GIF, `seconds_per_frame` each and
+/// `width` pixels wide; see [`Animation`].
+pub fn animate(
+    frames: &[FieldFigure],
+    seconds_per_frame: f64,
+    width: u32,
+) -> Result<Vec<u8>, FigureError> {
+    let mut animation = Animation::new(Vec::new(), seconds_per_frame, width)?;
+    for frame in frames {
+        animation.add(frame)?;
+    }
+    animation.finish()
+}
+
+impl<W: Write> Animation<W> {
+    /// An animation without frames yet, of `seconds_per_frame` rounded to hundredths, of which
+    /// viewers want at least two, and of `width` pixels, at most the 1600 of a figure; the height
+    /// follows from the first frame.
+    pub fn new(writer: W, seconds_per_frame: f64, width: u32) -> Result<Self, FigureError> {
+        let hundredths = (100.0 * seconds_per_frame).round();
+        if !(2.0..=f64::from(u16::MAX)).contains(&hundredths) {
+            return refuse(format!(
+                "cannot show each frame for {seconds_per_frame} s, but for 0.02 s to 655 s"
+            ));
+        }
+        if width == 0 {
+            return refuse("cannot be 0 pixels wide".to_owned());
+        }
+        let width = width.min(crate::page::WIDTH as u32) as u16;
+        Ok(Self { state: State::Empty(writer), delay: hundredths as u16, width })
+    }
+
+    /// Draws a frame and writes it.
+    pub fn add(&mut self, figure: &FieldFigure) -> Result<(), FigureError> {
+        let Some(scale) = figure.scale else {
+            return refuse("needs frames of one scale, but one of them has none".to_owned());
+        };
+        let picture = figure.picture(Format::Png)?;
+        let drawn = [picture.width, picture.height];
+        if let State::Begun(reel) = &self.state {
+            if reel.scale != scale {
+                let first = reel.scale;
+                return refuse(format!(
+                    "needs frames of one scale, but they have {first} and {scale}"
+                ));
+            }
+            if reel.is_signed != figure.is_signed {
+                let problem = "needs frames of one scale, but only some have a sign";
+                return refuse(problem.to_owned());
+            }
+            if reel.drawn != drawn {
+                let [width, height] = reel.drawn;
+                return refuse(format!(
+                    "needs frames of one size, but they have {width} × {height} and {} × {} pixels",
+                    drawn[0], drawn[1]
+                ));
+            }
+        }
+        let pixels = picture.pixels()?;
+        if matches!(self.state, State::Empty(_)) {
+            self.begin(figure, scale, drawn)?;
+        }
+        let State::Begun(reel) = &mut self.state else {
+            return refuse("has lost its writer in an earlier failure".to_owned());
+        };
+        let small = averaged(&pixels, reel.drawn, reel.size);
+        let [width, height] = reel.size;
+        let frame = gif::Frame {
+            delay: self.delay,
+            width,
+            height,
+            buffer: reel.palette.indices(&small).into(),
+            ..gif::Frame::default()
+        };
+        Ok(reel.encoder.write_frame(&frame)?)
+    }
+
+    /// Writes the header, once the size and the colours are known.
+    fn begin(
+        &mut self,
+        figure: &FieldFigure,
+        scale: f64,
+        drawn: [u32; 2],
+    ) -> Result<(), FigureError> {
+        let State::Empty(writer) = std::mem::replace(&mut self.state, State::Lost) else {
+            return Ok(());
+        };
+        let share = f64::from(self.width) / f64::from(drawn[0]);
+        let height = (f64::from(drawn[1]) * share).round().clamp(1.0, f64::from(u16::MAX));
+        let size = [self.width, height as u16];
+        let palette = Palette::new(&figure.colours());
+        let mut encoder = gif::Encoder::new(writer, size[0], size[1], &palette.bytes())?;
+        encoder.set_repeat(gif::Repeat::Infinite)?;
+        let is_signed = figure.is_signed;
+        let reel = Reel { encoder, palette, drawn, size, scale, is_signed };
+        self.state = State::Begun(Box::new(reel));
+        Ok(())
+    }
+
+    /// Completes the file and gives the writer back.
+    pub fn finish(self) -> Result<W, FigureError> {
+        match self.state {
+            State::Begun(reel) => {
+                let mut writer = reel.encoder.into_inner()?;
+                writer.flush().map_err(gif::EncodingError::from)?;
+                Ok(writer)
+            }
+            State::Empty(_) => refuse("has no frames".to_owned()),
+            State::Lost => refuse("has lost its writer in an earlier failure".to_owned()),
+        }
+    }
+}
+
+fn refuse<T>(problem: String) -> Result<T, FigureError> {
+    Err(FigureError::Animation(problem))
+}
+
+/// The colours of an animation, and which of them stands for any other.
+struct Palette {
+    colours: Vec<[u8; 3]>,
+    nearest: HashMap<[u8; 3], u8>,
+}
+
+impl Palette {
+    /// The colours of a field themselves, those of ink on paper, and, as far as there is room, of
+    /// lines of ink or paper on the field.
+    fn new(field: &[Colour]) -> Self {
+        let channels = |RGBColor(red, green, blue): Colour| [red, green, blue];
+        let mixed = |from: Colour, to: Colour, share: f64| {
+            let (from, to) = (channels(from), channels(to));
+            [0, 1, 2].map(|part| {
+                let (from, to) = (f64::from(from[part]), f64::from(to[part]));
+                (from + share * (to - from)).round() as u8
+            })
+        };
+        let mut colours: Vec<[u8; 3]> = Vec::new();
+        let mut add = |colour: [u8; 3]| {
+            if colours.len() < COLOURS && !colours.contains(&colour) {
+                colours.push(colour);
+            }
+        };
+        for step in 0..GREYS {
+            add(mixed(INK, WHITE, f64::from(step) / f64::from(GREYS - 1)));
+        }
+        field.iter().for_each(|colour| add(channels(*colour)));
+        let room = COLOURS.saturating_sub(GREYS.into()).saturating_sub(field.len());
+        let every = (MIXES.len() * field.len()).div_ceil(room.max(1)).max(1);
+        for colour in field.iter().skip(every / 2).step_by(every) {
+            for share in MIXES {
+                add(mixed(*colour, INK, share));
+            }
+        }
+        Self { colours, nearest: HashMap::new() }
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        self.colours.concat()
+    }
+
+    /// The index of the nearest colour for each pixel.
+    fn indices(&mut self, pixels: &[u8]) -> Vec<u8> {
+        let Self { colours, nearest } = self;
+        let pixels = pixels.chunks_exact(3).map(|pixel| [pixel[0], pixel[1], pixel[2]]);
+        let index = |pixel: [u8; 3]| {
+            let distance = |colour: &[u8; 3]| -> i32 {
+                let parts = colour.iter().zip(pixel).zip([3, 5, 2]);
+                parts.map(|((a, b), weight)| weight * (i32::from(*a) - i32::from(b)).pow(2)).sum()
+            };
+            let least = colours.iter().enumerate().min_by_key(|(_, colour)| distance(colour));
+            least.map_or(0, |(index, _)| index as u8)
+        };
+        pixels.map(|pixel| *nearest.entry(pixel).or_insert_with(|| index(pixel))).collect()
+    }
+}
+
+/// A picture of three bytes per pixel scaled down: each pixel is the mean of the area it covers.
+fn averaged(pixels: &[u8], from: [u32; 2], to: [u16; 2]) -> Vec<u8> {
+    let [[columns, width], [rows, height]] =
+        [0, 1].map(|axis| [from[axis] as usize, usize::from(to[axis])]);
+    // In units in which lengths are whole: a pixel of the source is as long as the target has
+    // pixels.
+    let parts = |all: usize, count: usize, index: usize| {
+        let (start, end) = (index * all, (index + 1) * all);
+        (start / count..end.div_ceil(count)).map(move |source| {
+            let overlap = ((source + 1) * count).min(end) - (source * count).max(start);
+            (source, overlap as u64)
+        })
+    };
+    let area = (columns * rows) as u64;
+    let mut small = Vec::with_capacity(3 * width * height);
+    let mut sums = vec![0_u64; 3 * columns];
+    for y in 0..height {
+        sums.fill(0);
+        for (row, weight) in parts(rows, height, y) {
+            let line = &pixels[3 * columns * row..3 * columns * (row + 1)];
+            for (sum, value) in sums.iter_mut().zip(line) {
+                *sum += weight * u64::from(*value);
+            }
+        }
+        for x in 0..width {
+            let mut means = [area / 2; 3];
+            for (column, weight) in parts(columns, width, x) {
+                for (mean, sum) in means.iter_mut().zip(&sums[3 * column..]) {
+                    *mean += weight * sum;
+                }
+            }
+            small.extend(means.map(|mean| (mean / area) as u8));
+        }
+    }
+    small
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::{FieldAxis, FieldMark, FieldMarkKind};
+
+    fn frame(time: f64, is_signed: bool) -> FieldFigure {
+        let axis = |label: &str, to: f64| FieldAxis { label: label.to_owned(), from: 0.0, to };
+        let value = |cell: usize| {
+            let (x, y) = ((cell % 60) as f64, (cell / 60) as f64);
+            let wave = 2.0 * (0.4 * (x - 30.0).hypot(y - 20.0) - 9.0 * time).sin() * time;
+            if is_signed { wave } else { wave.abs() }
+        };
+        let mut values: Vec<f64> = (0..2400).map(value).collect();
+        // The same value in all frames, amid a few like it.
+        for cell in [0, 1, 2, 60, 61, 62, 120, 121, 122] {
+            values[cell] = if is_signed { -0.9375 } else { 0.9375 };
+        }
+        FieldFigure {
+            title: "Title".to_owned(),
+            subtitle: format!("t = {time} s"),
+            x: axis("x₁, m", 6.0),
+            y: axis("x₂, m", 4.0),
+            columns: 60,
+            rows: 40,
+            values,
+            label: "velocity v₂, m/s".to_owned(),
+            is_signed,
+            limit: None,
+            scale: Some(1.5),
+            curves: None,
+            outlines: Vec::new(),
+            plastic: vec![false; 2400],
+            marks: vec![FieldMark {
+                at: [3.0, 2.0],
+                name: "R1".to_owned(),
+                kind: FieldMarkKind::Receiver,
+            }],
+        }
+    }
+
+    /// What is in a GIF.
+    struct Decoded {
+        size: [u16; 2],
+        repeat: gif::Repeat,
+        /// Delays in hundredths of a second.
+        delays: Vec<u16>,
+        /// Three bytes per pixel.
+        frames: Vec<Vec<u8>>,
+    }
+
+    fn decoded(bytes: &[u8]) -> Decoded {
+        let mut decoder = gif::DecodeOptions::new().read_info(bytes).unwrap();
+        let size = [decoder.width(), decoder.height()];
+        let palette = decoder.global_palette().unwrap().to_vec();
+        let (mut delays, mut frames) = (Vec::new(), Vec::new());
+        while let Some(frame) = decoder.read_next_frame().unwrap() {
+            assert_eq!([frame.width, frame.height], size);
+            assert!(frame.palette.is_none());
+            let pixels =
+                frame.buffer.iter().flat_map(|index| &palette[3 * usize::from(*index)..][..3]);
+            delays.push(frame.delay);
+            frames.push(pixels.copied().collect());
+        }
+        Decoded { size, repeat: decoder.repeat(), delays, frames }
+    }
+
+    #[test]
+    fn frames_come_back_as_they_were_written() {
+        let times = [0.0, 0.3, 0.6, 1.2];
+        for is_signed in [false, true] {
+            let figures = times.map(|time| frame(time, is_signed));
+            let bytes = animate(&figures, 0.08, 640).unwrap();
+            assert_eq!(&bytes[..6], b"GIF89a");
+            let Decoded { size, repeat, delays, frames } = decoded(&bytes);
+            let [width, height] = crate::tests::png_size(&figures[0].draw(Format::Png).unwrap());
+            let expected = f64::from(height) * 640.0 / f64::from(width);
+            assert_eq!(size[0], 640);
+            assert!((f64::from(size[1]) - expected).abs() <= 0.5);
+            assert_eq!(repeat, gif::Repeat::Infinite);
+            assert_eq!(frames.len(), 4);
+            assert_eq!(delays, [8; 4]);
+            assert_ne!(frames[1], frames[2]);
+            assert_eq!(bytes, animate(&figures, 0.08, 640).unwrap());
+
+            let mut animation = Animation::new(Vec::new(), 0.08, 640).unwrap();
+            figures.iter().for_each(|figure| animation.add(figure).unwrap());
+            assert_eq!(animation.finish().unwrap(), bytes);
+        }
+    }
+
+    #[test]
+    fn a_value_keeps_its_colour_and_the_rest_its_place() {
+        for is_signed in [false, true] {
+            let figures = [0.0, 0.4, 1.3].map(|time| frame(time, is_signed));
+            let Decoded { size, frames, .. } = decoded(&animate(&figures, 0.1, 800).unwrap());
+            let [width, height] = size.map(usize::from);
+            let pixel = |frame: usize, x: usize, y: usize| {
+                let start = 3 * (y * width + x);
+                &frames[frame][start..start + 3]
+            };
+            // The marked cells are in the lower left corner of the field: colours of their own.
+            let own = figures[0].colours();
+            let value = if is_signed { 96 - 60 } else { 60 };
+            let RGBColor(red, green, blue) = own[value];
+            let found = |frame: usize| -> Vec<(usize, usize)> {
+                let all = (0..height).flat_map(|y| (0..width / 2).map(move |x| (x, y)));
+                all.filter(|&(x, y)| pixel(frame, x, y) == [red, green, blue]).collect()
+            };
+            // Lines of equal value may pass beside the cells, but not within.
+            let all = found(0);
+            let inner: Vec<(usize, usize)> = all
+                .iter()
+                .copied()
+                .filter(|&(x, y)| {
+                    let corners = [(x - 5, y - 5), (x + 5, y - 5), (x - 5, y + 5), (x + 5, y + 5)];
+                    corners.iter().all(|corner| all.contains(corner))
+                })
+                .collect();
+            assert!(inner.len() > 40, "{}", inner.len());
+            for frame in 1..3 {
+                assert!(inner.iter().all(|&(x, y)| pixel(frame, x, y) == [red, green, blue]));
+                // The colour bar and all to the right of the field stay as they are.
+                for (x, y) in
+                    (width * 85 / 100..width).flat_map(|x| (0..height * 3 / 4).map(move |y| (x, y)))
+                {
+                    assert_eq!(pixel(0, x, y), pixel(frame, x, y), "{x} {y}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn any_values_leave_the_size_as_it_is() {
+        let mut animation = Animation::new(Vec::new(), 0.1, 200).unwrap();
+        for is_signed in [true, false] {
+            let mut figure = frame(0.5, is_signed);
+            if !is_signed {
+                animation = Animation::new(Vec::new(), 0.1, 200).unwrap();
+            }
+            for value in [0.0, 1.0, -1e-3, 1e300, f64::NAN, f64::NEG_INFINITY, 0.2] {
+                figure.values[300..900].fill(value);
+                figure.plastic[3] = !figure.plastic[3];
+                animation.add(&figure).unwrap();
+                figure.values.fill(value);
+                animation.add(&figure).unwrap();
+            }
+            for (cell, value) in figure.values.iter_mut().enumerate() {
+                *value = (cell as f64).powi(3).sin();
+            }
+            animation.add(&figure).unwrap();
+        }
+        assert_eq!(decoded(&animation.finish().unwrap()).frames.len(), 15);
+    }
+
+    #[test]
+    fn means_of_areas() {
+        let pixels: Vec<u8> = [10, 20, 40, 70].into_iter().flat_map(|value| [value; 3]).collect();
+        assert_eq!(averaged(&pixels, [4, 1], [2, 1]), [15, 15, 15, 55, 55, 55]);
+        assert_eq!(averaged(&pixels, [2, 2], [1, 1]), [35; 3]);
+        // Three halves of a pixel each.
+        let pixels: Vec<u8> = [30, 60, 90].into_iter().flat_map(|value| [value; 3]).collect();
+        assert_eq!(averaged(&pixels, [3, 1], [2, 1]), [40, 40, 40, 80, 80, 80]);
+        assert_eq!(averaged(&[77; 3 * 49], [7, 7], [3, 4]), [77; 36]);
+        assert_eq!(averaged(&pixels, [3, 1], [3, 1]), pixels);
+    }
+
+    #[test]
+    fn frames_that_do_not_go_together_are_refused() {
+        let words = |result: Result<(), FigureError>| result.unwrap_err().to_string();
+        for seconds in [0.0, 0.01, -1.0, f64::NAN, f64::INFINITY, 1e4] {
+            assert!(Animation::new(Vec::new(), seconds, 100).is_err(), "{seconds}");
+        }
+        assert!(Animation::new(Vec::new(), 1.0, 0).is_err());
+        assert!(animate(&[], 1.0, 100).unwrap_err().to_string().contains("no frames"));
+        let mut animation = Animation::new(Vec::new(), 1.0, 100).unwrap();
+        let other = |change: &dyn Fn(&mut FieldFigure)| {
+            let mut figure = frame(1.0, true);
+            change(&mut figure);
+            figure
+        };
+        assert!(words(animation.add(&other(&|figure| figure.scale = None))).contains("has none"));
+        animation.add(&frame(0.0, true)).unwrap();
+        let doubled = other(&|figure| figure.scale = Some(3.0));
+        assert!(words(animation.add(&doubled)).contains("they have 1.5 and 3"));
+        let longer = other(&|figure| figure.x.to = 60.0);
+        assert!(words(animation.add(&longer)).contains("of one size"));
+        assert!(words(animation.add(&other(&|figure| figure.rows = 3))).contains("values"));
+        assert!(animation.add(&frame(0.0, false)).is_err());
+        animation.add(&frame(1.0, true)).unwrap();
+        assert_eq!(decoded(&animation.finish().unwrap()).frames.len(), 2);
+    }
+
+    #[test]
+    fn a_writer_that_fails_is_reported() {
+        struct Full;
+        impl Write for Full {
+            fn write(&mut self, _: &[u8]) -> std::io::Result<usize> {
+                Err(std::io::Error::other("disk full"))
+            }
+            fn flush(&mut self) -> std::io::Result<()> {
+                Ok(())
+            }
+        }
+        let mut animation = Animation::new(Full, 0.1, 100).unwrap();
+        let problem = animation.add(&frame(0.0, true)).unwrap_err().to_string();
+        assert!(problem.contains("disk full"), "{problem}");
+        assert!(animation.add(&frame(0.0, true)).unwrap_err().to_string().contains("lost"));
+        assert!(animation.finish().is_err());
+    }
+}

@@ -1,0 +1,115 @@
+//! The energies of a motion against time.
+
+use crate::record::{Series, Sheet, Strip};
+use crate::{FigureError, Format};
+
+/// One of the energies of a motion, or what shows that they balance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LedgerTerm {
+    /// What it is: the words of the legend, or those above the panel of the balance.
+    pub name: String,
+    /// A value for each time of the figure. Numbers that are not finite interrupt the line.
+    pub values: Vec<f64>,
+}
+
+/// Where the energy of a motion is and where it came from and went, with the balance of all in a
+/// panel of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LedgerFigure {
+    /// Headline.
+    pub title: String,
+    /// What is held fixed.
+    pub subtitle: String,
+    /// Name, symbol and unit of the time.
+    pub time_label: String,
+    /// Name and unit of the energies, such as `energy, J/m`.
+    pub label: String,
+    /// The times of the values, which do not decrease, in the unit of the label.
+    pub times: Vec<f64>,
+    /// The energies, in the unit of the label; eight have looks of their own.
+    pub terms: Vec<LedgerTerm>,
+    /// What remains of all terms, in the unit that its name tells; without values its panel is left
+    /// out.
+    pub balance: LedgerTerm,
+}
+
+/// Least heights of the frames of the terms and of the balance in pixels.
+const LEAST: [f64; 2] = [420.0, 120.0];
+
+impl LedgerFigure {
+    /// Draws the figure into the bytes of a file.
+    pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
+        self.sheet().draw(format)
+    }
+
+    fn sheet(&self) -> Sheet<'_> {
+        let terms = self.terms.iter();
+        let terms = terms.map(|LedgerTerm { name, values }| Series { name: Some(name), values });
+        let mut strips = vec![Strip {
+            label: &self.label,
+            series: terms.collect(),
+            least: LEAST[0],
+            weight: 4.0,
+        }];
+        let LedgerTerm { name, values } = &self.balance;
+        if !values.is_empty() {
+            let series = vec![Series { name: None, values }];
+            strips.push(Strip { label: name, series, least: LEAST[1], weight: 1.0 });
+        }
+        Sheet {
+            title: &self.title,
+            subtitle: &self.subtitle,
+            time_label: &self.time_label,
+            times: &self.times,
+            strips,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::tests::{check, texts};
+
+    fn figure(terms: usize, samples: usize, balance: impl Fn(f64) -> f64) -> LedgerFigure {
+        let times: Vec<f64> = (0..samples).map(|index| 0.01 * index as f64).collect();
+        let term = |index: usize| LedgerTerm {
+            name: format!("energy of kind {index}"),
+            values: times.iter().map(|time| time * (1.0 - index as f64)).collect(),
+        };
+        LedgerFigure {
+            title: "Title".to_owned(),
+            subtitle: "subtitle".to_owned(),
+            time_label: "time t, s".to_owned(),
+            label: "energy, J/m".to_owned(),
+            terms: (0..terms).map(term).collect(),
+            balance: LedgerTerm {
+                name: "balance, share of the energy".to_owned(),
+                values: times.iter().map(|time| balance(*time)).collect(),
+            },
+            times,
+        }
+    }
+
+    #[test]
+    fn ledgers_of_all_kinds_are_drawn() {
+        for (terms, samples) in [(0, 1), (1, 1), (7, 400), (9, 30), (3, 200_000)] {
+            for size in [0.0, 1e-13, 0.03, f64::NAN] {
+                check(&figure(terms, samples, |time| size * (40.0 * time).sin()).sheet());
+            }
+        }
+    }
+
+    #[test]
+    fn residuals_and_percents_have_scales_of_their_own() {
+        let residual = figure(3, 500, |time| 3e-13 * (9.0 * time).sin());
+        let said = texts(&residual.sheet());
+        assert!(said.contains(&"2×10⁻¹³".to_owned()), "{said:?}");
+        assert!(said.contains(&"balance, share of the energy".to_owned()));
+        let mut without = residual;
+        without.balance.values.clear();
+        assert!(!texts(&without.sheet()).contains(&"balance, share of the energy".to_owned()));
+        check(&without.sheet());
+        assert!(texts(&figure(2, 50, |_| 0.0).sheet()).contains(&"zero".to_owned()));
+    }
+}

@@ -1,0 +1,174 @@
+//! What receivers record against time.
+
+use crate::record::{Series, Sheet, Strip};
+use crate::{FigureError, Format};
+
+/// What one receiver records of one quantity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trace {
+    /// The name of the receiver, listed in the legend. Traces of the same name look alike in all
+    /// panels.
+    pub name: String,
+    /// A value for each time of the figure, in the unit of the panel's label. Numbers that are not
+    /// finite interrupt the line.
+    pub values: Vec<f64>,
+}
+
+/// One quantity at all receivers, on a scale of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SeismogramPanel {
+    /// Name, symbol and unit of the quantity, such as `velocity v₁, m/s`.
+    pub label: String,
+    /// The receivers; eight have looks of their own.
+    pub traces: Vec<Trace>,
+}
+
+/// What the receivers of a motion record: a panel for each quantity, one above the other, over one
+/// axis of time.
+///
+/// Of more samples than can be shown, the extremes within each pixel are drawn, so that no peak is
+/// lost. The figure is higher where there are more than about five panels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SeismogramFigure {
+    /// Headline.
+    pub title: String,
+    /// What is held fixed.
+    pub subtitle: String,
+    /// Name, symbol and unit of the time.
+    pub time_label: String,
+    /// The panels from above to below.
+    pub panels: Vec<SeismogramPanel>,
+    /// The times of the samples, which do not decrease, in the unit of the label.
+    pub times: Vec<f64>,
+}
+
+/// Least height of a panel's frame in pixels.
+const LEAST: f64 = 110.0;
+
+impl SeismogramFigure {
+    /// Draws the figure into the bytes of a file.
+    pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
+        self.sheet().draw(format)
+    }
+
+    fn sheet(&self) -> Sheet<'_> {
+        let strips = self.panels.iter().map(|SeismogramPanel { label, traces }| {
+            let traces = traces.iter();
+            let series =
+                traces.map(|Trace { name, values }| Series { name: Some(name), values }).collect();
+            Strip { label, series, least: LEAST, weight: 1.0 }
+        });
+        Sheet {
+            title: &self.title,
+            subtitle: &self.subtitle,
+            time_label: &self.time_label,
+            times: &self.times,
+            strips: strips.collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::tests::{check, texts};
+
+    fn figure(
+        [panels, receivers, samples]: [usize; 3],
+        value: impl Fn(usize, usize, f64) -> f64,
+    ) -> SeismogramFigure {
+        let times: Vec<f64> = (0..samples).map(|index| 1e-3 * index as f64).collect();
+        let trace = |panel: usize, receiver: usize| Trace {
+            name: format!("R{receiver}"),
+            values: times.iter().map(|time| value(panel, receiver, *time)).collect(),
+        };
+        let panels = (0..panels).map(|panel| SeismogramPanel {
+            label: format!("velocity v₁ of kind {panel}, m/s"),
+            traces: (0..receivers).map(|receiver| trace(panel, receiver)).collect(),
+        });
+        SeismogramFigure {
+            title: "Title".to_owned(),
+            subtitle: "subtitle".to_owned(),
+            time_label: "time t, s".to_owned(),
+            panels: panels.collect(),
+            times,
+        }
+    }
+
+    #[test]
+    fn any_number_of_panels_and_receivers_is_drawn() {
+        let wave = |panel: usize, receiver: usize, time: f64| {
+            (10.0 * time + panel as f64).sin() * (1.0 + receiver as f64)
+        };
+        for size in [[0, 0, 3], [1, 0, 3], [1, 1, 1], [1, 1, 300], [6, 3, 500], [14, 20, 90]] {
+            let figure = figure(size, wave);
+            check(&figure.sheet());
+            let height = crate::tests::png_size(&figure.draw(Format::Png).unwrap())[1];
+            assert_eq!(height > 1100, size[0] > 5, "{size:?} {height}");
+        }
+    }
+
+    #[test]
+    fn any_values_are_drawn() {
+        let values = [f64::NAN, 1e308, f64::MIN, 9e299, -9e299, 5e-324, f64::INFINITY, 1e-200];
+        for kinds in 1..=values.len() {
+            let figure = figure([2, 2, 50], |panel, receiver, time| {
+                values[((1e3 * time) as usize + panel + receiver) % kinds]
+            });
+            check(&figure.sheet());
+        }
+        let constant = figure([3, 2, 20], |panel, _, _| [1e5, -3.0, 7e-9][panel]);
+        check(&constant.sheet());
+        assert!(texts(&constant.sheet()).contains(&"−3".to_owned()));
+        let offset = figure([1, 1, 2000], |_, _, time| 1e5 + 1e-3 * time);
+        check(&offset.sheet());
+    }
+
+    #[test]
+    fn panels_without_motion_say_so() {
+        let still = figure([3, 2, 20], |panel, _, time| match panel {
+            0 => -0.0,
+            1 if time > 0.005 => f64::NAN,
+            1 => 0.0,
+            _ => f64::INFINITY,
+        });
+        let said = texts(&still.sheet());
+        for words in ["zero", "zero wherever it is finite", "no finite values"] {
+            assert!(said.iter().any(|text| text == words), "{words} {said:?}");
+        }
+        assert!(said.contains(&"not a finite number (56.7 %)".to_owned()), "{said:?}");
+        check(&still.sheet());
+        assert!(
+            texts(&figure([0, 0, 1], |_, _, _| 0.0).sheet())
+                .contains(&"nothing recorded".to_owned())
+        );
+        assert!(texts(&figure([1, 0, 1], |_, _, _| 0.0).sheet()).contains(&"no values".to_owned()));
+    }
+
+    #[test]
+    fn a_single_sample_of_a_long_record_is_not_lost() {
+        let mut figure = figure([1, 1, 1_000_000], |_, _, time| 1e-3 * (70.0 * time).sin());
+        figure.panels[0].traces[0].values[617_283] = 1.0;
+        let (width, pixels) = crate::tests::pixels(&figure.draw(Format::Png).unwrap());
+        let ink = |x: usize, y: usize| pixels[3 * (y * width + x)] < 128;
+        // Somewhere above the middle, away from letters and the frame.
+        let column = (900..1100).find(|&x| (400..500).all(|y| ink(x, y)));
+        assert!(column.is_some());
+        assert!(figure.draw(Format::Svg).unwrap().len() < 200_000);
+    }
+
+    #[test]
+    fn long_words_stay_on_the_sheet() {
+        let mut figure = figure([3, 12, 30], |_, receiver, time| time + receiver as f64);
+        let long = "a rather long description of what is meant ".repeat(40);
+        for panel in &mut figure.panels {
+            panel.label.clone_from(&long);
+            panel.traces[3].name.clone_from(&long);
+        }
+        let SeismogramFigure { title, subtitle, time_label, .. } = &mut figure;
+        for text in [title, subtitle, time_label] {
+            text.clone_from(&long);
+        }
+        check(&figure.sheet());
+    }
+}
