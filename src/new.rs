@@ -73,7 +73,8 @@ kind = \"{name}\"
             Purpose::Run => "A dynamic problem in plane strain",
         },
         verbs = match kind {
-            _ if purpose == Purpose::Run => "# wellposed run FILE    fields, seismograms, ledger of energy",
+            _ if purpose == Purpose::Run =>
+                "# wellposed run FILE    fields, seismograms, ledger of energy",
             Kind::Flow(_) => {
                 "# wellposed point FILE    everything about this state
 # wellposed map FILE      verdict over the two parameters of [map]"
@@ -105,7 +106,9 @@ kind = \"{name}\"
                 value = "2".into();
             }
             let friction = key.name.replace("dilatancy", "friction");
-            if let Some(example) = Key::find(&friction).filter(|_| name.ends_with("dilatancy")).and_then(Key::example) {
+            if let Some(example) =
+                Key::find(&friction).filter(|_| name.ends_with("dilatancy")).and_then(Key::example)
+            {
                 value = example;
             }
         }

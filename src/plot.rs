@@ -141,7 +141,9 @@ fn animation(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<
             return Err(unreadable(format!("no array {array}")));
         };
         let of = |cell: usize| match picture {
-            Picture::Speed => all[3 * cell..3 * cell + 3].iter().fold(0.0, |s, v| f64::hypot(s, *v)),
+            Picture::Speed => {
+                all[3 * cell..3 * cell + 3].iter().fold(0.0, |s, v| f64::hypot(s, *v))
+            }
             Picture::Component(Component(Field::Velocity(i))) => all[3 * cell + i],
             _ => all[cell],
         };

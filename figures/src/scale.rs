@@ -39,7 +39,8 @@ fn number(value: f64, step: f64, largest: f64) -> String {
         return format!("{value:.decimals$}").replace('-', "−");
     }
     // As many digits as tell neighbouring ticks apart.
-    let digits = (value.abs() / step).log10().floor().max(0.0) as usize;
+    let power = |size: f64| (size.log10() + 1e-9).floor();
+    let digits = (power(value.abs()) - power(step)).max(0.0) as usize;
     scientific(value, digits)
 }
 
@@ -204,6 +205,8 @@ mod tests {
         assert_eq!(labels(&ticks(0.0, 2.5e6, 4, false)), ["0", "10⁶", "2×10⁶"]);
         let short = ticks(1.5e6, 1.52e6, 3, false);
         assert_eq!(labels(&short), ["1.5×10⁶", "1.51×10⁶", "1.52×10⁶"]);
+        let halves = ticks(-1.0007e5, -9.993e4, 4, false);
+        assert_eq!(labels(&halves), ["−1.0005×10⁵", "−10⁵", "−9.995×10⁴"]);
         for (low, high) in [(1.0, 1.0), (0.0, f64::INFINITY), (f64::NAN, 1.0), (2.0, 1.0)] {
             assert!(ticks(low, high, 5, false).is_empty());
         }
@@ -213,7 +216,9 @@ mod tests {
     fn ticks_keep_to_the_number_asked_for() {
         for most in 2..20 {
             for exponent in -12..12 {
-                for (low, high) in [(0.0, 1.0), (-3.3, 7.1), (99.0, 100.0), (-1.0, -0.93)] {
+                for (low, high) in
+                    [(0.0, 1.0), (-3.3, 7.1), (99.0, 100.0), (-1.0, -0.93), (9.992, 10.007)]
+                {
                     let scale = 10_f64.powi(exponent);
                     let ticks = ticks(low * scale, high * scale, most, exponent % 2 == 0);
                     assert!(

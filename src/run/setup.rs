@@ -171,6 +171,7 @@ impl<const D: usize> Setup<D> {
             sources,
             acceleration,
             initial_stress,
+            integrals: dynamics.output.integrals.iter().map(|component| component.0).collect(),
             ..Problem::new(Grid { cells, spacing }, media, of_cell, boundaries, step, scheme)
         };
         problem.check().map_err(|error| refused(dynamics, &error))?;
