@@ -232,61 +232,112 @@ impl<T: Real> Columns<'_, T> {
         // A row is written when what leaves its successor is known; this reads one row further.
         for place in -1..=self.count as isize {
             let (before, here, after) = (self.row(place - 1), self.row(place), self.row(place + 1));
+            // In front of the first row nothing is written, and any row will do.
+            let before = if place < 0 { here } else { before };
             for group in 0..groups {
-                let pattern = self.pattern(here, group);
+                let (pattern, previous) = (self.pattern(here, group), self.pattern(before, group));
                 for (index, wave) in waves.iter().enumerate() {
-                    let cell = table.cell(pattern, wave);
-                    let own = self.read(here, group, index);
-                    let difference = own.to(self.read(after, group, index));
-                    let carried = self.carried[group * waves.len() + index];
-                    let [velocity, stress] = carried.difference;
-                    let differences = [State { velocity, stress }, difference];
-                    let pieces = Pieces::new(own, differences, cell, slopes);
-                    let mut joint = carried.joint;
-                    if place >= 0 {
-                        let previous = table.cell(self.pattern(before, group), wave);
-                        let met = meet(
-                            [previous.impedance, carried.to_right],
-                            [cell.impedance, pieces.to_left(cell)],
-                        );
-                        joint = [met.velocity, met.stress];
-                        if let (Row::Inside(row), true) = (before, place >= 1) {
-                            let joints = [carried.joint, joint]
-                                .map(|[velocity, stress]| State { velocity, stress });
-                            let pattern = self.pattern(before, group);
-                            let group = (row * groups + group) * fields;
-                            write(
-                                &mut self.data[group..group + fields],
-                                joints,
-                                previous,
-                                (table, wave, pattern),
-                            );
-                        }
-                    }
-                    self.carried[group * waves.len() + index] = Carried {
-                        difference: [difference.velocity, difference.stress],
-                        to_right: pieces.to_right(cell),
-                        joint,
+                    let slot = group * waves.len() + index;
+                    let crossing = Crossing {
+                        previous: table.cell(previous, wave),
+                        cell: table.cell(pattern, wave),
+                        written: self.read(before, group, index),
+                        own: self.read(here, group, index),
+                        next: self.read(after, group, index),
+                        carried: self.carried[slot],
                     };
+                    let (moved, carried) = crossing.passed::<T>(slopes);
+                    self.carried[slot] = carried;
+                    if let (Row::Inside(row), true) = (before, place >= 1) {
+                        let group = (row * groups + group) * fields;
+                        let group = &mut self.data[group..group + fields];
+                        write(group, moved, (table, wave, previous));
+                    }
                 }
             }
         }
     }
 }
 
-/// Updates a wave of a group between its joints, and what follows the stress in the medium's own ratio.
+/// What a wave of a group needs on its way across a row.
+struct Crossing<N> {
+    /// The row before, that is to be written.
+    previous: Cell<N>,
+    written: State<N>,
+    /// The row itself.
+    cell: Cell<N>,
+    own: State<N>,
+    /// The row behind.
+    next: State<N>,
+    carried: Carried<N>,
+}
+
+/// The numbers of a lane.
+#[inline(always)]
+fn lane_of<T: Real>(state: &State<T::Lanes>, lane: usize) -> State<T> {
+    State { velocity: state.velocity.lanes()[lane], stress: state.stress.lanes()[lane] }
+}
+
+/// The constants of a lane.
+#[inline(always)]
+fn cell_of<T: Real>(cell: &Cell<T::Lanes>, lane: usize) -> Cell<T> {
+    Cell {
+        impedance: cell.impedance.lanes()[lane],
+        courant: cell.courant.lanes()[lane],
+        rest: cell.rest.lanes()[lane],
+        to_velocity: cell.to_velocity.lanes()[lane],
+        to_stress: cell.to_stress.lanes()[lane],
+    }
+}
+
+impl<N: Number> Crossing<N> {
+    /// The row before as it is after the step, and what is carried on: one loop over the lanes, which
+    /// compilers turn into wide instructions where operations lane by lane defeat them.
+    #[inline(always)]
+    fn passed<T: Real<Lanes = N>>(&self, slopes: Slopes) -> (State<N>, Carried<N>)
+    where
+        N: Group<T>,
+    {
+        let mut moved = [N::ZERO; 2];
+        let mut carried: Carried<N> = Carried::default();
+        for lane in 0..N::COUNT {
+            let cell = cell_of::<T>(&self.cell, lane);
+            let previous = cell_of::<T>(&self.previous, lane);
+            let own = lane_of::<T>(&self.own, lane);
+            let difference = own.to(lane_of::<T>(&self.next, lane));
+            let [velocity, stress] = self.carried.difference.each_ref().map(|x| x.lanes()[lane]);
+            let before = State { velocity, stress };
+            let pieces = Pieces::new(own, [before, difference], cell, slopes);
+            let joint = meet(
+                [previous.impedance, self.carried.to_right.lanes()[lane]],
+                [cell.impedance, pieces.to_left(cell)],
+            );
+            let [velocity, stress] = self.carried.joint.each_ref().map(|x| x.lanes()[lane]);
+            let left = State { velocity, stress };
+            let after = updated(lane_of::<T>(&self.written, lane), [left, joint], previous);
+            moved[0].lanes_mut()[lane] = after.velocity;
+            moved[1].lanes_mut()[lane] = after.stress;
+            carried.difference[0].lanes_mut()[lane] = difference.velocity;
+            carried.difference[1].lanes_mut()[lane] = difference.stress;
+            carried.to_right.lanes_mut()[lane] = pieces.to_right(cell);
+            carried.joint[0].lanes_mut()[lane] = joint.velocity;
+            carried.joint[1].lanes_mut()[lane] = joint.stress;
+        }
+        let [velocity, stress] = moved;
+        (State { velocity, stress }, carried)
+    }
+}
+
+/// Writes a wave of a group, and what follows the stress in the medium's own ratio.
 #[inline(always)]
 fn write<T: Real>(
     group: &mut [T::Lanes],
-    joints: [State<T::Lanes>; 2],
-    cell: Cell<T::Lanes>,
+    moved: State<T::Lanes>,
     (table, wave, pattern): (&Table<T>, &Wave, u32),
 ) {
-    let own = State { velocity: group[wave.velocity], stress: group[wave.stress] };
-    let moved = updated(own, joints, cell);
+    let change = moved.stress - group[wave.stress];
     (group[wave.velocity], group[wave.stress]) = (moved.velocity, moved.stress);
     for (index, &place) in wave.followers.iter().enumerate() {
-        let change = moved.stress - own.stress;
         group[place] = group[place] + table.ratio(pattern, wave, index) * change;
     }
 }
@@ -307,6 +358,7 @@ pub(crate) struct Rows<'a, T: Real> {
 struct Passing<N> {
     cell: Cell<N>,
     pattern: u32,
+    own: State<N>,
     /// To the next cells.
     difference: State<N>,
     to_right: N,
@@ -322,40 +374,75 @@ fn after<T, N: Group<T>>(own: State<N>, previous: State<N>) -> State<N> {
     }
 }
 
-/// Differences from each lane to the one behind it.
-#[inline(always)]
-fn differences<T, N: Group<T>>(own: State<N>, next: State<N>) -> State<N> {
-    own.to(State {
-        velocity: own.velocity.before(next.velocity),
-        stress: own.stress.before(next.stress),
-    })
-}
+impl<N: Number> Passing<N> {
+    /// A group between the one before it, of which the differences are known, and the one behind.
+    #[inline(always)]
+    fn new<T: Real<Lanes = N>>(
+        own: State<N>,
+        [before, next]: [State<N>; 2],
+        (cell, pattern): (Cell<N>, u32),
+        slopes: Slopes,
+    ) -> Self
+    where
+        N: Group<T>,
+    {
+        let difference = own.to(State {
+            velocity: own.velocity.before(next.velocity),
+            stress: own.stress.before(next.stress),
+        });
+        let before = after(difference, before);
+        let (mut to_right, mut to_left) = (N::ZERO, N::ZERO);
+        for lane in 0..N::COUNT {
+            let constants = cell_of::<T>(&cell, lane);
+            let differences = [lane_of::<T>(&before, lane), lane_of::<T>(&difference, lane)];
+            let pieces = Pieces::new(lane_of::<T>(&own, lane), differences, constants, slopes);
+            to_right.lanes_mut()[lane] = pieces.to_right(constants);
+            to_left.lanes_mut()[lane] = pieces.to_left(constants);
+        }
+        Self { cell, pattern, own, difference, to_right, to_left }
+    }
 
-/// The joints behind each lane, the last of them with what the group behind has and sends.
-#[inline(always)]
-fn joints<T, N: Group<T>>(own: &Passing<N>, impedance: N, to_left: N) -> State<N> {
-    meet(
-        [own.cell.impedance, own.to_right],
-        [own.cell.impedance.before(impedance), own.to_left.before(to_left)],
-    )
+    /// The joints behind each lane, the last of them with what the group behind has and sends.
+    #[inline(always)]
+    fn joints<T: Real<Lanes = N>>(&self, [impedance, to_left]: [N; 2]) -> State<N>
+    where
+        N: Group<T>,
+    {
+        let impedance = self.cell.impedance.before(impedance);
+        let to_left = self.to_left.before(to_left);
+        let mut met = [N::ZERO; 2];
+        for lane in 0..N::COUNT {
+            let joint = meet(
+                [self.cell.impedance.lanes()[lane], self.to_right.lanes()[lane]],
+                [impedance.lanes()[lane], to_left.lanes()[lane]],
+            );
+            met[0].lanes_mut()[lane] = joint.velocity;
+            met[1].lanes_mut()[lane] = joint.stress;
+        }
+        let [velocity, stress] = met;
+        State { velocity, stress }
+    }
+
+    /// The group after the step.
+    #[inline(always)]
+    fn moved<T: Real<Lanes = N>>(&self, [left, right]: [State<N>; 2]) -> State<N>
+    where
+        N: Group<T>,
+    {
+        let mut moved = [N::ZERO; 2];
+        for lane in 0..N::COUNT {
+            let joints = [lane_of::<T>(&left, lane), lane_of::<T>(&right, lane)];
+            let constants = cell_of::<T>(&self.cell, lane);
+            let state = updated(lane_of::<T>(&self.own, lane), joints, constants);
+            moved[0].lanes_mut()[lane] = state.velocity;
+            moved[1].lanes_mut()[lane] = state.stress;
+        }
+        let [velocity, stress] = moved;
+        State { velocity, stress }
+    }
 }
 
 impl<T: Real> Rows<'_, T> {
-    #[inline(always)]
-    fn pass(
-        axis: &Axis<'_, T>,
-        wave: &Wave,
-        own: State<T::Lanes>,
-        [before, difference]: [State<T::Lanes>; 2],
-        pattern: u32,
-        slopes: Slopes,
-    ) -> Passing<T::Lanes> {
-        let cell = axis.table.cell(pattern, wave);
-        let pieces = Pieces::new(own, [after(difference, before), difference], cell, slopes);
-        let (to_right, to_left) = (pieces.to_right(cell), pieces.to_left(cell));
-        Passing { cell, pattern, difference, to_right, to_left }
-    }
-
     #[inline(always)]
     fn go(self, slopes: Slopes) {
         let Axis { groups, fields, waves, table, patterns, .. } = self.axis;
@@ -366,10 +453,9 @@ impl<T: Real> Rows<'_, T> {
                 let [velocity, stress] = self.fronts[index * waves.len() + place];
                 let front = State { velocity, stress };
                 let mut own = State { velocity: row[wave.velocity], stress: row[wave.stress] };
-                let difference = differences(front, own);
                 let pattern = self.front_patterns[index];
-                let mut previous =
-                    Self::pass(&self.axis, wave, front, [zero, difference], pattern, slopes);
+                let constants = (table.cell(pattern, wave), pattern);
+                let mut previous = Passing::new::<T>(front, [zero, own], constants, slopes);
                 let mut left = zero;
                 // A group is written when what leaves its successor is known.
                 for group in 0..=groups {
@@ -381,17 +467,17 @@ impl<T: Real> Rows<'_, T> {
                     };
                     let here = match patterns.get(group) {
                         Some(&pattern) => {
-                            let pair = [previous.difference, differences(own, next)];
-                            Self::pass(&self.axis, wave, own, pair, pattern, slopes)
+                            let constants = (table.cell(pattern, wave), pattern);
+                            let around = [previous.difference, next];
+                            Passing::new::<T>(own, around, constants, slopes)
                         }
                         None => Passing { to_left: T::Lanes::ZERO, ..previous },
                     };
-                    let right = joints(&previous, here.cell.impedance, here.to_left);
+                    let right = previous.joints::<T>([here.cell.impedance, here.to_left]);
                     if group > 0 {
+                        let moved = previous.moved::<T>([after(right, left), right]);
                         let range = (group - 1) * fields..group * fields;
-                        let constants = (table, wave, previous.pattern);
-                        let both = [after(right, left), right];
-                        write(&mut row[range], both, previous.cell, constants);
+                        write(&mut row[range], moved, (table, wave, previous.pattern));
                     }
                     (left, previous, own) = (right, here, next);
                 }
