@@ -1,0 +1,465 @@
+//! The bundled cases of waves in time, and shorter ones like them, against dispersion relations and an exact
+//! response that share nothing with the solver.
+
+use files::npz::{Values, read};
+use num_complex::Complex64;
+use serde_json::Value;
+use std::f64::consts::PI;
+use std::fs;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use wellposed::run::{self, Control};
+use wellposed::{Format, Options, dispersion};
+
+const CONTROL: Control = Control { checkpoint_every: 1e9 };
+
+/// Results of a run, in a folder that goes with them.
+struct Results {
+    folder: tempfile::TempDir,
+    columns: Vec<(String, Vec<f64>)>,
+}
+
+impl Results {
+    fn column(&self, name: &str) -> &[f64] {
+        &self.columns.iter().find(|column| column.0 == name).expect("a column").1
+    }
+
+    /// The final values of a field.
+    fn field(&self, name: &str) -> Vec<f64> {
+        let bytes = fs::read(self.folder.path().join("out/fields.npz")).expect("fields");
+        let arrays = read(&bytes).expect("arrays");
+        let array = arrays.into_iter().find(|array| array.name == name).expect("an array");
+        let Values::F64(values) = array.values else { panic!("numbers") };
+        values
+    }
+
+    fn report(&self) -> Value {
+        let text = fs::read(self.folder.path().join("out/run.json")).expect("a report");
+        serde_json::from_slice(&text).expect("JSON")
+    }
+}
+
+fn options(file: PathBuf, folder: &Path, sets: &[String]) -> Options {
+    Options {
+        case: file,
+        sets: sets.to_vec(),
+        out: Some(folder.join("out")),
+        force: true,
+        ..Options::default()
+    }
+}
+
+fn bundled(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/dynamics").join(name)
+}
+
+fn carried_out(file: PathBuf, sets: &[String]) -> Results {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    run::run(&options(file, folder.path(), sets), CONTROL, &mut Vec::new()).expect("a sound case");
+    let text = fs::read_to_string(folder.path().join("out/receivers.csv")).expect("a table");
+    let mut lines = text.lines();
+    let header = lines.next().expect("a header").split(',');
+    let mut columns: Vec<(String, Vec<f64>)> =
+        header.map(|name| (name.to_owned(), Vec::new())).collect();
+    for line in lines {
+        for (column, cell) in columns.iter_mut().zip(line.split(',')) {
+            column.1.push(cell.parse().expect("a number"));
+        }
+    }
+    Results { folder, columns }
+}
+
+/// Polarisation and frequency of all branches at the wave of a case, the greatest frequency first, as
+/// `wellposed dispersion` has them.
+fn branches(file: PathBuf, sets: &[String]) -> Vec<(String, f64)> {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let options = Options { format: Format::Json, ..options(file, folder.path(), sets) };
+    let mut stdout = Vec::new();
+    dispersion::run(&options, &mut stdout).expect("a sound case");
+    let report: Value = serde_json::from_slice(&stdout).expect("JSON");
+    let mut branches = Vec::new();
+    for family in report["families"].as_array().expect("families") {
+        let name = family["polarisation"].as_str().expect("a name");
+        for branch in family["at_wave"].as_array().expect("branches") {
+            let frequency = branch["frequency"].as_f64().expect("a number");
+            for _ in 0..family["count"].as_u64().expect("a count") {
+                branches.push((name.to_owned(), frequency));
+            }
+        }
+    }
+    branches.sort_by(|a, b| b.1.total_cmp(&a.1));
+    branches
+}
+
+/// How samples count, by where in their span they are, in (0, 1).
+type Window = fn(f64) -> f64;
+const FLAT: Window = |_| 1.0;
+/// Hann's.
+const ROUND: Window = |part| (PI * part).sin().powi(2);
+
+/// A of Re A exp(−iωt) by least squares.
+fn harmonic(time: &[f64], values: &[f64], frequency: f64, window: Window) -> Complex64 {
+    let count = time.len() as f64;
+    let (mut cc, mut cs, mut ss, mut c, mut s) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for (index, (t, value)) in time.iter().zip(values).enumerate() {
+        let weight = window((index as f64 + 0.5) / count);
+        let (sin, cos) = (frequency * t).sin_cos();
+        cc += weight * cos * cos;
+        cs += weight * cos * sin;
+        ss += weight * sin * sin;
+        c += weight * cos * value;
+        s += weight * sin * value;
+    }
+    let determinant = cc * ss - cs * cs;
+    Complex64::new((ss * c - cs * s) / determinant, (cc * s - cs * c) / determinant)
+}
+
+/// The samples in a span of time.
+fn span(time: &[f64], from: f64, to: f64) -> Range<usize> {
+    time.partition_point(|t| *t < from)..time.partition_point(|t| *t < to)
+}
+
+/// Slope and value at 0 of the straight line through points.
+fn line(x: &[f64], y: &[f64]) -> [f64; 2] {
+    let count = x.len() as f64;
+    let (mx, my) = (x.iter().sum::<f64>() / count, y.iter().sum::<f64>() / count);
+    let pairs = || x.iter().zip(y).map(|(x, y)| (x - mx, y - my));
+    let slope = pairs().map(|(x, y)| x * y).sum::<f64>() / pairs().map(|(x, _)| x * x).sum::<f64>();
+    [slope, my - slope * mx]
+}
+
+/// The bundled wave: the duration is the period, and after it velocities and spin are what the equations of
+/// motion say they were.
+#[test]
+fn an_oblique_wave_comes_back() {
+    let (mu, alpha, density): (f64, f64, f64) = (8.1e9, 1.005e9, 2700.0);
+    let file = bundled("plane-waves.toml");
+    let frequency = branches(file.clone(), &[])
+        .into_iter()
+        .rfind(|branch| branch.0 == "transverse")
+        .expect("shear waves")
+        .1;
+    let results = carried_out(file, &[]);
+    let duration = results.report()["time"].as_f64().expect("a number");
+    assert!((duration * frequency / (2.0 * PI) - 1.0).abs() < 1e-12, "{}", 2.0 * PI / frequency);
+    // v = A(4, −3)/5 cos(k·x), and ω₃ = A((μ + α)k² − ρω²)/(2αk) sin(k·x).
+    let k = 2.0 * PI / 12.0;
+    let spin = ((mu + alpha) * k * k - density * frequency * frequency) / (2.0 * alpha * k);
+    let [x1, x2] = ["x1", "x2"].map(|name| results.field(name));
+    for (name, factor, delay) in [("v1", 0.8, 0.0), ("v2", -0.6, 0.0), ("w3", spin, 0.5 * PI)] {
+        let values = results.field(name);
+        let mut greatest = 0.0f64;
+        let places = x2.iter().flat_map(|x2| x1.iter().map(move |x1| (x1, x2)));
+        for ((x1, x2), value) in places.zip(&values) {
+            let expected = 1e-3 * factor * (k * (0.6 * x1 + 0.8 * x2) - delay).cos();
+            greatest = greatest.max((value - expected).abs());
+        }
+        let error = greatest / (1e-3 * factor.abs());
+        println!("{name}: {error:.2e}");
+        assert!(error < 3e-3, "{name}: {error:e}");
+    }
+}
+
+/// The amplitude of a vector that oscillates, and the sum of squares of what else there is of it.
+fn fitted(time: &[f64], signals: &[&[f64]], frequency: f64) -> (f64, f64) {
+    let (mut power, mut left) = (0.0, 0.0);
+    for signal in signals {
+        let amplitude = harmonic(time, signal, frequency, FLAT);
+        power += amplitude.norm_sqr();
+        let rest = |(t, v): (&f64, &f64)| v - (amplitude * Complex64::cis(-frequency * t)).re;
+        left += time.iter().zip(*signal).map(|pair| rest(pair).powi(2)).sum::<f64>();
+    }
+    (power.sqrt(), left)
+}
+
+/// All waves of a space along (1, 2, 2)/3, but for torsion, which has no velocity: what a receiver sees in one
+/// and a half periods has the frequency that the analysis finds, and the amplitude of the beginning.
+#[test]
+fn oblique_waves_in_space_have_their_frequencies() {
+    let case = "
+        [model]
+        kind = 'cosserat'
+        dimensions = 3
+        lambda = 8.1e9
+        mu = 8.1e9
+        alpha = 1.005e9
+        beta = 7.75e8
+        gamma = 1.5e8
+        eta = 3e8
+        density = 2700
+        inertia = 2700
+        [wave]
+        number = 0.5235987755982988
+        direction_deg = 63.43494882292201
+        elevation_deg = 41.810314895778596
+        [grid]
+        cells = [72, 36, 36]
+        spacing = 0.5
+        [time]
+        duration = 0.001
+        [[initial]]
+        kind = 'plane-wave'
+        branch = 1
+        direction_deg = 63.43494882292201
+        elevation_deg = 41.810314895778596
+        wavelength = 12
+        amplitude = 1e-3
+        [[receiver]]
+        at = [10.25, 7.75, 3.25]
+        fields = ['v1', 'v2', 'v3']
+        ";
+    let sides = ["x1-", "x1+", "x2-", "x2+", "x3-", "x3+"]
+        .map(|side| format!("[[side]]\nside = '{side}'\nkind = 'periodic'\n"));
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let file = folder.path().join("case.toml");
+    fs::write(&file, format!("{case}{}", sides.concat())).expect("a scratch file");
+    let branches = branches(file.clone(), &[]);
+    assert_eq!(branches.len(), 6);
+    for (index, (polarisation, frequency)) in branches.iter().enumerate() {
+        if polarisation == "torsion" {
+            continue;
+        }
+        let sets = [
+            format!("initial[0].branch={}", index + 1),
+            format!("time.duration={:?}", 3.0 * PI / frequency),
+        ];
+        let results = carried_out(file.clone(), &sets);
+        let time = results.column("time");
+        let signals = ["r1.v1", "r1.v2", "r1.v3"].map(|name| results.column(name));
+        // Golden section: the frequency that leaves least.
+        let left = |ratio: f64| fitted(time, &signals, ratio * frequency).1;
+        let golden = 0.5 * (5f64.sqrt() - 1.0);
+        let (mut a, mut b) = (0.9, 1.1);
+        while b - a > 1e-6 {
+            let (c, d) = (b - golden * (b - a), a + golden * (b - a));
+            if left(c) < left(d) { b = d } else { a = c }
+        }
+        let ratio = 0.5 * (a + b);
+        let amplitude = fitted(time, &signals, ratio * frequency).0;
+        println!("{polarisation} {frequency:.1}: {:.2e} {amplitude:e}", ratio - 1.0);
+        assert!((ratio - 1.0).abs() < 2e-3, "{polarisation}: {ratio}");
+        assert!((amplitude / 1e-3 - 1.0).abs() < 3e-2, "{polarisation}: {amplitude:e}");
+    }
+}
+
+/// k² of shear waves of the reduced solid of the bundled case, 1/m².
+fn squared_wave_number(frequency: f64) -> f64 {
+    let (mu, alpha, density, inertia): (f64, f64, f64, f64) = (8.1e9, 1.005e9, 2700.0, 2700.0);
+    let square = frequency * frequency;
+    density * square * (4.0 * alpha - inertia * square)
+        / (4.0 * alpha * mu - (mu + alpha) * inertia * square)
+}
+
+/// Depths, and the amplitudes of v₁ at them under a load of one frequency (rad/s), over a span of time.
+fn amplitudes(results: &Results, frequency: f64, [from, to]: [f64; 2]) -> Vec<(f64, Complex64)> {
+    let time = results.column("time");
+    let span = span(time, from, to);
+    let report = results.report();
+    let receivers = report["receivers"].as_array().expect("receivers");
+    receivers
+        .iter()
+        .map(|receiver| {
+            let name = receiver["name"].as_str().expect("a name");
+            let depth = -receiver["cell"][1].as_f64().expect("a number");
+            let values = &results.column(&format!("{name}.v1"))[span.clone()];
+            (depth, harmonic(&time[span.clone()], values, frequency, ROUND))
+        })
+        .collect()
+}
+
+/// The bundled column: nothing but exp(−κd) is left, with κ and the amplitude of the equations of motion.
+#[test]
+fn motion_in_the_forbidden_band_stays_at_the_surface() {
+    let results = carried_out(bundled("forbidden-band.toml"), &[]);
+    let frequency = 2.0 * PI * 188.5;
+    let number = (-squared_wave_number(frequency)).sqrt();
+    // Waves at the ends of the band beat with the load in 0.18 s: the window tells them apart.
+    let seen = amplitudes(&results, frequency, [0.1, 0.7]);
+    let depths: Vec<f64> = seen.iter().map(|own| own.0).collect();
+    let logarithms: Vec<f64> = seen.iter().map(|own| own.1.norm().ln()).collect();
+    for (depth, amplitude) in &seen {
+        println!("{depth:.3} m: {:.4e} at {:.4}", amplitude.norm(), amplitude.arg());
+    }
+    let [slope, start] = line(&depths, &logarithms);
+    let expected = number * 1e5 / (2700.0 * frequency);
+    println!(
+        "decay {} for {}, amplitude {:e} for {expected:e}",
+        -1.0 / slope,
+        1.0 / number,
+        start.exp()
+    );
+    assert!((-slope / number - 1.0).abs() < 0.01, "{} for {number}", -slope);
+    assert!((start.exp() / expected - 1.0).abs() < 0.02, "{:e} for {expected:e}", start.exp());
+    // All in phase: no energy goes down.
+    let phases: Vec<f64> = seen.iter().map(|own| (own.1 / seen[0].1).arg().abs()).collect();
+    assert!(phases.iter().all(|phase| *phase < 0.05), "{phases:?}");
+}
+
+/// Below the band and above it the same load sends waves down, as fast as ω/k, which do not decay.
+#[test]
+fn beside_the_forbidden_band_waves_travel() {
+    for load in [160.0, 223.0] {
+        // No front comes back from the bottom: (2·290 − 5) m/(1836 m/s) = 0.31 s.
+        let sets = [
+            format!("load[0].time.frequency={load:?}"),
+            "time.duration=0.3".into(),
+            "grid.spacing=[2.5, 0.2]".into(),
+            "grid.cells=[1, 1450]".into(),
+            "grid.origin=[0, -290]".into(),
+        ];
+        let results = carried_out(bundled("forbidden-band.toml"), &sets);
+        let frequency = 2.0 * PI * load;
+        let number = squared_wave_number(frequency).sqrt();
+        let seen = amplitudes(&results, frequency, [0.1, 0.3]);
+        let expected = number * 1e5 / (2700.0 * frequency);
+        let (mut phase, mut last) = (0.0, seen[0].1);
+        let (mut depths, mut phases) = (Vec::new(), Vec::new());
+        for (depth, amplitude) in &seen {
+            phase += (amplitude / last).arg();
+            last = *amplitude;
+            depths.push(*depth);
+            phases.push(phase);
+            println!(
+                "{load} Hz, {depth:.3} m: {:.4} of it, {phase:.4}",
+                amplitude.norm() / expected
+            );
+            assert!((amplitude.norm() / expected - 1.0).abs() < 0.02, "{depth}: {amplitude}");
+            assert!((amplitude.norm() / seen[0].1.norm() - 1.0).abs() < 0.1);
+        }
+        let [slope, _] = line(&depths, &phases);
+        println!("phase speed {} for {}", frequency / slope, frequency / number);
+        assert!((slope / number - 1.0).abs() < 0.02, "{slope} for {number}");
+    }
+}
+
+/// What holds at the surface of a half-space besides the couple.
+#[derive(Clone, Copy)]
+enum Surface {
+    /// v₁ = 0.
+    Held,
+    /// σ₁₂ = 0.
+    Free,
+}
+
+/// The medium of the bundled half-space: ρ, j, μ, α, γ + η.
+const HALF_SPACE: [f64; 5] = [2000.0, 8.0, 2e8, 1e8, 7.2e5];
+
+/// The spin at a depth for a couple on the surface that goes like exp(st), Laplace transforms both.
+///
+/// u₁ = U e^(−qd), φ₃ = P e^(−qd) below the surface d = 0, where m₃₂ = 1:
+///
+/// ```text
+/// (ρs² − (μ + α)q²) U − 2αq P = 0,    (js² + 4α − (γ + η)q²) P + 2αq U = 0.
+/// ```
+fn spin(s: Complex64, depth: f64, surface: Surface) -> Complex64 {
+    let [density, inertia, mu, alpha, couple] = HALF_SPACE;
+    let (sum, square) = (mu + alpha, s * s);
+    // A q⁴ + B q² + C = 0.
+    let own = inertia * square + 4.0 * alpha;
+    let a = sum * couple;
+    let b = 4.0 * alpha * alpha - sum * own - density * couple * square;
+    let c = density * square * own;
+    let root = (b * b - 4.0 * a * c).sqrt();
+    let sum_of = if (root - b).norm() > (root + b).norm() { root - b } else { -root - b };
+    let first = sum_of / (2.0 * a);
+    let waves = [first, c / (a * first)].map(|square_q: Complex64| {
+        let q = square_q.sqrt();
+        let displacement = 2.0 * alpha * q / (density * square - sum * square_q);
+        let held = match surface {
+            Surface::Held => displacement,
+            Surface::Free => sum * q * displacement + 2.0 * alpha,
+        };
+        (q, held)
+    });
+    let [(q1, held1), (q2, held2)] = waves;
+    // The two together hold what is held.
+    let ratio = -held1 / held2;
+    let moment = couple * (q1 + q2 * ratio);
+    s * ((-q1 * depth).exp() + ratio * (-q2 * depth).exp()) / moment
+}
+
+/// The spin under a couple sin(ωt) that begins at 0: Laplace's inverse as a Fourier series (Dubner & Abate
+/// 1968), good to 10⁻⁶ of the greatest.
+fn exact(times: &[f64], frequency: f64, depth: f64, surface: Surface) -> Vec<f64> {
+    const TERMS: usize = 20_000;
+    let half = 2.0 * times.iter().copied().fold(0.0, f64::max);
+    let shift = 7.0 / half;
+    let terms: Vec<Complex64> = (0..=TERMS)
+        .map(|index| {
+            let s = Complex64::new(shift, PI * index as f64 / half);
+            let weight = if index == 0 { 0.5 } else { 1.0 };
+            weight * frequency / (s * s + frequency * frequency) * spin(s, depth, surface)
+        })
+        .collect();
+    let at = |t: &f64| {
+        let turn = Complex64::cis(PI * t / half);
+        // Horner's scheme.
+        let sum = terms.iter().rev().fold(Complex64::default(), |sum, term| sum * turn + term);
+        (shift * t).exp() / half * sum.re
+    };
+    times.iter().map(at).collect()
+}
+
+/// The bundled half-space, driven at its own frequency, half as fast again, and with a surface free to shear.
+#[test]
+fn the_natural_rotation_resonates() {
+    let own = (4.0 * HALF_SPACE[3] / HALF_SPACE[1]).sqrt();
+    let period = 2.0 * PI / own;
+    let seen = |ratio: f64, surface: Surface| {
+        // Cells twice as long as those of the case: four times as fast.
+        let mut sets = vec![
+            "grid.cells=[1, 1750]".to_owned(),
+            "grid.spacing=[0.8, 0.004]".to_owned(),
+            format!("load[0].time.frequency={:?}", ratio / period),
+        ];
+        if let Surface::Free = surface {
+            sets.push("side[2].held=[\"v2\"]".into());
+        }
+        let results = carried_out(bundled("resonance.toml"), &sets);
+        let time = results.column("time");
+        assert!((time[time.len() - 1] / (40.0 * period) - 1.0).abs() < 1e-5);
+        let values = results.column("surface.w3");
+        // Spans of two own periods, whole periods of both loads: own waves do not leak into the other.
+        let mut rows = Vec::new();
+        for pair in 1..20 {
+            let [from, to] = [2 * pair, 2 * pair + 2].map(|count| f64::from(count) * period);
+            let span = span(time, from, to - 1e-9 * period);
+            let exact = exact(&time[span.clone()], ratio * own, 0.002, surface);
+            let of =
+                |values: &[f64]| harmonic(&time[span.clone()], values, ratio * own, FLAT).norm();
+            rows.push([0.5 * (from + to), of(&values[span.clone()]), of(&exact)]);
+        }
+        rows
+    };
+    let exponent = |rows: &[[f64; 3]], column: usize| {
+        let of = |column: usize| rows.iter().map(|row| row[column].ln()).collect::<Vec<_>>();
+        line(&of(0), &of(column))[0]
+    };
+    let last = |rows: &[[f64; 3]]| rows[rows.len() - 1];
+
+    let [slow, fast, free] = [(1.0, Surface::Held), (1.5, Surface::Held), (1.0, Surface::Free)]
+        .map(|(ratio, surface)| seen(ratio, surface));
+    for (name, rows) in [("own", &slow), ("1.5", &fast), ("free", &free)] {
+        for [time, found, expected] in rows {
+            println!(
+                "{name} {:.0} periods: {found:.4e} {expected:.4e} {:.4}",
+                time / period,
+                found / expected
+            );
+            assert!((found / expected - 1.0).abs() < 0.01, "{name}: {found:e} for {expected:e}");
+        }
+    }
+    // Over 34 periods, from the fourth on.
+    let [found, expected] = [1, 2].map(|column| exponent(&slow[1..], column));
+    println!("exponent {found} for {expected}");
+    assert!((found - expected).abs() < 0.01, "{found} for {expected}");
+    assert!((expected - 0.5).abs() < 0.05, "{expected}");
+    for column in [1, 2] {
+        println!("bounded {}", exponent(&fast[1..], column));
+        assert!(exponent(&fast[1..], column).abs() < 0.05);
+        assert!(exponent(&free[1..], column) < 0.1);
+    }
+    let [found, expected] = [1, 2].map(|column| last(&slow)[column] / last(&fast)[column]);
+    println!("factor {found} for {expected}");
+    assert!(expected > 5.0 && (found / expected - 1.0).abs() < 0.02, "{found} for {expected}");
+}
