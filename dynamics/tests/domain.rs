@@ -355,14 +355,24 @@ fn domains_that_cannot_be_are_refused() {
     );
 }
 
-/// Every field of every branch on grids so fine that all orders are those of the scheme.
+/// Every branch on grids so fine that all orders are those of the scheme.
 #[test]
-#[ignore = "half an hour: cargo test -p wellposed-dynamics --test domain -- --ignored --nocapture"]
-fn every_field_is_of_second_order_on_fine_grids() {
-    for slopes in [Slopes::Limited, Slopes::Unlimited] {
-        orders::<2>(&[64, 128, 256, 512], slopes, [1.9; 2]);
-        orders::<3>(&[16, 32, 64, 128], slopes, [1.9; 2]);
-    }
+#[ignore = "some minutes: cargo test -p wellposed-dynamics --test domain fine -- --ignored --nocapture"]
+fn fine_grids_in_the_plane() {
+    orders::<2>(&[64, 128, 256, 512], Slopes::Limited, [1.9; 2]);
+    orders::<2>(&[64, 128, 256, 512], Slopes::Unlimited, [1.9; 2]);
+}
+
+#[test]
+#[ignore = "a quarter of an hour"]
+fn fine_grids_in_space() {
+    orders::<3>(&[16, 32, 64, 128], Slopes::Limited, [1.9; 2]);
+}
+
+#[test]
+#[ignore = "a quarter of an hour"]
+fn fine_grids_in_space_without_limiter() {
+    orders::<3>(&[16, 32, 64, 128], Slopes::Unlimited, [1.9; 2]);
 }
 
 /// A half of a medium that is mirrored is the half of the whole, to the last bit.

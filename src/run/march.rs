@@ -115,7 +115,7 @@ impl Job<'_> {
             files.receivers(&split.records(), 0, problem.step)?;
             files.line(&last, energy_at_start)?;
             if snapshots.is_some() {
-                files.snapshot(&split, &names, 0, problem.step, snapshots)?;
+                files.snapshot(&split, &names, (0, problem.step), snapshots, &problem.of_cell)?;
             }
         }
         if !last.energy.total().is_finite() {
@@ -159,7 +159,8 @@ impl Job<'_> {
                 files.line(&now, energy_at_start)?;
             }
             if snapshots.is_some_and(|every| done.is_multiple_of(every) || done == steps) {
-                files.snapshot(&split, &names, done, problem.step, snapshots)?;
+                let at = (done, problem.step);
+                files.snapshot(&split, &names, at, snapshots, &problem.of_cell)?;
             }
             let updates = 2.0 * (done - first) as f64 * problem.grid.count() as f64;
             let rate = updates / clock.elapsed().as_secs_f64() / 1e6;
@@ -293,9 +294,9 @@ impl<'a> Files<'a> {
         &self,
         split: &Split<T, D>,
         names: &[String],
-        step: usize,
-        duration: f64,
+        (step, duration): (usize, f64),
         every: Option<usize>,
+        of_cell: &[u16],
     ) -> Result<(), Error> {
         let own = &self.job.dynamics.grid;
         let grid = Grid {
@@ -316,6 +317,10 @@ impl<'a> Files<'a> {
         let dissipated = split.dissipated();
         if !dissipated.is_empty() {
             image.add("dissipation [J/m3]", 1, &dissipated)?;
+        }
+        if !self.job.dynamics.regions.is_empty() {
+            let regions: Vec<i32> = of_cell.iter().map(|&region| i32::from(region)).collect();
+            image.add("region", 1, &regions)?;
         }
         let folder = self.job.folder;
         folder.write(&snapshot_name(step), &image.bytes())?;
