@@ -4,7 +4,7 @@ use crate::Error;
 use crate::case::Case;
 use crate::case::dynamics::{Component, Dynamics, Picture};
 use crate::output::{Growing, ResultFolder};
-use crate::words::{case_title, short};
+use crate::words::{case_title, short, unit_of};
 use figures::{
     Animation, FieldAxis, FieldFigure, FieldMark, FieldMarkKind, LedgerFigure, LedgerTerm,
     SeismogramFigure, SeismogramPanel, Trace,
@@ -127,7 +127,7 @@ fn animation(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<
         Picture::Speed | Picture::Component(Component(Field::Velocity(_))) => {
             "velocity [m/s]".to_owned()
         }
-        _ => format!("{} [{}]", picture.name(), crate::run::unit(&picture.name())),
+        _ => format!("{} [{}]", picture.name(), unit_of(&picture.name())),
     };
     // Twice through all, not to hold them all.
     let values = |name: &str| -> Result<(f64, Vec<f64>), Error> {
@@ -211,7 +211,7 @@ pub(crate) fn label(name: &str) -> String {
         "phi" => ("rotation", "φ"),
         _ => return "plastic dissipation, J/m³".to_owned(),
     };
-    format!("{quantity} {symbol}{index}, {}", crate::run::unit(name))
+    format!("{quantity} {symbol}{index}, {}", unit_of(name))
 }
 
 /// The fields at the end of a run.

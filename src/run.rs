@@ -12,14 +12,13 @@ use crate::case::Case;
 use crate::case::dynamics::{Component, Dynamics, Ledger as LedgerKind, Precision};
 use crate::output::{Growing, ResultFolder};
 use crate::plot;
-use crate::words::{case_title, short};
+use crate::words::{case_title, short, unit_of};
 use crate::{Error, Format, Options};
 use checkpoint::Checkpoint;
 use dynamics::domain::memory;
 use dynamics::ledger::{Energy, Ledger};
 use dynamics::medium::Medium;
 use files::npz::Npz;
-pub(crate) use march::unit;
 use models::cosserat::waves::Field;
 use serde_json::json;
 use setup::{Setup, Steps, cell_at, centre, media, steps};
@@ -289,7 +288,7 @@ fn receivers(folder: &ResultFolder) -> Result<Vec<u8>, Error> {
     let mut archive = Npz::new();
     let columns = plot::table(folder, Growing::Receivers)?;
     let names: Vec<&str> = columns.iter().map(|column| column.0.as_str()).collect();
-    let of = |name: &&str| name.rsplit_once('.').map_or("s", |(_, name)| unit(name));
+    let of = |name: &&str| name.rsplit_once('.').map_or("s", |(_, name)| unit_of(name));
     let units: Vec<&str> = names.iter().map(of).collect();
     archive.add_text("names", &[names.len()], &names)?;
     archive.add_text("units", &[units.len()], &units)?;
@@ -307,7 +306,7 @@ fn fields(dynamics: &Dynamics, names: &[String], found: &Found) -> Result<Vec<u8
         archive.add_f64(&format!("x{}", axis + 1), &[middles.len()], &middles)?;
     }
     archive.add_f64("time", &[], &[found.steps as f64 * found.step])?;
-    let units: Vec<&str> = names.iter().map(|name| unit(name)).collect();
+    let units: Vec<&str> = names.iter().map(|name| unit_of(name)).collect();
     archive.add_text("names", &[names.len()], names)?;
     archive.add_text("units", &[units.len()], &units)?;
     // The first axis runs fastest.

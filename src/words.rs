@@ -43,6 +43,19 @@ pub fn unit(unit: &str) -> String {
     }
 }
 
+/// The unit of what is shown, by its name in files.
+pub fn unit_of(name: &str) -> &'static str {
+    match name.trim_end_matches(|c: char| c.is_ascii_digit()) {
+        "v" => "m/s",
+        "w" => "rad/s",
+        "sigma" => "Pa",
+        "m" => "N/m",
+        "u" => "m",
+        "phi" => "rad",
+        _ => "J/m3",
+    }
+}
+
 /// An order as a fraction where it is one.
 pub fn order_words(order: f64) -> String {
     for denominator in 1..=12 {

@@ -7,7 +7,7 @@ use crate::Error;
 use crate::case::dynamics::{Component, Ledger as LedgerKind};
 use crate::output::{Growing, OutputError};
 use crate::progress::Progress;
-use crate::words::short;
+use crate::words::{short, unit_of};
 use dynamics::ledger::{Energy, Ledger};
 use dynamics::line::GHOSTS;
 use dynamics::medium::Medium;
@@ -312,7 +312,7 @@ impl<'a> Files<'a> {
         let axes: Vec<&[f64]> = of_velocity.map(|(_, values)| values.as_slice()).collect();
         image.add_vector("velocity [m/s]", &axes)?;
         for (name, values) in names.iter().zip(&values).filter(|(name, _)| !is_velocity(name)) {
-            image.add(&format!("{name} [{}]", unit(name)), 1, values)?;
+            image.add(&format!("{name} [{}]", unit_of(name)), 1, values)?;
         }
         let dissipated = split.dissipated();
         if !dissipated.is_empty() {
@@ -359,21 +359,8 @@ impl<'a> Files<'a> {
 }
 
 /// The name of a snapshot.
-pub(crate) fn snapshot_name(step: usize) -> String {
+fn snapshot_name(step: usize) -> String {
     format!("snapshot-{step:08}.vti")
-}
-
-/// The unit of what is shown, by its name in files.
-pub(crate) fn unit(name: &str) -> &'static str {
-    match name.trim_end_matches(|c: char| c.is_ascii_digit()) {
-        "v" => "m/s",
-        "w" => "rad/s",
-        "sigma" => "Pa",
-        "m" => "N/m",
-        "u" => "m",
-        "phi" => "rad",
-        _ => "J/m3",
-    }
 }
 
 /// The header of the receivers' table, and where its columns stand in what is recorded of a step.
