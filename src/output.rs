@@ -49,7 +49,7 @@ pub const SPEEDS: [&str; 8] = [
 
 /// What `run` writes besides: receivers and their pictures where there are any, snapshots and their animation
 /// where they are asked for, and every snapshot by its own name.
-pub const RUN: [&str; 17] = [
+pub const RUN: [&str; 18] = [
     "run.png",
     "run.svg",
     "seismograms.png",
@@ -65,6 +65,7 @@ pub const RUN: [&str; 17] = [
     "fields.npz",
     "snapshots.pvd",
     "checkpoint",
+    "lock",
     "run.json",
     "run.txt",
 ];
@@ -83,6 +84,8 @@ pub enum Growing {
     Checkpoint,
     /// Wall times and speeds: no result.
     Log,
+    /// Held while a run writes here.
+    Lock,
 }
 
 impl Growing {
@@ -92,6 +95,7 @@ impl Growing {
             Self::Ledger => "ledger.csv",
             Self::Checkpoint => "checkpoint",
             Self::Log => "log.txt",
+            Self::Lock => "lock",
         }
     }
 }
@@ -271,6 +275,25 @@ impl ResultFolder {
         Ok(all)
     }
 
+    /// Keeps other runs out of the folder until what is handed back is dropped.
+    ///
+    /// # Errors
+    /// Another run is in progress, or the folder takes no files.
+    pub fn lock(&self) -> Result<File, OutputError> {
+        fs::create_dir_all(&self.path).map_err(|error| OutputError::new(&self.path, error))?;
+        let path = self.growing(Growing::Lock);
+        let file = File::create(&path).map_err(|error| OutputError::new(&path, error))?;
+        match file.try_lock() {
+            Err(fs::TryLockError::WouldBlock) => Err(OutputError {
+                path: self.path.clone(),
+                cause: "a run is in progress here".into(),
+                remedy: "wait for it, or name another folder with --out",
+            }),
+            // Where files cannot be locked nothing is guarded.
+            Ok(()) | Err(fs::TryLockError::Error(_)) => Ok(file),
+        }
+    }
+
     /// Removes what a killed run left half-written.
     ///
     /// # Errors
@@ -288,7 +311,10 @@ impl ResultFolder {
     pub fn open_run(&self) -> Result<(), OutputError> {
         self.open()?;
         let own = |name: &String| {
-            is_snapshot(name) || *name == Growing::Log.name() || RUN.iter().any(|own| own == name)
+            let is_kept = *name == Growing::Lock.name();
+            is_snapshot(name)
+                || *name == Growing::Log.name()
+                || (!is_kept && RUN.iter().any(|own| own == name))
         };
         names(&self.path)?
             .iter()

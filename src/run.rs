@@ -9,7 +9,7 @@ mod march;
 mod setup;
 
 use crate::case::Case;
-use crate::case::dynamics::{Component, Dynamics, Ledger as LedgerKind, Precision};
+use crate::case::dynamics::{Component, Dynamics, Ledger as LedgerKind, Picture, Precision};
 use crate::output::{Growing, ResultFolder};
 use crate::plot;
 use crate::words::{case_title, short, unit_of};
@@ -23,6 +23,7 @@ use models::cosserat::waves::Field;
 use serde_json::json;
 use setup::{Setup, Steps, cell_at, centre, media, steps};
 use std::fmt::Write as _;
+use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 
@@ -79,6 +80,8 @@ struct Found {
     steps: usize,
     of_cell: Vec<u16>,
     stopped: Option<Stopped>,
+    /// Held until all is written.
+    lock: File,
 }
 
 /// Names of what is shown of a cell, in the order in which it is: fields, then integrals in time.
@@ -99,6 +102,7 @@ pub fn run(options: &Options, control: Control, stdout: &mut dyn Write) -> Resul
     let plan = plan(dynamics, &media)?;
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     folder.check_runs(options.force)?;
+    check_picture(dynamics, &media)?;
     if options.dry_run {
         // Everything that can be wrong with the case is found by setting it up.
         match dynamics.grid.dimensions() {
@@ -131,13 +135,25 @@ pub fn resume(
     let dynamics = case.required_dynamics()?;
     let media = media(&case, dynamics)?;
     let plan = plan(dynamics, &media)?;
-    folder.sweep()?;
     let found = Checkpoint::read(&folder)?;
     let start = found.as_ref().map_or(0.0, |found| found.steps as f64);
     let Steps { count, .. } = steps(dynamics, &media)?;
     let _ = writeln!(std::io::stderr(), "{plan}\nfrom {:.1} %", 100.0 * start / count as f64);
     let job = Job { case: &case, dynamics, folder: &folder, control, threads };
     job.carry_out(media, found, format, stdout)
+}
+
+/// That there is something to be drawn.
+fn check_picture(dynamics: &Dynamics, media: &[Medium]) -> Result<(), Error> {
+    let yields = media.iter().any(|medium| medium.yields.is_some());
+    match dynamics.output.picture {
+        Picture::Dissipation if !yields => {
+            let found = "found 'dissipation' in elastic media";
+            let allowed = "another picture, or a section [yield]";
+            Err(dynamics.locate("output.picture", found, allowed).into())
+        }
+        _ => Ok(()),
+    }
 }
 
 /// What is likely not meant.
@@ -235,6 +251,8 @@ impl Job<'_> {
         // The last of all: the run is finished where it stands.
         self.folder.write("run.json", json.as_bytes())?;
         self.folder.remove(Growing::Checkpoint)?;
+        self.folder.remove(Growing::Lock)?;
+        drop(found.lock);
         match format {
             Format::Json => stdout.write_all(json.as_bytes())?,
             Format::Text => {

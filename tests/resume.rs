@@ -68,7 +68,7 @@ fn results(folder: &Path) -> Vec<(String, Vec<u8>)> {
         .unwrap()
         .map(|entry| entry.unwrap())
         .map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap()))
-        .filter(|(name, _)| name != "log.txt")
+        .filter(|(name, _)| name != "log.txt" && name != "lock")
         .collect();
     all.sort();
     all
@@ -150,6 +150,29 @@ fn interrupted_runs_leave_a_checkpoint() {
     assert!(String::from_utf8_lossy(&again.stderr).contains("the run is finished"));
     assert_eq!(ends(&here, "run case.toml --out out").status.code(), Some(2));
     assert!(ends(&here, "plot out").status.success());
+}
+
+/// While a run writes to a folder no other one does; SIGTERM ends it as Ctrl-C does.
+#[cfg(unix)]
+#[test]
+fn a_folder_takes_one_run_at_a_time() {
+    let here = folder("busy");
+    let mut child = command(&here, "run case.toml --out out --threads 1").spawn().unwrap();
+    let start = Instant::now();
+    while !here.join("out/snapshot-00000000.vti").exists() {
+        assert!(start.elapsed() < Duration::from_secs(60));
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    for arguments in ["run case.toml --out out", "run case.toml --out out --force", "resume out"] {
+        let output = ends(&here, arguments);
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
+        assert!(text.contains("a run is in progress here"), "{arguments}: {text}");
+    }
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-TERM", &id]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(ends(&here, "resume out").status.success());
 }
 
 /// Damaged checkpoints, and folders that hold none, are refused.

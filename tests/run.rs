@@ -351,6 +351,7 @@ fn runs_that_cannot_be_are_refused() {
         (plain("").replace("duration = 0.01", "duration = 1e300"), "10¹² steps"),
     ];
     let others = [
+        (plain("[output]\npicture = 'dissipation'\n"), "'dissipation' in elastic media"),
         (
             plain(&format!(
                 "[[load]]\nside = 'x2+'\nfield = 'sigma22'\namplitude = 1\n{pulse}\n[[load]]\nside = \

@@ -270,7 +270,7 @@ fn amplitudes(results: &Results, frequency: f64, [from, to]: [f64; 2]) -> Vec<(f
 /// The bundled column: nothing but exp(−κd) is left, with κ and the amplitude of the equations of motion.
 #[test]
 fn motion_in_the_forbidden_band_stays_at_the_surface() {
-    let results = carried_out(bundled("forbidden-band.toml"), &[]);
+    let results = carried_out(bundled("driven-column.toml"), &[]);
     let frequency = 2.0 * PI * 188.5;
     let number = (-squared_wave_number(frequency)).sqrt();
     // Waves at the ends of the band beat with the load in 0.18 s: the window tells them apart.
@@ -307,7 +307,7 @@ fn beside_the_forbidden_band_waves_travel() {
             "grid.cells=[1, 1450]".into(),
             "grid.origin=[0, -290]".into(),
         ];
-        let results = carried_out(bundled("forbidden-band.toml"), &sets);
+        let results = carried_out(bundled("driven-column.toml"), &sets);
         let frequency = 2.0 * PI * load;
         let number = squared_wave_number(frequency).sqrt();
         let seen = amplitudes(&results, frequency, [0.1, 0.3]);

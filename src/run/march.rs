@@ -82,12 +82,14 @@ impl Job<'_> {
             return Err(dynamics.locate("initial", found, allowed).into());
         }
         let names = shown(dynamics, &fields);
+        let lock = self.folder.lock()?;
         let mut files = match &from {
             None => {
                 self.folder.open_run()?;
                 Files::create(self, &names)?
             }
             Some(from) => {
+                self.folder.sweep()?;
                 let snapshot = from.snapshot().filter(|snapshot| split.restore(snapshot));
                 snapshot.ok_or_else(|| Checkpoint::refused(self.folder))?;
                 Files::resume(self, &names, from.offsets)?
@@ -201,6 +203,7 @@ impl Job<'_> {
             steps: done,
             of_cell: problem.of_cell,
             stopped,
+            lock,
         })
     }
 
