@@ -198,6 +198,14 @@ fn damaged_checkpoints_are_refused() {
     fs::write(&table, &rows[..20]).unwrap();
     assert_eq!(ends(&here, "resume out").status.code(), Some(2));
     fs::write(&table, rows).unwrap();
+    // A snapshot that is gone.
+    let snapshot = here.join("out/snapshot-00000000.vti");
+    let image = fs::read(&snapshot).unwrap();
+    fs::remove_file(&snapshot).unwrap();
+    let output = ends(&here, "resume out");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("the snapshot is missing"));
+    fs::write(&snapshot, image).unwrap();
     assert!(ends(&here, "resume out").status.success());
     for arguments in ["resume nowhere", "resume .", "plot nowhere"] {
         assert_eq!(ends(&here, arguments).status.code(), Some(2), "{arguments}");

@@ -112,6 +112,17 @@ impl Job<'_> {
         let mut last = line(&split);
         let energy_at_start = from.as_ref().map_or(last.energy.total(), |from| from.start);
         let mut stopped = None;
+        if let (Some(from), Some(every)) = (&from, snapshots) {
+            let mut due = (0..=from.steps).step_by(every).map(snapshot_name);
+            if let Some(name) = due.find(|own| !self.folder.path().join(own).exists()) {
+                return Err(OutputError {
+                    path: self.folder.path().join(name),
+                    cause: "the snapshot is missing".into(),
+                    remedy: "start the run again, with --force",
+                }
+                .into());
+            }
+        }
         if from.is_none() && last.energy.total().is_finite() {
             split.record();
             files.receivers(&split.records(), 0, problem.step)?;
