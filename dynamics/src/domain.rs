@@ -470,17 +470,27 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// The same by layer across the last axis.
     pub(crate) fn energies(&self) -> Vec<Energy> {
-        let (layer, volume) = (self.layer(), self.grid.volume());
+        let (lanes, length, volume) = (T::Lanes::COUNT, self.grid.cells[0], self.grid.volume());
+        let rows = self.layer() / length.max(1);
+        let fields = self.fields().len();
+        // Velocities and spins stand first.
         let velocities = self.fields().iter().filter(|f| self.media[0].inertia(**f) > 0.0).count();
         let mut energies = vec![Energy::default(); self.ledgers.len()];
         for (index, energy) in energies.iter_mut().enumerate() {
-            for cell in index * layer..(index + 1) * layer {
-                for &(one, other, factor) in &self.energy_terms[usize::from(self.of_cell[cell])] {
-                    let term = factor * self.at(cell, one).wide() * self.at(cell, other).wide();
-                    // Velocities and spins stand first.
-                    let kind =
-                        if one < velocities { &mut energy.kinetic } else { &mut energy.stored };
-                    *kind += volume * term;
+            for row in index * rows..(index + 1) * rows {
+                for x in 0..length {
+                    let group = (row * self.groups + x / lanes) * fields;
+                    let group = &self.data[group..group + fields];
+                    let value = |place: usize| group[place].lanes()[x % lanes].wide();
+                    let medium = usize::from(self.of_cell[row * length + x]);
+                    let mut own = Energy::default();
+                    for &(one, other, factor) in &self.energy_terms[medium] {
+                        let kind =
+                            if one < velocities { &mut own.kinetic } else { &mut own.stored };
+                        *kind += factor * value(one) * value(other);
+                    }
+                    energy.kinetic += volume * own.kinetic;
+                    energy.stored += volume * own.stored;
                 }
             }
         }
