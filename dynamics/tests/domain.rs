@@ -1,11 +1,14 @@
 //! Fields on a grid against exact plane waves of every branch, in the plane and in space; energy.
 
+mod support;
+
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
 use models::cosserat::waves::Field;
 use models::rates::{RateEquations, SymmetricForm};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::PI;
+use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition};
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
@@ -209,13 +212,6 @@ fn plane_waves_in_the_plane() {
 #[test]
 fn plane_waves_in_space() {
     orders::<3>(&[16, 32], Slopes::Unlimited, [1.8, 0.0]);
-}
-
-/// Numbers that look random.
-fn noise(index: u64) -> f64 {
-    let mixed = index.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    let mixed = (mixed ^ (mixed >> 31)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    (mixed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
 /// Noise in all fields.

@@ -1,5 +1,7 @@
 //! The ledger of energy with all that can act, for many steps; what opens it; energy without load.
 
+mod support;
+
 use models::cosserat::parameters::{
     CoupleModuli, Isotropic, Microrotation, PlaneCompliances, Theory,
 };
@@ -7,6 +9,7 @@ use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
 use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises, YieldSet};
 use std::sync::Arc;
+use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Source};
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
@@ -41,12 +44,6 @@ fn layers(theory: Theory) -> YieldSet {
         shear_dilatancy: 0.5,
         couple: (theory == Theory::Cosserat).then_some(couple),
     })
-}
-
-fn noise(index: u64) -> f64 {
-    let mixed = index.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    let mixed = (mixed ^ (mixed >> 31)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    (mixed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
 fn fill<T: Real, const D: usize>(domain: &mut Domain<T, D>, size: f64) {

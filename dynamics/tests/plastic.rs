@@ -1,9 +1,12 @@
 //! Yielding solids in time: the ledger with plastic dissipation, admissible stresses, order.
 
+mod support;
+
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
 use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises, YieldSet};
+use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition};
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
@@ -38,12 +41,6 @@ fn layers(theory: Theory, strength: f64) -> Interlayer {
             dilatancy: 0.3,
         }),
     }
-}
-
-fn noise(index: u64) -> f64 {
-    let mixed = index.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    let mixed = (mixed ^ (mixed >> 31)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    (mixed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
 fn stress_at<const D: usize>(domain: &Domain<f64, D>, cell: usize) -> Stress {

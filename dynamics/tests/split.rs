@@ -1,8 +1,11 @@
 //! A domain in parts is the domain in one piece, to the last bit.
 
+mod support;
+
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
 use models::cosserat::waves::Field;
 use models::plasticity::parameters::{Mises, YieldSet};
+use support::noise;
 use wellposed_dynamics::boundary::Boundary;
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::kernel::Instructions;
@@ -12,12 +15,6 @@ use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Detail, DomainError, Grid, Placement, Problem, Scheme};
 use wellposed_dynamics::real::Real;
 use wellposed_dynamics::split::Split;
-
-fn noise(index: u64) -> f64 {
-    let mixed = index.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    let mixed = (mixed ^ (mixed >> 31)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    (mixed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-}
 
 fn solids() -> [Isotropic; 2] {
     [1.0, 2.3].map(|factor| {
