@@ -1,12 +1,13 @@
 //! The sweep of [`crate::line`] on many lines at once, in the instructions that the processor has.
 //!
-//! Cells lie in groups along the first axis, as many as fill a line of the cache. Across that axis the
-//! lanes of a group are lines of their own (`Columns`); along it they are neighbours, and what a lane
-//! needs of its neighbour comes by a shift (`Rows`). Both do to every cell what the plain sweep does, in
-//! the same order: the bits are the same.
+//! Cells lie in groups, as many as fill a line of the cache, and whichever axis is swept, the neighbours of
+//! a group's cells are the cells of another group in the same lanes: a walk from group to group moves as
+//! many lines as there are lanes, and none of them looks at another. Every cell sees what the plain sweep
+//! does, in the same order: the bits are the same.
 
-use crate::line::{Cell, GHOSTS, Pieces, Slopes, State, meet, updated};
-use crate::real::{Group, Number, Real};
+use crate::line::{Cell, GHOSTS, Pieces, Slopes, State, Waves, Weights, meet, updated};
+use crate::real::{Number, Real};
+use std::ops::Range;
 
 /// Sets of instructions that a processor may have. Results do not depend on them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,387 +102,249 @@ pub(crate) struct Table<T: Real> {
 
 impl<T: Real> Table<T> {
     #[inline(always)]
-    pub(crate) fn cell(&self, pattern: u32, wave: &Wave) -> Cell<T::Lanes> {
-        self.cells[pattern as usize * self.waves + wave.constants]
+    pub(crate) fn cell(&self, pattern: u32, wave: &Wave) -> &Cell<T::Lanes> {
+        &self.cells[pattern as usize * self.waves + wave.constants]
     }
 
     #[inline(always)]
-    fn ratio(&self, pattern: u32, wave: &Wave, follower: usize) -> T::Lanes {
+    pub(crate) fn ratio(&self, pattern: u32, wave: &Wave, follower: usize) -> T::Lanes {
         self.ratios[pattern as usize * self.followers + wave.ratios + follower]
     }
 }
 
-/// What all sweeps along an axis read.
-#[derive(Clone, Copy)]
-pub(crate) struct Axis<'a, T: Real> {
+/// A velocity and a stress of a group.
+pub(crate) type Ghost<N> = [N; 2];
+
+/// What a walk along a line carries from a group to the next, by wave.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Carried<N> {
+    /// The group behind, not yet written.
+    behind: State<N>,
+    /// The group at hand.
+    own: State<N>,
+    /// From the group behind to the one at hand.
+    difference: State<N>,
+    /// What leaves the group behind towards the one at hand.
+    to_right: N,
+    /// The joint in front of the group behind.
+    joint: State<N>,
+}
+
+impl<N: Number> Carried<N> {
+    /// Nothing.
+    pub(crate) fn empty() -> Self {
+        let zero = State { velocity: N::ZERO, stress: N::ZERO };
+        Self { behind: zero, own: zero, difference: zero, to_right: N::ZERO, joint: zero }
+    }
+
+    /// On to the next group: the one behind as it is after the step. Differences on both sides of the
+    /// group at hand are given in its own waves.
+    #[inline(always)]
+    fn pass(
+        &mut self,
+        next: State<N>,
+        around: [Waves<N>; 2],
+        [behind, cell]: [&Cell<N>; 2],
+        (weights, slopes): (&Weights<N>, Slopes),
+    ) -> State<N> {
+        let pieces = Pieces::new(self.own, around, cell, slopes);
+        let joint = meet(weights, [self.to_right, pieces.to_left(cell)]);
+        let moved = updated(self.behind, [self.joint, joint], behind);
+        let to_right = pieces.to_right(cell);
+        *self =
+            Self { behind: self.own, own: next, difference: self.own.to(next), to_right, joint };
+        moved
+    }
+}
+
+/// Lines that lie side by side, and the part of their way that is to be gone.
+pub(crate) struct Lines<'a, T: Real> {
+    pub(crate) data: &'a mut [T::Lanes],
+    /// Fields of a group.
+    pub(crate) fields: usize,
     pub(crate) table: &'a Table<T>,
     pub(crate) waves: &'a [Wave],
     pub(crate) slopes: Slopes,
-    /// Patterns of the groups of all rows.
+    /// Of all groups.
     pub(crate) patterns: &'a [u32],
-    /// Groups of a row.
-    pub(crate) groups: usize,
-    /// Fields of a group.
-    pub(crate) fields: usize,
-}
-
-/// Loops of their own for all kinds of slopes.
-macro_rules! by_slopes {
-    ($kind:ident) => {
-        impl<T: Real> Work for $kind<'_, T> {
-            #[inline(always)]
-            fn run(self) {
-                match self.axis.slopes {
-                    Slopes::Godunov => self.go(Slopes::Godunov),
-                    Slopes::Limited => self.go(Slopes::Limited),
-                    Slopes::Unlimited => self.go(Slopes::Unlimited),
-                }
-            }
-        }
-    };
-}
-
-by_slopes!(Columns);
-by_slopes!(Rows);
-
-/// What a row leaves to the next one, by group and wave.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Carried<N> {
-    difference: [N; 2],
-    to_right: N,
-    joint: [N; 2],
-}
-
-impl<N: Number> Default for Carried<N> {
-    fn default() -> Self {
-        Self { difference: [N::ZERO; 2], to_right: N::ZERO, joint: [N::ZERO; 2] }
-    }
-}
-
-/// Lines across the groups: rows `start`, `start + stride`, … are their cells.
-pub(crate) struct Columns<'a, T: Real> {
-    pub(crate) axis: Axis<'a, T>,
-    pub(crate) data: &'a mut [T::Lanes],
-    pub(crate) start: usize,
+    /// The first group of the first line: those of the other lines follow.
+    pub(crate) first: usize,
+    /// Groups from one of a line to the next one.
     pub(crate) stride: usize,
+    /// Groups of a line.
     pub(crate) count: usize,
-    /// By end, depth, group and wave: velocity and stress.
-    pub(crate) ghosts: &'a [[T::Lanes; 2]],
-    /// By end, depth and group.
+    /// The groups to be at hand one after the other, of −1 to `count`: the one behind is written, the one
+    /// after is read.
+    pub(crate) places: Range<isize>,
+    /// Beyond the ends, by line, end, depth and wave.
+    pub(crate) ghosts: &'a [Ghost<T::Lanes>],
+    /// By line, end and depth.
     pub(crate) ghost_patterns: &'a [u32],
-    /// By group and wave.
+    /// By line and wave.
     pub(crate) carried: &'a mut [Carried<T::Lanes>],
 }
 
-/// A row of a column, real or ghost.
-#[derive(Clone, Copy)]
-enum Row {
-    /// Its number among all rows.
-    Inside(usize),
-    /// Its end and depth as one number.
-    Ghost(usize),
+impl<T: Real> Work for Lines<'_, T> {
+    /// Loops of their own for all kinds of slopes.
+    #[inline(always)]
+    fn run(self) {
+        match self.slopes {
+            Slopes::Godunov => self.walk(Slopes::Godunov),
+            Slopes::Limited => self.walk(Slopes::Limited),
+            Slopes::Unlimited => self.walk(Slopes::Unlimited),
+        }
+    }
 }
 
-impl<T: Real> Columns<'_, T> {
+impl<T: Real> Lines<'_, T> {
     #[inline(always)]
-    fn row(&self, place: isize) -> Row {
+    fn walk(mut self, slopes: Slopes) {
+        let count = self.count as isize;
+        for line in 0..self.carried.len() / self.waves.len().max(1) {
+            let Range { start, end } = self.places;
+            // Groups that have neighbours on both sides.
+            let inner = start.max(1)..end.min(count - 1).max(start.max(1));
+            for place in start..inner.start.min(end) {
+                self.pass(line, place, slopes);
+            }
+            self.pass_all(line, inner.start as usize..inner.end as usize, slopes);
+            for place in inner.end.max(start)..end {
+                self.pass(line, place, slopes);
+            }
+        }
+    }
+
+    /// The group at a place of a line, or else which ghost stands there.
+    #[inline(always)]
+    fn group(&self, line: usize, place: isize) -> Result<usize, usize> {
         match usize::try_from(place) {
-            Ok(place) if place < self.count => Row::Inside(self.start + place * self.stride),
-            Ok(place) => Row::Ghost(GHOSTS + place - self.count),
-            Err(_) => Row::Ghost((-1 - place) as usize),
+            Ok(place) if place < self.count => Ok(self.first + line + place * self.stride),
+            Ok(place) => Err((2 * line + 1) * GHOSTS + place - self.count),
+            Err(_) => Err(2 * line * GHOSTS + (-1 - place) as usize),
         }
     }
 
     #[inline(always)]
-    fn read(&self, row: Row, group: usize, wave: usize) -> State<T::Lanes> {
-        let Axis { groups, fields, waves, .. } = self.axis;
-        match row {
-            Row::Inside(row) => {
-                let base = (row * groups + group) * fields;
-                State {
-                    velocity: self.data[base + waves[wave].velocity],
-                    stress: self.data[base + waves[wave].stress],
-                }
+    fn pattern(&self, line: usize, place: isize) -> u32 {
+        match self.group(line, place) {
+            Ok(group) => self.patterns[group],
+            Err(ghost) => self.ghost_patterns[ghost],
+        }
+    }
+
+    #[inline(always)]
+    fn read(&self, line: usize, place: isize, wave: usize) -> State<T::Lanes> {
+        let own = &self.waves[wave];
+        match self.group(line, place) {
+            Ok(group) => {
+                let group = &self.data[group * self.fields..][..self.fields];
+                State { velocity: group[own.velocity], stress: group[own.stress] }
             }
-            Row::Ghost(place) => {
-                let [velocity, stress] = self.ghosts[(place * groups + group) * waves.len() + wave];
+            Err(ghost) => {
+                let [velocity, stress] = self.ghosts[ghost * self.waves.len() + wave];
                 State { velocity, stress }
             }
         }
     }
 
+    /// One step of the way, wherever it is and whatever stands there.
     #[inline(always)]
-    fn pattern(&self, row: Row, group: usize) -> u32 {
-        let groups = self.axis.groups;
-        match row {
-            Row::Inside(row) => self.axis.patterns[row * groups + group],
-            Row::Ghost(place) => self.ghost_patterns[place * groups + group],
-        }
-    }
-
-    #[inline(always)]
-    fn go(self, slopes: Slopes) {
-        let Axis { groups, fields, waves, table, .. } = self.axis;
-        for group in 0..groups {
-            for wave in 0..waves.len() {
-                let first = self.read(self.row(-2), group, wave);
-                let State { velocity, stress } = first.to(self.read(self.row(-1), group, wave));
-                self.carried[group * waves.len() + wave].difference = [velocity, stress];
+    fn pass(&mut self, line: usize, place: isize, slopes: Slopes) {
+        let [behind, here] = [place - 1, place].map(|place| self.pattern(line, place));
+        for (index, wave) in self.waves.iter().enumerate() {
+            let next = self.read(line, place + 1, index);
+            let slot = line * self.waves.len() + index;
+            let mut carried = self.carried[slot];
+            if place < 0 {
+                carried = Carried { own: self.read(line, -1, index), ..Carried::empty() };
+                carried.difference = self.read(line, -2, index).to(carried.own);
             }
-        }
-        // A row is written when what leaves its successor is known; this reads one row further.
-        for place in -1..=self.count as isize {
-            let (before, here, after) = (self.row(place - 1), self.row(place), self.row(place + 1));
-            // In front of the first row nothing is written, and any row will do.
-            let before = if place < 0 { here } else { before };
-            for group in 0..groups {
-                let (pattern, previous) = (self.pattern(here, group), self.pattern(before, group));
-                for (index, wave) in waves.iter().enumerate() {
-                    let slot = group * waves.len() + index;
-                    let crossing = Crossing {
-                        previous: table.cell(previous, wave),
-                        cell: table.cell(pattern, wave),
-                        written: self.read(before, group, index),
-                        own: self.read(here, group, index),
-                        next: self.read(after, group, index),
-                        carried: self.carried[slot],
-                    };
-                    let (moved, carried) = crossing.passed::<T>(slopes);
-                    self.carried[slot] = carried;
-                    if let (Row::Inside(row), true) = (before, place >= 1) {
-                        let group = (row * groups + group) * fields;
-                        let group = &mut self.data[group..group + fields];
-                        write(group, moved, (table, wave, previous));
-                    }
+            let cells = [behind, here].map(|pattern| self.table.cell(pattern, wave));
+            let weights = Weights::new(cells[0].impedance, cells[1].impedance);
+            let around =
+                [carried.difference, carried.own.to(next)].map(|own| Waves::of(own, cells[1]));
+            let before = carried.behind;
+            let moved = carried.pass(next, around, cells, (&weights, slopes));
+            self.carried[slot] = carried;
+            if let Ok(group) = self.group(line, place - 1) {
+                let change = moved.stress - before.stress;
+                let group = &mut self.data[group * self.fields..][..self.fields];
+                (group[wave.velocity], group[wave.stress]) = (moved.velocity, moved.stress);
+                for (index, &place) in wave.followers.iter().enumerate() {
+                    group[place] = group[place] + self.table.ratio(behind, wave, index) * change;
                 }
             }
         }
     }
-}
 
-/// What a wave of a group needs on its way across a row.
-struct Crossing<N> {
-    /// The row before, that is to be written.
-    previous: Cell<N>,
-    written: State<N>,
-    /// The row itself.
-    cell: Cell<N>,
-    own: State<N>,
-    /// The row behind.
-    next: State<N>,
-    carried: Carried<N>,
-}
-
-/// The numbers of a lane.
-#[inline(always)]
-fn lane_of<T: Real>(state: &State<T::Lanes>, lane: usize) -> State<T> {
-    State { velocity: state.velocity.lanes()[lane], stress: state.stress.lanes()[lane] }
-}
-
-/// The constants of a lane.
-#[inline(always)]
-fn cell_of<T: Real>(cell: &Cell<T::Lanes>, lane: usize) -> Cell<T> {
-    Cell {
-        impedance: cell.impedance.lanes()[lane],
-        courant: cell.courant.lanes()[lane],
-        rest: cell.rest.lanes()[lane],
-        to_velocity: cell.to_velocity.lanes()[lane],
-        to_stress: cell.to_stress.lanes()[lane],
-    }
-}
-
-impl<N: Number> Crossing<N> {
-    /// The row before as it is after the step, and what is carried on: one loop over the lanes, which
-    /// compilers turn into wide instructions where operations lane by lane defeat them.
+    /// The way between groups that are all there: at once where they are of one pattern.
     #[inline(always)]
-    fn passed<T: Real<Lanes = N>>(&self, slopes: Slopes) -> (State<N>, Carried<N>)
-    where
-        N: Group<T>,
-    {
-        let mut moved = [N::ZERO; 2];
-        let mut carried: Carried<N> = Carried::default();
-        for lane in 0..N::COUNT {
-            let cell = cell_of::<T>(&self.cell, lane);
-            let previous = cell_of::<T>(&self.previous, lane);
-            let own = lane_of::<T>(&self.own, lane);
-            let difference = own.to(lane_of::<T>(&self.next, lane));
-            let [velocity, stress] = self.carried.difference.each_ref().map(|x| x.lanes()[lane]);
-            let before = State { velocity, stress };
-            let pieces = Pieces::new(own, [before, difference], cell, slopes);
-            let joint = meet(
-                [previous.impedance, self.carried.to_right.lanes()[lane]],
-                [cell.impedance, pieces.to_left(cell)],
-            );
-            let [velocity, stress] = self.carried.joint.each_ref().map(|x| x.lanes()[lane]);
-            let left = State { velocity, stress };
-            let after = updated(lane_of::<T>(&self.written, lane), [left, joint], previous);
-            moved[0].lanes_mut()[lane] = after.velocity;
-            moved[1].lanes_mut()[lane] = after.stress;
-            carried.difference[0].lanes_mut()[lane] = difference.velocity;
-            carried.difference[1].lanes_mut()[lane] = difference.stress;
-            carried.to_right.lanes_mut()[lane] = pieces.to_right(cell);
-            carried.joint[0].lanes_mut()[lane] = joint.velocity;
-            carried.joint[1].lanes_mut()[lane] = joint.stress;
+    fn pass_all(&mut self, line: usize, places: Range<usize>, slopes: Slopes) {
+        let Range { start: mut place, end } = places;
+        let first = self.first + line;
+        while place < end {
+            let pattern = self.patterns[first + place * self.stride];
+            if self.patterns[first + (place - 1) * self.stride] != pattern {
+                self.pass(line, place as isize, slopes);
+                place += 1;
+            }
+            let mut run = place..place;
+            while run.end < end && self.patterns[first + run.end * self.stride] == pattern {
+                run.end += 1;
+            }
+            place = run.end;
+            if run.is_empty() {
+                continue;
+            }
+            for index in 0..self.waves.len() {
+                // Loops of their own for all numbers of followers.
+                match self.waves[index].followers.len() {
+                    0 => self.run_through::<0>(line, run.clone(), (index, pattern), slopes),
+                    1 => self.run_through::<1>(line, run.clone(), (index, pattern), slopes),
+                    _ => self.run_through::<2>(line, run.clone(), (index, pattern), slopes),
+                }
+            }
         }
-        let [velocity, stress] = moved;
-        (State { velocity, stress }, carried)
     }
-}
 
-/// Writes a wave of a group, and what follows the stress in the medium's own ratio.
-#[inline(always)]
-fn write<T: Real>(
-    group: &mut [T::Lanes],
-    moved: State<T::Lanes>,
-    (table, wave, pattern): (&Table<T>, &Wave, u32),
-) {
-    let change = moved.stress - group[wave.stress];
-    (group[wave.velocity], group[wave.stress]) = (moved.velocity, moved.stress);
-    for (index, &place) in wave.followers.iter().enumerate() {
-        group[place] = group[place] + table.ratio(pattern, wave, index) * change;
-    }
-}
-
-/// Lines along the groups: whole rows, one after the other. Behind the last cell of a row two ghosts stand
-/// in the row itself.
-pub(crate) struct Rows<'a, T: Real> {
-    pub(crate) axis: Axis<'a, T>,
-    pub(crate) data: &'a mut [T::Lanes],
-    /// Velocity and stress of the group in front of each row, by row and wave; its last two lanes matter.
-    pub(crate) fronts: &'a [[T::Lanes; 2]],
-    /// Its pattern, by row.
-    pub(crate) front_patterns: &'a [u32],
-}
-
-/// A group on the way along a row.
-#[derive(Clone, Copy)]
-struct Passing<N> {
-    cell: Cell<N>,
-    pattern: u32,
-    own: State<N>,
-    /// To the next cells.
-    difference: State<N>,
-    to_right: N,
-    to_left: N,
-}
-
-/// Each lane's neighbour before it.
-#[inline(always)]
-fn after<T, N: Group<T>>(own: State<N>, previous: State<N>) -> State<N> {
-    State {
-        velocity: own.velocity.after(previous.velocity),
-        stress: own.stress.after(previous.stress),
-    }
-}
-
-impl<N: Number> Passing<N> {
-    /// A group between the one before it, of which the differences are known, and the one behind.
+    /// A wave on its way through groups of one pattern.
     #[inline(always)]
-    fn new<T: Real<Lanes = N>>(
-        own: State<N>,
-        [before, next]: [State<N>; 2],
-        (cell, pattern): (Cell<N>, u32),
+    fn run_through<const FOLLOWERS: usize>(
+        &mut self,
+        line: usize,
+        run: Range<usize>,
+        (index, pattern): (usize, u32),
         slopes: Slopes,
-    ) -> Self
-    where
-        N: Group<T>,
-    {
-        let difference = own.to(State {
-            velocity: own.velocity.before(next.velocity),
-            stress: own.stress.before(next.stress),
-        });
-        let before = after(difference, before);
-        let (mut to_right, mut to_left) = (N::ZERO, N::ZERO);
-        for lane in 0..N::COUNT {
-            let constants = cell_of::<T>(&cell, lane);
-            let differences = [lane_of::<T>(&before, lane), lane_of::<T>(&difference, lane)];
-            let pieces = Pieces::new(lane_of::<T>(&own, lane), differences, constants, slopes);
-            to_right.lanes_mut()[lane] = pieces.to_right(constants);
-            to_left.lanes_mut()[lane] = pieces.to_left(constants);
-        }
-        Self { cell, pattern, own, difference, to_right, to_left }
-    }
-
-    /// The joints behind each lane, the last of them with what the group behind has and sends.
-    #[inline(always)]
-    fn joints<T: Real<Lanes = N>>(&self, [impedance, to_left]: [N; 2]) -> State<N>
-    where
-        N: Group<T>,
-    {
-        let impedance = self.cell.impedance.before(impedance);
-        let to_left = self.to_left.before(to_left);
-        let mut met = [N::ZERO; 2];
-        for lane in 0..N::COUNT {
-            let joint = meet(
-                [self.cell.impedance.lanes()[lane], self.to_right.lanes()[lane]],
-                [impedance.lanes()[lane], to_left.lanes()[lane]],
-            );
-            met[0].lanes_mut()[lane] = joint.velocity;
-            met[1].lanes_mut()[lane] = joint.stress;
-        }
-        let [velocity, stress] = met;
-        State { velocity, stress }
-    }
-
-    /// The group after the step.
-    #[inline(always)]
-    fn moved<T: Real<Lanes = N>>(&self, [left, right]: [State<N>; 2]) -> State<N>
-    where
-        N: Group<T>,
-    {
-        let mut moved = [N::ZERO; 2];
-        for lane in 0..N::COUNT {
-            let joints = [lane_of::<T>(&left, lane), lane_of::<T>(&right, lane)];
-            let constants = cell_of::<T>(&self.cell, lane);
-            let state = updated(lane_of::<T>(&self.own, lane), joints, constants);
-            moved[0].lanes_mut()[lane] = state.velocity;
-            moved[1].lanes_mut()[lane] = state.stress;
-        }
-        let [velocity, stress] = moved;
-        State { velocity, stress }
-    }
-}
-
-impl<T: Real> Rows<'_, T> {
-    #[inline(always)]
-    fn go(self, slopes: Slopes) {
-        let Axis { groups, fields, waves, table, patterns, .. } = self.axis;
-        let zero = State { velocity: T::Lanes::ZERO, stress: T::Lanes::ZERO };
-        for (index, row) in self.data.chunks_exact_mut(groups * fields).enumerate() {
-            let patterns = &patterns[index * groups..(index + 1) * groups];
-            for (place, wave) in waves.iter().enumerate() {
-                let [velocity, stress] = self.fronts[index * waves.len() + place];
-                let front = State { velocity, stress };
-                let mut own = State { velocity: row[wave.velocity], stress: row[wave.stress] };
-                let pattern = self.front_patterns[index];
-                let constants = (table.cell(pattern, wave), pattern);
-                let mut previous = Passing::new::<T>(front, [zero, own], constants, slopes);
-                let mut left = zero;
-                // A group is written when what leaves its successor is known.
-                for group in 0..=groups {
-                    let next = match row.get((group + 1) * fields..) {
-                        Some(next) if !next.is_empty() => {
-                            State { velocity: next[wave.velocity], stress: next[wave.stress] }
-                        }
-                        _ => zero,
-                    };
-                    let here = match patterns.get(group) {
-                        Some(&pattern) => {
-                            let constants = (table.cell(pattern, wave), pattern);
-                            let around = [previous.difference, next];
-                            Passing::new::<T>(own, around, constants, slopes)
-                        }
-                        None => Passing { to_left: T::Lanes::ZERO, ..previous },
-                    };
-                    let right = previous.joints::<T>([here.cell.impedance, here.to_left]);
-                    if group > 0 {
-                        let moved = previous.moved::<T>([after(right, left), right]);
-                        let range = (group - 1) * fields..group * fields;
-                        write(&mut row[range], moved, (table, wave, previous.pattern));
-                    }
-                    (left, previous, own) = (right, here, next);
+    ) {
+        let wave = &self.waves[index];
+        let cell = *self.table.cell(pattern, wave);
+        let ratios: [_; FOLLOWERS] =
+            std::array::from_fn(|follower| self.table.ratio(pattern, wave, follower));
+        let followers: [usize; FOLLOWERS] = std::array::from_fn(|i| wave.followers[i]);
+        let (velocity, stress) = (wave.velocity, wave.stress);
+        let slot = line * self.waves.len() + index;
+        let mut carried = self.carried[slot];
+        let mut before = Waves::of(carried.difference, &cell);
+        let step = self.stride * self.fields;
+        let mut behind = (self.first + line + (run.start - 1) * self.stride) * self.fields;
+        for _ in run {
+            let next = &self.data[behind + 2 * step..][..self.fields];
+            let next = State { velocity: next[velocity], stress: next[stress] };
+            let after = Waves::of(carried.own.to(next), &cell);
+            let unmoved = carried.behind.stress;
+            let moved =
+                carried.pass(next, [before, after], [&cell, &cell], (&cell.between, slopes));
+            let group = &mut self.data[behind..][..self.fields];
+            (group[velocity], group[stress]) = (moved.velocity, moved.stress);
+            if FOLLOWERS > 0 {
+                let change = moved.stress - unmoved;
+                for (place, ratio) in followers.into_iter().zip(ratios) {
+                    group[place] = group[place] + ratio * change;
                 }
             }
+            before = after;
+            behind += step;
         }
+        self.carried[slot] = carried;
     }
 }

@@ -44,19 +44,17 @@ pub enum Slopes {
 }
 
 impl Slopes {
+    /// Half the slope: how much the value at the end of a cell is above the mean.
     #[inline(always)]
-    fn of<N: Number>(self, before: N, after: N) -> N {
-        let mean = N::HALF * (before + after);
+    pub(crate) fn rise<N: Number>(self, before: N, after: N) -> N {
+        let mean = N::QUARTER * (before + after);
         match self {
             Self::Godunov => N::ZERO,
             Self::Unlimited => mean,
-            Self::Limited => {
-                let twice = |x: N| (x + x).abs();
-                let size = mean.abs().least(twice(before)).least(twice(after));
-                // 1 or −1 where both have that sign, else 0.
-                let sign = N::HALF * (N::ONE.with_sign_of(before) + N::ONE.with_sign_of(after));
-                sign * size
-            }
+            // At extrema both bounds are zero, elsewhere the one towards the smaller difference counts.
+            Self::Limited => mean
+                .greatest(before.greatest(after).least(N::ZERO))
+                .least(before.least(after).greatest(N::ZERO)),
         }
     }
 }
@@ -68,12 +66,34 @@ pub struct Cell<N> {
     pub impedance: N,
     /// C = cΔt/h, in \[0, 1\].
     pub courant: N,
-    /// ½(1 − C): from the middle of a cell to that of the part that leaves it during the step.
+    /// 1 − C: from the middle of a cell to that of the part that leaves it during the step, over half the
+    /// cell.
     pub(crate) rest: N,
     /// C/z: change of v per difference of s between the joints.
     pub(crate) to_velocity: N,
     /// Cz: change of s per difference of v between the joints.
     pub(crate) to_stress: N,
+    /// Of joints between cells like this.
+    pub(crate) between: Weights<N>,
+}
+
+/// What a joint makes of the waves that reach it, by impedances z to its left and y to its right.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Weights<N> {
+    /// 1/(z + y).
+    pub(crate) share: N,
+    /// y/(z + y).
+    pub(crate) from_left: N,
+    /// z/(z + y).
+    pub(crate) from_right: N,
+}
+
+impl<N: Number> Weights<N> {
+    #[inline(always)]
+    pub(crate) fn new(z: N, y: N) -> Self {
+        let share = N::ONE / (z + y);
+        Self { share, from_left: y * share, from_right: z * share }
+    }
 }
 
 impl<T: Real> Cell<T> {
@@ -82,9 +102,10 @@ impl<T: Real> Cell<T> {
         Self {
             impedance: T::of(impedance),
             courant: T::of(courant),
-            rest: T::of(0.5 * (1.0 - courant)),
+            rest: T::of(1.0 - courant),
             to_velocity: T::of(courant / impedance),
             to_stress: T::of(courant * impedance),
+            between: Weights::new(T::of(impedance), T::of(impedance)),
         }
     }
 }
@@ -122,7 +143,7 @@ impl<'a> std::iter::Sum<&'a Self> for Account {
 }
 
 /// A velocity and a stress: of a cell, of a joint, or their difference from a cell to the next.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct State<N> {
     pub(crate) velocity: N,
     pub(crate) stress: N,
@@ -136,56 +157,64 @@ impl<N: Number> State<N> {
     }
 }
 
-/// Characteristic variables and their slopes in a cell: s − zv to the right, s + zv to the left.
+/// Characteristic variables: s − zv, which runs to the right, and s + zv, which runs to the left.
 #[derive(Clone, Copy)]
-pub(crate) struct Pieces<N> {
+pub(crate) struct Waves<N> {
     right: N,
     left: N,
-    right_slope: N,
-    left_slope: N,
+}
+
+impl<N: Number> Waves<N> {
+    #[inline(always)]
+    pub(crate) fn of(state: State<N>, cell: &Cell<N>) -> Self {
+        let zv = cell.impedance * state.velocity;
+        Self { right: state.stress - zv, left: state.stress + zv }
+    }
+}
+
+/// Both waves in a cell, and how much they rise from its middle to its end.
+#[derive(Clone, Copy)]
+pub(crate) struct Pieces<N> {
+    mean: Waves<N>,
+    rise: Waves<N>,
 }
 
 impl<N: Number> Pieces<N> {
     /// From a cell's state and the differences from the cell before and to the cell after it, both in the
-    /// variables of this cell: v and s are continuous at its joints, z is not.
+    /// waves of this cell: v and s are continuous at its joints, z is not.
     #[inline(always)]
     pub(crate) fn new(
         own: State<N>,
-        [before, after]: [State<N>; 2],
-        cell: Cell<N>,
+        [before, after]: [Waves<N>; 2],
+        cell: &Cell<N>,
         slopes: Slopes,
     ) -> Self {
-        let z = cell.impedance;
-        let right = |state: State<N>| state.stress - z * state.velocity;
-        let left = |state: State<N>| state.stress + z * state.velocity;
-        Self {
-            right: right(own),
-            left: left(own),
-            right_slope: slopes.of(right(before), right(after)),
-            left_slope: slopes.of(left(before), left(after)),
-        }
+        let rise = Waves {
+            right: slopes.rise(before.right, after.right),
+            left: slopes.rise(before.left, after.left),
+        };
+        Self { mean: Waves::of(own, cell), rise }
     }
 
     /// Mean over the step of what leaves to the right: the foremost part of length C.
     #[inline(always)]
-    pub(crate) fn to_right(self, cell: Cell<N>) -> N {
-        self.right + cell.rest * self.right_slope
+    pub(crate) fn to_right(self, cell: &Cell<N>) -> N {
+        self.mean.right + cell.rest * self.rise.right
     }
 
     /// The same to the left.
     #[inline(always)]
-    pub(crate) fn to_left(self, cell: Cell<N>) -> N {
-        self.left - cell.rest * self.left_slope
+    pub(crate) fn to_left(self, cell: &Cell<N>) -> N {
+        self.mean.left - cell.rest * self.rise.left
     }
 }
 
-/// The state of the joint at which s − zv comes from the left and s + yv from the right.
+/// The state of the joint that s − zv reaches from the left and s + yv from the right.
 #[inline(always)]
-pub(crate) fn meet<N: Number>([z, from_left]: [N; 2], [y, from_right]: [N; 2]) -> State<N> {
-    let share = N::ONE / (z + y);
+pub(crate) fn meet<N: Number>(weights: &Weights<N>, [left, right]: [N; 2]) -> State<N> {
     State {
-        velocity: (from_right - from_left) * share,
-        stress: (y * from_left + z * from_right) * share,
+        velocity: (right - left) * weights.share,
+        stress: weights.from_left * left + weights.from_right * right,
     }
 }
 
@@ -194,7 +223,7 @@ pub(crate) fn meet<N: Number>([z, from_left]: [N; 2], [y, from_right]: [N; 2]) -
 pub(crate) fn updated<N: Number>(
     own: State<N>,
     [left, right]: [State<N>; 2],
-    cell: Cell<N>,
+    cell: &Cell<N>,
 ) -> State<N> {
     let across = left.to(right);
     State {
@@ -211,12 +240,13 @@ struct Joint<T> {
 }
 
 impl<T: Real> Joint<T> {
-    fn new([(own, cell), (other, next)]: [(&Pieces<T>, Cell<T>); 2]) -> Self {
-        let (z, y) = (cell.impedance, next.impedance);
-        let changes = [-(cell.courant * own.right_slope), next.courant * other.left_slope];
+    fn new([(own, cell), (other, next)]: [(&Pieces<T>, &Cell<T>); 2]) -> Self {
+        let weights = Weights::new(cell.impedance, next.impedance);
+        let change = |cell: &Cell<T>, rise: T| cell.courant * (rise + rise);
+        let changes = [-change(cell, own.rise.right), change(next, other.rise.left)];
         Self {
-            mean: meet([z, own.to_right(cell)], [y, other.to_left(next)]),
-            change: meet([z, changes[0]], [y, changes[1]]),
+            mean: meet(&weights, [own.to_right(cell), other.to_left(next)]),
+            change: meet(&weights, changes),
         }
     }
 
@@ -236,9 +266,10 @@ pub(crate) fn work_between<T: Real>(
 ) -> f64 {
     let differences = [0, 1, 2].map(|i| states[i].to(states[i + 1]));
     let [left, right] = [0, 1].map(|i| {
-        Pieces::new(states[i + 1], [differences[i], differences[i + 1]], cells[i], slopes)
+        let around = [differences[i], differences[i + 1]].map(|own| Waves::of(own, &cells[i]));
+        Pieces::new(states[i + 1], around, &cells[i], slopes)
     });
-    Joint::new([(&left, cells[0]), (&right, cells[1])]).work()
+    Joint::new([(&left, &cells[0]), (&right, &cells[1])]).work()
 }
 
 /// Advances a pair of fields by a step along a line whose first and last [`GHOSTS`] cells are ghosts,
@@ -265,20 +296,23 @@ pub fn sweep<T: Real>(
     let difference = |velocity: &[T], stress: &[T], place: usize| {
         state(velocity, stress, place).to(state(velocity, stress, place + 1))
     };
-    let mut before = difference(velocity, stress, first - 2);
-    let mut own = state(velocity, stress, first - 1);
+    let pieces = |own: State<T>, [before, after]: [State<T>; 2], cell: &Cell<T>| {
+        Pieces::new(own, [Waves::of(before, cell), Waves::of(after, cell)], cell, slopes)
+    };
+    let before = difference(velocity, stress, first - 2);
     let mut after = difference(velocity, stress, first - 1);
-    let ghost = Pieces::new(own, [before, after], cells[first - 1], slopes);
-    (before, own) = (after, state(velocity, stress, first));
+    let ghost = pieces(state(velocity, stress, first - 1), [before, after], &cells[first - 1]);
+    let mut own = state(velocity, stress, first);
+    let before = after;
     after = difference(velocity, stress, first);
-    let mut here = Pieces::new(own, [before, after], cells[first], slopes);
-    let mut left = Joint::new([(&ghost, cells[first - 1]), (&here, cells[first])]);
+    let mut here = pieces(own, [before, after], &cells[first]);
+    let mut left = Joint::new([(&ghost, &cells[first - 1]), (&here, &cells[first])]);
     for place in first..end {
         let following = state(velocity, stress, place + 1);
         let beyond = difference(velocity, stress, place + 1);
-        let next = Pieces::new(following, [after, beyond], cells[place + 1], slopes);
-        let right = Joint::new([(&here, cells[place]), (&next, cells[place + 1])]);
-        let moved = updated(own, [left.mean, right.mean], cells[place]);
+        let next = pieces(following, [after, beyond], &cells[place + 1]);
+        let right = Joint::new([(&here, &cells[place]), (&next, &cells[place + 1])]);
+        let moved = updated(own, [left.mean, right.mean], &cells[place]);
         (velocity[place], stress[place]) = (moved.velocity, moved.stress);
         if let Some(account) = accounts.as_deref_mut().and_then(|all| all.get_mut(place - first)) {
             if place == first {
@@ -287,7 +321,7 @@ pub fn sweep<T: Real>(
             if place + 1 == end {
                 account.inflow += right.work();
             }
-            note(account, &here, cells[place], [&left, &right]);
+            note(account, &here, &cells[place], [&left, &right]);
         }
         (own, after, here, left) = (following, beyond, next, right);
     }
@@ -297,7 +331,7 @@ pub fn sweep<T: Real>(
 fn note<T: Real>(
     account: &mut Account,
     own: &Pieces<T>,
-    cell: Cell<T>,
+    cell: &Cell<T>,
     [left, right]: [&Joint<T>; 2],
 ) {
     let (z, c) = (cell.impedance.wide(), cell.courant.wide());
@@ -308,7 +342,8 @@ fn note<T: Real>(
     // h·w²/(4M) per Δt.
     let unit = 0.25 / (z * c);
     let square = |x: f64| x * x;
-    let slopes = square(own.right_slope.wide()) + square(own.left_slope.wide());
+    let [right_slope, left_slope] = [own.rise.right, own.rise.left].map(|rise| 2.0 * rise.wide());
+    let slopes = square(right_slope) + square(left_slope);
     account.gained += unit * slopes / 12.0;
     // What came in occupies C of the cell, what stayed the rest.
     let variance = |came: [f64; 2], stayed: [f64; 2]| {
@@ -320,12 +355,12 @@ fn note<T: Real>(
         [joint.mean, joint.change]
             .map(|state| state.stress.wide() + sign * z * state.velocity.wide())
     };
-    let stayed = |value: T, slope: T, sign: f64| {
-        [value.wide() - sign * 0.5 * c * slope.wide(), (1.0 - c) * slope.wide()]
+    let stayed = |value: T, slope: f64, sign: f64| {
+        [value.wide() - sign * 0.5 * c * slope, (1.0 - c) * slope]
     };
     account.lost += unit
-        * (variance(incoming(left, -1.0), stayed(own.right, own.right_slope, 1.0))
-            + variance(incoming(right, 1.0), stayed(own.left, own.left_slope, -1.0)));
+        * (variance(incoming(left, -1.0), stayed(own.mean.right, right_slope, 1.0))
+            + variance(incoming(right, 1.0), stayed(own.mean.left, left_slope, -1.0)));
 }
 
 /// The energy of the cells of a line without its ghosts, in the unit of the [`Account`].

@@ -1,7 +1,8 @@
 //! What is to be solved: grid, media, sides, what acts, and the choices of the scheme.
 
 use crate::boundary::{Boundary, Load, Source};
-use crate::line::{GHOSTS, Slopes};
+use crate::domain::HALO;
+use crate::line::Slopes;
 use crate::medium::Medium;
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
@@ -256,9 +257,7 @@ pub enum DomainError {
     #[error("an initial stress is needed for every layer across its axis")]
     InitialStress,
     /// Parts that are too many or none.
-    #[error(
-        "{found} parts: at least 1, and {GHOSTS} cells along the last axis in each, of {cells}"
-    )]
+    #[error("{found} parts: at least 1, and {HALO} cells along the last axis in each, of {cells}")]
     Parts {
         /// Parts asked for.
         found: usize,

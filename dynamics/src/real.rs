@@ -23,15 +23,14 @@ pub trait Number:
     const ONE: Self;
     /// ½.
     const HALF: Self;
-
-    /// |x|.
-    fn abs(self) -> Self;
+    /// ¼.
+    const QUARTER: Self;
 
     /// The smaller of two numbers.
     fn least(self, other: Self) -> Self;
 
-    /// The size of this number with the sign of another.
-    fn with_sign_of(self, other: Self) -> Self;
+    /// The greater of two numbers.
+    fn greatest(self, other: Self) -> Self;
 }
 
 /// `f32` or `f64`.
@@ -112,14 +111,7 @@ impl<T: Number, const COUNT: usize> Number for Lanes<T, COUNT> {
     const ZERO: Self = Self([T::ZERO; COUNT]);
     const ONE: Self = Self([T::ONE; COUNT]);
     const HALF: Self = Self([T::HALF; COUNT]);
-
-    #[inline(always)]
-    fn abs(mut self) -> Self {
-        for lane in 0..COUNT {
-            self.0[lane] = self.0[lane].abs();
-        }
-        self
-    }
+    const QUARTER: Self = Self([T::QUARTER; COUNT]);
 
     #[inline(always)]
     fn least(mut self, other: Self) -> Self {
@@ -130,9 +122,9 @@ impl<T: Number, const COUNT: usize> Number for Lanes<T, COUNT> {
     }
 
     #[inline(always)]
-    fn with_sign_of(mut self, other: Self) -> Self {
+    fn greatest(mut self, other: Self) -> Self {
         for lane in 0..COUNT {
-            self.0[lane] = self.0[lane].with_sign_of(other.0[lane]);
+            self.0[lane] = self.0[lane].greatest(other.0[lane]);
         }
         self
     }
@@ -183,20 +175,16 @@ macro_rules! real {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const HALF: Self = 0.5;
-
-            #[inline(always)]
-            fn abs(self) -> Self {
-                self.abs()
-            }
+            const QUARTER: Self = 0.25;
 
             #[inline(always)]
             fn least(self, other: Self) -> Self {
-                if other < self { other } else { self }
+                if self < other { self } else { other }
             }
 
             #[inline(always)]
-            fn with_sign_of(self, other: Self) -> Self {
-                self.copysign(other)
+            fn greatest(self, other: Self) -> Self {
+                if self > other { self } else { other }
             }
         }
 

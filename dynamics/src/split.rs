@@ -1,13 +1,13 @@
 //! A domain in parts: slabs along the last axis, each in a thread of its own.
 //!
-//! Before each sweep along the last axis a part gets the [`GHOSTS`] layers next to it from its neighbours.
-//! Every cell sees the same operations as in the whole, and sums are made by layers: the same bits.
+//! Before each step a part gets the [`HALO`] layers next to it from its neighbours, and does to them what
+//! they do. Every cell sees the same operations as in the whole, and sums are made by layers: the same
+//! bits.
 
 use crate::boundary::Boundary;
-use crate::domain::Domain;
+use crate::domain::{Domain, HALO};
 use crate::kernel::Instructions;
 use crate::ledger::{Energy, Ledger, Total};
-use crate::line::GHOSTS;
 use crate::problem::{DomainError, Problem};
 use crate::real::Real;
 use models::cosserat::waves::Field;
@@ -65,7 +65,6 @@ impl<T: Copy> Halo<T> for Channels<T> {
 struct Part<T: Real, const D: usize, H> {
     domain: Domain<T, D>,
     halo: H,
-    send: [Vec<T::Lanes>; 2],
     /// Its first cell.
     first: usize,
     /// Cells to be recorded after each step: places in the list of all, and own cells.
@@ -76,12 +75,11 @@ struct Part<T: Real, const D: usize, H> {
 
 impl<T: Real, const D: usize, H: Halo<T::Lanes>> Part<T, D, H> {
     fn advance(&mut self) {
-        let Self { domain, halo, send, watched, records, .. } = self;
-        domain.advance_with(&mut |domain| {
-            domain.outermost(send);
-            halo.begin(send.each_ref().map(Vec::as_slice));
-            halo.finish(domain.halos_mut());
-        });
+        let Self { domain, halo, watched, records, .. } = self;
+        let (send, receive) = domain.exchanged();
+        halo.begin(send);
+        halo.finish(receive);
+        domain.advance();
         for &(_, cell) in watched.iter() {
             domain.show(cell, records);
         }
@@ -116,7 +114,7 @@ impl<T: Real, const D: usize> Split<T, D> {
     pub fn new(problem: &Problem<D>, count: usize) -> Result<Self, DomainError> {
         problem.check()?;
         let layers = problem.grid.cells[D - 1];
-        if count == 0 || (count > 1 && layers / count < GHOSTS) {
+        if count == 0 || (count > 1 && layers / count < HALO) {
             return Err(DomainError::Parts { found: count, cells: layers });
         }
         let is_periodic = problem.boundaries[D - 1][0] == Boundary::Periodic;
@@ -129,7 +127,6 @@ impl<T: Real, const D: usize> Split<T, D> {
             parts.push(Part {
                 domain: Domain::slab(problem, range, is_cut),
                 halo: Channels { neighbours: [None, None] },
-                send: [Vec::new(), Vec::new()],
                 first,
                 watched: Vec::new(),
                 records: Vec::new(),
@@ -271,7 +268,7 @@ impl<T: Real, const D: usize> Split<T, D> {
             for (index, own) in part.domain.sums().enumerate() {
                 match all.get_mut(index) {
                     Some(sum) => sum.extend_from_slice(own),
-                    None => all.push(own.clone()),
+                    None => all.push(own.to_vec()),
                 }
             }
         }

@@ -99,9 +99,17 @@ fn parts_have_the_bits_of_the_whole() {
                 same::<f64, 2>(&[pair(&Boundary::Free), pair(&last)], [length, 13], placement);
             }
             let sides = [pair(&Boundary::Periodic), pair(&Boundary::Fixed), pair(&last)];
-            same::<f64, 3>(&sides, [5, 4, 8], placement);
+            same::<f64, 3>(&sides, [5, 4, 12], placement);
         }
     }
+}
+
+/// Layers of several tiles, and more of them than come in at once in any part.
+#[test]
+fn so_they_have_where_layers_are_wide() {
+    let pair = |b: &Boundary| [b.clone(), b.clone()];
+    let sides = [pair(&Boundary::Free), pair(&Boundary::Periodic)];
+    same::<f64, 2>(&sides, [300, 27], Placement::Last);
 }
 
 /// In single precision groups are twice as long.
@@ -120,15 +128,15 @@ fn snapshots_resume() {
     let media = [Medium::isotropic(&solids()[0], 2)];
     let set = YieldSet::Mises(Mises::drucker_prager(0.3, 0.2, 0.2));
     let media = media.map(|medium| medium.yielding(set));
-    let grid = Grid { cells: [14, 9], spacing: [0.1, 0.1] };
+    let grid = Grid { cells: [14, 13], spacing: [0.1, 0.1] };
     let sides = std::array::from_fn(|_| [Boundary::Fixed, Boundary::NonReflecting]);
     let detail = Detail::Full;
     let scheme = Scheme { detail, ..Scheme::new(Slopes::Limited, Placement::Middle) };
     let step = 1.9 * 0.1 / media[0].greatest_speed();
-    let problem = Problem::new(grid, media.to_vec(), vec![0; 126], sides, step, scheme);
+    let problem = Problem::new(grid, media.to_vec(), vec![0; 182], sides, step, scheme);
     let start = || {
         let mut split: Split<f64, 2> = Split::new(&problem, 2).expect("sound");
-        let values: Vec<f64> = (0..126).map(noise).collect();
+        let values: Vec<f64> = (0..182).map(noise).collect();
         split.set(Field::Velocity(0), &values);
         split
     };
@@ -184,13 +192,14 @@ fn single_layers() {
 #[test]
 fn parts_that_cannot_be_are_refused() {
     let media = [Medium::isotropic(&solids()[0], 2)];
-    let grid = Grid { cells: [4, 7], spacing: [0.1, 0.1] };
+    let grid = Grid { cells: [4, 11], spacing: [0.1, 0.1] };
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let scheme = Scheme::new(Slopes::Limited, Placement::Middle);
-    let problem = Problem::new(grid, media.to_vec(), vec![0; 28], sides, 1e-3, scheme);
-    for (parts, expected) in [(0, true), (4, true), (3, false)] {
+    let problem = Problem::new(grid, media.to_vec(), vec![0; 44], sides, 1e-3, scheme);
+    for (parts, expected) in [(0, true), (3, true), (2, false)] {
         let made = Split::<f64, 2>::new(&problem, parts);
-        let refused = matches!(made, Err(DomainError::Parts { found, cells: 7 }) if found == parts);
+        let refused =
+            matches!(made, Err(DomainError::Parts { found, cells: 11 }) if found == parts);
         assert_eq!(refused, expected, "{parts}");
     }
 }

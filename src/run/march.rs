@@ -8,8 +8,8 @@ use crate::case::dynamics::{Component, Ledger as LedgerKind};
 use crate::output::{Growing, OutputError};
 use crate::progress::Progress;
 use crate::words::{short, unit_of};
+use dynamics::domain::HALO;
 use dynamics::ledger::{Energy, Ledger};
-use dynamics::line::GHOSTS;
 use dynamics::medium::Medium;
 use dynamics::real::Real;
 use dynamics::split::Split;
@@ -61,7 +61,7 @@ impl Job<'_> {
         let threads = self.threads.unwrap_or_else(|| {
             std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
         });
-        let parts = threads.clamp(1, (problem.grid.cells[D - 1] / GHOSTS).max(1));
+        let parts = threads.clamp(1, (problem.grid.cells[D - 1] / HALO).max(1));
         let start = || -> Result<Split<T, D>, Error> {
             let mut split = Split::new(&problem, parts)
                 .map_err(|error| dynamics.locate("grid", error.to_string(), "see the README"))?;

@@ -1,259 +1,267 @@
-//! Half a step along an axis: ghosts, work at the sides, and the sweeps themselves.
+//! Sweeps along the axes, what lies beyond their ends, and the work done there.
 
-use super::{Buffer, Domain};
-use crate::kernel::{Axis, Columns, Rows, Wave};
+use super::Domain;
+use crate::kernel::{Lines, Wave};
 use crate::line::{self, Account, Cell, GHOSTS, State};
 use crate::problem::Detail;
-use crate::real::{Group, Real};
-use crate::side::Side;
+use crate::real::{Group, Number, Real};
+use crate::side::{Side, Slot};
+use std::ops::Range;
 
-/// A line of cells.
+/// Lines that lie side by side.
 #[derive(Clone, Copy)]
-enum Line {
-    /// A row, along the first axis.
-    Row(usize),
-    /// A lane across the rows of [`Columns`].
-    Column(Column, usize),
-}
-
-/// The rows across which lines run along an axis.
-#[derive(Clone, Copy)]
-struct Column {
+struct Bundle {
     axis: usize,
-    /// The first row, the distance to the next one, and their number.
-    start: usize,
+    /// The half of the step.
+    half: usize,
+    /// The first group of the first line: those of the other lines follow.
+    first: usize,
+    /// Groups from one of a line to the next one.
     stride: usize,
+    /// Groups of a line.
     count: usize,
-    /// Number of the column among those of the axis.
-    number: usize,
+    /// Lines of groups.
+    lines: usize,
+    /// The row, or else the first group of faces where the lines end.
+    face: usize,
 }
 
 /// Sweeps, their ghosts and their work.
 impl<T: Real, const D: usize> Domain<T, D> {
-    /// Half a step along an axis.
-    pub(super) fn sweep(&mut self, axis: usize) {
-        let is_full = self.scheme.detail == Detail::Full;
+    /// Half a step along an axis in a layer across the last one.
+    pub(super) fn sweep_layer(&mut self, layer: usize, axis: usize, half: usize) {
+        let first = layer * self.across;
+        let groups = self.groups;
         if axis == 0 {
-            for row in 0..self.front_patterns.len() {
-                self.fill_row(row);
-                match is_full {
-                    true => self.sweep_plainly(Line::Row(row)),
-                    false => self.note_work(Line::Row(row)),
-                }
-            }
-            if !is_full {
-                self.sweep_at_once(None);
-            }
-            return;
-        }
-        let length = self.grid.cells[0];
-        let stride = self.grid.cells[..axis].iter().product::<usize>() / length.max(1);
-        let count = self.grid.cells[axis];
-        for number in 0..self.front_patterns.len() / count.max(1) {
-            let start = number / stride * stride * count + number % stride;
-            let column = Column { axis, start, stride, count, number };
-            self.fill_ends(column);
-            for x in 0..length {
-                match is_full {
-                    true => self.sweep_plainly(Line::Column(column, x)),
-                    false => self.note_work(Line::Column(column, x)),
-                }
-            }
-            if !is_full {
-                self.sweep_at_once(Some(column));
-            }
-        }
-    }
-
-    /// All rows, or the lines of a column, in the widest instructions.
-    fn sweep_at_once(&mut self, column: Option<Column>) {
-        let Self { table, waves, patterns, groups, data, buffer, .. } = self;
-        let axis = Axis {
-            table,
-            waves: &waves[column.map_or(0, |column| column.axis)],
-            slopes: self.scheme.slopes,
-            patterns,
-            groups: *groups,
-            fields: self.media[0].fields.len(),
-        };
-        match column {
-            None => {
-                let (fronts, front_patterns) = (&buffer.fronts, &self.front_patterns);
-                self.instructions.run(Rows { axis, data, fronts, front_patterns });
-            }
-            Some(Column { start, stride, count, .. }) => {
-                let Buffer { ghosts, ghost_patterns, carried, .. } = buffer;
-                self.instructions.run(Columns {
+            for row in first / groups..(first + self.across) / groups {
+                let first = row * groups;
+                self.sweep(Bundle {
                     axis,
-                    data,
-                    start,
-                    stride,
-                    count,
-                    ghosts,
-                    ghost_patterns,
-                    carried,
+                    half,
+                    first,
+                    stride: 1,
+                    count: groups,
+                    lines: 1,
+                    face: row,
                 });
             }
+        } else {
+            let (count, face) = (self.grid.cells[axis], layer * groups);
+            self.sweep(Bundle { axis, half, first, stride: groups, count, lines: groups, face });
         }
     }
 
-    /// The ghosts of a row: in the group in front of it, and in itself behind its last cell.
-    fn fill_row(&mut self, row: usize) {
-        let (lanes, length) = (T::Lanes::COUNT, self.grid.cells[0]);
-        let fields = self.fields().len();
-        let base = row * self.groups * fields;
-        // What is neither a cell nor a ghost stays at rest.
-        for x in length..self.groups * lanes {
-            for place in 0..fields {
-                self.data[base + x / lanes * fields + place].lanes_mut()[x % lanes] = T::ZERO;
+    fn sweep(&mut self, bundle: Bundle) {
+        match bundle.axis {
+            0 => self.fill_row(bundle),
+            _ => (0..2).for_each(|end| self.fill_end(bundle, end)),
+        }
+        match self.scheme.detail {
+            Detail::Full => self.sweep_plainly(bundle),
+            Detail::Light => {
+                (0..2).for_each(|end| self.note_work(bundle, end));
+                self.walk(bundle, -1..bundle.count as isize + 1, false);
             }
         }
+    }
+
+    /// Goes on with half a step along the last axis, on a tile of a layer's groups: some layers are ready
+    /// that were not before.
+    pub(super) fn sweep_on(&mut self, ready: Range<usize>, tile: Range<usize>, half: usize) {
+        let (stride, count) = (self.across, self.layers());
+        let (first, lines, face) = (tile.start, tile.len(), tile.start);
+        let bundle = Bundle { axis: D - 1, half, first, stride, count, lines, face };
+        if self.scheme.detail == Detail::Full {
+            return self.sweep(bundle);
+        }
+        let mut places = ready.start as isize - 1..ready.end as isize - 1;
+        if ready.start == 0 {
+            self.fill_end(bundle, 0);
+            self.note_work(bundle, 0);
+        }
+        if ready.end == count {
+            places.end = count as isize + 1;
+            self.fill_end(bundle, 1);
+            self.note_work(bundle, 1);
+        }
+        self.walk(bundle, places, true);
+    }
+
+    /// Part of the way along lines, in the widest instructions.
+    fn walk(&mut self, bundle: Bundle, places: Range<isize>, is_stream: bool) {
+        let Bundle { axis, half, first, stride, count, lines, .. } = bundle;
+        let fields = self.fields().len();
+        let waves = &self.waves[axis];
+        let carried = match is_stream {
+            true => &mut self.buffer.streams[half][first * waves.len()..],
+            false => &mut self.buffer.carried,
+        };
+        self.instructions.run(Lines {
+            data: &mut self.data,
+            fields,
+            table: &self.table,
+            waves,
+            slopes: self.scheme.slopes,
+            patterns: &self.patterns,
+            first,
+            stride,
+            count,
+            places,
+            ghosts: &self.buffer.ghosts,
+            ghost_patterns: &self.buffer.ghost_patterns,
+            carried: &mut carried[..lines * waves.len()],
+        });
+    }
+
+    /// The state in a lane of a group.
+    fn state(&self, (group, lane): Slot, wave: &Wave) -> State<T> {
+        let group = &self.data[group * self.fields().len()..];
+        State {
+            velocity: group[wave.velocity].lanes()[lane],
+            stress: group[wave.stress].lanes()[lane],
+        }
+    }
+
+    /// The ghosts of a row: those behind its last cell in the row itself; and what is in front of its
+    /// groups and behind them, which is in other lanes.
+    fn fill_row(&mut self, Bundle { half, first, face: row, .. }: Bundle) {
+        let (lanes, length, groups) = (T::Lanes::COUNT, self.grid.cells[0], self.groups);
+        let fields = self.fields().len();
+        let slot = |x: usize| (first + x % groups, x / groups);
+        let face = (row / lanes, row % lanes);
         let pairs = self.waves[0].len();
         for pair in 0..pairs {
             let Wave { velocity, stress, .. } = self.waves[0][pair];
-            for end in 0..2 {
-                for depth in 0..GHOSTS {
+            let wave = &self.waves[0][pair];
+            let mut beyond = [[State { velocity: T::ZERO, stress: T::ZERO }; GHOSTS]; 2];
+            for (end, beyond) in beyond.iter_mut().enumerate() {
+                for (depth, ghost) in beyond.iter_mut().enumerate() {
                     // Lines shorter than the ghosts repeat themselves.
                     let from_end = |end: usize| match end {
-                        0 => depth % length,
-                        _ => length - 1 - depth % length,
+                        0 => slot(depth % length),
+                        _ => slot(length - 1 - depth % length),
                     };
-                    let own = |domain: &Self, x: usize| State {
-                        velocity: domain.at(row * length + x, velocity),
-                        stress: domain.at(row * length + x, stress),
-                    };
-                    let ghost = match &self.sides[0][end] {
+                    *ghost = match &self.sides[half][0][end] {
                         Side::Mirror(mirror) => {
-                            let mut inside = own(self, from_end(end));
+                            let mut inside = self.state(from_end(end), wave);
                             // A single cell is seen through the other mirror.
                             if let (true, Side::Mirror(other)) =
-                                (depth >= length, &self.sides[0][1 - end])
+                                (depth >= length, &self.sides[half][0][1 - end])
                             {
-                                inside = other.ghost(pair, row, inside);
+                                inside = other.ghost(pair, face, inside);
                             }
-                            mirror.ghost(pair, row, inside)
+                            mirror.ghost(pair, face, inside)
                         }
-                        Side::Periodic | Side::Cut => own(self, from_end(1 - end)),
+                        Side::Periodic | Side::Cut => self.state(from_end(1 - end), wave),
                     };
-                    if end == 0 {
-                        let front = &mut self.buffer.fronts[row * pairs + pair];
-                        front[0].lanes_mut()[lanes - 1 - depth] = ghost.velocity;
-                        front[1].lanes_mut()[lanes - 1 - depth] = ghost.stress;
-                    } else {
-                        let x = length + depth;
-                        let group = base + x / lanes * fields;
-                        self.data[group + velocity].lanes_mut()[x % lanes] = ghost.velocity;
-                        self.data[group + stress].lanes_mut()[x % lanes] = ghost.stress;
-                    }
+                }
+            }
+            for (depth, ghost) in beyond[1].iter().enumerate() {
+                let (group, lane) = slot(length + depth);
+                let group = &mut self.data[group * fields..];
+                group[velocity].lanes_mut()[lane] = ghost.velocity;
+                group[stress].lanes_mut()[lane] = ghost.stress;
+            }
+            for (depth, ghost) in beyond[0].iter().enumerate() {
+                for (place, first_lane) in [(velocity, ghost.velocity), (stress, ghost.stress)] {
+                    let which = usize::from(place == stress);
+                    let last = self.data[(first + groups - 1 - depth) * fields + place];
+                    self.buffer.ghosts[depth * pairs + pair][which] =
+                        last.after(T::Lanes::all(first_lane));
+                    let next = self.data[(first + depth) * fields + place];
+                    self.buffer.ghosts[(GHOSTS + depth) * pairs + pair][which] =
+                        next.before(T::Lanes::ZERO);
                 }
             }
         }
+        self.buffer.ghost_patterns[..2 * GHOSTS].copy_from_slice(&self.row_patterns[row]);
     }
 
-    /// The ghosts at both ends of a column.
-    fn fill_ends(&mut self, column: Column) {
-        let Column { axis, start, stride, count, number } = column;
-        let (lanes, length, groups) = (T::Lanes::COUNT, self.grid.cells[0], self.groups);
+    /// The ghosts at an end of lines across the groups.
+    fn fill_end(&mut self, bundle: Bundle, end: usize) {
+        let Bundle { axis, half, first, stride, count, lines, face } = bundle;
         let (pairs, fields) = (self.waves[axis].len(), self.fields().len());
-        // Rows of a layer across the last axis.
-        let rows = self.layer() / length.max(1);
-        for end in 0..2 {
-            for depth in 0..GHOSTS {
-                let place = end * GHOSTS + depth;
-                let from_end = |end: usize| match end {
-                    0 => start + depth % count * stride,
-                    _ => start + (count - 1 - depth % count) * stride,
-                };
-                let halo = (depth * rows + number) * groups;
-                let source = match self.sides[axis][end] {
-                    Side::Mirror(_) => from_end(end),
-                    Side::Periodic | Side::Cut => from_end(1 - end),
-                };
-                for group in 0..groups {
-                    self.buffer.ghost_patterns[place * groups + group] = match self.sides[axis][end]
-                    {
-                        Side::Cut => self.halo_patterns[end][halo + group],
-                        _ => self.patterns[source * groups + group],
-                    };
-                    for pair in 0..pairs {
-                        let Wave { velocity, stress, .. } = self.waves[axis][pair];
-                        let base = (source * groups + group) * fields;
-                        let own = [self.data[base + velocity], self.data[base + stress]];
-                        let ghost = match &self.sides[axis][end] {
-                            Side::Cut => self.halos[end][(halo + group) * pairs + pair],
-                            Side::Periodic => own,
-                            Side::Mirror(mirror) => {
-                                let mut ghost = own;
-                                for lane in 0..lanes.min(length - (group * lanes).min(length)) {
-                                    let [velocity, stress] = own.map(|own| own.lanes()[lane]);
-                                    let face = number * length + group * lanes + lane;
-                                    let mut own = State { velocity, stress };
-                                    if let (true, Side::Mirror(other)) =
-                                        (depth >= count, &self.sides[axis][1 - end])
-                                    {
-                                        own = other.ghost(pair, face, own);
-                                    }
-                                    let own = mirror.ghost(pair, face, own);
-                                    ghost[0].lanes_mut()[lane] = own.velocity;
-                                    ghost[1].lanes_mut()[lane] = own.stress;
-                                }
-                                ghost
-                            }
-                        };
-                        self.buffer.ghosts[(place * groups + group) * pairs + pair] = ghost;
+        let sides = &self.sides[half][axis];
+        for depth in 0..GHOSTS {
+            let from_end = |end: usize| match end {
+                0 => first + depth % count * stride,
+                _ => first + (count - 1 - depth % count) * stride,
+            };
+            let source = match sides[end] {
+                Side::Mirror(_) | Side::Cut => from_end(end),
+                Side::Periodic => from_end(1 - end),
+            };
+            for line in 0..lines {
+                let place = (2 * line + end) * GHOSTS + depth;
+                self.buffer.ghost_patterns[place] = self.patterns[source + line];
+                for pair in 0..pairs {
+                    let Wave { velocity, stress, .. } = self.waves[axis][pair];
+                    let group = &self.data[(source + line) * fields..];
+                    let mut own = State { velocity: group[velocity], stress: group[stress] };
+                    if let Side::Mirror(mirror) = &sides[end] {
+                        // A single cell is seen through the other mirror.
+                        if let (true, Side::Mirror(other)) = (depth >= count, &sides[1 - end]) {
+                            own = other.ghosts(pair, face + line, own);
+                        }
+                        own = mirror.ghosts(pair, face + line, own);
                     }
+                    self.buffer.ghosts[place * pairs + pair] = [own.velocity, own.stress];
                 }
             }
         }
     }
 
-    /// The number of a line's cells and its axis.
-    fn extent(&self, line: Line) -> (usize, usize) {
-        match line {
-            Line::Row(_) => (self.grid.cells[0], 0),
-            Line::Column(column, _) => (column.count, column.axis),
+    /// Cells of a line, and its lines of cells by line of groups and lane.
+    fn length(&self, bundle: Bundle) -> (usize, usize) {
+        match bundle.axis {
+            0 => (self.grid.cells[0], 1),
+            _ => (bundle.count, T::Lanes::COUNT),
         }
     }
 
-    /// The cell at a place of a line.
-    fn cell(&self, line: Line, place: usize) -> usize {
-        let length = self.grid.cells[0];
-        match line {
-            Line::Row(row) => row * length + place,
-            Line::Column(column, x) => (column.start + place * column.stride) * length + x,
+    /// Whether there are cells in a lane of a line of groups.
+    fn has_cells(&self, bundle: Bundle, line: usize, lane: usize) -> bool {
+        let place = (bundle.first + line) % self.groups;
+        bundle.axis == 0 || lane * self.groups + place < self.grid.cells[0]
+    }
+
+    /// Group and lane of a cell of a line.
+    fn place_of(&self, bundle: Bundle, (line, lane): (usize, usize), place: usize) -> Slot {
+        match bundle.axis {
+            0 => (bundle.first + place % self.groups, place / self.groups),
+            _ => (bundle.first + line + place * bundle.stride, lane),
         }
     }
 
     /// State and constants at a place of a line, ghosts included.
-    fn read(&self, line: Line, place: isize, pair: usize) -> (State<T>, Cell<T>) {
-        let (lanes, groups) = (T::Lanes::COUNT, self.groups);
-        let (count, axis) = self.extent(line);
-        let wave = &self.waves[axis][pair];
-        let pairs = self.waves[axis].len();
-        let inside = |row: usize, x: usize| {
-            let group = row * groups + x / lanes;
-            let base = group * self.fields().len();
-            let pattern = self.patterns[group];
-            ([self.data[base + wave.velocity], self.data[base + wave.stress]], pattern, x % lanes)
+    fn read(
+        &self,
+        bundle: Bundle,
+        (line, lane): (usize, usize),
+        place: isize,
+        pair: usize,
+    ) -> (State<T>, Cell<T>) {
+        let wave = &self.waves[bundle.axis][pair];
+        // Behind a row its ghosts stand in it.
+        let (length, beyond) = match bundle.axis {
+            0 => (self.grid.cells[0], GHOSTS),
+            _ => (bundle.count, 0),
         };
-        let (state, pattern, lane) = match (line, usize::try_from(place)) {
-            // Behind a row its ghosts stand in it.
-            (Line::Row(row), Ok(x)) => inside(row, x),
-            (Line::Row(row), Err(_)) => {
-                let front = self.buffer.fronts[row * pairs + pair];
-                (front, self.front_patterns[row], lanes - place.unsigned_abs())
+        let (state, pattern, lane) = match usize::try_from(place) {
+            Ok(place) if place < length + beyond => {
+                let slot = self.place_of(bundle, (line, lane), place);
+                (self.state(slot, wave), self.patterns[slot.0], slot.1)
             }
-            (Line::Column(column, x), Ok(place)) if place < count => {
-                inside(column.start + place * column.stride, x)
-            }
-            (Line::Column(_, x), found) => {
-                let ghost = found.map_or(place.unsigned_abs() - 1, |place| GHOSTS + place - count);
-                let group = ghost * groups + x / lanes;
-                let state = self.buffer.ghosts[group * pairs + pair];
-                (state, self.buffer.ghost_patterns[group], x % lanes)
+            found => {
+                let ghost = match found {
+                    Ok(place) => (2 * line + 1) * GHOSTS + place - length,
+                    Err(_) => 2 * line * GHOSTS + place.unsigned_abs() - 1,
+                };
+                let group = self.buffer.ghosts[ghost * self.waves[bundle.axis].len() + pair];
+                let [velocity, stress] = group.map(|own| own.lanes()[lane]);
+                (State { velocity, stress }, self.buffer.ghost_patterns[ghost], lane)
             }
         };
-        let [velocity, stress] = state.map(|own| own.lanes()[lane]);
         let cell = self.table.cell(pattern, wave);
         let constants = Cell {
             impedance: cell.impedance.lanes()[lane],
@@ -261,8 +269,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
             rest: cell.rest.lanes()[lane],
             to_velocity: cell.to_velocity.lanes()[lane],
             to_stress: cell.to_stress.lanes()[lane],
+            between: line::Weights::new(cell.impedance.lanes()[lane], cell.impedance.lanes()[lane]),
         };
-        (State { velocity, stress }, constants)
+        (state, constants)
     }
 
     /// A face times the time of a sweep: accounts are powers per area.
@@ -270,64 +279,78 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.grid.volume() / self.grid.spacing[axis] * 0.5 * self.step
     }
 
-    /// Adds the work at the ends of a line that its sweep is about to do.
-    fn note_work(&mut self, line: Line) {
-        let (count, axis) = self.extent(line);
-        let layer = self.layer();
-        for end in 0..2 {
-            if !matches!(&self.sides[axis][end], Side::Mirror(mirror) if mirror.works) {
+    /// Adds the work at an end of lines that their sweep is about to do.
+    fn note_work(&mut self, bundle: Bundle, end: usize) {
+        let Bundle { axis, half, lines, .. } = bundle;
+        if !matches!(&self.sides[half][axis][end], Side::Mirror(mirror) if mirror.works) {
+            return;
+        }
+        let (length, lanes) = self.length(bundle);
+        let first = [-2, length as isize - 2][end];
+        for line in (0..lines).flat_map(|line| (0..lanes).map(move |lane| (line, lane))) {
+            if !self.has_cells(bundle, line.0, line.1) {
                 continue;
             }
-            let first = [-2, count as isize - 2][end];
-            let last_cell = self.cell(line, [0, count - 1][end]);
+            let outermost = self.place_of(bundle, line, [0, length - 1][end]).0;
             for pair in 0..self.waves[axis].len() {
-                let four = [0, 1, 2, 3].map(|i| self.read(line, first + i, pair));
+                let four = [0, 1, 2, 3].map(|i| self.read(bundle, line, first + i, pair));
                 let cells = [four[1].1, four[2].1];
                 let work = line::work_between(four.map(|own| own.0), cells, self.scheme.slopes);
                 let inflow = if end == 0 { -work } else { work };
-                self.ledgers[last_cell / layer].inflow += self.face_time(axis) * inflow;
+                self.ledgers[outermost / self.across].inflow += self.face_time(axis) * inflow;
             }
         }
     }
 
-    /// The sweep of a line, cell by cell, with its account.
-    fn sweep_plainly(&mut self, line: Line) {
-        let (count, axis) = self.extent(line);
-        let (unit, layer) = (self.face_time(axis), self.layer());
+    /// The sweep line by line and cell by cell, with its account.
+    fn sweep_plainly(&mut self, bundle: Bundle) {
+        let (_, lanes) = self.length(bundle);
+        for line in (0..bundle.lines).flat_map(|line| (0..lanes).map(move |lane| (line, lane))) {
+            if self.has_cells(bundle, line.0, line.1) {
+                self.sweep_line(bundle, line);
+            }
+        }
+    }
+
+    fn sweep_line(&mut self, bundle: Bundle, line: (usize, usize)) {
+        let Bundle { axis, half, .. } = bundle;
+        let (length, _) = self.length(bundle);
+        let (unit, fields) = (self.face_time(axis), self.fields().len());
         for pair in 0..self.waves[axis].len() {
-            let end = count + 2 * GHOSTS;
+            let end = length + 2 * GHOSTS;
             for i in 0..end {
-                let (state, cell) = self.read(line, i as isize - GHOSTS as isize, pair);
+                let (state, cell) = self.read(bundle, line, i as isize - GHOSTS as isize, pair);
                 self.buffer.velocity[i] = state.velocity;
                 self.buffer.stress[i] = state.stress;
                 self.buffer.cells[i] = cell;
             }
-            let Buffer { velocity, stress, cells, accounts, .. } = &mut self.buffer;
-            let accounts = &mut accounts[..count];
+            let super::Buffer { velocity, stress, cells, accounts, .. } = &mut self.buffer;
+            let accounts = &mut accounts[..length];
             accounts.fill(Account::default());
             let (velocity, stress) = (&mut velocity[..end], &mut stress[..end]);
             line::sweep(velocity, stress, &cells[..end], self.scheme.slopes, Some(accounts));
-            for i in 0..count {
-                let cell = self.cell(line, i);
+            let wave = &self.waves[axis][pair];
+            for i in 0..length {
+                let (group, lane) = self.place_of(bundle, line, i);
+                let pattern = self.patterns[group];
+                let layer = group / self.across;
                 let [v, s] = [self.buffer.velocity[GHOSTS + i], self.buffer.stress[GHOSTS + i]];
-                let wave = &self.waves[axis][pair];
-                let (velocity, stress, followers) =
-                    (wave.velocity, wave.stress, wave.followers.len());
-                let change = s - self.at(cell, stress);
-                *self.at_mut(cell, velocity) = v;
-                *self.at_mut(cell, stress) = s;
-                for index in 0..followers {
-                    let medium = usize::from(self.of_cell[cell]);
-                    let ratio = T::of(self.media[medium].pairs[axis][pair].followers[index].1);
-                    let value = self.at_mut(cell, self.waves[axis][pair].followers[index]);
+                let group = &mut self.data[group * fields..][..fields];
+                let change = s - group[wave.stress].lanes()[lane];
+                group[wave.velocity].lanes_mut()[lane] = v;
+                group[wave.stress].lanes_mut()[lane] = s;
+                for (index, &place) in wave.followers.iter().enumerate() {
+                    let ratio = self.table.ratio(pattern, wave, index).lanes()[lane];
+                    let value = &mut group[place].lanes_mut()[lane];
                     *value = *value + ratio * change;
                 }
                 let account = self.buffer.accounts[i];
                 // What crosses a cut, or comes round, stays inside.
-                let is_outside = |end: usize| matches!(self.sides[axis][end], Side::Mirror(_));
-                let ends = [i == 0, i + 1 == count];
+                let is_outside =
+                    |end: usize| matches!(self.sides[half][axis][end], Side::Mirror(_));
+                let ends = [i == 0, i + 1 == length];
                 let is_edge = (0..2).any(|end| ends[end] && is_outside(end));
-                let ledger = &mut self.ledgers[cell / layer];
+                let ledger = &mut self.ledgers[layer];
                 ledger.inflow += if is_edge { unit * account.inflow } else { 0.0 };
                 ledger.gained += unit * account.gained;
                 ledger.lost += unit * account.lost;

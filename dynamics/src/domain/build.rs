@@ -1,0 +1,304 @@
+//! What a domain needs of a problem, and the order in which it needs it.
+
+use super::{Buffer, Domain, EnergyTerms, HALO, Kick, TILE, groups};
+use crate::boundary::Boundary;
+use crate::kernel::{Carried, Instructions, Table, Wave};
+use crate::ledger::{Ledger, Total};
+use crate::line::{Account, Cell, GHOSTS, Weights};
+use crate::medium::{Medium, energy_terms};
+use crate::problem::Problem;
+use crate::real::{Group, Number, Real};
+use crate::side::{Mirror, Side, Slot};
+use models::cosserat::waves::{Field, Pair};
+use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
+
+/// Media in the lanes of a group, and whether there are cells; numbered as they turn up.
+#[derive(Default)]
+struct Patterns {
+    known: HashMap<Vec<(u16, bool)>, u32>,
+    all: Vec<Vec<(u16, bool)>>,
+}
+
+impl Patterns {
+    fn number(&mut self, lanes: Vec<(u16, bool)>) -> u32 {
+        let (all, next) = (&mut self.all, self.known.len() as u32);
+        *self.known.entry(lanes).or_insert_with_key(|lanes| {
+            all.push(lanes.clone());
+            next
+        })
+    }
+
+    /// Patterns of the groups of a row, and of the ghosts in front of it and behind.
+    fn row<T: Real>(&mut self, media: &[u16], is_periodic: bool) -> (Vec<u32>, [u32; 2 * GHOSTS]) {
+        let (lanes, length, groups) =
+            (T::Lanes::COUNT as isize, media.len(), groups::<T>(media.len()) as isize);
+        // Mirror images, or what comes round. In lanes that are neither cells nor ghosts stands any medium.
+        let at = |x: isize| {
+            let inside = usize::try_from(x).ok().and_then(|x| media.get(x));
+            let beyond =
+                if x < 0 { (-1 - x) as usize } else { x as usize - length.min(x as usize) };
+            let depth = beyond % length;
+            let own = if (x < 0) == is_periodic { length - 1 - depth } else { depth };
+            (inside.copied().unwrap_or(media[own]), inside.is_some())
+        };
+        let mut group =
+            |place: isize| self.number((0..lanes).map(|lane| at(lane * groups + place)).collect());
+        let own = (0..groups).map(&mut group).collect();
+        (own, [-1, -2, groups, groups + 1].map(group))
+    }
+}
+
+impl<T: Real, const D: usize> Domain<T, D> {
+    /// The layers across the last axis of a sound problem, and whether there are others beyond.
+    pub(crate) fn slab(problem: &Problem<D>, own: Range<usize>, is_cut: [bool; 2]) -> Self {
+        let whole = problem.grid;
+        let [length, last] = [whole.cells[0], whole.cells[D - 1]];
+        let layer = whole.faces(D - 1);
+        let media = problem.media.clone();
+        let fields = &media[0].fields;
+        let place = |field: Field| fields.iter().position(|own| *own == field);
+
+        let comes_round = problem.boundaries[D - 1][0] == Boundary::Periodic && own.len() == last;
+        let halo = is_cut.map(|cut| if cut || comes_round { HALO } else { 0 });
+        // Layers count round where the domain does.
+        let layers: Vec<usize> = (0..halo[0] + own.len() + halo[1])
+            .map(|index| (index + own.start + HALO * last - halo[0]) % last)
+            .collect();
+        let of_layer = |values: usize| values * layer..(values + 1) * layer;
+        let of_cell: Vec<u16> =
+            layers.iter().flat_map(|&index| &problem.of_cell[of_layer(index)]).copied().collect();
+
+        let mut constants = [0, 0];
+        let mut wave = |pair: &Pair| {
+            let followers: Vec<usize> =
+                pair.followers.iter().filter_map(|(field, _)| place(*field)).collect();
+            let wave = Wave {
+                velocity: place(pair.velocity).unwrap_or(0),
+                stress: place(pair.stress).unwrap_or(0),
+                constants: constants[0],
+                ratios: constants[1],
+                followers,
+            };
+            constants = [constants[0] + 1, constants[1] + wave.followers.len()];
+            wave
+        };
+        let waves: [Vec<Wave>; D] =
+            std::array::from_fn(|axis| media[0].pairs[axis].iter().map(&mut wave).collect());
+
+        let mut known = Patterns::default();
+        let is_periodic = problem.boundaries[0][0] == Boundary::Periodic;
+        let rows: Vec<_> =
+            of_cell.chunks(length).map(|row| known.row::<T>(row, is_periodic)).collect();
+        let patterns: Vec<u32> = rows.iter().flat_map(|row| row.0.iter().copied()).collect();
+        let groups = groups::<T>(length);
+        let across = groups * layer / length;
+        // The group and lane of a cell.
+        let slot =
+            |cell: usize| (cell / length * groups + cell % length % groups, cell % length / groups);
+
+        let side = |axis: usize, end: usize| {
+            let boundary = &problem.boundaries[axis][end];
+            if axis + 1 == D && halo[end] > 0 {
+                return Side::Cut;
+            }
+            if *boundary == Boundary::Periodic {
+                return Side::Periodic;
+            }
+            let mut faces: Vec<(usize, Slot)> = if axis + 1 == D {
+                (0..layer).map(|face| (face, slot(face))).collect()
+            } else {
+                // Those of the layer, and how they stand together.
+                let own = layer / whole.cells[axis];
+                let of_face = |index: usize, face: usize| match axis {
+                    0 => {
+                        let row = index * own + face;
+                        (row / T::Lanes::COUNT, row % T::Lanes::COUNT)
+                    }
+                    _ => (index * groups + slot(face).0, slot(face).1),
+                };
+                let of_layer = |(index, &layer): (usize, &usize)| {
+                    (0..own).map(move |face| (layer * own + face, of_face(index, face)))
+                };
+                layers.iter().enumerate().flat_map(of_layer).collect()
+            };
+            faces.sort_unstable();
+            let groups = match axis {
+                0 => rows.len().div_ceil(T::Lanes::COUNT),
+                _ if axis + 1 == D => across,
+                _ => layers.len() * groups,
+            };
+            let mut mirror = Mirror::new(boundary, media[0].pairs[axis].len(), (&faces, groups));
+            for load in problem.loads.iter().filter(|load| (load.axis, load.end) == (axis, end)) {
+                mirror.add(load, &faces);
+            }
+            Side::Mirror(mirror)
+        };
+        let sides: [[Side<T>; 2]; D] =
+            std::array::from_fn(|axis| std::array::from_fn(|end| side(axis, end)));
+
+        // Where each layer of the whole stands.
+        let mut standing: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (index, &layer) in layers.iter().enumerate() {
+            standing.entry(layer).or_default().push(index);
+        }
+        let kicks = problem.sources.iter().map(|source| {
+            let mut cells = Vec::new();
+            for &(cell, share) in &source.cells {
+                for index in standing.get(&(cell / layer)).into_iter().flatten() {
+                    let (group, lane) = slot(index * layer + cell % layer);
+                    cells.push((group, lane, share));
+                }
+            }
+            cells.sort_by_key(|&(group, lane, _)| (group, lane));
+            let amplitudes = source.amplitudes.iter();
+            let amplitudes = amplitudes.filter_map(|&(f, a)| Some((place(f)?, a))).collect();
+            Kick { cells, amplitudes, signal: source.signal.clone() }
+        });
+        let initial_stress =
+            problem.initial_stress.clone().map(|(axis, stress)| match axis + 1 == D {
+                true => (axis, layers.iter().map(|&layer| stress[layer]).collect()),
+                false => (axis, stress),
+            });
+        let turning = (0..3).filter_map(|k| {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            Some([place(Field::Spin(k))?, place(Field::Stress(i, j))?, place(Field::Stress(j, i))?])
+        });
+        let is_plastic = media.iter().any(|medium| medium.yields.is_some());
+        let integrals = problem.integrals.iter().filter_map(|&field| place(field));
+        let cells = of_cell.len();
+        let longest = whole.cells.iter().copied().max().unwrap_or(0).max(layers.len());
+        let longest = longest + 2 * GHOSTS;
+        let widest = media[0].pairs.iter().map(Vec::len).max().unwrap_or(0);
+        let lines = groups.max(TILE);
+        let stream = vec![Carried::empty(); across * media[0].pairs[D - 1].len()];
+        let buffer = Buffer {
+            ghosts: vec![[T::Lanes::ZERO; 2]; 2 * GHOSTS * lines * widest],
+            ghost_patterns: vec![0; 2 * GHOSTS * lines],
+            carried: vec![Carried::empty(); lines * widest],
+            streams: [stream.clone(), stream],
+            velocity: vec![T::ZERO; longest],
+            stress: vec![T::ZERO; longest],
+            cells: vec![Cell::new(1.0, 0.0); longest],
+            accounts: vec![Account::default(); longest],
+        };
+        let mut grid = whole;
+        grid.cells[D - 1] = own.len();
+        let mut domain = Self {
+            grid,
+            halo,
+            comes_round,
+            of_cell,
+            step: problem.step,
+            scheme: problem.scheme,
+            instructions: Instructions::best(),
+            waves,
+            table: Table { cells: Vec::new(), waves: 0, ratios: Vec::new(), followers: 0 },
+            turns: Vec::new(),
+            yields: Vec::new(),
+            turning: turning.collect(),
+            energy_terms: EnergyTerms { places: Vec::new(), kinetic: 0, factors: Vec::new() },
+            groups,
+            across,
+            data: vec![T::Lanes::ZERO; patterns.len() * fields.len()],
+            patterns,
+            row_patterns: rows.iter().map(|row| row.1).collect(),
+            sides: [sides.clone(), sides],
+            kicks: kicks.collect(),
+            acceleration: problem.acceleration,
+            initial_stress,
+            dissipated: vec![0.0; if is_plastic { cells } else { 0 }],
+            integrals: integrals.map(|place| (place, vec![0.0; cells])).collect(),
+            steps: 0,
+            ledgers: vec![Ledger::default(); layers.len()],
+            totals: vec![Total::default(); own.len()],
+            buffer,
+            media,
+        };
+        domain.tabulate(&known.all, constants);
+        domain
+    }
+
+    /// The constants of all patterns.
+    fn tabulate(&mut self, patterns: &[Vec<(u16, bool)>], [waves, followers]: [usize; 2]) {
+        let lanes = |pattern: &[(u16, bool)], value: &dyn Fn(usize, bool) -> f64| {
+            let mut lanes = T::Lanes::ZERO;
+            for (lane, &(medium, is_cell)) in lanes.lanes_mut().iter_mut().zip(pattern) {
+                *lane = T::of(value(usize::from(medium), is_cell));
+            }
+            lanes
+        };
+        let media = &self.media;
+        let mut table = Table { cells: Vec::new(), waves, ratios: Vec::new(), followers };
+        for pattern in patterns {
+            // What is no cell does not change.
+            let only_cells = |value: &dyn Fn(&Medium) -> f64| {
+                lanes(pattern, &|medium, is_cell| if is_cell { value(&media[medium]) } else { 0.0 })
+            };
+            for axis in 0..D {
+                let ratio = 0.5 * self.step / self.grid.spacing[axis];
+                for pair in 0..media[0].pairs[axis].len() {
+                    let cell = |medium: &Medium| {
+                        let own = &medium.pairs[axis][pair];
+                        Cell::<T>::new(own.impedance(), (own.speed() * ratio).min(1.0))
+                    };
+                    let own = |value: &dyn Fn(Cell<T>) -> T| {
+                        lanes(pattern, &|medium, _| value(cell(&media[medium])).wide())
+                    };
+                    let impedance = own(&|cell| cell.impedance);
+                    table.cells.push(Cell {
+                        impedance,
+                        courant: own(&|cell| cell.courant),
+                        rest: own(&|cell| cell.rest),
+                        to_velocity: only_cells(&|medium| cell(medium).to_velocity.wide()),
+                        to_stress: only_cells(&|medium| cell(medium).to_stress.wide()),
+                        between: Weights::new(impedance, impedance),
+                    });
+                    for follower in 0..media[0].pairs[axis][pair].followers.len() {
+                        table.ratios.push(only_cells(&|medium| {
+                            medium.pairs[axis][pair].followers[follower].1
+                        }));
+                    }
+                }
+            }
+        }
+        let turns = patterns.iter().map(|pattern| {
+            [1.0, 0.5].map(|part| {
+                [0, 1, 2].map(|which| {
+                    lanes(pattern, &|medium, is_cell| {
+                        let Some(rotation) = media[medium].rotation.filter(|_| is_cell) else {
+                            return [1.0, 0.0, 0.0][which];
+                        };
+                        let (sin, cos) = (rotation.frequency * part * self.step).sin_cos();
+                        [cos, rotation.ratio * sin, sin / rotation.ratio][which]
+                    })
+                })
+            })
+        });
+        let turns = turns.collect();
+        let yields = |&(medium, is_cell): &(u16, bool)| {
+            is_cell && media[usize::from(medium)].yields.is_some()
+        };
+        let yields = patterns.iter().map(|pattern| pattern.iter().any(yields)).collect();
+        // Coefficients by term; kinetic terms in front, since velocities and spins are.
+        let mut terms: BTreeMap<[usize; 2], Vec<f64>> = BTreeMap::new();
+        for (index, medium) in media.iter().enumerate() {
+            for (one, other, factor) in energy_terms(medium) {
+                let term = terms.entry([one, other]).or_insert_with(|| vec![0.0; media.len()]);
+                term[index] = factor;
+            }
+        }
+        let is_kinetic = |place: &[usize; 2]| media[0].inertia(media[0].fields[place[0]]) > 0.0;
+        let kinetic = terms.keys().filter(|place| is_kinetic(place)).count();
+        let factors = patterns.iter().map(|pattern| {
+            let of = |term: &Vec<f64>| {
+                lanes(pattern, &|medium, is_cell| if is_cell { term[medium] } else { 0.0 })
+            };
+            terms.values().map(of).collect()
+        });
+        let factors = factors.collect();
+        let places = terms.keys().copied().collect();
+        (self.table, self.turns, self.yields) = (table, turns, yields);
+        self.energy_terms = EnergyTerms { places, kinetic, factors };
+    }
+}

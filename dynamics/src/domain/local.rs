@@ -1,0 +1,283 @@
+//! What a step does to cells on their own: sources, gravity, rotation, correction; and sums over them.
+
+use super::{Domain, Turn};
+use crate::kernel::Work;
+use crate::ledger::Energy;
+use crate::medium::component;
+use crate::real::{Group, Number, Real};
+use models::cosserat::stress::Stress;
+use models::cosserat::waves::Field;
+use std::ops::Range;
+
+impl<T: Real, const D: usize> Domain<T, D> {
+    /// The cell in a lane of a group, if there is one.
+    #[inline(always)]
+    fn cell_of(&self, group: usize, lane: usize) -> Option<usize> {
+        let (row, place) = (group / self.groups, group % self.groups);
+        let x = lane * self.groups + place;
+        (x < self.grid.cells[0]).then(|| row * self.grid.cells[0] + x)
+    }
+
+    /// Adds to the integrals in time by the trapezoidal rule.
+    pub(super) fn integrate(&mut self, layers: Range<usize>, steps: f64) {
+        let mut integrals = std::mem::take(&mut self.integrals);
+        let layer = self.layer();
+        for (place, sums) in &mut integrals {
+            let cells = layers.start * layer..layers.end * layer;
+            for (sum, cell) in sums[cells.clone()].iter_mut().zip(cells) {
+                *sum += steps * self.step * self.at(cell, *place).wide();
+            }
+        }
+        self.integrals = integrals;
+    }
+
+    /// Sources and gravity over a time.
+    pub(super) fn kick(&mut self, layers: &Range<usize>, tile: &Range<usize>, times: [f64; 2]) {
+        let [from, to] = times;
+        let (volume, across, fields) = (self.grid.volume(), self.across, self.fields().len());
+        let kicks = std::mem::take(&mut self.kicks);
+        for kick in &kicks {
+            let impulse = (kick.signal)(0.5 * (from + to)) * (to - from);
+            // Before the beginning there is none: what is there at once comes with the first step.
+            let before = if from > 0.0 { (kick.signal)(from) } else { 0.0 };
+            let moment = (kick.signal)(to) - before;
+            let first = kick.cells.partition_point(|cell| cell.0 < layers.start * across);
+            let here = kick.cells[first..].iter().take_while(|cell| cell.0 < layers.end * across);
+            for &(group, lane, share) in here.filter(|cell| tile.contains(&(cell.0 % across))) {
+                let Some(cell) = self.cell_of(group, lane) else { continue };
+                let medium = usize::from(self.of_cell[cell]);
+                for &(place, amplitude) in &kick.amplitudes {
+                    let inertia = self.media[medium].inertia(self.fields()[place]);
+                    let work = if inertia > 0.0 {
+                        let change = amplitude * share * impulse / (inertia * volume);
+                        push(&mut self.data[group * fields + place].lanes_mut()[lane], change)
+                            * inertia
+                    } else {
+                        let before = self.media[medium].stored_energy(&self.stress(cell));
+                        let value =
+                            self.at(cell, place).wide() - amplitude * share * moment / volume;
+                        *self.at_mut(cell, place) = T::of(value);
+                        self.media[medium].stored_energy(&self.stress(cell)) - before
+                    };
+                    self.ledgers[group / across].sources += volume * work;
+                }
+            }
+        }
+        self.kicks = kicks;
+        for (axis, acceleration) in self.acceleration.into_iter().enumerate() {
+            let Some(place) = self.place(Field::Velocity(axis)).filter(|_| acceleration != 0.0)
+            else {
+                continue;
+            };
+            let change = acceleration * (to - from);
+            for layer in layers.clone() {
+                for group in tile.clone().map(|group| layer * across + group) {
+                    for lane in 0..T::Lanes::COUNT {
+                        let Some(cell) = self.cell_of(group, lane) else { continue };
+                        let medium = &self.media[usize::from(self.of_cell[cell])];
+                        let inertia = medium.inertia(Field::Velocity(axis));
+                        let value = &mut self.data[group * fields + place].lanes_mut()[lane];
+                        self.ledgers[layer].sources += volume * inertia * push(value, change);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The stress in a cell without the initial one.
+    fn stress(&self, cell: usize) -> Stress {
+        let mut stress = Stress::default();
+        for (place, field) in self.fields().iter().enumerate() {
+            let value = self.at(cell, place).wide();
+            match *field {
+                Field::Stress(i, j) => {
+                    stress.force[i][j] = value;
+                    // One field stands for both in classical solids.
+                    if self.turning.is_empty() {
+                        stress.force[j][i] = value;
+                    }
+                }
+                Field::Couple(k, j) => stress.couple[k][j] = value,
+                Field::Velocity(_) | Field::Spin(_) => {}
+            }
+        }
+        stress
+    }
+
+    /// The initial stress in a cell.
+    fn initial_stress(&self, cell: usize) -> Stress {
+        let Some((axis, layers)) = &self.initial_stress else { return Stress::default() };
+        let stride: usize = self.grid.cells[..*axis].iter().product();
+        layers[cell / stride % layers.len()]
+    }
+
+    /// The whole stress in a cell, the initial one included.
+    pub fn whole_stress(&self, cell: usize) -> Stress {
+        let cell = cell + self.own_cells().start;
+        combined(&self.stress(cell), &self.initial_stress(cell), 1.0)
+    }
+
+    /// P, or with `reflects` 2P − I.
+    pub(super) fn correct(&mut self, layers: Range<usize>, tile: Range<usize>, reflects: bool) {
+        for layer in layers {
+            let first = layer * self.across;
+            for group in first + tile.start..first + tile.end {
+                if !self.yields[self.patterns[group] as usize] {
+                    continue;
+                }
+                for lane in 0..T::Lanes::COUNT {
+                    if let Some(cell) = self.cell_of(group, lane) {
+                        self.correct_cell(cell, layer, reflects);
+                    }
+                }
+            }
+        }
+    }
+
+    fn correct_cell(&mut self, cell: usize, layer: usize, reflects: bool) {
+        let medium = &self.media[usize::from(self.of_cell[cell])];
+        if medium.yields.is_none() {
+            return;
+        }
+        let initial = self.initial_stress(cell);
+        let trial = combined(&self.stress(cell), &initial, 1.0);
+        let corrected = medium.project(&trial);
+        if corrected.stress == trial {
+            return;
+        }
+        let (volume, times) = (self.grid.volume(), if reflects { 2.0 } else { 1.0 });
+        let plastic = combined(&trial, &corrected.stress, -1.0);
+        let energy = |stress: &Stress| medium.stored_energy(stress);
+        // ½|s̄|² − ½|2s − s̄|² = 2(½|s̄|² − ½|s|² − ½|s̄ − s|²).
+        let beyond = if reflects { energy(&plastic) } else { 0.0 };
+        let loss = times * (corrected.energy_lost - beyond);
+        let released = match &self.initial_stress {
+            // The product of both in the energy.
+            Some(_) => {
+                let both = combined(&plastic, &initial, 1.0);
+                times * (energy(&both) - energy(&plastic) - energy(&initial))
+            }
+            None => 0.0,
+        };
+        let share = loss / energy(&trial).max(f64::MIN_POSITIVE);
+        debug_assert!(share >= -1e-14, "the correction adds energy: {share:e} of what is there");
+        let ledger = &mut self.ledgers[layer];
+        ledger.plastic += volume * loss;
+        ledger.released += volume * released;
+        ledger.least_plastic = ledger.least_plastic.min(share);
+        self.dissipated[cell] += loss;
+        for place in 0..self.fields().len() {
+            let of = |stress: &Stress| component(self.fields()[place], stress);
+            let (Some(own), Some(plastic)) = (of(&corrected.stress), of(&plastic)) else {
+                continue;
+            };
+            let moved = if reflects { own - plastic } else { own };
+            let moved = moved - of(&initial).unwrap_or(0.0);
+            *self.at_mut(cell, place) = T::of(moved);
+        }
+    }
+
+    /// Spins against antisymmetric stress, over a whole step (0) or a half (1).
+    pub(super) fn rotate(&mut self, layers: &Range<usize>, tile: &Range<usize>, part: usize) {
+        let fields = self.fields().len();
+        for layer in layers.clone() {
+            let groups = layer * self.across + tile.start..layer * self.across + tile.end;
+            self.instructions.run(Rotate {
+                data: &mut self.data[groups.start * fields..groups.end * fields],
+                fields,
+                patterns: &self.patterns[groups],
+                turns: &self.turns,
+                turning: &self.turning,
+                part,
+            });
+        }
+    }
+
+    /// Energy by own layer across the last axis.
+    pub(crate) fn energies(&self) -> Vec<Energy> {
+        let mut energies = vec![Energy::default(); self.totals.len()];
+        self.instructions.run(Energies { domain: self, energies: &mut energies });
+        energies
+    }
+}
+
+/// Adds to a velocity; the energy that it takes, per inertia.
+fn push<T: Real>(value: &mut T, change: f64) -> f64 {
+    let before = value.wide();
+    *value = T::of(before + change);
+    let after = value.wide();
+    (after - before) * 0.5 * (after + before)
+}
+
+/// a + factor·b.
+fn combined(a: &Stress, b: &Stress, factor: f64) -> Stress {
+    let part = |a: [[f64; 3]; 3], b: [[f64; 3]; 3]| -> [[f64; 3]; 3] {
+        std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + factor * b[i][j]))
+    };
+    Stress { force: part(a.force, b.force), couple: part(a.couple, b.couple) }
+}
+
+/// Q on groups.
+struct Rotate<'a, N> {
+    data: &'a mut [N],
+    fields: usize,
+    patterns: &'a [u32],
+    turns: &'a [[Turn<N>; 2]],
+    turning: &'a [[usize; 3]],
+    part: usize,
+}
+
+impl<N: Number> Work for Rotate<'_, N> {
+    #[inline(always)]
+    fn run(self) {
+        for (group, &pattern) in self.data.chunks_exact_mut(self.fields).zip(self.patterns) {
+            let [cos, ratio_sin, sin_over_ratio] = self.turns[pattern as usize][self.part];
+            for &[spin, first, second] in self.turning {
+                let [omega, a, b] = [group[spin], group[first], group[second]];
+                let half = N::HALF * (a - b);
+                let turned = half * cos + ratio_sin * omega - half;
+                group[spin] = omega * cos - half * sin_over_ratio;
+                group[first] = a + turned;
+                group[second] = b - turned;
+            }
+        }
+    }
+}
+
+/// The energy of layers.
+struct Energies<'a, T: Real, const D: usize> {
+    domain: &'a Domain<T, D>,
+    energies: &'a mut [Energy],
+}
+
+impl<T: Real, const D: usize> Work for Energies<'_, T, D> {
+    #[inline(always)]
+    fn run(self) {
+        let Domain { energy_terms: terms, across, patterns, data, .. } = self.domain;
+        let fields = self.domain.fields().len();
+        let volume = self.domain.grid.volume();
+        for (energy, layer) in self.energies.iter_mut().zip(self.domain.own_layers()) {
+            // Sums of each lane on its own, in numbers of twice the digits where there are such.
+            let mut sums = [[0.0f64; MOST_LANES]; 2];
+            for group in layer * across..(layer + 1) * across {
+                let factors = &terms.factors[patterns[group] as usize];
+                let group = &data[group * fields..][..fields];
+                for (term, (&[one, other], factor)) in terms.places.iter().zip(factors).enumerate()
+                {
+                    let sums = &mut sums[usize::from(term >= terms.kinetic)];
+                    let lanes = factor.lanes().iter().zip(group[one].lanes());
+                    for (sum, ((factor, one), other)) in
+                        sums.iter_mut().zip(lanes.zip(group[other].lanes()))
+                    {
+                        *sum += factor.wide() * one.wide() * other.wide();
+                    }
+                }
+            }
+            let [kinetic, stored] = sums.map(|lanes| volume * lanes.iter().sum::<f64>());
+            *energy = Energy { kinetic, stored };
+        }
+    }
+}
+
+/// Lanes of the narrowest numbers.
+const MOST_LANES: usize = 16;
