@@ -1,7 +1,7 @@
-//! Million cell-updates per second of the sweeps, beside the bandwidth of the memory in the same minutes.
+//! Million cell-updates per second, beside the bandwidth of the memory in the same minutes.
 //!
 //! A cell-update is one cell advanced by one Courant unit in every direction; a step is two of them.
-//! `cargo bench -p wellposed-dynamics --bench rates -- [quick]`
+//! `cargo bench -p wellposed-dynamics --bench rates -- [word…]` takes the rows that have all these words.
 
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
 use models::plasticity::parameters::{Mises, YieldSet};
@@ -14,58 +14,169 @@ use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme};
 use wellposed_dynamics::real::Real;
 use wellposed_dynamics::split::Split;
 
-fn medium(theory: Theory, dimensions: usize) -> Medium {
+/// What stands where.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Media {
+    Elastic,
+    /// Everywhere and always.
+    Yielding,
+    /// Beyond their strength nowhere.
+    Strong,
+    /// Twenty layers across the last axis, of two media.
+    Layers,
+    /// Fifty circles or spheres.
+    Inclusions,
+    /// One of two, by chance.
+    EachCell,
+    /// Elastic, and falling to nothing from the middle on.
+    Tails,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    dimensions: usize,
+    theory: Theory,
+    /// Cells along each axis.
+    count: usize,
+    media: Media,
+    is_single: bool,
+    threads: usize,
+    detail: Detail,
+    instructions: Instructions,
+}
+
+impl Row {
+    fn name(&self) -> String {
+        let Self { dimensions, theory, count, media, threads, detail, instructions, .. } = self;
+        let bits = if self.is_single { "f32" } else { "f64" };
+        let plain = if *detail == Detail::Full { " reference" } else { "" };
+        let name = format!("{dimensions}D {theory:?} {count} {media:?} {bits} {threads}t");
+        format!("{name} {instructions:?}{plain}").to_lowercase()
+    }
+}
+
+fn medium(theory: Theory, dimensions: usize, factor: f64) -> Medium {
     let couple =
         (theory == Theory::Cosserat).then_some(CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 });
     let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple };
     let rotation = (theory != Theory::Classical).then_some(rotation);
-    let solid = Isotropic::new(1.4, 0.9, 1.2, rotation).expect("sound moduli");
+    let solid = Isotropic::new(1.4 * factor, 0.9 * factor, 1.2, rotation).expect("sound moduli");
     Medium::isotropic(&solid, dimensions)
 }
 
-/// A row of the table.
-struct Row {
-    name: &'static str,
-    theory: Theory,
-    /// Cells along each axis.
-    count: usize,
-    threads: usize,
-    detail: Detail,
-    yields: bool,
-    instructions: Instructions,
+/// Numbers in [0, 1) that look random.
+fn noise(index: usize) -> f64 {
+    let mixed = (index as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let mixed = (mixed ^ (mixed >> 31)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    (mixed >> 11) as f64 / (1u64 << 53) as f64
 }
 
-fn rate<T: Real, const D: usize>(row: &Row) -> f64 {
-    let mut medium = medium(row.theory, D);
-    if row.yields {
-        medium = medium.yielding(YieldSet::Mises(Mises::von_mises(0.5)));
-    }
+fn media<const D: usize>(row: &Row) -> (Vec<Medium>, Vec<u16>) {
     let count = row.count.pow(D as u32);
-    let step = 2.0 * 0.1 / medium.greatest_speed();
+    let own = medium(row.theory, D, 1.0);
+    let both = vec![own.clone(), medium(row.theory, D, 0.6)];
+    let yielding =
+        |strength: f64| vec![own.clone().yielding(YieldSet::Mises(Mises::von_mises(strength)))];
+    let same = vec![0; count];
+    let layer = row.count.pow(D as u32 - 1);
+    match row.media {
+        Media::Elastic | Media::Tails => (vec![own], same),
+        Media::Yielding => (yielding(1e-3), same),
+        Media::Strong => (yielding(1e3), same),
+        Media::Layers => {
+            let of = |cell: usize| (cell / layer * 20 / row.count % 2) as u16;
+            (both, (0..count).map(of).collect())
+        }
+        Media::Inclusions => {
+            let mut of_cell = same;
+            let radius = 0.04 * row.count as f64;
+            for inclusion in 0..50 {
+                let middle: [f64; D] =
+                    std::array::from_fn(|axis| noise(3 * inclusion + axis) * row.count as f64);
+                for (cell, medium) in of_cell.iter_mut().enumerate() {
+                    let mut rest = cell;
+                    let square: f64 = middle
+                        .iter()
+                        .map(|middle| {
+                            let place = (rest % row.count) as f64;
+                            rest /= row.count;
+                            (place - middle) * (place - middle)
+                        })
+                        .sum();
+                    if square < radius * radius {
+                        *medium = 1;
+                    }
+                }
+            }
+            (both, of_cell)
+        }
+        Media::EachCell => (both, (0..count).map(|i| u16::from(noise(i) < 0.5)).collect()),
+    }
+}
+
+/// Time that this process spent on processors, s, where the system tells.
+fn processor_time() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    let mut fields = stat.rsplit(')').next()?.split_whitespace().skip(11);
+    let ticks = |field: Option<&str>| field?.parse::<f64>().ok();
+    Some((ticks(fields.next())? + ticks(fields.next())?) / 100.0)
+}
+
+/// What was measured of a row.
+struct Measured {
+    rate: f64,
+    /// Share of its time that it had its processors.
+    share: Option<f64>,
+    /// Seconds of a sum of energies over those of a step.
+    energies: f64,
+    fields: usize,
+}
+
+fn measure<T: Real, const D: usize>(row: &Row) -> Measured {
+    let (media, of_cell) = media::<D>(row);
+    let count = of_cell.len();
+    let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
     let scheme = Scheme { detail: row.detail, ..Scheme::new(Slopes::Limited, Placement::Last) };
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let grid = Grid { cells: [row.count; D], spacing: [0.1; D] };
-    let problem = Problem::new(grid, vec![medium], vec![0; count], sides, step, scheme);
+    let problem = Problem::new(grid, media, of_cell, sides, 2.0 * 0.1 / speed, scheme);
     let mut split: Split<T, D> = Split::new(&problem, row.threads).expect("sound");
     split.set_instructions(row.instructions);
+    let layer = row.count.pow(D as u32 - 1);
     for (index, field) in split.fields().to_vec().into_iter().enumerate() {
-        let value = |i: usize| T::of(((i * 7919 + 31 * index) % 1000) as f64 / 1000.0 - 0.5);
+        let value = |i: usize| {
+            let tail = (i / layer) as f64 / row.count as f64 - 0.1;
+            let size =
+                if row.media == Media::Tails { (-2000.0 * tail.max(0.0)).exp() } else { 1.0 };
+            T::of(size * (noise(i + 31 * index) - 0.5))
+        };
         split.set(field, &(0..count).map(value).collect::<Vec<_>>());
     }
     split.advance(2);
-    // Medians of several rounds of about half a second.
+    // Medians of several rounds of about a second.
     let probe = Instant::now();
     split.advance(2);
-    let steps = ((0.5 * 2.0 / probe.elapsed().as_secs_f64()) as usize).clamp(2, 1000);
-    let mut rates: Vec<f64> = (0..3)
+    let steps = ((2.0 / probe.elapsed().as_secs_f64()) as usize).clamp(2, 1000);
+    let begun = (Instant::now(), processor_time());
+    let mut seconds: Vec<f64> = (0..5)
         .map(|_| {
             let start = Instant::now();
             split.advance(steps);
-            2.0 * (steps * count) as f64 / start.elapsed().as_secs_f64() / 1e6
+            start.elapsed().as_secs_f64() / steps as f64
         })
         .collect();
-    rates.sort_by(f64::total_cmp);
-    rates[1]
+    let wall = begun.0.elapsed().as_secs_f64() * row.threads as f64;
+    let share = begun.1.zip(processor_time()).map(|(before, after)| (after - before) / wall);
+    seconds.sort_by(f64::total_cmp);
+    let start = Instant::now();
+    std::hint::black_box(split.energy());
+    let energies = start.elapsed().as_secs_f64() / seconds[2];
+    Measured {
+        rate: 2.0 * count as f64 / seconds[2] / 1e6,
+        share,
+        energies,
+        fields: split.fields().len(),
+    }
 }
 
 /// Bandwidth of a = b + 3c on arrays of that many bytes in all, GB/s.
@@ -94,49 +205,84 @@ fn triad(bytes: usize, threads: usize) -> f64 {
     best
 }
 
-fn main() {
-    let is_quick = std::env::args().any(|argument| argument == "quick");
-    let [plane, space] = if is_quick { [1000, 100] } else { [4000, 150] };
-    for threads in [1, 2] {
-        println!("triad {threads} threads: {:.1} GB/s from memory", triad(1 << 30, threads));
-    }
-    let best = Instructions::best();
-    let row = |name, theory, count, threads| Row {
-        name,
-        theory,
-        count,
-        threads,
-        detail: Detail::Light,
-        yields: false,
-        instructions: best,
-    };
-    println!("plain reference, with the full ledger:");
-    let plain = Row { detail: Detail::Full, ..row("2D f64", Theory::Cosserat, 500, 1) };
-    println!("  2D Cosserat f64 500², 1 thread: {:.1}", rate::<f64, 2>(&plain));
-    for instructions in Instructions::available() {
-        let row = Row { instructions, ..row("2D f64", Theory::Cosserat, 1000, 1) };
-        println!(
-            "  2D Cosserat f64 1000², 1 thread, {instructions:?}: {:.1}",
-            rate::<f64, 2>(&row)
-        );
-    }
-    for threads in [1, 2] {
-        for theory in [Theory::Cosserat, Theory::Classical] {
-            let row = row("2D f64", theory, plane, threads);
-            let yielding = Row { name: "2D f64 yielding", yields: true, ..row };
-            let rates = [rate::<f64, 2>(&row), rate::<f32, 2>(&row), rate::<f64, 2>(&yielding)];
-            println!(
-                "  {theory:?} {plane}², {threads} threads: f64 {:.1}, f32 {:.1}, yielding {:.1} ({})",
-                rates[0], rates[1], rates[2], yielding.name
-            );
-        }
+/// All rows, the small ones first.
+fn rows() -> Vec<Row> {
+    let instructions = Instructions::best();
+    let (detail, is_single, threads, media) = (Detail::Light, false, 1, Media::Elastic);
+    let mut rows = Vec::new();
+    let mut sizes = vec![(2, 500), (2, 1000), (2, 4000), (3, 64), (3, 150), (3, 256)];
+    sizes.dedup();
+    for (dimensions, count) in sizes {
         for theory in [Theory::Classical, Theory::Cosserat] {
-            let row = row("3D f64", theory, space, threads);
-            let rates = [rate::<f64, 3>(&row), rate::<f32, 3>(&row)];
-            println!(
-                "  {theory:?} {space}³, {threads} threads: f64 {:.1}, f32 {:.1} ({})",
-                rates[0], rates[1], row.name
-            );
+            let row =
+                Row { dimensions, theory, count, media, is_single, threads, detail, instructions };
+            let is_middle = [1000, 150].contains(&count);
+            if count == 500 || count == 64 {
+                rows.push(Row { detail: Detail::Full, ..row });
+            }
+            if is_middle {
+                let sets = Instructions::available().filter(|set| *set != instructions);
+                rows.extend(sets.map(|instructions| Row { instructions, ..row }));
+            }
+            for threads in [1, 2] {
+                rows.push(Row { threads, ..row });
+                if count == 500 || count == 64 {
+                    continue;
+                }
+                rows.push(Row { threads, is_single: true, ..row });
+                rows.push(Row { threads, media: Media::Strong, ..row });
+                rows.push(Row { threads, media: Media::Yielding, ..row });
+                if is_middle && threads == 1 {
+                    let others = [Media::Layers, Media::Inclusions, Media::EachCell];
+                    rows.extend(others.map(|media| Row { media, ..row }));
+                    rows.push(Row { is_single: true, media: Media::Tails, ..row });
+                }
+            }
         }
+    }
+    rows
+}
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    println!("| row | Mcu/s | B per update | GB/s | triad GB/s | energies / step | |");
+    println!("|---|---|---|---|---|---|---|");
+    for row in rows() {
+        let name = row.name();
+        if !words.iter().all(|word| name.split(' ').any(|own| own == word)) {
+            continue;
+        }
+        let mut best: Option<(Measured, f64)> = None;
+        for _ in 0..3 {
+            let found = match (row.dimensions, row.is_single) {
+                (2, false) => measure::<f64, 2>(&row),
+                (2, true) => measure::<f32, 2>(&row),
+                (_, false) => measure::<f64, 3>(&row),
+                (_, true) => measure::<f32, 3>(&row),
+            };
+            let size = if row.is_single { 4 } else { 8 };
+            let bytes = size * found.fields * row.count.pow(row.dimensions as u32);
+            let triad = triad(bytes.clamp(1 << 20, 1 << 30), row.threads);
+            let is_quiet = found.share.is_none_or(|share| share > 0.95);
+            if best.as_ref().is_none_or(|best| found.rate > best.0.rate) {
+                best = Some((found, triad));
+            }
+            if is_quiet {
+                break;
+            }
+        }
+        let Some((found, triad)) = best else { continue };
+        // All fields in and out, once a step of two updates.
+        let bytes = (found.fields * if row.is_single { 4 } else { 8 }) as f64;
+        let note = match found.share {
+            Some(share) if share <= 0.95 => format!("disturbed, {:.0} %", 100.0 * share),
+            _ => String::new(),
+        };
+        println!(
+            "| {name} | {:.1} | {bytes:.0} | {:.1} | {triad:.1} | {:.2} | {note} |",
+            found.rate,
+            found.rate * bytes / 1e3,
+            found.energies
+        );
     }
 }

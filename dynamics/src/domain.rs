@@ -70,8 +70,9 @@ fn groups<T: Real>(cells: usize) -> usize {
     (cells + GHOSTS).div_ceil(T::Lanes::COUNT).max(GHOSTS)
 }
 
-/// Something at both ends of the last axis.
-type Ends<N> = [N; 2];
+/// Layers at both ends of the last axis: own ones, and those of the halo.
+type Outermost<'a, T> = [&'a [<T as Real>::Lanes]; 2];
+type Beyond<'a, T> = [&'a mut [<T as Real>::Lanes]; 2];
 
 /// A source on cells of its own part.
 #[derive(Clone)]
@@ -367,7 +368,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
     }
 
     /// The outermost own layers at both ends, which are a neighbour's halo, and the halo itself.
-    pub(crate) fn exchanged(&mut self) -> (Ends<&[T::Lanes]>, Ends<&mut [T::Lanes]>) {
+    pub(crate) fn exchanged(&mut self) -> (Outermost<'_, T>, Beyond<'_, T>) {
         let layer = self.across * self.fields().len();
         let [front, behind] = self.halo.map(|layers| layers * layer);
         let own = self.data.len() - front - behind;
