@@ -39,9 +39,9 @@ use crate::kernel::{Carried, Ghost, Instructions, Table, Wave};
 use crate::ledger::{Energy, Ledger, Total};
 use crate::line::{Account, Cell, GHOSTS};
 use crate::medium::{Medium, component};
-use crate::problem::{Detail, DomainError, Grid, Placement, Problem, Scheme};
+use crate::problem::{DomainError, Grid, Placement, Problem, Scheme};
 use crate::real::{Group, Real};
-use crate::side::Side;
+use crate::side::{Side, Slot};
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
 use std::ops::Range;
@@ -52,6 +52,16 @@ pub const HALO: usize = 2 * GHOSTS;
 /// Layers that come in at a time: what a sweep carries from one of these chunks to the next is little
 /// beside them, and they stay in the cache.
 const CHUNK: usize = 8;
+
+/// Rows or layers that a sweep across them has written when so many have come in: it reads two more.
+fn written(ready: usize, all: usize) -> usize {
+    if ready == all { all } else { ready - GHOSTS }
+}
+
+/// The place of what sweeps within a layer carry, behind both sweeps along the last axis.
+const WITHIN: usize = 2;
+/// That of sweeps along rows.
+const ROW: usize = 3;
 
 /// Groups of a layer that go through the middle of a step together, for the same reason.
 const TILE: usize = 32;
@@ -114,6 +124,7 @@ pub struct Domain<T: Real, const D: usize> {
     groups: usize,
     /// Groups of a layer across the last axis.
     across: usize,
+    row_ends: RowEnds,
     /// By row and group.
     patterns: Vec<u32>,
     /// Of the ghosts of each row: in front of it and behind, the nearest first.
@@ -138,6 +149,15 @@ pub struct Domain<T: Real, const D: usize> {
     buffer: Buffer<T>,
 }
 
+/// Where the ends of a row stand in it.
+#[derive(Clone)]
+struct RowEnds {
+    /// What ghosts see of both ends, the outermost first; rows shorter than the ghosts repeat themselves.
+    inside: [[Slot; GHOSTS]; 2],
+    /// The ghosts behind the last cell.
+    beyond: [Slot; GHOSTS],
+}
+
 /// Terms of the energy density: places of two fields, by medium or pattern a coefficient. Kinetic terms
 /// stand first.
 #[derive(Clone)]
@@ -155,10 +175,8 @@ struct Buffer<T: Real> {
     ghosts: Vec<Ghost<T::Lanes>>,
     /// By line, end and depth.
     ghost_patterns: Vec<u32>,
-    /// By line and wave.
-    carried: Vec<Carried<T::Lanes>>,
-    /// Of both sweeps along the last axis, by group of a layer and wave.
-    streams: [Vec<Carried<T::Lanes>>; 2],
+    /// Of both sweeps along the last axis, of one within a layer and of one in a row, by line and wave.
+    carried: [Vec<Carried<T::Lanes>>; 4],
     velocity: Vec<T>,
     stress: Vec<T>,
     cells: Vec<Cell<T>>,
@@ -323,24 +341,20 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let (all, mut ready) = (self.layers(), [0; 3]);
         while ready[2] < all {
             let before = ready;
-            ready[0] = match self.scheme.detail {
-                Detail::Full => all,
-                Detail::Light => all.min(ready[0] + CHUNK),
-            };
-            // A sweep writes a layer when it has read two more.
-            ready[1] = if ready[0] == all { all } else { ready[0] - GHOSTS };
-            ready[2] = if ready[1] == all { all } else { ready[1] - GHOSTS };
+            ready[0] = self.next_chunk(ready[0], all);
+            ready[1] = written(ready[0], all);
+            ready[2] = written(ready[1], all);
             for layer in before[0]..ready[0] {
-                (0..D - 1).for_each(|axis| self.sweep_layer(layer, axis, 0));
+                self.sweep_layer(layer, 0);
             }
             for first in (0..self.across).step_by(TILE) {
                 let tile = first..self.across.min(first + TILE);
-                self.sweep_on(before[0]..ready[0], tile.clone(), 0);
+                self.sweep_last(before[0]..ready[0], tile.clone(), 0);
                 self.turn_and_kick(before[1]..ready[1], tile.clone(), times);
-                self.sweep_on(before[1]..ready[1], tile, 1);
+                self.sweep_last(before[1]..ready[1], tile, 1);
             }
             for layer in before[2]..ready[2] {
-                (0..D - 1).rev().for_each(|axis| self.sweep_layer(layer, axis, 1));
+                self.sweep_layer(layer, 1);
                 if self.scheme.placement == Placement::Last {
                     self.correct(layer..layer + 1, 0..self.across, false);
                 }

@@ -112,6 +112,23 @@ impl<T: Real> Table<T> {
     }
 }
 
+/// How many groups ahead of the one at hand numbers are called for: rows and layers lie too far apart for
+/// the processor to guess what comes next.
+const AHEAD: usize = 4;
+
+/// Calls for what stands so far behind the beginning of a slice, whether there is anything or not.
+#[inline(always)]
+fn fetch<N>(from: &[N], distance: usize) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: the address is not read from; the instruction does nothing where it is not one of ours.
+    unsafe {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        _mm_prefetch::<_MM_HINT_T0>(from.as_ptr().wrapping_add(distance).cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (from, distance);
+}
+
 /// A velocity and a stress of a group.
 pub(crate) type Ghost<N> = [N; 2];
 
@@ -197,19 +214,35 @@ impl<T: Real> Work for Lines<'_, T> {
 }
 
 impl<T: Real> Lines<'_, T> {
+    /// In runs through groups of one pattern, and single steps from one to another and at the ends.
     #[inline(always)]
     fn walk(mut self, slopes: Slopes) {
-        let count = self.count as isize;
+        let Range { start, end } = self.places;
+        // Where the group behind and the one after are there.
+        let inner = 1..self.count as isize - 1;
         for line in 0..self.carried.len() / self.waves.len().max(1) {
-            let Range { start, end } = self.places;
-            // Groups that have neighbours on both sides.
-            let inner = start.max(1)..end.min(count - 1).max(start.max(1));
-            for place in start..inner.start.min(end) {
-                self.pass(line, place, slopes);
-            }
-            self.pass_all(line, inner.start as usize..inner.end as usize, slopes);
-            for place in inner.end.max(start)..end {
-                self.pass(line, place, slopes);
+            let mut place = start;
+            while place < end {
+                let pattern = self.pattern(line, place);
+                if !inner.contains(&place) || self.pattern(line, place - 1) != pattern {
+                    self.step(line, place, slopes);
+                    place += 1;
+                    continue;
+                }
+                let mut run = place as usize..place as usize + 1;
+                let most = end.min(inner.end) as usize;
+                while run.end < most && self.pattern(line, run.end as isize) == pattern {
+                    run.end += 1;
+                }
+                place = run.end as isize;
+                for index in 0..self.waves.len() {
+                    // Loops of their own for all numbers of followers.
+                    match self.waves[index].followers.len() {
+                        0 => self.run_through::<0>(line, run.clone(), (index, pattern), slopes),
+                        1 => self.run_through::<1>(line, run.clone(), (index, pattern), slopes),
+                        _ => self.run_through::<2>(line, run.clone(), (index, pattern), slopes),
+                    }
+                }
             }
         }
     }
@@ -247,20 +280,24 @@ impl<T: Real> Lines<'_, T> {
         }
     }
 
-    /// One step of the way, wherever it is and whatever stands there.
+    /// A step, whatever there is around.
     #[inline(always)]
-    fn pass(&mut self, line: usize, place: isize, slopes: Slopes) {
+    fn step(&mut self, line: usize, place: isize, slopes: Slopes) {
         let [behind, here] = [place - 1, place].map(|place| self.pattern(line, place));
         for (index, wave) in self.waves.iter().enumerate() {
-            let next = self.read(line, place + 1, index);
             let slot = line * self.waves.len() + index;
-            let mut carried = self.carried[slot];
             if place < 0 {
-                carried = Carried { own: self.read(line, -1, index), ..Carried::empty() };
-                carried.difference = self.read(line, -2, index).to(carried.own);
+                let [first, own] = [-2, -1].map(|place| self.read(line, place, index));
+                self.carried[slot] = Carried { own, difference: first.to(own), ..Carried::empty() };
             }
+            let mut carried = self.carried[slot];
+            let next = self.read(line, place + 1, index);
             let cells = [behind, here].map(|pattern| self.table.cell(pattern, wave));
-            let weights = Weights::new(cells[0].impedance, cells[1].impedance);
+            let weights = if behind == here {
+                cells[1].between
+            } else {
+                Weights::new(cells[0].impedance, cells[1].impedance)
+            };
             let around =
                 [carried.difference, carried.own.to(next)].map(|own| Waves::of(own, cells[1]));
             let before = carried.behind;
@@ -272,36 +309,6 @@ impl<T: Real> Lines<'_, T> {
                 (group[wave.velocity], group[wave.stress]) = (moved.velocity, moved.stress);
                 for (index, &place) in wave.followers.iter().enumerate() {
                     group[place] = group[place] + self.table.ratio(behind, wave, index) * change;
-                }
-            }
-        }
-    }
-
-    /// The way between groups that are all there: at once where they are of one pattern.
-    #[inline(always)]
-    fn pass_all(&mut self, line: usize, places: Range<usize>, slopes: Slopes) {
-        let Range { start: mut place, end } = places;
-        let first = self.first + line;
-        while place < end {
-            let pattern = self.patterns[first + place * self.stride];
-            if self.patterns[first + (place - 1) * self.stride] != pattern {
-                self.pass(line, place as isize, slopes);
-                place += 1;
-            }
-            let mut run = place..place;
-            while run.end < end && self.patterns[first + run.end * self.stride] == pattern {
-                run.end += 1;
-            }
-            place = run.end;
-            if run.is_empty() {
-                continue;
-            }
-            for index in 0..self.waves.len() {
-                // Loops of their own for all numbers of followers.
-                match self.waves[index].followers.len() {
-                    0 => self.run_through::<0>(line, run.clone(), (index, pattern), slopes),
-                    1 => self.run_through::<1>(line, run.clone(), (index, pattern), slopes),
-                    _ => self.run_through::<2>(line, run.clone(), (index, pattern), slopes),
                 }
             }
         }
@@ -329,6 +336,9 @@ impl<T: Real> Lines<'_, T> {
         let mut behind = (self.first + line + (run.start - 1) * self.stride) * self.fields;
         for _ in run {
             let next = &self.data[behind + 2 * step..][..self.fields];
+            for place in [velocity, stress] {
+                fetch(next, AHEAD * self.fields + place);
+            }
             let next = State { velocity: next[velocity], stress: next[stress] };
             let after = Waves::of(carried.own.to(next), &cell);
             let unmoved = carried.behind.stress;

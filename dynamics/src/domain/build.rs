@@ -1,6 +1,6 @@
 //! What a domain needs of a problem, and the order in which it needs it.
 
-use super::{Buffer, Domain, EnergyTerms, HALO, Kick, TILE, groups};
+use super::{Buffer, Domain, EnergyTerms, HALO, Kick, RowEnds, TILE, groups};
 use crate::boundary::Boundary;
 use crate::kernel::{Carried, Instructions, Table, Wave};
 use crate::ledger::{Ledger, Total};
@@ -172,11 +172,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let widest = media[0].pairs.iter().map(Vec::len).max().unwrap_or(0);
         let lines = groups.max(TILE);
         let stream = vec![Carried::empty(); across * media[0].pairs[D - 1].len()];
+        let carried = |lines: usize| vec![Carried::empty(); lines * widest];
         let buffer = Buffer {
             ghosts: vec![[T::Lanes::ZERO; 2]; 2 * GHOSTS * lines * widest],
             ghost_patterns: vec![0; 2 * GHOSTS * lines],
-            carried: vec![Carried::empty(); lines * widest],
-            streams: [stream.clone(), stream],
+            carried: [stream.clone(), stream, carried(groups), carried(1)],
             velocity: vec![T::ZERO; longest],
             stress: vec![T::ZERO; longest],
             cells: vec![Cell::new(1.0, 0.0); longest],
@@ -200,6 +200,15 @@ impl<T: Real, const D: usize> Domain<T, D> {
             energy_terms: EnergyTerms { places: Vec::new(), kinetic: 0, factors: Vec::new() },
             groups,
             across,
+            row_ends: RowEnds {
+                inside: [
+                    std::array::from_fn(|depth| slot(depth % length)),
+                    std::array::from_fn(|depth| slot(length - 1 - depth % length)),
+                ],
+                beyond: std::array::from_fn(|depth| {
+                    ((length + depth) % groups, (length + depth) / groups)
+                }),
+            },
             data: vec![T::Lanes::ZERO; patterns.len() * fields.len()],
             patterns,
             row_patterns: rows.iter().map(|row| row.1).collect(),

@@ -1,6 +1,6 @@
 //! Sweeps along the axes, what lies beyond their ends, and the work done there.
 
-use super::Domain;
+use super::{CHUNK, Domain, ROW, WITHIN, written};
 use crate::kernel::{Lines, Wave};
 use crate::line::{self, Account, Cell, GHOSTS, State};
 use crate::problem::Detail;
@@ -28,74 +28,92 @@ struct Bundle {
 
 /// Sweeps, their ghosts and their work.
 impl<T: Real, const D: usize> Domain<T, D> {
-    /// Half a step along an axis in a layer across the last one.
-    pub(super) fn sweep_layer(&mut self, layer: usize, axis: usize, half: usize) {
-        let first = layer * self.across;
-        let groups = self.groups;
-        if axis == 0 {
-            for row in first / groups..(first + self.across) / groups {
-                let first = row * groups;
-                self.sweep(Bundle {
-                    axis,
-                    half,
-                    first,
-                    stride: 1,
-                    count: groups,
-                    lines: 1,
-                    face: row,
-                });
+    /// Half a step along all axes but the last one, in a layer across that: in their order in the first half
+    /// of the step, and in the second one in the other.
+    pub(super) fn sweep_layer(&mut self, layer: usize, half: usize) {
+        let (groups, first) = (self.groups, layer * self.across);
+        if D == 2 {
+            return self.sweep_row(first / groups, half);
+        }
+        let (count, face) = (self.grid.cells[1], layer * groups);
+        let bundle = Bundle { axis: 1, half, first, stride: groups, count, lines: groups, face };
+        let mut ready = [0; 2];
+        while ready[1] < count {
+            let before = ready;
+            ready[0] = self.next_chunk(ready[0], count);
+            ready[1] = written(ready[0], count);
+            if half == 0 {
+                for row in before[0]..ready[0] {
+                    self.sweep_row(first / groups + row, half);
+                }
             }
-        } else {
-            let (count, face) = (self.grid.cells[axis], layer * groups);
-            self.sweep(Bundle { axis, half, first, stride: groups, count, lines: groups, face });
+            self.sweep_on(bundle, before[0]..ready[0], WITHIN);
+            if half == 1 {
+                for row in before[1]..ready[1] {
+                    self.sweep_row(first / groups + row, half);
+                }
+            }
         }
     }
 
-    fn sweep(&mut self, bundle: Bundle) {
-        match bundle.axis {
-            0 => self.fill_row(bundle),
-            _ => (0..2).for_each(|end| self.fill_end(bundle, end)),
-        }
+    /// Half a step along the first axis.
+    fn sweep_row(&mut self, row: usize, half: usize) {
+        let (first, count) = (row * self.groups, self.groups);
+        let bundle = Bundle { axis: 0, half, first, stride: 1, count, lines: 1, face: row };
+        self.fill_row(bundle);
         match self.scheme.detail {
             Detail::Full => self.sweep_plainly(bundle),
             Detail::Light => {
                 (0..2).for_each(|end| self.note_work(bundle, end));
-                self.walk(bundle, -1..bundle.count as isize + 1, false);
+                self.walk(bundle, -1..count as isize + 1, ROW);
             }
         }
     }
 
     /// Goes on with half a step along the last axis, on a tile of a layer's groups: some layers are ready
     /// that were not before.
-    pub(super) fn sweep_on(&mut self, ready: Range<usize>, tile: Range<usize>, half: usize) {
+    pub(super) fn sweep_last(&mut self, ready: Range<usize>, tile: Range<usize>, half: usize) {
         let (stride, count) = (self.across, self.layers());
         let (first, lines, face) = (tile.start, tile.len(), tile.start);
         let bundle = Bundle { axis: D - 1, half, first, stride, count, lines, face };
-        if self.scheme.detail == Detail::Full {
-            return self.sweep(bundle);
+        self.sweep_on(bundle, ready, half);
+    }
+
+    /// How many rows or layers are there when the next chunk has come in; all at once for the plain
+    /// sweeps.
+    pub(super) fn next_chunk(&self, ready: usize, all: usize) -> usize {
+        match self.scheme.detail {
+            Detail::Full => all,
+            Detail::Light => all.min(ready + CHUNK),
         }
-        let mut places = ready.start as isize - 1..ready.end as isize - 1;
-        if ready.start == 0 {
-            self.fill_end(bundle, 0);
-            self.note_work(bundle, 0);
+    }
+
+    /// Goes on with half a step across the rows: some of them are ready that were not before.
+    fn sweep_on(&mut self, bundle: Bundle, ready: Range<usize>, stream: usize) {
+        let is_full = self.scheme.detail == Detail::Full;
+        let ends = [ready.start == 0, ready.end == bundle.count];
+        for end in (0..2).filter(|end| ends[*end]) {
+            self.fill_end(bundle, end);
+            if !is_full {
+                self.note_work(bundle, end);
+            }
         }
-        if ready.end == count {
-            places.end = count as isize + 1;
-            self.fill_end(bundle, 1);
-            self.note_work(bundle, 1);
+        if is_full {
+            return self.sweep_plainly(bundle);
         }
-        self.walk(bundle, places, true);
+        let start = ready.start as isize - 1;
+        let end = if ends[1] { bundle.count as isize + 1 } else { ready.end as isize - 1 };
+        self.walk(bundle, start..end, stream);
     }
 
     /// Part of the way along lines, in the widest instructions.
-    fn walk(&mut self, bundle: Bundle, places: Range<isize>, is_stream: bool) {
-        let Bundle { axis, half, first, stride, count, lines, .. } = bundle;
+    fn walk(&mut self, bundle: Bundle, places: Range<isize>, stream: usize) {
+        let Bundle { axis, first, stride, count, lines, .. } = bundle;
         let fields = self.fields().len();
         let waves = &self.waves[axis];
-        let carried = match is_stream {
-            true => &mut self.buffer.streams[half][first * waves.len()..],
-            false => &mut self.buffer.carried,
-        };
+        // Streams along the last axis are under way in all tiles.
+        let before = if stream < WITHIN { first * waves.len() } else { 0 };
+        let carried = &mut self.buffer.carried[stream][before..before + lines * waves.len()];
         self.instructions.run(Lines {
             data: &mut self.data,
             fields,
@@ -109,7 +127,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             places,
             ghosts: &self.buffer.ghosts,
             ghost_patterns: &self.buffer.ghost_patterns,
-            carried: &mut carried[..lines * waves.len()],
+            carried,
         });
     }
 
@@ -127,7 +145,6 @@ impl<T: Real, const D: usize> Domain<T, D> {
     fn fill_row(&mut self, Bundle { half, first, face: row, .. }: Bundle) {
         let (lanes, length, groups) = (T::Lanes::COUNT, self.grid.cells[0], self.groups);
         let fields = self.fields().len();
-        let slot = |x: usize| (first + x % groups, x / groups);
         let face = (row / lanes, row % lanes);
         let pairs = self.waves[0].len();
         for pair in 0..pairs {
@@ -136,10 +153,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
             let mut beyond = [[State { velocity: T::ZERO, stress: T::ZERO }; GHOSTS]; 2];
             for (end, beyond) in beyond.iter_mut().enumerate() {
                 for (depth, ghost) in beyond.iter_mut().enumerate() {
-                    // Lines shorter than the ghosts repeat themselves.
-                    let from_end = |end: usize| match end {
-                        0 => slot(depth % length),
-                        _ => slot(length - 1 - depth % length),
+                    let from_end = |end: usize| {
+                        let (group, lane) = self.row_ends.inside[end][depth];
+                        (first + group, lane)
                     };
                     *ghost = match &self.sides[half][0][end] {
                         Side::Mirror(mirror) => {
@@ -157,8 +173,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 }
             }
             for (depth, ghost) in beyond[1].iter().enumerate() {
-                let (group, lane) = slot(length + depth);
-                let group = &mut self.data[group * fields..];
+                let (group, lane) = self.row_ends.beyond[depth];
+                let group = &mut self.data[(first + group) * fields..];
                 group[velocity].lanes_mut()[lane] = ghost.velocity;
                 group[stress].lanes_mut()[lane] = ghost.stress;
             }
