@@ -35,7 +35,7 @@ mod local;
 mod sweep;
 
 use crate::boundary::Signal;
-use crate::kernel::{Carried, Ghost, Instructions, Table, Wave};
+use crate::kernel::{Carried, Instructions, Table, Wave};
 use crate::ledger::{Energy, Ledger, Total};
 use crate::line::{Account, Cell, GHOSTS};
 use crate::medium::{Medium, component};
@@ -125,11 +125,11 @@ pub struct Domain<T: Real, const D: usize> {
     /// Groups of a layer across the last axis.
     across: usize,
     row_ends: RowEnds,
-    /// By row and group.
+    /// By group: those of the rows, one to spare, and ghosts beyond the ends of the lines at hand.
     patterns: Vec<u32>,
     /// Of the ghosts of each row: in front of it and behind, the nearest first.
     row_patterns: Vec<[u32; 2 * GHOSTS]>,
-    /// By row, group and field.
+    /// By group and field, as patterns are.
     data: Vec<T::Lanes>,
     /// As they are in both halves of a step.
     sides: [[[Side<T>; 2]; D]; 2],
@@ -171,10 +171,6 @@ struct EnergyTerms<T: Real> {
 /// Room for the sweeps.
 #[derive(Clone)]
 struct Buffer<T: Real> {
-    /// By line, end, depth and wave.
-    ghosts: Vec<Ghost<T::Lanes>>,
-    /// By line, end and depth.
-    ghost_patterns: Vec<u32>,
     /// Of both sweeps along the last axis, of one within a layer and of one in a row, by line and wave.
     carried: [Vec<Carried<T::Lanes>>; 4],
     velocity: Vec<T>,
@@ -247,6 +243,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
     fn own_cells(&self) -> Range<usize> {
         let first = self.halo[0] * self.layer();
         first..first + self.grid.count()
+    }
+
+    /// The group behind those of the rows.
+    fn spare(&self) -> usize {
+        self.layers() * self.across
     }
 
     /// All layers, those of the halo included.
@@ -385,8 +386,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
     pub(crate) fn exchanged(&mut self) -> (Outermost<'_, T>, Beyond<'_, T>) {
         let layer = self.across * self.fields().len();
         let [front, behind] = self.halo.map(|layers| layers * layer);
-        let own = self.data.len() - front - behind;
-        let (first, rest) = self.data.split_at_mut(front);
+        let rows = &mut self.data[..self.ledgers.len() * layer];
+        let own = rows.len() - front - behind;
+        let (first, rest) = rows.split_at_mut(front);
         let (own, last) = rest.split_at_mut(own);
         let own = &*own;
         // Layers that are their own halo may be fewer, and are sent to nobody.

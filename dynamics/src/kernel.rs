@@ -7,6 +7,7 @@
 
 use crate::line::{Cell, GHOSTS, Pieces, Slopes, State, Waves, Weights, meet, updated};
 use crate::real::{Number, Real};
+use crate::vector::Vector;
 use std::ops::Range;
 
 /// Sets of instructions that a processor may have. Results do not depend on them.
@@ -48,33 +49,34 @@ impl Instructions {
     }
 
     /// Does the work in these instructions, or in the baseline's where the processor has not got them.
-    pub(crate) fn run(self, work: impl Work) {
+    pub(crate) fn run<T: Real>(self, work: impl Work<T>) {
         #[cfg(target_arch = "x86_64")]
         {
             #[target_feature(enable = "avx2")]
-            fn avx2(work: impl Work) {
-                work.run();
+            fn avx2<T: Real>(work: impl Work<T>) {
+                work.run::<T::Avx2>();
             }
             #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
-            fn avx512(work: impl Work) {
-                work.run();
+            fn avx512<T: Real>(work: impl Work<T>) {
+                work.run::<T::Avx512>();
             }
             match self {
                 // SAFETY: the processor has AVX2.
                 Self::Avx2 if self.is_available() => unsafe { avx2(work) },
                 // SAFETY: the processor has all three.
                 Self::Avx512 if self.is_available() => unsafe { avx512(work) },
-                _ => work.run(),
+                _ => work.run::<T::Lanes>(),
             }
         }
         #[cfg(not(target_arch = "x86_64"))]
-        work.run();
+        work.run::<T::Lanes>();
     }
 }
 
-/// Something to be done in any set of instructions: `run` and all that it calls must be inlined.
-pub(crate) trait Work {
-    fn run(self);
+/// Something to be done in any set of instructions: `run` and all that it calls must be inlined, which
+/// closures are not.
+pub(crate) trait Work<T: Real> {
+    fn run<V: Vector<T>>(self);
 }
 
 /// Where the fields of a pair of waves stand in a group, and its constants in the table.
@@ -107,8 +109,8 @@ impl<T: Real> Table<T> {
     }
 
     #[inline(always)]
-    pub(crate) fn ratio(&self, pattern: u32, wave: &Wave, follower: usize) -> T::Lanes {
-        self.ratios[pattern as usize * self.followers + wave.ratios + follower]
+    pub(crate) fn ratio(&self, pattern: u32, wave: &Wave, follower: usize) -> &T::Lanes {
+        &self.ratios[pattern as usize * self.followers + wave.ratios + follower]
     }
 }
 
@@ -129,8 +131,11 @@ fn fetch<N>(from: &[N], distance: usize) {
     let _ = (from, distance);
 }
 
-/// A velocity and a stress of a group.
-pub(crate) type Ghost<N> = [N; 2];
+/// The group that stands beyond an end of a line, the nearest at depth 0.
+#[inline(always)]
+pub(crate) fn ghost(spare: usize, line: usize, end: usize, depth: usize) -> usize {
+    spare + 1 + (2 * line + end) * GHOSTS + depth
+}
 
 /// What a walk along a line carries from a group to the next, by wave.
 #[derive(Clone, Copy, Debug)]
@@ -145,6 +150,34 @@ pub(crate) struct Carried<N> {
     to_right: N,
     /// The joint in front of the group behind.
     joint: State<N>,
+}
+
+impl<V: Number> Carried<V> {
+    #[inline(always)]
+    fn load<T: Real>(from: &Carried<T::Lanes>) -> Self
+    where
+        V: Vector<T>,
+    {
+        Self {
+            behind: State::load(&from.behind),
+            own: State::load(&from.own),
+            difference: State::load(&from.difference),
+            to_right: V::load(&from.to_right),
+            joint: State::load(&from.joint),
+        }
+    }
+
+    #[inline(always)]
+    fn store<T: Real>(self, to: &mut Carried<T::Lanes>)
+    where
+        V: Vector<T>,
+    {
+        self.behind.store(&mut to.behind);
+        self.own.store(&mut to.own);
+        self.difference.store(&mut to.difference);
+        self.to_right.store(&mut to.to_right);
+        self.joint.store(&mut to.joint);
+    }
 }
 
 impl<N: Number> Carried<N> {
@@ -176,6 +209,7 @@ impl<N: Number> Carried<N> {
 
 /// Lines that lie side by side, and the part of their way that is to be gone.
 pub(crate) struct Lines<'a, T: Real> {
+    /// By group and field.
     pub(crate) data: &'a mut [T::Lanes],
     /// Fields of a group.
     pub(crate) fields: usize,
@@ -193,122 +227,127 @@ pub(crate) struct Lines<'a, T: Real> {
     /// The groups to be at hand one after the other, of −1 to `count`: the one behind is written, the one
     /// after is read.
     pub(crate) places: Range<isize>,
-    /// Beyond the ends, by line, end, depth and wave.
-    pub(crate) ghosts: &'a [Ghost<T::Lanes>],
-    /// By line, end and depth.
-    pub(crate) ghost_patterns: &'a [u32],
+    /// The spare group: what is written to it is nobody's. [`ghost`] tells which of the groups that follow
+    /// stand beyond the ends.
+    pub(crate) spare: usize,
     /// By line and wave.
     pub(crate) carried: &'a mut [Carried<T::Lanes>],
 }
 
-impl<T: Real> Work for Lines<'_, T> {
+impl<T: Real> Work<T> for Lines<'_, T> {
     /// Loops of their own for all kinds of slopes.
     #[inline(always)]
-    fn run(self) {
+    fn run<V: Vector<T>>(self) {
         match self.slopes {
-            Slopes::Godunov => self.walk(Slopes::Godunov),
-            Slopes::Limited => self.walk(Slopes::Limited),
-            Slopes::Unlimited => self.walk(Slopes::Unlimited),
+            Slopes::Godunov => self.walk::<V>(Slopes::Godunov),
+            Slopes::Limited => self.walk::<V>(Slopes::Limited),
+            Slopes::Unlimited => self.walk::<V>(Slopes::Unlimited),
         }
     }
 }
 
 impl<T: Real> Lines<'_, T> {
-    /// In runs through groups of one pattern, and single steps from one to another and at the ends.
+    /// In runs through groups of one pattern, and single steps from one to another.
     #[inline(always)]
-    fn walk(mut self, slopes: Slopes) {
+    fn walk<V: Vector<T>>(mut self, slopes: Slopes) {
         let Range { start, end } = self.places;
-        // Where the group behind and the one after are there.
-        let inner = 1..self.count as isize - 1;
         for line in 0..self.carried.len() / self.waves.len().max(1) {
+            if start < 0 {
+                self.begin(line);
+            }
             let mut place = start;
             while place < end {
                 let pattern = self.pattern(line, place);
-                if !inner.contains(&place) || self.pattern(line, place - 1) != pattern {
-                    self.step(line, place, slopes);
+                if self.pattern(line, place - 1) != pattern {
+                    self.step::<V>(line, place, slopes);
                     place += 1;
                     continue;
                 }
-                let mut run = place as usize..place as usize + 1;
-                let most = end.min(inner.end) as usize;
-                while run.end < most && self.pattern(line, run.end as isize) == pattern {
+                // Where neighbours lie as regularly as they do elsewhere.
+                let last = self.count as isize - 1;
+                let most = if place < 1.min(last) {
+                    1.min(last)
+                } else if place < 1.max(last) {
+                    1.max(last)
+                } else {
+                    end
+                };
+                let most = most.min(end);
+                let mut run = place..place + 1;
+                while run.end < most && self.pattern(line, run.end) == pattern {
                     run.end += 1;
                 }
-                place = run.end as isize;
+                place = run.end;
                 for index in 0..self.waves.len() {
                     // Loops of their own for all numbers of followers.
                     match self.waves[index].followers.len() {
-                        0 => self.run_through::<0>(line, run.clone(), (index, pattern), slopes),
-                        1 => self.run_through::<1>(line, run.clone(), (index, pattern), slopes),
-                        _ => self.run_through::<2>(line, run.clone(), (index, pattern), slopes),
+                        0 => self.run_through::<V, 0>(line, run.clone(), (index, pattern), slopes),
+                        1 => self.run_through::<V, 1>(line, run.clone(), (index, pattern), slopes),
+                        _ => self.run_through::<V, 2>(line, run.clone(), (index, pattern), slopes),
                     }
                 }
             }
         }
     }
 
-    /// The group at a place of a line, or else which ghost stands there.
+    /// What is carried to the nearest ghost in front of a line.
     #[inline(always)]
-    fn group(&self, line: usize, place: isize) -> Result<usize, usize> {
+    fn begin(&mut self, line: usize) {
+        for (index, wave) in self.waves.iter().enumerate() {
+            let first: State<T::Lanes> = self.read(line, -2, wave);
+            let own = self.read(line, -1, wave);
+            self.carried[line * self.waves.len() + index] =
+                Carried { own, difference: first.to(own), ..Carried::empty() };
+        }
+    }
+
+    /// The group at a place of a line, ghosts included.
+    #[inline(always)]
+    fn group(&self, line: usize, place: isize) -> usize {
         match usize::try_from(place) {
-            Ok(place) if place < self.count => Ok(self.first + line + place * self.stride),
-            Ok(place) => Err((2 * line + 1) * GHOSTS + place - self.count),
-            Err(_) => Err(2 * line * GHOSTS + (-1 - place) as usize),
+            Ok(place) if place < self.count => self.first + line + place * self.stride,
+            Ok(place) => ghost(self.spare, line, 1, place - self.count),
+            Err(_) => ghost(self.spare, line, 0, (-1 - place) as usize),
         }
     }
 
     #[inline(always)]
     fn pattern(&self, line: usize, place: isize) -> u32 {
-        match self.group(line, place) {
-            Ok(group) => self.patterns[group],
-            Err(ghost) => self.ghost_patterns[ghost],
-        }
+        self.patterns[self.group(line, place)]
     }
 
     #[inline(always)]
-    fn read(&self, line: usize, place: isize, wave: usize) -> State<T::Lanes> {
-        let own = &self.waves[wave];
-        match self.group(line, place) {
-            Ok(group) => {
-                let group = &self.data[group * self.fields..][..self.fields];
-                State { velocity: group[own.velocity], stress: group[own.stress] }
-            }
-            Err(ghost) => {
-                let [velocity, stress] = self.ghosts[ghost * self.waves.len() + wave];
-                State { velocity, stress }
-            }
-        }
+    fn read<V: Vector<T>>(&self, line: usize, place: isize, wave: &Wave) -> State<V> {
+        let group = &self.data[self.group(line, place) * self.fields..][..self.fields];
+        let [velocity, stress] = [&group[wave.velocity], &group[wave.stress]];
+        State { velocity: V::load(velocity), stress: V::load(stress) }
     }
 
-    /// A step, whatever there is around.
+    /// A step from one pattern to another.
     #[inline(always)]
-    fn step(&mut self, line: usize, place: isize, slopes: Slopes) {
-        let [behind, here] = [place - 1, place].map(|place| self.pattern(line, place));
+    fn step<V: Vector<T>>(&mut self, line: usize, place: isize, slopes: Slopes) {
+        let (behind, here) = (self.pattern(line, place - 1), self.pattern(line, place));
         for (index, wave) in self.waves.iter().enumerate() {
             let slot = line * self.waves.len() + index;
-            if place < 0 {
-                let [first, own] = [-2, -1].map(|place| self.read(line, place, index));
-                self.carried[slot] = Carried { own, difference: first.to(own), ..Carried::empty() };
-            }
-            let mut carried = self.carried[slot];
-            let next = self.read(line, place + 1, index);
-            let cells = [behind, here].map(|pattern| self.table.cell(pattern, wave));
-            let weights = if behind == here {
-                cells[1].between
-            } else {
-                Weights::new(cells[0].impedance, cells[1].impedance)
-            };
-            let around =
-                [carried.difference, carried.own.to(next)].map(|own| Waves::of(own, cells[1]));
-            let before = carried.behind;
-            let moved = carried.pass(next, around, cells, (&weights, slopes));
-            self.carried[slot] = carried;
-            if let Ok(group) = self.group(line, place - 1) {
-                let change = moved.stress - before.stress;
-                let group = &mut self.data[group * self.fields..][..self.fields];
-                (group[wave.velocity], group[wave.stress]) = (moved.velocity, moved.stress);
+            let mut carried: Carried<V> = Carried::load(&self.carried[slot]);
+            let next = self.read(line, place + 1, wave);
+            let last = Cell::load(self.table.cell(behind, wave));
+            let cell = Cell::load(self.table.cell(here, wave));
+            let weights = Weights::new(last.impedance, cell.impedance);
+            let before = Waves::of(carried.difference, &cell);
+            let after = Waves::of(carried.own.to(next), &cell);
+            let unmoved = carried.behind.stress;
+            let moved = carried.pass(next, [before, after], [&last, &cell], (&weights, slopes));
+            carried.store(&mut self.carried[slot]);
+            if place > 0 {
+                let change = moved.stress - unmoved;
+                let group = self.group(line, place - 1) * self.fields;
+                let group = &mut self.data[group..][..self.fields];
+                moved.velocity.store(&mut group[wave.velocity]);
+                moved.stress.store(&mut group[wave.stress]);
                 for (index, &place) in wave.followers.iter().enumerate() {
-                    group[place] = group[place] + self.table.ratio(behind, wave, index) * change;
+                    let ratio = V::load(self.table.ratio(behind, wave, index));
+                    (V::load(&group[place]) + ratio * change).store(&mut group[place]);
                 }
             }
         }
@@ -316,45 +355,56 @@ impl<T: Real> Lines<'_, T> {
 
     /// A wave on its way through groups of one pattern.
     #[inline(always)]
-    fn run_through<const FOLLOWERS: usize>(
+    fn run_through<V: Vector<T>, const FOLLOWERS: usize>(
         &mut self,
         line: usize,
-        run: Range<usize>,
+        run: Range<isize>,
         (index, pattern): (usize, u32),
         slopes: Slopes,
     ) {
         let wave = &self.waves[index];
-        let cell = *self.table.cell(pattern, wave);
-        let ratios: [_; FOLLOWERS] =
-            std::array::from_fn(|follower| self.table.ratio(pattern, wave, follower));
-        let followers: [usize; FOLLOWERS] = std::array::from_fn(|i| wave.followers[i]);
+        let cell: Cell<V> = Cell::load(self.table.cell(pattern, wave));
+        let mut followers = [(0, V::ZERO); FOLLOWERS];
+        for (index, (place, ratio)) in followers.iter_mut().enumerate() {
+            *place = wave.followers[index];
+            *ratio = V::load(self.table.ratio(pattern, wave, index));
+        }
         let (velocity, stress) = (wave.velocity, wave.stress);
         let slot = line * self.waves.len() + index;
-        let mut carried = self.carried[slot];
+        let mut carried: Carried<V> = Carried::load(&self.carried[slot]);
         let mut before = Waves::of(carried.difference, &cell);
+        // Ghosts behind the line are next to each other; what is in front of it is not written.
         let step = self.stride * self.fields;
-        let mut behind = (self.first + line + (run.start - 1) * self.stride) * self.fields;
+        let mut next = self.group(line, run.start + 1) * self.fields;
+        let next_step = if run.start + 1 < self.count as isize { step } else { self.fields };
+        let (mut behind, behind_step) = match run.start > 0 {
+            true => (self.group(line, run.start - 1) * self.fields, step),
+            false => (self.spare * self.fields, 0),
+        };
         for _ in run {
-            let next = &self.data[behind + 2 * step..][..self.fields];
+            let ahead = &self.data[next..][..self.fields];
             for place in [velocity, stress] {
-                fetch(next, AHEAD * self.fields + place);
+                fetch(ahead, AHEAD * self.fields + place);
             }
-            let next = State { velocity: next[velocity], stress: next[stress] };
-            let after = Waves::of(carried.own.to(next), &cell);
+            let ahead =
+                State { velocity: V::load(&ahead[velocity]), stress: V::load(&ahead[stress]) };
+            let after = Waves::of(carried.own.to(ahead), &cell);
             let unmoved = carried.behind.stress;
             let moved =
-                carried.pass(next, [before, after], [&cell, &cell], (&cell.between, slopes));
+                carried.pass(ahead, [before, after], [&cell, &cell], (&cell.between, slopes));
             let group = &mut self.data[behind..][..self.fields];
-            (group[velocity], group[stress]) = (moved.velocity, moved.stress);
+            moved.velocity.store(&mut group[velocity]);
+            moved.stress.store(&mut group[stress]);
             if FOLLOWERS > 0 {
                 let change = moved.stress - unmoved;
-                for (place, ratio) in followers.into_iter().zip(ratios) {
-                    group[place] = group[place] + ratio * change;
+                for (place, ratio) in followers {
+                    (V::load(&group[place]) + ratio * change).store(&mut group[place]);
                 }
             }
             before = after;
-            behind += step;
+            next += next_step;
+            behind += behind_step;
         }
-        self.carried[slot] = carried;
+        carried.store(&mut self.carried[slot]);
     }
 }

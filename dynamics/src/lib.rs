@@ -21,3 +21,4 @@ pub mod problem;
 pub mod real;
 mod side;
 pub mod split;
+mod vector;

@@ -27,6 +27,7 @@
 //! keeps the account; [`crate::kernel`] does the same to many lines at once.
 
 use crate::real::{Number, Real};
+use crate::vector::Vector;
 
 /// Cells beyond each end of a line that a sweep reads.
 pub const GHOSTS: usize = 2;
@@ -110,6 +111,29 @@ impl<T: Real> Cell<T> {
     }
 }
 
+impl<V: Number> Cell<V> {
+    /// Those of a group.
+    #[inline(always)]
+    pub(crate) fn load<T: Real>(from: &Cell<T::Lanes>) -> Self
+    where
+        V: Vector<T>,
+    {
+        let Weights { share, from_left, from_right } = &from.between;
+        Self {
+            impedance: V::load(&from.impedance),
+            courant: V::load(&from.courant),
+            rest: V::load(&from.rest),
+            to_velocity: V::load(&from.to_velocity),
+            to_stress: V::load(&from.to_stress),
+            between: Weights {
+                share: V::load(share),
+                from_left: V::load(from_left),
+                from_right: V::load(from_right),
+            },
+        }
+    }
+}
+
 /// What a sweep does to energy, W/m² of the line's cross-section: times the time step J/m².
 ///
 /// With the energy of a cell in the same unit, h(½mv² + ½s²/M)/Δt = (zv² + s²/z)/(2C):
@@ -147,6 +171,25 @@ impl<'a> std::iter::Sum<&'a Self> for Account {
 pub(crate) struct State<N> {
     pub(crate) velocity: N,
     pub(crate) stress: N,
+}
+
+impl<V: Number> State<V> {
+    #[inline(always)]
+    pub(crate) fn load<T: Real>(from: &State<T::Lanes>) -> Self
+    where
+        V: Vector<T>,
+    {
+        Self { velocity: V::load(&from.velocity), stress: V::load(&from.stress) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn store<T: Real>(self, to: &mut State<T::Lanes>)
+    where
+        V: Vector<T>,
+    {
+        self.velocity.store(&mut to.velocity);
+        self.stress.store(&mut to.stress);
+    }
 }
 
 impl<N: Number> State<N> {

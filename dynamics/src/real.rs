@@ -1,5 +1,6 @@
 //! What sweeps compute with: floating-point numbers, and groups of them side by side.
 
+use crate::vector::Vector;
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -7,7 +8,6 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub trait Number:
     Copy
     + Debug
-    + PartialEq
     + Send
     + Sync
     + Add<Output = Self>
@@ -31,12 +31,19 @@ pub trait Number:
 
     /// The greater of two numbers.
     fn greatest(self, other: Self) -> Self;
+
+    /// √x.
+    fn root(self) -> Self;
 }
 
 /// `f32` or `f64`.
 pub trait Real: Number + PartialOrd {
     /// As many numbers as fill a line of the cache.
-    type Lanes: Group<Self>;
+    type Lanes: Group<Self> + Vector<Self>;
+    /// The same in registers of 256 bits.
+    type Avx2: Vector<Self>;
+    /// The same in registers of 512 bits.
+    type Avx512: Vector<Self>;
 
     /// The nearest number of this kind.
     fn of(value: f64) -> Self;
@@ -75,7 +82,7 @@ pub trait Group<T>: Number {
 /// `COUNT` numbers on a line of the cache.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
-pub struct Lanes<T, const COUNT: usize>([T; COUNT]);
+pub struct Lanes<T, const COUNT: usize>(pub(crate) [T; COUNT]);
 
 macro_rules! lanewise {
     ($($operation:ident $function:ident $sign:tt),*) => {
@@ -128,6 +135,14 @@ impl<T: Number, const COUNT: usize> Number for Lanes<T, COUNT> {
         }
         self
     }
+
+    #[inline(always)]
+    fn root(mut self) -> Self {
+        for lane in 0..COUNT {
+            self.0[lane] = self.0[lane].root();
+        }
+        self
+    }
 }
 
 impl<T: Number, const COUNT: usize> Group<T> for Lanes<T, COUNT> {
@@ -170,7 +185,19 @@ impl<T: Number, const COUNT: usize> Group<T> for Lanes<T, COUNT> {
 }
 
 macro_rules! real {
-    ($kind:ty, $lanes:literal) => {
+    ($kind:ty, $lanes:literal, $avx2:ident, $avx512:ident) => {
+        impl Vector<$kind> for Lanes<$kind, $lanes> {
+            #[inline(always)]
+            fn load(from: &Self) -> Self {
+                *from
+            }
+
+            #[inline(always)]
+            fn store(self, to: &mut Self) {
+                *to = self;
+            }
+        }
+
         impl Number for $kind {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -186,10 +213,23 @@ macro_rules! real {
             fn greatest(self, other: Self) -> Self {
                 if self > other { self } else { other }
             }
+
+            #[inline(always)]
+            fn root(self) -> Self {
+                self.sqrt()
+            }
         }
 
         impl Real for $kind {
             type Lanes = Lanes<Self, $lanes>;
+            #[cfg(target_arch = "x86_64")]
+            type Avx2 = crate::vector::$avx2;
+            #[cfg(target_arch = "x86_64")]
+            type Avx512 = crate::vector::$avx512;
+            #[cfg(not(target_arch = "x86_64"))]
+            type Avx2 = Lanes<Self, $lanes>;
+            #[cfg(not(target_arch = "x86_64"))]
+            type Avx512 = Lanes<Self, $lanes>;
 
             #[allow(clippy::unnecessary_cast, reason = "it is one for f32")]
             fn of(value: f64) -> Self {
@@ -212,5 +252,5 @@ macro_rules! real {
     };
 }
 
-real!(f32, 16);
-real!(f64, 8);
+real!(f32, 16, Avx2Single, Avx512Single);
+real!(f64, 8, Avx2Double, Avx512Double);

@@ -90,7 +90,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let is_periodic = problem.boundaries[0][0] == Boundary::Periodic;
         let rows: Vec<_> =
             of_cell.chunks(length).map(|row| known.row::<T>(row, is_periodic)).collect();
-        let patterns: Vec<u32> = rows.iter().flat_map(|row| row.0.iter().copied()).collect();
+        let mut patterns: Vec<u32> = rows.iter().flat_map(|row| row.0.iter().copied()).collect();
         let groups = groups::<T>(length);
         let across = groups * layer / length;
         // The group and lane of a cell.
@@ -170,12 +170,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let longest = whole.cells.iter().copied().max().unwrap_or(0).max(layers.len());
         let longest = longest + 2 * GHOSTS;
         let widest = media[0].pairs.iter().map(Vec::len).max().unwrap_or(0);
-        let lines = groups.max(TILE);
+        // One to spare, and the ghosts.
+        patterns.extend(vec![0; 1 + 2 * GHOSTS * groups.max(TILE)]);
         let stream = vec![Carried::empty(); across * media[0].pairs[D - 1].len()];
         let carried = |lines: usize| vec![Carried::empty(); lines * widest];
         let buffer = Buffer {
-            ghosts: vec![[T::Lanes::ZERO; 2]; 2 * GHOSTS * lines * widest],
-            ghost_patterns: vec![0; 2 * GHOSTS * lines],
             carried: [stream.clone(), stream, carried(groups), carried(1)],
             velocity: vec![T::ZERO; longest],
             stress: vec![T::ZERO; longest],

@@ -4,7 +4,8 @@ use super::{Domain, Turn};
 use crate::kernel::Work;
 use crate::ledger::Energy;
 use crate::medium::component;
-use crate::real::{Group, Number, Real};
+use crate::real::{Group, Real};
+use crate::vector::Vector;
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
 use std::ops::Range;
@@ -182,7 +183,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let fields = self.fields().len();
         for layer in layers.clone() {
             let groups = layer * self.across + tile.start..layer * self.across + tile.end;
-            self.instructions.run(Rotate {
+            self.instructions.run::<T>(Rotate {
                 data: &mut self.data[groups.start * fields..groups.end * fields],
                 fields,
                 patterns: &self.patterns[groups],
@@ -196,7 +197,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// Energy by own layer across the last axis.
     pub(crate) fn energies(&self) -> Vec<Energy> {
         let mut energies = vec![Energy::default(); self.totals.len()];
-        self.instructions.run(Energies { domain: self, energies: &mut energies });
+        self.instructions.run::<T>(Energies { domain: self, energies: &mut energies });
         energies
     }
 }
@@ -218,27 +219,30 @@ fn combined(a: &Stress, b: &Stress, factor: f64) -> Stress {
 }
 
 /// Q on groups.
-struct Rotate<'a, N> {
-    data: &'a mut [N],
+struct Rotate<'a, T: Real> {
+    data: &'a mut [T::Lanes],
     fields: usize,
     patterns: &'a [u32],
-    turns: &'a [[Turn<N>; 2]],
+    turns: &'a [[Turn<T::Lanes>; 2]],
     turning: &'a [[usize; 3]],
     part: usize,
 }
 
-impl<N: Number> Work for Rotate<'_, N> {
+impl<T: Real> Work<T> for Rotate<'_, T> {
     #[inline(always)]
-    fn run(self) {
+    fn run<V: Vector<T>>(self) {
         for (group, &pattern) in self.data.chunks_exact_mut(self.fields).zip(self.patterns) {
-            let [cos, ratio_sin, sin_over_ratio] = self.turns[pattern as usize][self.part];
+            let [cos, ratio_sin, sin_over_ratio] = &self.turns[pattern as usize][self.part];
+            let (cos, ratio_sin) = (V::load(cos), V::load(ratio_sin));
+            let sin_over_ratio = V::load(sin_over_ratio);
             for &[spin, first, second] in self.turning {
-                let [omega, a, b] = [group[spin], group[first], group[second]];
-                let half = N::HALF * (a - b);
+                let omega = V::load(&group[spin]);
+                let (a, b) = (V::load(&group[first]), V::load(&group[second]));
+                let half = V::HALF * (a - b);
                 let turned = half * cos + ratio_sin * omega - half;
-                group[spin] = omega * cos - half * sin_over_ratio;
-                group[first] = a + turned;
-                group[second] = b - turned;
+                (omega * cos - half * sin_over_ratio).store(&mut group[spin]);
+                (a + turned).store(&mut group[first]);
+                (b - turned).store(&mut group[second]);
             }
         }
     }
@@ -250,9 +254,9 @@ struct Energies<'a, T: Real, const D: usize> {
     energies: &'a mut [Energy],
 }
 
-impl<T: Real, const D: usize> Work for Energies<'_, T, D> {
+impl<T: Real, const D: usize> Work<T> for Energies<'_, T, D> {
     #[inline(always)]
-    fn run(self) {
+    fn run<V: Vector<T>>(self) {
         let Domain { energy_terms: terms, across, patterns, data, .. } = self.domain;
         let fields = self.domain.fields().len();
         let volume = self.domain.grid.volume();

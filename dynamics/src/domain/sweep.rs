@@ -1,7 +1,7 @@
 //! Sweeps along the axes, what lies beyond their ends, and the work done there.
 
 use super::{CHUNK, Domain, ROW, WITHIN, written};
-use crate::kernel::{Lines, Wave};
+use crate::kernel::{Lines, Wave, ghost};
 use crate::line::{self, Account, Cell, GHOSTS, State};
 use crate::problem::Detail;
 use crate::real::{Group, Number, Real};
@@ -109,12 +109,12 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// Part of the way along lines, in the widest instructions.
     fn walk(&mut self, bundle: Bundle, places: Range<isize>, stream: usize) {
         let Bundle { axis, first, stride, count, lines, .. } = bundle;
-        let fields = self.fields().len();
+        let (fields, spare) = (self.fields().len(), self.spare());
         let waves = &self.waves[axis];
         // Streams along the last axis are under way in all tiles.
         let before = if stream < WITHIN { first * waves.len() } else { 0 };
         let carried = &mut self.buffer.carried[stream][before..before + lines * waves.len()];
-        self.instructions.run(Lines {
+        self.instructions.run::<T>(Lines {
             data: &mut self.data,
             fields,
             table: &self.table,
@@ -125,8 +125,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             stride,
             count,
             places,
-            ghosts: &self.buffer.ghosts,
-            ghost_patterns: &self.buffer.ghost_patterns,
+            spare,
             carried,
         });
     }
@@ -144,7 +143,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// groups and behind them, which is in other lanes.
     fn fill_row(&mut self, Bundle { half, first, face: row, .. }: Bundle) {
         let (lanes, length, groups) = (T::Lanes::COUNT, self.grid.cells[0], self.groups);
-        let fields = self.fields().len();
+        let (fields, spare) = (self.fields().len(), self.spare());
         let face = (row / lanes, row % lanes);
         let pairs = self.waves[0].len();
         for pair in 0..pairs {
@@ -172,31 +171,31 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     };
                 }
             }
-            for (depth, ghost) in beyond[1].iter().enumerate() {
+            for (depth, behind) in beyond[1].iter().enumerate() {
                 let (group, lane) = self.row_ends.beyond[depth];
                 let group = &mut self.data[(first + group) * fields..];
-                group[velocity].lanes_mut()[lane] = ghost.velocity;
-                group[stress].lanes_mut()[lane] = ghost.stress;
+                group[velocity].lanes_mut()[lane] = behind.velocity;
+                group[stress].lanes_mut()[lane] = behind.stress;
             }
-            for (depth, ghost) in beyond[0].iter().enumerate() {
-                for (place, first_lane) in [(velocity, ghost.velocity), (stress, ghost.stress)] {
-                    let which = usize::from(place == stress);
-                    let last = self.data[(first + groups - 1 - depth) * fields + place];
-                    self.buffer.ghosts[depth * pairs + pair][which] =
-                        last.after(T::Lanes::all(first_lane));
-                    let next = self.data[(first + depth) * fields + place];
-                    self.buffer.ghosts[(GHOSTS + depth) * pairs + pair][which] =
-                        next.before(T::Lanes::ZERO);
+            for (depth, front) in beyond[0].iter().enumerate() {
+                let [before, behind] = [0, 1].map(|end| ghost(spare, 0, end, depth) * fields);
+                let last = (first + groups - 1 - depth) * fields;
+                let next = (first + depth) * fields;
+                for (place, lane) in [(velocity, front.velocity), (stress, front.stress)] {
+                    let lane = T::Lanes::all(lane);
+                    self.data[before + place] = self.data[last + place].after(lane);
+                    self.data[behind + place] = self.data[next + place].before(T::Lanes::ZERO);
                 }
             }
         }
-        self.buffer.ghost_patterns[..2 * GHOSTS].copy_from_slice(&self.row_patterns[row]);
+        self.patterns[spare + 1..][..2 * GHOSTS].copy_from_slice(&self.row_patterns[row]);
     }
 
     /// The ghosts at an end of lines across the groups.
     fn fill_end(&mut self, bundle: Bundle, end: usize) {
         let Bundle { axis, half, first, stride, count, lines, face } = bundle;
         let (pairs, fields) = (self.waves[axis].len(), self.fields().len());
+        let spare = self.spare();
         let sides = &self.sides[half][axis];
         for depth in 0..GHOSTS {
             let from_end = |end: usize| match end {
@@ -208,8 +207,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 Side::Periodic => from_end(1 - end),
             };
             for line in 0..lines {
-                let place = (2 * line + end) * GHOSTS + depth;
-                self.buffer.ghost_patterns[place] = self.patterns[source + line];
+                let ghost = ghost(spare, line, end, depth);
+                self.patterns[ghost] = self.patterns[source + line];
                 for pair in 0..pairs {
                     let Wave { velocity, stress, .. } = self.waves[axis][pair];
                     let group = &self.data[(source + line) * fields..];
@@ -221,7 +220,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
                         }
                         own = mirror.ghosts(pair, face + line, own);
                     }
-                    self.buffer.ghosts[place * pairs + pair] = [own.velocity, own.stress];
+                    self.data[ghost * fields + velocity] = own.velocity;
+                    self.data[ghost * fields + stress] = own.stress;
                 }
             }
         }
@@ -263,22 +263,13 @@ impl<T: Real, const D: usize> Domain<T, D> {
             0 => (self.grid.cells[0], GHOSTS),
             _ => (bundle.count, 0),
         };
-        let (state, pattern, lane) = match usize::try_from(place) {
-            Ok(place) if place < length + beyond => {
-                let slot = self.place_of(bundle, (line, lane), place);
-                (self.state(slot, wave), self.patterns[slot.0], slot.1)
-            }
-            found => {
-                let ghost = match found {
-                    Ok(place) => (2 * line + 1) * GHOSTS + place - length,
-                    Err(_) => 2 * line * GHOSTS + place.unsigned_abs() - 1,
-                };
-                let group = self.buffer.ghosts[ghost * self.waves[bundle.axis].len() + pair];
-                let [velocity, stress] = group.map(|own| own.lanes()[lane]);
-                (State { velocity, stress }, self.buffer.ghost_patterns[ghost], lane)
-            }
+        let (group, lane) = match usize::try_from(place) {
+            Ok(place) if place < length + beyond => self.place_of(bundle, (line, lane), place),
+            Ok(place) => (ghost(self.spare(), line, 1, place - length), lane),
+            Err(_) => (ghost(self.spare(), line, 0, place.unsigned_abs() - 1), lane),
         };
-        let cell = self.table.cell(pattern, wave);
+        let state = self.state((group, lane), wave);
+        let cell = self.table.cell(self.patterns[group], wave);
         let constants = Cell {
             impedance: cell.impedance.lanes()[lane],
             courant: cell.courant.lanes()[lane],

@@ -1,0 +1,150 @@
+//! Registers of a processor as numbers: what the lanes of a group are while they are computed with.
+
+use crate::real::{Number, Real};
+
+/// The numbers of a group on their way through a processor.
+pub trait Vector<T: Real>: Number {
+    /// The numbers of a group.
+    fn load(from: &T::Lanes) -> Self;
+
+    /// The numbers as a group.
+    fn store(self, to: &mut T::Lanes);
+}
+
+#[cfg(target_arch = "x86_64")]
+pub use x86::{Avx2Double, Avx2Single, Avx512Double, Avx512Single};
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    // SAFETY, of all that follows: these numbers are made nowhere but in `Instructions::run`, behind the
+    // question whether the processor has the instructions; addresses are those of references to as
+    // many numbers as are read or written.
+
+    use super::Vector;
+    use crate::real::{Lanes, Number};
+    use std::arch::x86_64::*;
+    use std::ops::{Add, Div, Mul, Neg, Sub};
+
+    macro_rules! vector {
+        (
+            $(#[$about:meta])*
+            $name:ident, $scalar:ty, $register:ty, $count:literal of $width:literal,
+            $add:ident $sub:ident $mul:ident $div:ident $min:ident $max:ident $sqrt:ident
+            $load:ident $store:ident
+        ) => {
+            $(#[$about])*
+            #[derive(Clone, Copy, Debug)]
+            pub struct $name([$register; $count]);
+
+            vector!(@binary $name, $count, Add add $add, Sub sub $sub, Mul mul $mul, Div div $div);
+
+            impl $name {
+                const fn all(value: $scalar) -> Self {
+                    // SAFETY: registers are numbers side by side.
+                    Self(unsafe {
+                        std::mem::transmute::<[$scalar; $count * $width], [$register; $count]>(
+                            [value; $count * $width],
+                        )
+                    })
+                }
+            }
+
+            impl Neg for $name {
+                type Output = Self;
+
+                #[inline(always)]
+                fn neg(self) -> Self {
+                    // Not 0 − x, which has another sign where x is zero.
+                    Self::all(-1.0) * self
+                }
+            }
+
+            impl Number for $name {
+                const ZERO: Self = Self::all(0.0);
+                const ONE: Self = Self::all(1.0);
+                const HALF: Self = Self::all(0.5);
+                const QUARTER: Self = Self::all(0.25);
+
+                #[inline(always)]
+                fn least(mut self, other: Self) -> Self {
+                    for i in 0..$count {
+                        self.0[i] = unsafe { $min(self.0[i], other.0[i]) };
+                    }
+                    self
+                }
+
+                #[inline(always)]
+                fn greatest(mut self, other: Self) -> Self {
+                    for i in 0..$count {
+                        self.0[i] = unsafe { $max(self.0[i], other.0[i]) };
+                    }
+                    self
+                }
+
+                #[inline(always)]
+                fn root(mut self) -> Self {
+                    for i in 0..$count {
+                        self.0[i] = unsafe { $sqrt(self.0[i]) };
+                    }
+                    self
+                }
+            }
+
+            impl Vector<$scalar> for $name {
+                #[inline(always)]
+                fn load(from: &Lanes<$scalar, { $count * $width }>) -> Self {
+                    let mut all = Self::ZERO;
+                    for i in 0..$count {
+                        all.0[i] = unsafe { $load(from.0.as_ptr().add(i * $width)) };
+                    }
+                    all
+                }
+
+                #[inline(always)]
+                fn store(self, to: &mut Lanes<$scalar, { $count * $width }>) {
+                    for i in 0..$count {
+                        unsafe { $store(to.0.as_mut_ptr().add(i * $width), self.0[i]) };
+                    }
+                }
+            }
+        };
+        (@binary $name:ident, $count:literal, $($operation:ident $function:ident $instruction:ident),*) => {
+            $(impl $operation for $name {
+                type Output = Self;
+
+                #[inline(always)]
+                fn $function(mut self, other: Self) -> Self {
+                    for i in 0..$count {
+                        self.0[i] = unsafe { $instruction(self.0[i], other.0[i]) };
+                    }
+                    self
+                }
+            })*
+        };
+    }
+
+    vector!(
+        /// Eight numbers in two registers of four.
+        Avx2Double, f64, __m256d, 2 of 4,
+        _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_min_pd _mm256_max_pd
+        _mm256_sqrt_pd _mm256_load_pd _mm256_store_pd
+    );
+    vector!(
+        /// Sixteen numbers in two registers of eight.
+        Avx2Single, f32, __m256, 2 of 8,
+        _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_min_ps _mm256_max_ps
+        _mm256_sqrt_ps _mm256_load_ps _mm256_store_ps
+    );
+    vector!(
+        /// Eight numbers in a register.
+        Avx512Double, f64, __m512d, 1 of 8,
+        _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_min_pd _mm512_max_pd
+        _mm512_sqrt_pd _mm512_load_pd _mm512_store_pd
+    );
+    vector!(
+        /// Sixteen numbers in a register.
+        Avx512Single, f32, __m512, 1 of 16,
+        _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_min_ps _mm512_max_ps
+        _mm512_sqrt_ps _mm512_load_ps _mm512_store_ps
+    );
+}
