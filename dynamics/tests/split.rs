@@ -110,6 +110,10 @@ fn so_they_have_where_layers_are_wide() {
     let pair = |b: &Boundary| [b.clone(), b.clone()];
     let sides = [pair(&Boundary::Free), pair(&Boundary::Periodic)];
     same::<f64, 2>(&sides, [300, 27], Placement::Last);
+    for middle in [Boundary::Periodic, Boundary::NonReflecting] {
+        let sides = [pair(&Boundary::Free), pair(&middle), pair(&Boundary::Fixed)];
+        same::<f64, 3>(&sides, [9, 19, 20], Placement::Last);
+    }
 }
 
 /// In single precision groups are twice as long.

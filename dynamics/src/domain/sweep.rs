@@ -40,7 +40,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let mut ready = [0; 2];
         while ready[1] < count {
             let before = ready;
-            ready[0] = self.next_chunk(ready[0], count);
+            // Rows that come round are each other's ghosts, and must all be there.
+            ready[0] = match self.sides[half][1][0] {
+                Side::Periodic => count,
+                _ => self.next_chunk(ready[0], count),
+            };
             ready[1] = written(ready[0], count);
             if half == 0 {
                 for row in before[0]..ready[0] {
