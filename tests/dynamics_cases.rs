@@ -763,6 +763,16 @@ fn tables_are_read_next_to_the_case() {
     }
     std::fs::write(&table, b"0,\xff\n").unwrap();
     assert!(load().unwrap_err().contains(": load[0].time.file: 'data/load.csv': not UTF-8 text; "));
+
+    // What is no file is not opened: a pipe without a writer would never answer.
+    let is_refused = || load().unwrap_err().contains("'data/load.csv': not a regular file; name a");
+    std::fs::remove_file(&table).unwrap();
+    std::fs::create_dir(&table).unwrap();
+    assert!(is_refused());
+    std::fs::remove_dir(&table).unwrap();
+    if std::process::Command::new("mkfifo").arg(&table).status().is_ok_and(|made| made.success()) {
+        assert!(is_refused());
+    }
 }
 
 #[test]

@@ -801,6 +801,10 @@ impl Reader<'_> {
         let path = self.folder.join(&file);
         let unreadable =
             |cause: &str| section.error("file", format!("'{}': {cause}", shown(&file)), NEEDS);
+        // A pipe that nobody writes to would be waited for.
+        if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
+            return Err(unreadable("not a regular file"));
+        }
         let mut bytes = Vec::new();
         std::fs::File::open(&path)
             .and_then(|file| file.take(LARGEST_TABLE + 1).read_to_end(&mut bytes))
