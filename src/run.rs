@@ -96,7 +96,7 @@ fn shown(dynamics: &Dynamics, fields: &[Field]) -> Vec<String> {
 /// # Errors
 /// The case is wrong, memory is short, results cannot be written, or the run ended by its own state.
 pub fn run(options: &Options, control: Control, stdout: &mut dyn Write) -> Result<(), Error> {
-    let case = Case::load(&options.case, &options.sets)?;
+    let case = Case::load_in_time(&options.case, &options.sets)?;
     let dynamics = case.required_dynamics()?;
     let media = media(&case, dynamics)?;
     let plan = plan(dynamics, &media)?;

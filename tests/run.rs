@@ -298,6 +298,12 @@ fn runs_that_cannot_be_are_refused() {
             CLASSICAL.replace("lambda", "dimensions = 2\nlambda"),
             ": grid: missing; add a section [grid] with cells = [200, 200] and spacing = 1.0, and [time] with duration",
         ),
+        // Before anything else that is missing.
+        (CLASSICAL.to_owned(), ": grid: missing; add a section [grid]"),
+        (
+            wellposed::new::text(wellposed::case::Kind::FLOWS[0]),
+            "a flow; only solids are run in time",
+        ),
         (
             plain(
                 "[[region]]\nshape = 'layer'\naxis = 1\nfrom = 0\nto = 5\n[[region]]\nshape = 'layer'\naxis = 1\nfrom = 4\nto = 8\n",
