@@ -3,8 +3,8 @@
 use models::cosserat::parameters::Theory;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use wellposed::case::dynamics::{
-    Action, Centre, Component, Condition, Dynamics, Initial, Picture, Shape, Side, SourceKind,
-    TimeFunction,
+    Action, Centre, Component, Condition, Dynamics, Initial, Picture, Recorded, Shape, Side,
+    SourceKind, TimeFunction,
 };
 use wellposed::case::{Case, Kind, Solid as SolidKind, Yield};
 use wellposed::solid::{Elastic, Solid};
@@ -279,8 +279,17 @@ fn a_case_is_read_as_written() {
     assert!(gravity.is_balanced && gravity.lateral_ratio == 0.5);
     assert_eq!(dynamics.receivers[0].name, "r1");
     assert_eq!(dynamics.receivers[0].fields.len(), 12);
-    assert_eq!(names(&dynamics.receivers[1].fields), ["v1", "sigma21"]);
+    let recorded = |list: &[Recorded]| list.iter().map(Recorded::to_string).collect::<Vec<_>>();
+    assert_eq!(recorded(&dynamics.receivers[1].fields), ["v1", "sigma21"]);
     assert!(matches!(dynamics.output.picture, Picture::Component(_)));
+
+    // Integrals that are kept are recorded where they are asked for, or nothing in particular is.
+    let sets = ["output.integrals=['u2']", "receiver[1].fields=['u2', 'v1']"];
+    let dynamics = parse_with(PLANE, &sets).unwrap().dynamics.unwrap();
+    assert_eq!(recorded(&dynamics.receivers[0].fields).last().unwrap(), "u2");
+    assert_eq!(recorded(&dynamics.receivers[1].fields), ["u2", "v1"]);
+    let error = parse_with(PLANE, &sets[1..]).unwrap_err();
+    assert!(error.contains("receiver[1].fields: found 'u2'; did you mean 'v2'?"), "{error}");
 
     // The grid says in how many dimensions the solid is.
     let case = parse(PLANE).unwrap();
@@ -537,7 +546,7 @@ fn bad_input_is_answered_with_line_key_and_remedy() {
         ("at = [5, 10]", "at = [5.5, 10]", "138: receiver[1].at: found [5.5, 10.0], outside the grid; the grid has x1 from -5.0 to 5.0 m, x2 from 0.0 to 10.0 m"),
         ("'surface.1'", "'r1'", "137: receiver[1].name: found 'r1', the name of receiver[0] (folder/x.toml:134); give each receiver its own name"),
         ("'surface.1'", "'a b'", "137: receiver[1].name: found the text 'a b'; expected text in quotes (letters, digits, '-', '_' and '.')"),
-        ("['v1', 'sigma21']", "['v1', 'v1']", "139: receiver[1].fields: found 'v1' twice; name each component once"),
+        ("['v1', 'sigma21']", "['v1', 'v1']", "139: receiver[1].fields: found 'v1' twice; name each once"),
         ("picture = 'w3'", "picture = 'sped'", &format!("142: output.picture: found 'sped'; did you mean 'speed'? allowed: speed, {FIELDS}, dissipation")),
     ];
     for (old, new, message) in table {

@@ -456,6 +456,22 @@ fn single_precision() {
     }
 }
 
+/// Receivers record what they are asked for, integrals included, and what nobody asked for is left out.
+#[test]
+fn receivers_record_what_they_are_asked_for() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let case = rich(STRUCK).replace(
+        "name = 'edge'",
+        "at = [0, -1]\nfields = ['v1']\n[[receiver]]\nat = [0, -2]\nfields = ['u2', 'sigma22']\n\
+         [[receiver]]\nname = 'edge'",
+    ) + "[output]\nintegrals = ['u2']\n";
+    carried_out(folder.path(), &case).expect("a sound case");
+    let seen = columns(&folder.path().join("out/receivers.csv"));
+    let names: Vec<&str> = seen.iter().map(|column| column.0.as_str()).collect();
+    assert_eq!(names[..4], ["time", "r1.v1", "r2.u2", "r2.sigma22"]);
+    assert_eq!((names.len(), names[names.len() - 1]), (11, "edge.u2"));
+}
+
 /// A dry run checks everything and writes nothing.
 #[test]
 fn dry_runs_write_nothing() {

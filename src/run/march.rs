@@ -382,9 +382,7 @@ fn columns(job: &Job, names: &[String]) -> (Vec<String>, Vec<usize>) {
     let mut header = vec!["time".to_owned()];
     let mut columns = Vec::new();
     for (index, receiver) in job.dynamics.receivers.iter().enumerate() {
-        let fields = receiver.fields.iter().map(ToString::to_string);
-        let integrals = job.dynamics.output.integrals.iter().filter_map(|own| own.integral());
-        for name in fields.chain(integrals) {
+        for name in receiver.fields.iter().map(ToString::to_string) {
             if let Some(place) = names.iter().position(|own| *own == name) {
                 header.push(format!("{}.{name}", receiver.name));
                 columns.push(index * names.len() + place);

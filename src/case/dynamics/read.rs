@@ -2,8 +2,8 @@
 
 use super::{
     Action, Centre, Component, Condition, Correction, Dynamics, Gravity, Grid, Initial, Ledger,
-    Load, MOST_CELLS, MOST_REGIONS, Order, Output, Part, Picture, Precision, Receiver, Region,
-    Samples, Scheme, Shape, Side, SideCondition, Source, SourceKind, Time, TimeFunction,
+    Load, MOST_CELLS, MOST_REGIONS, Order, Output, Part, Picture, Precision, Receiver, Recorded,
+    Region, Samples, Scheme, Shape, Side, SideCondition, Source, SourceKind, Time, TimeFunction,
 };
 use crate::case::error::{CaseError, Place, shown};
 use crate::case::keys::{Key, Value};
@@ -129,6 +129,7 @@ pub(in crate::case) fn read(
     let sides = reader.sides(&mut root)?;
     let periodic: Vec<Side> = periodic_sides(&sides).map(|(_, side)| side).collect();
     let (loads, sources) = (reader.loads(&mut root, &periodic)?, reader.sources(&mut root)?);
+    let output = reader.output(&mut root)?;
     let dynamics = Dynamics {
         time: time(&mut root)?,
         scheme: scheme(&mut root)?,
@@ -139,8 +140,8 @@ pub(in crate::case) fn read(
         initial: reader.initial(&mut root)?,
         initial_stress: reader.initial_stress(&mut root)?,
         gravity: reader.gravity(&mut root)?,
-        receivers: reader.receivers(&mut root)?,
-        output: reader.output(&mut root)?,
+        receivers: reader.receivers(&mut root, &output.integrals)?,
+        output,
         grid: grid.clone(),
         places: entries.places.clone(),
     };
@@ -277,25 +278,26 @@ impl Reader<'_> {
             .ok_or_else(|| section.no_such(key, name, &names(among)))
     }
 
-    /// A list of different components; `None` where it is absent.
-    fn list_of_components(
+    /// A list of different quantities, whose names are `among`; `None` where it is absent.
+    fn list_of<T: PartialEq>(
         &self,
         section: &mut Section,
         key: &'static str,
-        among: &[Component],
-    ) -> Result<Option<Vec<Component>>, CaseError> {
-        let expected = format!("a list with any of {}", joined(&names(among)));
+        among: &[String],
+        find: impl Fn(&str) -> Option<T>,
+    ) -> Result<Option<Vec<T>>, CaseError> {
+        let expected = format!("a list with any of {}", joined(among));
         let Some(given) = section.optional(key, &expected, texts)? else { return Ok(None) };
-        let mut components = Vec::new();
+        let mut all = Vec::new();
         for name in given {
-            let component = self.find(section, key, &name, among)?;
-            if components.contains(&component) {
+            let own = find(&name).ok_or_else(|| section.no_such(key, &name, among))?;
+            if all.contains(&own) {
                 let found = format!("found '{name}' twice");
-                return Err(section.error(key, found, "name each component once"));
+                return Err(section.error(key, found, "name each once"));
             }
-            components.push(component);
+            all.push(own);
         }
-        Ok(Some(components))
+        Ok(Some(all))
     }
 
     /// A shape; `extra` is the one without keys that is allowed here.
@@ -442,8 +444,10 @@ impl Reader<'_> {
     fn held(&self, section: &mut Section, side: Side) -> Result<Vec<Component>, CaseError> {
         let mut among = Component::on_side(self.theory, self.dimensions(), side.axis);
         among.retain(|component| component.is_velocity());
-        self.list_of_components(section, "held", &among)?.ok_or_else(|| {
-            let allowed = format!("add held, a list with any of {}", joined(&names(&among)));
+        let names = names(&among);
+        let find = |name: &str| Component::find(name, self.theory, &among);
+        self.list_of(section, "held", &names, find)?.ok_or_else(|| {
+            let allowed = format!("add held, a list with any of {}", joined(&names));
             section.error("held", "missing", allowed)
         })
     }
@@ -666,7 +670,20 @@ impl Reader<'_> {
         Ok(Some(Gravity { acceleration, is_balanced, lateral_ratio }))
     }
 
-    fn receivers(&self, root: &mut Section) -> Result<Vec<Receiver>, CaseError> {
+    fn receivers(
+        &self,
+        root: &mut Section,
+        integrals: &[Component],
+    ) -> Result<Vec<Receiver>, CaseError> {
+        let all: Vec<Recorded> = (self.components.iter().copied().map(Recorded::Component))
+            .chain(integrals.iter().copied().map(Recorded::Integral))
+            .collect();
+        let words: Vec<String> = all.iter().map(Recorded::to_string).collect();
+        let find = |name: &str| {
+            let component = Component::find(name, self.theory, &self.components);
+            let integral = || all.iter().copied().find(|own| own.to_string() == name);
+            component.map(Recorded::Component).or_else(integral)
+        };
         let mut receivers = Vec::new();
         let mut taken: BTreeMap<String, usize> = BTreeMap::new();
         for (index, mut section) in root.tables("receiver")?.into_iter().enumerate() {
@@ -683,13 +700,13 @@ impl Reader<'_> {
                 return Err(section.error("name", found, "give each receiver its own name"));
             }
             let at = self.point_inside(&mut section, "a point of the grid")?;
-            let fields = self.list_of_components(&mut section, "fields", &self.components)?;
+            let fields = self.list_of(&mut section, "fields", &words, find)?;
             if fields.as_ref().is_some_and(Vec::is_empty) {
-                let allowed = format!("name at least one of {}", joined(&names(&self.components)));
+                let allowed = format!("name at least one of {}", joined(&words));
                 return Err(section.error("fields", "an empty list", allowed));
             }
             section.finish()?;
-            let fields = fields.unwrap_or_else(|| self.components.clone());
+            let fields = fields.unwrap_or_else(|| all.clone());
             receivers.push(Receiver { name, at, fields });
         }
         Ok(receivers)
@@ -717,16 +734,9 @@ impl Reader<'_> {
             .filter_map(|component| Some((component.integral()?, *component)))
             .collect();
         let words: Vec<String> = possible.iter().map(|own| own.0.clone()).collect();
-        let expected = format!("a list with any of {}", joined(&words));
-        for name in section.optional("integrals", &expected, texts)?.unwrap_or_default() {
-            let own = possible.iter().find(|own| own.0 == name);
-            let (_, component) = own.ok_or_else(|| section.no_such("integrals", &name, &words))?;
-            if output.integrals.contains(component) {
-                let found = format!("found '{name}' twice");
-                return Err(section.error("integrals", found, "name each once"));
-            }
-            output.integrals.push(*component);
-        }
+        let find = |name: &str| possible.iter().find(|own| own.0 == name).map(|own| own.1);
+        output.integrals =
+            self.list_of(&mut section, "integrals", &words, find)?.unwrap_or_default();
         let mut pictures = vec![Picture::Speed];
         pictures.extend(self.components.iter().copied().map(Picture::Component));
         pictures.extend(output.integrals.iter().copied().map(Picture::Integral));
