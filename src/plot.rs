@@ -339,7 +339,8 @@ impl<'a> Section<'a> {
             is_signed: !matches!(picture, Picture::Speed | Picture::Dissipation),
             limit: None,
             scale: None,
-            curves: None,
+            // They are values of the picture of the case.
+            curves: dynamics.output.contours.clone().filter(|_| picture == dynamics.output.picture),
             outlines: Vec::new(),
             plastic: Vec::new(),
             marks: receivers

@@ -9,7 +9,7 @@ mod march;
 mod setup;
 
 use crate::case::Case;
-use crate::case::dynamics::{Component, Dynamics, Ledger as LedgerKind, Picture, Precision};
+use crate::case::dynamics::{Component, Dynamics, Ledger as LedgerKind, Precision};
 use crate::output::{Growing, ResultFolder};
 use crate::plot;
 use crate::words::{case_title, short, unit_of};
@@ -102,7 +102,6 @@ pub fn run(options: &Options, control: Control, stdout: &mut dyn Write) -> Resul
     let plan = plan(dynamics, &media)?;
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     folder.check_runs(options.force)?;
-    check_picture(dynamics, &media)?;
     if options.dry_run {
         // Everything that can be wrong with the case is found by setting it up.
         match dynamics.grid.dimensions() {
@@ -141,19 +140,6 @@ pub fn resume(
     let _ = writeln!(std::io::stderr(), "{plan}\nfrom {:.1} %", 100.0 * start / count as f64);
     let job = Job { case: &case, dynamics, folder: &folder, control, threads };
     job.carry_out(media, found, format, stdout)
-}
-
-/// That there is something to be drawn.
-fn check_picture(dynamics: &Dynamics, media: &[Medium]) -> Result<(), Error> {
-    let yields = media.iter().any(|medium| medium.yields.is_some());
-    match dynamics.output.picture {
-        Picture::Dissipation if !yields => {
-            let found = "found 'dissipation' in elastic media";
-            let allowed = "another picture, or a section [yield]";
-            Err(dynamics.locate("output.picture", found, allowed).into())
-        }
-        _ => Ok(()),
-    }
 }
 
 /// What is likely not meant.

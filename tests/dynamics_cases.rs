@@ -154,6 +154,7 @@ fields = ['v1', 'sigma21']
 [output]
 ledger_interval = 0.001
 picture = 'w3'
+contours = [-1, 0.5]
 ";
 
 /// Space.
@@ -282,6 +283,7 @@ fn a_case_is_read_as_written() {
     let recorded = |list: &[Recorded]| list.iter().map(Recorded::to_string).collect::<Vec<_>>();
     assert_eq!(recorded(&dynamics.receivers[1].fields), ["v1", "sigma21"]);
     assert!(matches!(dynamics.output.picture, Picture::Component(_)));
+    assert_eq!(dynamics.output.contours, Some(vec![-1.0, 0.5]));
 
     // Integrals that are kept are recorded where they are asked for, or nothing in particular is.
     let sets = ["output.integrals=['u2']", "receiver[1].fields=['u2', 'v1']"];
@@ -548,6 +550,7 @@ fn bad_input_is_answered_with_line_key_and_remedy() {
         ("'surface.1'", "'a b'", "137: receiver[1].name: found the text 'a b'; expected text in quotes (letters, digits, '-', '_' and '.')"),
         ("['v1', 'sigma21']", "['v1', 'v1']", "139: receiver[1].fields: found 'v1' twice; name each once"),
         ("picture = 'w3'", "picture = 'sped'", &format!("142: output.picture: found 'sped'; did you mean 'speed'? allowed: speed, {FIELDS}, dissipation")),
+        ("contours = [-1, 0.5]", "contours = [1, 'a']", "143: output.contours: found a list that holds the text 'a'; expected a list of finite numbers in the unit of the picture (lines of equal value)"),
     ];
     for (old, new, message) in table {
         let error = parse(&with(PLANE, old, new)).expect_err(new);

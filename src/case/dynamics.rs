@@ -579,6 +579,8 @@ pub struct Output {
     pub integrals: Vec<Component>,
     /// What pictures show.
     pub picture: Picture,
+    /// Values of it on which lines are drawn, in its unit; `None`: as suits the picture.
+    pub contours: Option<Vec<f64>>,
 }
 
 /// What a picture shows.

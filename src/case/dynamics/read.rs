@@ -10,8 +10,8 @@ use crate::case::keys::{Key, Value};
 use crate::case::place::Places;
 use crate::case::read::{Entries, SECTIONS_IN_TIME};
 use crate::case::section::{
-    Node, Section, cells, count, joined, matrix, not_negative, number, numbers, positive, rows,
-    spacing, text, texts, truth,
+    Node, Section, any_numbers, cells, count, joined, matrix, not_negative, number, numbers,
+    positive, rows, spacing, text, texts, truth,
 };
 use crate::case::{Case, Kind, Solid};
 use models::cosserat::parameters::Theory;
@@ -129,7 +129,11 @@ pub(in crate::case) fn read(
     let sides = reader.sides(&mut root)?;
     let periodic: Vec<Side> = periodic_sides(&sides).map(|(_, side)| side).collect();
     let (loads, sources) = (reader.loads(&mut root, &periodic)?, reader.sources(&mut root)?);
-    let output = reader.output(&mut root)?;
+    let yields = match regions.as_slice() {
+        [] => case.yields.is_some(),
+        regions => regions.iter().any(|region| region.case.yields.is_some()),
+    };
+    let output = reader.output(&mut root, yields)?;
     let dynamics = Dynamics {
         time: time(&mut root)?,
         scheme: scheme(&mut root)?,
@@ -712,12 +716,14 @@ impl Reader<'_> {
         Ok(receivers)
     }
 
-    fn output(&self, root: &mut Section) -> Result<Output, CaseError> {
+    /// What is recorded and drawn, of media of which one `yields` or none.
+    fn output(&self, root: &mut Section, yields: bool) -> Result<Output, CaseError> {
         let mut output = Output {
             ledger_interval: 0.0,
             snapshot_interval: 0.0,
             integrals: Vec::new(),
             picture: Picture::Speed,
+            contours: None,
         };
         let Some(mut section) = root.table("output")? else { return Ok(output) };
         let expected = "a number of at least 0 in s (0: at most 1000 lines)";
@@ -749,6 +755,12 @@ impl Reader<'_> {
             let own = own.or(component.map(Picture::Component));
             output.picture = own.ok_or_else(|| section.no_such("picture", &name, &words))?;
         }
+        if output.picture == Picture::Dissipation && !yields {
+            let allowed = "another picture, or a section [yield]";
+            return Err(section.error("picture", "found 'dissipation' in elastic media", allowed));
+        }
+        let expected = "a list of finite numbers in the unit of the picture (lines of equal value)";
+        output.contours = section.optional("contours", expected, any_numbers)?;
         section.finish()?;
         Ok(output)
     }
