@@ -1,7 +1,7 @@
 //! `wellposed run` and `wellposed resume`: a solid in time.
 //!
 //! Receivers and ledger grow line by line, snapshots come one after the other; all else is written at the
-//! end. A checkpoint holds the state and how far the growing files were: what resumes from it writes the
+//! end. A checkpoint holds the state and what the growing files held: what resumes from it writes the
 //! same bits as a run that was never interrupted.
 
 mod checkpoint;

@@ -197,6 +197,15 @@ fn damaged_checkpoints_are_refused() {
     let rows = fs::read(&table).unwrap();
     fs::write(&table, &rows[..20]).unwrap();
     assert_eq!(ends(&here, "resume out").status.code(), Some(2));
+    // Or have other numbers there.
+    let mut changed = rows.clone();
+    let first_row = rows.iter().position(|byte| *byte == b'\n').unwrap() + 1;
+    changed[first_row] = b'7';
+    fs::write(&table, changed).unwrap();
+    let output = ends(&here, "resume out");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(text.contains("receivers.csv: has other content in its first"), "{text}");
     fs::write(&table, rows).unwrap();
     // A snapshot that is gone.
     let snapshot = here.join("out/snapshot-00000000.vti");

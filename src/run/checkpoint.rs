@@ -1,8 +1,9 @@
-//! What a run needs to go on: state, and how far its growing files were.
+//! What a run needs to go on: state, and what its growing files held.
 
 use crate::output::{Growing, OutputError, ResultFolder};
 use dynamics::real::Real;
 use dynamics::split::Snapshot;
+use files::append::Written;
 use files::sealed::{read_sealed, write_sealed};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -11,8 +12,8 @@ use std::io::ErrorKind;
 /// A checkpoint of any precision.
 pub(super) struct Checkpoint {
     pub(super) steps: usize,
-    /// Bytes of the receivers' and the ledger's file.
-    pub(super) offsets: [u64; 2],
+    /// What stands in the receivers' and the ledger's file.
+    pub(super) tables: [Written; 2],
     /// Energy at the beginning, J.
     pub(super) start: f64,
     fields: Vec<Vec<u8>>,
@@ -32,11 +33,11 @@ fn bytes(numbers: &[f64]) -> Vec<u8> {
 
 impl Checkpoint {
     /// Of a run's state.
-    pub(super) fn new<T: Real>(snapshot: &Snapshot<T>, offsets: [u64; 2], start: f64) -> Self {
+    pub(super) fn new<T: Real>(snapshot: &Snapshot<T>, tables: [Written; 2], start: f64) -> Self {
         let narrow = |values: &Vec<T>| values.iter().flat_map(|value| value.bytes()).collect();
         Self {
             steps: snapshot.steps,
-            offsets,
+            tables,
             start,
             fields: snapshot.fields.iter().map(narrow).collect(),
             totals: bytes(snapshot.totals.as_flattened()),
@@ -60,7 +61,7 @@ impl Checkpoint {
     pub(super) fn write(&self, folder: &ResultFolder) -> Result<(), OutputError> {
         let about = json!({
             "steps": self.steps,
-            "offsets": self.offsets,
+            "tables": self.tables.map(|table| [table.length, table.checksum.into()]),
             "start": self.start.to_bits(),
         })
         .to_string();
@@ -106,9 +107,13 @@ impl Checkpoint {
         let about: Value =
             take("about").and_then(|own| serde_json::from_slice(&own).ok()).ok_or_else(odd)?;
         let number = |value: &Value| value.as_u64();
-        let offsets = [0, 1].map(|i| number(&about["offsets"][i]));
+        let tables = [0, 1].map(|i| {
+            let table = &about["tables"][i];
+            let checksum = number(&table[1]).and_then(|own| u32::try_from(own).ok());
+            Some(Written { length: number(&table[0])?, checksum: checksum? })
+        });
         let ([Some(receivers), Some(ledger)], Some(steps), Some(start), Some(totals)) =
-            (offsets, number(&about["steps"]), number(&about["start"]), take("totals"))
+            (tables, number(&about["steps"]), number(&about["start"]), take("totals"))
         else {
             return Err(odd());
         };
@@ -117,7 +122,7 @@ impl Checkpoint {
         };
         Ok(Some(Self {
             steps: usize::try_from(steps).map_err(|_| odd())?,
-            offsets: [receivers, ledger],
+            tables: [receivers, ledger],
             start: f64::from_bits(start),
             fields: numbered("field"),
             totals,

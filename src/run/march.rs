@@ -13,7 +13,7 @@ use dynamics::line::GHOSTS;
 use dynamics::medium::Medium;
 use dynamics::real::Real;
 use dynamics::split::Split;
-use files::append::Appender;
+use files::append::{Appender, Written};
 use files::vti::{Grid, ImageData, Storage, collection};
 use std::io::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -92,7 +92,7 @@ impl Job<'_> {
                 self.folder.sweep()?;
                 let snapshot = from.snapshot().filter(|snapshot| split.restore(snapshot));
                 snapshot.ok_or_else(|| Checkpoint::refused(self.folder))?;
-                Files::resume(self, &names, from.offsets)?
+                Files::resume(self, &names, from.tables)?
             }
         };
         let line = |split: &Split<T, D>| Line {
@@ -185,8 +185,8 @@ impl Job<'_> {
             ));
             let is_interrupted = INTERRUPTED.load(Ordering::Relaxed);
             if is_interrupted || kept.elapsed().as_secs_f64() > self.control.checkpoint_every {
-                let offsets = files.offsets()?;
-                Checkpoint::new(&split.snapshot(), offsets, energy_at_start).write(self.folder)?;
+                let tables = files.sync()?;
+                Checkpoint::new(&split.snapshot(), tables, energy_at_start).write(self.folder)?;
                 files.log(&format!("checkpoint at step {done}"));
                 kept = Instant::now();
             }
@@ -197,7 +197,7 @@ impl Job<'_> {
                 });
             }
         }
-        files.offsets()?;
+        files.sync()?;
         let seconds = clock.elapsed().as_secs_f64();
         let updates = 2.0 * (done - first) as f64 * problem.grid.count() as f64;
         files.log(&format!(
@@ -259,20 +259,20 @@ impl<'a> Files<'a> {
         Ok(Self { job, receivers, ledger, columns, width })
     }
 
-    fn resume(job: &'a Job<'a>, names: &[String], offsets: [u64; 2]) -> Result<Self, Error> {
+    fn resume(job: &'a Job<'a>, names: &[String], tables: [Written; 2]) -> Result<Self, Error> {
         let (_, columns) = columns(job, names);
-        let resume = |file: Growing, offset: u64| {
+        let resume = |file: Growing, written: Written| {
             let path = job.folder.growing(file);
-            Appender::resume(&path, offset).map_err(|error| OutputError {
+            Appender::resume(&path, written).map_err(|error| OutputError {
                 path,
                 cause: error.to_string(),
                 remedy: "start the run again, with --force",
             })
         };
         let receivers = (!job.dynamics.receivers.is_empty())
-            .then(|| resume(Growing::Receivers, offsets[0]))
+            .then(|| resume(Growing::Receivers, tables[0]))
             .transpose()?;
-        let ledger = resume(Growing::Ledger, offsets[1])?;
+        let ledger = resume(Growing::Ledger, tables[1])?;
         let width = job.dynamics.receivers.len() * names.len();
         Ok(Self { job, receivers, ledger, columns, width })
     }
@@ -349,8 +349,8 @@ impl<'a> Files<'a> {
         Ok(folder.write("snapshots.pvd", &collection(&list)?)?)
     }
 
-    /// How much of the files is safe on the disk.
-    fn offsets(&mut self) -> Result<[u64; 2], Error> {
+    /// Brings the tables to the disk, and says what they hold.
+    fn sync(&mut self) -> Result<[Written; 2], Error> {
         let job = self.job;
         let sync = |file: &mut Appender, own: Growing| {
             let path = job.folder.growing(own);
@@ -358,7 +358,7 @@ impl<'a> Files<'a> {
         };
         let receivers = match &mut self.receivers {
             Some(file) => sync(file, Growing::Receivers)?,
-            None => 0,
+            None => Written::default(),
         };
         Ok([receivers, sync(&mut self.ledger, Growing::Ledger)?])
     }
