@@ -78,14 +78,6 @@ pub enum Error {
         /// The folder of its results.
         folder: String,
     },
-    /// A file of results cannot be read again.
-    #[error("{file}: {cause}; run the case again with --force")]
-    Unreadable {
-        /// The file.
-        file: String,
-        /// Why not.
-        cause: String,
-    },
     /// A snapshot could not be made.
     #[error(transparent)]
     Snapshot(#[from] files::vti::VtiError),

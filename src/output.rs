@@ -1,6 +1,8 @@
 //! Folders of results: which may be written to, and what stands in every one of them.
 
 use crate::case::Case;
+use files::FileError;
+use files::append::{AppendError, AppendProblem};
 use std::fs::{self, File};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -131,6 +133,30 @@ impl OutputError {
             path: path.to_owned(),
             cause: cause.to_string(),
             remedy: "name a place that can be written to",
+        }
+    }
+
+    /// A result that the operating system does not hand out.
+    pub fn unreadable(path: &Path, error: &std::io::Error) -> Self {
+        match error.kind() {
+            ErrorKind::NotFound => Self::unusable(path, "is missing"),
+            _ => Self { path: path.to_owned(), cause: error.to_string(), remedy: "let it be read" },
+        }
+    }
+
+    /// A result that is not what was written.
+    pub fn unusable(path: &Path, cause: impl ToString) -> Self {
+        let remedy = "run the case again with --force";
+        Self { path: path.to_owned(), cause: cause.to_string(), remedy }
+    }
+
+    /// A table that grows and cannot.
+    pub fn of_table(error: AppendError) -> Self {
+        match error.problem {
+            AppendProblem::Refused { ref source, .. } if source.kind() != ErrorKind::NotFound => {
+                Self::new(&error.path, error.problem)
+            }
+            problem => Self::unusable(&error.path, problem),
         }
     }
 }
@@ -459,7 +485,10 @@ fn probe(folder: &Path) -> Result<(), OutputError> {
 /// # Errors
 /// The file, and why it cannot be written.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
-    files::write_atomically(path, bytes).map_err(|error| {
-        OutputError::new(path, format!("cannot {}: {}", error.action, error.source))
-    })
+    files::write_atomically(path, bytes).map_err(|error| not_written(path, &error))
+}
+
+/// That a file was not written; its name once, not that of the temporary file.
+pub fn not_written(path: &Path, error: &FileError) -> OutputError {
+    OutputError::new(path, format!("cannot {}: {}", error.action, error.source))
 }

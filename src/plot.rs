@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::case::Case;
 use crate::case::dynamics::{Component, Dynamics, Picture};
-use crate::output::{Growing, ResultFolder};
+use crate::output::{Growing, OutputError, ResultFolder};
 use crate::words::{case_title, short, unit_of};
 use figures::{
     Animation, FieldAxis, FieldFigure, FieldMark, FieldMarkKind, LedgerFigure, LedgerTerm,
@@ -132,13 +132,12 @@ fn animation(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<
     // Twice through all, not to hold them all.
     let values = |name: &str| -> Result<(f64, Vec<f64>), Error> {
         let path = folder.path().join(name);
-        let unreadable =
-            |cause: String| Error::Unreadable { file: path.display().to_string(), cause };
-        let bytes = std::fs::read(&path).map_err(|error| unreadable(error.to_string()))?;
+        let unusable = |cause: String| OutputError::unusable(&path, cause);
+        let bytes = std::fs::read(&path).map_err(|e| OutputError::unreadable(&path, &e))?;
         let time = files::vti::plain_time(&bytes);
         let all = files::vti::plain_values(&bytes, &array);
         let (Some(time), Some(all)) = (time, all) else {
-            return Err(unreadable(format!("no array {array}")));
+            return Err(unusable(format!("no array {array}")).into());
         };
         let of = |cell: usize| match picture {
             Picture::Speed => {
@@ -148,7 +147,7 @@ fn animation(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<
             _ => all[cell],
         };
         if all.len() < dynamics.grid.count() {
-            return Err(unreadable(format!("too few values of {array}")));
+            return Err(unusable(format!("too few values of {array}")).into());
         }
         Ok((time, section.cells().map(of).collect()))
     };
@@ -175,8 +174,8 @@ pub(crate) fn table(
     file: Growing,
 ) -> Result<Vec<(String, Vec<f64>)>, Error> {
     let path = folder.growing(file);
-    let unreadable = |cause: String| Error::Unreadable { file: path.display().to_string(), cause };
-    let text = std::fs::read_to_string(&path).map_err(|error| unreadable(error.to_string()))?;
+    let text =
+        std::fs::read_to_string(&path).map_err(|error| OutputError::unreadable(&path, &error))?;
     let mut lines = text.lines();
     let mut columns: Vec<(String, Vec<f64>)> = lines
         .next()
@@ -187,8 +186,8 @@ pub(crate) fn table(
     for (index, line) in lines.enumerate() {
         for (column, cell) in columns.iter_mut().zip(line.split(',')) {
             let number = cell.parse();
-            let number = number.map_err(|_| unreadable(format!("line {}: '{cell}'", index + 2)))?;
-            column.1.push(number);
+            let odd = |_| OutputError::unusable(&path, format!("line {}: '{cell}'", index + 2));
+            column.1.push(number.map_err(odd)?);
         }
     }
     Ok(columns)
@@ -219,10 +218,8 @@ struct Fields(Vec<Array>);
 
 impl Fields {
     fn read(path: &Path) -> Result<Self, Error> {
-        let unreadable =
-            |cause: String| Error::Unreadable { file: path.display().to_string(), cause };
-        let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
-        Ok(Self(read(&bytes).map_err(|error| unreadable(error.to_string()))?))
+        let bytes = std::fs::read(path).map_err(|error| OutputError::unreadable(path, &error))?;
+        Ok(Self(read(&bytes).map_err(|error| OutputError::unusable(path, error))?))
     }
 
     fn of(&self, name: &str) -> Option<&[f64]> {

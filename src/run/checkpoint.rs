@@ -1,10 +1,10 @@
 //! What a run needs to go on: state, and what its growing files held.
 
-use crate::output::{Growing, OutputError, ResultFolder};
+use crate::output::{Growing, OutputError, ResultFolder, not_written};
 use dynamics::real::Real;
 use dynamics::split::Snapshot;
 use files::append::Written;
-use files::sealed::{read_sealed, write_sealed};
+use files::sealed::{Problem, read_sealed, write_sealed};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
@@ -78,7 +78,7 @@ impl Checkpoint {
             sections.extend(named.map(|(name, bytes)| (name.as_str(), bytes.as_slice())));
         }
         let path = folder.growing(Growing::Checkpoint);
-        write_sealed(&path, &sections).map_err(|error| OutputError::new(&path, error))
+        write_sealed(&path, &sections).map_err(|error| not_written(&path, &error))
     }
 
     /// The checkpoint of a folder; `None` where there is none: the run had not come so far.
@@ -87,22 +87,18 @@ impl Checkpoint {
     /// It is damaged, or of another case.
     pub(super) fn read(folder: &ResultFolder) -> Result<Option<Self>, OutputError> {
         let path = folder.growing(Growing::Checkpoint);
-        if let Err(error) = std::fs::metadata(&path)
-            && error.kind() == ErrorKind::NotFound
-        {
-            return Ok(None);
-        }
-        let damaged = |cause: String| OutputError {
-            path: path.clone(),
-            cause,
-            remedy: "start the run again, with --force",
+        let damaged = |cause: &str| OutputError::unusable(&path, cause);
+        let sections = match read_sealed(&path).map_err(|error| error.problem) {
+            Err(Problem::Read(error)) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(Problem::Read(error)) => return Err(OutputError::unreadable(&path, &error)),
+            Err(problem) => return Err(damaged(&problem.to_string())),
+            Ok(sections) => sections,
         };
-        let sections = read_sealed(&path).map_err(|error| damaged(error.to_string()))?;
         let mut sections: BTreeMap<String, Vec<u8>> = sections.into_iter().collect();
         let mut take = |name: &str| sections.remove(name);
-        let odd = || damaged("not a checkpoint of this program".to_owned());
+        let odd = || damaged("not a checkpoint of this program");
         if take("case").as_deref() != Some(folder.case().as_bytes()) {
-            return Err(damaged("a checkpoint of another case".to_owned()));
+            return Err(damaged("a checkpoint of another case"));
         }
         let about: Value =
             take("about").and_then(|own| serde_json::from_slice(&own).ok()).ok_or_else(odd)?;
@@ -132,10 +128,7 @@ impl Checkpoint {
 
     /// That its state is none of this run's.
     pub(super) fn refused(folder: &ResultFolder) -> OutputError {
-        OutputError {
-            path: folder.growing(Growing::Checkpoint),
-            cause: "its fields are not those of the case".to_owned(),
-            remedy: "start the run again, with --force",
-        }
+        let path = folder.growing(Growing::Checkpoint);
+        OutputError::unusable(&path, "its fields are not those of the case")
     }
 }

@@ -115,12 +115,9 @@ impl Job<'_> {
         if let (Some(from), Some(every)) = (&from, snapshots) {
             let mut due = (0..=from.steps).step_by(every).map(snapshot_name);
             if let Some(name) = due.find(|own| !self.folder.path().join(own).exists()) {
-                return Err(OutputError {
-                    path: self.folder.path().join(name),
-                    cause: "the snapshot is missing".into(),
-                    remedy: "start the run again, with --force",
-                }
-                .into());
+                return Err(
+                    OutputError::unusable(&self.folder.path().join(name), "is missing").into()
+                );
             }
         }
         if from.is_none() && last.energy.total().is_finite() {
@@ -247,8 +244,7 @@ impl<'a> Files<'a> {
     fn create(job: &'a Job<'a>, names: &[String]) -> Result<Self, Error> {
         let (header, columns) = columns(job, names);
         let create = |file: Growing, header: &[&str]| {
-            let path = job.folder.growing(file);
-            Appender::create(&path, header).map_err(|error| OutputError::new(&path, error))
+            Appender::create(&job.folder.growing(file), header).map_err(OutputError::of_table)
         };
         let header: Vec<&str> = header.iter().map(String::as_str).collect();
         let receivers = (!job.dynamics.receivers.is_empty())
@@ -262,12 +258,7 @@ impl<'a> Files<'a> {
     fn resume(job: &'a Job<'a>, names: &[String], tables: [Written; 2]) -> Result<Self, Error> {
         let (_, columns) = columns(job, names);
         let resume = |file: Growing, written: Written| {
-            let path = job.folder.growing(file);
-            Appender::resume(&path, written).map_err(|error| OutputError {
-                path,
-                cause: error.to_string(),
-                remedy: "start the run again, with --force",
-            })
+            Appender::resume(&job.folder.growing(file), written).map_err(OutputError::of_table)
         };
         let receivers = (!job.dynamics.receivers.is_empty())
             .then(|| resume(Growing::Receivers, tables[0]))
@@ -280,13 +271,12 @@ impl<'a> Files<'a> {
     /// Adds what was recorded of steps, of which the first is `step`.
     fn receivers(&mut self, records: &[f64], step: usize, duration: f64) -> Result<(), Error> {
         let Some(file) = &mut self.receivers else { return Ok(()) };
-        let path = || self.job.folder.growing(Growing::Receivers);
         let mut row = Vec::with_capacity(self.columns.len() + 1);
         for (index, state) in records.chunks_exact(self.width).enumerate() {
             row.clear();
             row.push((step + index) as f64 * duration);
             row.extend(self.columns.iter().map(|column| state[*column]));
-            file.write_row(&row).map_err(|error| OutputError::new(&path(), error))?;
+            file.write_row(&row).map_err(OutputError::of_table)?;
         }
         Ok(())
     }
@@ -299,8 +289,7 @@ impl<'a> Files<'a> {
             row.push(line.ledger.numerical());
         }
         row.push(line.balance(start));
-        let path = self.job.folder.growing(Growing::Ledger);
-        Ok(self.ledger.write_row(&row).map_err(|error| OutputError::new(&path, error))?)
+        Ok(self.ledger.write_row(&row).map_err(OutputError::of_table)?)
     }
 
     /// Writes the state of a step for ParaView, and the list of all so far.
@@ -351,16 +340,11 @@ impl<'a> Files<'a> {
 
     /// Brings the tables to the disk, and says what they hold.
     fn sync(&mut self) -> Result<[Written; 2], Error> {
-        let job = self.job;
-        let sync = |file: &mut Appender, own: Growing| {
-            let path = job.folder.growing(own);
-            file.sync().map_err(|error| OutputError::new(&path, error))
-        };
         let receivers = match &mut self.receivers {
-            Some(file) => sync(file, Growing::Receivers)?,
+            Some(file) => file.sync().map_err(OutputError::of_table)?,
             None => Written::default(),
         };
-        Ok([receivers, sync(&mut self.ledger, Growing::Ledger)?])
+        Ok([receivers, self.ledger.sync().map_err(OutputError::of_table)?])
     }
 
     /// Wall times and speeds, which no result holds. A log that cannot be written stops nothing.
