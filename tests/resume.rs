@@ -149,7 +149,39 @@ fn interrupted_runs_leave_a_checkpoint() {
     assert_eq!(again.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&again.stderr).contains("the run is finished"));
     assert_eq!(ends(&here, "run case.toml --out out").status.code(), Some(2));
+    // What is drawn may change, what was computed not.
+    let case = here.join("out/case.toml");
+    let resolved = fs::read_to_string(&case).unwrap();
+    let before = fs::read(here.join("out/run.svg")).unwrap();
+    let drawn = resolved.replace("picture = \"speed\"", "picture = \"u2\"\ncontours = [1e-3]");
+    fs::write(&case, drawn).unwrap();
     assert!(ends(&here, "plot out").status.success());
+    assert!(fs::read(here.join("out/run.svg")).unwrap() != before);
+    fs::write(&case, resolved.replace("density = 1900", "density = 1800")).unwrap();
+    let output = ends(&here, "plot out");
+    assert_eq!(output.status.code(), Some(2));
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(text.contains("case.toml: not what the run began with"), "{text}");
+}
+
+/// A case that changed since the run began is noticed without a checkpoint, too.
+#[cfg(unix)]
+#[test]
+fn a_changed_case_is_not_resumed() {
+    let here = interrupted("changed");
+    fs::remove_file(here.join("out/checkpoint")).unwrap();
+    let case = here.join("out/case.toml");
+    let resolved = fs::read_to_string(&case).unwrap();
+    let changed = resolved.replace("density = 1900", "density = 1800");
+    assert_ne!(changed, resolved);
+    fs::write(&case, changed).unwrap();
+    for arguments in ["resume out", "run out/case.toml --out out"] {
+        let output = ends(&here, arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments}");
+    }
+    // The same in other words.
+    fs::write(&case, format!("# as it was\n{}", resolved.replace("1900.0", "1.9e3"))).unwrap();
+    assert!(ends(&here, "resume out").status.success());
 }
 
 /// While a run writes to a folder no other one does; SIGTERM ends it as Ctrl-C does.

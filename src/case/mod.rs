@@ -18,7 +18,7 @@ pub use keys::{
 };
 pub use kind::{Kind, Medium, NoSuchMedium, Solid, Yield};
 
-use dynamics::Grid;
+use dynamics::{Grid, Picture};
 use keys::Value;
 use models::granular_flow::state::State;
 use models::granular_flow::{InputError, Kind as Flow, Model, Parameters};
@@ -498,6 +498,15 @@ impl Case {
             text.push_str(&dynamics.to_toml());
         }
         text
+    }
+
+    /// The case without what decides over its pictures alone: where this is the same, results are.
+    pub fn undrawn(&self) -> Self {
+        let mut case = self.clone();
+        if let Some(dynamics) = &mut case.dynamics {
+            (dynamics.output.picture, dynamics.output.contours) = (Picture::default(), None);
+        }
+        case
     }
 
     /// The keys that the case uses and their values, without those of `[map]` and `[compare]`.

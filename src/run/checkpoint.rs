@@ -66,7 +66,7 @@ impl Checkpoint {
         })
         .to_string();
         let mut sections: Vec<(&str, &[u8])> =
-            vec![("case", folder.case().as_bytes()), ("about", about.as_bytes())];
+            vec![("case", folder.undrawn().as_bytes()), ("about", about.as_bytes())];
         sections.push(("totals", &self.totals));
         let numbered = |name: &str, count: usize| -> Vec<String> {
             (0..count).map(|index| format!("{name}{index}")).collect()
@@ -97,7 +97,7 @@ impl Checkpoint {
         let mut sections: BTreeMap<String, Vec<u8>> = sections.into_iter().collect();
         let mut take = |name: &str| sections.remove(name);
         let odd = || damaged("not a checkpoint of this program");
-        if take("case").as_deref() != Some(folder.case().as_bytes()) {
+        if take("case").as_deref() != Some(folder.undrawn().as_bytes()) {
             return Err(damaged("a checkpoint of another case"));
         }
         let about: Value =
