@@ -66,12 +66,15 @@ pub const RUN: [&str; 18] = [
     "receivers.npz",
     "ledger.csv",
     "fields.npz",
-    "snapshots.pvd",
+    SNAPSHOTS,
     "checkpoint",
     "lock",
     "run.json",
     "run.txt",
 ];
+
+/// The list of the snapshots of a run.
+pub const SNAPSHOTS: &str = "snapshots.pvd";
 
 /// What says that a run is finished.
 const FINISHED: &str = "run.json";
@@ -315,17 +318,6 @@ impl ResultFolder {
     /// It cannot be removed.
     pub fn remove(&self, file: Growing) -> Result<(), OutputError> {
         remove(&self.growing(file))
-    }
-
-    /// Names of the snapshots, in their order.
-    ///
-    /// # Errors
-    /// The folder cannot be read.
-    pub fn snapshots(&self) -> Result<Vec<String>, OutputError> {
-        let mut all = names(&self.path)?;
-        all.retain(|name| is_snapshot(name));
-        all.sort();
-        Ok(all)
     }
 
     /// Keeps other runs out of the folder until what is handed back is dropped.

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::case::Case;
 use crate::case::dynamics::{Component, Dynamics, Picture};
-use crate::output::{Growing, OutputError, ResultFolder};
+use crate::output::{Growing, OutputError, ResultFolder, SNAPSHOTS};
 use crate::words::{case_title, short, unit_of};
 use figures::{
     Animation, FieldAxis, FieldFigure, FieldMark, FieldMarkKind, LedgerFigure, LedgerTerm,
@@ -117,7 +117,12 @@ fn ledger(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<(),
 fn animation(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<(), Error> {
     const SECONDS_PER_FRAME: f64 = 0.1;
     const WIDTH: u32 = 800;
-    let names = folder.snapshots()?;
+    if dynamics.output.snapshot_interval == 0.0 {
+        return Ok(());
+    }
+    let list = folder.path().join(SNAPSHOTS);
+    let text = std::fs::read_to_string(&list).map_err(|e| OutputError::unreadable(&list, &e))?;
+    let names = files::vti::collected(&text);
     if names.len() < 2 {
         return Ok(());
     }

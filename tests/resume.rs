@@ -149,6 +149,15 @@ fn interrupted_runs_leave_a_checkpoint() {
     assert_eq!(again.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&again.stderr).contains("the run is finished"));
     assert_eq!(ends(&here, "run case.toml --out out").status.code(), Some(2));
+    // Without one of the snapshots there is no animation of them.
+    let snapshot = here.join("out/snapshot-00000000.vti");
+    let image = fs::read(&snapshot).unwrap();
+    fs::remove_file(&snapshot).unwrap();
+    let output = ends(&here, "plot out");
+    assert_eq!(output.status.code(), Some(2));
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(text.contains("snapshot-00000000.vti: is missing; run the case again"), "{text}");
+    fs::write(&snapshot, image).unwrap();
     // What is drawn may change, what was computed not.
     let case = here.join("out/case.toml");
     let resolved = fs::read_to_string(&case).unwrap();

@@ -5,7 +5,7 @@ use super::setup::{Setup, cell_at, centre};
 use super::{Found, Job, Line, Stopped, shown};
 use crate::Error;
 use crate::case::dynamics::{Component, Ledger as LedgerKind};
-use crate::output::{Growing, OutputError};
+use crate::output::{Growing, OutputError, SNAPSHOTS};
 use crate::progress::Progress;
 use crate::words::{short, unit_of};
 use dynamics::ledger::{Energy, Ledger};
@@ -251,6 +251,9 @@ impl<'a> Files<'a> {
             .then(|| create(Growing::Receivers, &header))
             .transpose()?;
         let ledger = create(Growing::Ledger, &ledger_header(job))?;
+        if job.dynamics.output.snapshot_interval > 0.0 {
+            job.folder.write(SNAPSHOTS, &collection(&[] as &[(f64, &str)])?)?;
+        }
         let width = job.dynamics.receivers.len() * names.len();
         Ok(Self { job, receivers, ledger, columns, width })
     }
@@ -335,7 +338,7 @@ impl<'a> Files<'a> {
         }
         let list: Vec<(f64, String)> =
             list.into_iter().map(|step| (step as f64 * duration, snapshot_name(step))).collect();
-        Ok(folder.write("snapshots.pvd", &collection(&list)?)?)
+        Ok(folder.write(SNAPSHOTS, &collection(&list)?)?)
     }
 
     /// Brings the tables to the disk, and says what they hold.
