@@ -267,6 +267,12 @@ fn damaged_checkpoints_are_refused() {
     for arguments in ["resume nowhere", "resume .", "plot nowhere"] {
         assert_eq!(ends(&here, arguments).status.code(), Some(2), "{arguments}");
     }
+    for seconds in ["nan", "inf", "-1", "soon"] {
+        let output = ends(&here, &format!("resume out --checkpoint-every={seconds}"));
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains("expected a finite number of at least 0"), "{text}");
+    }
 }
 
 /// A disk that is full, here a limit to the size of files: the run ends with a message, and the last
