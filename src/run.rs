@@ -76,12 +76,21 @@ struct Found {
     /// Energy at the beginning, J.
     start: f64,
     last: Line,
-    step: f64,
-    steps: usize,
+    /// All steps of the case.
+    steps: Steps,
+    /// How many of them were done.
+    done: usize,
     of_cell: Vec<u16>,
     stopped: Option<Stopped>,
     /// Held until all is written.
     lock: File,
+}
+
+impl Found {
+    /// The time that the run came to, s.
+    fn time(&self) -> f64 {
+        self.steps.time(self.done)
+    }
 }
 
 /// Names of what is shown of a cell, in the order in which it is: fields, then integrals in time.
@@ -158,7 +167,7 @@ fn warn(dynamics: &Dynamics, step: f64) {
 
 /// What will be computed, in words, if memory suffices.
 fn plan(dynamics: &Dynamics, media: &[Medium]) -> Result<String, Error> {
-    let Steps { count, step, by_rotation } = steps(dynamics, media)?;
+    let Steps { count, step, by_rotation, .. } = steps(dynamics, media)?;
     let needed = needed(dynamics, media);
     let cells = dynamics.grid.cells.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ");
     let plan = format!(
@@ -270,9 +279,9 @@ impl Job<'_> {
         json!({
             "title": self.case.title,
             "cells": dynamics.grid.cells,
-            "steps": found.steps,
-            "step": found.step,
-            "time": found.steps as f64 * found.step,
+            "steps": found.done,
+            "step": found.steps.step,
+            "time": found.time(),
             "precision": dynamics.scheme.precision.name(),
             "order": dynamics.scheme.order.name(),
             "fields": names,
@@ -309,7 +318,7 @@ fn fields(dynamics: &Dynamics, names: &[String], found: &Found) -> Result<Vec<u8
         let middles: Vec<f64> = (0..grid.cells[axis]).map(|i| grid.centre(axis, i)).collect();
         archive.add_f64(&format!("x{}", axis + 1), &[middles.len()], &middles)?;
     }
-    archive.add_f64("time", &[], &[found.steps as f64 * found.step])?;
+    archive.add_f64("time", &[], &[found.time()])?;
     let units: Vec<&str> = names.iter().map(|name| unit_of(name)).collect();
     archive.add_text("names", &[names.len()], names)?;
     archive.add_text("units", &[units.len()], &units)?;
@@ -336,9 +345,9 @@ fn words(case: &Case, dynamics: &Dynamics, found: &Found) -> String {
     let _ = writeln!(
         text,
         "{} steps of {} s: t = {} s",
-        found.steps,
-        short(found.step),
-        short(found.steps as f64 * found.step)
+        found.done,
+        short(found.steps.step),
+        short(found.time())
     );
     let mut line = |name: &str, value: f64| {
         let _ = writeln!(text, "  {name:<34} {:>11} {unit}", short(value));

@@ -470,6 +470,10 @@ fn receivers_record_what_they_are_asked_for() {
     let names: Vec<&str> = seen.iter().map(|column| column.0.as_str()).collect();
     assert_eq!(names[..4], ["time", "r1.v1", "r2.u2", "r2.sigma22"]);
     assert_eq!((names.len(), names[names.len() - 1]), (11, "edge.u2"));
+    // The end is when the case says, to the last bit.
+    let json = fs::read(folder.path().join("out/run.json")).expect("a report");
+    let report: serde_json::Value = serde_json::from_slice(&json).expect("JSON");
+    assert_eq!((report["time"].as_f64(), seen[0].1.last()), (Some(0.05), Some(&0.05)));
 }
 
 /// A dry run checks everything and writes nothing.

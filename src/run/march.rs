@@ -1,7 +1,7 @@
 //! Step by step, and what is written on the way.
 
 use super::checkpoint::Checkpoint;
-use super::setup::{Setup, cell_at, centre};
+use super::setup::{Setup, Steps, cell_at, centre};
 use super::{Found, Job, Line, Stopped, shown};
 use crate::Error;
 use crate::case::dynamics::{Component, Ledger as LedgerKind};
@@ -86,22 +86,22 @@ impl Job<'_> {
         let mut files = match &from {
             None => {
                 self.folder.open_run()?;
-                Files::create(self, &names)?
+                Files::create(self, &names, steps)?
             }
             Some(from) => {
                 self.folder.sweep()?;
                 let snapshot = from.snapshot().filter(|snapshot| split.restore(snapshot));
                 snapshot.ok_or_else(|| Checkpoint::refused(self.folder))?;
-                Files::resume(self, &names, from.tables)?
+                Files::resume(self, &names, steps, from.tables)?
             }
         };
-        let line = |split: &Split<T, D>| Line {
-            time: split.time(),
+        let line = |split: &Split<T, D>, done: usize| Line {
+            time: steps.time(done),
             energy: split.energy(),
             ledger: split.ledger(),
         };
         let lines = match dynamics.output.ledger_interval {
-            0.0 => steps.div_ceil(LINES),
+            0.0 => steps.count.div_ceil(LINES),
             seconds => interval(seconds, problem.step),
         };
         let snapshots = match dynamics.output.snapshot_interval {
@@ -109,7 +109,7 @@ impl Job<'_> {
             seconds => Some(interval(seconds, problem.step)),
         };
         let mut done = from.as_ref().map_or(0, |from| from.steps);
-        let mut last = line(&split);
+        let mut last = line(&split, done);
         let energy_at_start = from.as_ref().map_or(last.energy.total(), |from| from.start);
         let mut stopped = None;
         if let (Some(from), Some(every)) = (&from, snapshots) {
@@ -122,24 +122,24 @@ impl Job<'_> {
         }
         if from.is_none() && last.energy.total().is_finite() {
             split.record();
-            files.receivers(&split.records(), 0, problem.step)?;
+            files.receivers(&split.records(), 0)?;
             files.line(&last, energy_at_start)?;
             if snapshots.is_some() {
-                files.snapshot(&split, &names, (0, problem.step), snapshots, &problem.of_cell)?;
+                files.snapshot(&split, &names, 0, snapshots, &problem.of_cell)?;
             }
         }
         if !last.energy.total().is_finite() {
             stopped = Some(self.broken(&split, 0.0));
         }
-        let progress = Progress::new("run", steps as u64);
+        let progress = Progress::new("run", steps.count as u64);
         progress.tick(done as u64);
         let (clock, mut kept, first) = (Instant::now(), Instant::now(), done);
-        while done < steps && stopped.is_none() {
+        while done < steps.count && stopped.is_none() {
             let to_next = |every: usize| every - done % every;
             let next = to_next(lines).min(to_next(snapshots.unwrap_or(LOOK))).min(LOOK);
-            let next = next.min(steps - done);
+            let next = next.min(steps.count - done);
             split.advance(next);
-            let now = line(&split);
+            let now = line(&split, done + next);
             if !is_sound(&now) {
                 // The same bits again as far as they were sound, then step by step.
                 split = start()?;
@@ -148,13 +148,13 @@ impl Job<'_> {
                 loop {
                     let sound = split.snapshot();
                     split.advance(1);
-                    let now = line(&split);
-                    if !is_sound(&now) || done == steps {
-                        stopped = Some(self.broken(&split, done as f64 * problem.step));
+                    let now = line(&split, done + 1);
+                    if !is_sound(&now) || done == steps.count {
+                        stopped = Some(self.broken(&split, steps.time(done)));
                         split.restore(&sound);
                         break;
                     }
-                    files.receivers(&split.records(), done + 1, problem.step)?;
+                    files.receivers(&split.records(), done + 1)?;
                     (done, last) = (done + 1, now);
                 }
                 if done > 0 && !done.is_multiple_of(lines) {
@@ -162,15 +162,14 @@ impl Job<'_> {
                 }
                 break;
             }
-            files.receivers(&split.records(), done + 1, problem.step)?;
+            files.receivers(&split.records(), done + 1)?;
             done += next;
             last = now;
-            if done.is_multiple_of(lines) || done == steps {
+            if done.is_multiple_of(lines) || done == steps.count {
                 files.line(&now, energy_at_start)?;
             }
-            if snapshots.is_some_and(|every| done.is_multiple_of(every) || done == steps) {
-                let at = (done, problem.step);
-                files.snapshot(&split, &names, at, snapshots, &problem.of_cell)?;
+            if snapshots.is_some_and(|every| done.is_multiple_of(every) || done == steps.count) {
+                files.snapshot(&split, &names, done, snapshots, &problem.of_cell)?;
             }
             let updates = 2.0 * (done - first) as f64 * problem.grid.count() as f64;
             let rate = updates / clock.elapsed().as_secs_f64() / 1e6;
@@ -187,7 +186,7 @@ impl Job<'_> {
                 files.log(&format!("checkpoint at step {done}"));
                 kept = Instant::now();
             }
-            if is_interrupted && done < steps {
+            if is_interrupted && done < steps.count {
                 return Err(Error::Interrupted {
                     time: short(now.time),
                     folder: self.folder.path().display().to_string(),
@@ -207,8 +206,8 @@ impl Job<'_> {
             dissipated: split.dissipated(),
             start: energy_at_start,
             last,
-            step: problem.step,
-            steps: done,
+            steps,
+            done,
             of_cell: problem.of_cell,
             stopped,
             lock,
@@ -231,6 +230,7 @@ impl Job<'_> {
 /// The files that grow during a run.
 struct Files<'a> {
     job: &'a Job<'a>,
+    steps: Steps,
     /// Absent without receivers.
     receivers: Option<Appender>,
     ledger: Appender,
@@ -241,7 +241,7 @@ struct Files<'a> {
 }
 
 impl<'a> Files<'a> {
-    fn create(job: &'a Job<'a>, names: &[String]) -> Result<Self, Error> {
+    fn create(job: &'a Job<'a>, names: &[String], steps: Steps) -> Result<Self, Error> {
         let (header, columns) = columns(job, names);
         let create = |file: Growing, header: &[&str]| {
             Appender::create(&job.folder.growing(file), header).map_err(OutputError::of_table)
@@ -255,10 +255,15 @@ impl<'a> Files<'a> {
             job.folder.write(SNAPSHOTS, &collection(&[] as &[(f64, &str)])?)?;
         }
         let width = job.dynamics.receivers.len() * names.len();
-        Ok(Self { job, receivers, ledger, columns, width })
+        Ok(Self { job, steps, receivers, ledger, columns, width })
     }
 
-    fn resume(job: &'a Job<'a>, names: &[String], tables: [Written; 2]) -> Result<Self, Error> {
+    fn resume(
+        job: &'a Job<'a>,
+        names: &[String],
+        steps: Steps,
+        tables: [Written; 2],
+    ) -> Result<Self, Error> {
         let (_, columns) = columns(job, names);
         let resume = |file: Growing, written: Written| {
             Appender::resume(&job.folder.growing(file), written).map_err(OutputError::of_table)
@@ -268,16 +273,16 @@ impl<'a> Files<'a> {
             .transpose()?;
         let ledger = resume(Growing::Ledger, tables[1])?;
         let width = job.dynamics.receivers.len() * names.len();
-        Ok(Self { job, receivers, ledger, columns, width })
+        Ok(Self { job, steps, receivers, ledger, columns, width })
     }
 
     /// Adds what was recorded of steps, of which the first is `step`.
-    fn receivers(&mut self, records: &[f64], step: usize, duration: f64) -> Result<(), Error> {
+    fn receivers(&mut self, records: &[f64], step: usize) -> Result<(), Error> {
         let Some(file) = &mut self.receivers else { return Ok(()) };
         let mut row = Vec::with_capacity(self.columns.len() + 1);
         for (index, state) in records.chunks_exact(self.width).enumerate() {
             row.clear();
-            row.push((step + index) as f64 * duration);
+            row.push(self.steps.time(step + index));
             row.extend(self.columns.iter().map(|column| state[*column]));
             file.write_row(&row).map_err(OutputError::of_table)?;
         }
@@ -300,7 +305,7 @@ impl<'a> Files<'a> {
         &self,
         split: &Split<T, D>,
         names: &[String],
-        (step, duration): (usize, f64),
+        step: usize,
         every: Option<usize>,
         of_cell: &[u16],
     ) -> Result<(), Error> {
@@ -311,7 +316,7 @@ impl<'a> Files<'a> {
             spacing: own.spacing.clone(),
         };
         let mut image = ImageData::new(grid, Storage::Plain)?;
-        image.set_time(step as f64 * duration)?;
+        image.set_time(self.steps.time(step))?;
         let values = split.shown();
         let is_velocity = |name: &str| name.starts_with('v');
         let of_velocity = names.iter().zip(&values).filter(|(name, _)| is_velocity(name));
@@ -337,7 +342,7 @@ impl<'a> Files<'a> {
             list.push(step);
         }
         let list: Vec<(f64, String)> =
-            list.into_iter().map(|step| (step as f64 * duration, snapshot_name(step))).collect();
+            list.into_iter().map(|step| (self.steps.time(step), snapshot_name(step))).collect();
         Ok(folder.write(SNAPSHOTS, &collection(&list)?)?)
     }
 
