@@ -4,17 +4,21 @@ use super::checkpoint::Checkpoint;
 use super::setup::{Setup, Steps, cell_at, centre};
 use super::{Found, Job, Line, Stopped, shown};
 use crate::Error;
+use crate::case::CaseError;
 use crate::case::dynamics::{Component, Ledger as LedgerKind};
-use crate::output::{Growing, OutputError, SNAPSHOTS};
+use crate::output::{Growing, OutputError, ResultFolder, SNAPSHOTS};
 use crate::progress::Progress;
 use crate::words::{short, unit_of};
 use dynamics::ledger::{Energy, Ledger};
 use dynamics::line::GHOSTS;
 use dynamics::medium::Medium;
+use dynamics::problem::Problem;
 use dynamics::real::Real;
 use dynamics::split::Split;
 use files::append::{Appender, Written};
 use files::vti::{Grid, ImageData, Storage, collection};
+use models::cosserat::waves::Field;
+use std::fs::File;
 use std::io::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -55,175 +59,300 @@ impl Job<'_> {
         from: Option<Checkpoint>,
     ) -> Result<Found, Error> {
         listen();
-        let dynamics = self.dynamics;
-        let fields = media[0].fields.clone();
-        let Setup { problem, steps, initial } = Setup::<D>::new(self.case, dynamics, media)?;
-        let threads = self.threads.unwrap_or_else(|| {
+        let mut march = March::<T, D>::new(Start::new(self, media)?, from.as_ref())?;
+        let count = march.start.steps.count;
+        let mut stopped = match march.last.energy.total().is_finite() {
+            true => None,
+            false => Some(march.broken(0.0)),
+        };
+        if from.is_none() && stopped.is_none() {
+            march.record_start()?;
+        }
+        let progress = Progress::new("run", count as u64);
+        progress.tick(march.done as u64);
+        while march.done < count && stopped.is_none() {
+            let next = march.to_next_look();
+            march.split.advance(next);
+            let now = march.line(march.done + next);
+            if !is_sound(&now) {
+                stopped = Some(march.up_to_fault()?);
+                break;
+            }
+            march.record(next, now)?;
+            progress.tick(next as u64);
+            progress.note(march.note());
+            march.keep()?;
+        }
+        march.finish(stopped)
+    }
+}
+
+/// What a run begins with.
+struct Start<'a, const D: usize> {
+    job: &'a Job<'a>,
+    problem: Problem<D>,
+    steps: Steps,
+    /// Values of the fields that are not zero, by cell.
+    initial: Vec<(Field, Vec<f64>)>,
+    /// Parts of the domain, one for each thread.
+    parts: usize,
+    /// Names of what is shown of a cell.
+    names: Vec<String>,
+    /// The cells of the receivers.
+    watched: Vec<usize>,
+}
+
+impl<'a, const D: usize> Start<'a, D> {
+    fn new(job: &'a Job<'a>, media: Vec<Medium>) -> Result<Self, Error> {
+        let dynamics = job.dynamics;
+        let names = shown(dynamics, &media[0].fields);
+        let Setup { problem, steps, initial } = Setup::<D>::new(job.case, dynamics, media)?;
+        let threads = job.threads.unwrap_or_else(|| {
             std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
         });
         let parts = threads.clamp(1, (problem.grid.cells[D - 1] / GHOSTS).max(1));
-        let start = || -> Result<Split<T, D>, Error> {
-            let mut split = Split::new(&problem, parts)
-                .map_err(|error| dynamics.locate("grid", error.to_string(), "see the README"))?;
-            for (field, values) in &initial {
-                split.set(*field, &values.iter().map(|value| T::of(*value)).collect::<Vec<_>>());
-            }
-            Ok(split)
-        };
-        let mut split = start()?;
-        let watched: Vec<usize> =
-            dynamics.receivers.iter().map(|receiver| cell_at(dynamics, &receiver.at)).collect();
-        split.watch(&watched);
-        if let Some(cell) = split.first_beyond_yield().filter(|_| from.is_none()) {
-            let place = centre(dynamics, cell);
-            let found = format!("a stress beyond yield in the cell at {place:?}");
-            let allowed = "initial stresses, and those of [initial_stress] with them, within the \
-                           yield set";
-            return Err(dynamics.locate("initial", found, allowed).into());
+        let receivers = dynamics.receivers.iter();
+        let watched = receivers.map(|receiver| cell_at(dynamics, &receiver.at)).collect();
+        Ok(Self { job, problem, steps, initial, parts, names, watched })
+    }
+
+    /// The state at the beginning.
+    fn split<T: Real>(&self) -> Result<Split<T, D>, Error> {
+        let mut split = Split::new(&self.problem, self.parts).map_err(|error| {
+            self.job.dynamics.locate("grid", error.to_string(), "see the README")
+        })?;
+        for (field, values) in &self.initial {
+            split.set(*field, &values.iter().map(|value| T::of(*value)).collect::<Vec<_>>());
         }
-        let names = shown(dynamics, &fields);
-        let lock = self.folder.lock()?;
-        let mut files = match &from {
+        Ok(split)
+    }
+}
+
+/// A run on its way.
+struct March<'a, T: Real, const D: usize> {
+    start: Start<'a, D>,
+    split: Split<T, D>,
+    files: Files<'a>,
+    /// Steps between two lines of the ledger.
+    lines: usize,
+    /// Steps between two snapshots, if there are to be any.
+    snapshots: Option<usize>,
+    /// Steps done.
+    done: usize,
+    /// The ledger after these.
+    last: Line,
+    energy_at_start: f64,
+    /// When this part of the run began, and after how many steps.
+    began: (Instant, usize),
+    /// When the last checkpoint was written.
+    kept: Instant,
+    lock: File,
+}
+
+impl<'a, T: Real, const D: usize> March<'a, T, D> {
+    /// A run at its beginning, or at a checkpoint.
+    fn new(start: Start<'a, D>, from: Option<&Checkpoint>) -> Result<Self, Error> {
+        let (job, dynamics, steps) = (start.job, start.job.dynamics, start.steps);
+        let mut split = start.split::<T>()?;
+        split.watch(&start.watched);
+        if from.is_none() {
+            check_yield(job, &split)?;
+        }
+        let lock = job.folder.lock()?;
+        let files = match from {
             None => {
-                self.folder.open_run()?;
-                Files::create(self, &names, steps)?
+                job.folder.open_run()?;
+                Files::create(job, &start.names, steps)?
             }
             Some(from) => {
-                self.folder.sweep()?;
+                job.folder.sweep()?;
                 let snapshot = from.snapshot().filter(|snapshot| split.restore(snapshot));
-                snapshot.ok_or_else(|| Checkpoint::refused(self.folder))?;
-                Files::resume(self, &names, steps, from.tables)?
+                snapshot.ok_or_else(|| Checkpoint::refused(job.folder))?;
+                Files::resume(job, &start.names, steps, from.tables)?
             }
-        };
-        let line = |split: &Split<T, D>, done: usize| Line {
-            time: steps.time(done),
-            energy: split.energy(),
-            ledger: split.ledger(),
         };
         let lines = match dynamics.output.ledger_interval {
             0.0 => steps.count.div_ceil(LINES),
-            seconds => interval(seconds, problem.step),
+            seconds => interval(seconds, steps.step),
         };
         let snapshots = match dynamics.output.snapshot_interval {
             0.0 => None,
-            seconds => Some(interval(seconds, problem.step)),
+            seconds => Some(interval(seconds, steps.step)),
         };
-        let mut done = from.as_ref().map_or(0, |from| from.steps);
-        let mut last = line(&split, done);
-        let energy_at_start = from.as_ref().map_or(last.energy.total(), |from| from.start);
-        let mut stopped = None;
-        if let (Some(from), Some(every)) = (&from, snapshots) {
-            let mut due = (0..=from.steps).step_by(every).map(snapshot_name);
-            if let Some(name) = due.find(|own| !self.folder.path().join(own).exists()) {
-                return Err(
-                    OutputError::unusable(&self.folder.path().join(name), "is missing").into()
-                );
-            }
+        let done = from.map_or(0, |from| from.steps);
+        if let (Some(_), Some(every)) = (from, snapshots) {
+            check_snapshots(job.folder, done, every)?;
         }
-        if from.is_none() && last.energy.total().is_finite() {
-            split.record();
-            files.receivers(&split.records(), 0)?;
-            files.line(&last, energy_at_start)?;
-            if snapshots.is_some() {
-                files.snapshot(&split, &names, 0, snapshots, &problem.of_cell)?;
-            }
-        }
-        if !last.energy.total().is_finite() {
-            stopped = Some(self.broken(&split, 0.0));
-        }
-        let progress = Progress::new("run", steps.count as u64);
-        progress.tick(done as u64);
-        let (clock, mut kept, first) = (Instant::now(), Instant::now(), done);
-        while done < steps.count && stopped.is_none() {
-            let to_next = |every: usize| every - done % every;
-            let next = to_next(lines).min(to_next(snapshots.unwrap_or(LOOK))).min(LOOK);
-            let next = next.min(steps.count - done);
-            split.advance(next);
-            let now = line(&split, done + next);
-            if !is_sound(&now) {
-                // The same bits again as far as they were sound, then step by step.
-                split = start()?;
-                split.advance(done);
-                split.watch(&watched);
-                loop {
-                    let sound = split.snapshot();
-                    split.advance(1);
-                    let now = line(&split, done + 1);
-                    if !is_sound(&now) || done == steps.count {
-                        stopped = Some(self.broken(&split, steps.time(done)));
-                        split.restore(&sound);
-                        break;
-                    }
-                    files.receivers(&split.records(), done + 1)?;
-                    (done, last) = (done + 1, now);
-                }
-                if done > 0 && !done.is_multiple_of(lines) {
-                    files.line(&last, energy_at_start)?;
-                }
-                break;
-            }
-            files.receivers(&split.records(), done + 1)?;
-            done += next;
-            last = now;
-            if done.is_multiple_of(lines) || done == steps.count {
-                files.line(&now, energy_at_start)?;
-            }
-            if snapshots.is_some_and(|every| done.is_multiple_of(every) || done == steps.count) {
-                files.snapshot(&split, &names, done, snapshots, &problem.of_cell)?;
-            }
-            let updates = 2.0 * (done - first) as f64 * problem.grid.count() as f64;
-            let rate = updates / clock.elapsed().as_secs_f64() / 1e6;
-            progress.tick(next as u64);
-            progress.note(format!(
-                "t = {} s, energy {}, {rate:.0} million cell-updates/s",
-                short(now.time),
-                short(now.energy.total())
-            ));
-            let is_interrupted = INTERRUPTED.load(Ordering::Relaxed);
-            if is_interrupted || kept.elapsed().as_secs_f64() > self.control.checkpoint_every {
-                let tables = files.sync()?;
-                Checkpoint::new(&split.snapshot(), tables, energy_at_start).write(self.folder)?;
-                files.log(&format!("checkpoint at step {done}"));
-                kept = Instant::now();
-            }
-            if is_interrupted && done < steps.count {
-                return Err(Error::Interrupted {
-                    time: short(now.time),
-                    folder: self.folder.path().display().to_string(),
-                });
-            }
-        }
-        files.sync()?;
-        let seconds = clock.elapsed().as_secs_f64();
-        let updates = 2.0 * (done - first) as f64 * problem.grid.count() as f64;
-        files.log(&format!(
-            "{} steps in {seconds:.2} s with {parts} threads: {:.1} million cell-updates/s",
-            done - first,
-            updates / seconds / 1e6
-        ));
-        Ok(Found {
-            values: split.shown(),
-            dissipated: split.dissipated(),
-            start: energy_at_start,
-            last,
-            steps,
+        let last = line(&split, steps.time(done));
+        let energy_at_start = from.map_or(last.energy.total(), |from| from.start);
+        let (began, kept) = ((Instant::now(), done), Instant::now());
+        Ok(Self {
+            start,
+            split,
+            files,
+            lines,
+            snapshots,
             done,
-            of_cell: problem.of_cell,
-            stopped,
+            last,
+            energy_at_start,
+            began,
+            kept,
             lock,
         })
     }
 
-    fn broken<T: Real, const D: usize>(&self, split: &Split<T, D>, saved: f64) -> Stopped {
-        let what = match split.first_non_finite() {
+    /// The ledger of the state, which so many steps have led to.
+    fn line(&self, done: usize) -> Line {
+        line(&self.split, self.start.steps.time(done))
+    }
+
+    /// Records the state before the first step.
+    fn record_start(&mut self) -> Result<(), Error> {
+        self.split.record();
+        self.files.receivers(&self.split.records(), 0)?;
+        self.files.line(&self.last, self.energy_at_start)?;
+        self.snapshot_if(self.snapshots.is_some())
+    }
+
+    /// Steps to the next line or snapshot, or to the next look whether all values are finite.
+    fn to_next_look(&self) -> usize {
+        let to_next = |every: usize| every - self.done % every;
+        let next = to_next(self.lines).min(to_next(self.snapshots.unwrap_or(LOOK))).min(LOOK);
+        next.min(self.start.steps.count - self.done)
+    }
+
+    /// Records the steps just made, which ended in `now`.
+    fn record(&mut self, steps: usize, now: Line) -> Result<(), Error> {
+        self.files.receivers(&self.split.records(), self.done + 1)?;
+        self.done += steps;
+        self.last = now;
+        let is_last = self.done == self.start.steps.count;
+        if is_last || self.done.is_multiple_of(self.lines) {
+            self.files.line(&now, self.energy_at_start)?;
+        }
+        let is_due = |every: usize| is_last || self.done.is_multiple_of(every);
+        self.snapshot_if(self.snapshots.is_some_and(is_due))
+    }
+
+    fn snapshot_if(&self, is_due: bool) -> Result<(), Error> {
+        if !is_due {
+            return Ok(());
+        }
+        let (names, of_cell) = (&self.start.names, &self.start.problem.of_cell);
+        self.files.snapshot(&self.split, names, self.done, self.snapshots, of_cell)
+    }
+
+    /// The same bits again as far as they were sound, then step by step up to the last sound state.
+    fn up_to_fault(&mut self) -> Result<Stopped, Error> {
+        self.split = self.start.split()?;
+        self.split.advance(self.done);
+        self.split.watch(&self.start.watched);
+        loop {
+            let sound = self.split.snapshot();
+            self.split.advance(1);
+            let now = self.line(self.done + 1);
+            if !is_sound(&now) || self.done == self.start.steps.count {
+                let stopped = self.broken(self.start.steps.time(self.done));
+                self.split.restore(&sound);
+                if self.done > 0 && !self.done.is_multiple_of(self.lines) {
+                    self.files.line(&self.last, self.energy_at_start)?;
+                }
+                return Ok(stopped);
+            }
+            self.files.receivers(&self.split.records(), self.done + 1)?;
+            (self.done, self.last) = (self.done + 1, now);
+        }
+    }
+
+    /// What is wrong with the state; the last one without fault is that at the time `saved`, s.
+    fn broken(&self, saved: f64) -> Stopped {
+        let what = match self.split.first_non_finite() {
             Some((field, cell)) => {
-                let place = centre(self.dynamics, cell);
+                let place = centre(self.start.job.dynamics, cell);
                 format!("{} is not finite in the cell at {place:?} m", Component(field))
             }
             None => "the energy is not finite".to_owned(),
         };
         let remedy = "loads or initial values may be too large for the numbers";
-        Stopped { what, time: short(split.time()), remedy, saved: short(saved) }
+        Stopped { what, time: short(self.split.time()), remedy, saved: short(saved) }
+    }
+
+    /// Millions of cell-updates per second: two of each cell in a step.
+    fn rate(&self) -> f64 {
+        let (clock, first) = self.began;
+        let updates = 2.0 * (self.done - first) as f64 * self.start.problem.grid.count() as f64;
+        updates / clock.elapsed().as_secs_f64() / 1e6
+    }
+
+    fn note(&self) -> String {
+        let [time, energy] = [self.last.time, self.last.energy.total()].map(short);
+        format!("t = {time} s, energy {energy}, {:.0} million cell-updates/s", self.rate())
+    }
+
+    /// Writes a checkpoint if it is time, or if somebody has asked the program to end, which it then does.
+    fn keep(&mut self) -> Result<(), Error> {
+        let is_interrupted = INTERRUPTED.load(Ordering::Relaxed);
+        if is_interrupted
+            || self.kept.elapsed().as_secs_f64() > self.start.job.control.checkpoint_every
+        {
+            let tables = self.files.sync()?;
+            let checkpoint = Checkpoint::new(&self.split.snapshot(), tables, self.energy_at_start);
+            checkpoint.write(self.start.job.folder)?;
+            self.files.log(&format!("checkpoint at step {}", self.done));
+            self.kept = Instant::now();
+        }
+        if is_interrupted && self.done < self.start.steps.count {
+            return Err(Error::Interrupted {
+                time: short(self.last.time),
+                folder: self.start.job.folder.path().display().to_string(),
+            });
+        }
+        Ok(())
+    }
+
+    /// What came out.
+    fn finish(mut self, stopped: Option<Stopped>) -> Result<Found, Error> {
+        self.files.sync()?;
+        let (clock, first) = self.began;
+        self.files.log(&format!(
+            "{} steps in {:.2} s with {} threads: {:.1} million cell-updates/s",
+            self.done - first,
+            clock.elapsed().as_secs_f64(),
+            self.start.parts,
+            self.rate()
+        ));
+        Ok(Found {
+            values: self.split.shown(),
+            dissipated: self.split.dissipated(),
+            start: self.energy_at_start,
+            last: self.last,
+            steps: self.start.steps,
+            done: self.done,
+            of_cell: self.start.problem.of_cell,
+            stopped,
+            lock: self.lock,
+        })
+    }
+}
+
+fn line<T: Real, const D: usize>(split: &Split<T, D>, time: f64) -> Line {
+    Line { time, energy: split.energy(), ledger: split.ledger() }
+}
+
+/// That no stress is beyond yield at the beginning.
+fn check_yield<T: Real, const D: usize>(job: &Job, split: &Split<T, D>) -> Result<(), CaseError> {
+    let Some(cell) = split.first_beyond_yield() else { return Ok(()) };
+    let found = format!("a stress beyond yield in the cell at {:?}", centre(job.dynamics, cell));
+    let allowed = "initial stresses, and those of [initial_stress] with them, within the yield set";
+    Err(job.dynamics.locate("initial", found, allowed))
+}
+
+/// That no snapshot of the steps done is missing.
+fn check_snapshots(folder: &ResultFolder, done: usize, every: usize) -> Result<(), OutputError> {
+    let mut due = (0..=done).step_by(every).map(|step| folder.path().join(snapshot_name(step)));
+    match due.find(|path| !path.exists()) {
+        Some(path) => Err(OutputError::unusable(&path, "is missing")),
+        None => Ok(()),
     }
 }
 
