@@ -55,6 +55,9 @@ pub enum Format {
     Json,
 }
 
+/// The program's exit code where it was interrupted.
+const INTERRUPTED_CODE: u8 = 130;
+
 /// Why a request was not carried out.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -111,7 +114,7 @@ impl Error {
         match self {
             Self::Stdout(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
             Self::Stopped(_) => 3,
-            Self::Interrupted { .. } => 130,
+            Self::Interrupted { .. } => INTERRUPTED_CODE,
             _ => 2,
         }
     }

@@ -193,6 +193,37 @@ fn a_changed_case_is_not_resumed() {
     assert!(ends(&here, "resume out").status.success());
 }
 
+/// The first Ctrl-C is answered; the second ends the run at once, and it can go on.
+#[cfg(unix)]
+#[test]
+fn a_second_interruption_ends_at_once() {
+    let whole = folder("uninterrupted");
+    assert!(ends(&whole, RUN).status.success());
+    for pause in [0, 1, 5] {
+        let here = folder("twice");
+        let child = command(&here, RUN).stderr(Stdio::piped()).spawn().unwrap();
+        let start = Instant::now();
+        while !here.join("out/checkpoint").exists() {
+            assert!(start.elapsed() < Duration::from_secs(60));
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        let id = child.id().to_string();
+        for _ in 0..2 {
+            // It may have ended after the first one.
+            let kill = Command::new("kill").args(["-INT", &id]).stderr(Stdio::null()).status();
+            kill.unwrap();
+            std::thread::sleep(Duration::from_millis(pause));
+        }
+        let output = child.wait_with_output().unwrap();
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(130), "{text}");
+        let said = "finishing the step and writing a checkpoint; press again to stop at once\n";
+        assert_eq!(text.matches(said).count(), 1, "{text}");
+        assert!(ends(&here, "resume out").status.success());
+        assert!(results(&here) == results(&whole));
+    }
+}
+
 /// While a run writes to a folder no other one does; SIGTERM ends it as Ctrl-C does.
 #[cfg(unix)]
 #[test]

@@ -3,12 +3,12 @@
 use super::checkpoint::Checkpoint;
 use super::setup::{Setup, Steps, cell_at, centre};
 use super::{Found, Job, Line, Stopped, shown};
-use crate::Error;
 use crate::case::CaseError;
 use crate::case::dynamics::{Component, Ledger as LedgerKind};
 use crate::output::{Growing, OutputError, ResultFolder, SNAPSHOTS};
 use crate::progress::Progress;
 use crate::words::{short, unit_of};
+use crate::{Error, INTERRUPTED_CODE};
 use dynamics::ledger::{Energy, Ledger};
 use dynamics::line::GHOSTS;
 use dynamics::medium::Medium;
@@ -19,7 +19,7 @@ use files::append::{Appender, Written};
 use files::vti::{Grid, ImageData, Storage, collection};
 use models::cosserat::waves::Field;
 use std::fs::File;
-use std::io::Write as _;
+use std::io::{IsTerminal, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -30,14 +30,26 @@ const LOOK: usize = 64;
 
 /// Whether somebody has asked the program to end.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+/// Whether all steps are done, so that only results are left to be written.
+static COMPUTED: AtomicBool = AtomicBool::new(false);
 
-/// Lets Ctrl-C end the run after a checkpoint; a second one ends it at once.
-fn listen() {
+/// Lets Ctrl-C end the run after a checkpoint; a second one ends it at once, and takes away what is half-written.
+fn listen(folder: &ResultFolder) {
+    let folder = folder.clone();
     // Where another listener stands already it will do.
-    let _ = ctrlc::set_handler(|| {
+    let _ = ctrlc::set_handler(move || {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
+            let _ = folder.sweep();
+            std::process::exit(INTERRUPTED_CODE.into());
         }
+        let stage = match COMPUTED.load(Ordering::Relaxed) {
+            false => "finishing the step and writing a checkpoint",
+            true => "all steps are done, writing results",
+        };
+        // On a terminal the bar stands in the line. Nothing is left to be said if nobody listens.
+        let mut stderr = std::io::stderr();
+        let start = if stderr.is_terminal() { "\n" } else { "" };
+        let _ = writeln!(stderr, "{start}{stage}; press again to stop at once");
     });
 }
 
@@ -58,7 +70,7 @@ impl Job<'_> {
         media: Vec<Medium>,
         from: Option<Checkpoint>,
     ) -> Result<Found, Error> {
-        listen();
+        listen(self.folder);
         let mut march = March::<T, D>::new(Start::new(self, media)?, from.as_ref())?;
         let count = march.start.steps.count;
         let mut stopped = match march.last.energy.total().is_finite() {
@@ -312,6 +324,7 @@ impl<'a, T: Real, const D: usize> March<'a, T, D> {
 
     /// What came out.
     fn finish(mut self, stopped: Option<Stopped>) -> Result<Found, Error> {
+        COMPUTED.store(true, Ordering::Relaxed);
         self.files.sync()?;
         let (clock, first) = self.began;
         self.files.log(&format!(
