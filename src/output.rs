@@ -320,6 +320,14 @@ impl ResultFolder {
         remove(&self.growing(file))
     }
 
+    /// Removes one of the [`results`], if it is there.
+    ///
+    /// # Errors
+    /// It cannot be removed.
+    pub fn remove_result(&self, name: &str) -> Result<(), OutputError> {
+        remove(&self.path.join(name))
+    }
+
     /// Keeps other runs out of the folder until what is handed back is dropped.
     ///
     /// # Errors

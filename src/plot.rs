@@ -117,6 +117,7 @@ fn ledger(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<(),
 fn animation(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<(), Error> {
     const SECONDS_PER_FRAME: f64 = 0.1;
     const WIDTH: u32 = 800;
+    const ANIMATION: &str = "animation.gif";
     if dynamics.output.snapshot_interval == 0.0 {
         return Ok(());
     }
@@ -161,7 +162,8 @@ fn animation(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<
         greatest = values(name)?.1.iter().fold(greatest, |sum, value| sum.max(value.abs()));
     }
     if greatest == 0.0 {
-        return Ok(());
+        // There may be one of another picture.
+        return Ok(folder.remove_result(ANIMATION)?);
     }
     let mut animation = Animation::new(Vec::new(), SECONDS_PER_FRAME, WIDTH)?;
     for name in &names {
@@ -170,7 +172,7 @@ fn animation(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<
         figure.scale = Some(greatest);
         animation.add(&figure)?;
     }
-    Ok(folder.write("animation.gif", &animation.finish()?)?)
+    Ok(folder.write(ANIMATION, &animation.finish()?)?)
 }
 
 /// Columns of a table of numbers by name.
