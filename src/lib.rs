@@ -55,6 +55,9 @@ pub enum Format {
     Json,
 }
 
+/// The program's exit code where it was interrupted.
+const INTERRUPTED_CODE: u8 = 130;
+
 /// Why a request was not carried out.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -77,14 +80,6 @@ pub enum Error {
         time: String,
         /// The folder of its results.
         folder: String,
-    },
-    /// A file of results cannot be read again.
-    #[error("{file}: {cause}; run the case again with --force")]
-    Unreadable {
-        /// The file.
-        file: String,
-        /// Why not.
-        cause: String,
     },
     /// A snapshot could not be made.
     #[error(transparent)]
@@ -119,7 +114,7 @@ impl Error {
         match self {
             Self::Stdout(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
             Self::Stopped(_) => 3,
-            Self::Interrupted { .. } => 130,
+            Self::Interrupted { .. } => INTERRUPTED_CODE,
             _ => 2,
         }
     }

@@ -55,7 +55,8 @@ enum Verb {
         #[command(flatten)]
         run: Common,
         /// Seconds between two checkpoints, from which an interrupted run resumes
-        #[arg(long, value_name = "SECONDS", default_value_t = run::CHECKPOINT_EVERY)]
+        #[arg(long, value_name = "SECONDS", default_value_t = run::CHECKPOINT_EVERY,
+            value_parser = seconds)]
         checkpoint_every: f64,
     },
     /// Go on with a run that was interrupted or killed; its results are the same bits
@@ -66,7 +67,8 @@ enum Verb {
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
         threads: Option<u16>,
         /// Seconds between two checkpoints
-        #[arg(long, value_name = "SECONDS", default_value_t = run::CHECKPOINT_EVERY)]
+        #[arg(long, value_name = "SECONDS", default_value_t = run::CHECKPOINT_EVERY,
+            value_parser = seconds)]
         checkpoint_every: f64,
         /// Form of what is printed
         #[arg(long, value_enum, default_value = "text")]
@@ -150,6 +152,12 @@ fn kind(name: String) -> Result<Kind, String> {
 
 fn yield_set(name: String) -> Result<Yield, String> {
     Yield::from_name(&name).ok_or_else(|| format!("no yield set is called {name}"))
+}
+
+/// A time between checkpoints; 0: as often as can be.
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds >= 0.0);
+    seconds.ok_or_else(|| "expected a finite number of at least 0, in seconds".to_owned())
 }
 
 impl From<Common> for Options {

@@ -136,18 +136,19 @@ kind = \"{name}\"
         let mark = if matches!(key.presence, Presence::Required(_)) { "" } else { "# " };
         let _ = writeln!(text, "{:<46}  # {}", format!("{mark}{name} = {value}"), comment(key));
     }
-    if purpose == Purpose::Run {
-        return text + "\n" + RUN;
-    }
     let sets = kind.yield_sets();
     if medium.yields.is_none() && !sets.is_empty() {
         let names: Vec<&str> = sets.iter().map(|set| set.name()).collect();
         let _ = write!(
             text,
-            "\n# A solid that yields: wellposed new {} --yield SET, SET one of\n# {}.\n",
+            "\n# A solid that yields: wellposed new {}{} --yield SET, SET one of\n# {}.\n",
             kind.name(),
+            if purpose == Purpose::Run { " --run" } else { "" },
             names.join(", ")
         );
+    }
+    if purpose == Purpose::Run {
+        return text + "\n" + RUN;
     }
     let [x, y] = match (kind, medium.yields) {
         (Kind::Flow(_), _) => [

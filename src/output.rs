@@ -1,6 +1,9 @@
 //! Folders of results: which may be written to, and what stands in every one of them.
 
 use crate::case::Case;
+use files::FileError;
+use files::append::{AppendError, AppendProblem};
+use serde_json::Value;
 use std::fs::{self, File};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -8,7 +11,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The resolved case of a folder.
 const CASE: &str = "case.toml";
-/// Name, version and commit of the program that wrote a folder.
+/// Name, version and commit of the program that wrote a folder, and the checksum of what it computed.
 const PROGRAM: &str = "program.json";
 
 /// File of a moment that tells whether a folder takes files.
@@ -63,12 +66,15 @@ pub const RUN: [&str; 18] = [
     "receivers.npz",
     "ledger.csv",
     "fields.npz",
-    "snapshots.pvd",
+    SNAPSHOTS,
     "checkpoint",
     "lock",
     "run.json",
     "run.txt",
 ];
+
+/// The list of the snapshots of a run.
+pub const SNAPSHOTS: &str = "snapshots.pvd";
 
 /// What says that a run is finished.
 const FINISHED: &str = "run.json";
@@ -133,6 +139,30 @@ impl OutputError {
             remedy: "name a place that can be written to",
         }
     }
+
+    /// A result that the operating system does not hand out.
+    pub fn unreadable(path: &Path, error: &std::io::Error) -> Self {
+        match error.kind() {
+            ErrorKind::NotFound => Self::unusable(path, "is missing"),
+            _ => Self { path: path.to_owned(), cause: error.to_string(), remedy: "let it be read" },
+        }
+    }
+
+    /// A result that is not what was written.
+    pub fn unusable(path: &Path, cause: impl ToString) -> Self {
+        let remedy = "run the case again with --force";
+        Self { path: path.to_owned(), cause: cause.to_string(), remedy }
+    }
+
+    /// A table that grows and cannot.
+    pub fn of_table(error: AppendError) -> Self {
+        match error.problem {
+            AppendProblem::Refused { ref source, .. } if source.kind() != ErrorKind::NotFound => {
+                Self::new(&error.path, error.problem)
+            }
+            problem => Self::unusable(&error.path, problem),
+        }
+    }
 }
 
 /// A folder that may take the results of a case.
@@ -140,6 +170,7 @@ impl OutputError {
 pub struct ResultFolder {
     path: PathBuf,
     case: String,
+    undrawn: String,
     /// Whether results of another case are to go.
     is_foreign: bool,
 }
@@ -156,8 +187,8 @@ impl ResultFolder {
     /// What stands in the way, and the remedy.
     pub fn check(case: &Case, out: Option<&Path>, force: bool) -> Result<Self, OutputError> {
         let path = out.map_or_else(|| Path::new("out").join(&case.name), Path::to_owned);
-        let text = case.to_toml();
-        let foreign = foreign(&path, &text)?;
+        let (text, undrawn) = (case.to_toml(), case.undrawn().to_toml());
+        let foreign = foreign(&path, &text, &undrawn)?;
         if let Some(name) = case.source().and_then(|source| overwritten(&path, source, &text)) {
             return Err(OutputError {
                 path: path.join(name),
@@ -173,52 +204,77 @@ impl ResultFolder {
             });
         }
         probe(&path)?;
-        Ok(Self { path, case: text, is_foreign: foreign.is_some() })
+        Ok(Self { path, case: text, undrawn, is_foreign: foreign.is_some() })
     }
 
     /// The folder of a run that was not finished, and its case.
     ///
     /// # Errors
-    /// It holds no run, a finished one, or one of another version of the program.
+    /// It holds no run, a finished one, one of another version of the program, or one whose case was
+    /// changed since it began.
     pub fn of_run(path: &Path) -> Result<(Self, Case), crate::Error> {
         let refused = |cause: &str, remedy| OutputError {
             path: path.to_owned(),
             cause: cause.to_owned(),
             remedy,
         };
-        let file = path.join(CASE);
-        if !file.is_file() {
+        if !path.join(CASE).is_file() {
             let remedy = "name the folder of results of wellposed run";
             return Err(refused("no run: it holds no case.toml", remedy).into());
-        }
-        let case = Case::load(&file, &[])?;
-        if !holds(&path.join(PROGRAM), &program()) {
-            let remedy = "resume it with that version, or run the case again with --force";
-            return Err(refused("a run of another version of this program", remedy).into());
         }
         if path.join(FINISHED).exists() {
             return Err(refused("the run is finished", "wellposed plot draws it again").into());
         }
-        Ok((Self { path: path.to_owned(), case: case.to_toml(), is_foreign: false }, case))
+        let (folder, case) = Self::of_own_case(path)?;
+        if !folder.origin()?.is_version {
+            let remedy = "resume it with that version, or run the case again with --force";
+            return Err(refused("a run of another version of this program", remedy).into());
+        }
+        folder.check_case()?;
+        Ok((folder, case))
     }
 
     /// The folder of a finished run, to be drawn again, and its case.
     ///
     /// # Errors
-    /// It holds no finished run.
+    /// It holds no finished run, or one whose case was changed since in more than what is drawn.
     pub fn finished(path: &Path) -> Result<(Self, Case), crate::Error> {
-        let refused = |cause: &str, remedy| OutputError {
-            path: path.to_owned(),
-            cause: cause.to_owned(),
-            remedy,
-        };
-        let file = path.join(CASE);
-        if !path.join(FINISHED).exists() || !file.is_file() {
+        if !path.join(FINISHED).exists() || !path.join(CASE).is_file() {
             let remedy = "name the folder of results of wellposed run; resume an unfinished one";
-            return Err(refused("no finished run", remedy).into());
+            let (path, cause) = (path.to_owned(), "no finished run".to_owned());
+            return Err(OutputError { path, cause, remedy }.into());
         }
-        let case = Case::load(&file, &[])?;
-        Ok((Self { path: path.to_owned(), case: case.to_toml(), is_foreign: false }, case))
+        let (folder, case) = Self::of_own_case(path)?;
+        folder.check_case()?;
+        Ok((folder, case))
+    }
+
+    /// The folder of the case that it holds.
+    fn of_own_case(path: &Path) -> Result<(Self, Case), crate::Error> {
+        let case = Case::load_in_time(&path.join(CASE), &[])?;
+        let (text, undrawn) = (case.to_toml(), case.undrawn().to_toml());
+        Ok((Self { path: path.to_owned(), case: text, undrawn, is_foreign: false }, case))
+    }
+
+    fn origin(&self) -> Result<Origin, OutputError> {
+        Origin::of(&self.path, &self.undrawn)
+    }
+
+    /// That the case of the folder is the one that its results began with.
+    fn check_case(&self) -> Result<(), OutputError> {
+        let origin = self.origin()?;
+        if origin.is_case {
+            return Ok(());
+        }
+        let cause = match origin.is_version {
+            true => "not what the run began with, in more than output.picture and output.contours",
+            false => "of a run of another version of this program",
+        };
+        Err(OutputError {
+            path: self.path.join(CASE),
+            cause: cause.to_owned(),
+            remedy: "take the change back, or run the case again with --force",
+        })
     }
 
     /// Whether a run may begin here: a finished or an unfinished one is not thrown away unasked.
@@ -246,9 +302,9 @@ impl ResultFolder {
         &self.path
     }
 
-    /// The resolved case.
-    pub fn case(&self) -> &str {
-        &self.case
+    /// The resolved case without what decides over its pictures alone.
+    pub fn undrawn(&self) -> &str {
+        &self.undrawn
     }
 
     /// Where a file stands that grows.
@@ -264,15 +320,12 @@ impl ResultFolder {
         remove(&self.growing(file))
     }
 
-    /// Names of the snapshots, in their order.
+    /// Removes one of the [`results`], if it is there.
     ///
     /// # Errors
-    /// The folder cannot be read.
-    pub fn snapshots(&self) -> Result<Vec<String>, OutputError> {
-        let mut all = names(&self.path)?;
-        all.retain(|name| is_snapshot(name));
-        all.sort();
-        Ok(all)
+    /// It cannot be removed.
+    pub fn remove_result(&self, name: &str) -> Result<(), OutputError> {
+        remove(&self.path.join(name))
     }
 
     /// Keeps other runs out of the folder until what is handed back is dropped.
@@ -339,7 +392,7 @@ impl ResultFolder {
         if !holds(&self.path.join(CASE), &self.case) {
             write_file(&self.path.join(CASE), self.case.as_bytes())?;
         }
-        write_file(&self.path.join(PROGRAM), program().as_bytes())
+        write_file(&self.path.join(PROGRAM), format!("{:#}\n", program(&self.undrawn)).as_bytes())
     }
 
     /// Writes one of the [`results`], whole or not at all.
@@ -370,13 +423,37 @@ fn remove(path: &Path) -> Result<(), OutputError> {
 }
 
 /// What [`PROGRAM`] holds.
-fn program() -> String {
-    let program = serde_json::json!({
+fn program(undrawn: &str) -> Value {
+    serde_json::json!({
         "name": env!("CARGO_PKG_NAME"),
         "version": env!("CARGO_PKG_VERSION"),
         "commit": env!("WELLPOSED_COMMIT"),
-    });
-    format!("{program:#}\n")
+        "case": format!("{:08x}", files::checksum(undrawn.as_bytes())),
+    })
+}
+
+/// Where the results of a folder come from.
+struct Origin {
+    /// Whether from this version of the program.
+    is_version: bool,
+    /// Whether from this case, whatever is drawn of it.
+    is_case: bool,
+}
+
+impl Origin {
+    /// By what [`PROGRAM`] holds in the folder, if it is there.
+    fn of(folder: &Path, undrawn: &str) -> Result<Self, OutputError> {
+        let path = folder.join(PROGRAM);
+        let bytes = match fs::read(&path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
+            bytes => bytes.map_err(|error| OutputError::unreadable(&path, &error))?,
+        };
+        let found: Value = serde_json::from_slice(&bytes).unwrap_or_default();
+        let own = program(undrawn);
+        let is_same = |key: &str| found[key] == own[key];
+        let is_version = ["name", "version", "commit"].into_iter().all(is_same);
+        Ok(Self { is_version, is_case: is_same("case") })
+    }
 }
 
 fn holds(path: &Path, text: &str) -> bool {
@@ -384,7 +461,7 @@ fn holds(path: &Path, text: &str) -> bool {
 }
 
 /// Why what stands in the folder is not to be overwritten unasked, if anything.
-fn foreign(folder: &Path, case: &str) -> Result<Option<&'static str>, OutputError> {
+fn foreign(folder: &Path, case: &str, undrawn: &str) -> Result<Option<&'static str>, OutputError> {
     let mut names = names(folder)?;
     names.retain(|name| !is_half_written(name));
     if names.is_empty() {
@@ -395,10 +472,16 @@ fn foreign(folder: &Path, case: &str) -> Result<Option<&'static str>, OutputErro
     }
     // A run killed early may have left the case alone; there is no result to be taken for another.
     let has_origin = names.iter().any(|name| name == PROGRAM || is_result(name));
-    if has_origin && !holds(&folder.join(PROGRAM), &program()) {
-        return Ok(Some("the folder holds results of another version of this program"));
-    }
-    Ok(None)
+    let origin = Origin::of(folder, undrawn)?;
+    Ok(match has_origin {
+        true if !origin.is_version => {
+            Some("the folder holds results of another version of this program")
+        }
+        true if !origin.is_case => {
+            Some("the folder holds results of another case than its case.toml")
+        }
+        _ => None,
+    })
 }
 
 /// Names in a folder; none where there is no folder.
@@ -459,7 +542,10 @@ fn probe(folder: &Path) -> Result<(), OutputError> {
 /// # Errors
 /// The file, and why it cannot be written.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
-    files::write_atomically(path, bytes).map_err(|error| {
-        OutputError::new(path, format!("cannot {}: {}", error.action, error.source))
-    })
+    files::write_atomically(path, bytes).map_err(|error| not_written(path, &error))
+}
+
+/// That a file was not written; its name once, not that of the temporary file.
+pub fn not_written(path: &Path, error: &FileError) -> OutputError {
+    OutputError::new(path, format!("cannot {}: {}", error.action, error.source))
 }

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::case::Case;
 use crate::case::dynamics::{Component, Dynamics, Picture};
-use crate::output::{Growing, ResultFolder};
+use crate::output::{Growing, OutputError, ResultFolder, SNAPSHOTS};
 use crate::words::{case_title, short, unit_of};
 use figures::{
     Animation, FieldAxis, FieldFigure, FieldMark, FieldMarkKind, LedgerFigure, LedgerTerm,
@@ -117,7 +117,13 @@ fn ledger(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<(),
 fn animation(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<(), Error> {
     const SECONDS_PER_FRAME: f64 = 0.1;
     const WIDTH: u32 = 800;
-    let names = folder.snapshots()?;
+    const ANIMATION: &str = "animation.gif";
+    if dynamics.output.snapshot_interval == 0.0 {
+        return Ok(());
+    }
+    let list = folder.path().join(SNAPSHOTS);
+    let text = std::fs::read_to_string(&list).map_err(|e| OutputError::unreadable(&list, &e))?;
+    let names = files::vti::collected(&text);
     if names.len() < 2 {
         return Ok(());
     }
@@ -132,13 +138,12 @@ fn animation(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<
     // Twice through all, not to hold them all.
     let values = |name: &str| -> Result<(f64, Vec<f64>), Error> {
         let path = folder.path().join(name);
-        let unreadable =
-            |cause: String| Error::Unreadable { file: path.display().to_string(), cause };
-        let bytes = std::fs::read(&path).map_err(|error| unreadable(error.to_string()))?;
+        let unusable = |cause: String| OutputError::unusable(&path, cause);
+        let bytes = std::fs::read(&path).map_err(|e| OutputError::unreadable(&path, &e))?;
         let time = files::vti::plain_time(&bytes);
         let all = files::vti::plain_values(&bytes, &array);
         let (Some(time), Some(all)) = (time, all) else {
-            return Err(unreadable(format!("no array {array}")));
+            return Err(unusable(format!("no array {array}")).into());
         };
         let of = |cell: usize| match picture {
             Picture::Speed => {
@@ -148,7 +153,7 @@ fn animation(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<
             _ => all[cell],
         };
         if all.len() < dynamics.grid.count() {
-            return Err(unreadable(format!("too few values of {array}")));
+            return Err(unusable(format!("too few values of {array}")).into());
         }
         Ok((time, section.cells().map(of).collect()))
     };
@@ -157,7 +162,8 @@ fn animation(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<
         greatest = values(name)?.1.iter().fold(greatest, |sum, value| sum.max(value.abs()));
     }
     if greatest == 0.0 {
-        return Ok(());
+        // There may be one of another picture.
+        return Ok(folder.remove_result(ANIMATION)?);
     }
     let mut animation = Animation::new(Vec::new(), SECONDS_PER_FRAME, WIDTH)?;
     for name in &names {
@@ -166,7 +172,7 @@ fn animation(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<
         figure.scale = Some(greatest);
         animation.add(&figure)?;
     }
-    Ok(folder.write("animation.gif", &animation.finish()?)?)
+    Ok(folder.write(ANIMATION, &animation.finish()?)?)
 }
 
 /// Columns of a table of numbers by name.
@@ -175,8 +181,8 @@ pub(crate) fn table(
     file: Growing,
 ) -> Result<Vec<(String, Vec<f64>)>, Error> {
     let path = folder.growing(file);
-    let unreadable = |cause: String| Error::Unreadable { file: path.display().to_string(), cause };
-    let text = std::fs::read_to_string(&path).map_err(|error| unreadable(error.to_string()))?;
+    let text =
+        std::fs::read_to_string(&path).map_err(|error| OutputError::unreadable(&path, &error))?;
     let mut lines = text.lines();
     let mut columns: Vec<(String, Vec<f64>)> = lines
         .next()
@@ -187,8 +193,8 @@ pub(crate) fn table(
     for (index, line) in lines.enumerate() {
         for (column, cell) in columns.iter_mut().zip(line.split(',')) {
             let number = cell.parse();
-            let number = number.map_err(|_| unreadable(format!("line {}: '{cell}'", index + 2)))?;
-            column.1.push(number);
+            let odd = |_| OutputError::unusable(&path, format!("line {}: '{cell}'", index + 2));
+            column.1.push(number.map_err(odd)?);
         }
     }
     Ok(columns)
@@ -219,10 +225,8 @@ struct Fields(Vec<Array>);
 
 impl Fields {
     fn read(path: &Path) -> Result<Self, Error> {
-        let unreadable =
-            |cause: String| Error::Unreadable { file: path.display().to_string(), cause };
-        let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
-        Ok(Self(read(&bytes).map_err(|error| unreadable(error.to_string()))?))
+        let bytes = std::fs::read(path).map_err(|error| OutputError::unreadable(path, &error))?;
+        Ok(Self(read(&bytes).map_err(|error| OutputError::unusable(path, error))?))
     }
 
     fn of(&self, name: &str) -> Option<&[f64]> {
@@ -339,7 +343,8 @@ impl<'a> Section<'a> {
             is_signed: !matches!(picture, Picture::Speed | Picture::Dissipation),
             limit: None,
             scale: None,
-            curves: None,
+            // They are values of the picture of the case.
+            curves: dynamics.output.contours.clone().filter(|_| picture == dynamics.output.picture),
             outlines: Vec::new(),
             plastic: Vec::new(),
             marks: receivers

@@ -1,7 +1,7 @@
 //! `wellposed run` and `wellposed resume`: a solid in time.
 //!
 //! Receivers and ledger grow line by line, snapshots come one after the other; all else is written at the
-//! end. A checkpoint holds the state and how far the growing files were: what resumes from it writes the
+//! end. A checkpoint holds the state and what the growing files held: what resumes from it writes the
 //! same bits as a run that was never interrupted.
 
 mod checkpoint;
@@ -9,7 +9,7 @@ mod march;
 mod setup;
 
 use crate::case::Case;
-use crate::case::dynamics::{Component, Dynamics, Ledger as LedgerKind, Picture, Precision};
+use crate::case::dynamics::{Component, Dynamics, Ledger as LedgerKind, Precision};
 use crate::output::{Growing, ResultFolder};
 use crate::plot;
 use crate::words::{case_title, short, unit_of};
@@ -76,12 +76,21 @@ struct Found {
     /// Energy at the beginning, J.
     start: f64,
     last: Line,
-    step: f64,
-    steps: usize,
+    /// All steps of the case.
+    steps: Steps,
+    /// How many of them were done.
+    done: usize,
     of_cell: Vec<u16>,
     stopped: Option<Stopped>,
     /// Held until all is written.
     lock: File,
+}
+
+impl Found {
+    /// The time that the run came to, s.
+    fn time(&self) -> f64 {
+        self.steps.time(self.done)
+    }
 }
 
 /// Names of what is shown of a cell, in the order in which it is: fields, then integrals in time.
@@ -96,13 +105,12 @@ fn shown(dynamics: &Dynamics, fields: &[Field]) -> Vec<String> {
 /// # Errors
 /// The case is wrong, memory is short, results cannot be written, or the run ended by its own state.
 pub fn run(options: &Options, control: Control, stdout: &mut dyn Write) -> Result<(), Error> {
-    let case = Case::load(&options.case, &options.sets)?;
+    let case = Case::load_in_time(&options.case, &options.sets)?;
     let dynamics = case.required_dynamics()?;
     let media = media(&case, dynamics)?;
     let plan = plan(dynamics, &media)?;
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     folder.check_runs(options.force)?;
-    check_picture(dynamics, &media)?;
     if options.dry_run {
         // Everything that can be wrong with the case is found by setting it up.
         match dynamics.grid.dimensions() {
@@ -143,19 +151,6 @@ pub fn resume(
     job.carry_out(media, found, format, stdout)
 }
 
-/// That there is something to be drawn.
-fn check_picture(dynamics: &Dynamics, media: &[Medium]) -> Result<(), Error> {
-    let yields = media.iter().any(|medium| medium.yields.is_some());
-    match dynamics.output.picture {
-        Picture::Dissipation if !yields => {
-            let found = "found 'dissipation' in elastic media";
-            let allowed = "another picture, or a section [yield]";
-            Err(dynamics.locate("output.picture", found, allowed).into())
-        }
-        _ => Ok(()),
-    }
-}
-
 /// What is likely not meant.
 fn warn(dynamics: &Dynamics, step: f64) {
     const FEW: f64 = 4.0;
@@ -172,7 +167,7 @@ fn warn(dynamics: &Dynamics, step: f64) {
 
 /// What will be computed, in words, if memory suffices.
 fn plan(dynamics: &Dynamics, media: &[Medium]) -> Result<String, Error> {
-    let Steps { count, step, by_rotation } = steps(dynamics, media)?;
+    let Steps { count, step, by_rotation, .. } = steps(dynamics, media)?;
     let needed = needed(dynamics, media);
     let cells = dynamics.grid.cells.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ");
     let plan = format!(
@@ -284,9 +279,9 @@ impl Job<'_> {
         json!({
             "title": self.case.title,
             "cells": dynamics.grid.cells,
-            "steps": found.steps,
-            "step": found.step,
-            "time": found.steps as f64 * found.step,
+            "steps": found.done,
+            "step": found.steps.step,
+            "time": found.time(),
             "precision": dynamics.scheme.precision.name(),
             "order": dynamics.scheme.order.name(),
             "fields": names,
@@ -323,7 +318,7 @@ fn fields(dynamics: &Dynamics, names: &[String], found: &Found) -> Result<Vec<u8
         let middles: Vec<f64> = (0..grid.cells[axis]).map(|i| grid.centre(axis, i)).collect();
         archive.add_f64(&format!("x{}", axis + 1), &[middles.len()], &middles)?;
     }
-    archive.add_f64("time", &[], &[found.steps as f64 * found.step])?;
+    archive.add_f64("time", &[], &[found.time()])?;
     let units: Vec<&str> = names.iter().map(|name| unit_of(name)).collect();
     archive.add_text("names", &[names.len()], names)?;
     archive.add_text("units", &[units.len()], &units)?;
@@ -350,9 +345,9 @@ fn words(case: &Case, dynamics: &Dynamics, found: &Found) -> String {
     let _ = writeln!(
         text,
         "{} steps of {} s: t = {} s",
-        found.steps,
-        short(found.step),
-        short(found.steps as f64 * found.step)
+        found.done,
+        short(found.steps.step),
+        short(found.time())
     );
     let mut line = |name: &str, value: f64| {
         let _ = writeln!(text, "  {name:<34} {:>11} {unit}", short(value));

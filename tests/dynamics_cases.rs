@@ -3,10 +3,11 @@
 use models::cosserat::parameters::Theory;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use wellposed::case::dynamics::{
-    Action, Centre, Component, Condition, Dynamics, Initial, Picture, Shape, Side, SourceKind,
-    TimeFunction,
+    Action, Centre, Component, Condition, Dynamics, Initial, Picture, Recorded, Shape, Side,
+    SourceKind, TimeFunction,
 };
-use wellposed::case::{Case, Kind, Solid as SolidKind, Yield};
+use wellposed::case::{Case, Kind, Medium, Solid as SolidKind, Yield};
+use wellposed::new::{self, Purpose};
 use wellposed::solid::{Elastic, Solid};
 use wellposed::{Options, dispersion, point};
 
@@ -154,6 +155,7 @@ fields = ['v1', 'sigma21']
 [output]
 ledger_interval = 0.001
 picture = 'w3'
+contours = [-1, 0.5]
 ";
 
 /// Space.
@@ -279,8 +281,18 @@ fn a_case_is_read_as_written() {
     assert!(gravity.is_balanced && gravity.lateral_ratio == 0.5);
     assert_eq!(dynamics.receivers[0].name, "r1");
     assert_eq!(dynamics.receivers[0].fields.len(), 12);
-    assert_eq!(names(&dynamics.receivers[1].fields), ["v1", "sigma21"]);
+    let recorded = |list: &[Recorded]| list.iter().map(Recorded::to_string).collect::<Vec<_>>();
+    assert_eq!(recorded(&dynamics.receivers[1].fields), ["v1", "sigma21"]);
     assert!(matches!(dynamics.output.picture, Picture::Component(_)));
+    assert_eq!(dynamics.output.contours, Some(vec![-1.0, 0.5]));
+
+    // Integrals that are kept are recorded where they are asked for, or nothing in particular is.
+    let sets = ["output.integrals=['u2']", "receiver[1].fields=['u2', 'v1']"];
+    let dynamics = parse_with(PLANE, &sets).unwrap().dynamics.unwrap();
+    assert_eq!(recorded(&dynamics.receivers[0].fields).last().unwrap(), "u2");
+    assert_eq!(recorded(&dynamics.receivers[1].fields), ["u2", "v1"]);
+    let error = parse_with(PLANE, &sets[1..]).unwrap_err();
+    assert!(error.contains("receiver[1].fields: found 'u2'; did you mean 'v2'?"), "{error}");
 
     // The grid says in how many dimensions the solid is.
     let case = parse(PLANE).unwrap();
@@ -537,8 +549,9 @@ fn bad_input_is_answered_with_line_key_and_remedy() {
         ("at = [5, 10]", "at = [5.5, 10]", "138: receiver[1].at: found [5.5, 10.0], outside the grid; the grid has x1 from -5.0 to 5.0 m, x2 from 0.0 to 10.0 m"),
         ("'surface.1'", "'r1'", "137: receiver[1].name: found 'r1', the name of receiver[0] (folder/x.toml:134); give each receiver its own name"),
         ("'surface.1'", "'a b'", "137: receiver[1].name: found the text 'a b'; expected text in quotes (letters, digits, '-', '_' and '.')"),
-        ("['v1', 'sigma21']", "['v1', 'v1']", "139: receiver[1].fields: found 'v1' twice; name each component once"),
+        ("['v1', 'sigma21']", "['v1', 'v1']", "139: receiver[1].fields: found 'v1' twice; name each once"),
         ("picture = 'w3'", "picture = 'sped'", &format!("142: output.picture: found 'sped'; did you mean 'speed'? allowed: speed, {FIELDS}, dissipation")),
+        ("contours = [-1, 0.5]", "contours = [1, 'a']", "143: output.contours: found a list that holds the text 'a'; expected a list of finite numbers in the unit of the picture (lines of equal value)"),
     ];
     for (old, new, message) in table {
         let error = parse(&with(PLANE, old, new)).expect_err(new);
@@ -607,6 +620,96 @@ fn a_run_in_time_needs_a_solid_and_a_grid() {
         let error = parse(&format!("{classical}{entry}")).unwrap_err();
         assert!(error.ends_with(end), "{error}");
     }
+}
+
+/// A line of a template: the key with its value, and whether it is taken in as it stands.
+fn template_line(line: &str) -> Option<(&str, &str, bool)> {
+    let inner = line.strip_prefix("# ");
+    let (line, is_active) = (inner.unwrap_or(line), inner.is_none());
+    let is_key = |key: &str| key.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
+    let (key, _) = line.split_once(" = ").filter(|(key, _)| is_key(key))?;
+    Some((key, line, is_active))
+}
+
+/// The template of a run has every key that a run takes, and every entry of it is a sound one.
+#[test]
+fn new_runs_show_every_key() {
+    for medium in Medium::all().filter(|medium| matches!(medium.kind, Kind::Solid(_))) {
+        let text = new::text_for(medium, Purpose::Run);
+        parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    }
+    let cosserat = Medium::from(Kind::Solid(SolidKind::Cosserat));
+    let text = new::text_for(cosserat, Purpose::Run);
+    let (model, template) = text.split_at(text.find("\n[grid]\n").unwrap());
+    // By header, all entries: the lines to take in, and all keys.
+    let blocks = template.split("\n\n").map(str::trim).filter_map(|block| {
+        let (header, lines) = block.split_once('\n')?;
+        let (header, is_active) = match header.strip_prefix("# ") {
+            Some(header) => (header, false),
+            None => (header, true),
+        };
+        let header = header.split('#').next().unwrap().trim();
+        let lines: Vec<_> = lines.lines().filter_map(template_line).collect();
+        let is_taken = |line: &(&str, &str, bool)| {
+            (line.2 || !is_active) && !line.1.contains("in space alone")
+        };
+        let taken = lines.iter().filter(|line| is_taken(line)).map(|line| format!("{}\n", line.1));
+        let text = format!("{header}\n{}", taken.collect::<String>());
+        header.starts_with('[').then_some((header, text, lines))
+    });
+    let blocks: Vec<_> = blocks.collect();
+    let document = |header: &str, text: &str| {
+        let others = blocks.iter().filter(|own| ["[grid]", "[time]"].contains(&own.0));
+        let others: String =
+            others.filter(|own| own.0 != header).map(|own| own.1.clone()).collect();
+        format!("{model}\n{others}{text}")
+    };
+    let is_shown = |header: &str, key: &str| {
+        blocks.iter().any(|own| own.0 == header && own.2.iter().any(|line| line.0 == key))
+    };
+    // What is allowed in place of what is not.
+    let allowed = |header: &str, text: &str, before: &str| -> Vec<String> {
+        let error = parse(&document(header, text)).expect_err(text);
+        let (_, list) = error.split_once(before).unwrap_or_else(|| panic!("{error}"));
+        list.split(", ").map(str::to_owned).collect()
+    };
+    for (header, text, lines) in &blocks {
+        parse(&document(header, text)).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        if *header != "[initial_stress]" {
+            for key in allowed(header, &format!("{text}odd = 0\n"), "allowed here: ") {
+                assert!(is_shown(header, &key), "{key} is missing in {header}");
+            }
+        }
+        // Words that stand for a choice.
+        for (key, line, _) in lines {
+            let choices = ["kind", "shape", "order", "correction", "precision", "ledger"];
+            if choices.contains(key) {
+                let own = format!("{text}\n");
+                let own = own.replace(&format!("{line}\n"), "") + &format!("{key} = 'odd'\n");
+                for word in allowed(header, &own, "allowed: ") {
+                    assert!(template.contains(&word), "{word} is missing for {key} in {header}");
+                }
+            }
+        }
+        for (_, line, _) in lines.iter().filter(|line| line.0 == "time" && !line.1.contains("file"))
+        {
+            let (start, _) = line.split_once(" }").unwrap();
+            let source = "[[source]]\nkind = 'explosion'\namplitude = 1\nat = [0, -1]\n";
+            parse(&document("", &format!("{source}{line}\n"))).unwrap();
+            let odd = format!("{source}{start}, odd = 0 }}\n");
+            for key in allowed("", &odd, "allowed here: ").iter().filter(|_| *header == "[[load]]")
+            {
+                assert!(start.contains(&format!("{key} = ")), "{key} is missing in {line}");
+            }
+        }
+    }
+    for key in ["elevation_deg", "about"] {
+        assert!(is_shown("[[initial]]", key), "{key}");
+    }
+    for name in TimeFunction::NAMES {
+        assert!(template.contains(&format!("time = {{ kind = \"{name}\", ")), "{name}");
+    }
+    assert!(template.contains("kind = \"table\", file ="));
 }
 
 #[test]
@@ -763,6 +866,16 @@ fn tables_are_read_next_to_the_case() {
     }
     std::fs::write(&table, b"0,\xff\n").unwrap();
     assert!(load().unwrap_err().contains(": load[0].time.file: 'data/load.csv': not UTF-8 text; "));
+
+    // What is no file is not opened: a pipe without a writer would never answer.
+    let is_refused = || load().unwrap_err().contains("'data/load.csv': not a regular file; name a");
+    std::fs::remove_file(&table).unwrap();
+    std::fs::create_dir(&table).unwrap();
+    assert!(is_refused());
+    std::fs::remove_dir(&table).unwrap();
+    if std::process::Command::new("mkfifo").arg(&table).status().is_ok_and(|made| made.success()) {
+        assert!(is_refused());
+    }
 }
 
 #[test]

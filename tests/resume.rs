@@ -149,7 +149,79 @@ fn interrupted_runs_leave_a_checkpoint() {
     assert_eq!(again.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&again.stderr).contains("the run is finished"));
     assert_eq!(ends(&here, "run case.toml --out out").status.code(), Some(2));
+    // Without one of the snapshots there is no animation of them.
+    let snapshot = here.join("out/snapshot-00000000.vti");
+    let image = fs::read(&snapshot).unwrap();
+    fs::remove_file(&snapshot).unwrap();
+    let output = ends(&here, "plot out");
+    assert_eq!(output.status.code(), Some(2));
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(text.contains("snapshot-00000000.vti: is missing; run the case again"), "{text}");
+    fs::write(&snapshot, image).unwrap();
+    // What is drawn may change, what was computed not.
+    let case = here.join("out/case.toml");
+    let resolved = fs::read_to_string(&case).unwrap();
+    let before = fs::read(here.join("out/run.svg")).unwrap();
+    let drawn = resolved.replace("picture = \"speed\"", "picture = \"u2\"\ncontours = [1e-3]");
+    fs::write(&case, drawn).unwrap();
     assert!(ends(&here, "plot out").status.success());
+    assert!(fs::read(here.join("out/run.svg")).unwrap() != before);
+    fs::write(&case, resolved.replace("density = 1900", "density = 1800")).unwrap();
+    let output = ends(&here, "plot out");
+    assert_eq!(output.status.code(), Some(2));
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(text.contains("case.toml: not what the run began with"), "{text}");
+}
+
+/// A case that changed since the run began is noticed without a checkpoint, too.
+#[cfg(unix)]
+#[test]
+fn a_changed_case_is_not_resumed() {
+    let here = interrupted("changed");
+    fs::remove_file(here.join("out/checkpoint")).unwrap();
+    let case = here.join("out/case.toml");
+    let resolved = fs::read_to_string(&case).unwrap();
+    let changed = resolved.replace("density = 1900", "density = 1800");
+    assert_ne!(changed, resolved);
+    fs::write(&case, changed).unwrap();
+    for arguments in ["resume out", "run out/case.toml --out out"] {
+        let output = ends(&here, arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments}");
+    }
+    // The same in other words.
+    fs::write(&case, format!("# as it was\n{}", resolved.replace("1900.0", "1.9e3"))).unwrap();
+    assert!(ends(&here, "resume out").status.success());
+}
+
+/// The first Ctrl-C is answered; the second ends the run at once, and it can go on.
+#[cfg(unix)]
+#[test]
+fn a_second_interruption_ends_at_once() {
+    let whole = folder("uninterrupted");
+    assert!(ends(&whole, RUN).status.success());
+    for pause in [0, 1, 5] {
+        let here = folder("twice");
+        let child = command(&here, RUN).stderr(Stdio::piped()).spawn().unwrap();
+        let start = Instant::now();
+        while !here.join("out/checkpoint").exists() {
+            assert!(start.elapsed() < Duration::from_secs(60));
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        let id = child.id().to_string();
+        for _ in 0..2 {
+            // It may have ended after the first one.
+            let kill = Command::new("kill").args(["-INT", &id]).stderr(Stdio::null()).status();
+            kill.unwrap();
+            std::thread::sleep(Duration::from_millis(pause));
+        }
+        let output = child.wait_with_output().unwrap();
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(130), "{text}");
+        let said = "finishing the step and writing a checkpoint; press again to stop at once\n";
+        assert_eq!(text.matches(said).count(), 1, "{text}");
+        assert!(ends(&here, "resume out").status.success());
+        assert!(results(&here) == results(&whole));
+    }
 }
 
 /// While a run writes to a folder no other one does; SIGTERM ends it as Ctrl-C does.
@@ -189,14 +261,30 @@ fn damaged_checkpoints_are_refused() {
         let output = ends(&here, "resume out");
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{text}");
-        assert!(text.contains("checkpoint") && text.contains("--force"), "{text}");
+        assert!(text.contains("--force") && text.matches("checkpoint").count() == 1, "{text}");
     }
+    // What cannot be read is not damaged.
+    fs::remove_file(&path).unwrap();
+    fs::create_dir(&path).unwrap();
+    let output = ends(&here, "resume out");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(text.contains("let it be read") && !text.contains("--force"), "{text}");
+    fs::remove_dir(&path).unwrap();
     fs::write(&path, &sound).unwrap();
     // Tables that lost what the checkpoint knows.
     let table = here.join("out/receivers.csv");
     let rows = fs::read(&table).unwrap();
     fs::write(&table, &rows[..20]).unwrap();
     assert_eq!(ends(&here, "resume out").status.code(), Some(2));
+    // Or have other numbers there.
+    let mut changed = rows.clone();
+    let first_row = rows.iter().position(|byte| *byte == b'\n').unwrap() + 1;
+    changed[first_row] = b'7';
+    fs::write(&table, changed).unwrap();
+    let output = ends(&here, "resume out");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(text.contains("receivers.csv: has other content in its first"), "{text}");
     fs::write(&table, rows).unwrap();
     // A snapshot that is gone.
     let snapshot = here.join("out/snapshot-00000000.vti");
@@ -204,11 +292,17 @@ fn damaged_checkpoints_are_refused() {
     fs::remove_file(&snapshot).unwrap();
     let output = ends(&here, "resume out");
     assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("the snapshot is missing"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("snapshot-00000000.vti: is missing"));
     fs::write(&snapshot, image).unwrap();
     assert!(ends(&here, "resume out").status.success());
     for arguments in ["resume nowhere", "resume .", "plot nowhere"] {
         assert_eq!(ends(&here, arguments).status.code(), Some(2), "{arguments}");
+    }
+    for seconds in ["nan", "inf", "-1", "soon"] {
+        let output = ends(&here, &format!("resume out --checkpoint-every={seconds}"));
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains("expected a finite number of at least 0"), "{text}");
     }
 }
 

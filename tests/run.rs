@@ -298,6 +298,12 @@ fn runs_that_cannot_be_are_refused() {
             CLASSICAL.replace("lambda", "dimensions = 2\nlambda"),
             ": grid: missing; add a section [grid] with cells = [200, 200] and spacing = 1.0, and [time] with duration",
         ),
+        // Before anything else that is missing.
+        (CLASSICAL.to_owned(), ": grid: missing; add a section [grid]"),
+        (
+            wellposed::new::text(wellposed::case::Kind::FLOWS[0]),
+            "a flow; only solids are run in time",
+        ),
         (
             plain(
                 "[[region]]\nshape = 'layer'\naxis = 1\nfrom = 0\nto = 5\n[[region]]\nshape = 'layer'\naxis = 1\nfrom = 4\nto = 8\n",
@@ -448,6 +454,26 @@ fn single_precision() {
     for (wide, narrow) in seen[0].iter().zip(&seen[1]) {
         assert!((wide - narrow).abs() < 1e-3 * greatest, "{wide} {narrow}");
     }
+}
+
+/// Receivers record what they are asked for, integrals included, and what nobody asked for is left out.
+#[test]
+fn receivers_record_what_they_are_asked_for() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let case = rich(STRUCK).replace(
+        "name = 'edge'",
+        "at = [0, -1]\nfields = ['v1']\n[[receiver]]\nat = [0, -2]\nfields = ['u2', 'sigma22']\n\
+         [[receiver]]\nname = 'edge'",
+    ) + "[output]\nintegrals = ['u2']\n";
+    carried_out(folder.path(), &case).expect("a sound case");
+    let seen = columns(&folder.path().join("out/receivers.csv"));
+    let names: Vec<&str> = seen.iter().map(|column| column.0.as_str()).collect();
+    assert_eq!(names[..4], ["time", "r1.v1", "r2.u2", "r2.sigma22"]);
+    assert_eq!((names.len(), names[names.len() - 1]), (11, "edge.u2"));
+    // The end is when the case says, to the last bit.
+    let json = fs::read(folder.path().join("out/run.json")).expect("a report");
+    let report: serde_json::Value = serde_json::from_slice(&json).expect("JSON");
+    assert_eq!((report["time"].as_f64(), seen[0].1.last()), (Some(0.05), Some(&0.05)));
 }
 
 /// A dry run checks everything and writes nothing.

@@ -1,57 +1,77 @@
 //! Tables as comma-separated values that grow row by row, over runs that may be interrupted.
 //!
 //! Rows are collected in memory and reach the device with [`Appender::sync`]. A reader that looks
-//! earlier may find the last line half-written; a run that was interrupted goes on from an offset
-//! that it noted after a `sync`, and what lies behind that offset is written again.
+//! earlier may find the last line half-written; a run that was interrupted goes on behind what a
+//! `sync` said was written, if that is still there unchanged, and what follows is written again.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use crate::FileError;
+use crc32fast::Hasher;
+
 use crate::atomic::sync_name;
 use crate::csv::shortest;
 
 /// A table that could not be started, resumed or extended.
 #[derive(Debug, thiserror::Error)]
-pub enum AppendError {
+#[error("{}: {problem}", path.display())]
+pub struct AppendError {
+    /// The table.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    #[source]
+    pub problem: AppendProblem,
+}
+
+/// What is wrong with a table.
+#[derive(Debug, thiserror::Error)]
+pub enum AppendProblem {
     /// The operating system refused.
-    #[error(transparent)]
-    File(#[from] FileError),
+    #[error("cannot {action}: {source}")]
+    Refused {
+        /// What was attempted, as a word that follows "cannot".
+        action: &'static str,
+        /// The operating system's answer.
+        source: io::Error,
+    },
     /// The table to be resumed has lost rows that had been written.
-    #[error(
-        "{} has {found} bytes, which is less than the {offset} after which it should go on",
-        path.display()
-    )]
+    #[error("has {found} bytes, less than the {length} after which it should go on")]
     Shorter {
-        /// The table.
-        path: PathBuf,
         /// Length of the file, in bytes.
         found: u64,
         /// Where the table should go on, in bytes from its start.
-        offset: u64,
+        length: u64,
     },
-    /// The table cannot go on at the offset: it is not the end of a line below a header.
-    #[error("{} has no header and whole rows in its first {offset} bytes", path.display())]
-    Offset {
-        /// The table.
-        path: PathBuf,
+    /// The table to be resumed does not begin with what had been written.
+    #[error("has other content in its first {length} bytes than was written")]
+    Changed {
         /// Where the table should go on, in bytes from its start.
-        offset: u64,
+        length: u64,
+    },
+    /// The table cannot go on there: it is not the end of a line below a header.
+    #[error("has no header and whole rows in its first {length} bytes")]
+    Header {
+        /// Where the table should go on, in bytes from its start.
+        length: u64,
     },
     /// A row whose length differs from the header's.
-    #[error(
-        "a row for {} has {found} cells where the header names {expected} columns",
-        path.display()
-    )]
+    #[error("a row has {found} cells where the header names {expected} columns")]
     Row {
-        /// The table.
-        path: PathBuf,
         /// Cells in the row.
         found: usize,
         /// Columns named in the header.
         expected: usize,
     },
+}
+
+/// The start of a table that had been written: its rows up to some instant, its header with them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Written {
+    /// Length, in bytes.
+    pub length: u64,
+    /// CRC-32 of these bytes as in zlib: it guards against accidents, not against intent.
+    pub checksum: u32,
 }
 
 /// A table that is being extended. Rows that are not yet on the device when it is dropped are
@@ -60,51 +80,88 @@ pub enum AppendError {
 pub struct Appender {
     path: PathBuf,
     header: Vec<String>,
-    writer: csv::Writer<File>,
-    offset: u64,
+    writer: csv::Writer<Hashed>,
 }
 
-/// Gives an error of the operating system the file and the action, a phrase that follows "cannot".
+/// A file, and the checksum of all that it holds.
+#[derive(Debug)]
+struct Hashed {
+    file: File,
+    length: u64,
+    hasher: Hasher,
+}
+
+impl Hashed {
+    fn written(&self) -> Written {
+        Written { length: self.length, checksum: self.hasher.clone().finalize() }
+    }
+}
+
+impl Write for Hashed {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.file.write(bytes)?;
+        self.hasher.update(&bytes[..count]);
+        self.length += count as u64;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// Gives an error of the operating system the file and the action, a word that follows "cannot".
 fn at(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> AppendError {
-    move |source| FileError { path: path.to_path_buf(), action, source }.into()
+    move |source| wrong(path, AppendProblem::Refused { action, source })
+}
+
+fn wrong(path: &Path, problem: AppendProblem) -> AppendError {
+    AppendError { path: path.to_path_buf(), problem }
 }
 
 impl Appender {
     /// Starts a table with its header; a file of the same name is replaced, a missing folder is
     /// an error. The header is on the device afterwards.
     pub fn create(path: &Path, header: &[&str]) -> Result<Self, AppendError> {
-        let file = File::create(path).map_err(at(path, "create"))?;
+        let file = File::create(path).map_err(at(path, "be created"))?;
         let header = header.iter().map(|&name| name.to_owned()).collect();
-        let mut appender = Self::around(path, header, file, 0);
+        let start = Hashed { file, length: 0, hasher: Hasher::new() };
+        let mut appender = Self::around(path, header, start);
         let written = appender.writer.write_record(&appender.header);
-        written.map_err(|error| at(path, "write")(error.into()))?;
+        written.map_err(|error| at(path, "be written")(error.into()))?;
         appender.sync()?;
         sync_name(path);
         Ok(appender)
     }
 
-    /// Goes on with a table behind its first `offset` bytes, which must be a header and whole rows;
+    /// Goes on with a table behind what had been `written` of it, which must be there unchanged;
     /// the rest of the file is cut off.
-    pub fn resume(path: &Path, offset: u64) -> Result<Self, AppendError> {
+    pub fn resume(path: &Path, written: Written) -> Result<Self, AppendError> {
+        let length = written.length;
         let opened = File::options().read(true).write(true).open(path);
-        let mut file = opened.map_err(at(path, "open"))?;
-        let found = file.metadata().map_err(at(path, "read"))?.len();
-        if found < offset {
-            return Err(AppendError::Shorter { path: path.to_path_buf(), found, offset });
+        let mut file = opened.map_err(at(path, "be opened"))?;
+        let found = file.metadata().map_err(at(path, "be read"))?.len();
+        if found < length {
+            return Err(wrong(path, AppendProblem::Shorter { found, length }));
         }
-        let header = header_of(&mut file, offset).map_err(at(path, "read"))?;
-        let header =
-            header.ok_or_else(|| AppendError::Offset { path: path.to_path_buf(), offset })?;
+        let hasher = hasher_of(&file, length).map_err(at(path, "be read"))?;
+        let start =
+            Hashed { file: file.try_clone().map_err(at(path, "be opened"))?, length, hasher };
+        if start.written() != written {
+            return Err(wrong(path, AppendProblem::Changed { length }));
+        }
+        let header = header_of(&mut file, length).map_err(at(path, "be read"))?;
+        let header = header.ok_or_else(|| wrong(path, AppendProblem::Header { length }))?;
         let cut = file
-            .set_len(offset)
+            .set_len(length)
             .and_then(|()| file.sync_all())
-            .and_then(|()| file.seek(SeekFrom::Start(offset)));
-        cut.map_err(at(path, "shorten"))?;
-        Ok(Self::around(path, header, file, offset))
+            .and_then(|()| file.seek(SeekFrom::Start(length)));
+        cut.map_err(at(path, "be shortened"))?;
+        Ok(Self::around(path, header, start))
     }
 
-    fn around(path: &Path, header: Vec<String>, file: File, offset: u64) -> Self {
-        Self { path: path.to_path_buf(), header, writer: csv::Writer::from_writer(file), offset }
+    fn around(path: &Path, header: Vec<String>, start: Hashed) -> Self {
+        Self { path: path.to_path_buf(), header, writer: csv::Writer::from_writer(start) }
     }
 
     /// The column names.
@@ -115,42 +172,47 @@ impl Appender {
     /// Adds a row, in which every number has the shortest form that reads back to the same bits;
     /// not-a-number becomes an empty cell, infinities become `inf` and `-inf`.
     pub fn write_row(&mut self, row: &[f64]) -> Result<(), AppendError> {
-        if row.len() != self.header.len() {
-            let (path, found, expected) = (self.path.clone(), row.len(), self.header.len());
-            return Err(AppendError::Row { path, found, expected });
+        let (found, expected) = (row.len(), self.header.len());
+        if found != expected {
+            return Err(wrong(&self.path, AppendProblem::Row { found, expected }));
         }
         let written = self.writer.write_record(row.iter().map(|&number| shortest(number)));
-        written.map_err(|error| at(&self.path, "write")(error.into()))
+        written.map_err(|error| at(&self.path, "be written")(error.into()))
     }
 
-    /// Brings all rows to the device and gives the offset behind them, in bytes from the table's
-    /// start.
-    pub fn sync(&mut self) -> Result<u64, AppendError> {
-        let mut position = || {
+    /// Brings all rows to the device and says what is there: behind it [`Appender::resume`] loses
+    /// none of them.
+    pub fn sync(&mut self) -> Result<Written, AppendError> {
+        let mut flush = || {
             self.writer.flush()?;
-            let mut file = self.writer.get_ref();
-            file.sync_data()?;
-            file.stream_position()
+            self.writer.get_ref().file.sync_data()
         };
-        self.offset = position().map_err(at(&self.path, "write"))?;
-        Ok(self.offset)
-    }
-
-    /// Where the rows end that are on the device since the last [`Appender::sync`], in bytes from
-    /// the table's start: the offset from which [`Appender::resume`] loses none of them.
-    pub fn offset(&self) -> u64 {
-        self.offset
+        flush().map_err(at(&self.path, "be written"))?;
+        Ok(self.writer.get_ref().written())
     }
 }
 
-/// The column names, none where the first `offset` bytes are not a header and whole lines.
-fn header_of(file: &mut File, offset: u64) -> io::Result<Option<Vec<String>>> {
-    let Some(last) = offset.checked_sub(1) else { return Ok(None) };
+/// What has hashed the first `length` bytes, as far as they are there.
+fn hasher_of(mut file: &File, length: u64) -> io::Result<Hasher> {
+    file.rewind()?;
+    let mut start = file.take(length);
+    let (mut hasher, mut bytes) = (Hasher::new(), vec![0; 1 << 16]);
+    loop {
+        match start.read(&mut bytes)? {
+            0 => return Ok(hasher),
+            count => hasher.update(&bytes[..count]),
+        }
+    }
+}
+
+/// The column names, none where the first `length` bytes are not a header and whole lines.
+fn header_of(file: &mut File, length: u64) -> io::Result<Option<Vec<String>>> {
+    let Some(last) = length.checked_sub(1) else { return Ok(None) };
     let mut end = [0];
     file.seek(SeekFrom::Start(last))?;
     file.read_exact(&mut end)?;
     file.rewind()?;
-    let start = BufReader::new(&*file).take(offset);
+    let start = BufReader::new(&*file).take(length);
     let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(start);
     let mut header = csv::StringRecord::new();
     match reader.read_record(&mut header) {
@@ -166,6 +228,12 @@ mod tests {
 
     use super::*;
 
+    /// The start of a text as if it had been written.
+    fn start(text: &str, length: usize) -> Written {
+        let length = length.min(text.len());
+        Written { length: length as u64, checksum: crc32fast::hash(&text.as_bytes()[..length]) }
+    }
+
     #[test]
     fn rows_as_in_other_tables() {
         let folder = tempfile::tempdir().unwrap();
@@ -173,16 +241,12 @@ mod tests {
         let mut table = Appender::create(&path, &["time [s]", "energy, \"all\" [J]"]).unwrap();
         let header = "time [s],\"energy, \"\"all\"\" [J]\"\n";
         assert_eq!(fs::read_to_string(&path).unwrap(), header);
-        assert_eq!(table.offset(), header.len() as u64);
         table.write_row(&[0.1, f64::NAN]).unwrap();
         table.write_row(&[1e-7, f64::NEG_INFINITY]).unwrap();
-        // Not on the device yet, and not counted.
-        assert_eq!(table.offset(), header.len() as u64);
-        let offset = table.sync().unwrap();
-        assert_eq!(offset, table.offset());
+        let written = table.sync().unwrap();
         let text = fs::read_to_string(&path).unwrap();
         assert_eq!(text, format!("{header}0.1,\n1e-7,-inf\n"));
-        assert_eq!(text.len() as u64, offset);
+        assert_eq!(written, start(&text, text.len()));
     }
 
     #[test]
@@ -201,13 +265,15 @@ mod tests {
 
         let mut first = Appender::create(&paths[1], &header).unwrap();
         rows(&mut first, 1..2000);
-        let offset = first.sync().unwrap();
+        let written = first.sync().unwrap();
         rows(&mut first, 2000..3000);
         drop(first);
-        fs::File::options().append(true).open(&paths[1]).unwrap().set_len(offset + 7).unwrap();
-        let mut second = Appender::resume(&paths[1], offset).unwrap();
-        assert_eq!((second.offset(), second.header()), (offset, &header.map(str::to_owned)[..]));
-        assert_eq!(fs::metadata(&paths[1]).unwrap().len(), offset);
+        let file = fs::File::options().append(true).open(&paths[1]).unwrap();
+        file.set_len(written.length + 7).unwrap();
+        let mut second = Appender::resume(&paths[1], written).unwrap();
+        assert_eq!(second.header(), &header.map(str::to_owned)[..]);
+        assert_eq!(second.sync().unwrap(), written);
+        assert_eq!(fs::metadata(&paths[1]).unwrap().len(), written.length);
         rows(&mut second, 2000..5000);
         assert_eq!(second.sync().unwrap(), end);
         assert_eq!(fs::read(&paths[0]).unwrap(), fs::read(&paths[1]).unwrap());
@@ -219,21 +285,32 @@ mod tests {
         let path = folder.path().join("table");
         let text = "a,b\n1,2\n3,4\n";
         fs::write(&path, text).unwrap();
-        let refused = |offset| Appender::resume(&path, offset).unwrap_err();
-        assert!(matches!(refused(13), AppendError::Shorter { found: 12, offset: 13, .. }));
-        assert!(matches!(refused(u64::MAX), AppendError::Shorter { .. }));
-        for offset in [0, 1, 3, 5, 11] {
-            assert!(matches!(refused(offset), AppendError::Offset { .. }), "{offset}");
+        let refused = |written| Appender::resume(&path, written).unwrap_err();
+        for length in [13, u64::MAX] {
+            let error = refused(Written { length, checksum: 0 });
+            assert!(matches!(error.problem, AppendProblem::Shorter { found: 12, .. }), "{error}");
+        }
+        for length in [0, 1, 3, 5, 11] {
+            let error = refused(start(text, length));
+            assert!(matches!(error.problem, AppendProblem::Header { .. }), "{error}");
+        }
+        for changed in ["a,b\n1,2\n3,5\n", "A,b\n1,2\n3,4\n"] {
+            let error = refused(start(changed, 12));
+            assert!(matches!(error.problem, AppendProblem::Changed { length: 12 }), "{error}");
+            let expected = "table: has other content in its first 12 bytes than was written";
+            assert!(error.to_string().ends_with(expected), "{error}");
         }
         assert_eq!(fs::read_to_string(&path).unwrap(), text);
         fs::write(&path, b"\xff\n").unwrap();
-        assert!(matches!(refused(2), AppendError::Offset { .. }));
+        let checksum = crc32fast::hash(b"\xff\n");
+        let error = refused(Written { length: 2, checksum });
+        assert!(matches!(error.problem, AppendProblem::Header { .. }), "{error}");
         fs::write(&path, b"\n\n").unwrap();
-        assert!(matches!(refused(2), AppendError::Offset { .. }));
-        let absent = Appender::resume(&folder.path().join("absent"), 4).unwrap_err();
-        assert!(absent.to_string().starts_with("cannot open "), "{absent}");
+        assert!(matches!(refused(start("\n\n", 2)).problem, AppendProblem::Header { .. }));
+        let absent = Appender::resume(&folder.path().join("absent"), start(text, 4)).unwrap_err();
+        assert!(absent.to_string().contains("absent: cannot be opened: "), "{absent}");
         let nowhere = Appender::create(&folder.path().join("absent/table"), &["a"]).unwrap_err();
-        assert!(nowhere.to_string().starts_with("cannot create "), "{nowhere}");
+        assert!(nowhere.to_string().contains("table: cannot be created: "), "{nowhere}");
     }
 
     #[test]
@@ -241,13 +318,15 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("table");
         let mut table = Appender::create(&path, &["a", "b"]).unwrap();
+        let header = table.sync().unwrap();
         table.write_row(&[1.0, 2.0]).unwrap();
-        let refused = table.write_row(&[3.0]).unwrap_err();
-        assert!(matches!(refused, AppendError::Row { found: 1, expected: 2, .. }), "{refused}");
+        let refused = table.write_row(&[3.0]).unwrap_err().problem;
+        assert!(matches!(refused, AppendProblem::Row { found: 1, expected: 2 }), "{refused}");
         table.sync().unwrap();
         drop(table);
-        let mut table = Appender::resume(&path, 4).unwrap();
-        assert!(matches!(table.write_row(&[3.0; 3]), Err(AppendError::Row { expected: 2, .. })));
+        let mut table = Appender::resume(&path, header).unwrap();
+        let refused = table.write_row(&[3.0; 3]).unwrap_err().problem;
+        assert!(matches!(refused, AppendProblem::Row { expected: 2, .. }), "{refused}");
         table.write_row(&[5.0, 6.0]).unwrap();
         table.sync().unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "a,b\n5,6\n");

@@ -14,4 +14,9 @@ pub mod npz;
 pub mod sealed;
 pub mod vti;
 
+/// CRC-32 as in zlib: it guards against accidents, not against intent.
+pub fn checksum(bytes: &[u8]) -> u32 {
+    crc32fast::hash(bytes)
+}
+
 pub use atomic::{FileError, write_atomically, write_atomically_with};

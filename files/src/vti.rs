@@ -369,6 +369,16 @@ pub fn collection(entries: &[(f64, impl AsRef<str>)]) -> Result<Vec<u8>, VtiErro
     Ok(text.into_bytes())
 }
 
+/// The paths in a collection that was written by [`collection`].
+pub fn collected(text: &str) -> Vec<String> {
+    let paths = text.lines().filter_map(|line| line.split_once(" file=\"")?.1.split('"').next());
+    let unescaped = |path: &str| {
+        let path = path.replace("&quot;", "\"").replace("&lt;", "<").replace("&gt;", ">");
+        path.replace("&amp;", "&")
+    };
+    paths.map(unescaped).collect()
+}
+
 fn finite(time: f64) -> Result<f64, VtiError> {
     if time.is_finite() { Ok(time) } else { Err(VtiError::Time(time)) }
 }
@@ -604,6 +614,7 @@ mod tests {
         let first = "<DataSet timestep=\"0\" group=\"\" part=\"0\" file=\"a.vti\"/>";
         let second = "<DataSet timestep=\"1e-9\" group=\"\" part=\"0\" file=\"b &amp; c.vti\"/>";
         assert!(text.contains(first) && text.contains(second), "{text}");
+        assert_eq!(collected(&text), ["a.vti", "b & c.vti"]);
         assert!(collection(&[] as &[(f64, &str)]).unwrap().ends_with(b"</VTKFile>\n"));
         assert_eq!(collection(&[(f64::INFINITY, "a")]), Err(VtiError::Time(f64::INFINITY)));
         assert_eq!(collection(&[(0.0, "")]), Err(VtiError::Name(String::new())));

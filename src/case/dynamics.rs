@@ -13,6 +13,7 @@ pub use function::{Samples, TimeFunction};
 
 use super::place::Places;
 use super::{Case, CaseError};
+use std::fmt;
 
 /// Most cells of a grid.
 pub const MOST_CELLS: usize = 4_000_000_000;
@@ -543,7 +544,28 @@ pub struct Receiver {
     /// Where, m; inside the grid.
     pub at: Vec<f64>,
     /// What is recorded.
-    pub fields: Vec<Component>,
+    pub fields: Vec<Recorded>,
+}
+
+/// A quantity that a receiver records.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Recorded {
+    /// A component of the state.
+    Component(Component),
+    /// The integral in time of a velocity or spin.
+    Integral(Component),
+}
+
+/// The name in case files.
+impl fmt::Display for Recorded {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Component(component) => component.fmt(formatter),
+            Self::Integral(component) => {
+                formatter.write_str(&component.integral().unwrap_or_default())
+            }
+        }
+    }
 }
 
 /// What else is recorded.
@@ -557,6 +579,8 @@ pub struct Output {
     pub integrals: Vec<Component>,
     /// What pictures show.
     pub picture: Picture,
+    /// Values of it on which lines are drawn, in its unit; `None`: as suits the picture.
+    pub contours: Option<Vec<f64>>,
 }
 
 /// What a picture shows.

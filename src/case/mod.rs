@@ -18,7 +18,7 @@ pub use keys::{
 };
 pub use kind::{Kind, Medium, NoSuchMedium, Solid, Yield};
 
-use dynamics::Grid;
+use dynamics::{Grid, Picture};
 use keys::Value;
 use models::granular_flow::state::State;
 use models::granular_flow::{InputError, Kind as Flow, Model, Parameters};
@@ -43,6 +43,13 @@ const NO_YIELD: &str = "none";
 
 /// Largest case file, bytes: more is no case, and is not read into memory. Tables of loads take room.
 const LARGEST_FILE: u64 = 1 << 28;
+
+/// What a case is read for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Use {
+    Any,
+    InTime,
+}
 
 /// A case as its file states it, with defaults filled in.
 #[derive(Clone, Debug)]
@@ -146,6 +153,18 @@ impl Case {
     /// # Errors
     /// What is wrong, where, and what is allowed.
     pub fn load(path: &Path, sets: &[String]) -> Result<Self, CaseError> {
+        Self::load_for(path, sets, Use::Any)
+    }
+
+    /// Reads the file of a case that is to be run in time.
+    ///
+    /// # Errors
+    /// First of all that the case does not say how it is run in time; else as [`load`](Self::load).
+    pub fn load_in_time(path: &Path, sets: &[String]) -> Result<Self, CaseError> {
+        Self::load_for(path, sets, Use::InTime)
+    }
+
+    fn load_for(path: &Path, sets: &[String], purpose: Use) -> Result<Self, CaseError> {
         let unreadable = |cause: String| CaseError::Unreadable { path: path.to_owned(), cause };
         let mut bytes = Vec::new();
         std::fs::File::open(path)
@@ -157,7 +176,7 @@ impl Case {
         let file = path.display().to_string();
         match std::str::from_utf8(&bytes) {
             Ok(text) => {
-                let case = Self::parse(text, &file, sets)?;
+                let case = Self::parse_for(text, &file, sets, purpose)?;
                 Ok(Self { source: Some(path.to_owned()), ..case })
             }
             Err(error) => {
@@ -174,9 +193,16 @@ impl Case {
     /// # Errors
     /// What is wrong, where, and what is allowed.
     pub fn parse(text: &str, file: &str, sets: &[String]) -> Result<Self, CaseError> {
+        Self::parse_for(text, file, sets, Use::Any)
+    }
+
+    fn parse_for(text: &str, file: &str, sets: &[String], purpose: Use) -> Result<Self, CaseError> {
         let mut entries = Entries::read(text, file, sets)?;
         let kind = read::kind(entries.text("model.kind")?, "model.kind", &entries.places)?;
         let grid = dynamics::read::grid(&entries, kind)?;
+        if grid.is_none() && purpose == Use::InTime {
+            return Err(no_grid(&entries.places, kind));
+        }
         if let Some(grid) = &grid {
             dynamics::read::provide_dimensions(&mut entries, kind, grid);
         }
@@ -441,11 +467,7 @@ impl Case {
     /// # Errors
     /// That the case does not say, and how to.
     pub fn required_dynamics(&self) -> Result<&Dynamics, CaseError> {
-        self.dynamics.as_ref().ok_or_else(|| {
-            let allowed = "add a section [grid] with cells = [200, 200] and spacing = 1.0, and [time] \
-                           with duration";
-            self.places.error("grid", "missing", allowed)
-        })
+        self.dynamics.as_ref().ok_or_else(|| no_grid(&self.places, self.kind))
     }
 
     /// The resolved case as TOML: every value that the kind uses, defaults included, numbers in
@@ -476,6 +498,15 @@ impl Case {
             text.push_str(&dynamics.to_toml());
         }
         text
+    }
+
+    /// The case without what decides over its pictures alone: where this is the same, results are.
+    pub fn undrawn(&self) -> Self {
+        let mut case = self.clone();
+        if let Some(dynamics) = &mut case.dynamics {
+            (dynamics.output.picture, dynamics.output.contours) = (Picture::default(), None);
+        }
+        case
     }
 
     /// The keys that the case uses and their values, without those of `[map]` and `[compare]`.
@@ -511,6 +542,22 @@ impl std::fmt::Display for Sweep {
         let (name, points) = (Value::Text(self.parameter.name()), self.points);
         let (from, to) = (Value::Number(self.from), Value::Number(self.to));
         write!(formatter, "{{ parameter = {name}, from = {from}, to = {to}, points = {points} }}")
+    }
+}
+
+/// That a case does not say how it is run in time, and how to.
+fn no_grid(places: &Places, kind: Kind) -> CaseError {
+    match kind {
+        Kind::Flow(_) => {
+            let solids = Kind::SOLIDS.map(Kind::name).join(", ");
+            let found = format!("found {}, a flow", kind.name());
+            places.error("model.kind", found, format!("only solids are run in time ({solids})"))
+        }
+        Kind::Solid(_) => {
+            let allowed = "add a section [grid] with cells = [200, 200] and spacing = 1.0, and [time] \
+                           with duration";
+            places.error("grid", "missing", allowed)
+        }
     }
 }
 

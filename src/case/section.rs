@@ -252,6 +252,12 @@ pub(super) fn numbers(length: usize) -> impl Fn(&Node) -> Option<Vec<f64>> {
     move |node| list(node.value()?, length, value::number)
 }
 
+/// A list of any number of numbers.
+pub(super) fn any_numbers(node: &Node) -> Option<Vec<f64>> {
+    let value = node.value()?;
+    list(value, value.as_array()?.len(), value::number)
+}
+
 /// Two or three whole numbers of at least 1.
 pub(super) fn cells(node: &Node) -> Option<Vec<usize>> {
     let value = node.value()?;

@@ -1,9 +1,10 @@
-//! What a run needs to go on: state, and how far its growing files were.
+//! What a run needs to go on: state, and what its growing files held.
 
-use crate::output::{Growing, OutputError, ResultFolder};
+use crate::output::{Growing, OutputError, ResultFolder, not_written};
 use dynamics::real::Real;
 use dynamics::split::Snapshot;
-use files::sealed::{read_sealed, write_sealed};
+use files::append::Written;
+use files::sealed::{Problem, read_sealed, write_sealed};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
@@ -11,8 +12,8 @@ use std::io::ErrorKind;
 /// A checkpoint of any precision.
 pub(super) struct Checkpoint {
     pub(super) steps: usize,
-    /// Bytes of the receivers' and the ledger's file.
-    pub(super) offsets: [u64; 2],
+    /// What stands in the receivers' and the ledger's file.
+    pub(super) tables: [Written; 2],
     /// Energy at the beginning, J.
     pub(super) start: f64,
     fields: Vec<Vec<u8>>,
@@ -32,11 +33,11 @@ fn bytes(numbers: &[f64]) -> Vec<u8> {
 
 impl Checkpoint {
     /// Of a run's state.
-    pub(super) fn new<T: Real>(snapshot: &Snapshot<T>, offsets: [u64; 2], start: f64) -> Self {
+    pub(super) fn new<T: Real>(snapshot: &Snapshot<T>, tables: [Written; 2], start: f64) -> Self {
         let narrow = |values: &Vec<T>| values.iter().flat_map(|value| value.bytes()).collect();
         Self {
             steps: snapshot.steps,
-            offsets,
+            tables,
             start,
             fields: snapshot.fields.iter().map(narrow).collect(),
             totals: bytes(snapshot.totals.as_flattened()),
@@ -60,12 +61,12 @@ impl Checkpoint {
     pub(super) fn write(&self, folder: &ResultFolder) -> Result<(), OutputError> {
         let about = json!({
             "steps": self.steps,
-            "offsets": self.offsets,
+            "tables": self.tables.map(|table| [table.length, table.checksum.into()]),
             "start": self.start.to_bits(),
         })
         .to_string();
         let mut sections: Vec<(&str, &[u8])> =
-            vec![("case", folder.case().as_bytes()), ("about", about.as_bytes())];
+            vec![("case", folder.undrawn().as_bytes()), ("about", about.as_bytes())];
         sections.push(("totals", &self.totals));
         let numbered = |name: &str, count: usize| -> Vec<String> {
             (0..count).map(|index| format!("{name}{index}")).collect()
@@ -77,7 +78,7 @@ impl Checkpoint {
             sections.extend(named.map(|(name, bytes)| (name.as_str(), bytes.as_slice())));
         }
         let path = folder.growing(Growing::Checkpoint);
-        write_sealed(&path, &sections).map_err(|error| OutputError::new(&path, error))
+        write_sealed(&path, &sections).map_err(|error| not_written(&path, &error))
     }
 
     /// The checkpoint of a folder; `None` where there is none: the run had not come so far.
@@ -86,29 +87,29 @@ impl Checkpoint {
     /// It is damaged, or of another case.
     pub(super) fn read(folder: &ResultFolder) -> Result<Option<Self>, OutputError> {
         let path = folder.growing(Growing::Checkpoint);
-        if let Err(error) = std::fs::metadata(&path)
-            && error.kind() == ErrorKind::NotFound
-        {
-            return Ok(None);
-        }
-        let damaged = |cause: String| OutputError {
-            path: path.clone(),
-            cause,
-            remedy: "start the run again, with --force",
+        let damaged = |cause: &str| OutputError::unusable(&path, cause);
+        let sections = match read_sealed(&path).map_err(|error| error.problem) {
+            Err(Problem::Read(error)) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(Problem::Read(error)) => return Err(OutputError::unreadable(&path, &error)),
+            Err(problem) => return Err(damaged(&problem.to_string())),
+            Ok(sections) => sections,
         };
-        let sections = read_sealed(&path).map_err(|error| damaged(error.to_string()))?;
         let mut sections: BTreeMap<String, Vec<u8>> = sections.into_iter().collect();
         let mut take = |name: &str| sections.remove(name);
-        let odd = || damaged("not a checkpoint of this program".to_owned());
-        if take("case").as_deref() != Some(folder.case().as_bytes()) {
-            return Err(damaged("a checkpoint of another case".to_owned()));
+        let odd = || damaged("not a checkpoint of this program");
+        if take("case").as_deref() != Some(folder.undrawn().as_bytes()) {
+            return Err(damaged("a checkpoint of another case"));
         }
         let about: Value =
             take("about").and_then(|own| serde_json::from_slice(&own).ok()).ok_or_else(odd)?;
         let number = |value: &Value| value.as_u64();
-        let offsets = [0, 1].map(|i| number(&about["offsets"][i]));
+        let tables = [0, 1].map(|i| {
+            let table = &about["tables"][i];
+            let checksum = number(&table[1]).and_then(|own| u32::try_from(own).ok());
+            Some(Written { length: number(&table[0])?, checksum: checksum? })
+        });
         let ([Some(receivers), Some(ledger)], Some(steps), Some(start), Some(totals)) =
-            (offsets, number(&about["steps"]), number(&about["start"]), take("totals"))
+            (tables, number(&about["steps"]), number(&about["start"]), take("totals"))
         else {
             return Err(odd());
         };
@@ -117,7 +118,7 @@ impl Checkpoint {
         };
         Ok(Some(Self {
             steps: usize::try_from(steps).map_err(|_| odd())?,
-            offsets: [receivers, ledger],
+            tables: [receivers, ledger],
             start: f64::from_bits(start),
             fields: numbered("field"),
             totals,
@@ -127,10 +128,7 @@ impl Checkpoint {
 
     /// That its state is none of this run's.
     pub(super) fn refused(folder: &ResultFolder) -> OutputError {
-        OutputError {
-            path: folder.growing(Growing::Checkpoint),
-            cause: "its fields are not those of the case".to_owned(),
-            remedy: "start the run again, with --force",
-        }
+        let path = folder.growing(Growing::Checkpoint);
+        OutputError::unusable(&path, "its fields are not those of the case")
     }
 }

@@ -26,8 +26,7 @@ const MOST_STEPS: f64 = 1e12;
 /// What a case comes to: a problem and the state at its beginning.
 pub(super) struct Setup<const D: usize> {
     pub(super) problem: Problem<D>,
-    /// Number of steps.
-    pub(super) steps: usize,
+    pub(super) steps: Steps,
     /// Values of the fields that are not zero, by cell.
     pub(super) initial: Vec<(Field, Vec<f64>)>,
 }
@@ -97,6 +96,16 @@ pub(super) struct Steps {
     pub(super) step: f64,
     /// Whether it is the natural rotation that asks for so many.
     pub(super) by_rotation: bool,
+    /// Of all steps, s.
+    duration: f64,
+}
+
+impl Steps {
+    /// The time after so many steps, s: after the last one the duration to the last bit, which a sum of
+    /// steps misses.
+    pub(super) fn time(&self, done: usize) -> f64 {
+        done as f64 / self.count as f64 * self.duration
+    }
 }
 
 /// The longest steps that the case lets waves and the natural rotation have, shortened until they end with
@@ -123,6 +132,7 @@ pub(super) fn steps(dynamics: &Dynamics, media: &[Medium]) -> Result<Steps, Case
         count: count as usize,
         step: dynamics.time.duration / count,
         by_rotation: by_rotation < by_waves,
+        duration: dynamics.time.duration,
     })
 }
 
@@ -130,7 +140,7 @@ impl<const D: usize> Setup<D> {
     pub(super) fn new(case: &Case, dynamics: &Dynamics, media: Vec<Medium>) -> Result<Self, Error> {
         let cells = std::array::from_fn(|axis| dynamics.grid.cells[axis]);
         let spacing = std::array::from_fn(|axis| dynamics.grid.spacing[axis]);
-        let Steps { count, step, .. } = steps(dynamics, &media)?;
+        let steps = steps(dynamics, &media)?;
         let of_cell = dynamics.media_of_cells()?;
         let scheme = Scheme {
             slopes: match dynamics.scheme.order {
@@ -172,11 +182,11 @@ impl<const D: usize> Setup<D> {
             acceleration,
             initial_stress,
             integrals: dynamics.output.integrals.iter().map(|component| component.0).collect(),
-            ..Problem::new(Grid { cells, spacing }, media, of_cell, boundaries, step, scheme)
+            ..Problem::new(Grid { cells, spacing }, media, of_cell, boundaries, steps.step, scheme)
         };
         problem.check().map_err(|error| refused(dynamics, &error))?;
         check_initial_stress(dynamics, &problem)?;
-        Ok(Self { problem, steps: count, initial })
+        Ok(Self { problem, steps, initial })
     }
 }
 

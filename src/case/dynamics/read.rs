@@ -2,16 +2,16 @@
 
 use super::{
     Action, Centre, Component, Condition, Correction, Dynamics, Gravity, Grid, Initial, Ledger,
-    Load, MOST_CELLS, MOST_REGIONS, Order, Output, Part, Picture, Precision, Receiver, Region,
-    Samples, Scheme, Shape, Side, SideCondition, Source, SourceKind, Time, TimeFunction,
+    Load, MOST_CELLS, MOST_REGIONS, Order, Output, Part, Picture, Precision, Receiver, Recorded,
+    Region, Samples, Scheme, Shape, Side, SideCondition, Source, SourceKind, Time, TimeFunction,
 };
 use crate::case::error::{CaseError, Place, shown};
 use crate::case::keys::{Key, Value};
 use crate::case::place::Places;
 use crate::case::read::{Entries, SECTIONS_IN_TIME};
 use crate::case::section::{
-    Node, Section, cells, count, joined, matrix, not_negative, number, numbers, positive, rows,
-    spacing, text, texts, truth,
+    Node, Section, any_numbers, cells, count, joined, matrix, not_negative, number, numbers,
+    positive, rows, spacing, text, texts, truth,
 };
 use crate::case::{Case, Kind, Solid};
 use models::cosserat::parameters::Theory;
@@ -129,6 +129,11 @@ pub(in crate::case) fn read(
     let sides = reader.sides(&mut root)?;
     let periodic: Vec<Side> = periodic_sides(&sides).map(|(_, side)| side).collect();
     let (loads, sources) = (reader.loads(&mut root, &periodic)?, reader.sources(&mut root)?);
+    let yields = match regions.as_slice() {
+        [] => case.yields.is_some(),
+        regions => regions.iter().any(|region| region.case.yields.is_some()),
+    };
+    let output = reader.output(&mut root, yields)?;
     let dynamics = Dynamics {
         time: time(&mut root)?,
         scheme: scheme(&mut root)?,
@@ -139,8 +144,8 @@ pub(in crate::case) fn read(
         initial: reader.initial(&mut root)?,
         initial_stress: reader.initial_stress(&mut root)?,
         gravity: reader.gravity(&mut root)?,
-        receivers: reader.receivers(&mut root)?,
-        output: reader.output(&mut root)?,
+        receivers: reader.receivers(&mut root, &output.integrals)?,
+        output,
         grid: grid.clone(),
         places: entries.places.clone(),
     };
@@ -277,25 +282,26 @@ impl Reader<'_> {
             .ok_or_else(|| section.no_such(key, name, &names(among)))
     }
 
-    /// A list of different components; `None` where it is absent.
-    fn list_of_components(
+    /// A list of different quantities, whose names are `among`; `None` where it is absent.
+    fn list_of<T: PartialEq>(
         &self,
         section: &mut Section,
         key: &'static str,
-        among: &[Component],
-    ) -> Result<Option<Vec<Component>>, CaseError> {
-        let expected = format!("a list with any of {}", joined(&names(among)));
+        among: &[String],
+        find: impl Fn(&str) -> Option<T>,
+    ) -> Result<Option<Vec<T>>, CaseError> {
+        let expected = format!("a list with any of {}", joined(among));
         let Some(given) = section.optional(key, &expected, texts)? else { return Ok(None) };
-        let mut components = Vec::new();
+        let mut all = Vec::new();
         for name in given {
-            let component = self.find(section, key, &name, among)?;
-            if components.contains(&component) {
+            let own = find(&name).ok_or_else(|| section.no_such(key, &name, among))?;
+            if all.contains(&own) {
                 let found = format!("found '{name}' twice");
-                return Err(section.error(key, found, "name each component once"));
+                return Err(section.error(key, found, "name each once"));
             }
-            components.push(component);
+            all.push(own);
         }
-        Ok(Some(components))
+        Ok(Some(all))
     }
 
     /// A shape; `extra` is the one without keys that is allowed here.
@@ -442,8 +448,10 @@ impl Reader<'_> {
     fn held(&self, section: &mut Section, side: Side) -> Result<Vec<Component>, CaseError> {
         let mut among = Component::on_side(self.theory, self.dimensions(), side.axis);
         among.retain(|component| component.is_velocity());
-        self.list_of_components(section, "held", &among)?.ok_or_else(|| {
-            let allowed = format!("add held, a list with any of {}", joined(&names(&among)));
+        let names = names(&among);
+        let find = |name: &str| Component::find(name, self.theory, &among);
+        self.list_of(section, "held", &names, find)?.ok_or_else(|| {
+            let allowed = format!("add held, a list with any of {}", joined(&names));
             section.error("held", "missing", allowed)
         })
     }
@@ -666,7 +674,20 @@ impl Reader<'_> {
         Ok(Some(Gravity { acceleration, is_balanced, lateral_ratio }))
     }
 
-    fn receivers(&self, root: &mut Section) -> Result<Vec<Receiver>, CaseError> {
+    fn receivers(
+        &self,
+        root: &mut Section,
+        integrals: &[Component],
+    ) -> Result<Vec<Receiver>, CaseError> {
+        let all: Vec<Recorded> = (self.components.iter().copied().map(Recorded::Component))
+            .chain(integrals.iter().copied().map(Recorded::Integral))
+            .collect();
+        let words: Vec<String> = all.iter().map(Recorded::to_string).collect();
+        let find = |name: &str| {
+            let component = Component::find(name, self.theory, &self.components);
+            let integral = || all.iter().copied().find(|own| own.to_string() == name);
+            component.map(Recorded::Component).or_else(integral)
+        };
         let mut receivers = Vec::new();
         let mut taken: BTreeMap<String, usize> = BTreeMap::new();
         for (index, mut section) in root.tables("receiver")?.into_iter().enumerate() {
@@ -683,24 +704,26 @@ impl Reader<'_> {
                 return Err(section.error("name", found, "give each receiver its own name"));
             }
             let at = self.point_inside(&mut section, "a point of the grid")?;
-            let fields = self.list_of_components(&mut section, "fields", &self.components)?;
+            let fields = self.list_of(&mut section, "fields", &words, find)?;
             if fields.as_ref().is_some_and(Vec::is_empty) {
-                let allowed = format!("name at least one of {}", joined(&names(&self.components)));
+                let allowed = format!("name at least one of {}", joined(&words));
                 return Err(section.error("fields", "an empty list", allowed));
             }
             section.finish()?;
-            let fields = fields.unwrap_or_else(|| self.components.clone());
+            let fields = fields.unwrap_or_else(|| all.clone());
             receivers.push(Receiver { name, at, fields });
         }
         Ok(receivers)
     }
 
-    fn output(&self, root: &mut Section) -> Result<Output, CaseError> {
+    /// What is recorded and drawn, of media of which one `yields` or none.
+    fn output(&self, root: &mut Section, yields: bool) -> Result<Output, CaseError> {
         let mut output = Output {
             ledger_interval: 0.0,
             snapshot_interval: 0.0,
             integrals: Vec::new(),
             picture: Picture::Speed,
+            contours: None,
         };
         let Some(mut section) = root.table("output")? else { return Ok(output) };
         let expected = "a number of at least 0 in s (0: at most 1000 lines)";
@@ -717,16 +740,9 @@ impl Reader<'_> {
             .filter_map(|component| Some((component.integral()?, *component)))
             .collect();
         let words: Vec<String> = possible.iter().map(|own| own.0.clone()).collect();
-        let expected = format!("a list with any of {}", joined(&words));
-        for name in section.optional("integrals", &expected, texts)?.unwrap_or_default() {
-            let own = possible.iter().find(|own| own.0 == name);
-            let (_, component) = own.ok_or_else(|| section.no_such("integrals", &name, &words))?;
-            if output.integrals.contains(component) {
-                let found = format!("found '{name}' twice");
-                return Err(section.error("integrals", found, "name each once"));
-            }
-            output.integrals.push(*component);
-        }
+        let find = |name: &str| possible.iter().find(|own| own.0 == name).map(|own| own.1);
+        output.integrals =
+            self.list_of(&mut section, "integrals", &words, find)?.unwrap_or_default();
         let mut pictures = vec![Picture::Speed];
         pictures.extend(self.components.iter().copied().map(Picture::Component));
         pictures.extend(output.integrals.iter().copied().map(Picture::Integral));
@@ -739,6 +755,12 @@ impl Reader<'_> {
             let own = own.or(component.map(Picture::Component));
             output.picture = own.ok_or_else(|| section.no_such("picture", &name, &words))?;
         }
+        if output.picture == Picture::Dissipation && !yields {
+            let allowed = "another picture, or a section [yield]";
+            return Err(section.error("picture", "found 'dissipation' in elastic media", allowed));
+        }
+        let expected = "a list of finite numbers in the unit of the picture (lines of equal value)";
+        output.contours = section.optional("contours", expected, any_numbers)?;
         section.finish()?;
         Ok(output)
     }
@@ -801,6 +823,10 @@ impl Reader<'_> {
         let path = self.folder.join(&file);
         let unreadable =
             |cause: &str| section.error("file", format!("'{}': {cause}", shown(&file)), NEEDS);
+        // A pipe that nobody writes to would be waited for.
+        if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
+            return Err(unreadable("not a regular file"));
+        }
         let mut bytes = Vec::new();
         std::fs::File::open(&path)
             .and_then(|file| file.take(LARGEST_TABLE + 1).read_to_end(&mut bytes))

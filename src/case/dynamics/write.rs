@@ -53,13 +53,16 @@ impl Dynamics {
         }));
         let integrals: Vec<String> =
             self.output.integrals.iter().filter_map(|own| own.integral()).collect();
-        text += &Resolved::default()
+        let output = Resolved::default()
             .number("ledger_interval", self.output.ledger_interval)
             .number("snapshot_interval", self.output.snapshot_interval)
             .texts("integrals", &integrals)
-            .text("picture", self.output.picture.name())
-            .under("[output]");
-        text
+            .text("picture", self.output.picture.name());
+        let output = match &self.output.contours {
+            Some(contours) => output.number("contours", contours),
+            None => output,
+        };
+        text + &output.under("[output]")
     }
 }
 
