@@ -9,6 +9,7 @@ use crate::output::{Growing, OutputError, ResultFolder, SNAPSHOTS};
 use crate::progress::Progress;
 use crate::words::{short, unit_of};
 use crate::{Error, INTERRUPTED_CODE};
+use dynamics::domain::HALO;
 use dynamics::ledger::{Energy, Ledger};
 use dynamics::medium::Medium;
 use dynamics::problem::Problem;
