@@ -32,6 +32,7 @@
 
 mod build;
 mod local;
+mod plastic;
 mod sweep;
 
 use crate::boundary::Signal;
@@ -44,6 +45,7 @@ use crate::real::{Group, Real};
 use crate::side::{Side, Slot};
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
+use plastic::Strengths;
 use std::ops::Range;
 
 /// Layers of a halo: two for each sweep along the last axis in a step.
@@ -136,7 +138,8 @@ pub struct Domain<T: Real, const D: usize> {
     kicks: Vec<Kick>,
     acceleration: [f64; D],
     initial_stress: Option<(usize, Vec<Stress>)>,
-    /// Plastic dissipation by cell, J/m³; empty where nothing yields.
+    strengths: Option<Strengths<T>>,
+    /// Plastic dissipation by group and lane, J/m³; empty where nothing yields.
     dissipated: Vec<f64>,
     /// Places of velocities and spins, and Δt times the sum of their values, the first one halved, by cell.
     integrals: Vec<(usize, Vec<f64>)>,
@@ -173,6 +176,8 @@ struct EnergyTerms<T: Real> {
 struct Buffer<T: Real> {
     /// Of both sweeps along the last axis, of one within a layer and of one in a row, by line and wave.
     carried: [Vec<Carried<T::Lanes>>; 4],
+    /// Groups that are yet to be corrected.
+    left: Vec<usize>,
     velocity: Vec<T>,
     stress: Vec<T>,
     cells: Vec<Cell<T>>,
@@ -417,19 +422,38 @@ impl<T: Real, const D: usize> Domain<T, D> {
         })
     }
 
-    /// What steps added up by cell: dissipation, and the sums of integrals.
-    pub(crate) fn sums(&self) -> impl Iterator<Item = &[f64]> {
-        let own = self.own_cells();
-        let all = [&self.dissipated].into_iter().chain(self.integrals.iter().map(|(_, sums)| sums));
-        all.map(move |sums| sums.get(own.clone()).unwrap_or(&[]))
+    /// How many sums steps add up by cell, besides the dissipation.
+    pub(crate) fn integral_count(&self) -> usize {
+        self.integrals.len()
     }
 
-    /// The same, to be set.
-    pub(crate) fn sums_mut(&mut self) -> impl Iterator<Item = &mut [f64]> {
+    /// What steps added up by cell: dissipation, where anything yields, and the sums of integrals.
+    pub(crate) fn sums(&self) -> Vec<Vec<f64>> {
         let own = self.own_cells();
-        let integrals = self.integrals.iter_mut().map(|(_, sums)| sums);
-        let all = [&mut self.dissipated].into_iter().chain(integrals);
-        all.map(move |sums| sums.get_mut(own.clone()).unwrap_or(&mut []))
+        let is_plastic = !self.dissipated.is_empty();
+        let cells = own.clone().filter(|_| is_plastic);
+        let dissipated = cells.map(|cell| self.dissipated[self.lane_of(cell)]).collect();
+        let integrals = self.integrals.iter().map(|(_, sums)| sums[own.clone()].to_vec());
+        std::iter::once(dissipated).chain(integrals).collect()
+    }
+
+    /// Takes over such sums from the place of the first own cell on.
+    pub(crate) fn set_sums(&mut self, sums: &[Vec<f64>], first: usize) {
+        let Some((dissipated, integrals)) = sums.split_first() else { return };
+        let own = self.own_cells();
+        for (cell, &sum) in own.clone().zip(dissipated.get(first..).unwrap_or(&[])) {
+            let lane = self.lane_of(cell);
+            self.dissipated[lane] = sum;
+        }
+        for ((_, own_sums), all) in self.integrals.iter_mut().zip(integrals) {
+            own_sums[own.clone()].copy_from_slice(&all[first..first + own.len()]);
+        }
+    }
+
+    /// The place of a cell among the lanes of all groups.
+    fn lane_of(&self, cell: usize) -> usize {
+        let (place, lane) = self.slot(cell, 0);
+        place / self.fields().len() * T::Lanes::COUNT + lane
     }
 
     /// The domain with its stresses in their yield sets: what is shown of it.

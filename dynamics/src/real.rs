@@ -23,8 +23,12 @@ pub trait Number:
     const ONE: Self;
     /// ½.
     const HALF: Self;
+    /// ⅓.
+    const THIRD: Self;
     /// ¼.
     const QUARTER: Self;
+    /// The least normal number.
+    const LEAST: Self;
 
     /// The smaller of two numbers.
     fn least(self, other: Self) -> Self;
@@ -34,6 +38,9 @@ pub trait Number:
 
     /// √x.
     fn root(self) -> Self;
+
+    /// Whether any is greater than its counterpart.
+    fn exceeds(self, other: Self) -> bool;
 }
 
 /// `f32` or `f64`.
@@ -118,7 +125,9 @@ impl<T: Number, const COUNT: usize> Number for Lanes<T, COUNT> {
     const ZERO: Self = Self([T::ZERO; COUNT]);
     const ONE: Self = Self([T::ONE; COUNT]);
     const HALF: Self = Self([T::HALF; COUNT]);
+    const THIRD: Self = Self([T::THIRD; COUNT]);
     const QUARTER: Self = Self([T::QUARTER; COUNT]);
+    const LEAST: Self = Self([T::LEAST; COUNT]);
 
     #[inline(always)]
     fn least(mut self, other: Self) -> Self {
@@ -142,6 +151,15 @@ impl<T: Number, const COUNT: usize> Number for Lanes<T, COUNT> {
             self.0[lane] = self.0[lane].root();
         }
         self
+    }
+
+    #[inline(always)]
+    fn exceeds(self, other: Self) -> bool {
+        let mut any = false;
+        for lane in 0..COUNT {
+            any |= self.0[lane].exceeds(other.0[lane]);
+        }
+        any
     }
 }
 
@@ -202,7 +220,9 @@ macro_rules! real {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const HALF: Self = 0.5;
+            const THIRD: Self = 1.0 / 3.0;
             const QUARTER: Self = 0.25;
+            const LEAST: Self = Self::MIN_POSITIVE;
 
             #[inline(always)]
             fn least(self, other: Self) -> Self {
@@ -217,6 +237,11 @@ macro_rules! real {
             #[inline(always)]
             fn root(self) -> Self {
                 self.sqrt()
+            }
+
+            #[inline(always)]
+            fn exceeds(self, other: Self) -> bool {
+                self > other
             }
         }
 

@@ -176,7 +176,7 @@ impl<T: Real, const D: usize> Split<T, D> {
 
     /// Numbers that are shown of a cell: its fields and the integrals of the problem.
     pub fn width(&self) -> usize {
-        let integrals = self.parts.first().map_or(0, |part| part.domain.sums().count() - 1);
+        let integrals = self.parts.first().map_or(0, |part| part.domain.integral_count());
         self.fields().len() + integrals
     }
 
@@ -249,10 +249,7 @@ impl<T: Real, const D: usize> Split<T, D> {
         for part in &mut self.parts {
             let own = part.domain.totals().len();
             part.domain.take_over(snapshot.steps, totals.by_ref().take(own));
-            for (own, all) in part.domain.sums_mut().zip(&snapshot.sums) {
-                let count = own.len();
-                own.copy_from_slice(all.get(part.first..part.first + count).unwrap_or(&[]));
-            }
+            part.domain.set_sums(&snapshot.sums, part.first);
         }
         true
     }
@@ -265,10 +262,10 @@ impl<T: Real, const D: usize> Split<T, D> {
     fn sums(&self) -> Vec<Vec<f64>> {
         let mut all: Vec<Vec<f64>> = Vec::new();
         for part in &self.parts {
-            for (index, own) in part.domain.sums().enumerate() {
+            for (index, own) in part.domain.sums().into_iter().enumerate() {
                 match all.get_mut(index) {
-                    Some(sum) => sum.extend_from_slice(own),
-                    None => all.push(own.to_vec()),
+                    Some(sum) => sum.extend(own),
+                    None => all.push(own),
                 }
             }
         }

@@ -30,7 +30,7 @@ mod x86 {
             $(#[$about:meta])*
             $name:ident, $scalar:ty, $register:ty, $count:literal of $width:literal,
             $add:ident $sub:ident $mul:ident $div:ident $min:ident $max:ident $sqrt:ident
-            $load:ident $store:ident
+            $load:ident $store:ident $exceeds:ident
         ) => {
             $(#[$about])*
             #[derive(Clone, Copy, Debug)]
@@ -63,7 +63,9 @@ mod x86 {
                 const ZERO: Self = Self::all(0.0);
                 const ONE: Self = Self::all(1.0);
                 const HALF: Self = Self::all(0.5);
+                const THIRD: Self = Self::all(1.0 / 3.0);
                 const QUARTER: Self = Self::all(0.25);
+                const LEAST: Self = Self::all(<$scalar>::MIN_POSITIVE);
 
                 #[inline(always)]
                 fn least(mut self, other: Self) -> Self {
@@ -87,6 +89,15 @@ mod x86 {
                         self.0[i] = unsafe { $sqrt(self.0[i]) };
                     }
                     self
+                }
+
+                #[inline(always)]
+                fn exceeds(self, other: Self) -> bool {
+                    let mut any = false;
+                    for i in 0..$count {
+                        any |= unsafe { $exceeds(self.0[i], other.0[i]) };
+                    }
+                    any
                 }
             }
 
@@ -123,28 +134,50 @@ mod x86 {
         };
     }
 
+    // Whether any number of a register is greater than its counterpart.
+
+    #[inline(always)]
+    unsafe fn double256(one: __m256d, other: __m256d) -> bool {
+        unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(one, other)) != 0 }
+    }
+
+    #[inline(always)]
+    unsafe fn single256(one: __m256, other: __m256) -> bool {
+        unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(one, other)) != 0 }
+    }
+
+    #[inline(always)]
+    unsafe fn double512(one: __m512d, other: __m512d) -> bool {
+        unsafe { _mm512_cmp_pd_mask::<_CMP_GT_OQ>(one, other) != 0 }
+    }
+
+    #[inline(always)]
+    unsafe fn single512(one: __m512, other: __m512) -> bool {
+        unsafe { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(one, other) != 0 }
+    }
+
     vector!(
         /// Eight numbers in two registers of four.
         Avx2Double, f64, __m256d, 2 of 4,
         _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_min_pd _mm256_max_pd
-        _mm256_sqrt_pd _mm256_load_pd _mm256_store_pd
+        _mm256_sqrt_pd _mm256_load_pd _mm256_store_pd double256
     );
     vector!(
         /// Sixteen numbers in two registers of eight.
         Avx2Single, f32, __m256, 2 of 8,
         _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_min_ps _mm256_max_ps
-        _mm256_sqrt_ps _mm256_load_ps _mm256_store_ps
+        _mm256_sqrt_ps _mm256_load_ps _mm256_store_ps single256
     );
     vector!(
         /// Eight numbers in a register.
         Avx512Double, f64, __m512d, 1 of 8,
         _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_min_pd _mm512_max_pd
-        _mm512_sqrt_pd _mm512_load_pd _mm512_store_pd
+        _mm512_sqrt_pd _mm512_load_pd _mm512_store_pd double512
     );
     vector!(
         /// Sixteen numbers in a register.
         Avx512Single, f32, __m512, 1 of 16,
         _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_min_ps _mm512_max_ps
-        _mm512_sqrt_ps _mm512_load_ps _mm512_store_ps
+        _mm512_sqrt_ps _mm512_load_ps _mm512_store_ps single512
     );
 }

@@ -260,3 +260,65 @@ fn fronts_of_flow() {
     assert!(middle.iter().zip(last).all(|(middle, last)| *middle > 5.0 * last), "{middle:?}");
     assert_eq!(Placement::default(), Placement::Last);
 }
+
+/// Stresses that are corrected many at once are those of the projection one by one, whatever stands in the
+/// lanes beside them: some within their set, some far beyond it, some beyond the apex, some of a medium that
+/// does not yield.
+fn at_once<const D: usize>(theory: Theory, set: Mises, seed: usize) {
+    let solid = solid(theory);
+    let elastic = Medium::isotropic(&solid, D);
+    let media = vec![elastic.clone().yielding(YieldSet::Mises(set)), elastic];
+    let mut cells = [5; D];
+    cells[0] = 43;
+    let count: usize = cells.iter().product();
+    let of_cell: Vec<u16> = (0..count).map(|i| u16::from(noise((i + seed) as u64) > 0.6)).collect();
+    let mut domain: Domain<f64, D> = Domain::new(&Problem::new(
+        Grid { cells, spacing: [0.1; D] },
+        media.clone(),
+        of_cell.clone(),
+        std::array::from_fn(|_| [Boundary::Free, Boundary::Free]),
+        0.01,
+        Scheme { slopes: Slopes::Limited, placement: Placement::Last, detail: Detail::Light },
+    ))
+    .expect("a sound domain");
+    let size = |cell: usize| 10f64.powf(1.5 * noise((7 * cell + seed) as u64));
+    for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
+        let value = |cell: usize| size(cell) * noise((10_000 * index + cell + seed) as u64);
+        domain.set(field, &(0..count).map(value).collect::<Vec<_>>());
+    }
+    let corrected = domain.admissible();
+    let mut moved = 0;
+    for cell in 0..count {
+        let trial = stress_at(&domain, cell);
+        let expected = media[usize::from(of_cell[cell])].project(&trial).stress;
+        let found = stress_at(&corrected, cell);
+        let numbers = |stress: &Stress| [stress.force, stress.couple].concat().concat();
+        let (trial, expected) = (numbers(&trial), numbers(&expected));
+        let norm = trial.iter().map(|x| x * x).sum::<f64>().sqrt();
+        for (a, b) in numbers(&found).iter().zip(&expected) {
+            assert!((a - b).abs() < 3e-14 * norm, "{D}D {theory:?} {set:?}: {a} {b} of {norm}");
+        }
+        moved += usize::from(trial != expected);
+    }
+    assert!(moved > count / 10, "{D}D {theory:?} {set:?}: {moved} of {count} moved");
+}
+
+#[test]
+fn corrections_at_once() {
+    for seed in 0..20 {
+        let plain = [Mises::von_mises(0.5), Mises::drucker_prager(0.3, 0.4, 0.4)];
+        let weighted = Mises { antisymmetric_weight: 1.4, ..Mises::drucker_prager(0.2, 0.3, 0.3) };
+        for set in plain {
+            at_once::<2>(Theory::Classical, set, 1000 * seed);
+            at_once::<3>(Theory::Classical, set, 1000 * seed);
+        }
+        for set in plain.into_iter().chain([weighted]) {
+            at_once::<2>(Theory::Reduced, set, 1000 * seed);
+            at_once::<3>(Theory::Reduced, set, 1000 * seed);
+        }
+        for set in plain.into_iter().chain([weighted, cone(0.4, 0.0), cone(0.2, 0.3)]) {
+            at_once::<2>(Theory::Cosserat, set, 1000 * seed);
+            at_once::<3>(Theory::Cosserat, set, 1000 * seed);
+        }
+    }
+}

@@ -1,5 +1,6 @@
 //! What a domain needs of a problem, and the order in which it needs it.
 
+use super::plastic::Strengths;
 use super::{Buffer, Domain, EnergyTerms, HALO, Kick, RowEnds, TILE, groups};
 use crate::boundary::Boundary;
 use crate::kernel::{Carried, Instructions, Table, Wave};
@@ -170,12 +171,14 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let longest = whole.cells.iter().copied().max().unwrap_or(0).max(layers.len());
         let longest = longest + 2 * GHOSTS;
         let widest = media[0].pairs.iter().map(Vec::len).max().unwrap_or(0);
+        let own_groups = patterns.len();
         // One to spare, and the ghosts.
         patterns.extend(vec![0; 1 + 2 * GHOSTS * groups.max(TILE)]);
         let stream = vec![Carried::empty(); across * media[0].pairs[D - 1].len()];
         let carried = |lines: usize| vec![Carried::empty(); lines * widest];
         let buffer = Buffer {
             carried: [stream.clone(), stream, carried(groups), carried(1)],
+            left: Vec::with_capacity(across),
             velocity: vec![T::ZERO; longest],
             stress: vec![T::ZERO; longest],
             cells: vec![Cell::new(1.0, 0.0); longest],
@@ -215,7 +218,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
             kicks: kicks.collect(),
             acceleration: problem.acceleration,
             initial_stress,
-            dissipated: vec![0.0; if is_plastic { cells } else { 0 }],
+            strengths: None,
+            dissipated: vec![0.0; if is_plastic { own_groups * T::Lanes::COUNT } else { 0 }],
             integrals: integrals.map(|place| (place, vec![0.0; cells])).collect(),
             steps: 0,
             ledgers: vec![Ledger::default(); layers.len()],
@@ -306,6 +310,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         });
         let factors = factors.collect();
         let places = terms.keys().copied().collect();
+        self.strengths = Strengths::new(media, patterns);
         (self.table, self.turns, self.yields) = (table, turns, yields);
         self.energy_terms = EnergyTerms { places, kinetic, factors };
     }

@@ -1,5 +1,6 @@
 //! What a step does to cells on their own: sources, gravity, rotation, correction; and sums over them.
 
+use super::plastic::Correct;
 use super::{Domain, Turn};
 use crate::kernel::Work;
 use crate::ledger::Energy;
@@ -120,9 +121,32 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// P, or with `reflects` 2P − I.
     pub(super) fn correct(&mut self, layers: Range<usize>, tile: Range<usize>, reflects: bool) {
+        if self.dissipated.is_empty() {
+            return;
+        }
+        let mut left = std::mem::take(&mut self.buffer.left);
         for layer in layers {
-            let first = layer * self.across;
-            for group in first + tile.start..first + tile.end {
+            let first = layer * self.across + tile.start;
+            left.clear();
+            match &self.strengths {
+                Some(strengths) if !reflects && self.initial_stress.is_none() => {
+                    let (fields, lanes) = (self.fields().len(), T::Lanes::COUNT);
+                    let groups = first..first + tile.len();
+                    let mut sum = 0.0;
+                    self.instructions.run::<T>(Correct {
+                        fields,
+                        data: &mut self.data[groups.start * fields..groups.end * fields],
+                        patterns: &self.patterns[groups.clone()],
+                        strengths,
+                        dissipated: &mut self.dissipated[groups.start * lanes..groups.end * lanes],
+                        sum: &mut sum,
+                        left: &mut left,
+                    });
+                    self.ledgers[layer].plastic += self.grid.volume() * sum;
+                }
+                _ => left.extend(0..tile.len()),
+            }
+            for group in left.iter().map(|index| first + index) {
                 if !self.yields[self.patterns[group] as usize] {
                     continue;
                 }
@@ -133,6 +157,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 }
             }
         }
+        self.buffer.left = left;
     }
 
     fn correct_cell(&mut self, cell: usize, layer: usize, reflects: bool) {
@@ -166,7 +191,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
         ledger.plastic += volume * loss;
         ledger.released += volume * released;
         ledger.least_plastic = ledger.least_plastic.min(share);
-        self.dissipated[cell] += loss;
+        let lane = self.lane_of(cell);
+        self.dissipated[lane] += loss;
         for place in 0..self.fields().len() {
             let of = |stress: &Stress| component(self.fields()[place], stress);
             let (Some(own), Some(plastic)) = (of(&corrected.stress), of(&plastic)) else {

@@ -1,0 +1,345 @@
+//! The correction of stresses beyond their yield set, many at once: Mises' set in all its forms, and what
+//! it costs. Its terms are those of [`Mises::project`](models::plasticity::parameters::Mises::project),
+//! where they are derived; what is rare, the apex and the half-line before it, is left to that.
+
+use crate::kernel::Work;
+use crate::medium::{Law, Medium};
+use crate::real::{Group, Number, Real};
+use crate::vector::Vector;
+use models::cosserat::waves::Field;
+use models::plasticity::parameters::YieldSet;
+
+/// Parts of the stress on which Hooke's law acts by a number: deviator, antisymmetric stress, deviator, mean
+/// and antisymmetric part of the couple stress.
+const PARTS: usize = 5;
+
+/// Yield sets by pattern, where vectors can do with them.
+#[derive(Clone)]
+pub(super) struct Strengths<T: Real> {
+    force: Matrix,
+    couple: Matrix,
+    /// Parts that any condition sees.
+    seen: [bool; PARTS],
+    by_pattern: Vec<Strength<T::Lanes>>,
+}
+
+/// Places of the components of a stress.
+#[derive(Clone, Default)]
+struct Matrix {
+    normal: Option<[usize; 3]>,
+    /// Components that mirror each other; the same twice where one stands for both.
+    pairs: Vec<[usize; 2]>,
+}
+
+impl Matrix {
+    fn new(fields: &[Field], of: fn(usize, usize) -> Field) -> Self {
+        let place = |i: usize, j: usize| fields.iter().position(|own| *own == of(i, j));
+        let normal = [place(0, 0), place(1, 1), place(2, 2)];
+        let pairs = [[0, 1], [0, 2], [1, 2]].into_iter().filter_map(|[i, j]| {
+            let [one, other] = [place(i, j), place(j, i)];
+            Some([one.or(other)?, other.or(one)?])
+        });
+        Self {
+            normal: match normal {
+                [Some(a), Some(b), Some(c)] => Some([a, b, c]),
+                _ => None,
+            },
+            pairs: pairs.collect(),
+        }
+    }
+}
+
+/// A yield set in lanes.
+#[derive(Clone, Copy)]
+struct Strength<N> {
+    /// Whether any lane yields at all.
+    yields: bool,
+    /// k; so great that nothing comes near it in lanes that do not yield.
+    strength: N,
+    /// κ.
+    friction: N,
+    /// κK, by which the mean falls per multiplier.
+    shift: N,
+    /// a = 2κ²K.
+    a: N,
+    /// Weights p, rates Dp and compliances 1/D of the parts.
+    weights: [N; PARTS],
+    rates: [N; PARTS],
+    compliances: [N; PARTS],
+}
+
+/// Newton's method takes half a dozen.
+const MOST_STEPS: usize = 50;
+
+/// Far beyond any stress, with room for products.
+fn boundless<T: Real>() -> f64 {
+    if size_of::<T>() == 4 { 1e15 } else { 1e120 }
+}
+
+impl<T: Real> Strengths<T> {
+    /// `None` where a set is none of Mises'.
+    pub(super) fn new(media: &[Medium], patterns: &[Vec<(u16, bool)>]) -> Option<Self> {
+        let fields = &media[0].fields;
+        let mut seen = [false; PARTS];
+        let of_medium: Vec<Option<[f64; 4 + 3 * PARTS]>> = media
+            .iter()
+            .map(|medium| match (&medium.yields, &medium.law) {
+                (None, _) => Some(None),
+                (Some(YieldSet::Mises(set)), Law::Isotropic(solid)) => {
+                    let alpha = solid.microrotation.map_or(0.0, |m| m.alpha);
+                    let couple = solid.couple();
+                    let [spherical, gamma, eta] =
+                        couple.map_or([0.0; 3], |c| [3.0 * c.beta + 2.0 * c.gamma, c.gamma, c.eta]);
+                    let [symmetric, antisymmetric] =
+                        [set.symmetric_length, set.antisymmetric_length]
+                            .map(|length| length.map_or(0.0, |l| 1.0 / (l * l)));
+                    let weights =
+                        [1.0, set.antisymmetric_weight, symmetric, symmetric, antisymmetric];
+                    let stiffness =
+                        [2.0 * solid.mu, 2.0 * alpha, 2.0 * gamma, spherical, 2.0 * eta];
+                    let bulk = solid.lambda + 2.0 / 3.0 * solid.mu;
+                    let mut all = [0.0; 4 + 3 * PARTS];
+                    let (friction, strength) = (set.friction, set.strength);
+                    all[..4].copy_from_slice(&[
+                        strength,
+                        friction,
+                        friction * bulk,
+                        2.0 * friction * friction * bulk,
+                    ]);
+                    for part in 0..PARTS {
+                        let (weight, stiffness) = (weights[part], stiffness[part]);
+                        if weight > 0.0 && stiffness > 0.0 {
+                            seen[part] = true;
+                            all[4 + part] = weight;
+                            all[4 + PARTS + part] = weight * stiffness;
+                            all[4 + 2 * PARTS + part] = 1.0 / stiffness;
+                        }
+                    }
+                    Some(Some(all))
+                }
+                _ => None,
+            })
+            .collect::<Option<_>>()?;
+        let by_pattern = patterns.iter().map(|pattern| {
+            let own = |&(medium, is_cell): &(u16, bool)| {
+                of_medium[usize::from(medium)].filter(|_| is_cell)
+            };
+            let lanes = |index: usize, other: f64| {
+                let mut lanes = T::Lanes::ZERO;
+                for (lane, entry) in lanes.lanes_mut().iter_mut().zip(pattern) {
+                    *lane = T::of(own(entry).map_or(other, |all| all[index]));
+                }
+                lanes
+            };
+            let parts = |first: usize| std::array::from_fn(|part| lanes(first + part, 0.0));
+            let mut rates: [T::Lanes; PARTS] = parts(4 + PARTS);
+            // Any rate will do, but zero.
+            rates[0] = lanes(4 + PARTS, 1.0);
+            Strength {
+                yields: pattern.iter().any(|entry| own(entry).is_some()),
+                strength: lanes(0, boundless::<T>()),
+                friction: lanes(1, 0.0),
+                shift: lanes(2, 0.0),
+                a: lanes(3, 0.0),
+                weights: parts(4),
+                rates,
+                compliances: parts(4 + 2 * PARTS),
+            }
+        });
+        Some(Self {
+            force: Matrix::new(fields, Field::Stress),
+            couple: Matrix::new(fields, Field::Couple),
+            by_pattern: by_pattern.collect(),
+            seen,
+        })
+    }
+}
+
+/// The correction of groups that lie side by side.
+pub(super) struct Correct<'a, T: Real> {
+    pub(super) data: &'a mut [T::Lanes],
+    pub(super) fields: usize,
+    pub(super) patterns: &'a [u32],
+    pub(super) strengths: &'a Strengths<T>,
+    /// Plastic dissipation by group and lane, J/m³; added to.
+    pub(super) dissipated: &'a mut [f64],
+    /// Its sum over these groups, J/m³.
+    pub(super) sum: &'a mut f64,
+    /// Groups that have stresses which are left.
+    pub(super) left: &'a mut Vec<usize>,
+}
+
+impl<T: Real> Work<T> for Correct<'_, T> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let lanes = T::Lanes::COUNT;
+        let groups = self.data.chunks_exact_mut(self.fields).zip(self.patterns);
+        for (index, (group, &pattern)) in groups.enumerate() {
+            let own = &self.strengths.by_pattern[pattern as usize];
+            if !own.yields {
+                continue;
+            }
+            let mut lost = T::Lanes::ZERO;
+            match correct::<T, V>(group, own, self.strengths, &mut lost) {
+                Done::Nothing => {}
+                Done::All => {
+                    let dissipated = &mut self.dissipated[index * lanes..][..lanes];
+                    for (sum, lost) in dissipated.iter_mut().zip(lost.lanes()) {
+                        debug_assert!(lost.wide() >= 0.0, "the correction adds energy");
+                        *sum += lost.wide();
+                        *self.sum += lost.wide();
+                    }
+                }
+                Done::NotAll => self.left.push(index),
+            }
+        }
+    }
+}
+
+/// What was done to a group.
+enum Done {
+    Nothing,
+    All,
+    /// Nothing either, though it should.
+    NotAll,
+}
+
+/// Mean, ½ the square of the symmetric deviator and of the antisymmetric part of a stress.
+#[inline(always)]
+fn invariants<T: Real, V: Vector<T>>(group: &[T::Lanes], matrix: &Matrix) -> (V, V, V) {
+    let (mut mean, mut deviator, mut antisymmetric) = (V::ZERO, V::ZERO, V::ZERO);
+    if let Some([a, b, c]) = matrix.normal {
+        let (a, b, c) = (V::load(&group[a]), V::load(&group[b]), V::load(&group[c]));
+        mean = V::THIRD * (a + b + c);
+        let (ab, bc, ca) = (a - b, b - c, c - a);
+        deviator = V::HALF * V::THIRD * (ab * ab + bc * bc + ca * ca);
+    }
+    for &[one, other] in &matrix.pairs {
+        let (one, other) = (V::load(&group[one]), V::load(&group[other]));
+        let (sum, difference) = (V::HALF * (one + other), V::HALF * (one - other));
+        deviator = deviator + sum * sum;
+        antisymmetric = antisymmetric + difference * difference;
+    }
+    (mean, deviator, antisymmetric)
+}
+
+/// Takes shares of the deviator and of the antisymmetric part away and adds to the mean.
+#[inline(always)]
+fn relax<T: Real, V: Vector<T>>(
+    group: &mut [T::Lanes],
+    matrix: &Matrix,
+    (mean, more): (V, V),
+    (deviator, antisymmetric): (V, V),
+) {
+    if let Some(normal) = matrix.normal {
+        for place in normal {
+            let own = V::load(&group[place]);
+            (own + (more - deviator * (own - mean))).store(&mut group[place]);
+        }
+    }
+    for &[one, other] in &matrix.pairs {
+        let (a, b) = (V::load(&group[one]), V::load(&group[other]));
+        let symmetric = deviator * (V::HALF * (a + b));
+        let antisymmetric = antisymmetric * (V::HALF * (a - b));
+        (a - (symmetric + antisymmetric)).store(&mut group[one]);
+        if other != one {
+            (b - (symmetric - antisymmetric)).store(&mut group[other]);
+        }
+    }
+}
+
+#[inline(always)]
+fn correct<T: Real, V: Vector<T>>(
+    group: &mut [T::Lanes],
+    own: &Strength<T::Lanes>,
+    strengths: &Strengths<T>,
+    lost: &mut T::Lanes,
+) -> Done {
+    let Strengths { force, couple, seen, .. } = strengths;
+    let (mean, deviator, antisymmetric) = invariants::<T, V>(group, force);
+    // ½|s̄|² of each part.
+    let mut squares = [deviator, antisymmetric, V::ZERO, V::ZERO, V::ZERO];
+    let mut couple_mean = V::ZERO;
+    if seen[2] || seen[3] || seen[4] {
+        let (mean, deviator, antisymmetric) = invariants::<T, V>(group, couple);
+        couple_mean = mean;
+        squares[2] = deviator;
+        squares[3] = V::HALF * (V::ONE + V::ONE + V::ONE) * mean * mean;
+        squares[4] = antisymmetric;
+    }
+    let mut square = V::load(&own.weights[0]) * squares[0];
+    for part in 1..PARTS {
+        if seen[part] {
+            square = square + V::load(&own.weights[part]) * squares[part];
+        }
+    }
+    let strength = V::load(&own.strength);
+    let room = strength - V::load(&own.friction) * mean;
+    let shear = square.root();
+    if !(shear - room).exceeds(V::ZERO) {
+        return Done::Nothing;
+    }
+    // Where the mean alone is beyond.
+    if V::LEAST.exceeds(room) {
+        return Done::NotAll;
+    }
+
+    // h(x) = τ̄(x)(1 − ax) − r = 0, at once where there is one rate.
+    let a = V::load(&own.a);
+    let mut rates = [V::ZERO; PARTS];
+    for (rate, own) in rates.iter_mut().zip(&own.rates) {
+        *rate = V::load(own);
+    }
+    let mut x = ((shear - room) / (a * shear + room * rates[0])).greatest(V::ZERO);
+    if seen[1] || seen[2] || seen[3] || seen[4] {
+        // From zero Newton's iterates rise to the root and never pass it.
+        x = V::ZERO;
+        for _ in 0..MOST_STEPS {
+            let (mut norm, mut slope) = (V::ZERO, V::ZERO);
+            for part in 0..PARTS {
+                if seen[part] {
+                    let fraction = V::ONE / (V::ONE + x * rates[part]);
+                    let term = V::load(&own.weights[part]) * squares[part] * fraction * fraction;
+                    norm = norm + term;
+                    slope = slope + term * fraction * rates[part];
+                }
+            }
+            // In lanes without any stress there is nothing to be found.
+            let norm = norm.greatest(V::LEAST);
+            let reciprocal = V::ONE / norm.root();
+            let slope = slope / norm * reciprocal;
+            let more = (V::ONE - a * x - room * reciprocal) / (a + room * slope);
+            let next = x + more.greatest(V::ZERO);
+            let is_done = !(next - x).exceeds(V::ZERO);
+            x = next;
+            if is_done {
+                break;
+            }
+        }
+    }
+
+    let mut shares = [V::ZERO; PARTS];
+    let mut shear_left = V::ZERO;
+    let mut loss = V::ZERO;
+    for part in 0..PARTS {
+        if seen[part] {
+            let fraction = V::ONE / (V::ONE + x * rates[part]);
+            shares[part] = x * rates[part] * fraction;
+            let weighted = V::load(&own.weights[part]) * squares[part];
+            shear_left = shear_left + weighted * fraction * fraction;
+            let compliance = V::load(&own.compliances[part]);
+            loss = loss + compliance * squares[part] * shares[part] * shares[part];
+        }
+    }
+    let multiplier = (x + x) * shear_left.root();
+    let quarter = V::QUARTER * a * multiplier;
+    // In lanes that do not yield this is nothing times a great number.
+    (loss + (strength + quarter) * multiplier).store(lost);
+    let more = -(V::load(&own.shift) * multiplier);
+    relax::<T, V>(group, force, (mean, more), (shares[0], shares[1]));
+    if seen[2] || seen[3] || seen[4] {
+        let less = -(shares[3] * couple_mean);
+        relax::<T, V>(group, couple, (couple_mean, less), (shares[2], shares[4]));
+    }
+    Done::All
+}
