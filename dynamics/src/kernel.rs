@@ -144,8 +144,6 @@ pub(crate) struct Carried<N> {
     behind: State<N>,
     /// The group at hand.
     own: State<N>,
-    /// From the group behind to the one at hand.
-    difference: State<N>,
     /// What leaves the group behind towards the one at hand.
     to_right: N,
     /// The joint in front of the group behind.
@@ -161,7 +159,6 @@ impl<V: Number> Carried<V> {
         Self {
             behind: State::load(&from.behind),
             own: State::load(&from.own),
-            difference: State::load(&from.difference),
             to_right: V::load(&from.to_right),
             joint: State::load(&from.joint),
         }
@@ -174,7 +171,6 @@ impl<V: Number> Carried<V> {
     {
         self.behind.store(&mut to.behind);
         self.own.store(&mut to.own);
-        self.difference.store(&mut to.difference);
         self.to_right.store(&mut to.to_right);
         self.joint.store(&mut to.joint);
     }
@@ -184,25 +180,22 @@ impl<N: Number> Carried<N> {
     /// Nothing.
     pub(crate) fn empty() -> Self {
         let zero = State { velocity: N::ZERO, stress: N::ZERO };
-        Self { behind: zero, own: zero, difference: zero, to_right: N::ZERO, joint: zero }
+        Self { behind: zero, own: zero, to_right: N::ZERO, joint: zero }
     }
 
-    /// On to the next group: the one behind as it is after the step. Differences on both sides of the
-    /// group at hand are given in its own waves.
+    /// On to the next group: the one behind as it is after the step.
     #[inline(always)]
     fn pass(
         &mut self,
         next: State<N>,
-        around: [Waves<N>; 2],
+        pieces: Pieces<N>,
         [behind, cell]: [&Cell<N>; 2],
-        (weights, slopes): (&Weights<N>, Slopes),
+        weights: &Weights<N>,
     ) -> State<N> {
-        let pieces = Pieces::new(self.own, around, cell, slopes);
         let joint = meet(weights, [self.to_right, pieces.to_left(cell)]);
         let moved = updated(self.behind, [self.joint, joint], behind);
         let to_right = pieces.to_right(cell);
-        *self =
-            Self { behind: self.own, own: next, difference: self.own.to(next), to_right, joint };
+        *self = Self { behind: self.own, own: next, to_right, joint };
         moved
     }
 }
@@ -294,10 +287,10 @@ impl<T: Real> Lines<'_, T> {
     #[inline(always)]
     fn begin(&mut self, line: usize) {
         for (index, wave) in self.waves.iter().enumerate() {
-            let first: State<T::Lanes> = self.read(line, -2, wave);
+            let behind = self.read(line, -2, wave);
             let own = self.read(line, -1, wave);
             self.carried[line * self.waves.len() + index] =
-                Carried { own, difference: first.to(own), ..Carried::empty() };
+                Carried { behind, own, ..Carried::empty() };
         }
     }
 
@@ -334,10 +327,9 @@ impl<T: Real> Lines<'_, T> {
             let last = Cell::load(self.table.cell(behind, wave));
             let cell = Cell::load(self.table.cell(here, wave));
             let weights = Weights::new(last.impedance, cell.impedance);
-            let before = Waves::of(carried.difference, &cell);
-            let after = Waves::of(carried.own.to(next), &cell);
+            let pieces = Pieces::of([carried.behind, carried.own, next], &cell, slopes);
             let unmoved = carried.behind.stress;
-            let moved = carried.pass(next, [before, after], [&last, &cell], (&weights, slopes));
+            let moved = carried.pass(next, pieces, [&last, &cell], &weights);
             carried.store(&mut self.carried[slot]);
             if place > 0 {
                 let change = moved.stress - unmoved;
@@ -372,7 +364,8 @@ impl<T: Real> Lines<'_, T> {
         let (velocity, stress) = (wave.velocity, wave.stress);
         let slot = line * self.waves.len() + index;
         let mut carried: Carried<V> = Carried::load(&self.carried[slot]);
-        let mut before = Waves::of(carried.difference, &cell);
+        let mut own = Waves::of(carried.own, &cell);
+        let mut before = Waves::of(carried.behind, &cell).to(own);
         // Ghosts behind the line are next to each other; what is in front of it is not written.
         let step = self.stride * self.fields;
         let mut next = self.group(line, run.start + 1) * self.fields;
@@ -388,11 +381,15 @@ impl<T: Real> Lines<'_, T> {
             }
             let ahead =
                 State { velocity: V::load(&ahead[velocity]), stress: V::load(&ahead[stress]) };
-            let after = Waves::of(carried.own.to(ahead), &cell);
+            let waves = Waves::of(ahead, &cell);
+            let after = own.to(waves);
+            let pieces = Pieces::new(own, [before, after], slopes);
             let unmoved = carried.behind.stress;
-            let moved =
-                carried.pass(ahead, [before, after], [&cell, &cell], (&cell.between, slopes));
+            let moved = carried.pass(ahead, pieces, [&cell, &cell], &cell.between);
             let group = &mut self.data[behind..][..self.fields];
+            for (place, _) in followers {
+                fetch(group, AHEAD * self.fields + place);
+            }
             moved.velocity.store(&mut group[velocity]);
             moved.stress.store(&mut group[stress]);
             if FOLLOWERS > 0 {
@@ -401,7 +398,7 @@ impl<T: Real> Lines<'_, T> {
                     (V::load(&group[place]) + ratio * change).store(&mut group[place]);
                 }
             }
-            before = after;
+            (own, before) = (waves, after);
             next += next_step;
             behind += behind_step;
         }

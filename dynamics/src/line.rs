@@ -213,6 +213,12 @@ impl<N: Number> Waves<N> {
         let zv = cell.impedance * state.velocity;
         Self { right: state.stress - zv, left: state.stress + zv }
     }
+
+    /// The difference to the next cell.
+    #[inline(always)]
+    pub(crate) fn to(self, next: Self) -> Self {
+        Self { right: next.right - self.right, left: next.left - self.left }
+    }
 }
 
 /// Both waves in a cell, and how much they rise from its middle to its end.
@@ -223,20 +229,23 @@ pub(crate) struct Pieces<N> {
 }
 
 impl<N: Number> Pieces<N> {
-    /// From a cell's state and the differences from the cell before and to the cell after it, both in the
-    /// waves of this cell: v and s are continuous at its joints, z is not.
+    /// From a cell's own waves, and the differences of the waves from the cell before and to the cell after
+    /// it: all by its own z, since v and s are continuous at its joints, and z is not.
     #[inline(always)]
-    pub(crate) fn new(
-        own: State<N>,
-        [before, after]: [Waves<N>; 2],
-        cell: &Cell<N>,
-        slopes: Slopes,
-    ) -> Self {
+    pub(crate) fn new(mean: Waves<N>, [before, after]: [Waves<N>; 2], slopes: Slopes) -> Self {
         let rise = Waves {
             right: slopes.rise(before.right, after.right),
             left: slopes.rise(before.left, after.left),
         };
-        Self { mean: Waves::of(own, cell), rise }
+        Self { mean, rise }
+    }
+
+    /// From the states of the cell before, of the cell, and of the cell after it.
+    #[inline(always)]
+    pub(crate) fn of([before, own, after]: [State<N>; 3], cell: &Cell<N>, slopes: Slopes) -> Self {
+        let own = Waves::of(own, cell);
+        let around = [Waves::of(before, cell).to(own), own.to(Waves::of(after, cell))];
+        Self::new(own, around, slopes)
     }
 
     /// Mean over the step of what leaves to the right: the foremost part of length C.
@@ -307,11 +316,8 @@ pub(crate) fn work_between<T: Real>(
     cells: [Cell<T>; 2],
     slopes: Slopes,
 ) -> f64 {
-    let differences = [0, 1, 2].map(|i| states[i].to(states[i + 1]));
-    let [left, right] = [0, 1].map(|i| {
-        let around = [differences[i], differences[i + 1]].map(|own| Waves::of(own, &cells[i]));
-        Pieces::new(states[i + 1], around, &cells[i], slopes)
-    });
+    let [left, right] =
+        [0, 1].map(|i| Pieces::of([states[i], states[i + 1], states[i + 2]], &cells[i], slopes));
     Joint::new([(&left, &cells[0]), (&right, &cells[1])]).work()
 }
 
@@ -336,24 +342,14 @@ pub fn sweep<T: Real>(
         velocity: velocity[place],
         stress: stress[place],
     };
-    let difference = |velocity: &[T], stress: &[T], place: usize| {
-        state(velocity, stress, place).to(state(velocity, stress, place + 1))
-    };
-    let pieces = |own: State<T>, [before, after]: [State<T>; 2], cell: &Cell<T>| {
-        Pieces::new(own, [Waves::of(before, cell), Waves::of(after, cell)], cell, slopes)
-    };
-    let before = difference(velocity, stress, first - 2);
-    let mut after = difference(velocity, stress, first - 1);
-    let ghost = pieces(state(velocity, stress, first - 1), [before, after], &cells[first - 1]);
-    let mut own = state(velocity, stress, first);
-    let before = after;
-    after = difference(velocity, stress, first);
-    let mut here = pieces(own, [before, after], &cells[first]);
-    let mut left = Joint::new([(&ghost, &cells[first - 1]), (&here, &cells[first])]);
+    let [before, ghost] = [2, 1].map(|depth| state(velocity, stress, first - depth));
+    let (mut own, mut after) = (state(velocity, stress, first), state(velocity, stress, first + 1));
+    let front = Pieces::of([before, ghost, own], &cells[first - 1], slopes);
+    let mut here = Pieces::of([ghost, own, after], &cells[first], slopes);
+    let mut left = Joint::new([(&front, &cells[first - 1]), (&here, &cells[first])]);
     for place in first..end {
-        let following = state(velocity, stress, place + 1);
-        let beyond = difference(velocity, stress, place + 1);
-        let next = pieces(following, [after, beyond], &cells[place + 1]);
+        let beyond = state(velocity, stress, place + 2);
+        let next = Pieces::of([own, after, beyond], &cells[place + 1], slopes);
         let right = Joint::new([(&here, &cells[place]), (&next, &cells[place + 1])]);
         let moved = updated(own, [left.mean, right.mean], &cells[place]);
         (velocity[place], stress[place]) = (moved.velocity, moved.stress);
@@ -366,7 +362,7 @@ pub fn sweep<T: Real>(
             }
             note(account, &here, &cells[place], [&left, &right]);
         }
-        (own, after, here, left) = (following, beyond, next, right);
+        (own, after, here, left) = (after, beyond, next, right);
     }
 }
 
