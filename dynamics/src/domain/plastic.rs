@@ -275,14 +275,15 @@ fn correct<T: Real, V: Vector<T>>(
     }
     let strength = V::load(&own.strength);
     let room = strength - V::load(&own.friction) * mean;
-    let shear = square.root();
-    if !(shear - room).exceeds(V::ZERO) {
+    let is_apart = V::LEAST.exceeds(room);
+    if !is_apart && !square.exceeds(room * room) {
         return Done::Nothing;
     }
     // Where the mean alone is beyond.
-    if V::LEAST.exceeds(room) {
+    if is_apart {
         return Done::NotAll;
     }
+    let shear = square.root();
 
     // h(x) = τ̄(x)(1 − ax) − r = 0, at once where there is one rate.
     let a = V::load(&own.a);
