@@ -210,7 +210,7 @@ fn rows() -> Vec<Row> {
     let instructions = Instructions::best();
     let (detail, is_single, threads, media) = (Detail::Light, false, 1, Media::Elastic);
     let mut rows = Vec::new();
-    let mut sizes = [(2, 500), (2, 1000), (2, 4000), (3, 64), (3, 150), (3, 256)];
+    let sizes = [(2, 500), (2, 1000), (2, 4000), (3, 64), (3, 150), (3, 256)];
     for (dimensions, count) in sizes {
         for theory in [Theory::Classical, Theory::Cosserat] {
             let row =
