@@ -45,7 +45,7 @@ use crate::real::{Group, Real};
 use crate::side::{Side, Slot};
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
-use plastic::Strengths;
+use plastic::Sets;
 use std::ops::Range;
 
 /// Layers of a halo: two for each sweep along the last axis in a step.
@@ -138,7 +138,7 @@ pub struct Domain<T: Real, const D: usize> {
     kicks: Vec<Kick>,
     acceleration: [f64; D],
     initial_stress: Option<(usize, Vec<Stress>)>,
-    strengths: Option<Strengths<T>>,
+    sets: Option<Sets<T>>,
     /// Plastic dissipation by group and lane, J/m³; empty where nothing yields.
     dissipated: Vec<f64>,
     /// Places of velocities and spins, and Δt times the sum of their values, the first one halved, by cell.

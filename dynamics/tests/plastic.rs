@@ -264,10 +264,10 @@ fn fronts_of_flow() {
 /// Stresses that are corrected many at once are those of the projection one by one, whatever stands in the
 /// lanes beside them: some within their set, some far beyond it, some beyond the apex, some of a medium that
 /// does not yield.
-fn at_once<const D: usize>(theory: Theory, set: Mises, seed: usize) {
+fn at_once<const D: usize>(theory: Theory, set: YieldSet, seed: usize) {
     let solid = solid(theory);
     let elastic = Medium::isotropic(&solid, D);
-    let media = vec![elastic.clone().yielding(YieldSet::Mises(set)), elastic];
+    let media = vec![elastic.clone().yielding(set), elastic];
     let mut cells = [5; D];
     cells[0] = 43;
     let count: usize = cells.iter().product();
@@ -306,19 +306,24 @@ fn at_once<const D: usize>(theory: Theory, set: Mises, seed: usize) {
 #[test]
 fn corrections_at_once() {
     for seed in 0..20 {
+        let seed = 1000 * seed;
         let plain = [Mises::von_mises(0.5), Mises::drucker_prager(0.3, 0.4, 0.4)];
         let weighted = Mises { antisymmetric_weight: 1.4, ..Mises::drucker_prager(0.2, 0.3, 0.3) };
-        for set in plain {
-            at_once::<2>(Theory::Classical, set, 1000 * seed);
-            at_once::<3>(Theory::Classical, set, 1000 * seed);
+        for set in plain.map(YieldSet::Mises) {
+            at_once::<2>(Theory::Classical, set, seed);
+            at_once::<3>(Theory::Classical, set, seed);
         }
-        for set in plain.into_iter().chain([weighted]) {
-            at_once::<2>(Theory::Reduced, set, 1000 * seed);
-            at_once::<3>(Theory::Reduced, set, 1000 * seed);
+        for set in plain.into_iter().chain([weighted]).map(YieldSet::Mises) {
+            at_once::<2>(Theory::Reduced, set, seed);
+            at_once::<3>(Theory::Reduced, set, seed);
         }
-        for set in plain.into_iter().chain([weighted, cone(0.4, 0.0), cone(0.2, 0.3)]) {
-            at_once::<2>(Theory::Cosserat, set, 1000 * seed);
-            at_once::<3>(Theory::Cosserat, set, 1000 * seed);
+        let cones = [weighted, cone(0.4, 0.0), cone(0.2, 0.3)];
+        for set in plain.into_iter().chain(cones).map(YieldSet::Mises) {
+            at_once::<2>(Theory::Cosserat, set, seed);
+            at_once::<3>(Theory::Cosserat, set, seed);
+        }
+        for theory in [Theory::Reduced, Theory::Cosserat] {
+            at_once::<2>(theory, YieldSet::Interlayer(layers(theory, 0.3)), seed);
         }
     }
 }

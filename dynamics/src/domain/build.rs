@@ -1,6 +1,6 @@
 //! What a domain needs of a problem, and the order in which it needs it.
 
-use super::plastic::Strengths;
+use super::plastic::Sets;
 use super::{Buffer, Domain, EnergyTerms, HALO, Kick, RowEnds, TILE, groups};
 use crate::boundary::Boundary;
 use crate::kernel::{Carried, Instructions, Table, Wave};
@@ -218,7 +218,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             kicks: kicks.collect(),
             acceleration: problem.acceleration,
             initial_stress,
-            strengths: None,
+            sets: None,
             dissipated: vec![0.0; if is_plastic { own_groups * T::Lanes::COUNT } else { 0 }],
             integrals: integrals.map(|place| (place, vec![0.0; cells])).collect(),
             steps: 0,
@@ -310,7 +310,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         });
         let factors = factors.collect();
         let places = terms.keys().copied().collect();
-        self.strengths = Strengths::new(media, patterns);
+        self.sets = Sets::new(media, patterns);
         (self.table, self.turns, self.yields) = (table, turns, yields);
         self.energy_terms = EnergyTerms { places, kinetic, factors };
     }

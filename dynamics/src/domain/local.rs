@@ -128,8 +128,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
         for layer in layers {
             let first = layer * self.across + tile.start;
             left.clear();
-            match &self.strengths {
-                Some(strengths) if !reflects && self.initial_stress.is_none() => {
+            match &self.sets {
+                Some(sets) if !reflects && self.initial_stress.is_none() => {
                     let (fields, lanes) = (self.fields().len(), T::Lanes::COUNT);
                     let groups = first..first + tile.len();
                     let mut sum = 0.0;
@@ -137,7 +137,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                         fields,
                         data: &mut self.data[groups.start * fields..groups.end * fields],
                         patterns: &self.patterns[groups.clone()],
-                        strengths,
+                        sets,
                         dissipated: &mut self.dissipated[groups.start * lanes..groups.end * lanes],
                         sum: &mut sum,
                         left: &mut left,

@@ -1,19 +1,37 @@
 //! The correction of stresses beyond their yield set, many at once: Mises' set in all its forms, and what
 //! it costs. Its terms are those of [`Mises::project`](models::plasticity::parameters::Mises::project),
-//! where they are derived; what is rare, the apex and the half-line before it, is left to that.
+//! where they are derived; what is rare, the apex and the half-line before it, is left to that. Of the other
+//! sets all conditions are looked at together, and what is beyond one is corrected alone.
 
 use crate::kernel::Work;
-use crate::medium::{Law, Medium};
+use crate::medium::{Law, Medium, component};
 use crate::real::{Group, Number, Real};
 use crate::vector::Vector;
 use models::cosserat::waves::Field;
-use models::plasticity::parameters::YieldSet;
+use models::plasticity::parameters::{ActiveCondition, YieldSet};
 
 /// Parts of the stress on which Hooke's law acts by a number: deviator, antisymmetric stress, deviator, mean
 /// and antisymmetric part of the couple stress.
 const PARTS: usize = 5;
 
-/// Yield sets by pattern, where vectors can do with them.
+/// Yield sets by pattern.
+#[derive(Clone)]
+pub(super) enum Sets<T: Real> {
+    Mises(Strengths<T>),
+    /// Conditions of interlayer sets: what is within all of them is left alone, what is not is corrected
+    /// one by one.
+    Planes(Vec<Vec<Plane<T::Lanes>>>),
+}
+
+/// n·s ≤ k in lanes.
+#[derive(Clone)]
+pub(super) struct Plane<N> {
+    /// Places of stresses and components of n.
+    normal: Vec<(usize, N)>,
+    strength: N,
+}
+
+/// Mises' sets by pattern.
 #[derive(Clone)]
 pub(super) struct Strengths<T: Real> {
     force: Matrix,
@@ -76,9 +94,71 @@ fn boundless<T: Real>() -> f64 {
     if size_of::<T>() == 4 { 1e15 } else { 1e120 }
 }
 
+impl<T: Real> Sets<T> {
+    /// `None` where there are sets of both kinds.
+    pub(super) fn new(media: &[Medium], patterns: &[Vec<(u16, bool)>]) -> Option<Self> {
+        match Strengths::new(media, patterns) {
+            Some(strengths) => Some(Self::Mises(strengths)),
+            None => planes::<T>(media, patterns).map(Self::Planes),
+        }
+    }
+}
+
+/// Conditions by pattern; `None` where a set is no interlayer set.
+fn planes<T: Real>(
+    media: &[Medium],
+    patterns: &[Vec<(u16, bool)>],
+) -> Option<Vec<Vec<Plane<T::Lanes>>>> {
+    let fields = &media[0].fields;
+    /// n by field, and k.
+    struct Condition {
+        normal: Vec<f64>,
+        strength: f64,
+    }
+    let mut conditions: Vec<Vec<Condition>> = Vec::new();
+    for medium in media {
+        let Some(set) = &medium.yields else {
+            conditions.push(Vec::new());
+            continue;
+        };
+        let YieldSet::Interlayer(set) = set else { return None };
+        let of = |(condition, strength): (ActiveCondition, f64)| {
+            let component = |&field: &Field| match field {
+                // One field stands for both in classical solids.
+                Field::Stress(i, j) if i != j && medium.rotation.is_none() => {
+                    condition.normal.force[i][j] + condition.normal.force[j][i]
+                }
+                _ => component(field, &condition.normal).unwrap_or(0.0),
+            };
+            Condition { normal: fields.iter().map(component).collect(), strength }
+        };
+        conditions.push(set.half_spaces().map(of).collect());
+    }
+    let most = conditions.iter().map(Vec::len).max().unwrap_or(0);
+    let by_pattern = patterns.iter().map(|pattern| {
+        let plane = |index: usize| {
+            let lanes = |value: &dyn Fn(&Condition) -> f64, other: f64| {
+                let mut lanes = T::Lanes::ZERO;
+                for (lane, &(medium, is_cell)) in lanes.lanes_mut().iter_mut().zip(pattern) {
+                    let own = conditions[usize::from(medium)].get(index).filter(|_| is_cell);
+                    *lane = T::of(own.map_or(other, value));
+                }
+                lanes
+            };
+            let normal = (0..fields.len())
+                .filter(|&place| conditions.iter().flatten().any(|own| own.normal[place] != 0.0))
+                .map(|place| (place, lanes(&|own| own.normal[place], 0.0)))
+                .collect();
+            Plane { normal, strength: lanes(&|own| own.strength, boundless::<T>()) }
+        };
+        (0..most).map(plane).collect()
+    });
+    Some(by_pattern.collect())
+}
+
 impl<T: Real> Strengths<T> {
     /// `None` where a set is none of Mises'.
-    pub(super) fn new(media: &[Medium], patterns: &[Vec<(u16, bool)>]) -> Option<Self> {
+    fn new(media: &[Medium], patterns: &[Vec<(u16, bool)>]) -> Option<Self> {
         let fields = &media[0].fields;
         let mut seen = [false; PARTS];
         let of_medium: Vec<Option<[f64; 4 + 3 * PARTS]>> = media
@@ -160,7 +240,7 @@ pub(super) struct Correct<'a, T: Real> {
     pub(super) data: &'a mut [T::Lanes],
     pub(super) fields: usize,
     pub(super) patterns: &'a [u32],
-    pub(super) strengths: &'a Strengths<T>,
+    pub(super) sets: &'a Sets<T>,
     /// Plastic dissipation by group and lane, J/m³; added to.
     pub(super) dissipated: &'a mut [f64],
     /// Its sum over these groups, J/m³.
@@ -175,12 +255,21 @@ impl<T: Real> Work<T> for Correct<'_, T> {
         let lanes = T::Lanes::COUNT;
         let groups = self.data.chunks_exact_mut(self.fields).zip(self.patterns);
         for (index, (group, &pattern)) in groups.enumerate() {
-            let own = &self.strengths.by_pattern[pattern as usize];
+            let strengths = match self.sets {
+                Sets::Mises(strengths) => strengths,
+                Sets::Planes(planes) => {
+                    if !admits::<T, V>(group, &planes[pattern as usize]) {
+                        self.left.push(index);
+                    }
+                    continue;
+                }
+            };
+            let own = &strengths.by_pattern[pattern as usize];
             if !own.yields {
                 continue;
             }
             let mut lost = T::Lanes::ZERO;
-            match correct::<T, V>(group, own, self.strengths, &mut lost) {
+            match correct::<T, V>(group, own, strengths, &mut lost) {
                 Done::Nothing => {}
                 Done::All => {
                     let dissipated = &mut self.dissipated[index * lanes..][..lanes];
@@ -194,6 +283,21 @@ impl<T: Real> Work<T> for Correct<'_, T> {
             }
         }
     }
+}
+
+/// Whether all stresses of a group are within all conditions.
+#[inline(always)]
+fn admits<T: Real, V: Vector<T>>(group: &[T::Lanes], planes: &[Plane<T::Lanes>]) -> bool {
+    for plane in planes {
+        let mut value = V::ZERO;
+        for (place, component) in &plane.normal {
+            value = value + V::load(component) * V::load(&group[*place]);
+        }
+        if value.exceeds(V::load(&plane.strength)) {
+            return false;
+        }
+    }
+    true
 }
 
 /// What was done to a group.
