@@ -17,8 +17,10 @@
 //! Fields are those of the deviation from an initial stress that rests in itself: it moves nothing, and
 //! yield conditions see the sum.
 //!
-//! A row along the first axis is folded into as many lanes as fill a line of the cache: lane by lane cells
-//! follow each other, and the cells at one place of all lanes are a group, which holds all its fields.
+//! A row along the first axis is folded into as many lanes as fill a line of the cache: of G groups the cell
+//! x is in group x mod G and lane x div G, so that cells follow each other lane by lane. A group holds all
+//! its fields. Behind the last cell two ghosts stand in the row itself, and there are two groups at least:
+//! what is next to a row's first and last groups is in the next lanes, not farther.
 //!
 //! A step is one pass over the memory. Layers across the last axis come in by a few; while they are in the
 //! cache, sweeps along the last axis follow as far behind as they must, and what stands after them in the
@@ -41,7 +43,7 @@ use crate::ledger::{Energy, Ledger, Total};
 use crate::line::{Account, Cell, GHOSTS};
 use crate::medium::{Medium, component};
 use crate::problem::{DomainError, Grid, Placement, Problem, Scheme};
-use crate::real::{Group, Real};
+use crate::real::{Group, Number, Real};
 use crate::side::{Side, Slot};
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
@@ -65,7 +67,7 @@ const WITHIN: usize = 2;
 /// That of sweeps along rows.
 const ROW: usize = 3;
 
-/// Groups of a layer that go through the middle of a step together, for the same reason.
+/// Groups of a layer that go through the middle of a step together, so that their layers stay in the cache.
 const TILE: usize = 32;
 
 /// Memory that a domain takes, bytes, in numbers of kind `T`: so many fields, and what goes with them.
@@ -94,6 +96,8 @@ struct Kick {
     /// Place of the field, and amplitude.
     amplitudes: Vec<(usize, f64)>,
     signal: Signal,
+    /// By half of the step under way: the mean of the signal times its duration, and its change.
+    now: [[f64; 2]; 2],
 }
 
 /// Constants of the rotation by a time: cos, √(αj) sin, sin/√(αj).
@@ -106,7 +110,7 @@ pub struct Domain<T: Real, const D: usize> {
     /// Layers of the halo in front of the own ones and behind.
     halo: [usize; 2],
     /// Whether the own layers are each other's halo.
-    comes_round: bool,
+    is_own_halo: bool,
     media: Vec<Medium>,
     /// Of all cells, those of the halo included, as everything that follows.
     of_cell: Vec<u16>,
@@ -229,6 +233,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
     }
 
+    /// Sets everything to zero, what is no cell included.
+    pub(crate) fn clear(&mut self) {
+        self.data.fill(T::Lanes::ZERO);
+    }
+
     /// The value of a field in a cell; `None` if there is no such field or cell.
     pub fn value(&self, field: Field, cell: usize) -> Option<T> {
         let cell = self.own_cells().nth(cell)?;
@@ -339,8 +348,17 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 }
             }
         }
-        if self.comes_round {
-            self.come_round();
+        for kick in &mut self.kicks {
+            for (now, times) in kick.now.iter_mut().zip(times.windows(2)) {
+                let (from, to) = (times[0], times[1]);
+                // Before the beginning there is none: what is there at once comes with the first step.
+                let before = if from > 0.0 { (kick.signal)(from) } else { 0.0 };
+                let mean = (kick.signal)(0.5 * (from + to));
+                *now = [mean * (to - from), (kick.signal)(to) - before];
+            }
+        }
+        if self.is_own_halo {
+            self.fill_own_halo();
         }
         // Layers that are ready for the first sweep along the last axis, for the second, and for what
         // stands after that.
@@ -356,7 +374,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             for first in (0..self.across).step_by(TILE) {
                 let tile = first..self.across.min(first + TILE);
                 self.sweep_last(before[0]..ready[0], tile.clone(), 0);
-                self.turn_and_kick(before[1]..ready[1], tile.clone(), times);
+                self.turn_and_kick(before[1]..ready[1], tile.clone());
                 self.sweep_last(before[1]..ready[1], tile, 1);
             }
             for layer in before[2]..ready[2] {
@@ -375,8 +393,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
     }
 
     /// K Q K, with the correction where it stands in the middle.
-    fn turn_and_kick(&mut self, layers: Range<usize>, tile: Range<usize>, times: [f64; 3]) {
-        self.kick(&layers, &tile, [times[0], times[1]]);
+    fn turn_and_kick(&mut self, layers: Range<usize>, tile: Range<usize>) {
+        self.kick(&layers, &tile, 0);
         if self.scheme.placement == Placement::Middle && !self.dissipated.is_empty() {
             self.rotate(&layers, &tile, 1);
             self.correct(layers.clone(), tile.clone(), true);
@@ -384,7 +402,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         } else {
             self.rotate(&layers, &tile, 0);
         }
-        self.kick(&layers, &tile, [times[1], times[2]]);
+        self.kick(&layers, &tile, 1);
     }
 
     /// The outermost own layers at both ends, which are a neighbour's halo, and the halo itself.
@@ -402,7 +420,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
     }
 
     /// Fills the halo from the own layers.
-    fn come_round(&mut self) {
+    fn fill_own_halo(&mut self) {
         let layer = self.across * self.fields().len();
         let own = self.own_layers();
         for index in (0..own.start).chain(own.end..self.layers()) {

@@ -2,12 +2,13 @@
 //!
 //! Cells lie in groups, as many as fill a line of the cache, and whichever axis is swept, the neighbours of
 //! a group's cells are the cells of another group in the same lanes: a walk from group to group moves as
-//! many lines as there are lanes, and none of them looks at another. Every cell sees what the plain sweep
-//! does, in the same order: the bits are the same.
+//! many lines as there are lanes, and none of them looks at another. At the ends of a row, where the
+//! neighbours are in the next lane, moved copies stand as ghosts. Every cell sees what the plain sweep does, in
+//! the same order: the bits are the same.
 
 use crate::line::{Cell, GHOSTS, Pieces, Slopes, State, Waves, Weights, meet, updated};
 use crate::real::{Number, Real};
-use crate::vector::Vector;
+use crate::vector::{Vector, Work};
 use std::ops::Range;
 
 /// Sets of instructions that a processor may have. Results do not depend on them.
@@ -50,33 +51,14 @@ impl Instructions {
 
     /// Does the work in these instructions, or in the baseline's where the processor has not got them.
     pub(crate) fn run<T: Real>(self, work: impl Work<T>) {
-        #[cfg(target_arch = "x86_64")]
-        {
-            #[target_feature(enable = "avx2")]
-            fn avx2<T: Real>(work: impl Work<T>) {
-                work.run::<T::Avx2>();
-            }
-            #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
-            fn avx512<T: Real>(work: impl Work<T>) {
-                work.run::<T::Avx512>();
-            }
-            match self {
-                // SAFETY: the processor has AVX2.
-                Self::Avx2 if self.is_available() => unsafe { avx2(work) },
-                // SAFETY: the processor has all three.
-                Self::Avx512 if self.is_available() => unsafe { avx512(work) },
-                _ => work.run::<T::Lanes>(),
-            }
+        match self {
+            // SAFETY: the processor has AVX2.
+            Self::Avx2 if self.is_available() => unsafe { T::avx2(work) },
+            // SAFETY: the processor has all three.
+            Self::Avx512 if self.is_available() => unsafe { T::avx512(work) },
+            _ => work.run::<T::Lanes>(),
         }
-        #[cfg(not(target_arch = "x86_64"))]
-        work.run::<T::Lanes>();
     }
-}
-
-/// Something to be done in any set of instructions: `run` and all that it calls must be inlined, which
-/// closures are not.
-pub(crate) trait Work<T: Real> {
-    fn run<V: Vector<T>>(self);
 }
 
 /// Where the fields of a pair of waves stand in a group, and its constants in the table.
@@ -120,7 +102,7 @@ const AHEAD: usize = 4;
 
 /// Calls for what stands so far behind the beginning of a slice, whether there is anything or not.
 #[inline(always)]
-fn fetch<N>(from: &[N], distance: usize) {
+fn prefetch<N>(from: &[N], distance: usize) {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: the address is not read from; the instruction does nothing where it is not one of ours.
     unsafe {
@@ -272,7 +254,8 @@ impl<T: Real> Lines<'_, T> {
                 }
                 place = run.end;
                 for index in 0..self.waves.len() {
-                    // Loops of their own for all numbers of followers.
+                    // Loops of their own for all numbers of followers, of which Hooke's law has two at most.
+                    debug_assert!(self.waves[index].followers.len() <= 2);
                     match self.waves[index].followers.len() {
                         0 => self.run_through::<V, 0>(line, run.clone(), (index, pattern), slopes),
                         1 => self.run_through::<V, 1>(line, run.clone(), (index, pattern), slopes),
@@ -377,7 +360,7 @@ impl<T: Real> Lines<'_, T> {
         for _ in run {
             let ahead = &self.data[next..][..self.fields];
             for place in [velocity, stress] {
-                fetch(ahead, AHEAD * self.fields + place);
+                prefetch(ahead, AHEAD * self.fields + place);
             }
             let ahead =
                 State { velocity: V::load(&ahead[velocity]), stress: V::load(&ahead[stress]) };
@@ -388,7 +371,7 @@ impl<T: Real> Lines<'_, T> {
             let moved = carried.pass(ahead, pieces, [&cell, &cell], &cell.between);
             let group = &mut self.data[behind..][..self.fields];
             for (place, _) in followers {
-                fetch(group, AHEAD * self.fields + place);
+                prefetch(group, AHEAD * self.fields + place);
             }
             moved.velocity.store(&mut group[velocity]);
             moved.stress.store(&mut group[stress]);

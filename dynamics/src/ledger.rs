@@ -21,7 +21,8 @@ pub struct Ledger {
     pub gained: f64,
     /// Variance that averaging takes; see [`Account`]. Zero where the ledger is light.
     pub lost: f64,
-    /// The least plastic dissipation of a cell in a step, over the energy stored there.
+    /// The least plastic dissipation of a cell in a step, over the energy stored there, where it is negative:
+    /// by rounding alone.
     pub least_plastic: f64,
 }
 

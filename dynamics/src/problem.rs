@@ -133,7 +133,7 @@ impl<const D: usize> Problem<D> {
     /// See [`DomainError`].
     pub fn check(&self) -> Result<(), DomainError> {
         let needed = self.grid.count();
-        if self.of_cell.len() != needed {
+        if needed == 0 || self.of_cell.len() != needed {
             return Err(DomainError::Cells { found: self.of_cell.len(), needed });
         }
         let Some(first) = self.media.first() else { return Err(DomainError::Media) };

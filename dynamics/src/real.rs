@@ -1,6 +1,6 @@
 //! What sweeps compute with: floating-point numbers, and groups of them side by side.
 
-use crate::vector::Vector;
+use crate::vector::{Vector, Work};
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -47,10 +47,6 @@ pub trait Number:
 pub trait Real: Number + PartialOrd {
     /// As many numbers as fill a line of the cache.
     type Lanes: Group<Self> + Vector<Self>;
-    /// The same in registers of 256 bits.
-    type Avx2: Vector<Self>;
-    /// The same in registers of 512 bits.
-    type Avx512: Vector<Self>;
 
     /// The nearest number of this kind.
     fn of(value: f64) -> Self;
@@ -63,6 +59,20 @@ pub trait Real: Number + PartialOrd {
 
     /// Numbers from such bytes; `None` where one is not whole.
     fn from_bytes(bytes: &[u8]) -> Option<Vec<Self>>;
+
+    /// Does the work in registers of 256 bits.
+    ///
+    /// # Safety
+    /// The processor has AVX2.
+    #[doc(hidden)]
+    unsafe fn avx2(work: impl Work<Self>);
+
+    /// Does the work in registers of 512 bits.
+    ///
+    /// # Safety
+    /// The processor has AVX-512F, DQ and VL.
+    #[doc(hidden)]
+    unsafe fn avx512(work: impl Work<Self>);
 }
 
 /// Numbers in lanes.
@@ -79,10 +89,10 @@ pub trait Group<T>: Number {
     /// The numbers, to be set.
     fn lanes_mut(&mut self) -> &mut [T];
 
-    /// Each lane's neighbour before it, that of the first being the last of `previous`.
+    /// The lanes moved on by one: in the place of each the one before it, in the first the last of `previous`.
     fn after(self, previous: Self) -> Self;
 
-    /// Each lane's neighbour behind it, that of the last being the first of `next`.
+    /// The lanes moved back by one: in the place of each the one behind it, in the last the first of `next`.
     fn before(self, next: Self) -> Self;
 }
 
@@ -247,14 +257,36 @@ macro_rules! real {
 
         impl Real for $kind {
             type Lanes = Lanes<Self, $lanes>;
+
             #[cfg(target_arch = "x86_64")]
-            type Avx2 = crate::vector::$avx2;
+            unsafe fn avx2(work: impl Work<Self>) {
+                #[target_feature(enable = "avx2")]
+                fn run(work: impl Work<$kind>) {
+                    work.run::<crate::vector::$avx2>();
+                }
+                // SAFETY: the caller knows that the processor has it.
+                unsafe { run(work) }
+            }
+
             #[cfg(target_arch = "x86_64")]
-            type Avx512 = crate::vector::$avx512;
+            unsafe fn avx512(work: impl Work<Self>) {
+                #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+                fn run(work: impl Work<$kind>) {
+                    work.run::<crate::vector::$avx512>();
+                }
+                // SAFETY: the caller knows that the processor has all three.
+                unsafe { run(work) }
+            }
+
             #[cfg(not(target_arch = "x86_64"))]
-            type Avx2 = Lanes<Self, $lanes>;
+            unsafe fn avx2(work: impl Work<Self>) {
+                work.run::<Self::Lanes>();
+            }
+
             #[cfg(not(target_arch = "x86_64"))]
-            type Avx512 = Lanes<Self, $lanes>;
+            unsafe fn avx512(work: impl Work<Self>) {
+                work.run::<Self::Lanes>();
+            }
 
             #[allow(clippy::unnecessary_cast, reason = "it is one for f32")]
             fn of(value: f64) -> Self {

@@ -180,10 +180,12 @@ impl<T: Real, const D: usize> Split<T, D> {
         self.fields().len() + integrals
     }
 
-    /// Records all fields of these cells after each step; cells that are not there are left out.
+    /// Records all fields of these cells after each step, and forgets what was recorded of others; of cells
+    /// that are not there zeros.
     pub fn watch(&mut self, cells: &[usize]) {
         self.watched = cells.len();
         for part in &mut self.parts {
+            part.records.clear();
             let own = part.first..part.first + part.domain.grid().count();
             part.watched = cells
                 .iter()
@@ -241,6 +243,9 @@ impl<T: Real, const D: usize> Split<T, D> {
             || snapshot.sums.iter().map(Vec::len).ne(self.sums().iter().map(Vec::len))
         {
             return false;
+        }
+        for part in &mut self.parts {
+            part.domain.clear();
         }
         for (field, values) in fields.into_iter().zip(&snapshot.fields) {
             self.set(field, values);

@@ -11,13 +11,19 @@ pub trait Vector<T: Real>: Number {
     fn store(self, to: &mut T::Lanes);
 }
 
+/// Something to be done in any set of instructions: `run` and all that it calls must be inlined, which
+/// closures are not.
+pub trait Work<T: Real> {
+    fn run<V: Vector<T>>(self);
+}
+
 #[cfg(target_arch = "x86_64")]
-pub use x86::{Avx2Double, Avx2Single, Avx512Double, Avx512Single};
+pub(crate) use x86::{Avx2Double, Avx2Single, Avx512Double, Avx512Single};
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    // SAFETY, of all that follows: these numbers are made nowhere but in `Instructions::run`, behind the
-    // question whether the processor has the instructions; addresses are those of references to as
+    // SAFETY, of all that follows: these numbers are seen nowhere but in `Real::avx2` and `Real::avx512`,
+    // whose callers know that the processor has the instructions; addresses are those of references to as
     // many numbers as are read or written.
 
     use super::Vector;

@@ -10,7 +10,7 @@ use crate::medium::{Medium, energy_terms};
 use crate::problem::Problem;
 use crate::real::{Group, Number, Real};
 use crate::side::{Mirror, Side, Slot};
-use models::cosserat::waves::{Field, Pair};
+use models::cosserat::waves::Field;
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
@@ -60,8 +60,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let fields = &media[0].fields;
         let place = |field: Field| fields.iter().position(|own| *own == field);
 
-        let comes_round = problem.boundaries[D - 1][0] == Boundary::Periodic && own.len() == last;
-        let halo = is_cut.map(|cut| if cut || comes_round { HALO } else { 0 });
+        let is_own_halo = problem.boundaries[D - 1][0] == Boundary::Periodic && own.len() == last;
+        let halo = is_cut.map(|cut| if cut || is_own_halo { HALO } else { 0 });
         // Layers count round where the domain does.
         let layers: Vec<usize> = (0..halo[0] + own.len() + halo[1])
             .map(|index| (index + own.start + HALO * last - halo[0]) % last)
@@ -71,9 +71,13 @@ impl<T: Real, const D: usize> Domain<T, D> {
             layers.iter().flat_map(|&index| &problem.of_cell[of_layer(index)]).copied().collect();
 
         let mut constants = [0, 0];
-        let mut wave = |pair: &Pair| {
-            let followers: Vec<usize> =
-                pair.followers.iter().filter_map(|(field, _)| place(*field)).collect();
+        let mut wave = |axis: usize, index: usize| {
+            // What follows in any medium, in the others by a ratio of zero.
+            let all = media.iter().flat_map(|medium| &medium.pairs[axis][index].followers);
+            let mut followers: Vec<usize> = all.filter_map(|(field, _)| place(*field)).collect();
+            followers.sort_unstable();
+            followers.dedup();
+            let pair = &media[0].pairs[axis][index];
             let wave = Wave {
                 velocity: place(pair.velocity).unwrap_or(0),
                 stress: place(pair.stress).unwrap_or(0),
@@ -84,8 +88,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
             constants = [constants[0] + 1, constants[1] + wave.followers.len()];
             wave
         };
-        let waves: [Vec<Wave>; D] =
-            std::array::from_fn(|axis| media[0].pairs[axis].iter().map(&mut wave).collect());
+        let waves: [Vec<Wave>; D] = std::array::from_fn(|axis| {
+            (0..media[0].pairs[axis].len()).map(|index| wave(axis, index)).collect()
+        });
 
         let mut known = Patterns::default();
         let is_periodic = problem.boundaries[0][0] == Boundary::Periodic;
@@ -154,7 +159,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             cells.sort_by_key(|&(group, lane, _)| (group, lane));
             let amplitudes = source.amplitudes.iter();
             let amplitudes = amplitudes.filter_map(|&(f, a)| Some((place(f)?, a))).collect();
-            Kick { cells, amplitudes, signal: source.signal.clone() }
+            Kick { cells, amplitudes, signal: source.signal.clone(), now: [[0.0; 2]; 2] }
         });
         let initial_stress =
             problem.initial_stress.clone().map(|(axis, stress)| match axis + 1 == D {
@@ -189,7 +194,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let mut domain = Self {
             grid,
             halo,
-            comes_round,
+            is_own_halo,
             of_cell,
             step: problem.step,
             scheme: problem.scheme,
@@ -266,9 +271,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
                         to_stress: only_cells(&|medium| cell(medium).to_stress.wide()),
                         between: Weights::new(impedance, impedance),
                     });
-                    for follower in 0..media[0].pairs[axis][pair].followers.len() {
+                    for &place in &self.waves[axis][pair].followers {
+                        let field = media[0].fields[place];
                         table.ratios.push(only_cells(&|medium| {
-                            medium.pairs[axis][pair].followers[follower].1
+                            let mut own = medium.pairs[axis][pair].followers.iter();
+                            own.find(|own| own.0 == field).map_or(0.0, |own| own.1)
                         }));
                     }
                 }
@@ -310,7 +317,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
         });
         let factors = factors.collect();
         let places = terms.keys().copied().collect();
-        self.sets = Sets::new(media, patterns);
+        let is_plastic = media.iter().any(|medium| medium.yields.is_some());
+        self.sets = Sets::new(media, patterns).filter(|_| is_plastic);
         (self.table, self.turns, self.yields) = (table, turns, yields);
         self.energy_terms = EnergyTerms { places, kinetic, factors };
     }

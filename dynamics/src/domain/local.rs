@@ -2,11 +2,10 @@
 
 use super::plastic::Correct;
 use super::{Domain, Turn};
-use crate::kernel::Work;
 use crate::ledger::Energy;
 use crate::medium::component;
 use crate::real::{Group, Real};
-use crate::vector::Vector;
+use crate::vector::{Vector, Work};
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
 use std::ops::Range;
@@ -33,19 +32,18 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.integrals = integrals;
     }
 
-    /// Sources and gravity over a time.
-    pub(super) fn kick(&mut self, layers: &Range<usize>, tile: &Range<usize>, times: [f64; 2]) {
-        let [from, to] = times;
+    /// Sources and gravity over half a step.
+    pub(super) fn kick(&mut self, layers: &Range<usize>, tile: &Range<usize>, half: usize) {
         let (volume, across, fields) = (self.grid.volume(), self.across, self.fields().len());
         let kicks = std::mem::take(&mut self.kicks);
         for kick in &kicks {
-            let impulse = (kick.signal)(0.5 * (from + to)) * (to - from);
-            // Before the beginning there is none: what is there at once comes with the first step.
-            let before = if from > 0.0 { (kick.signal)(from) } else { 0.0 };
-            let moment = (kick.signal)(to) - before;
-            let first = kick.cells.partition_point(|cell| cell.0 < layers.start * across);
-            let here = kick.cells[first..].iter().take_while(|cell| cell.0 < layers.end * across);
-            for &(group, lane, share) in here.filter(|cell| tile.contains(&(cell.0 % across))) {
+            let [impulse, moment] = kick.now[half];
+            let of_layer = |layer: usize| {
+                let groups = [tile.start, tile.end].map(|group| layer * across + group);
+                let ends = groups.map(|group| kick.cells.partition_point(|cell| cell.0 < group));
+                &kick.cells[ends[0]..ends[1]]
+            };
+            for &(group, lane, share) in layers.clone().flat_map(of_layer) {
                 let Some(cell) = self.cell_of(group, lane) else { continue };
                 let medium = usize::from(self.of_cell[cell]);
                 for &(place, amplitude) in &kick.amplitudes {
@@ -71,7 +69,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             else {
                 continue;
             };
-            let change = acceleration * (to - from);
+            let change = acceleration * 0.5 * self.step;
             for layer in layers.clone() {
                 for group in tile.clone().map(|group| layer * across + group) {
                     for lane in 0..T::Lanes::COUNT {
@@ -138,6 +136,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                         data: &mut self.data[groups.start * fields..groups.end * fields],
                         patterns: &self.patterns[groups.clone()],
                         sets,
+                        yields: &self.yields,
                         dissipated: &mut self.dissipated[groups.start * lanes..groups.end * lanes],
                         sum: &mut sum,
                         left: &mut left,

@@ -1,12 +1,14 @@
 //! The correction of stresses beyond their yield set, many at once: Mises' set in all its forms, and what
 //! it costs. Its terms are those of [`Mises::project`](models::plasticity::parameters::Mises::project),
 //! where they are derived; what is rare, the apex and the half-line before it, is left to that. Of the other
-//! sets all conditions are looked at together, and what is beyond one is corrected alone.
+//! sets all conditions are looked at together, and what is beyond one is corrected alone. So is everything
+//! where there is an initial stress, a reflection instead of the projection, or sets of both kinds.
+//!
+//! A stress just on the surface may move by rounding if one in another lane of its group yields.
 
-use crate::kernel::Work;
 use crate::medium::{Law, Medium, component};
 use crate::real::{Group, Number, Real};
-use crate::vector::Vector;
+use crate::vector::{Vector, Work};
 use models::cosserat::waves::Field;
 use models::plasticity::parameters::{ActiveCondition, YieldSet};
 
@@ -20,12 +22,12 @@ pub(super) enum Sets<T: Real> {
     Mises(Strengths<T>),
     /// Conditions of interlayer sets: what is within all of them is left alone, what is not is corrected
     /// one by one.
-    Planes(Vec<Vec<Plane<T::Lanes>>>),
+    HalfSpaces(Vec<Vec<HalfSpace<T::Lanes>>>),
 }
 
 /// n·s ≤ k in lanes.
 #[derive(Clone)]
-pub(super) struct Plane<N> {
+pub(super) struct HalfSpace<N> {
     /// Places of stresses and components of n.
     normal: Vec<(usize, N)>,
     strength: N,
@@ -70,8 +72,6 @@ impl Matrix {
 /// A yield set in lanes.
 #[derive(Clone, Copy)]
 struct Strength<N> {
-    /// Whether any lane yields at all.
-    yields: bool,
     /// k; so great that nothing comes near it in lanes that do not yield.
     strength: N,
     /// κ.
@@ -99,16 +99,16 @@ impl<T: Real> Sets<T> {
     pub(super) fn new(media: &[Medium], patterns: &[Vec<(u16, bool)>]) -> Option<Self> {
         match Strengths::new(media, patterns) {
             Some(strengths) => Some(Self::Mises(strengths)),
-            None => planes::<T>(media, patterns).map(Self::Planes),
+            None => half_spaces::<T>(media, patterns).map(Self::HalfSpaces),
         }
     }
 }
 
 /// Conditions by pattern; `None` where a set is no interlayer set.
-fn planes<T: Real>(
+fn half_spaces<T: Real>(
     media: &[Medium],
     patterns: &[Vec<(u16, bool)>],
-) -> Option<Vec<Vec<Plane<T::Lanes>>>> {
+) -> Option<Vec<Vec<HalfSpace<T::Lanes>>>> {
     let fields = &media[0].fields;
     /// n by field, and k.
     struct Condition {
@@ -136,7 +136,7 @@ fn planes<T: Real>(
     }
     let most = conditions.iter().map(Vec::len).max().unwrap_or(0);
     let by_pattern = patterns.iter().map(|pattern| {
-        let plane = |index: usize| {
+        let half_space = |index: usize| {
             let lanes = |value: &dyn Fn(&Condition) -> f64, other: f64| {
                 let mut lanes = T::Lanes::ZERO;
                 for (lane, &(medium, is_cell)) in lanes.lanes_mut().iter_mut().zip(pattern) {
@@ -149,9 +149,9 @@ fn planes<T: Real>(
                 .filter(|&place| conditions.iter().flatten().any(|own| own.normal[place] != 0.0))
                 .map(|place| (place, lanes(&|own| own.normal[place], 0.0)))
                 .collect();
-            Plane { normal, strength: lanes(&|own| own.strength, boundless::<T>()) }
+            HalfSpace { normal, strength: lanes(&|own| own.strength, boundless::<T>()) }
         };
-        (0..most).map(plane).collect()
+        (0..most).map(half_space).collect()
     });
     Some(by_pattern.collect())
 }
@@ -216,7 +216,6 @@ impl<T: Real> Strengths<T> {
             // Any rate will do, but zero.
             rates[0] = lanes(4 + PARTS, 1.0);
             Strength {
-                yields: pattern.iter().any(|entry| own(entry).is_some()),
                 strength: lanes(0, boundless::<T>()),
                 friction: lanes(1, 0.0),
                 shift: lanes(2, 0.0),
@@ -241,6 +240,8 @@ pub(super) struct Correct<'a, T: Real> {
     pub(super) fields: usize,
     pub(super) patterns: &'a [u32],
     pub(super) sets: &'a Sets<T>,
+    /// By pattern.
+    pub(super) yields: &'a [bool],
     /// Plastic dissipation by group and lane, J/m³; added to.
     pub(super) dissipated: &'a mut [f64],
     /// Its sum over these groups, J/m³.
@@ -255,28 +256,32 @@ impl<T: Real> Work<T> for Correct<'_, T> {
         let lanes = T::Lanes::COUNT;
         let groups = self.data.chunks_exact_mut(self.fields).zip(self.patterns);
         for (index, (group, &pattern)) in groups.enumerate() {
+            if !self.yields[pattern as usize] {
+                continue;
+            }
             let strengths = match self.sets {
                 Sets::Mises(strengths) => strengths,
-                Sets::Planes(planes) => {
-                    if !admits::<T, V>(group, &planes[pattern as usize]) {
+                Sets::HalfSpaces(all) => {
+                    if !admits::<T, V>(group, &all[pattern as usize]) {
                         self.left.push(index);
                     }
                     continue;
                 }
             };
             let own = &strengths.by_pattern[pattern as usize];
-            if !own.yields {
-                continue;
-            }
             let mut lost = T::Lanes::ZERO;
             match correct::<T, V>(group, own, strengths, &mut lost) {
                 Done::Nothing => {}
                 Done::All => {
                     let dissipated = &mut self.dissipated[index * lanes..][..lanes];
                     for (sum, lost) in dissipated.iter_mut().zip(lost.lanes()) {
-                        debug_assert!(lost.wide() >= 0.0, "the correction adds energy");
-                        *sum += lost.wide();
-                        *self.sum += lost.wide();
+                        let lost = lost.wide();
+                        // What is no number is so in the stress as well, where it is looked for.
+                        debug_assert!(lost.is_nan() || lost >= 0.0, "the correction adds energy");
+                        if lost > 0.0 {
+                            *sum += lost;
+                            *self.sum += lost;
+                        }
                     }
                 }
                 Done::NotAll => self.left.push(index),
@@ -287,13 +292,13 @@ impl<T: Real> Work<T> for Correct<'_, T> {
 
 /// Whether all stresses of a group are within all conditions.
 #[inline(always)]
-fn admits<T: Real, V: Vector<T>>(group: &[T::Lanes], planes: &[Plane<T::Lanes>]) -> bool {
-    for plane in planes {
+fn admits<T: Real, V: Vector<T>>(group: &[T::Lanes], half_spaces: &[HalfSpace<T::Lanes>]) -> bool {
+    for half_space in half_spaces {
         let mut value = V::ZERO;
-        for (place, component) in &plane.normal {
+        for (place, component) in &half_space.normal {
             value = value + V::load(component) * V::load(&group[*place]);
         }
-        if value.exceeds(V::load(&plane.strength)) {
+        if value.exceeds(V::load(&half_space.strength)) {
             return false;
         }
     }

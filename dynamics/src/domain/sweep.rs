@@ -96,14 +96,15 @@ impl<T: Real, const D: usize> Domain<T, D> {
     fn sweep_on(&mut self, bundle: Bundle, ready: Range<usize>, stream: usize) {
         let is_full = self.scheme.detail == Detail::Full;
         let ends = [ready.start == 0, ready.end == bundle.count];
+        // Where there is a single row its work at one end needs the ghosts at the other.
         for end in (0..2).filter(|end| ends[*end]) {
             self.fill_end(bundle, end);
-            if !is_full {
-                self.note_work(bundle, end);
-            }
         }
         if is_full {
             return self.sweep_plainly(bundle);
+        }
+        for end in (0..2).filter(|end| ends[*end]) {
+            self.note_work(bundle, end);
         }
         let start = ready.start as isize - 1;
         let end = if ends[1] { bundle.count as isize + 1 } else { ready.end as isize - 1 };
