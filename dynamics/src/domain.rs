@@ -40,7 +40,7 @@ mod sweep;
 use crate::boundary::Signal;
 use crate::kernel::{Carried, Instructions, Table, Wave};
 use crate::ledger::{Energy, Ledger, Total};
-use crate::line::{Account, Cell, GHOSTS};
+use crate::line::{Account, Cell, GHOSTS, HALO};
 use crate::medium::{Medium, component};
 use crate::problem::{DomainError, Grid, Placement, Problem, Scheme};
 use crate::real::{Group, Number, Real};
@@ -49,9 +49,6 @@ use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
 use plastic::Sets;
 use std::ops::Range;
-
-/// Layers of a halo: two for each sweep along the last axis in a step.
-pub const HALO: usize = 2 * GHOSTS;
 
 /// Layers that come in at a time: what a sweep carries from one of these chunks to the next is little
 /// beside them, and they stay in the cache.

@@ -7,8 +7,7 @@
 //! the same order: the bits are the same.
 
 use crate::line::{Cell, GHOSTS, Pieces, Slopes, State, Waves, Weights, meet, updated};
-use crate::real::{Number, Real};
-use crate::vector::{Vector, Work};
+use crate::real::{Number, Real, Vector, Work};
 use std::ops::Range;
 
 /// Sets of instructions that a processor may have. Results do not depend on them.

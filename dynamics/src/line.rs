@@ -26,11 +26,13 @@
 //! What is written here is arithmetic on [`Number`]s: [`sweep`] does it to a line, cell by cell, and
 //! keeps the account; [`crate::kernel`] does the same to many lines at once.
 
-use crate::real::{Number, Real};
-use crate::vector::Vector;
+use crate::real::{Number, Real, Vector};
 
 /// Cells beyond each end of a line that a sweep reads.
 pub const GHOSTS: usize = 2;
+
+/// Layers of a halo: so many for each of both sweeps along the last axis in a step.
+pub const HALO: usize = 2 * GHOSTS;
 
 /// How waves are reconstructed in a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

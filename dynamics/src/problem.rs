@@ -1,8 +1,7 @@
 //! What is to be solved: grid, media, sides, what acts, and the choices of the scheme.
 
 use crate::boundary::{Boundary, Load, Source};
-use crate::domain::HALO;
-use crate::line::Slopes;
+use crate::line::{HALO, Slopes};
 use crate::medium::Medium;
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;

@@ -1,6 +1,5 @@
 //! What sweeps compute with: floating-point numbers, and groups of them side by side.
 
-use crate::vector::{Vector, Work};
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -212,102 +211,18 @@ impl<T: Number, const COUNT: usize> Group<T> for Lanes<T, COUNT> {
     }
 }
 
-macro_rules! real {
-    ($kind:ty, $lanes:literal, $avx2:ident, $avx512:ident) => {
-        impl Vector<$kind> for Lanes<$kind, $lanes> {
-            #[inline(always)]
-            fn load(from: &Self) -> Self {
-                *from
-            }
+/// The numbers of a group on their way through a processor.
+pub trait Vector<T: Real>: Number {
+    /// The numbers of a group.
+    fn load(from: &T::Lanes) -> Self;
 
-            #[inline(always)]
-            fn store(self, to: &mut Self) {
-                *to = self;
-            }
-        }
-
-        impl Number for $kind {
-            const ZERO: Self = 0.0;
-            const ONE: Self = 1.0;
-            const HALF: Self = 0.5;
-            const THIRD: Self = 1.0 / 3.0;
-            const QUARTER: Self = 0.25;
-            const LEAST: Self = Self::MIN_POSITIVE;
-
-            #[inline(always)]
-            fn least(self, other: Self) -> Self {
-                if self < other { self } else { other }
-            }
-
-            #[inline(always)]
-            fn greatest(self, other: Self) -> Self {
-                if self > other { self } else { other }
-            }
-
-            #[inline(always)]
-            fn root(self) -> Self {
-                self.sqrt()
-            }
-
-            #[inline(always)]
-            fn exceeds(self, other: Self) -> bool {
-                self > other
-            }
-        }
-
-        impl Real for $kind {
-            type Lanes = Lanes<Self, $lanes>;
-
-            #[cfg(target_arch = "x86_64")]
-            unsafe fn avx2(work: impl Work<Self>) {
-                #[target_feature(enable = "avx2")]
-                fn run(work: impl Work<$kind>) {
-                    work.run::<crate::vector::$avx2>();
-                }
-                // SAFETY: the caller knows that the processor has it.
-                unsafe { run(work) }
-            }
-
-            #[cfg(target_arch = "x86_64")]
-            unsafe fn avx512(work: impl Work<Self>) {
-                #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
-                fn run(work: impl Work<$kind>) {
-                    work.run::<crate::vector::$avx512>();
-                }
-                // SAFETY: the caller knows that the processor has all three.
-                unsafe { run(work) }
-            }
-
-            #[cfg(not(target_arch = "x86_64"))]
-            unsafe fn avx2(work: impl Work<Self>) {
-                work.run::<Self::Lanes>();
-            }
-
-            #[cfg(not(target_arch = "x86_64"))]
-            unsafe fn avx512(work: impl Work<Self>) {
-                work.run::<Self::Lanes>();
-            }
-
-            #[allow(clippy::unnecessary_cast, reason = "it is one for f32")]
-            fn of(value: f64) -> Self {
-                value as Self
-            }
-
-            fn wide(self) -> f64 {
-                self.into()
-            }
-
-            fn bytes(self) -> impl Iterator<Item = u8> {
-                self.to_le_bytes().into_iter()
-            }
-
-            fn from_bytes(bytes: &[u8]) -> Option<Vec<Self>> {
-                let (numbers, []) = bytes.as_chunks() else { return None };
-                Some(numbers.iter().map(|number| Self::from_le_bytes(*number)).collect())
-            }
-        }
-    };
+    /// The numbers as a group.
+    fn store(self, to: &mut T::Lanes);
 }
 
-real!(f32, 16, Avx2Single, Avx512Single);
-real!(f64, 8, Avx2Double, Avx512Double);
+/// Something to be done in any set of instructions: `run` and all that it calls must be inlined, which
+/// closures are not.
+pub trait Work<T: Real> {
+    /// Does it.
+    fn run<V: Vector<T>>(self);
+}

@@ -5,9 +5,10 @@
 //! bits.
 
 use crate::boundary::Boundary;
-use crate::domain::{Domain, HALO};
+use crate::domain::Domain;
 use crate::kernel::Instructions;
 use crate::ledger::{Energy, Ledger, Total};
+use crate::line::HALO;
 use crate::problem::{DomainError, Problem};
 use crate::real::Real;
 use models::cosserat::waves::Field;

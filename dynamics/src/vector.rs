@@ -1,24 +1,10 @@
-//! Registers of a processor as numbers: what the lanes of a group are while they are computed with.
+//! Registers of a processor as numbers: what the lanes of a group are while they are computed with; and
+//! the kinds of numbers that have such.
 
-use crate::real::{Number, Real};
-
-/// The numbers of a group on their way through a processor.
-pub trait Vector<T: Real>: Number {
-    /// The numbers of a group.
-    fn load(from: &T::Lanes) -> Self;
-
-    /// The numbers as a group.
-    fn store(self, to: &mut T::Lanes);
-}
-
-/// Something to be done in any set of instructions: `run` and all that it calls must be inlined, which
-/// closures are not.
-pub trait Work<T: Real> {
-    fn run<V: Vector<T>>(self);
-}
+use crate::real::{Lanes, Number, Real, Vector, Work};
 
 #[cfg(target_arch = "x86_64")]
-pub(crate) use x86::{Avx2Double, Avx2Single, Avx512Double, Avx512Single};
+use x86::{Avx2Double, Avx2Single, Avx512Double, Avx512Single};
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
@@ -26,8 +12,7 @@ mod x86 {
     // whose callers know that the processor has the instructions; addresses are those of references to as
     // many numbers as are read or written.
 
-    use super::Vector;
-    use crate::real::{Lanes, Number};
+    use crate::real::{Lanes, Number, Vector};
     use std::arch::x86_64::*;
     use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -187,3 +172,103 @@ mod x86 {
         _mm512_sqrt_ps _mm512_load_ps _mm512_store_ps single512
     );
 }
+
+macro_rules! real {
+    ($kind:ty, $lanes:literal, $avx2:ident, $avx512:ident) => {
+        impl Vector<$kind> for Lanes<$kind, $lanes> {
+            #[inline(always)]
+            fn load(from: &Self) -> Self {
+                *from
+            }
+
+            #[inline(always)]
+            fn store(self, to: &mut Self) {
+                *to = self;
+            }
+        }
+
+        impl Number for $kind {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const HALF: Self = 0.5;
+            const THIRD: Self = 1.0 / 3.0;
+            const QUARTER: Self = 0.25;
+            const LEAST: Self = Self::MIN_POSITIVE;
+
+            #[inline(always)]
+            fn least(self, other: Self) -> Self {
+                if self < other { self } else { other }
+            }
+
+            #[inline(always)]
+            fn greatest(self, other: Self) -> Self {
+                if self > other { self } else { other }
+            }
+
+            #[inline(always)]
+            fn root(self) -> Self {
+                self.sqrt()
+            }
+
+            #[inline(always)]
+            fn exceeds(self, other: Self) -> bool {
+                self > other
+            }
+        }
+
+        impl Real for $kind {
+            type Lanes = Lanes<Self, $lanes>;
+
+            #[cfg(target_arch = "x86_64")]
+            unsafe fn avx2(work: impl Work<Self>) {
+                #[target_feature(enable = "avx2")]
+                fn run(work: impl Work<$kind>) {
+                    work.run::<$avx2>();
+                }
+                // SAFETY: the caller knows that the processor has it.
+                unsafe { run(work) }
+            }
+
+            #[cfg(target_arch = "x86_64")]
+            unsafe fn avx512(work: impl Work<Self>) {
+                #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+                fn run(work: impl Work<$kind>) {
+                    work.run::<$avx512>();
+                }
+                // SAFETY: the caller knows that the processor has all three.
+                unsafe { run(work) }
+            }
+
+            #[cfg(not(target_arch = "x86_64"))]
+            unsafe fn avx2(work: impl Work<Self>) {
+                work.run::<Self::Lanes>();
+            }
+
+            #[cfg(not(target_arch = "x86_64"))]
+            unsafe fn avx512(work: impl Work<Self>) {
+                work.run::<Self::Lanes>();
+            }
+
+            #[allow(clippy::unnecessary_cast, reason = "it is one for f32")]
+            fn of(value: f64) -> Self {
+                value as Self
+            }
+
+            fn wide(self) -> f64 {
+                self.into()
+            }
+
+            fn bytes(self) -> impl Iterator<Item = u8> {
+                self.to_le_bytes().into_iter()
+            }
+
+            fn from_bytes(bytes: &[u8]) -> Option<Vec<Self>> {
+                let (numbers, []) = bytes.as_chunks() else { return None };
+                Some(numbers.iter().map(|number| Self::from_le_bytes(*number)).collect())
+            }
+        }
+    };
+}
+
+real!(f32, 16, Avx2Single, Avx512Single);
+real!(f64, 8, Avx2Double, Avx512Double);

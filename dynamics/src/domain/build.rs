@@ -1,11 +1,11 @@
 //! What a domain needs of a problem, and the order in which it needs it.
 
 use super::plastic::Sets;
-use super::{Buffer, Domain, EnergyTerms, HALO, Kick, RowEnds, TILE, groups};
+use super::{Buffer, Domain, EnergyTerms, Kick, RowEnds, TILE, groups};
 use crate::boundary::Boundary;
 use crate::kernel::{Carried, Instructions, Table, Wave};
 use crate::ledger::{Ledger, Total};
-use crate::line::{Account, Cell, GHOSTS, Weights};
+use crate::line::{Account, Cell, GHOSTS, HALO, Weights};
 use crate::medium::{Medium, energy_terms};
 use crate::problem::Problem;
 use crate::real::{Group, Number, Real};

@@ -7,8 +7,7 @@
 //! A stress just on the surface may move by rounding if one in another lane of its group yields.
 
 use crate::medium::{Law, Medium, component};
-use crate::real::{Group, Number, Real};
-use crate::vector::{Vector, Work};
+use crate::real::{Group, Number, Real, Vector, Work};
 use models::cosserat::waves::Field;
 use models::plasticity::parameters::{ActiveCondition, YieldSet};
 
