@@ -367,15 +367,13 @@ fn fine_grids_in_the_plane() {
     orders::<2>(&[64, 128, 256, 512], Slopes::Unlimited, [1.9; 2]);
 }
 
-/// The single fields that are below 1.9 between 64 and 128 cells in space, where errors of several kinds
-/// cancel in part: they come later.
+/// The single field that is farthest below 1.9 between 64 and 128 cells in space (1.68), where errors of
+/// several kinds cancel in part: its order rises as the grids are refined.
 #[test]
-#[ignore = "a quarter of an hour"]
+#[ignore = "some minutes"]
 fn finer_grids_in_space() {
-    let counts = [48, 96, 192];
-    orders_of::<3>((Theory::Classical, &[0]), &counts, Slopes::Unlimited, [1.9, 1.8]);
-    orders_of::<3>((Theory::Reduced, &[1, 2]), &counts, Slopes::Unlimited, [1.9, 1.8]);
-    orders_of::<3>((Theory::Reduced, &[1]), &counts, Slopes::Limited, [1.9, 1.8]);
+    let branch = (Theory::Classical, &[0][..]);
+    orders_of::<3>(branch, &[48, 96, 192], Slopes::Unlimited, [1.9, 1.8]);
 }
 
 #[test]
