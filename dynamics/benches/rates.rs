@@ -3,6 +3,9 @@
 //! A cell-update is one cell advanced by one Courant unit in every direction; a step is two of them.
 //! `cargo bench -p wellposed-dynamics --bench rates -- [word…]` takes the rows that have all these words.
 
+#[path = "../tests/support/mod.rs"]
+mod support;
+
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
 use models::plasticity::parameters::{Mises, YieldSet};
 use std::time::Instant;
@@ -66,9 +69,7 @@ fn medium(theory: Theory, dimensions: usize, factor: f64) -> Medium {
 
 /// Numbers in [0, 1) that look random.
 fn noise(index: usize) -> f64 {
-    let mixed = (index as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    let mixed = (mixed ^ (mixed >> 31)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    (mixed >> 11) as f64 / (1u64 << 53) as f64
+    0.5 * support::noise(index as u64) + 0.5
 }
 
 fn media<const D: usize>(row: &Row) -> (Vec<Medium>, Vec<u16>) {

@@ -82,6 +82,9 @@ pub trait Group<T>: Number {
     /// The same number in all lanes.
     fn all(value: T) -> Self;
 
+    /// A number for each lane.
+    fn by_lane(value: impl FnMut(usize) -> T) -> Self;
+
     /// The numbers.
     fn lanes(&self) -> &[T];
 
@@ -178,6 +181,10 @@ impl<T: Number, const COUNT: usize> Group<T> for Lanes<T, COUNT> {
     #[inline(always)]
     fn all(value: T) -> Self {
         Self([value; COUNT])
+    }
+
+    fn by_lane(value: impl FnMut(usize) -> T) -> Self {
+        Self(std::array::from_fn(value))
     }
 
     #[inline(always)]

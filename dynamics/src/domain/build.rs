@@ -239,11 +239,10 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// The constants of all patterns.
     fn tabulate(&mut self, patterns: &[Vec<(u16, bool)>], [waves, followers]: [usize; 2]) {
         let lanes = |pattern: &[(u16, bool)], value: &dyn Fn(usize, bool) -> f64| {
-            let mut lanes = T::Lanes::ZERO;
-            for (lane, &(medium, is_cell)) in lanes.lanes_mut().iter_mut().zip(pattern) {
-                *lane = T::of(value(usize::from(medium), is_cell));
-            }
-            lanes
+            T::Lanes::by_lane(|lane| {
+                let (medium, is_cell) = pattern[lane];
+                T::of(value(usize::from(medium), is_cell))
+            })
         };
         let media = &self.media;
         let mut table = Table { cells: Vec::new(), waves, ratios: Vec::new(), followers };

@@ -8,8 +8,9 @@
 
 use crate::medium::{Law, Medium, component};
 use crate::real::{Group, Number, Real, Vector, Work};
+use models::cosserat::parameters::Isotropic;
 use models::cosserat::waves::Field;
-use models::plasticity::parameters::{ActiveCondition, YieldSet};
+use models::plasticity::parameters::{ActiveCondition, Mises, YieldSet};
 
 /// Parts of the stress on which Hooke's law acts by a number: deviator, antisymmetric stress, deviator, mean
 /// and antisymmetric part of the couple stress.
@@ -85,6 +86,39 @@ struct Strength<N> {
     compliances: [N; PARTS],
 }
 
+impl Strength<f64> {
+    /// That of a medium which does not yield.
+    fn none(strength: f64) -> Self {
+        let mut rates = [0.0; PARTS];
+        // Any but zero.
+        rates[0] = 1.0;
+        let [weights, compliances] = [[0.0; PARTS]; 2];
+        Self { strength, friction: 0.0, shift: 0.0, a: 0.0, weights, rates, compliances }
+    }
+
+    fn new(set: &Mises, solid: &Isotropic) -> Self {
+        let bulk = solid.lambda + 2.0 / 3.0 * solid.mu;
+        let Mises { friction, strength, .. } = *set;
+        let [shift, a] = [friction * bulk, 2.0 * friction * friction * bulk];
+        // Parts without weight or stiffness are left alone.
+        let parts = set
+            .parts(solid)
+            .map(|part| if part[0] > 0.0 && part[1] > 0.0 { part } else { [0.0; 2] });
+        Self {
+            strength,
+            friction,
+            shift,
+            a,
+            weights: parts.map(|[weight, _]| weight),
+            rates: parts.map(|[weight, stiffness]| weight * stiffness),
+            compliances: parts.map(|[weight, stiffness]| match weight > 0.0 {
+                true => 1.0 / stiffness,
+                false => 0.0,
+            }),
+        }
+    }
+}
+
 /// Newton's method takes half a dozen.
 const MOST_STEPS: usize = 50;
 
@@ -137,12 +171,11 @@ fn half_spaces<T: Real>(
     let by_pattern = patterns.iter().map(|pattern| {
         let half_space = |index: usize| {
             let lanes = |value: &dyn Fn(&Condition) -> f64, other: f64| {
-                let mut lanes = T::Lanes::ZERO;
-                for (lane, &(medium, is_cell)) in lanes.lanes_mut().iter_mut().zip(pattern) {
+                T::Lanes::by_lane(|lane| {
+                    let (medium, is_cell) = pattern[lane];
                     let own = conditions[usize::from(medium)].get(index).filter(|_| is_cell);
-                    *lane = T::of(own.map_or(other, value));
-                }
-                lanes
+                    T::of(own.map_or(other, value))
+                })
             };
             let normal = (0..fields.len())
                 .filter(|&place| conditions.iter().flatten().any(|own| own.normal[place] != 0.0))
@@ -159,76 +192,43 @@ impl<T: Real> Strengths<T> {
     /// `None` where a set is none of Mises'.
     fn new(media: &[Medium], patterns: &[Vec<(u16, bool)>]) -> Option<Self> {
         let fields = &media[0].fields;
-        let mut seen = [false; PARTS];
-        let of_medium: Vec<Option<[f64; 4 + 3 * PARTS]>> = media
+        let of_medium: Vec<Strength<f64>> = media
             .iter()
             .map(|medium| match (&medium.yields, &medium.law) {
-                (None, _) => Some(None),
+                (None, _) => Some(Strength::none(boundless::<T>())),
                 (Some(YieldSet::Mises(set)), Law::Isotropic(solid)) => {
-                    let alpha = solid.microrotation.map_or(0.0, |m| m.alpha);
-                    let couple = solid.couple();
-                    let [spherical, gamma, eta] =
-                        couple.map_or([0.0; 3], |c| [3.0 * c.beta + 2.0 * c.gamma, c.gamma, c.eta]);
-                    let [symmetric, antisymmetric] =
-                        [set.symmetric_length, set.antisymmetric_length]
-                            .map(|length| length.map_or(0.0, |l| 1.0 / (l * l)));
-                    let weights =
-                        [1.0, set.antisymmetric_weight, symmetric, symmetric, antisymmetric];
-                    let stiffness =
-                        [2.0 * solid.mu, 2.0 * alpha, 2.0 * gamma, spherical, 2.0 * eta];
-                    let bulk = solid.lambda + 2.0 / 3.0 * solid.mu;
-                    let mut all = [0.0; 4 + 3 * PARTS];
-                    let (friction, strength) = (set.friction, set.strength);
-                    all[..4].copy_from_slice(&[
-                        strength,
-                        friction,
-                        friction * bulk,
-                        2.0 * friction * friction * bulk,
-                    ]);
-                    for part in 0..PARTS {
-                        let (weight, stiffness) = (weights[part], stiffness[part]);
-                        if weight > 0.0 && stiffness > 0.0 {
-                            seen[part] = true;
-                            all[4 + part] = weight;
-                            all[4 + PARTS + part] = weight * stiffness;
-                            all[4 + 2 * PARTS + part] = 1.0 / stiffness;
-                        }
-                    }
-                    Some(Some(all))
+                    Some(Strength::new(set, solid))
                 }
                 _ => None,
             })
             .collect::<Option<_>>()?;
+        let none = Strength::none(boundless::<T>());
         let by_pattern = patterns.iter().map(|pattern| {
-            let own = |&(medium, is_cell): &(u16, bool)| {
-                of_medium[usize::from(medium)].filter(|_| is_cell)
+            let lanes = |value: &dyn Fn(&Strength<f64>) -> f64| {
+                T::Lanes::by_lane(|lane| {
+                    let (medium, is_cell) = pattern[lane];
+                    T::of(value(if is_cell { &of_medium[usize::from(medium)] } else { &none }))
+                })
             };
-            let lanes = |index: usize, other: f64| {
-                let mut lanes = T::Lanes::ZERO;
-                for (lane, entry) in lanes.lanes_mut().iter_mut().zip(pattern) {
-                    *lane = T::of(own(entry).map_or(other, |all| all[index]));
-                }
-                lanes
+            let parts = |value: &dyn Fn(&Strength<f64>) -> [f64; PARTS]| {
+                std::array::from_fn(|part| lanes(&|own| value(own)[part]))
             };
-            let parts = |first: usize| std::array::from_fn(|part| lanes(first + part, 0.0));
-            let mut rates: [T::Lanes; PARTS] = parts(4 + PARTS);
-            // Any rate will do, but zero.
-            rates[0] = lanes(4 + PARTS, 1.0);
             Strength {
-                strength: lanes(0, boundless::<T>()),
-                friction: lanes(1, 0.0),
-                shift: lanes(2, 0.0),
-                a: lanes(3, 0.0),
-                weights: parts(4),
-                rates,
-                compliances: parts(4 + 2 * PARTS),
+                strength: lanes(&|own| own.strength),
+                friction: lanes(&|own| own.friction),
+                shift: lanes(&|own| own.shift),
+                a: lanes(&|own| own.a),
+                weights: parts(&|own| own.weights),
+                rates: parts(&|own| own.rates),
+                compliances: parts(&|own| own.compliances),
             }
         });
+        let seen = |part: usize| of_medium.iter().any(|own| own.weights[part] > 0.0);
         Some(Self {
             force: Matrix::new(fields, Field::Stress),
             couple: Matrix::new(fields, Field::Couple),
             by_pattern: by_pattern.collect(),
-            seen,
+            seen: std::array::from_fn(seen),
         })
     }
 }

@@ -52,7 +52,7 @@ struct Part {
 impl Part {
     /// Parts without stiffness are zero in their solid: they are left alone, as those without weight
     /// are.
-    fn new(square: f64, weight: f64, stiffness: f64) -> Self {
+    fn new(square: f64, [weight, stiffness]: [f64; 2]) -> Self {
         if weight > 0.0 && stiffness > 0.0 {
             Self {
                 square: 0.5 * weight * square,
@@ -66,6 +66,23 @@ impl Part {
 }
 
 impl Mises {
+    /// Weights p in τ̄² and stiffnesses D (Pa or N) of the parts of the stress that Hooke's law multiplies
+    /// by a number: deviator, antisymmetric stress, deviator, mean and antisymmetric part of the couple
+    /// stress.
+    pub fn parts(&self, solid: &Isotropic) -> [[f64; 2]; 5] {
+        let [symmetric, antisymmetric] = self.couple_weights();
+        let alpha = solid.microrotation.map_or(0.0, |m| m.alpha);
+        let [spherical, gamma, eta] =
+            solid.couple().map_or([0.0; 3], |c| [3.0 * c.beta + 2.0 * c.gamma, c.gamma, c.eta]);
+        [
+            [1.0, 2.0 * solid.mu],
+            [self.antisymmetric_weight, 2.0 * alpha],
+            [symmetric, 2.0 * gamma],
+            [symmetric, spherical],
+            [antisymmetric, 2.0 * eta],
+        ]
+    }
+
     /// The projection of a trial stress of that solid.
     ///
     /// The deviator (D = 2μ), the mean (K = λ + ⅔μ), the antisymmetric stress (2α), and of the couple
@@ -86,19 +103,17 @@ impl Mises {
     /// with one value of Dp they are there after one step.
     pub fn project(&self, solid: &Isotropic, trial: &Stress) -> Projection<Stress> {
         let inside = Projection { stress: *trial, energy_lost: 0.0 };
-        let [symmetric_weight, antisymmetric_weight] = self.couple_weights();
-        let alpha = solid.microrotation.map_or(0.0, |m| m.alpha);
-        let [spherical, gamma, eta] =
-            solid.couple().map_or([0.0; 3], |c| [3.0 * c.beta + 2.0 * c.gamma, c.gamma, c.eta]);
         let (pressure, deviator, antisymmetric) = split(&trial.force);
         let (couple_mean, couple_deviator, couple_antisymmetric) = split(&trial.couple);
-        let parts = [
-            Part::new(square(&deviator), 1.0, 2.0 * solid.mu),
-            Part::new(square(&antisymmetric), self.antisymmetric_weight, 2.0 * alpha),
-            Part::new(square(&couple_deviator), symmetric_weight, 2.0 * gamma),
-            Part::new(3.0 * couple_mean * couple_mean, symmetric_weight, spherical),
-            Part::new(square(&couple_antisymmetric), antisymmetric_weight, 2.0 * eta),
+        let squares = [
+            square(&deviator),
+            square(&antisymmetric),
+            square(&couple_deviator),
+            3.0 * couple_mean * couple_mean,
+            square(&couple_antisymmetric),
         ];
+        let weights = self.parts(solid);
+        let parts: [Part; 5] = std::array::from_fn(|part| Part::new(squares[part], weights[part]));
         let bulk = solid.lambda + 2.0 / 3.0 * solid.mu;
         let (friction, strength) = (self.friction, self.strength);
 
@@ -106,7 +121,7 @@ impl Mises {
         let room = strength - friction * pressure;
         // The components are rounded, and not the parts.
         let force = self.antisymmetric_weight.max(1.0) * square(&trial.force);
-        let couple = symmetric_weight.max(antisymmetric_weight) * square(&trial.couple);
+        let couple = weights[2][0].max(weights[4][0]) * square(&trial.couple);
         let rounded = (force + couple).sqrt();
         let size = shear + friction * pressure.abs() + strength + rounded;
         let excess = shear - room;
