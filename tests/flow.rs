@@ -150,7 +150,7 @@ fn transverse_rates(flow: &Flow, mode: Mode, gradient: [[f64; 2]; 2]) -> [Comple
 /// The two by two matrix of V and ω or ψ, by central differences of the nonlinear right-hand side; of the
 /// plastic potential its first entry alone.
 fn linearised(problem: &Problem, mode: Mode, gradient: [[f64; 2]; 2]) -> [[Complex64; 2]; 2] {
-    const PART: f64 = 1e-6;
+    const PART: f64 = 5e-6;
     let mut flow = Flow::new(problem).expect("a problem");
     let k = flow.wave_vector(mode);
     let rate = 0.5 * (gradient[0][0] - gradient[1][1]).hypot(gradient[0][1] + gradient[1][0]);
@@ -223,6 +223,12 @@ fn the_right_hand_side_has_the_spectrum_of_the_waves() {
                 (pair(own), pair([one, two]), pair(unmoved))
             };
             let largest = expected.iter().map(|root| root.norm()).fold(0.0, f64::max);
+            // Near the directions without leading decay little is left of the terms that cancel: their
+            // rounding is that of the perturbations, 1e-16 over their part of the background.
+            let viscous = background.flow.stress.deviator.value * number * number
+                / (2.0 * problem.density * background.flow.shear_rate)
+                / (2.0 * background.flow.noncoaxiality).cos().abs();
+            let tolerance = 1e-6 * largest + 1e-10 * viscous;
             // A pair of opposite signs and equal size may stand in either order.
             let distance = |a: &[Complex64], b: &[Complex64]| {
                 let of = |b: &[Complex64]| {
@@ -232,8 +238,8 @@ fn the_right_hand_side_has_the_spectrum_of_the_waves() {
                 of(b).min(of(&turned))
             };
             let message = || format!("{kind:?} {index}: {found:?} {expected:?} {frozen:?}");
-            assert!(distance(&found, &expected) < 1e-6 * largest, "{}", message());
-            assert!(distance(&of_pencil, &frozen) < 1e-6 * largest, "{}", message());
+            assert!(distance(&found, &expected) < tolerance, "{}", message());
+            assert!(distance(&of_pencil, &frozen) < tolerance, "{}", message());
         }
     }
 }
@@ -323,6 +329,49 @@ fn small_perturbations_follow_the_waves() {
                 errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect();
             println!("{kind:?}, s21 = {half_vorticity}: errors {errors:?}, orders {orders:.2?}");
             assert!(orders[2] > 1.9 && errors[3] < 1e-3, "{kind:?}: {errors:?} {orders:?}");
+        }
+    }
+}
+
+/// Homogeneous simple shear at γ̇: perturbations of the stress angle grow at γ̇ cot φ in double shearing
+/// (Spencer 1964), those of the spin do not grow in the model of Harris & Grekova.
+#[test]
+fn homogeneous_simple_shear_is_unstable_in_double_shearing_alone() {
+    let (friction, rate) = (PI / 6.0, 2.0);
+    let state = State {
+        density: 1600.0,
+        pressure: 1000.0,
+        // Simple shear along x₁: Ψ_D = 45°, s₂₁ = −γ̇/2 = −Q_D, sin 2Δ = −sin φ.
+        stress_angle: PI / 4.0 + 0.5 * friction,
+        shear_rate: 0.5 * rate,
+        half_vorticity: -0.5 * rate,
+        noncoaxiality: Some(-0.5 * friction),
+        ..State::default()
+    };
+    for (kind, expected) in
+        [(Kind::DoubleShearing, rate / friction.tan()), (Kind::HarrisGrekova, 0.0)]
+    {
+        let background = Background::new(kind, friction, 0.0, state);
+        let gradient = background.gradient();
+        assert!((gradient[0][1] - rate).abs() + gradient[1][0].abs() < 1e-12, "{gradient:?}");
+        let problem = Problem { tolerance: 1e-9, ..background.problem([8, 8], [1.0, 1.0]) };
+        let mut flow = Flow::new(&problem).expect("a problem");
+        let zero = vec![0.0; 64];
+        let amplitude = 1e-7;
+        let mean = flow.mode([0, 0]).expect("kept")[0][1].re;
+        flow.perturb([&zero, &zero], &vec![amplitude; 64]).expect("a stress");
+        let (duration, mut times, mut logarithms) = (1.0, Vec::new(), Vec::new());
+        while flow.time() < duration {
+            flow.advance(duration).expect("a stress");
+            times.push(flow.time());
+            logarithms.push(((flow.mode([0, 0]).expect("kept")[0][1].re - mean) / amplitude).ln());
+        }
+        let found = logarithms.last().expect("a step") / duration;
+        println!("{kind:?}: {found} 1/s of {expected}, {} steps", flow.steps());
+        assert!((found - expected).abs() <= 1e-6 * rate, "{kind:?}: {found}");
+        // Along all of the way.
+        for (time, logarithm) in times.iter().zip(&logarithms) {
+            assert!((logarithm - expected * time).abs() < 1e-5);
         }
     }
 }
