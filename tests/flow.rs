@@ -3,7 +3,8 @@
 
 use analysis::kelvin::{Evolution, wave_vector, wave_vector_rate};
 use analysis::pencil::Pencil;
-use dynamics::flow::{Closure, Flow, Mode, Problem};
+use dynamics::flow::spectral::Mode;
+use dynamics::flow::{Closure, Flow, Problem};
 use models::LinearisedSystem;
 use models::granular_flow::state::{self, State};
 use models::granular_flow::{Kind, Model, Parameters};
@@ -24,6 +25,12 @@ impl Random {
         let unit = ((z ^ (z >> 31)) >> 11) as f64 * (-53f64).exp2();
         least + (most - least) * unit
     }
+}
+
+/// On one thread: boxes are so small that others would only wait.
+fn alone(work: impl FnOnce() + Send) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    pool.install(work);
 }
 
 /// A homogeneous background in which the stress angle is steady.
@@ -187,6 +194,10 @@ fn eigenvalues([[a, b], [c, d]]: [[Complex64; 2]; 2]) -> [Complex64; 2] {
 /// (ξ·Γξ⊥)/(1 − sin φ cos β) is taken from its first entry.
 #[test]
 fn the_right_hand_side_has_the_spectrum_of_the_waves() {
+    alone(spectra);
+}
+
+fn spectra() {
     let mut random = Random(7);
     for kind in KINDS {
         for index in 0..1000 {
@@ -288,6 +299,10 @@ fn kelvin(
 /// Small perturbations follow the waves to the second order of the steps, in shear and in pure shear.
 #[test]
 fn small_perturbations_follow_the_waves() {
+    alone(courses);
+}
+
+fn courses() {
     for kind in KINDS {
         for half_vorticity in [0.0, -1.0] {
             let state = State {
@@ -337,6 +352,10 @@ fn small_perturbations_follow_the_waves() {
 /// (Spencer 1964), those of the spin do not grow in the model of Harris & Grekova.
 #[test]
 fn homogeneous_simple_shear_is_unstable_in_double_shearing_alone() {
+    alone(homogeneous_simple_shear);
+}
+
+fn homogeneous_simple_shear() {
     let (friction, rate) = (PI / 6.0, 2.0);
     let state = State {
         density: 1600.0,

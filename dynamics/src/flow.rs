@@ -4,7 +4,7 @@
 //! - [`Closure`]: what determines the stress angle;
 //! - `equations`: the right-hand side, written from the balance laws;
 //! - `pressure`: what keeps the flow free of divergence;
-//! - `spectral`: Fourier series in the box, whose wave vectors k(t) = exp(−Γᵀt) k₀ move with it;
+//! - [`spectral`]: Fourier series in the box, whose wave vectors k(t) = exp(−Γᵀt) k₀ move with it;
 //! - `chebyshev`: stages of a step; [`Flow`] chooses their number and the step.
 //!
 //! Γ needs the body force (Γ² − tr Γ²/2) x, which vanishes: Γ² of a traceless Γ is a multiple of the unit
@@ -15,15 +15,14 @@ mod chebyshev;
 mod closure;
 mod equations;
 mod pressure;
-mod spectral;
-
-pub use closure::Closure;
-pub use spectral::Mode;
+pub mod spectral;
 
 use chebyshev::{reach, scheme, stages};
+pub use closure::Closure;
 use equations::{Equations, exponential};
 use num_complex::Complex64;
 use pressure::combine;
+use spectral::Mode;
 
 /// Most stages of a step.
 const MOST_STAGES: usize = 2000;
@@ -245,7 +244,7 @@ impl Flow {
 
     /// ω or ψ of the background, where it does not change of itself.
     fn background(&self) -> f64 {
-        let problem = &self.equations.problem;
+        let problem = self.equations.problem();
         match problem.closure {
             Closure::HarrisGrekova => problem.spin + problem.spin_acceleration * self.time,
             Closure::DoubleShearing | Closure::PlasticPotential => problem.stress_angle,
@@ -267,24 +266,25 @@ impl Flow {
     /// # Panics
     /// The number of values is not that of the points.
     pub fn perturb(&mut self, velocity: [&[f64]; 2], inner: &[f64]) -> Result<(), Left> {
-        let count: usize = self.equations.problem.points.iter().product();
+        let count: usize = self.equations.problem().points.iter().product();
         assert!(velocity.iter().all(|own| own.len() == count), "a value for each point");
         let waves = self.equations.waves(self.time);
         let series = &mut self.equations.series;
         let modes = velocity.map(|values| {
             let mut modes = vec![Complex64::ZERO; series.count()];
-            series.forward(values, &mut modes);
+            series.forward(|point| values[point], &mut modes);
             modes
         });
         let stored = series.count();
         let mut added = vec![Complex64::ZERO; stored];
-        series.fill(&mut added, &waves, |[k1, k2], i| {
+        series.fill(&mut added, &waves, |wave, i| {
+            let [k1, k2] = wave.vector;
             Complex64::I * (k1 * modes[1][i] - k2 * modes[0][i])
         });
         combine(&mut self.state[..stored], 1.0, &added, 1.0);
-        if self.equations.problem.closure.inner().is_some() {
+        if self.equations.problem().closure.inner().is_some() {
             assert_eq!(inner.len(), count, "a value for each point");
-            self.equations.series.forward(inner, &mut added);
+            self.equations.series.forward(|point| inner[point], &mut added);
             combine(&mut self.state[stored..2 * stored], 1.0, &added, 1.0);
         }
         self.control.step = f64::NAN;
@@ -395,19 +395,19 @@ impl Flow {
         combine(&mut before, 1.0, &self.rates, 0.4 * step);
         combine(&mut before, 1.0, &rates, 0.4 * step);
         let size = self.deviation(&self.state).max(self.deviation(&last));
-        let error = self.norm(&before) / (self.equations.problem.tolerance * size);
+        let error = self.norm(&before) / (self.equations.problem().tolerance * size);
         Ok((last, rates, error))
     }
 
     /// Q_D of the background, 1/s.
     fn shear_rate(&self) -> f64 {
-        shear_rate_of(self.equations.problem.velocity_gradient)
+        shear_rate_of(self.equations.problem().velocity_gradient)
     }
 
     /// Root of the mean square, 1/s: of ψ in units of 1/(2Q_D).
     fn norm(&self, state: &[Complex64]) -> f64 {
         let series = &self.equations.series;
-        let unit = match self.equations.problem.closure {
+        let unit = match self.equations.problem().closure {
             Closure::DoubleShearing => 2.0 * self.shear_rate(),
             _ => 1.0,
         };
@@ -477,7 +477,7 @@ impl Flow {
         if self.equations.rates(self.time + step, &state, &mut rates).is_ok() {
             combine(&mut rates, step, &self.rates, -step);
             let size = self.deviation(&self.state);
-            let error = self.norm(&rates) / (self.equations.problem.tolerance * size);
+            let error = self.norm(&rates) / (self.equations.problem().tolerance * size);
             self.equations.pressure.copy_from_slice(&start);
             return Ok(rest.min(step * 0.1 / error.max(1e-8).sqrt()));
         }
@@ -512,13 +512,13 @@ impl Flow {
 
     /// F = exp(Γt): the point y of the box is now at Fy.
     pub fn deformation(&self) -> [[f64; 2]; 2] {
-        exponential(self.equations.problem.velocity_gradient, self.time)
+        exponential(self.equations.problem().velocity_gradient, self.time)
     }
 
     /// Fields of this flow, velocities first.
     pub fn fields(&self) -> Vec<Field> {
         let spin =
-            (self.equations.problem.closure == Closure::HarrisGrekova).then_some(Field::Spin);
+            (self.equations.problem().closure == Closure::HarrisGrekova).then_some(Field::Spin);
         [Field::Velocity(0), Field::Velocity(1)]
             .into_iter()
             .chain(spin)
@@ -532,7 +532,7 @@ impl Flow {
         let value = |field: &Field| match field {
             Field::Velocity(axis) => points.velocity[*axis].clone(),
             Field::Spin => points.inner.clone(),
-            Field::StressAngle if self.equations.problem.closure == Closure::DoubleShearing => {
+            Field::StressAngle if self.equations.problem().closure == Closure::DoubleShearing => {
                 points.inner.clone()
             }
             Field::StressAngle => {
@@ -540,9 +540,9 @@ impl Flow {
                 cos.iter().zip(sin).map(|(cos, sin)| 0.5 * sin.atan2(*cos)).collect()
             }
             Field::Pressure => {
-                points.pressure.iter().map(|p| self.equations.problem.pressure + p).collect()
+                points.pressure.iter().map(|p| self.equations.problem().pressure + p).collect()
             }
-            Field::ShearRate => self.equations.shear_rates(),
+            Field::ShearRate => points.shear_rates(),
         };
         self.fields().iter().map(value).collect()
     }
@@ -563,13 +563,16 @@ impl Flow {
         let waves = self.equations.waves(self.time);
         let series = &self.equations.series;
         let of_mode = |index: usize| {
-            let [first, second] = series.mode(index).map(f64::from);
-            let [k1, k2] = waves.vector(first, second);
+            let mode = series.mode(index);
+            let [first, second] = mode.map(f64::from);
+            let [k1, k2] = waves.vector(mode);
             let square = k1 * k1 + k2 * k2;
             let share = if first == 0.0 { 0.5 } else { 1.0 };
             let energy = match square {
                 0.0 => 0.0,
-                _ => share * self.equations.problem.density * self.state[index].norm_sqr() / square,
+                _ => {
+                    share * self.equations.problem().density * self.state[index].norm_sqr() / square
+                }
             };
             (first.hypot(second), energy)
         };
@@ -595,8 +598,7 @@ impl Flow {
 
     /// The wave vector of a mode now, 1/m.
     pub fn wave_vector(&self, mode: Mode) -> [f64; 2] {
-        let [first, second] = mode.map(f64::from);
-        self.equations.waves(self.time).vector(first, second)
+        self.equations.waves(self.time).vector(mode)
     }
 
     /// Amplitudes of a mode m, in exp(ik·y) counted from the first point: of the vorticity ζ, 1/s, and of ω

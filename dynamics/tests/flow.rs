@@ -350,9 +350,8 @@ fn points_that_leave_the_region_stop_the_run() {
     assert!(flow.values().iter().flatten().all(|value| value.is_finite()));
     // A plastic potential at rest somewhere.
     let mut flow = Flow::new(&steady(Closure::PlasticPotential, 16)).expect("a problem");
-    let stop: Vec<f64> = (0..256)
-        .map(|i| 50.0 * 0.1 / TAU * (TAU * f64::from(i / 16) / 16.0).cos())
-        .collect();
+    let stop: Vec<f64> =
+        (0..256).map(|i| 50.0 * 0.1 / TAU * (TAU * f64::from(i / 16) / 16.0).cos()).collect();
     let left = flow.perturb([&stop, &vec![0.0; 256]], &[]).expect_err("rigid");
     assert!(left.what.contains("nearly rigid"), "{left}");
     // ∂₂v₁ = −50, a quarter of the box above the first point.

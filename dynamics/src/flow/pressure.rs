@@ -14,7 +14,7 @@
 //! ψ varies its kernel is not the constants but one function of mean 1: p̃ leaves the mode 0 out, where the
 //! equation says 0 = 0, and P₀ takes its place, as a bordered system would have it.
 
-use super::spectral::{Series, Waves};
+use super::spectral::{Series, Wave, Waves};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -23,21 +23,23 @@ const RESTART: usize = 30;
 /// Iterations after which there is no pressure.
 const MOST: usize = 300;
 
-/// cos 2θ and sin 2θ of a wave vector; of none (0, 0).
-#[inline(always)]
-fn doubled([k1, k2]: [f64; 2]) -> [f64; 2] {
-    let square = k1 * k1 + k2 * k2;
-    if square == 0.0 { [0.0; 2] } else { [(k1 * k1 - k2 * k2) / square, 2.0 * k1 * k2 / square] }
-}
-
 /// The equation for one field of ψ.
 pub(super) struct Equation<'a> {
-    pub(super) waves: Waves,
+    pub(super) waves: &'a Waves,
     pub(super) sin_phi: f64,
     /// cos 2ψ and sin 2ψ at the points.
     pub(super) direction: [&'a [f64]; 2],
     /// Means of both.
     pub(super) mean: [f64; 2],
+}
+
+impl Equation<'_> {
+    /// The inverse of the operator with the mean of N for N.
+    #[inline(always)]
+    fn preconditioner(&self, wave: &Wave) -> f64 {
+        let ([cos, sin], [mean_cos, mean_sin]) = (wave.doubled, self.mean);
+        1.0 / (1.0 - self.sin_phi * (mean_cos * cos + mean_sin * sin))
+    }
 }
 
 /// What a solution took.
@@ -49,49 +51,50 @@ pub(super) struct Solved {
 }
 
 /// Memory of the solver.
-#[derive(Default)]
 pub(super) struct Solver {
     /// Orthonormal basis of the Krylov space.
     basis: Vec<Vec<Complex64>>,
-    /// One factor of products at the points, and the other.
-    pressure: Vec<f64>,
-    product: Vec<f64>,
-    modes: [Vec<Complex64>; 2],
+    /// What an operator is applied to, at the points.
+    values: Vec<f64>,
+    /// Its products with cos 2ψ and sin 2ψ.
+    products: [Vec<Complex64>; 2],
+    next: Vec<Complex64>,
+    sum: Vec<Complex64>,
 }
 
 impl Solver {
     pub(super) fn new(series: &Series) -> Self {
-        let [columns, rows] = series.points();
+        let modes = || vec![Complex64::ZERO; series.count()];
         Self {
             basis: Vec::new(),
-            pressure: vec![0.0; columns * rows],
-            product: vec![0.0; columns * rows],
-            modes: [vec![Complex64::ZERO; series.count()], vec![Complex64::ZERO; series.count()]],
+            values: vec![0.0; series.points().iter().product()],
+            products: [modes(), modes()],
+            next: modes(),
+            sum: modes(),
         }
     }
 
-    /// `out` = (1 − sin φ R) p of a p of mean 0.
+    /// `next` = (1 − sin φ R) f p, where f is a factor of each wave.
     fn apply(
         &mut self,
         series: &mut Series,
         equation: &Equation,
+        factor: impl Fn(&Wave) -> f64 + Sync,
         p: &[Complex64],
-        out: &mut [Complex64],
     ) {
-        series.inverse(p, &equation.waves, |_| Complex64::ONE, &mut self.pressure);
-        for (direction, modes) in equation.direction.iter().zip(&mut self.modes) {
-            multiply(&self.pressure, direction, &mut self.product);
-            series.forward(&self.product, modes);
+        series.inverse(p, equation.waves, |wave| factor(wave).into(), &mut self.values);
+        let values = &self.values;
+        for (direction, product) in equation.direction.iter().zip(&mut self.products) {
+            series.forward(|point| values[point] * direction[point], product);
         }
-        let [one, other] = &self.modes;
-        series.fill(out, &equation.waves, |k, i| {
-            let [cos, sin] = doubled(k);
-            p[i] - equation.sin_phi * (cos * one[i] + sin * other[i])
+        let [one, other] = &self.products;
+        series.fill(&mut self.next, equation.waves, |wave, i| {
+            let [cos, sin] = wave.doubled;
+            factor(wave) * p[i] - equation.sin_phi * (cos * one[i] + sin * other[i])
         });
     }
 
-    /// Solves for p̃, from what stands there, by GMRES (Saad & Schultz 1986), preconditioned from the right
-    /// by the operator of the mean of N.
+    /// Solves for p̃, from what stands there, by GMRES (Saad & Schultz 1986), preconditioned from the right.
     ///
     /// # Errors
     /// What was reached where the tolerance was not.
@@ -103,46 +106,40 @@ impl Solver {
         tolerance: f64,
         p: &mut [Complex64],
     ) -> Result<Solved, Solved> {
-        let goal = tolerance * series.product(right, right).sqrt();
-        let norm_of = |residual: f64| if goal > 0.0 { residual * tolerance / goal } else { 0.0 };
-        let precondition = |series: &Series, from: &[Complex64], to: &mut [Complex64]| {
-            series.fill(to, &equation.waves, |k, i| {
-                let ([cos, sin], [mean_cos, mean_sin]) = (doubled(k), equation.mean);
-                from[i] / (1.0 - equation.sin_phi * (mean_cos * cos + mean_sin * sin))
-            });
-        };
+        let size = series.product(right, right).sqrt();
+        let goal = tolerance * size;
         let mut iterations = 0;
-        let mut work = vec![Complex64::ZERO; p.len()];
         loop {
-            self.apply(series, equation, p, &mut work);
-            combine(&mut work, -1.0, right, 1.0);
-            let mut residual = series.product(&work, &work).sqrt();
-            // No residual can be told from rounding below its part of the right-hand side.
-            if residual <= goal || goal == 0.0 {
-                return Ok(Solved { iterations, residual: norm_of(residual) });
+            self.apply(series, equation, |_| 1.0, p);
+            combine(&mut self.next, -1.0, right, 1.0);
+            let mut residual = series.product(&self.next, &self.next).sqrt();
+            let relative = if size > 0.0 { residual / size } else { 0.0 };
+            let solved = Solved { iterations, residual: relative };
+            if residual <= goal || size == 0.0 {
+                return Ok(solved);
             }
             if iterations >= MOST || !residual.is_finite() {
-                return Err(Solved { iterations, residual: norm_of(residual) });
+                return Err(solved);
             }
             // Arnoldi's process; rotations make the matrix triangular.
             let mut triangle: Vec<Vec<f64>> = Vec::new();
             let mut rotations: Vec<[f64; 2]> = Vec::new();
             let mut rest = vec![residual];
-            self.keep(0, &work, 1.0 / residual);
+            self.keep(0, 1.0 / residual);
             while triangle.len() < RESTART && residual > goal {
                 let last = triangle.len();
-                precondition(series, &self.basis[last], &mut work);
-                let mut next = vec![Complex64::ZERO; p.len()];
-                self.apply(series, equation, &work, &mut next);
+                let own = std::mem::take(&mut self.basis[last]);
+                self.apply(series, equation, |wave| equation.preconditioner(wave), &own);
+                self.basis[last] = own;
                 let mut column = Vec::with_capacity(last + 2);
                 for own in &self.basis[..=last] {
-                    let part = series.product(own, &next);
-                    combine(&mut next, 1.0, own, -part);
+                    let part = series.product(own, &self.next);
+                    combine(&mut self.next, 1.0, own, -part);
                     column.push(part);
                 }
-                let norm = series.product(&next, &next).sqrt();
+                let norm = series.product(&self.next, &self.next).sqrt();
                 if norm > 0.0 {
-                    self.keep(last + 1, &next, 1.0 / norm);
+                    self.keep(last + 1, 1.0 / norm);
                 }
                 for (i, [cos, sin]) in rotations.iter().enumerate() {
                     let (upper, lower) = (column[i], column[i + 1]);
@@ -160,25 +157,28 @@ impl Solver {
                 iterations += 1;
             }
             // Back substitution, and the combination of the basis.
-            let mut sum = vec![Complex64::ZERO; p.len()];
+            self.sum.fill(Complex64::ZERO);
             for i in (0..triangle.len()).rev() {
                 let factor = rest[i] / triangle[i][i];
                 for (rest, entry) in rest[..i].iter_mut().zip(&triangle[i]) {
                     *rest -= factor * entry;
                 }
-                combine(&mut sum, 1.0, &self.basis[i], factor);
+                combine(&mut self.sum, 1.0, &self.basis[i], factor);
             }
-            precondition(series, &sum, &mut work);
-            combine(p, 1.0, &work, 1.0);
+            let sum = &self.sum;
+            series.fill(&mut self.next, equation.waves, |wave, i| {
+                equation.preconditioner(wave) * sum[i]
+            });
+            combine(p, 1.0, &self.next, 1.0);
         }
     }
 
-    /// Makes `factor` times `vector` an entry of the basis.
-    fn keep(&mut self, index: usize, vector: &[Complex64], factor: f64) {
+    /// Makes `factor` times `next` an entry of the basis.
+    fn keep(&mut self, index: usize, factor: f64) {
         if self.basis.len() == index {
-            self.basis.push(vec![Complex64::ZERO; vector.len()]);
+            self.basis.push(vec![Complex64::ZERO; self.next.len()]);
         }
-        combine(&mut self.basis[index], 0.0, vector, factor);
+        combine(&mut self.basis[index], 0.0, &self.next, factor);
     }
 }
 
@@ -191,26 +191,10 @@ pub(super) fn right_hand_side(
     stress: f64,
     out: &mut [Complex64],
 ) {
-    series.fill(out, waves, |k, i| {
-        let square = k[0] * k[0] + k[1] * k[1];
-        if square == 0.0 {
-            return Complex64::ZERO;
-        }
-        let [cos_wave, sin_wave] = doubled(k);
-        stress * (cos_wave * cos[i] + sin_wave * sin[i]) - source[i] / square
+    series.fill(out, waves, |wave, i| {
+        let [cos_wave, sin_wave] = wave.doubled;
+        stress * (cos_wave * cos[i] + sin_wave * sin[i]) - wave.inverse_square * source[i]
     });
-}
-
-/// `out` = a·b, point by point.
-fn multiply(a: &[f64], b: &[f64], out: &mut [f64]) {
-    const PART: usize = 4096;
-    out.par_chunks_mut(PART).zip(a.par_chunks(PART).zip(b.par_chunks(PART))).for_each(
-        |(out, (a, b))| {
-            for (out, (a, b)) in out.iter_mut().zip(a.iter().zip(b)) {
-                *out = a * b;
-            }
-        },
-    );
 }
 
 /// `out` = own·out + other·b.

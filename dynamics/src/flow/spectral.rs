@@ -18,7 +18,7 @@ const BLOCK: usize = 8;
 pub type Mode = [i32; 2];
 
 /// The kept modes and their transforms.
-pub(super) struct Series {
+pub struct Series {
     points: [usize; 2],
     /// Greatest mode numbers K₁, K₂.
     greatest: [usize; 2],
@@ -31,7 +31,8 @@ pub(super) struct Series {
 }
 
 impl Series {
-    pub(super) fn new(points: [usize; 2]) -> Self {
+    /// Series on so many points along each axis: even numbers of at least 8.
+    pub fn new(points: [usize; 2]) -> Self {
         let mut real = RealFftPlanner::new();
         let mut complex = FftPlanner::new();
         let greatest = points.map(|points| (points - 1) / 3);
@@ -47,58 +48,59 @@ impl Series {
     }
 
     /// Numbers of points along each axis.
-    pub(super) fn points(&self) -> [usize; 2] {
+    pub fn points(&self) -> [usize; 2] {
         self.points
     }
 
     /// Greatest mode number along each axis.
-    pub(super) fn greatest(&self) -> [usize; 2] {
+    pub fn greatest(&self) -> [usize; 2] {
         self.greatest
     }
 
     /// Modes stored of one m₁.
-    pub(super) fn column(&self) -> usize {
+    pub fn column(&self) -> usize {
         2 * self.greatest[1] + 1
     }
 
     /// Modes stored in all.
-    pub(super) fn count(&self) -> usize {
+    pub fn count(&self) -> usize {
         (self.greatest[0] + 1) * self.column()
     }
 
     /// The mode stored at a place.
-    pub(super) fn mode(&self, index: usize) -> Mode {
+    pub fn mode(&self, index: usize) -> Mode {
         let (column, place) = (index / self.column(), index % self.column());
         let wraps = place > self.greatest[1];
         [column as i32, place as i32 - if wraps { self.column() as i32 } else { 0 }]
     }
 
     /// Where a mode is stored: `None` if it is not, or if only its conjugate, −m, is.
-    pub(super) fn index(&self, [first, second]: Mode) -> Option<usize> {
+    pub fn index(&self, [first, second]: Mode) -> Option<usize> {
         let [most, across] = self.greatest.map(|greatest| greatest as i32);
         let is_kept = (0..=most).contains(&first) && second.abs() <= across;
         let column = self.column();
         is_kept.then(|| first as usize * column + second.rem_euclid(column as i32) as usize)
     }
 
-    /// Modes from values at the points; the first axis runs fastest.
-    pub(super) fn forward(&mut self, values: &[f64], modes: &mut [Complex64]) {
+    /// Modes from values at the points, of which the first axis runs fastest.
+    pub fn forward(&mut self, value: impl Fn(usize) -> f64 + Sync, modes: &mut [Complex64]) {
         let [columns, rows] = self.points;
         let (stored, height, greatest) = (self.greatest[0] + 1, self.column(), self.greatest[1]);
         let scale = 1.0 / (columns * rows) as f64;
-        self.half.par_chunks_mut(BLOCK * stored).zip(values.par_chunks(BLOCK * columns)).for_each(
-            |(half, values)| {
-                let plan = &self.rows_forward;
-                let (mut row, mut spectrum) = (plan.make_input_vec(), plan.make_output_vec());
-                let mut scratch = plan.make_scratch_vec();
-                for (half, values) in half.chunks_mut(stored).zip(values.chunks(columns)) {
-                    row.copy_from_slice(values);
-                    plan.process_with_scratch(&mut row, &mut spectrum, &mut scratch)
-                        .expect("lengths of the plan");
-                    half.copy_from_slice(&spectrum[..stored]);
+        self.half.par_chunks_mut(BLOCK * stored).enumerate().for_each(|(block, half)| {
+            let plan = &self.rows_forward;
+            let (mut row, mut spectrum) = (plan.make_input_vec(), plan.make_output_vec());
+            let mut scratch = plan.make_scratch_vec();
+            for (index, half) in half.chunks_mut(stored).enumerate() {
+                let first = (BLOCK * block + index) * columns;
+                for (point, own) in (first..).zip(&mut row) {
+                    *own = value(point);
                 }
-            },
-        );
+                plan.process_with_scratch(&mut row, &mut spectrum, &mut scratch)
+                    .expect("lengths of the plan");
+                half.copy_from_slice(&spectrum[..stored]);
+            }
+        });
         let half = &self.half;
         modes.par_chunks_mut(BLOCK * height).enumerate().for_each(|(block, modes)| {
             let plan = &self.columns_forward;
@@ -120,29 +122,26 @@ impl Series {
     }
 
     /// Values at the points from modes: each stored one multiplied by a factor of its wave vector.
-    pub(super) fn inverse(
+    pub fn inverse(
         &mut self,
         modes: &[Complex64],
         waves: &Waves,
-        factor: impl Fn([f64; 2]) -> Complex64 + Sync,
+        factor: impl Fn(&Wave) -> Complex64 + Sync,
         values: &mut [f64],
     ) {
         let [columns, rows] = self.points;
         let (stored, height, greatest) = (self.greatest[0] + 1, self.column(), self.greatest[1]);
-        self.half.par_chunks_mut(rows).zip(modes.par_chunks(height)).enumerate().for_each(
-            |(column, (half, modes))| {
-                let plan = &self.columns_inverse;
-                half.fill(Complex64::ZERO);
-                for (place, value) in modes.iter().enumerate() {
-                    let wraps = place > greatest;
-                    let row = if wraps { place + rows - height } else { place };
-                    let second = place as f64 - if wraps { height as f64 } else { 0.0 };
-                    half[row] = factor(waves.vector(column as f64, second)) * value;
-                }
-                let mut scratch = vec![Complex64::ZERO; plan.get_inplace_scratch_len()];
-                plan.process_with_scratch(half, &mut scratch);
-            },
-        );
+        let given = modes.par_chunks(height).zip(waves.all.par_chunks(height));
+        self.half.par_chunks_mut(rows).zip(given).for_each(|(half, (modes, waves))| {
+            let plan = &self.columns_inverse;
+            half.fill(Complex64::ZERO);
+            let given = modes.iter().zip(waves).map(|(value, wave)| factor(wave) * value);
+            for (place, value) in given.enumerate() {
+                half[if place > greatest { place + rows - height } else { place }] = value;
+            }
+            let mut scratch = vec![Complex64::ZERO; plan.get_inplace_scratch_len()];
+            plan.process_with_scratch(half, &mut scratch);
+        });
         let half = &self.half;
         values.par_chunks_mut(BLOCK * columns).enumerate().for_each(|(block, values)| {
             let plan = &self.rows_inverse;
@@ -167,24 +166,25 @@ impl Series {
         });
     }
 
-    /// Makes modes of their wave vectors and places.
-    pub(super) fn fill(
+    /// Makes modes of their waves and places.
+    pub fn fill(
         &self,
         modes: &mut [Complex64],
         waves: &Waves,
-        value: impl Fn([f64; 2], usize) -> Complex64 + Sync,
+        value: impl Fn(&Wave, usize) -> Complex64 + Sync,
     ) {
-        let (height, greatest) = (self.column(), self.greatest[1]);
-        modes.par_chunks_mut(height).enumerate().for_each(|(column, modes)| {
-            for (place, own) in modes.iter_mut().enumerate() {
-                let second = place as f64 - if place > greatest { height as f64 } else { 0.0 };
-                *own = value(waves.vector(column as f64, second), column * height + place);
-            }
-        });
+        let height = self.column();
+        modes.par_chunks_mut(height).zip(waves.all.par_chunks(height)).enumerate().for_each(
+            |(column, (modes, waves))| {
+                for (place, (own, wave)) in modes.iter_mut().zip(waves).enumerate() {
+                    *own = value(wave, column * height + place);
+                }
+            },
+        );
     }
 
     /// Real part of the mean product of two real series, from their modes.
-    pub(super) fn product(&self, one: &[Complex64], other: &[Complex64]) -> f64 {
+    pub fn product(&self, one: &[Complex64], other: &[Complex64]) -> f64 {
         let height = self.column();
         // Columns one after the other: the same bits for any number of threads.
         let of_column = |(one, other): (&[Complex64], &[Complex64])| -> f64 {
@@ -197,24 +197,59 @@ impl Series {
     }
 }
 
-/// Wave vectors of the modes in a box that has been deformed.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Waves {
-    /// Those of (1, 0) and (0, 1), 1/m.
-    pub(super) basis: [[f64; 2]; 2],
+/// The wave of a mode.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wave {
+    /// k = k(cos θ, sin θ), 1/m.
+    pub vector: [f64; 2],
+    /// 1/k², m²; 0 of the mean.
+    pub inverse_square: f64,
+    /// cos 2θ and sin 2θ; 0 of the mean.
+    pub doubled: [f64; 2],
+}
+
+/// The waves of all kept modes in a box that has been deformed.
+#[derive(Clone, Debug)]
+pub struct Waves {
+    /// Wave vectors of (1, 0) and (0, 1), 1/m.
+    basis: [[f64; 2]; 2],
+    all: Vec<Wave>,
 }
 
 impl Waves {
-    /// In a box of edges L, every point y of which is now at Fy, F of determinant 1: k = F⁻ᵀ(2πm/L).
-    pub(super) fn new(lengths: [f64; 2], [[f11, f12], [f21, f22]]: [[f64; 2]; 2]) -> Self {
+    /// In a box of edges L, m, every point y of which is now at Fy, F of determinant 1: k = F⁻ᵀ(2πm/L).
+    pub fn new(series: &Series, lengths: [f64; 2], deformation: [[f64; 2]; 2]) -> Self {
+        let mut waves = Self { basis: [[0.0; 2]; 2], all: vec![Wave::default(); series.count()] };
+        waves.deform(series, lengths, deformation);
+        waves
+    }
+
+    /// The same after another deformation.
+    pub fn deform(&mut self, series: &Series, lengths: [f64; 2], f: [[f64; 2]; 2]) {
         let [k1, k2] = lengths.map(|length| TAU / length);
-        Self { basis: [[f22 * k1, -f12 * k1], [-f21 * k2, f11 * k2]] }
+        let [[f11, f12], [f21, f22]] = f;
+        self.basis = [[f22 * k1, -f12 * k1], [-f21 * k2, f11 * k2]];
+        let basis = self.basis;
+        self.all.par_chunks_mut(series.column()).enumerate().for_each(|(column, waves)| {
+            for (place, wave) in waves.iter_mut().enumerate() {
+                let vector = vector(basis, series.mode(column * series.column() + place));
+                let [k1, k2] = vector;
+                let square = k1 * k1 + k2 * k2;
+                let inverse_square = if square == 0.0 { 0.0 } else { 1.0 / square };
+                let doubled =
+                    [(k1 * k1 - k2 * k2) * inverse_square, 2.0 * k1 * k2 * inverse_square];
+                *wave = Wave { vector, inverse_square, doubled };
+            }
+        });
     }
 
     /// The wave vector of a mode, 1/m.
-    #[inline(always)]
-    pub(super) fn vector(&self, first: f64, second: f64) -> [f64; 2] {
-        let [one, other] = self.basis;
-        [first * one[0] + second * other[0], first * one[1] + second * other[1]]
+    pub fn vector(&self, mode: Mode) -> [f64; 2] {
+        vector(self.basis, mode)
     }
+}
+
+fn vector([one, other]: [[f64; 2]; 2], mode: Mode) -> [f64; 2] {
+    let [first, second] = mode.map(f64::from);
+    [first * one[0] + second * other[0], first * one[1] + second * other[1]]
 }
