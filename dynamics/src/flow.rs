@@ -30,8 +30,8 @@ const MOST_STAGES: usize = 2000;
 const LOOK: usize = 25;
 /// Successive cuts of a step to a quarter, after which it cannot be made.
 const CUTS: usize = 12;
-/// Perturbations below this part of the background's rates are rounding.
-const FLOOR: f64 = 1e-11;
+/// Rounding of a step, relative to all of the state.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// A field of a flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -394,9 +394,8 @@ impl Flow {
         combine(&mut before, 0.8, &last, -0.8);
         combine(&mut before, 1.0, &self.rates, 0.4 * step);
         combine(&mut before, 1.0, &rates, 0.4 * step);
-        let size = self.deviation(&self.state).max(self.deviation(&last));
-        let error = self.norm(&before) / (self.equations.problem().tolerance * size);
-        Ok((last, rates, error))
+        let allowed = self.allowed(&self.state).max(self.allowed(&last));
+        Ok((last, rates, self.norm(&before) / allowed))
     }
 
     /// Q_D of the background, 1/s.
@@ -417,14 +416,15 @@ impl Flow {
         squares.sum::<f64>().sqrt()
     }
 
-    /// That of what a state has beside the background, and of rounding.
-    fn deviation(&self, state: &[Complex64]) -> f64 {
+    /// The error that a step to this state may have: the tolerance times what is not background, and rounding.
+    fn allowed(&self, state: &[Complex64]) -> f64 {
         let mut perturbation = state.to_vec();
         let count = self.equations.series.count();
         if perturbation.len() > count + 1 {
             perturbation[count].re -= self.background();
         }
-        self.norm(&perturbation).max(FLOOR * self.shear_rate())
+        let tolerance = self.equations.problem().tolerance;
+        tolerance * self.norm(&perturbation) + ROUNDING * (self.norm(state) + self.shear_rate())
     }
 
     /// The greatest rate of the equations, 1/s, by the power method on their differences; a fifth is added for
@@ -476,8 +476,7 @@ impl Flow {
         // Where even that leaves the region, steps are cut.
         if self.equations.rates(self.time + step, &state, &mut rates).is_ok() {
             combine(&mut rates, step, &self.rates, -step);
-            let size = self.deviation(&self.state);
-            let error = self.norm(&rates) / (self.equations.problem().tolerance * size);
+            let error = self.norm(&rates) / self.allowed(&self.state);
             self.equations.pressure.copy_from_slice(&start);
             return Ok(rest.min(step * 0.1 / error.max(1e-8).sqrt()));
         }
