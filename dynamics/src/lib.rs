@@ -13,6 +13,7 @@
 
 pub mod boundary;
 pub mod domain;
+pub mod flow;
 pub mod kernel;
 pub mod ledger;
 pub mod line;
