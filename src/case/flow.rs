@@ -12,6 +12,7 @@ use super::keys::{Key, Value};
 use super::place::Places;
 use super::{Case, CaseError};
 use dynamics::flow::{Closure, Field};
+use models::granular_flow::Kind;
 use models::granular_flow::state::{Background, Flow, Region};
 use std::fmt;
 
@@ -33,6 +34,16 @@ pub const UNIFORM: [&str; 9] = [
     "background.inertia_gradient",
     "background.acceleration",
 ];
+
+/// What determines the stress angle of a flow, where anything does.
+pub fn closure(flow: Kind) -> Option<Closure> {
+    match flow {
+        Kind::HarrisGrekova => Some(Closure::HarrisGrekova),
+        Kind::DoubleShearing => Some(Closure::DoubleShearing),
+        Kind::PlasticPotential => Some(Closure::PlasticPotential),
+        Kind::FreeRotating => None,
+    }
+}
 
 /// The sections of a case that say how a flow is run in time.
 #[derive(Clone, Debug, PartialEq)]

@@ -20,7 +20,6 @@ pub use keys::{
 };
 pub use kind::{Kind, Medium, NoSuchMedium, Solid, Yield};
 
-use ::dynamics::flow::Closure;
 use dynamics::{Grid, Picture};
 use keys::Value;
 use models::granular_flow::state::State;
@@ -220,7 +219,7 @@ impl Case {
         }
         let closure = match kind {
             _ if !is_in_time => None,
-            Kind::Flow(flow) => closure(flow),
+            Kind::Flow(flow) => flow::closure(flow),
             Kind::Solid(_) => None,
         };
         let is_solid = is_in_time && closure.is_none();
@@ -598,16 +597,6 @@ fn no_grid(places: &Places, kind: Kind) -> CaseError {
                            with duration";
             places.error("grid", "missing", allowed)
         }
-    }
-}
-
-/// What determines the stress angle of a flow, where anything does.
-fn closure(flow: Flow) -> Option<Closure> {
-    match flow {
-        Flow::HarrisGrekova => Some(Closure::HarrisGrekova),
-        Flow::DoubleShearing => Some(Closure::DoubleShearing),
-        Flow::PlasticPotential => Some(Closure::PlasticPotential),
-        Flow::FreeRotating => None,
     }
 }
 

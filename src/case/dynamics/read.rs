@@ -35,6 +35,10 @@ const FREQUENCY: &str = "a positive number in Hz (frequency)";
 pub(in crate::case) fn grid(entries: &Entries) -> Result<Grid, CaseError> {
     let mut root = entries.in_time();
     let mut section = root.required_table("grid", "a section [grid] with cells and spacing")?;
+    if section.node("length").is_some() {
+        let allowed = "give spacing, the edges of a cell in m, in its place";
+        return Err(section.error("length", "found for a solid", allowed));
+    }
     let expected = "a list of 2 or 3 whole numbers of at least 1 (cells along each axis)";
     let cells = section.required("cells", expected, cells)?;
     let d = cells.len();

@@ -52,6 +52,10 @@ fn named(among: &[Quantity], name: &str) -> Option<Quantity> {
 
 fn grid(root: &mut Section) -> Result<Grid, CaseError> {
     let mut section = root.required_table("grid", "a section [grid] with cells and length")?;
+    if section.node("spacing").is_some() {
+        let allowed = "give length, the edges of the box at the beginning in m, in its place";
+        return Err(section.error("spacing", "found for a flow", allowed));
+    }
     let expected = format!(
         "a list of 2 even whole numbers of at least {LEAST_POINTS} (points along each axis)"
     );
