@@ -3,18 +3,12 @@
 
 /// What determines the stress angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Closure {
-    HarrisGrekova,
-    DoubleShearing,
-    PlasticPotential,
-}
+pub enum Closure { HarrisGrekova, DoubleShearing, PlasticPotential }
 
 impl Closure {
     /// The field that evolves beside the velocity: the spin ω (Harris–Grekova), the stress angle ψ
     /// (double shearing), or none (plastic potential).
-    pub fn inner(self) -> Option<Field> {
-        todo!()
-    }
+    pub fn inner(self) -> Option<Field> { todo!() }
 }
 
 /// A field of the flow.
@@ -111,56 +105,30 @@ pub struct Snapshot {
 impl Flow {
     /// The background alone. Parallel over the threads of the surrounding rayon pool; bits do not depend
     /// on their number.
-    pub fn new(problem: &Problem) -> Result<Self, FlowError> {
-        todo!()
-    }
+    pub fn new(problem: &Problem) -> Result<Self, FlowError> { todo!() }
     /// Fields at the points (i + ½)L₁/N₁, (j + ½)L₂/N₂, the first axis running fastest: perturbations of
     /// velocity, and of ω or ψ (ignored by the plastic potential). What is not free of divergence or too short
     /// for the grid is left out.
-    pub fn perturb(&mut self, velocity: [&[f64]; 2], inner: &[f64]) {
-        todo!()
-    }
+    pub fn perturb(&mut self, velocity: [&[f64]; 2], inner: &[f64]) { todo!() }
     /// One step, not beyond `until`, s. On error the state is the one before.
-    pub fn advance(&mut self, until: f64) -> Result<(), Left> {
-        todo!()
-    }
+    pub fn advance(&mut self, until: f64) -> Result<(), Left> { todo!() }
     /// s.
-    pub fn time(&self) -> f64 {
-        todo!()
-    }
+    pub fn time(&self) -> f64 { todo!() }
     /// Steps done.
-    pub fn steps(&self) -> usize {
-        todo!()
-    }
+    pub fn steps(&self) -> usize { todo!() }
     /// Fields that this closure has, velocities first.
-    pub fn fields(&self) -> Vec<Field> {
-        todo!()
-    }
+    pub fn fields(&self) -> Vec<Field> { todo!() }
     /// Values of all of these at the points; error where the state has no stress.
-    pub fn values(&mut self) -> Result<Vec<Vec<f64>>, Left> {
-        todo!()
-    }
+    pub fn values(&mut self) -> Result<Vec<Vec<f64>>, Left> { todo!() }
     /// F = exp(Γt): a point y of the box is at Fy.
-    pub fn deformation(&self) -> [[f64; 2]; 2] {
-        todo!()
-    }
-    pub fn energy(&mut self) -> Result<Energy, Left> {
-        todo!()
-    }
+    pub fn deformation(&self) -> [[f64; 2]; 2] { todo!() }
+    pub fn energy(&mut self) -> Result<Energy, Left> { todo!() }
     /// ρ/2 times the power of the velocity in shells n − ½ ≤ |m| < n + ½ of mode numbers m = (m₁, m₂),
     /// n = 1, 2, …, J/m³.
-    pub fn spectrum(&self) -> Vec<f64> {
-        todo!()
-    }
+    pub fn spectrum(&self) -> Vec<f64> { todo!() }
     /// Means over the last step, for a line of progress: iterations of the pressure per evaluation, stages.
-    pub fn effort(&self) -> (f64, usize) {
-        todo!()
-    }
-    pub fn snapshot(&self) -> Snapshot {
-        todo!()
-    }
+    pub fn effort(&self) -> (f64, usize) { todo!() }
+    pub fn snapshot(&self) -> Snapshot { todo!() }
     /// Whether the snapshot was one of this problem.
-    pub fn restore(&mut self, snapshot: &Snapshot) -> bool {
-        todo!()
-    }
+    pub fn restore(&mut self, snapshot: &Snapshot) -> bool { todo!() }
 }
