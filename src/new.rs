@@ -1,6 +1,6 @@
 //! `wellposed new`: a commented case to start from.
 
-use crate::case::flow::{Disturbed, Quantity, UNIFORM, closure};
+use crate::case::flow::{Disturbed, Quantity, UNIFORM};
 use crate::case::{ACTIVE_NAMES, KEYS, Key, Kind, Medium, Presence, Solid, Yield};
 use crate::output::{OutputError, write_file};
 use dynamics::flow::Closure;
@@ -194,7 +194,9 @@ kind = \"{name}\"
     }
     if purpose == Purpose::Run {
         return match kind {
-            Kind::Flow(flow) => text + "\n" + &closure(flow).map_or(String::new(), flow_in_time),
+            Kind::Flow(flow) => {
+                text + "\n" + &Closure::of(flow).map_or(String::new(), flow_in_time)
+            }
             Kind::Solid(_) => text + "\n" + RUN,
         };
     }

@@ -467,7 +467,7 @@ fn new_runs_show_every_key() {
             let is_coaxial = *name == "uniform" && kind.name() == "plastic-potential";
             assert!(is_shown != is_coaxial, "{name}");
         }
-        let closure = wellposed::case::flow::closure(match kind {
+        let closure = Closure::of(match kind {
             Kind::Flow(flow) => *flow,
             Kind::Solid(_) => panic!(),
         });

@@ -14,6 +14,7 @@
 //! - [`circle`], [`sphere`]: flutter and shear bands of a yielding solid over all directions in the plane
 //!   and in space;
 //! - [`energy`]: what the symmetriser of a solid's equations shows;
+//! - [`kelvin`]: waves that a homogeneous flow carries along;
 //! - [`waves`]: speeds, dispersion curves and forbidden bands of solids.
 #![deny(missing_docs)]
 
@@ -27,6 +28,7 @@ mod face;
 pub mod form;
 mod golden;
 pub mod growth;
+pub mod kelvin;
 mod layers;
 mod leading;
 pub mod list;

@@ -1,71 +1,154 @@
-//! Granular flow in time: SKELETON of the interface; the bodies are being written elsewhere.
-#![allow(missing_docs, clippy::todo, dead_code, unused_variables)]
+//! Granular flow in time: the equations of Harris & Grekova (2005) and of their relatives, ν = 0, in a box
+//! that moves with a homogeneous flow Γx and outside of which all perturbations repeat.
+//!
+//! - [`Closure`]: what determines the stress angle;
+//! - `equations`: the right-hand side, written from the balance laws;
+//! - `pressure`: what keeps the flow free of divergence;
+//! - `spectral`: Fourier series in the box, whose wave vectors k(t) = exp(−Γᵀt) k₀ move with it;
+//! - `chebyshev`: stages of a step; [`Flow`] chooses their number and the step.
+//!
+//! Γ needs the body force (Γ² − tr Γ²/2) x, which vanishes: Γ² of a traceless Γ is a multiple of the unit
+//! tensor, a force −det Γ x that has no curl. A steady spin needs the body moment −2r/ρ of the rotational
+//! stress r, which is uniform.
 
-/// What determines the stress angle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Closure { HarrisGrekova, DoubleShearing, PlasticPotential }
+mod chebyshev;
+mod closure;
+mod equations;
+mod pressure;
+mod spectral;
 
-impl Closure {
-    /// The field that evolves beside the velocity: the spin ω (Harris–Grekova), the stress angle ψ
-    /// (double shearing), or none (plastic potential).
-    pub fn inner(self) -> Option<Field> { todo!() }
-}
+pub use closure::Closure;
+pub use spectral::Mode;
 
-/// A field of the flow.
+use chebyshev::{reach, scheme, stages};
+use equations::{Equations, exponential};
+use num_complex::Complex64;
+use pressure::combine;
+
+/// Most stages of a step.
+const MOST_STAGES: usize = 2000;
+/// Steps after which the greatest rate is looked for again.
+const LOOK: usize = 25;
+/// Successive cuts of a step to a quarter, after which it cannot be made.
+const CUTS: usize = 12;
+/// Perturbations below this part of the background's rates are rounding.
+const FLOOR: f64 = 1e-11;
+
+/// A field of a flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Field {
-    /// v − Γx, m/s.
+    /// A component of v − Γx, m/s.
     Velocity(usize),
-    /// ω, rad/s (Harris–Grekova alone).
+    /// The spin ω, rad/s.
     Spin,
-    /// ψ, rad.
+    /// The angle ψ of the greater principal stress from x₁, rad; in (−π/2, π/2] where it does not evolve.
     StressAngle,
-    /// p, Pa.
+    /// The pressure p, Pa.
     Pressure,
-    /// Q_D, 1/s.
+    /// The magnitude Q_D of the deviatoric deformation rate, 1/s.
     ShearRate,
 }
 
-/// What is to be solved.
+/// A homogeneous flow and the box in which it is perturbed; SI units, radians.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
+    /// What determines the stress angle.
     pub closure: Closure,
-    /// ρ, kg/m³.
+    /// Density ρ, kg/m³; > 0.
     pub density: f64,
-    /// φ, rad.
+    /// Friction angle φ, rad; in (0, π/2).
     pub friction_angle: f64,
-    /// c, Pa.
+    /// Cohesion c, Pa; ≥ 0.
     pub cohesion: f64,
-    /// Mean of p, Pa.
+    /// Mean pressure P₀, Pa; beyond −c cot φ.
     pub pressure: f64,
-    /// Γ, entry [i][j] = ∂ⱼVᵢ, 1/s; traceless.
+    /// Γ, entry \[i\]\[j\] = ∂ⱼVᵢ, 1/s; of trace 0, and no rotation alone.
     pub velocity_gradient: [[f64; 2]; 2],
-    /// Ψ at the beginning, rad.
+    /// Stress angle Ψ of the background at the beginning, rad.
     pub stress_angle: f64,
-    /// Ω at the beginning, rad/s (Harris–Grekova alone).
+    /// Spin Ω of the background at the beginning, rad/s: Harris–Grekova alone.
     pub spin: f64,
-    /// DΩ/Dt, rad/s² (Harris–Grekova alone).
+    /// DΩ/Dt, rad/s²: Harris–Grekova alone.
     pub spin_acceleration: f64,
-    /// Points along each axis of the box that moves with the mean flow; even, at least 8.
+    /// Points along each axis of the box; even, at least 8.
     pub points: [usize; 2],
-    /// Edges of the box at the beginning, m.
+    /// Edges of the box at the beginning, along x₁ and x₂, m.
     pub lengths: [f64; 2],
-    /// Tolerance of a step relative to the perturbation.
+    /// Error of a step relative to the perturbation, at most.
     pub tolerance: f64,
-    /// Residual of the pressure equation relative to its right-hand side.
+    /// Residual of the pressure's equation relative to its right-hand side, at most.
     pub pressure_tolerance: f64,
-    /// Least Q_D relative to that of the background (plastic potential alone).
+    /// Q_D over that of the background below which a run ends: plastic potential alone.
     pub least_shear_rate: f64,
 }
 
 /// A problem that cannot be.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FlowError {
-    #[error("{0}")]
-    Problem(String),
+    /// Too few points, or an odd number of them.
+    #[error("{0:?} points: an even number of at least 8 is needed along each axis")]
+    Points([usize; 2]),
+    /// A number out of its range.
+    #[error("{name} cannot be {value}")]
+    Number {
+        /// Which one.
+        name: &'static str,
+        /// What it is.
+        value: f64,
+    },
+    /// A background that changes volume, or does not deform.
+    #[error("the velocity gradient {0:?} must have trace 0 and deform")]
+    Gradient([[f64; 2]; 2]),
 }
 
-/// A point has left the fully deforming region, or the numbers have ended.
+impl Problem {
+    /// # Errors
+    /// The first number that cannot be.
+    fn check(&self) -> Result<(), FlowError> {
+        if self.points.iter().any(|points| *points < 8 || points % 2 == 1) {
+            return Err(FlowError::Points(self.points));
+        }
+        let positive = [
+            ("the density", self.density),
+            ("the friction angle", self.friction_angle),
+            ("the length of the box", self.lengths[0]),
+            ("the length of the box", self.lengths[1]),
+            ("the tolerance", self.tolerance),
+            ("the tolerance of the pressure", self.pressure_tolerance),
+            ("the deviatoric stress", self.deviator()),
+        ];
+        let finite = [
+            ("the cohesion", self.cohesion),
+            ("the stress angle", self.stress_angle),
+            ("the spin", self.spin),
+            ("the spin's acceleration", self.spin_acceleration),
+            ("the least shear rate", self.least_shear_rate),
+        ];
+        let odd = positive.iter().find(|(_, value)| !(*value > 0.0 && value.is_finite()));
+        if let Some(&(name, value)) = odd.or(finite.iter().find(|own| !own.1.is_finite())) {
+            return Err(FlowError::Number { name, value });
+        }
+        let gradient = self.velocity_gradient;
+        let rate = shear_rate_of(gradient);
+        let trace = gradient[0][0] + gradient[1][1];
+        if !(rate > 0.0 && rate.is_finite() && trace.abs() <= 1e-12 * rate) {
+            return Err(FlowError::Gradient(gradient));
+        }
+        Ok(())
+    }
+
+    /// q of the background, Pa.
+    fn deviator(&self) -> f64 {
+        self.pressure * self.friction_angle.sin() + self.cohesion * self.friction_angle.cos()
+    }
+}
+
+/// Q_D of a velocity gradient, 1/s.
+fn shear_rate_of(gradient: [[f64; 2]; 2]) -> f64 {
+    closure::Deformation::new(gradient).shear_rate()
+}
+
+/// A point has left the fully deforming region, or there is no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{what}")]
 pub struct Left {
@@ -77,21 +160,18 @@ pub struct Left {
     pub time: f64,
 }
 
-/// Energy of the perturbation per area of the box, J/m³, and what changed it.
+/// Energy of the perturbation per volume, J/m³, and what changed it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
-    /// ½ρ⟨|v'|²⟩.
+    /// ½ρ⟨|v′|²⟩.
     pub kinetic: f64,
-    /// −∫ρ⟨v'·Γv'⟩dt: what the background gave.
+    /// −∫ρ⟨v′·Γv′⟩dt: from the background.
     pub background: f64,
-    /// −∫⟨s : ∇v'⟩dt, of the deviatoric stress s = qN: what the stress gave.
+    /// −∫⟨qN : ∇v′⟩dt: from the stress.
     pub stress: f64,
-    /// Internal power ⟨2Q_D q cos 2Δ⟩ now, W/m³.
+    /// Internal power ⟨2Q_D q cos 2Δ⟩, W/m³.
     pub power: f64,
 }
-
-/// A flow in time.
-pub struct Flow {}
 
 /// All that a flow needs to go on with the same bits.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,33 +182,482 @@ pub struct Snapshot {
     pub parts: Vec<Vec<f64>>,
 }
 
+/// What chooses the steps.
+#[derive(Clone, Debug)]
+struct Control {
+    /// The next step, s; not a number before the first one.
+    step: f64,
+    /// Error of the last step, over the tolerance.
+    error: f64,
+    /// Greatest rate of the equations, 1/s; not a number where it is to be looked for.
+    rate: f64,
+    /// Steps since it was looked for.
+    age: usize,
+    /// The perturbation that has it.
+    direction: Vec<Complex64>,
+}
+
+/// A flow in time. Runs on the threads of the surrounding pool; bits do not depend on their number.
+pub struct Flow {
+    /// At rest its fields at the points are those of the state.
+    equations: Equations,
+    time: f64,
+    steps: usize,
+    /// ζ, then ω or ψ, in modes, then the works of background and stress.
+    state: Vec<Complex64>,
+    /// Its rates of change.
+    rates: Vec<Complex64>,
+    control: Control,
+    /// Stages of the last step.
+    stages: usize,
+}
+
 impl Flow {
-    /// The background alone. Parallel over the threads of the surrounding rayon pool; bits do not depend
-    /// on their number.
-    pub fn new(problem: &Problem) -> Result<Self, FlowError> { todo!() }
-    /// Fields at the points (i + ½)L₁/N₁, (j + ½)L₂/N₂, the first axis running fastest: perturbations of
-    /// velocity, and of ω or ψ (ignored by the plastic potential). What is not free of divergence or too short
-    /// for the grid is left out.
-    pub fn perturb(&mut self, velocity: [&[f64]; 2], inner: &[f64]) { todo!() }
-    /// One step, not beyond `until`, s. On error the state is the one before.
-    pub fn advance(&mut self, until: f64) -> Result<(), Left> { todo!() }
-    /// s.
-    pub fn time(&self) -> f64 { todo!() }
+    /// The background alone.
+    ///
+    /// # Errors
+    /// The first number that cannot be. That the background has a stress is found by [`perturb`](Self::perturb).
+    pub fn new(problem: &Problem) -> Result<Self, FlowError> {
+        problem.check()?;
+        let equations = Equations::new(problem.clone());
+        let size = equations.size();
+        let mut flow = Self {
+            equations,
+            time: 0.0,
+            steps: 0,
+            state: vec![Complex64::ZERO; size],
+            rates: vec![Complex64::ZERO; size],
+            control: Control {
+                step: f64::NAN,
+                error: 1.0,
+                rate: f64::NAN,
+                age: 0,
+                direction: Vec::new(),
+            },
+            stages: 0,
+        };
+        let background = flow.background();
+        if let Some(mean) = flow.inner_modes_mut().first_mut() {
+            mean.re = background;
+        }
+        Ok(flow)
+    }
+
+    /// ω or ψ of the background, where it does not change of itself.
+    fn background(&self) -> f64 {
+        let problem = &self.equations.problem;
+        match problem.closure {
+            Closure::HarrisGrekova => problem.spin + problem.spin_acceleration * self.time,
+            Closure::DoubleShearing | Closure::PlasticPotential => problem.stress_angle,
+        }
+    }
+
+    fn inner_modes_mut(&mut self) -> &mut [Complex64] {
+        let (count, size) = (self.equations.series.count(), self.state.len());
+        &mut self.state[count..size - 1]
+    }
+
+    /// Adds perturbations at the points (i + ½)L₁/N₁, (j + ½)L₂/N₂, x₁ running fastest: of the velocity,
+    /// m/s, and of ω, rad/s, or ψ, rad. What is not free of divergence, and what is too short for the grid,
+    /// is left out.
+    ///
+    /// # Errors
+    /// A point has no stress.
+    ///
+    /// # Panics
+    /// The number of values is not that of the points.
+    pub fn perturb(&mut self, velocity: [&[f64]; 2], inner: &[f64]) -> Result<(), Left> {
+        let count: usize = self.equations.problem.points.iter().product();
+        assert!(velocity.iter().all(|own| own.len() == count), "a value for each point");
+        let waves = self.equations.waves(self.time);
+        let series = &mut self.equations.series;
+        let modes = velocity.map(|values| {
+            let mut modes = vec![Complex64::ZERO; series.count()];
+            series.forward(values, &mut modes);
+            modes
+        });
+        let stored = series.count();
+        let mut added = vec![Complex64::ZERO; stored];
+        series.fill(&mut added, &waves, |[k1, k2], i| {
+            Complex64::I * (k1 * modes[1][i] - k2 * modes[0][i])
+        });
+        combine(&mut self.state[..stored], 1.0, &added, 1.0);
+        if self.equations.problem.closure.inner().is_some() {
+            assert_eq!(inner.len(), count, "a value for each point");
+            self.equations.series.forward(inner, &mut added);
+            combine(&mut self.state[stored..2 * stored], 1.0, &added, 1.0);
+        }
+        self.control.step = f64::NAN;
+        self.control.rate = f64::NAN;
+        self.equations.rates(self.time, &self.state, &mut self.rates)
+    }
+
+    /// One step as long as the tolerance allows, not beyond `until`, s.
+    ///
+    /// # Errors
+    /// A point has left the fully deforming region; the state is that before the step.
+    pub fn advance(&mut self, until: f64) -> Result<(), Left> {
+        let rest = until - self.time;
+        if rest <= 0.0 {
+            return Ok(());
+        }
+        if self.control.step.is_nan() {
+            self.control.rate = self.greatest_rate()?;
+            self.control.step = self.first_step(rest)?;
+        } else if self.control.rate.is_nan() || self.control.age >= LOOK {
+            self.control.rate = self.greatest_rate()?;
+        }
+        let start = self.equations.pressure.clone();
+        let mut cuts = 0;
+        loop {
+            // What is left is shared by steps of one length, lest the last one is a splinter.
+            let longest = self.control.step.min(0.9 * reach(MOST_STAGES) / self.control.rate);
+            let step = rest / (rest / longest).ceil().max(1.0);
+            match self.tried(step) {
+                Ok((state, rates, error)) if error <= 1.0 => {
+                    let factor = 0.8
+                        * error.max(1e-6).powf(-1.0 / 3.0)
+                        * (self.control.error.max(1e-3) / error.max(1e-3)).powf(0.1);
+                    // A step cut short by `until` says nothing against a longer one.
+                    let next = step * factor.clamp(0.1, 5.0);
+                    self.control.step = if step < longest { next.max(longest) } else { next };
+                    (self.control.error, self.control.age) = (error, self.control.age + 1);
+                    (self.state, self.rates) = (state, rates);
+                    let is_last = step == rest;
+                    self.time = if is_last { until } else { self.time + step };
+                    self.steps += 1;
+                    return Ok(());
+                }
+                Ok((.., error)) if error.is_finite() => {
+                    self.control.step = step * (0.8 * error.powf(-1.0 / 3.0)).clamp(0.1, 0.8);
+                }
+                Ok(_) => self.control.step = 0.25 * step,
+                Err(left) if cuts >= CUTS => {
+                    self.equations.pressure.copy_from_slice(&start);
+                    self.equations.rates(self.time, &self.state, &mut self.rates)?;
+                    return Err(left);
+                }
+                Err(_) => {
+                    cuts += 1;
+                    self.control.step = 0.25 * step;
+                }
+            }
+            self.equations.pressure.copy_from_slice(&start);
+            if self.control.age > 0 {
+                self.control.rate = self.greatest_rate()?;
+                self.equations.pressure.copy_from_slice(&start);
+            }
+        }
+    }
+
+    /// A step of a given length, s, whatever its error.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    pub fn advance_by(&mut self, step: f64) -> Result<(), Left> {
+        if self.control.rate.is_nan() || self.control.age >= LOOK {
+            self.control.rate = self.greatest_rate()?;
+        }
+        let (state, rates, _) = self.tried(step)?;
+        (self.state, self.rates) = (state, rates);
+        (self.time, self.steps, self.control.age) =
+            (self.time + step, self.steps + 1, self.control.age + 1);
+        Ok(())
+    }
+
+    /// State and rates after a step, and its error over the tolerance.
+    fn tried(&mut self, step: f64) -> Result<(Vec<Complex64>, Vec<Complex64>, f64), Left> {
+        self.stages = stages(step * self.control.rate);
+        let mut last = self.state.clone();
+        let mut before = last.clone();
+        let mut rates = self.rates.clone();
+        let mut time = self.time;
+        for (index, stage) in scheme(self.stages).into_iter().enumerate() {
+            if index > 0 {
+                self.equations.rates(time, &last, &mut rates)?;
+            }
+            // Yⱼ takes the place of Yⱼ₋₂.
+            if index == 0 {
+                combine(&mut last, 1.0, &rates, step * stage.rate);
+            } else {
+                combine(&mut before, stage.nu, &last, stage.mu);
+                combine(&mut before, 1.0, &self.state, 1.0 - stage.mu - stage.nu);
+                combine(&mut before, 1.0, &rates, step * stage.rate);
+                combine(&mut before, 1.0, &self.rates, step * stage.first);
+                std::mem::swap(&mut last, &mut before);
+            }
+            time = self.time + step * stage.time;
+        }
+        self.equations.rates(self.time + step, &last, &mut rates)?;
+        // 0.8 (y − y⁺) + 0.4 h (y′ + y⁺′)
+        before.copy_from_slice(&self.state);
+        combine(&mut before, 0.8, &last, -0.8);
+        combine(&mut before, 1.0, &self.rates, 0.4 * step);
+        combine(&mut before, 1.0, &rates, 0.4 * step);
+        let size = self.deviation(&self.state).max(self.deviation(&last));
+        let error = self.norm(&before) / (self.equations.problem.tolerance * size);
+        Ok((last, rates, error))
+    }
+
+    /// Q_D of the background, 1/s.
+    fn shear_rate(&self) -> f64 {
+        shear_rate_of(self.equations.problem.velocity_gradient)
+    }
+
+    /// Root of the mean square, 1/s: of ψ in units of 1/(2Q_D).
+    fn norm(&self, state: &[Complex64]) -> f64 {
+        let series = &self.equations.series;
+        let unit = match self.equations.problem.closure {
+            Closure::DoubleShearing => 2.0 * self.shear_rate(),
+            _ => 1.0,
+        };
+        let fields = state[..state.len() - 1].chunks(series.count());
+        let squares =
+            fields.zip([1.0, unit]).map(|(own, unit)| unit * unit * series.product(own, own));
+        squares.sum::<f64>().sqrt()
+    }
+
+    /// That of what a state has beside the background, and of rounding.
+    fn deviation(&self, state: &[Complex64]) -> f64 {
+        let mut perturbation = state.to_vec();
+        let count = self.equations.series.count();
+        if perturbation.len() > count + 1 {
+            perturbation[count].re -= self.background();
+        }
+        self.norm(&perturbation).max(FLOOR * self.shear_rate())
+    }
+
+    /// The greatest rate of the equations, 1/s, by the power method on their differences; a fifth is added for
+    /// what it has not found.
+    fn greatest_rate(&mut self) -> Result<f64, Left> {
+        const MOST: usize = 50;
+        let start = self.equations.pressure.clone();
+        let (time, size) = (self.time, 1e-6 * self.shear_rate());
+        if self.control.direction.is_empty() {
+            // All modes alike, with phases that favour none.
+            self.control.direction = (0..self.state.len() as u64)
+                .map(|index| Complex64::cis((index * index % 1_000_003) as f64))
+                .collect();
+        }
+        let mut direction = std::mem::take(&mut self.control.direction);
+        let mut rates = vec![Complex64::ZERO; self.state.len()];
+        let mut rate = 0.0;
+        for round in 0..MOST {
+            if let Some(works) = direction.last_mut() {
+                *works = Complex64::ZERO;
+            }
+            let norm = self.norm(&direction);
+            let mut state = self.state.clone();
+            combine(&mut state, 1.0, &direction, size / norm);
+            self.equations.rates(time, &state, &mut rates)?;
+            combine(&mut rates, 1.0, &self.rates, -1.0);
+            let found = self.norm(&rates) / size;
+            std::mem::swap(&mut direction, &mut rates);
+            let is_settled = round > 1 && (found - rate).abs() <= 0.01 * found;
+            rate = found;
+            if is_settled || found == 0.0 {
+                break;
+            }
+        }
+        self.control.direction = direction;
+        self.control.age = 0;
+        self.equations.pressure.copy_from_slice(&start);
+        // No slower than what the background does.
+        Ok(1.2 * rate.max(self.shear_rate()))
+    }
+
+    /// A first step, s, from the change of the rates along a short one of Euler's.
+    fn first_step(&mut self, rest: f64) -> Result<f64, Left> {
+        let start = self.equations.pressure.clone();
+        let step = rest.min(1.0 / self.control.rate);
+        let mut state = self.state.clone();
+        combine(&mut state, 1.0, &self.rates, step);
+        let mut rates = vec![Complex64::ZERO; state.len()];
+        // Where even that leaves the region, steps are cut.
+        if self.equations.rates(self.time + step, &state, &mut rates).is_ok() {
+            combine(&mut rates, step, &self.rates, -step);
+            let size = self.deviation(&self.state);
+            let error = self.norm(&rates) / (self.equations.problem.tolerance * size);
+            self.equations.pressure.copy_from_slice(&start);
+            return Ok(rest.min(step * 0.1 / error.max(1e-8).sqrt()));
+        }
+        self.equations.pressure.copy_from_slice(&start);
+        Ok(step)
+    }
+
+    /// Time, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
     /// Steps done.
-    pub fn steps(&self) -> usize { todo!() }
-    /// Fields that this closure has, velocities first.
-    pub fn fields(&self) -> Vec<Field> { todo!() }
-    /// Values of all of these at the points; error where the state has no stress.
-    pub fn values(&mut self) -> Result<Vec<Vec<f64>>, Left> { todo!() }
-    /// F = exp(Γt): a point y of the box is at Fy.
-    pub fn deformation(&self) -> [[f64; 2]; 2] { todo!() }
-    pub fn energy(&mut self) -> Result<Energy, Left> { todo!() }
-    /// ρ/2 times the power of the velocity in shells n − ½ ≤ |m| < n + ½ of mode numbers m = (m₁, m₂),
-    /// n = 1, 2, …, J/m³.
-    pub fn spectrum(&self) -> Vec<f64> { todo!() }
-    /// Means over the last step, for a line of progress: iterations of the pressure per evaluation, stages.
-    pub fn effort(&self) -> (f64, usize) { todo!() }
-    pub fn snapshot(&self) -> Snapshot { todo!() }
-    /// Whether the snapshot was one of this problem.
-    pub fn restore(&mut self, snapshot: &Snapshot) -> bool { todo!() }
+    pub fn steps(&self) -> usize {
+        self.steps
+    }
+
+    /// Stages of the last step.
+    pub fn stages(&self) -> usize {
+        self.stages
+    }
+
+    /// Evaluations of the right-hand side so far, and iterations of the pressure in all of them.
+    pub fn effort(&self) -> [usize; 2] {
+        self.equations.effort
+    }
+
+    /// Residual of the last pressure over its right-hand side.
+    pub fn pressure_residual(&self) -> f64 {
+        self.equations.residual
+    }
+
+    /// F = exp(Γt): the point y of the box is now at Fy.
+    pub fn deformation(&self) -> [[f64; 2]; 2] {
+        exponential(self.equations.problem.velocity_gradient, self.time)
+    }
+
+    /// Fields of this flow, velocities first.
+    pub fn fields(&self) -> Vec<Field> {
+        let spin =
+            (self.equations.problem.closure == Closure::HarrisGrekova).then_some(Field::Spin);
+        [Field::Velocity(0), Field::Velocity(1)]
+            .into_iter()
+            .chain(spin)
+            .chain([Field::StressAngle, Field::Pressure, Field::ShearRate])
+            .collect()
+    }
+
+    /// Values of all [`fields`](Self::fields) at the points, x₁ running fastest.
+    pub fn values(&self) -> Vec<Vec<f64>> {
+        let points = &self.equations.points;
+        let value = |field: &Field| match field {
+            Field::Velocity(axis) => points.velocity[*axis].clone(),
+            Field::Spin => points.inner.clone(),
+            Field::StressAngle if self.equations.problem.closure == Closure::DoubleShearing => {
+                points.inner.clone()
+            }
+            Field::StressAngle => {
+                let [cos, sin] = &points.direction;
+                cos.iter().zip(sin).map(|(cos, sin)| 0.5 * sin.atan2(*cos)).collect()
+            }
+            Field::Pressure => {
+                points.pressure.iter().map(|p| self.equations.problem.pressure + p).collect()
+            }
+            Field::ShearRate => self.equations.shear_rates(),
+        };
+        self.fields().iter().map(value).collect()
+    }
+
+    /// Energy of the perturbation, and what changed it.
+    pub fn energy(&self) -> Energy {
+        let works = self.state[self.state.len() - 1];
+        Energy {
+            kinetic: self.shells().iter().map(|own| own.1).sum(),
+            background: works.re,
+            stress: works.im,
+            power: self.equations.powers.internal,
+        }
+    }
+
+    /// Kinetic energy of each stored mode and its conjugate, J/m³, with |m|.
+    fn shells(&self) -> Vec<(f64, f64)> {
+        let waves = self.equations.waves(self.time);
+        let series = &self.equations.series;
+        let of_mode = |index: usize| {
+            let [first, second] = series.mode(index).map(f64::from);
+            let [k1, k2] = waves.vector(first, second);
+            let square = k1 * k1 + k2 * k2;
+            let share = if first == 0.0 { 0.5 } else { 1.0 };
+            let energy = match square {
+                0.0 => 0.0,
+                _ => share * self.equations.problem.density * self.state[index].norm_sqr() / square,
+            };
+            (first.hypot(second), energy)
+        };
+        (0..series.count()).map(of_mode).collect()
+    }
+
+    /// Kinetic energy of the modes with n − ½ ≤ |m| < n + ½, n = 1, 2, …, J/m³; of those beyond all shells
+    /// in the last.
+    pub fn spectrum(&self) -> Vec<f64> {
+        let most = self.equations.series.greatest().into_iter().max().unwrap_or(1);
+        let mut shells = vec![0.0; most];
+        for (number, energy) in self.shells() {
+            let shell = (number + 0.5).floor() as usize;
+            shells[shell.clamp(1, most) - 1] += energy;
+        }
+        shells
+    }
+
+    /// Modes that are kept: m₁ and m₂ up to these numbers.
+    pub fn greatest_modes(&self) -> [usize; 2] {
+        self.equations.series.greatest()
+    }
+
+    /// The wave vector of a mode now, 1/m.
+    pub fn wave_vector(&self, mode: Mode) -> [f64; 2] {
+        let [first, second] = mode.map(f64::from);
+        self.equations.waves(self.time).vector(first, second)
+    }
+
+    /// Amplitudes of a mode m, in exp(ik·y) counted from the first point: of the vorticity ζ, 1/s, and of ω
+    /// or ψ; and the rates of both. `None` if it is not kept.
+    pub fn mode(&self, mode: Mode) -> Option<[[Complex64; 2]; 2]> {
+        let series = &self.equations.series;
+        let (index, is_conjugate) = match series.index(mode) {
+            Some(index) => (index, false),
+            None => (series.index(mode.map(|m| -m))?, true),
+        };
+        let of = |values: &[Complex64]| {
+            let pick = |offset: usize| match values[..values.len() - 1].get(offset + index) {
+                Some(value) if is_conjugate => value.conj(),
+                Some(value) => *value,
+                None => Complex64::ZERO,
+            };
+            [pick(0), pick(series.count())]
+        };
+        Some([of(&self.state), of(&self.rates)])
+    }
+
+    /// All that is needed to go on.
+    pub fn snapshot(&self) -> Snapshot {
+        let flat = |values: &[Complex64]| values.iter().flat_map(|v| [v.re, v.im]).collect();
+        let control = &self.control;
+        let numbers =
+            vec![self.time, control.step, control.error, control.rate, control.age as f64];
+        Snapshot {
+            steps: self.steps,
+            parts: vec![
+                numbers,
+                flat(&self.state),
+                flat(&self.equations.pressure),
+                flat(&control.direction),
+            ],
+        }
+    }
+
+    /// Goes back to a snapshot; `false`, and nothing changed, if it is none of this problem.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> bool {
+        let [numbers, state, pressure, direction] = snapshot.parts.as_slice() else { return false };
+        let [time, step, error, rate, age] = numbers.as_slice() else { return false };
+        let lengths = [2 * self.state.len(), 2 * self.equations.pressure.len()];
+        let fits = [state.len(), pressure.len()] == lengths
+            && (direction.is_empty() || direction.len() == lengths[0]);
+        if !fits {
+            return false;
+        }
+        let complex = |values: &[f64]| -> Vec<Complex64> {
+            values.as_chunks().0.iter().map(|[re, im]| Complex64::new(*re, *im)).collect()
+        };
+        (self.time, self.steps, self.state) = (*time, snapshot.steps, complex(state));
+        self.equations.pressure = complex(pressure);
+        self.control = Control {
+            step: *step,
+            error: *error,
+            rate: *rate,
+            age: *age as usize,
+            direction: complex(direction),
+        };
+        // What a snapshot was taken of had a stress.
+        self.equations.rates(self.time, &self.state, &mut self.rates).is_ok()
+    }
 }

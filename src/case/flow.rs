@@ -12,7 +12,6 @@ use super::keys::{Key, Value};
 use super::place::Places;
 use super::{Case, CaseError};
 use dynamics::flow::{Closure, Field};
-use models::granular_flow::Kind;
 use models::granular_flow::state::{Background, Flow, Region};
 use std::fmt;
 
@@ -34,16 +33,6 @@ pub const UNIFORM: [&str; 9] = [
     "background.inertia_gradient",
     "background.acceleration",
 ];
-
-/// What determines the stress angle of a flow, where anything does.
-pub fn closure(flow: Kind) -> Option<Closure> {
-    match flow {
-        Kind::HarrisGrekova => Some(Closure::HarrisGrekova),
-        Kind::DoubleShearing => Some(Closure::DoubleShearing),
-        Kind::PlasticPotential => Some(Closure::PlasticPotential),
-        Kind::FreeRotating => None,
-    }
-}
 
 /// The sections of a case that say how a flow is run in time.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,6 +67,12 @@ impl Grid {
     /// Number of points.
     pub fn count(&self) -> usize {
         self.cells[0] * self.cells[1]
+    }
+
+    /// Greatest m₁ and m₂ of the waves exp(2πi(m₁y₁/L₁ + m₂y₂/L₂)) that the points hold without mistaking
+    /// products of two of them for others.
+    pub fn greatest_modes(&self) -> [usize; 2] {
+        self.cells.map(|count| (count - 1) / 3)
     }
 
     /// Coordinate at the beginning of the point of that index along an axis, m.

@@ -20,6 +20,7 @@ pub use keys::{
 };
 pub use kind::{Kind, Medium, NoSuchMedium, Solid, Yield};
 
+use ::dynamics::flow::Closure;
 use dynamics::{Grid, Picture};
 use keys::Value;
 use models::granular_flow::state::State;
@@ -219,7 +220,7 @@ impl Case {
         }
         let closure = match kind {
             _ if !is_in_time => None,
-            Kind::Flow(flow) => flow::closure(flow),
+            Kind::Flow(flow) => Closure::of(flow),
             Kind::Solid(_) => None,
         };
         let is_solid = is_in_time && closure.is_none();

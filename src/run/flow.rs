@@ -54,7 +54,8 @@ impl super::Job for Job<'_> {
     fn plan(&self) -> Result<String, Error> {
         let grid = &self.run.grid;
         let least = grid.lengths.map(|length| 2.0 * std::f64::consts::PI / length);
-        let greatest = [0, 1].map(|axis| 0.5 * grid.cells[axis] as f64 * least[axis]);
+        let modes = grid.greatest_modes();
+        let greatest = [0, 1].map(|axis| modes[axis] as f64 * least[axis]);
         let plan = format!(
             "{} × {} points, {}, {} s, wave numbers from {} to {} 1/m",
             grid.cells[0],

@@ -163,7 +163,7 @@ impl Reader<'_> {
         let expected = "a list of 2 whole numbers, not both 0 (wavelengths along each axis)";
         let not_zero = |node: &Node| whole_pair(node).filter(|mode| *mode != [0, 0]);
         let mode = section.required("mode", expected, not_zero)?;
-        let greatest = self.grid.cells.map(|count| (count / 2 - 1) as u64);
+        let greatest = self.grid.greatest_modes().map(|most| most as u64);
         if mode.iter().zip(greatest).any(|(m, greatest)| m.unsigned_abs() > greatest) {
             let found = format!(
                 "found {mode:?} with {} × {} points",
@@ -190,7 +190,8 @@ impl Reader<'_> {
             let found = format!("found {to:?} with from = {from:?}");
             return Err(section.error("to", found, "to must be at least from"));
         }
-        let greatest = (self.grid.cells[0].min(self.grid.cells[1]) / 2 - 1) as f64;
+        let [first, second] = self.grid.greatest_modes();
+        let greatest = first.min(second) as f64;
         if to > greatest {
             let found =
                 format!("found {to:?} with {} × {} points", self.grid.cells[0], self.grid.cells[1]);

@@ -49,13 +49,6 @@ impl Line {
     }
 }
 
-/// What is to be recorded after a step.
-struct Reading {
-    values: Option<Vec<Vec<f64>>>,
-    line: Option<Line>,
-    is_snapshot: bool,
-}
-
 /// The first of the multiples of an interval that comes after a time; the last one is the duration, which
 /// stands for what is next to it.
 fn next(time: f64, interval: f64, duration: f64) -> f64 {
@@ -79,14 +72,9 @@ impl Job<'_> {
         progress.tick(shown);
         let mut stopped = None;
         while march.flow.time() < duration {
-            let sound = march.flow.snapshot();
-            match march.step() {
-                Ok(reading) => march.record(reading)?,
-                Err(left) => {
-                    march.flow.restore(&sound);
-                    stopped = Some(march.stop(&left)?);
-                    break;
-                }
+            if let Err(left) = march.step()? {
+                stopped = Some(march.stop(&left)?);
+                break;
             }
             progress.tick(done(&march) - shown);
             shown = done(&march);
@@ -129,13 +117,10 @@ impl<'a> March<'a> {
             let found = format!("{} at {:?} m", left.what, left.at);
             case.locate("initial", found, "a smaller perturbation, which leaves the flow deforming")
         };
-        let mut first = None;
         if from.is_none() {
             let fields = initial::fields(case, &job.problem)?;
             let [v1, v2] = &fields.velocity;
-            flow.perturb([v1, v2], &fields.inner);
-            let energy = flow.energy().map_err(too_much)?;
-            first = Some((flow.values().map_err(too_much)?, energy));
+            flow.perturb([v1, v2], &fields.inner).map_err(too_much)?;
         }
         let names: Vec<&str> = flow.fields().into_iter().map(|own| Quantity(own).name()).collect();
         let (header, columns) = columns(&case.receivers, &names);
@@ -157,10 +142,7 @@ impl<'a> March<'a> {
             0.0 => duration / LINES,
             seconds => seconds,
         };
-        let energy = match &first {
-            Some((_, energy)) => *energy,
-            None => flow.energy().map_err(too_much)?,
-        };
+        let energy = flow.energy();
         let last = Line { time: flow.time(), energy };
         let mut march = Self {
             job,
@@ -176,49 +158,41 @@ impl<'a> March<'a> {
             flow,
             lock,
         };
-        match first {
-            Some((values, _)) => {
-                let is_snapshot = march.snapshots.is_some();
-                march.record(Reading { values: Some(values), line: Some(last), is_snapshot })?;
-            }
-            None => {
+        match from {
+            None => march.record(true, march.snapshots.is_some())?,
+            Some(_) => {
                 check_snapshots(run.folder, march.snapshots_so_far().into_iter().map(|own| own.1))?;
             }
         }
         Ok(march)
     }
 
-    /// One step, with all that is to be recorded of where it leads; the state there has a stress.
-    fn step(&mut self) -> Result<Reading, Left> {
+    /// One step, and what is to be recorded of where it leads.
+    fn step(&mut self) -> Result<Result<(), Left>, Error> {
         let (time, duration) = (self.flow.time(), self.job.run.time.duration);
         let line = next(time, self.lines, duration);
         let snapshot =
             self.snapshots.map_or(f64::INFINITY, |interval| next(time, interval, duration));
-        self.flow.advance(line.min(snapshot))?;
+        if let Err(left) = self.flow.advance(line.min(snapshot)) {
+            return Ok(Err(left));
+        }
         let now = self.flow.time();
-        let (is_line, is_snapshot) = (now >= line, now >= snapshot);
-        let is_read = is_snapshot || now >= duration || !self.watched.is_empty();
-        let values = if is_read { Some(self.flow.values()?) } else { None };
-        let line = match is_line {
-            true => Some(Line { time: now, energy: self.flow.energy()? }),
-            false => None,
-        };
-        Ok(Reading { values, line, is_snapshot })
+        self.record(now >= line, now >= snapshot)?;
+        Ok(Ok(()))
     }
 
-    fn record(&mut self, reading: Reading) -> Result<(), Error> {
-        if let Some(values) = &reading.values {
+    /// What the receivers see, and where they are due a line of the ledger and a snapshot.
+    fn record(&mut self, is_line: bool, is_snapshot: bool) -> Result<(), Error> {
+        if is_snapshot || !self.watched.is_empty() {
+            let values = self.flow.values();
             if !self.watched.is_empty() {
-                self.write_receivers(values)?;
+                self.write_receivers(&values)?;
             }
-            if reading.is_snapshot {
-                self.files.snapshot(&self.image(values)?, &self.snapshots_so_far())?;
+            if is_snapshot {
+                self.files.snapshot(&self.image(&values)?, &self.snapshots_so_far())?;
             }
         }
-        match reading.line {
-            Some(line) => self.write_line(line),
-            None => Ok(()),
-        }
+        if is_line { self.write_line() } else { Ok(()) }
     }
 
     fn write_receivers(&mut self, values: &[Vec<f64>]) -> Result<(), Error> {
@@ -236,7 +210,8 @@ impl<'a> March<'a> {
     }
 
     /// A line of the ledger and one of the spectrum.
-    fn write_line(&mut self, line: Line) -> Result<(), Error> {
+    fn write_line(&mut self) -> Result<(), Error> {
+        let line = Line { time: self.flow.time(), energy: self.flow.energy() };
         self.last = line;
         let Energy { kinetic, background, stress, power } = line.energy;
         let balance = line.balance(self.energy_at_start);
@@ -276,10 +251,8 @@ impl<'a> March<'a> {
 
     /// The run ends here: the last line is that of the last state that had a stress everywhere.
     fn stop(&mut self, left: &Left) -> Result<Stopped, Error> {
-        if self.last.time < self.flow.time()
-            && let Ok(energy) = self.flow.energy()
-        {
-            self.write_line(Line { time: self.flow.time(), energy })?;
+        if self.last.time < self.flow.time() {
+            self.write_line()?;
         }
         Ok(Stopped {
             what: format!("{} at {:?} m in the box at the beginning,", left.what, left.at),
@@ -291,11 +264,12 @@ impl<'a> March<'a> {
 
     fn note(&self) -> String {
         let [time, energy] = [self.flow.time(), self.last.energy.kinetic].map(short);
-        let (iterations, stages) = self.flow.effort();
-        let steps = self.flow.steps();
+        let [evaluations, iterations] = self.flow.effort();
+        let iterations = iterations as f64 / evaluations.max(1) as f64;
+        let (steps, stages) = (self.flow.steps(), self.flow.stages());
         format!(
-            "t = {time} s, step {steps} of {stages} stages, energy {energy}, {iterations:.1} \
-             iterations of the pressure"
+            "t = {time} s, energy {energy}, step {steps} of {stages} stages, {iterations:.1} iterations \
+             of the pressure"
         )
     }
 
@@ -318,13 +292,9 @@ impl<'a> March<'a> {
             clock.elapsed().as_secs_f64(),
             rayon::current_num_threads(),
         ));
-        let values = match self.flow.values() {
-            Ok(values) => values,
-            Err(left) => return Err(self.stop(&left)?.into()),
-        };
         let quantities = self.flow.fields().into_iter().map(Quantity);
         Ok(Found {
-            values: quantities.zip(values).collect(),
+            values: quantities.zip(self.flow.values()).collect(),
             deformation: self.flow.deformation(),
             start: self.energy_at_start,
             last: self.last,

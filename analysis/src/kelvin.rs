@@ -1,0 +1,147 @@
+//! Plane waves in a homogeneous flow that carries them along (Kelvin 1887).
+//!
+//! In v = Γx a wave exp(ik·x) of a uniform background stays one while its wave vector moves,
+//! k̇ = −Γᵀk, so that z(t) exp(ik(t)·x) solves the linearised equations exactly. Equations without time
+//! derivatives fall into two kinds: those that determine unknowns which do not evolve, and constraints on
+//! those which do, such as k·v = 0. A constraint is differentiated, k·v̇ = −k̇·v: the motion of k enters the
+//! evolution, which the frozen pencil does not see.
+
+use models::LinearisedSystem;
+use models::rounding::Rounded;
+use nalgebra::DMatrix;
+use num_complex::Complex64;
+
+/// The evolution of a wave: ż = Gz of the unknowns that have time derivatives.
+#[derive(Clone, Debug)]
+pub struct Evolution {
+    /// Their columns in the system.
+    pub evolving: Vec<usize>,
+    /// G, 1/s.
+    pub rates: DMatrix<Complex64>,
+    /// Orthonormal columns: what the constraints leave.
+    admissible: DMatrix<Complex64>,
+}
+
+/// The wave vector of a wave in v = Γx after a time: exp(−Γᵀt) k, 1/m.
+pub fn wave_vector(gradient: [[f64; 2]; 2], wave: [f64; 2], time: f64) -> [f64; 2] {
+    let matrix = nalgebra::Matrix2::from_fn(|i, j| -gradient[j][i] * time);
+    (matrix.exp() * nalgebra::Vector2::from(wave)).into()
+}
+
+/// −Γᵀk, 1/(m·s).
+pub fn wave_vector_rate(gradient: [[f64; 2]; 2], wave: [f64; 2]) -> [f64; 2] {
+    std::array::from_fn(|i| -(0..2).map(|j| gradient[j][i] * wave[j]).sum::<f64>())
+}
+
+impl Evolution {
+    /// Of a wave of vector k, 1/m, that changes at the rate k̇, 1/(m·s); with k̇ = 0 its eigenvalues on
+    /// what is admissible are the finite roots of the frozen pencil, less −ik·V.
+    ///
+    /// `None` if the equations do not determine the evolution.
+    pub fn new(system: &LinearisedSystem<2>, wave: [f64; 2], rate: [f64; 2]) -> Option<Self> {
+        let columns = system.unknowns.len();
+        let is_zero = |entry: &Rounded| entry.value == 0.0;
+        let (evolving, others): (Vec<usize>, Vec<usize>) =
+            (0..columns).partition(|&column| !system.a.column(column).iter().all(is_zero));
+        let size = evolving.len() + others.len();
+        if system.equations.len() != size {
+            return None;
+        }
+        let i = Complex64::I;
+        let symbol = |row: usize, column: usize| {
+            let [b1, b2] = system.b.each_ref().map(|b| b[(row, column)].value);
+            system.c[(row, column)].value + i * (wave[0] * b1 + wave[1] * b2)
+        };
+        let moving = |row: usize, column: usize| {
+            let [b1, b2] = system.b.each_ref().map(|b| b[(row, column)].value);
+            i * (rate[0] * b1 + rate[1] * b2)
+        };
+        // Rates of what evolves, then the other unknowns: left × them = right × what evolves.
+        let mut left = DMatrix::from_element(size, size, Complex64::ZERO);
+        let mut right = DMatrix::from_element(size, evolving.len(), Complex64::ZERO);
+        let mut constraints = Vec::new();
+        for row in 0..size {
+            let is_constraint = system.a.row(row).iter().all(is_zero)
+                && others.iter().all(|&column| symbol(row, column) == Complex64::ZERO);
+            for (place, &column) in evolving.iter().enumerate() {
+                if is_constraint {
+                    left[(row, place)] = symbol(row, column);
+                    right[(row, place)] = -moving(row, column);
+                } else {
+                    left[(row, place)] = system.a[(row, column)].value.into();
+                    right[(row, place)] = -symbol(row, column);
+                }
+            }
+            for (place, &column) in others.iter().enumerate() {
+                left[(row, evolving.len() + place)] = symbol(row, column);
+            }
+            if is_constraint {
+                constraints.push(row);
+            }
+        }
+        // In units in which all rows and columns are of comparable size.
+        let scale = |matrix: &mut DMatrix<Complex64>, row: usize, factor: f64| {
+            matrix.row_mut(row).iter_mut().for_each(|entry| *entry *= factor);
+        };
+        for row in 0..size {
+            let greatest = left.row(row).iter().map(|entry| entry.norm()).fold(0.0, f64::max);
+            scale(&mut left, row, 1.0 / greatest);
+            scale(&mut right, row, 1.0 / greatest);
+        }
+        let solution = left.clone().lu().solve(&right)?;
+        let rates = solution.rows(0, evolving.len()).into_owned();
+        let own = |row: usize| left.row(row).columns(0, evolving.len()).into_owned();
+        let admissible =
+            complement(&constraints.into_iter().map(own).collect::<Vec<_>>(), evolving.len());
+        rates.iter().all(|entry| entry.is_finite()).then_some(Self { evolving, rates, admissible })
+    }
+
+    /// The evolution on what the constraints leave, in an orthonormal basis that turns no more than they do.
+    pub fn reduced(&self) -> DMatrix<Complex64> {
+        self.admissible.adjoint() * &self.rates * &self.admissible
+    }
+
+    /// The admissible wave of an eigenvalue of [`reduced`](Self::reduced): the fastest growing one, with its
+    /// rate. `None` if the iteration does not converge.
+    pub fn fastest(&self) -> Option<(Complex64, Vec<Complex64>)> {
+        let reduced = self.reduced();
+        let rates = crate::dense::eigenvalues(reduced.clone())?;
+        let fastest = rates.into_iter().max_by(|a, b| a.re.total_cmp(&b.re))?;
+        // The vector that the shifted matrix all but annihilates.
+        let size = reduced.nrows();
+        let shifted = reduced - DMatrix::identity(size, size) * fastest;
+        let decomposition = shifted.svd(false, true);
+        let vector = decomposition.v_t?.row(decomposition.singular_values.imin()).adjoint();
+        Some((fastest, (&self.admissible * vector).iter().copied().collect()))
+    }
+}
+
+/// Orthonormal columns orthogonal to rows (Gram and Schmidt, twice).
+fn complement(rows: &[nalgebra::RowDVector<Complex64>], size: usize) -> DMatrix<Complex64> {
+    let mut taken: Vec<nalgebra::DVector<Complex64>> = Vec::new();
+    let mut left = Vec::new();
+    let axes = (0..size).map(|axis| {
+        let mut unit = nalgebra::DVector::from_element(size, Complex64::ZERO);
+        unit[axis] = Complex64::ONE;
+        unit
+    });
+    let constraints = rows.iter().map(|row| (row.adjoint(), true));
+    for (mut vector, is_constraint) in constraints.chain(axes.map(|axis| (axis, false))) {
+        for _ in 0..2 {
+            for own in &taken {
+                let part = own.dotc(&vector);
+                vector -= own * part;
+            }
+        }
+        let norm = vector.norm();
+        // Of unit vectors no more than are needed: those that constraints have not used up.
+        if norm > 0.5 / (size as f64).sqrt() || is_constraint {
+            vector.unscale_mut(norm);
+            taken.push(vector.clone());
+            if !is_constraint {
+                left.push(vector);
+            }
+        }
+    }
+    DMatrix::from_columns(&left)
+}

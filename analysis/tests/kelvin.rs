@@ -1,0 +1,145 @@
+//! Waves that a homogeneous flow carries along, against the frozen pencil and a formula.
+
+mod support;
+
+use models::LinearisedSystem;
+use models::granular_flow::state::{Flow, State};
+use models::granular_flow::{Kind, Model, Parameters};
+use num_complex::Complex64;
+use support::states::Random;
+use wellposed_analysis::kelvin::{Evolution, wave_vector, wave_vector_rate};
+use wellposed_analysis::pencil::Pencil;
+
+const KINDS: [Kind; 3] = [Kind::HarrisGrekova, Kind::DoubleShearing, Kind::PlasticPotential];
+
+/// A uniform, incompressible flow.
+fn flow(kind: Kind, random: &mut Random) -> (Model, Flow) {
+    let parameters = Parameters {
+        friction_angle: random.within(0.1, 1.2),
+        cohesion: random.within(0.0, 500.0),
+        moment_of_inertia: Some(1e-7),
+        rotational_strength: Some(0.0),
+        dilatancy_angle: 0.0,
+    };
+    let model = Model::new(kind, &parameters).expect("constants in range");
+    let noncoaxiality = match kind {
+        Kind::PlasticPotential => 0.0,
+        _ => random.within(-1.4, 1.4),
+    };
+    let state = State {
+        density: random.within(500.0, 3000.0),
+        pressure: random.within(100.0, 5000.0),
+        stress_angle: random.within(-1.5, 1.5),
+        shear_rate: random.within(0.1, 10.0),
+        half_vorticity: random.within(-5.0, 5.0),
+        noncoaxiality: Some(noncoaxiality),
+        ..State::default()
+    };
+    let background = model.background(&state).expect("a state in range");
+    (model, *background.flow().expect("fully deforming"))
+}
+
+/// With a wave vector at rest the admissible evolution has the finite roots of the pencil.
+#[test]
+fn at_rest_it_is_the_frozen_pencil() {
+    let mut random = Random::new(1);
+    for kind in KINDS {
+        for _ in 0..300 {
+            let (model, flow) = flow(kind, &mut random);
+            let mut system = LinearisedSystem::default();
+            model.symbol(&flow, &mut system);
+            let mut pencil = Pencil::default();
+            pencil.update(&system).expect("finite");
+            let (number, direction) =
+                (10f64.powf(random.within(-1.0, 4.0)), random.within(0.0, 3.1));
+            let wave = [number * direction.cos(), number * direction.sin()];
+            let evolution = Evolution::new(&system, wave, [0.0; 2]).expect("determined");
+            let mut own: Vec<Complex64> = eigenvalues(&evolution.reduced());
+            let mut frozen: Vec<Complex64> =
+                pencil.generalised_eigenvalues(number, direction).into_iter().collect();
+            assert_eq!(own.len(), frozen.len(), "{kind:?}");
+            let order =
+                |a: &Complex64, b: &Complex64| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im));
+            own.sort_by(order);
+            frozen.sort_by(order);
+            let largest = frozen.iter().map(|root| root.norm()).fold(0.0, f64::max);
+            for (own, frozen) in own.iter().zip(&frozen) {
+                assert!((own - frozen).norm() < 1e-8 * largest, "{kind:?} {own} {frozen}");
+            }
+        }
+    }
+}
+
+/// Eigenvalues of a matrix of one or two rows.
+fn eigenvalues(matrix: &nalgebra::DMatrix<Complex64>) -> Vec<Complex64> {
+    match matrix.nrows() {
+        1 => vec![matrix[(0, 0)]],
+        2 => {
+            let half = 0.5 * matrix.trace();
+            let root = (half * half - matrix.determinant()).sqrt();
+            vec![half + root, half - root]
+        }
+        size => panic!("{size} rows"),
+    }
+}
+
+/// What the motion of the wave vector adds to the rate of the velocity:
+/// −sin φ sin β (ξ·Γξ⊥)/(1 − sin φ cos β), β = 2(Ψ − θ), by elimination of the pressure: k̇·v is what the
+/// constraint lacks, −k²(1 − sin φ cos β) the symbol of the pressure, ξ⊥·(ξ − sin φ n) = −sin φ sin β what it
+/// does across the wave.
+#[test]
+fn the_motion_of_the_wave_vector_adds_what_the_formula_says() {
+    let mut random = Random::new(2);
+    for kind in KINDS {
+        for _ in 0..300 {
+            let (model, flow) = flow(kind, &mut random);
+            let mut system = LinearisedSystem::default();
+            model.symbol(&flow, &mut system);
+            let (number, theta) = (10f64.powf(random.within(-1.0, 4.0)), random.within(0.0, 3.1));
+            let (across, along) = ([-theta.sin(), theta.cos()], [theta.cos(), theta.sin()]);
+            let wave = along.map(|x| number * x);
+            let gradient = flow.velocity_gradient.map(|row| row.map(|own| own.value));
+            let rate = wave_vector_rate(gradient, wave);
+            let of_velocity = |rate: [f64; 2]| {
+                let evolution = Evolution::new(&system, wave, rate).expect("determined");
+                let mut sum = Complex64::ZERO;
+                for i in 0..2 {
+                    for j in 0..2 {
+                        sum += across[i] * across[j] * evolution.rates[(i, j)];
+                    }
+                }
+                sum
+            };
+            let (moving, frozen) = (of_velocity(rate), of_velocity([0.0; 2]));
+            let sin_phi = model.coulomb().friction_angle.sin();
+            let beta = 2.0 * (flow.stress.angle - theta);
+            let turned: f64 = (0..2)
+                .flat_map(|i| (0..2).map(move |j| (i, j)))
+                .map(|(i, j)| along[i] * gradient[i][j] * across[j])
+                .sum();
+            let formula = -sin_phi * beta.sin() * turned / (1.0 - sin_phi * beta.cos());
+            let rounding = 1e-12 * moving.norm();
+            let difference = moving - frozen - formula;
+            assert!(difference.norm() < 1e-9 * flow.shear_rate + rounding, "{kind:?} {difference}");
+            // It is not always small.
+            if sin_phi > 0.5 && beta.sin().abs() > 0.5 && turned.abs() > 0.5 {
+                assert!(formula.abs() > 0.05);
+            }
+        }
+    }
+}
+
+/// The wave vector turns as its rate says, and keeps its phase along the flow.
+#[test]
+fn the_wave_vector_moves_with_the_flow() {
+    let gradient = [[0.3, -1.2], [0.7, -0.3]];
+    let (wave, step) = ([2.0, -1.0], 1e-5);
+    let [before, after] = [-step, step].map(|t| wave_vector(gradient, wave, 0.4 + t));
+    let rate = wave_vector_rate(gradient, wave_vector(gradient, wave, 0.4));
+    for axis in 0..2 {
+        assert!(((after[axis] - before[axis]) / (2.0 * step) - rate[axis]).abs() < 1e-9);
+    }
+    // Simple shear: k₂ falls by γ̇k₁t.
+    let sheared = wave_vector([[0.0, 2.0], [0.0, 0.0]], [3.0, 1.0], 0.5);
+    assert!((sheared[0] - 3.0).abs() < 1e-14 && (sheared[1] + 2.0).abs() < 1e-14, "{sheared:?}");
+}

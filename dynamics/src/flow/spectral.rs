@@ -1,0 +1,220 @@
+//! Fourier series on a rectangular box: which modes are kept, their wave vectors, and transforms.
+//!
+//! Modes are kept up to a third of the points along each axis, so that products of two series are
+//! exact in all of them. Of a real series those with m₁ ≥ 0 are stored, m₂ running fastest: 0, 1, …, K₂,
+//! −K₂, …, −1.
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use rustfft::{Fft, FftPlanner};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// Columns or rows that a task takes at once: what it reads across them fills lines of the cache.
+const BLOCK: usize = 8;
+
+/// A mode number along each axis.
+pub type Mode = [i32; 2];
+
+/// The kept modes and their transforms.
+pub(super) struct Series {
+    points: [usize; 2],
+    /// Greatest mode numbers K₁, K₂.
+    greatest: [usize; 2],
+    rows_forward: Arc<dyn RealToComplex<f64>>,
+    rows_inverse: Arc<dyn ComplexToReal<f64>>,
+    columns_forward: Arc<dyn Fft<f64>>,
+    columns_inverse: Arc<dyn Fft<f64>>,
+    /// Transformed along one axis.
+    half: Vec<Complex64>,
+}
+
+impl Series {
+    pub(super) fn new(points: [usize; 2]) -> Self {
+        let mut real = RealFftPlanner::new();
+        let mut complex = FftPlanner::new();
+        let greatest = points.map(|points| (points - 1) / 3);
+        Self {
+            points,
+            greatest,
+            rows_forward: real.plan_fft_forward(points[0]),
+            rows_inverse: real.plan_fft_inverse(points[0]),
+            columns_forward: complex.plan_fft_forward(points[1]),
+            columns_inverse: complex.plan_fft_inverse(points[1]),
+            half: vec![Complex64::ZERO; (greatest[0] + 1) * points[1]],
+        }
+    }
+
+    /// Numbers of points along each axis.
+    pub(super) fn points(&self) -> [usize; 2] {
+        self.points
+    }
+
+    /// Greatest mode number along each axis.
+    pub(super) fn greatest(&self) -> [usize; 2] {
+        self.greatest
+    }
+
+    /// Modes stored of one m₁.
+    pub(super) fn column(&self) -> usize {
+        2 * self.greatest[1] + 1
+    }
+
+    /// Modes stored in all.
+    pub(super) fn count(&self) -> usize {
+        (self.greatest[0] + 1) * self.column()
+    }
+
+    /// The mode stored at a place.
+    pub(super) fn mode(&self, index: usize) -> Mode {
+        let (column, place) = (index / self.column(), index % self.column());
+        let wraps = place > self.greatest[1];
+        [column as i32, place as i32 - if wraps { self.column() as i32 } else { 0 }]
+    }
+
+    /// Where a mode is stored: `None` if it is not, or if only its conjugate, −m, is.
+    pub(super) fn index(&self, [first, second]: Mode) -> Option<usize> {
+        let [most, across] = self.greatest.map(|greatest| greatest as i32);
+        let is_kept = (0..=most).contains(&first) && second.abs() <= across;
+        let column = self.column();
+        is_kept.then(|| first as usize * column + second.rem_euclid(column as i32) as usize)
+    }
+
+    /// Modes from values at the points; the first axis runs fastest.
+    pub(super) fn forward(&mut self, values: &[f64], modes: &mut [Complex64]) {
+        let [columns, rows] = self.points;
+        let (stored, height, greatest) = (self.greatest[0] + 1, self.column(), self.greatest[1]);
+        let scale = 1.0 / (columns * rows) as f64;
+        self.half.par_chunks_mut(BLOCK * stored).zip(values.par_chunks(BLOCK * columns)).for_each(
+            |(half, values)| {
+                let plan = &self.rows_forward;
+                let (mut row, mut spectrum) = (plan.make_input_vec(), plan.make_output_vec());
+                let mut scratch = plan.make_scratch_vec();
+                for (half, values) in half.chunks_mut(stored).zip(values.chunks(columns)) {
+                    row.copy_from_slice(values);
+                    plan.process_with_scratch(&mut row, &mut spectrum, &mut scratch)
+                        .expect("lengths of the plan");
+                    half.copy_from_slice(&spectrum[..stored]);
+                }
+            },
+        );
+        let half = &self.half;
+        modes.par_chunks_mut(BLOCK * height).enumerate().for_each(|(block, modes)| {
+            let plan = &self.columns_forward;
+            let first = BLOCK * block;
+            let width = modes.len() / height;
+            let mut buffer = vec![Complex64::ZERO; width * rows];
+            let mut scratch = vec![Complex64::ZERO; plan.get_inplace_scratch_len()];
+            for (j, row) in half.chunks(stored).enumerate() {
+                for (i, value) in row[first..first + width].iter().enumerate() {
+                    buffer[i * rows + j] = scale * value;
+                }
+            }
+            plan.process_with_scratch(&mut buffer, &mut scratch);
+            for (modes, buffer) in modes.chunks_mut(height).zip(buffer.chunks(rows)) {
+                modes[..=greatest].copy_from_slice(&buffer[..=greatest]);
+                modes[greatest + 1..].copy_from_slice(&buffer[rows - greatest..]);
+            }
+        });
+    }
+
+    /// Values at the points from modes: each stored one multiplied by a factor of its wave vector.
+    pub(super) fn inverse(
+        &mut self,
+        modes: &[Complex64],
+        waves: &Waves,
+        factor: impl Fn([f64; 2]) -> Complex64 + Sync,
+        values: &mut [f64],
+    ) {
+        let [columns, rows] = self.points;
+        let (stored, height, greatest) = (self.greatest[0] + 1, self.column(), self.greatest[1]);
+        self.half.par_chunks_mut(rows).zip(modes.par_chunks(height)).enumerate().for_each(
+            |(column, (half, modes))| {
+                let plan = &self.columns_inverse;
+                half.fill(Complex64::ZERO);
+                for (place, value) in modes.iter().enumerate() {
+                    let wraps = place > greatest;
+                    let row = if wraps { place + rows - height } else { place };
+                    let second = place as f64 - if wraps { height as f64 } else { 0.0 };
+                    half[row] = factor(waves.vector(column as f64, second)) * value;
+                }
+                let mut scratch = vec![Complex64::ZERO; plan.get_inplace_scratch_len()];
+                plan.process_with_scratch(half, &mut scratch);
+            },
+        );
+        let half = &self.half;
+        values.par_chunks_mut(BLOCK * columns).enumerate().for_each(|(block, values)| {
+            let plan = &self.rows_inverse;
+            let first = BLOCK * block;
+            let width = values.len() / columns;
+            let mut scratch = plan.make_scratch_vec();
+            // Of modes that are not kept there is nothing, which the plan overwrites.
+            let mut spectra = vec![Complex64::ZERO; width * (columns / 2 + 1)];
+            for (i, column) in half.chunks(rows).take(stored).enumerate() {
+                for (j, value) in column[first..first + width].iter().enumerate() {
+                    spectra[j * (columns / 2 + 1) + i] = *value;
+                }
+            }
+            for (row, spectrum) in
+                values.chunks_mut(columns).zip(spectra.chunks_mut(columns / 2 + 1))
+            {
+                // The mean of a row is real but for rounding.
+                spectrum[0].im = 0.0;
+                plan.process_with_scratch(spectrum, row, &mut scratch)
+                    .expect("lengths of the plan");
+            }
+        });
+    }
+
+    /// Makes modes of their wave vectors and places.
+    pub(super) fn fill(
+        &self,
+        modes: &mut [Complex64],
+        waves: &Waves,
+        value: impl Fn([f64; 2], usize) -> Complex64 + Sync,
+    ) {
+        let (height, greatest) = (self.column(), self.greatest[1]);
+        modes.par_chunks_mut(height).enumerate().for_each(|(column, modes)| {
+            for (place, own) in modes.iter_mut().enumerate() {
+                let second = place as f64 - if place > greatest { height as f64 } else { 0.0 };
+                *own = value(waves.vector(column as f64, second), column * height + place);
+            }
+        });
+    }
+
+    /// Real part of the mean product of two real series, from their modes.
+    pub(super) fn product(&self, one: &[Complex64], other: &[Complex64]) -> f64 {
+        let height = self.column();
+        // Columns one after the other: the same bits for any number of threads.
+        let of_column = |(one, other): (&[Complex64], &[Complex64])| -> f64 {
+            one.iter().zip(other).map(|(a, b)| a.re * b.re + a.im * b.im).sum()
+        };
+        let columns: Vec<f64> =
+            one.par_chunks(height).zip(other.par_chunks(height)).map(of_column).collect();
+        // The conjugate modes are not stored.
+        columns[0] + 2.0 * columns[1..].iter().sum::<f64>()
+    }
+}
+
+/// Wave vectors of the modes in a box that has been deformed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Waves {
+    /// Those of (1, 0) and (0, 1), 1/m.
+    pub(super) basis: [[f64; 2]; 2],
+}
+
+impl Waves {
+    /// In a box of edges L, every point y of which is now at Fy, F of determinant 1: k = F⁻ᵀ(2πm/L).
+    pub(super) fn new(lengths: [f64; 2], [[f11, f12], [f21, f22]]: [[f64; 2]; 2]) -> Self {
+        let [k1, k2] = lengths.map(|length| TAU / length);
+        Self { basis: [[f22 * k1, -f12 * k1], [-f21 * k2, f11 * k2]] }
+    }
+
+    /// The wave vector of a mode, 1/m.
+    #[inline(always)]
+    pub(super) fn vector(&self, first: f64, second: f64) -> [f64; 2] {
+        let [one, other] = self.basis;
+        [first * one[0] + second * other[0], first * one[1] + second * other[1]]
+    }
+}

@@ -1,0 +1,442 @@
+//! Granular flow in time: pressure, energy, convergence in space and time, ends of the fully deforming
+//! region, bits.
+
+use num_complex::Complex64;
+use std::f64::consts::{FRAC_PI_6, TAU};
+use wellposed_dynamics::flow::{Closure, Field, Flow, FlowError, Problem};
+
+const CLOSURES: [Closure; 3] =
+    [Closure::HarrisGrekova, Closure::DoubleShearing, Closure::PlasticPotential];
+
+/// Simple shear along x₁ at 50 1/s with the deformation rate Δ ahead of the stress, in a box of 10 cm.
+fn problem(closure: Closure, points: usize, noncoaxiality: f64) -> Problem {
+    let rate = 25.0;
+    let angle = TAU / 8.0 - noncoaxiality;
+    Problem {
+        closure,
+        density: 1600.0,
+        friction_angle: FRAC_PI_6,
+        cohesion: 100.0,
+        pressure: 1000.0,
+        velocity_gradient: [[0.0, 2.0 * rate], [0.0, 0.0]],
+        stress_angle: angle,
+        // ω − s₂₁ = −Q_D sin 2Δ/sin φ
+        spin: -rate - rate * (2.0 * noncoaxiality).sin() / FRAC_PI_6.sin(),
+        spin_acceleration: 0.0,
+        points: [points; 2],
+        lengths: [0.1, 0.1],
+        tolerance: 1e-6,
+        pressure_tolerance: 1e-11,
+        least_shear_rate: 1e-3,
+    }
+}
+
+/// In a steady state of simple shear, sin 2Δ = −sin φ, for double shearing; coaxial for the plastic potential.
+fn steady(closure: Closure, points: usize) -> Problem {
+    match closure {
+        Closure::HarrisGrekova => problem(closure, points, 0.3),
+        Closure::DoubleShearing => problem(closure, points, -0.5 * FRAC_PI_6),
+        Closure::PlasticPotential => problem(closure, points, 0.0),
+    }
+}
+
+/// Some waves of velocity, relative to Q_D/k, and of ω or ψ, relative to Q_D or 1.
+fn perturbed(problem: &Problem, amplitude: f64) -> Flow {
+    let mut flow = Flow::new(problem).expect("a problem");
+    let [columns, rows] = problem.points;
+    let waves = [([1.0, 0.0], 0.3), ([0.0, 1.0], 1.1), ([1.0, 1.0], 2.0), ([2.0, -1.0], 0.7)];
+    let unit = 25.0 * problem.lengths[0] / TAU;
+    let mut velocity = [vec![0.0; columns * rows], vec![0.0; columns * rows]];
+    let mut inner = vec![0.0; columns * rows];
+    for (wave, phase) in waves {
+        let [k1, k2]: [f64; 2] = wave;
+        let number = k1.hypot(k2);
+        for point in 0..columns * rows {
+            let at = [
+                ((point % columns) as f64 + 0.5) / columns as f64,
+                ((point / columns) as f64 + 0.5) / rows as f64,
+            ];
+            let cos = (TAU * (k1 * at[0] + k2 * at[1]) + phase).cos();
+            velocity[0][point] -= amplitude * unit * k2 / (number * number) * cos;
+            velocity[1][point] += amplitude * unit * k1 / (number * number) * cos;
+            let scale = if problem.closure == Closure::HarrisGrekova { 25.0 } else { 1.0 };
+            inner[point] += 0.5 * amplitude * scale * cos;
+        }
+    }
+    let [v1, v2] = &velocity;
+    flow.perturb([v1, v2], &inner).expect("a stress");
+    flow
+}
+
+fn field(flow: &Flow, field: Field) -> Vec<f64> {
+    let place = flow.fields().iter().position(|own| *own == field).expect("a field");
+    flow.values().swap_remove(place)
+}
+
+/// A coefficient of the Fourier series of values, term by term.
+fn coefficient(values: &[f64], columns: usize, mode: [i32; 2]) -> Complex64 {
+    let rows = values.len() / columns;
+    let sum: Complex64 = values
+        .iter()
+        .enumerate()
+        .map(|(point, value)| {
+            let turns = f64::from(mode[0]) * (point % columns) as f64 / columns as f64
+                + f64::from(mode[1]) * (point / columns) as f64 / rows as f64;
+            value * Complex64::cis(-TAU * turns)
+        })
+        .sum();
+    sum / values.len() as f64
+}
+
+/// The pressure in the balance of momentum, whose divergence is written out term by term: ∂ᵢ∂ⱼσᵢⱼ =
+/// ρ ∂ᵢvⱼ∂ⱼvᵢ with the stress that the fields show; its mean is that of the problem.
+#[test]
+fn the_pressure_keeps_the_flow_free_of_divergence() {
+    for closure in CLOSURES {
+        let problem = steady(closure, 16);
+        let mut flow = perturbed(&problem, 0.2);
+        // In a box that has been sheared.
+        flow.advance_by(2e-4).expect("a stress");
+        assert!(flow.pressure_residual() <= 1e-11);
+        let [v1, v2, p, angle] =
+            [Field::Velocity(0), Field::Velocity(1), Field::Pressure, Field::StressAngle]
+                .map(|own| field(&flow, own));
+        let mean = p.iter().sum::<f64>() / p.len() as f64;
+        assert!((mean - 1000.0).abs() < 1e-9, "{mean}");
+        let (sin, cos) = problem.friction_angle.sin_cos();
+        let deviator = |i: usize| p[i] * sin + problem.cohesion * cos;
+        let count = p.len();
+        let stress = |i: usize| {
+            let (s, c) = (2.0 * angle[i]).sin_cos();
+            let q = deviator(i);
+            [q * c - p[i], q * s, -q * c - p[i]]
+        };
+        // Derivatives of velocity, by series.
+        let modes: Vec<[i32; 2]> =
+            (-5..=5).flat_map(|m1| (-5..=5).map(move |m2| [m1, m2])).collect();
+        let derivative = |values: &[f64], axis: usize| -> Vec<f64> {
+            let terms: Vec<(Complex64, [i32; 2])> = modes
+                .iter()
+                .map(|&mode| {
+                    let k = flow.wave_vector(mode)[axis];
+                    (Complex64::I * k * coefficient(values, 16, mode), mode)
+                })
+                .collect();
+            (0..count)
+                .map(|point| {
+                    let at = [(point % 16) as f64 / 16.0, (point / 16) as f64 / 16.0];
+                    let sum: Complex64 = terms
+                        .iter()
+                        .map(|(value, [m1, m2])| {
+                            let turns = f64::from(*m1) * at[0] + f64::from(*m2) * at[1];
+                            value * Complex64::cis(TAU * turns)
+                        })
+                        .sum();
+                    sum.re
+                })
+                .collect()
+        };
+        let gradient: Vec<Vec<f64>> =
+            [(&v1, 0), (&v1, 1), (&v2, 0), (&v2, 1)].map(|(v, axis)| derivative(v, axis)).to_vec();
+        let greatest = gradient.iter().flatten().fold(0.0f64, |sum, value| sum.max(value.abs()));
+        for i in 0..count {
+            let divergence = gradient[0][i] + gradient[3][i];
+            assert!(divergence.abs() < 1e-13 * greatest, "{closure:?} {divergence:e}");
+        }
+        let shear = problem.velocity_gradient[0][1];
+        let inertia: Vec<f64> = (0..count)
+            .map(|i| {
+                let [g11, g12, g21, g22] = [0, 1, 2, 3].map(|n| gradient[n][i]);
+                // ∂ᵢvⱼ∂ⱼvᵢ with Γ₁₂
+                problem.density * (g11 * g11 + g22 * g22 + 2.0 * (g12 + shear) * g21)
+            })
+            .collect();
+        let components: Vec<Vec<f64>> =
+            (0..3).map(|n| (0..count).map(|i| stress(i)[n]).collect()).collect();
+        let mut largest = 0.0f64;
+        let mut worst = 0.0f64;
+        for &mode in modes.iter().filter(|mode| **mode != [0, 0]) {
+            let [k1, k2] = flow.wave_vector(mode);
+            let [s11, s12, s22] = [0, 1, 2].map(|n| coefficient(&components[n], 16, mode));
+            let left = -(k1 * k1 * s11 + 2.0 * k1 * k2 * s12 + k2 * k2 * s22);
+            let right = coefficient(&inertia, 16, mode);
+            largest = largest.max(left.norm()).max(right.norm());
+            worst = worst.max((left - right).norm());
+        }
+        println!("{closure:?}: {worst:e} of {largest:e}");
+        assert!(worst < 1e-9 * largest, "{closure:?}: {worst:e} of {largest:e}");
+    }
+}
+
+/// Iterations do not depend on the grid, and a non-uniform ψ has its own kernel: with twice the mean the
+/// pressure of a flow at rest but for ψ is twice as large, and not a constant.
+#[test]
+fn the_pressure_takes_as_many_iterations_on_every_grid() {
+    for closure in CLOSURES {
+        let iterations: Vec<f64> = [32, 64, 128, 256]
+            .map(|points| {
+                let flow = perturbed(&steady(closure, points), 0.3);
+                let [evaluations, iterations] = flow.effort();
+                iterations as f64 / evaluations as f64
+            })
+            .to_vec();
+        println!("{closure:?}: {iterations:?}");
+        let (least, most) =
+            iterations.iter().fold((f64::MAX, 0.0f64), |(a, b), x| (a.min(*x), b.max(*x)));
+        assert!(most <= least + 1.0 && most < 40.0, "{closure:?}: {iterations:?}");
+    }
+    let shape = |pressure: f64| {
+        let slow = Problem {
+            pressure,
+            cohesion: 0.0,
+            velocity_gradient: [[0.0, 1e-6], [0.0, 0.0]],
+            ..steady(Closure::DoubleShearing, 32)
+        };
+        let mut flow = Flow::new(&slow).expect("a problem");
+        let zero = vec![0.0; 32 * 32];
+        let wave = |point: usize| 0.4 * (TAU * (point % 32) as f64 / 32.0).cos();
+        flow.perturb([&zero, &zero], &(0..32 * 32).map(wave).collect::<Vec<_>>())
+            .expect("a stress");
+        field(&flow, Field::Pressure).iter().map(|p| p / pressure).collect::<Vec<_>>()
+    };
+    let (one, two) = (shape(1000.0), shape(2000.0));
+    assert!(one.iter().zip(&two).all(|(a, b)| (a - b).abs() < 1e-9));
+    assert!(one.iter().fold(0.0f64, |sum, p| sum.max((p - 1.0).abs())) > 0.05);
+    assert!(one.iter().all(|p| *p > 0.0));
+}
+
+/// What background and stress give is what the kinetic energy gains, to the order of the steps.
+#[test]
+fn the_energy_is_accounted_for() {
+    for closure in CLOSURES {
+        let left_over: Vec<f64> = [20, 40, 80]
+            .map(|steps| {
+                let mut flow = perturbed(&steady(closure, 16), 0.1);
+                let start = flow.energy();
+                for _ in 0..steps {
+                    flow.advance_by(5e-3 / f64::from(steps)).expect("a stress");
+                }
+                let now = flow.energy();
+                let change = now.kinetic - start.kinetic;
+                assert!(change.abs() > 1e-2 * start.kinetic, "{closure:?}: nothing happened");
+                assert!(now.power > 0.0);
+                (change - now.background - now.stress).abs() / start.kinetic
+            })
+            .to_vec();
+        let order = (left_over[1] / left_over[2]).log2();
+        println!("{closure:?}: {left_over:?}, order {order}");
+        assert!(order > 1.8 && left_over[2] < 1e-3, "{closure:?}: {left_over:?}");
+    }
+}
+
+/// Root of the mean square difference from the values of a finer grid at the same points.
+fn difference(coarse: &Flow, fine: &Flow, own: Field) -> f64 {
+    let (coarse, fine) = (field(coarse, own), field(fine, own));
+    let (few, many) = (coarse.len().isqrt(), fine.len().isqrt());
+    // Points of the one lie between those of the other: compared by the modes of both.
+    let modes = (0..=2).flat_map(|m1| (-2..=2).map(move |m2| [m1, m2]));
+    modes
+        .map(|mode| {
+            let shift = |points: usize| {
+                Complex64::cis(-TAU * 0.5 * f64::from(mode[0] + mode[1]) / points as f64)
+            };
+            let one = coefficient(&coarse, few, mode) * shift(few);
+            let other = coefficient(&fine, many, mode) * shift(many);
+            (one - other).norm_sqr()
+        })
+        .sum::<f64>()
+        .sqrt()
+}
+
+/// Errors fall faster than any power of the points, in all closures.
+#[test]
+fn errors_fall_exponentially_with_the_points() {
+    for closure in CLOSURES {
+        let end = |points: usize| {
+            let mut flow = perturbed(&Problem { tolerance: 1e-9, ..steady(closure, points) }, 0.1);
+            while flow.time() < 2e-5 {
+                flow.advance(2e-5).expect("a stress");
+            }
+            flow
+        };
+        let finest = end(64);
+        let errors =
+            [12, 18, 24, 36].map(|points| difference(&end(points), &finest, Field::Velocity(1)));
+        println!("{closure:?}: {errors:?}");
+        // A third fewer points would be 2.25 times the error in second order.
+        assert!(
+            errors[1] < errors[0] / 5.0 && errors[2] < errors[1] / 3.0,
+            "{closure:?}: {errors:?}"
+        );
+        assert!(errors[3] < 1e-3 * errors[0], "{closure:?}: {errors:?}");
+    }
+}
+
+/// The error of a run falls with the tolerance of its steps.
+#[test]
+fn steps_keep_to_the_tolerance() {
+    let end = |tolerance: f64| {
+        let mut flow = perturbed(&Problem { tolerance, ..steady(Closure::HarrisGrekova, 16) }, 0.1);
+        while flow.time() < 2e-2 {
+            flow.advance(2e-2).expect("a stress");
+        }
+        (field(&flow, Field::Velocity(0)), flow.steps())
+    };
+    let (exact, _) = end(1e-9);
+    let norm = exact.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let found = [1e-4, 1e-5, 1e-6, 1e-7].map(|tolerance| {
+        let (values, steps) = end(tolerance);
+        let square: f64 = values.iter().zip(&exact).map(|(a, b)| (a - b) * (a - b)).sum();
+        (square.sqrt() / norm, steps)
+    });
+    println!("{found:?}");
+    for (own, tolerance) in found.iter().zip([1e-4, 1e-5, 1e-6, 1e-7]) {
+        assert!(own.0 < 100.0 * tolerance, "{found:?}");
+    }
+    assert!(found.windows(2).all(|pair| pair[1].0 < 0.5 * pair[0].0 && pair[1].1 > pair[0].1));
+}
+
+/// Inside its bound the model of Harris & Grekova lets finite perturbations decay, and grids agree on how;
+/// outside they grow, and the faster the finer the grid.
+#[test]
+fn only_outside_the_bound_finer_grids_blow_up_faster() {
+    let growth = |noncoaxiality: f64, points: usize, amplitude: f64, duration: f64| {
+        let mut flow =
+            perturbed(&problem(Closure::HarrisGrekova, points, noncoaxiality), amplitude);
+        // Something at all scales of the grid.
+        let count = points * points;
+        let mut seed = 1u64;
+        let noise: Vec<f64> = (0..2 * count)
+            .map(|_| {
+                seed = seed.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+                1e-7 * ((seed >> 33) as f64 / 2f64.powi(31) - 0.5)
+            })
+            .collect();
+        flow.perturb([&noise[..count], &noise[count..]], &vec![0.0; count]).expect("a stress");
+        let start = flow.spectrum();
+        while flow.time() < duration {
+            flow.advance(duration).expect("a stress");
+        }
+        let shell = points / 3 - 1;
+        (flow.energy().kinetic, (flow.spectrum()[shell] / start[shell]).ln())
+    };
+    let [coarse, fine] = [16, 32].map(|points| growth(0.3, points, 0.2, 1e-2).0);
+    let start = perturbed(&problem(Closure::HarrisGrekova, 16, 0.3), 0.2).energy().kinetic;
+    assert!(fine < 0.7 * start, "{fine} of {start}");
+    assert!((coarse - fine).abs() < 1e-3 * fine, "{coarse} {fine}");
+    let [coarse, fine] = [16, 32].map(|points| growth(1.0, points, 0.0, 2e-6).1);
+    println!("outside: growth of the shortest waves {coarse} and {fine}");
+    // Rates are proportional to k².
+    assert!(coarse > 0.0 && fine > 3.0 * coarse, "{coarse} {fine}");
+}
+
+/// A run ends where a point has no stress, at the state before, and says where.
+#[test]
+fn points_that_leave_the_region_stop_the_run() {
+    // A spin that the background accelerates beyond the greatest one: sin φ |ω − s₂₁| = Q_D.
+    let fast = Problem { spin_acceleration: -2e4, ..problem(Closure::HarrisGrekova, 8, 0.3) };
+    let mut flow = perturbed(&fast, 1e-4);
+    let left = loop {
+        match flow.advance(1.0) {
+            Ok(()) => assert!(flow.time() < 1.0),
+            Err(left) => break left,
+        }
+    };
+    // −25 − 25 sin 0.6/sin φ − 2e4 t = −25 − 50
+    let expected = 50.0 * (1.0 - 0.6f64.sin()) / 2e4;
+    assert!(left.what.contains("no stress angle"), "{left}");
+    assert!((left.time / expected - 1.0).abs() < 1e-2, "{} {expected}", left.time);
+    assert!(flow.time() <= left.time && flow.time() > 0.98 * expected);
+    assert!(flow.values().iter().flatten().all(|value| value.is_finite()));
+    // A plastic potential at rest somewhere.
+    let mut flow = Flow::new(&steady(Closure::PlasticPotential, 16)).expect("a problem");
+    let stop: Vec<f64> = (0..256)
+        .map(|i| 50.0 * 0.1 / TAU * (TAU * f64::from(i / 16) / 16.0).cos())
+        .collect();
+    let left = flow.perturb([&stop, &vec![0.0; 256]], &[]).expect_err("rigid");
+    assert!(left.what.contains("nearly rigid"), "{left}");
+    // ∂₂v₁ = −50, a quarter of the box above the first point.
+    assert!((left.at[1] - 4.5 * 0.1 / 16.0).abs() < 1e-12, "{left:?}");
+}
+
+/// The same bits with one thread and three, and after a snapshot.
+#[test]
+fn bits_depend_on_no_threads_and_no_snapshot() {
+    for closure in CLOSURES {
+        let run = |threads: usize, resume: bool| {
+            let pool =
+                rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| {
+                let problem = steady(closure, 48);
+                let mut flow = perturbed(&problem, 0.1);
+                for step in 0..12 {
+                    if resume && step == 7 {
+                        let snapshot = flow.snapshot();
+                        flow = Flow::new(&problem).expect("a problem");
+                        assert!(flow.restore(&snapshot));
+                    }
+                    flow.advance(1e-3).expect("a stress");
+                }
+                (flow.time().to_bits(), flow.snapshot())
+            })
+        };
+        let one = run(1, false);
+        let bits = |snapshot: &wellposed_dynamics::flow::Snapshot| -> Vec<Vec<u64>> {
+            snapshot.parts.iter().map(|part| part.iter().map(|x| x.to_bits()).collect()).collect()
+        };
+        for other in [run(3, false), run(2, true)] {
+            assert_eq!(one.0, other.0, "{closure:?}");
+            assert_eq!(bits(&one.1), bits(&other.1), "{closure:?}");
+        }
+    }
+    let mut flow = Flow::new(&steady(Closure::PlasticPotential, 8)).expect("a problem");
+    let other = Flow::new(&steady(Closure::PlasticPotential, 16)).expect("a problem").snapshot();
+    assert!(!flow.restore(&other));
+}
+
+#[test]
+fn problems_that_cannot_be_are_refused() {
+    let sound = steady(Closure::HarrisGrekova, 8);
+    let error = |problem: Problem| Flow::new(&problem).map(|_| ()).expect_err("refused");
+    assert_eq!(error(Problem { points: [8, 9], ..sound.clone() }), FlowError::Points([8, 9]));
+    let negative = Problem { density: -1.0, ..sound.clone() };
+    assert_eq!(error(negative), FlowError::Number { name: "the density", value: -1.0 });
+    let tension = Problem { pressure: -1e3, ..sound.clone() };
+    assert!(error(tension).to_string().starts_with("the deviatoric stress cannot be -"));
+    let rotation = [[0.0, 1.0], [-1.0, 0.0]];
+    let turning = Problem { velocity_gradient: rotation, ..sound };
+    assert_eq!(error(turning), FlowError::Gradient(rotation));
+}
+
+/// exp(Γt) of shear, pure shear and a rotation that is slower or faster than the shear.
+#[test]
+fn the_box_moves_with_the_flow() {
+    for gradient in
+        [[[0.0, 3.0], [0.0, 0.0]], [[2.0, 0.0], [0.0, -2.0]], [[0.5, 2.0], [-1.0, -0.5]]]
+    {
+        let slow = Problem { velocity_gradient: gradient, ..steady(Closure::PlasticPotential, 8) };
+        let slow = Problem {
+            stress_angle: 0.5
+                * (gradient[0][1] + gradient[1][0]).atan2(gradient[0][0] - gradient[1][1]),
+            ..slow
+        };
+        let mut flow = Flow::new(&slow).expect("a problem");
+        let zero = vec![0.0; 64];
+        flow.perturb([&zero, &zero], &[]).expect("a stress");
+        flow.advance_by(0.7).expect("a stress");
+        // The series of the exponential.
+        let matrix = nalgebra::Matrix2::<f64>::from_fn(|i, j| 0.7 * gradient[i][j]);
+        let mut sum = nalgebra::Matrix2::<f64>::identity();
+        let mut term = sum;
+        for n in 1..40 {
+            term = term * matrix / f64::from(n);
+            sum += term;
+        }
+        let found: [[f64; 2]; 2] = flow.deformation();
+        for i in 0..2 {
+            for j in 0..2 {
+                assert!((found[i][j] - sum[(i, j)]).abs() < 1e-13, "{found:?} {sum}");
+            }
+        }
+    }
+}
