@@ -24,7 +24,7 @@ stress_angle_deg = 45
 shear_rate = 50
 noncoaxiality_deg = 20
 [grid]
-cells = [32, 16]
+cells = [32, 24]
 length = [0.2, 0.1]
 [time]
 duration = 1e-3
@@ -98,7 +98,7 @@ fn a_case_is_read_as_written() {
     let run = flow(FLOW);
     assert_eq!(
         (run.grid.cells, run.grid.lengths, run.closure),
-        ([32, 16], [0.2, 0.1], Closure::HarrisGrekova)
+        ([32, 24], [0.2, 0.1], Closure::HarrisGrekova)
     );
     assert_eq!((run.time.tolerance, run.time.pressure_tolerance), (1e-4, 1e-9));
     let Initial::Mode(wave) = &run.initial[0] else { panic!() };
@@ -143,23 +143,23 @@ fn the_resolved_case_reads_back_to_itself() {
 fn wrong_cases_are_refused_with_place_and_remedy() {
     for (old, new, message) in [
         (
-            "cells = [32, 16]",
+            "cells = [32, 24]",
             "cells = [32, 15]",
             "folder/x.toml:14: grid.cells: found [32, 15]; expected a list of 2 even whole numbers of at \
              least 8 (points along each axis)",
         ),
         (
-            "cells = [32, 16]",
+            "cells = [32, 24]",
             "cells = [6, 16]",
             "folder/x.toml:14: grid.cells: found [6, 16]; expected",
         ),
         (
-            "cells = [32, 16]",
+            "cells = [32, 24]",
             "cells = [8, 8, 8]",
             "folder/x.toml:14: grid.cells: found [8, 8, 8]; expected",
         ),
         (
-            "cells = [32, 16]",
+            "cells = [32, 24]",
             "cells = [200000, 200000]",
             "folder/x.toml:14: grid.cells: 200000 × 200000 points; expected at most 268435456 in all",
         ),
@@ -193,7 +193,7 @@ fn wrong_cases_are_refused_with_place_and_remedy() {
         (
             "mode = [2, -1]",
             "mode = [2, -8]",
-            "folder/x.toml:21: initial[0].mode: found [2, -8] with 32 × 16 points; at most 15 and 7: add \
+            "folder/x.toml:21: initial[0].mode: found [2, -8] with 32 × 24 points; at most 10 and 7: add \
              points, or a longer wave",
         ),
         (
@@ -210,7 +210,7 @@ fn wrong_cases_are_refused_with_place_and_remedy() {
         (
             "to = 6.5",
             "to = 8",
-            "folder/x.toml:36: initial[2].to: found 8.0 with 32 × 16 points; at most 7.0: add points, or \
+            "folder/x.toml:36: initial[2].to: found 8.0 with 32 × 24 points; at most 7.0: add points, or \
              take longer waves",
         ),
         (
@@ -236,7 +236,7 @@ fn wrong_cases_are_refused_with_place_and_remedy() {
         (
             "kind = 'uniform'",
             "kind = 'pulse'",
-            "folder/x.toml:40: initial[3].kind: found 'pulse'; allowed: mode, packet, noise, uniform, file",
+            "folder/x.toml:40: initial[3].kind: found 'pulse'; did you mean 'noise'? allowed: mode, packet, noise, uniform, file",
         ),
         (
             "fields = ['psi_deg', 'v2']",
@@ -367,7 +367,7 @@ fn states_that_cannot_be_run_are_refused() {
             .ends_with("nothing determines the spin of this one, so that it cannot be run in time")
     );
     if Path::new("/proc/meminfo").exists() {
-        let large = with(FLOW, "cells = [32, 16]", "cells = [16384, 16384]");
+        let large = with(FLOW, "cells = [32, 24]", "cells = [16384, 16384]");
         let error = refused(&large);
         assert!(error.contains("GiB are free; ask for fewer points"), "{error}");
     }
@@ -377,7 +377,7 @@ fn states_that_cannot_be_run_are_refused() {
 fn dry_runs_say_what_would_be_computed() {
     let folder = tempfile::tempdir().unwrap();
     let text = dry_run(folder.path(), FLOW).unwrap();
-    let start = "would compute 32 × 16 points, Harris–Grekova, 0.001 s, wave numbers from 31.42 to 502.7 1/m, memory ";
+    let start = "would compute 32 × 24 points, Harris–Grekova, 0.001 s, wave numbers from 31.42 to 439.8 1/m, memory ";
     assert!(text.starts_with(start) && text.contains("run.png"), "{text}");
     for (path, text) in
         wellposed::cases::CASES.iter().filter(|own| own.0.starts_with("cases/flow/"))
@@ -401,7 +401,7 @@ fn archives_are_read_next_to_the_case() {
     let text = with(FLOW, "kind = 'uniform'\nfield = 'w'\namplitude = 0.1", entry);
     let error = dry_run(folder.path(), &text).unwrap_err().to_string();
     assert!(error.contains("initial[3].path: 'old.npz': No such file"), "{error}");
-    archive(&["v1", "v2", "w"], [16, 32]);
+    archive(&["v1", "v2", "w"], [24, 32]);
     dry_run(folder.path(), &text).unwrap();
 
     let file = folder.path().join("case.run.toml");
@@ -409,15 +409,15 @@ fn archives_are_read_next_to_the_case() {
     let resolved = case.to_toml();
     // The same wherever it is read, without a look at the archive.
     assert_eq!(parse(&resolved).unwrap(), case);
-    archive(&["v1", "v2", "psi"], [16, 32]);
+    archive(&["v1", "v2", "psi"], [24, 32]);
     assert_ne!(Case::load(&file, &[]).unwrap(), case);
     let error = dry_run(folder.path(), &resolved).unwrap_err().to_string();
     assert!(error.contains("has changed since the case was read; bring it back"), "{error}");
     let refused = |text: &str| dry_run(folder.path(), text).unwrap_err().to_string();
     assert!(refused(&text).contains("old.npz': no array w; an archive (NPZ) with v1, v2 and"));
-    archive(&["v1", "v2", "w"], [32, 16]);
+    archive(&["v1", "v2", "w"], [32, 24]);
     let error = refused(&text);
-    assert!(error.contains("v1 is of shape [32, 16], not [16, 32]"), "{error}");
+    assert!(error.contains("v1 is of shape [32, 24], not [24, 32]"), "{error}");
     fs::write(folder.path().join("old.npz"), "no archive").unwrap();
     assert!(refused(&text).contains("initial[3].path: '"));
     let odd = with(&text, entry, "kind = 'file'\npath = 'old.npz'\nchecksum = 'xyz'");
