@@ -62,13 +62,16 @@ fn of_snapshot(bytes: &[u8], run: &FlowRun) -> Result<Vec<f64>, String> {
 /// seen beside it.
 fn figure(case: &Case, run: &FlowRun, time: f64, mut values: Vec<f64>) -> FieldFigure {
     let picture = run.output.picture;
+    let mut subtitle = format!("t = {} s, in the box that moves with the mean flow", short(time));
     let label = match picture {
         None => "speed |v| of the perturbation, m/s".to_owned(),
         Some(own @ Quantity(Field::Velocity(_))) => label(own.name()),
         Some(own) => {
             let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
             values.iter_mut().for_each(|value| *value -= mean);
-            format!("{} less the mean, {}", label(own.name()), short(mean))
+            let unit = unit_of(own.name()).replace("deg", "°");
+            subtitle += &format!("; mean {} {unit}", short(mean));
+            label(own.name()).replace(", ", " less the mean, ")
         }
     };
     let axis = |axis: usize| FieldAxis {
@@ -83,7 +86,7 @@ fn figure(case: &Case, run: &FlowRun, time: f64, mut values: Vec<f64>) -> FieldF
     };
     FieldFigure {
         title: case_title(case),
-        subtitle: format!("t = {} s, in the box that moves with the mean flow", short(time)),
+        subtitle,
         x: axis(0),
         y: axis(1),
         columns: run.grid.cells[0],

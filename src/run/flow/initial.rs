@@ -236,9 +236,8 @@ mod tests {
                 let y = [grid.position(0, i), grid.position(1, j)];
                 let cosine = (k[0] * y[0] + k[1] * y[1] + 25f64.to_radians()).cos();
                 let expected = [-k[1] / size, k[0] / size].map(|own| 0.7 * own * cosine);
-                for axis in 0..2 {
-                    let found = fields.velocity[axis][j * 16 + i];
-                    assert!((found - expected[axis]).abs() < 1e-13, "{i} {j}");
+                for (own, expected) in fields.velocity.iter().zip(expected) {
+                    assert!((own[j * 16 + i] - expected).abs() < 1e-13, "{i} {j}");
                 }
             }
         }

@@ -60,6 +60,12 @@ fn next(time: f64, interval: f64, duration: f64) -> f64 {
     if next > duration - 1e-6 * interval { duration } else { next }
 }
 
+/// Where a point has left the fully deforming region.
+fn place(left: &Left) -> String {
+    let [first, second] = left.at.map(short);
+    format!("[{first}, {second}] m")
+}
+
 impl Job<'_> {
     /// Computes the run, from its beginning or from a checkpoint.
     pub(super) fn march(&self, run: &Run, from: Option<&Checkpoint>) -> Result<Found, Error> {
@@ -114,7 +120,7 @@ impl<'a> March<'a> {
             .map_err(|error| case.locate("grid", error.to_string(), "see the README"))?;
         // Left before it began: the perturbation asks for too much.
         let too_much = |left: Left| {
-            let found = format!("{} at {:?} m", left.what, left.at);
+            let found = format!("{} at {}", left.what, place(&left));
             case.locate("initial", found, "a smaller perturbation, which leaves the flow deforming")
         };
         if from.is_none() {
@@ -255,7 +261,7 @@ impl<'a> March<'a> {
             self.write_line()?;
         }
         Ok(Stopped {
-            what: format!("{} at {:?} m in the box at the beginning,", left.what, left.at),
+            what: format!("{} at {} in the box at the beginning,", left.what, place(left)),
             time: short(left.time),
             remedy: "a smaller perturbation goes on for longer if the state is well-posed",
             saved: short(self.flow.time()),
