@@ -15,9 +15,9 @@ use march::Found;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// Numbers that a run keeps of a point: fields, stages of a step, directions of the search for the
-/// pressure, all with room for what is left out against aliasing.
-const NUMBERS: f64 = 120.0;
+/// Numbers that a run keeps of a point, at most: 24 were found in 1024² points, to which a checkpoint and a
+/// snapshot add theirs.
+const NUMBERS: f64 = 40.0;
 
 /// A flow and the problem that it comes to.
 pub(super) struct Job<'a> {
