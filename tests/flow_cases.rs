@@ -241,7 +241,7 @@ fn wrong_cases_are_refused_with_place_and_remedy() {
         (
             "fields = ['psi_deg', 'v2']",
             "fields = ['psi']",
-            "folder/x.toml:48: receiver[1].fields: found 'psi'; allowed: v1, v2, w, psi_deg, p, shear_rate",
+            "folder/x.toml:48: receiver[1].fields: found 'psi'; did you mean 'psi_deg'? allowed: v1, v2, w, psi_deg, p, shear_rate",
         ),
         (
             "picture = 'psi_deg'",
