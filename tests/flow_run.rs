@@ -380,7 +380,7 @@ fn bundled_flows_do_what_they_say() {
         ("decay", false),
         ("outside-the-bound", true),
         ("double-shearing", true),
-        ("plastic-potential", true),
+        ("plastic-potential-in-time", true),
     ] {
         let folder = tempfile::tempdir().unwrap();
         let file = Path::new(env!("CARGO_MANIFEST_DIR"))
