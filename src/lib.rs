@@ -58,6 +58,12 @@ pub enum Format {
 /// The program's exit code where it was interrupted.
 const INTERRUPTED_CODE: u8 = 130;
 
+/// So many threads, or one per core.
+fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
+    let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
+    builder.build().map_err(|error| Error::Threads(error.to_string()))
+}
+
 /// Why a request was not carried out.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {

@@ -50,7 +50,7 @@ enum Verb {
         #[command(flatten)]
         run: Common,
     },
-    /// Solve a dynamic problem of a solid in time: fields, receivers, energy ledger and a picture
+    /// Solve a solid or a flow in time: fields, receivers, energy ledger and a picture
     Run {
         #[command(flatten)]
         run: Common,
@@ -90,7 +90,7 @@ enum Verb {
         #[arg(long = "yield", value_name = "SET", value_parser =
             PossibleValuesParser::new(Yield::ALL.map(Yield::name)).try_map(yield_set))]
         yields: Option<Yield>,
-        /// A dynamic problem of a solid, for wellposed run
+        /// A solid or a flow in time, for wellposed run
         #[arg(long = "run")]
         runs: bool,
         /// File to write [default: <KIND>.toml]

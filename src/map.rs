@@ -302,10 +302,7 @@ fn sweep(options: &Options, case: &Case, map: &Map, extras: Extras) -> Result<Ve
     points.try_reserve_exact(nx * ny).map_err(|_| Error::Memory { points: nx * ny })?;
     points.resize(nx * ny, Point::empty(Code::OutsideModel));
 
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads.unwrap_or(0))
-        .build()
-        .map_err(|error| Error::Threads(error.to_string()))?;
+    let pool = crate::pool(options.threads)?;
     // What elastic moduli make in space is used again as long as they stay.
     let is_modulus = |sweep: &Sweep| sweep.parameter.name().starts_with("model.");
     let is_transposed = is_modulus(&map.x) && !is_modulus(&map.y) && case.yields.is_some();

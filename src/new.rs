@@ -1,7 +1,10 @@
 //! `wellposed new`: a commented case to start from.
 
+use crate::case::flow::{Disturbed, Quantity, UNIFORM};
 use crate::case::{ACTIVE_NAMES, KEYS, Key, Kind, Medium, Presence, Solid, Yield};
 use crate::output::{OutputError, write_file};
+use dynamics::flow::Closure;
+use models::granular_flow::Kind as Flow;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -16,6 +19,41 @@ pub enum Purpose {
 
 /// A dynamic problem in plane strain, to be changed.
 const RUN: &str = include_str!("new/run.toml");
+
+/// A flow in time, to be changed.
+const FLOW: &str = include_str!("new/flow.toml");
+
+/// Keys of a state that follow from others, and are only checked.
+const CHECKED: [&str; 5] = [
+    "background.deviatoric_stress",
+    "background.velocity_gradient",
+    "background.acceleration",
+    "background.body_moment",
+    "background.stress_angle_rate_deg",
+];
+
+/// The sections that say how a flow is run in time.
+fn flow_in_time(closure: Closure) -> String {
+    let inner = Disturbed::all(closure).get(1).map_or("v", |field| field.name());
+    let evolves = match closure {
+        Closure::HarrisGrekova => "w, rad/s",
+        Closure::DoubleShearing => "psi_deg, degrees",
+        Closure::PlasticPotential => "",
+    };
+    let names: Vec<&str> = Quantity::all(closure).iter().map(|own| own.name()).collect();
+    let is_coaxial = closure == Closure::PlasticPotential;
+    let is_used = |block: &&str| match block {
+        block if block.starts_with("[limits]") => is_coaxial,
+        block if block.contains("kind = \"uniform\"") => !is_coaxial,
+        _ => true,
+    };
+    let blocks: Vec<&str> = FLOW.split("\n\n").filter(is_used).collect();
+    let text = blocks.join("\n\n").replace("INNER", inner).replace("NAMES", &names.join(", "));
+    match is_coaxial {
+        true => text.replace("; or EVOLVES", "").replace("                # or EVOLVES", ""),
+        false => text.replace("EVOLVES", evolves),
+    }
+}
 
 /// Writes a case for that medium to `file`, or else to `<kind>.toml`; says where.
 ///
@@ -35,11 +73,11 @@ pub fn run(
             remedy: "name another file, or overwrite with --force",
         });
     }
-    if let (Kind::Flow(_), Purpose::Run) = (medium.kind, purpose) {
+    if purpose == Purpose::Run && medium.kind == Kind::Flow(Flow::FreeRotating) {
         return Err(OutputError {
             path,
-            cause: format!("{} is a flow", medium.kind.name()),
-            remedy: "name a solid: only these run in time",
+            cause: format!("nothing determines the spin of {}", medium.kind.name()),
+            remedy: "name another model: this one cannot be run in time",
         });
     }
     write_file(&path, text_for(medium, purpose).as_bytes())?;
@@ -54,6 +92,7 @@ pub fn text(medium: impl Into<Medium>) -> String {
 /// The text of a case for that purpose.
 pub fn text_for(medium: Medium, purpose: Purpose) -> String {
     let kind = medium.kind;
+    let is_flow = matches!(kind, Kind::Flow(_));
     let mut text = format!(
         "\
 # {what}. SI units; angles in degrees, anticlockwise from x₁.
@@ -70,11 +109,12 @@ kind = \"{name}\"
 ",
         what = match purpose {
             Purpose::State => "One state of one material",
+            Purpose::Run if is_flow => "A flow in time",
             Purpose::Run => "A dynamic problem in plane strain",
         },
         verbs = match kind {
             _ if purpose == Purpose::Run =>
-                "# wellposed run FILE    fields, seismograms, ledger of energy",
+                "# wellposed run FILE    fields, records of receivers, ledger of energy",
             Kind::Flow(_) => {
                 "# wellposed point FILE    everything about this state
 # wellposed map FILE      verdict over the two parameters of [map]"
@@ -97,7 +137,12 @@ kind = \"{name}\"
             value = "2".into();
         }
         let (own, name) = key.split();
-        if purpose == Purpose::Run {
+        if purpose == Purpose::Run && is_flow {
+            let is_own = ["model", "background"].contains(&own);
+            if !is_own || UNIFORM.contains(&key.name) || CHECKED.contains(&key.name) {
+                continue;
+            }
+        } else if purpose == Purpose::Run {
             // A run needs no state, and its flow is ideal and associated.
             if !matches!(own, "model" | "yield") || matches!(name, "hardening" | "plastic_rate") {
                 continue;
@@ -148,7 +193,12 @@ kind = \"{name}\"
         );
     }
     if purpose == Purpose::Run {
-        return text + "\n" + RUN;
+        return match kind {
+            Kind::Flow(flow) => {
+                text + "\n" + &Closure::of(flow).map_or(String::new(), flow_in_time)
+            }
+            Kind::Solid(_) => text + "\n" + RUN,
+        };
     }
     let [x, y] = match (kind, medium.yields) {
         (Kind::Flow(_), _) => [

@@ -51,20 +51,23 @@ pub const SPEEDS: [&str; 8] = [
 ];
 
 /// What `run` writes besides: receivers and their pictures where there are any, snapshots and their animation
-/// where they are asked for, and every snapshot by its own name.
-pub const RUN: [&str; 18] = [
+/// where they are asked for, spectra of flows, and every snapshot by its own name.
+pub const RUN: [&str; 21] = [
     "run.png",
     "run.svg",
     "seismograms.png",
     "seismograms.svg",
     "ledger.png",
     "ledger.svg",
+    "spectrum.png",
+    "spectrum.svg",
     "dissipation.png",
     "dissipation.svg",
     "animation.gif",
     "receivers.csv",
     "receivers.npz",
     "ledger.csv",
+    "spectrum.csv",
     "fields.npz",
     SNAPSHOTS,
     "checkpoint",
@@ -86,6 +89,8 @@ pub enum Growing {
     Receivers,
     /// The ledger of energy.
     Ledger,
+    /// Energies of the shells of modes of a flow.
+    Spectrum,
     /// What resumes a run.
     Checkpoint,
     /// Wall times and speeds: no result.
@@ -99,6 +104,7 @@ impl Growing {
         match self {
             Self::Receivers => "receivers.csv",
             Self::Ledger => "ledger.csv",
+            Self::Spectrum => "spectrum.csv",
             Self::Checkpoint => "checkpoint",
             Self::Log => "log.txt",
             Self::Lock => "lock",
@@ -106,9 +112,11 @@ impl Growing {
     }
 }
 
-/// Whether the name is that of a snapshot: `snapshot-00000012.vti`.
+/// Whether the name is that of a snapshot: `snapshot-00000012.vti`, of a flow `.vts`.
 pub fn is_snapshot(name: &str) -> bool {
-    let inner = name.strip_prefix("snapshot-").and_then(|name| name.strip_suffix(".vti"));
+    let inner = name
+        .strip_prefix("snapshot-")
+        .and_then(|name| name.strip_suffix(".vti").or_else(|| name.strip_suffix(".vts")));
     inner.is_some_and(|step| !step.is_empty() && step.bytes().all(|byte| byte.is_ascii_digit()))
 }
 

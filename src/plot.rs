@@ -1,13 +1,15 @@
 //! `wellposed plot`, and what `wellposed run` draws at its end: pictures from files of results alone.
 
+mod flow;
+
 use crate::Error;
-use crate::case::Case;
 use crate::case::dynamics::{Component, Dynamics, Picture};
+use crate::case::{Case, InTime};
 use crate::output::{Growing, OutputError, ResultFolder, SNAPSHOTS};
 use crate::words::{case_title, short, unit_of};
 use figures::{
-    Animation, FieldAxis, FieldFigure, FieldMark, FieldMarkKind, LedgerFigure, LedgerTerm,
-    SeismogramFigure, SeismogramPanel, Trace,
+    Animation, FieldAxis, FieldFigure, FieldMark, FieldMarkKind, FigureError, LedgerFigure,
+    LedgerTerm, SeismogramFigure, SeismogramPanel, Trace,
 };
 use files::npz::{Array, Values, read};
 use models::cosserat::waves::Field;
@@ -21,35 +23,73 @@ use std::path::Path;
 /// The folder holds no finished run, or a file of it cannot be read or written.
 pub fn run(path: &Path, stdout: &mut dyn Write) -> Result<(), Error> {
     let (folder, case) = ResultFolder::finished(path)?;
-    draw(&case, case.required_dynamics()?, &folder)?;
+    draw(&case, &folder)?;
     writeln!(stdout, "picture: {}", folder.path().join("run.png").display())?;
     Ok(())
 }
 
 /// Draws all pictures of a run.
-pub(crate) fn draw(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<(), Error> {
+pub(crate) fn draw(case: &Case, folder: &ResultFolder) -> Result<(), Error> {
     let fields = Fields::read(&folder.path().join("fields.npz"))?;
+    match case.in_time()? {
+        InTime::Solid(dynamics) => draw_solid(case, dynamics, &fields, folder),
+        InTime::Flow(run) => flow::draw(case, run, &fields, folder),
+    }
+}
+
+fn draw_solid(
+    case: &Case,
+    dynamics: &Dynamics,
+    fields: &Fields,
+    folder: &ResultFolder,
+) -> Result<(), Error> {
     let figure = fields.figure(case, dynamics, dynamics.output.picture);
-    folder.write("run.png", &figure.draw(figures::Format::Png)?)?;
-    folder.write("run.svg", &figure.draw(figures::Format::Svg)?)?;
-    seismograms(case, dynamics, folder)?;
-    ledger(case, dynamics, folder)?;
-    animation(case, dynamics, folder)?;
+    write(folder, "run", |format| figure.draw(format))?;
+    if !dynamics.receivers.is_empty() {
+        seismograms(case, folder)?;
+    }
+    let words = |name: &str| match name {
+        "kinetic" => "kinetic energy",
+        "stored" => "stored energy",
+        "sides" => "work at the sides",
+        "sources" => "work of sources and weight",
+        "initial_stress" => "released by the initial stress",
+        "plastic" => "plastic dissipation",
+        "numerical" => "dissipation of the scheme",
+        "residual" => "left over",
+        _ => "balance: the scheme's, not counted",
+    };
+    let unit = if dynamics.grid.dimensions() == 2 { "J/m" } else { "J" };
+    ledger(case, folder, unit, table(folder, Growing::Ledger)?, words)?;
+    if dynamics.output.snapshot_interval > 0.0 {
+        let section = Section::new(dynamics);
+        let picture = dynamics.output.picture;
+        let of_snapshot = |bytes: &[u8]| section.of_snapshot(bytes, picture);
+        animation(folder, of_snapshot, |time, values| {
+            section.figure(case, dynamics, picture, time, values)
+        })?;
+    }
     if fields.of("dissipation").is_some() && dynamics.output.picture != Picture::Dissipation {
         let figure = fields.figure(case, dynamics, Picture::Dissipation);
-        folder.write("dissipation.png", &figure.draw(figures::Format::Png)?)?;
-        folder.write("dissipation.svg", &figure.draw(figures::Format::Svg)?)?;
+        write(folder, "dissipation", |format| figure.draw(format))?;
     }
     Ok(())
 }
 
+/// Writes a picture in both formats.
+fn write(
+    folder: &ResultFolder,
+    name: &str,
+    draw: impl Fn(figures::Format) -> Result<Vec<u8>, FigureError>,
+) -> Result<(), Error> {
+    folder.write(&format!("{name}.png"), &draw(figures::Format::Png)?)?;
+    Ok(folder.write(&format!("{name}.svg"), &draw(figures::Format::Svg)?)?)
+}
+
 /// What the receivers saw: a panel for each quantity that one of them recorded.
-fn seismograms(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<(), Error> {
+fn seismograms(case: &Case, folder: &ResultFolder) -> Result<(), Error> {
     /// Panels of a page; of more quantities the first.
     const MOST: usize = 8;
-    if dynamics.receivers.is_empty() {
-        return Ok(());
-    }
     let columns = table(folder, Growing::Receivers)?;
     let mut panels: Vec<(String, Vec<Trace>)> = Vec::new();
     for (column, values) in columns.iter().skip(1) {
@@ -75,31 +115,25 @@ fn seismograms(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Resul
             .collect(),
         times: columns.into_iter().next().map(|column| column.1).unwrap_or_default(),
     };
-    folder.write("seismograms.png", &figure.draw(figures::Format::Png)?)?;
-    Ok(folder.write("seismograms.svg", &figure.draw(figures::Format::Svg)?)?)
+    write(folder, "seismograms", |format| figure.draw(format))
 }
 
-/// Where the energy was, and what became of it.
-fn ledger(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<(), Error> {
-    let mut columns = table(folder, Growing::Ledger)?.into_iter();
+/// Where the energy was, and what became of it: columns of the ledger, the last one what is left over,
+/// by their `words`.
+fn ledger(
+    case: &Case,
+    folder: &ResultFolder,
+    unit: &str,
+    columns: Vec<(String, Vec<f64>)>,
+    words: impl Fn(&str) -> &'static str,
+) -> Result<(), Error> {
+    let mut columns = columns.into_iter();
     let times = columns.next().map(|column| column.1).unwrap_or_default();
-    let words = |name: &str| match name {
-        "kinetic" => "kinetic energy",
-        "stored" => "stored energy",
-        "sides" => "work at the sides",
-        "sources" => "work of sources and weight",
-        "initial_stress" => "released by the initial stress",
-        "plastic" => "plastic dissipation",
-        "numerical" => "dissipation of the scheme",
-        "residual" => "left over",
-        _ => "balance: the scheme's, not counted",
-    };
     let mut terms: Vec<LedgerTerm> = columns
         .map(|(name, values)| LedgerTerm { name: words(&name).to_owned(), values })
         .collect();
     let Some(balance) = terms.pop() else { return Ok(()) };
     terms.retain(|term| term.values.iter().any(|value| *value != 0.0));
-    let unit = if dynamics.grid.dimensions() == 2 { "J/m" } else { "J" };
     let figure = LedgerFigure {
         title: case_title(case),
         subtitle: String::new(),
@@ -109,53 +143,33 @@ fn ledger(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<(),
         terms,
         balance,
     };
-    folder.write("ledger.png", &figure.draw(figures::Format::Png)?)?;
-    Ok(folder.write("ledger.svg", &figure.draw(figures::Format::Svg)?)?)
+    write(folder, "ledger", |format| figure.draw(format))
 }
 
-/// The snapshots one after the other, in one scale of colours.
-fn animation(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<(), Error> {
+/// The snapshots one after the other, in one scale of colours: their values, or why there are none, and
+/// the figure of these at a time.
+fn animation(
+    folder: &ResultFolder,
+    of_snapshot: impl Fn(&[u8]) -> Result<Vec<f64>, String>,
+    figure: impl Fn(f64, Vec<f64>) -> FieldFigure,
+) -> Result<(), Error> {
     const SECONDS_PER_FRAME: f64 = 0.1;
     const WIDTH: u32 = 800;
     const ANIMATION: &str = "animation.gif";
-    if dynamics.output.snapshot_interval == 0.0 {
-        return Ok(());
-    }
     let list = folder.path().join(SNAPSHOTS);
     let text = std::fs::read_to_string(&list).map_err(|e| OutputError::unreadable(&list, &e))?;
     let names = files::vti::collected(&text);
     if names.len() < 2 {
         return Ok(());
     }
-    let section = Section::new(dynamics);
-    let picture = dynamics.output.picture;
-    let array = match picture {
-        Picture::Speed | Picture::Component(Component(Field::Velocity(_))) => {
-            "velocity [m/s]".to_owned()
-        }
-        _ => format!("{} [{}]", picture.name(), unit_of(&picture.name())),
-    };
     // Twice through all, not to hold them all.
     let values = |name: &str| -> Result<(f64, Vec<f64>), Error> {
         let path = folder.path().join(name);
         let unusable = |cause: String| OutputError::unusable(&path, cause);
         let bytes = std::fs::read(&path).map_err(|e| OutputError::unreadable(&path, &e))?;
-        let time = files::vti::plain_time(&bytes);
-        let all = files::vti::plain_values(&bytes, &array);
-        let (Some(time), Some(all)) = (time, all) else {
-            return Err(unusable(format!("no array {array}")).into());
-        };
-        let of = |cell: usize| match picture {
-            Picture::Speed => {
-                all[3 * cell..3 * cell + 3].iter().fold(0.0, |s, v| f64::hypot(s, *v))
-            }
-            Picture::Component(Component(Field::Velocity(i))) => all[3 * cell + i],
-            _ => all[cell],
-        };
-        if all.len() < dynamics.grid.count() {
-            return Err(unusable(format!("too few values of {array}")).into());
-        }
-        Ok((time, section.cells().map(of).collect()))
+        let time =
+            files::vti::plain_time(&bytes).ok_or_else(|| unusable("has no time".to_owned()))?;
+        Ok((time, of_snapshot(&bytes).map_err(unusable)?))
     };
     let mut greatest = 0.0f64;
     for name in &names {
@@ -168,11 +182,20 @@ fn animation(case: &Case, dynamics: &Dynamics, folder: &ResultFolder) -> Result<
     let mut animation = Animation::new(Vec::new(), SECONDS_PER_FRAME, WIDTH)?;
     for name in &names {
         let (time, values) = values(name)?;
-        let mut figure = section.figure(case, dynamics, picture, time, values);
+        let mut figure = figure(time, values);
         figure.scale = Some(greatest);
         animation.add(&figure)?;
     }
     Ok(folder.write(ANIMATION, &animation.finish()?)?)
+}
+
+/// So many numbers of each cell in a snapshot by the name of the array, or why there are none.
+fn array(bytes: &[u8], name: &str, cells: usize) -> Result<Vec<f64>, String> {
+    match files::vti::plain_values(bytes, name) {
+        None => Err(format!("no array {name}")),
+        Some(all) if all.len() < cells => Err(format!("too few values of {name}")),
+        Some(all) => Ok(all),
+    }
 }
 
 /// Columns of a table of numbers by name.
@@ -215,6 +238,9 @@ pub(crate) fn label(name: &str) -> String {
         "m" => ("couple stress", "m"),
         "u" => ("displacement", "u"),
         "phi" => ("rotation", "φ"),
+        "psi_deg" => return "stress angle ψ, °".to_owned(),
+        "p" => ("pressure", "p"),
+        "shear_rate" => ("shear rate", "Q_D"),
         _ => return "plastic dissipation, J/m³".to_owned(),
     };
     format!("{quantity} {symbol}{index}, {}", unit_of(name))
@@ -236,6 +262,10 @@ impl Fields {
         }
     }
 
+    fn time(&self) -> f64 {
+        self.of("time").and_then(|time| time.first().copied()).unwrap_or(0.0)
+    }
+
     fn region(&self, cell: usize) -> u16 {
         match self.0.iter().find(|array| array.name == "region").map(|array| &array.values) {
             Some(Values::I32(values)) => values.get(cell).map_or(0, |region| *region as u16),
@@ -245,7 +275,7 @@ impl Fields {
 
     /// The final state: of a space a section across x₂ through its first source, or its middle.
     fn figure(&self, case: &Case, dynamics: &Dynamics, picture: Picture) -> FieldFigure {
-        let time = self.of("time").and_then(|time| time.first().copied()).unwrap_or(0.0);
+        let time = self.time();
         let section = Section::new(dynamics);
         let grid = &dynamics.grid;
         let of = |name: &str, cell: usize| {
@@ -300,6 +330,25 @@ impl<'a> Section<'a> {
                 Some(layer) => (j * depth + layer) * columns + i,
             })
         })
+    }
+
+    /// What a snapshot has of the picture, or why it has nothing.
+    fn of_snapshot(&self, bytes: &[u8], picture: Picture) -> Result<Vec<f64>, String> {
+        let name = match picture {
+            Picture::Speed | Picture::Component(Component(Field::Velocity(_))) => {
+                "velocity [m/s]".to_owned()
+            }
+            _ => format!("{} [{}]", picture.name(), unit_of(&picture.name())),
+        };
+        let all = array(bytes, &name, self.dynamics.grid.count())?;
+        let of = |cell: usize| match picture {
+            Picture::Speed => {
+                all[3 * cell..3 * cell + 3].iter().fold(0.0, |s, v| f64::hypot(s, *v))
+            }
+            Picture::Component(Component(Field::Velocity(i))) => all[3 * cell + i],
+            _ => all[cell],
+        };
+        Ok(self.cells().map(of).collect())
     }
 
     fn figure(

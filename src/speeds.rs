@@ -69,10 +69,7 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
         }
         return Ok(());
     }
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads.unwrap_or(0))
-        .build()
-        .map_err(|error| Error::Threads(error.to_string()))?;
+    let pool = crate::pool(options.threads)?;
     let found = pool.install(|| find(&case, solid))?;
     let json = format!("{:#}\n", report(&case, &found));
     let words = words(&case, &found);

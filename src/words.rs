@@ -51,7 +51,10 @@ pub fn unit_of(name: &str) -> &'static str {
         "sigma" => "Pa",
         "m" => "N/m",
         "u" => "m",
-        "phi" => "rad",
+        "phi" | "psi" => "rad",
+        "psi_deg" => "deg",
+        "p" => "Pa",
+        "shear_rate" => "1/s",
         _ => "J/m3",
     }
 }

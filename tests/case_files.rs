@@ -230,7 +230,7 @@ fn bundled_cases_are_valid_and_have_headers() {
     for (path, text) in CASES {
         let case = Case::parse(text, path, &[]).unwrap_or_else(|error| panic!("{error}"));
         assert!(!case.title.is_empty(), "{path}");
-        let verb = if case.dynamics.is_some() {
+        let verb = if case.in_time().is_ok() {
             "run"
         } else if let Kind::Solid(_) = case.kind {
             Solid::of(&case).unwrap_or_else(|error| panic!("{error}"));

@@ -7,8 +7,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
-use wellposed::case::Case;
-use wellposed::case::Kind;
+use wellposed::case::{Case, InTime, Kind};
 use wellposed::cases::CASES;
 use wellposed::output::results;
 
@@ -97,14 +96,14 @@ fn every_bundled_case_runs() {
         let name = Path::new(path).file_name().unwrap().to_str().unwrap();
         fs::write(here.join(name), shrunk(text)).unwrap();
         let case = Case::load(&here.join(name), &[]).unwrap();
-        let (verb, sets) = match text {
-            _ if text.contains("[map]") => ("map", Vec::new()),
-            _ if text.contains("[background]") => ("point", Vec::new()),
-            _ => match &case.dynamics {
-                // Its beginning.
-                Some(own) => ("run", vec![format!("time.duration={:e}", 0.05 * own.time.duration)]),
-                None => ("dispersion", Vec::new()),
-            },
+        // Its beginning.
+        let start = |duration: f64| ("run", vec![format!("time.duration={:e}", 0.05 * duration)]);
+        let (verb, sets) = match case.in_time() {
+            Ok(InTime::Solid(own)) => start(own.time.duration),
+            Ok(InTime::Flow(own)) => start(own.time.duration),
+            Err(_) if text.contains("[map]") => ("map", Vec::new()),
+            Err(_) if text.contains("[background]") => ("point", Vec::new()),
+            Err(_) => ("dispersion", Vec::new()),
         };
         let options: String = sets.iter().map(|set| format!(" --set {set}")).collect();
         let (stdout, _) = ends_with(0, &here, &format!("{verb} {name}{options}"));

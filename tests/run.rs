@@ -302,7 +302,7 @@ fn runs_that_cannot_be_are_refused() {
         (CLASSICAL.to_owned(), ": grid: missing; add a section [grid]"),
         (
             wellposed::new::text(wellposed::case::Kind::FLOWS[0]),
-            "a flow; only solids are run in time",
+            ": grid: missing; add a section [grid] with cells = [64, 64] and length = 0.1",
         ),
         (
             plain(

@@ -1,4 +1,4 @@
-"""What VTK's own reader finds in image data (.vti) and in collections of it (.pvd).
+"""What VTK's own readers find in image data (.vti), structured grids (.vts) and collections (.pvd).
 
     python3 files/checks/vti.py FILE...
 
@@ -24,12 +24,14 @@ from vtk.util.numpy_support import vtk_to_numpy
 ORIGIN = [-1.5, 0.25, 1e-7]
 SPACING = [0.1, 1.0 / 3.0, 2.5e-8]
 ODD = [np.nan, np.inf, -0.0, 5e-324, np.finfo(float).max, 1.0 / 3.0]
-KINDS = {8: "flat cells", 11: "solid cells"}
+DEFORMATION = np.array([[1.0, 0.5], [-0.25, 1.25]])
+KINDS = {8: "flat cells", 9: "skew cells", 11: "solid cells"}
 
 
 def read(path):
-    """The image data in a file and the errors and warnings that reading it caused."""
-    reader = vtk.vtkXMLImageDataReader()
+    """The data in a file and the errors and warnings that reading it caused."""
+    is_image = path.suffix == ".vti"
+    reader = vtk.vtkXMLImageDataReader() if is_image else vtk.vtkXMLStructuredGridReader()
     messages = []
     readable = reader.CanReadFile(str(path))
     if not readable:
@@ -40,7 +42,7 @@ def read(path):
     reader.Update()
     if reader.GetErrorCode() != 0:
         messages.append(vtk.vtkErrorCode.GetStringFromErrorCode(reader.GetErrorCode()))
-    data = vtk.vtkImageData()
+    data = vtk.vtkImageData() if is_image else vtk.vtkStructuredGrid()
     data.DeepCopy(reader.GetOutput())
     return data, reader.GetErrorCode(), messages
 
@@ -58,13 +60,22 @@ def time(data):
     return None if value is None else value.GetValue(0)
 
 
+def dimensions(data):
+    """Nodes along each of three axes."""
+    first_and_last = data.GetExtent()
+    return tuple(first_and_last[2 * axis + 1] - first_and_last[2 * axis] + 1 for axis in range(3))
+
+
 def show(path, data, code):
     """Prints what a file holds."""
     kind = KINDS.get(data.GetCellType(0), f"cells of type {data.GetCellType(0)}")
     print(f"{path}: error code {code}, time {time(data)}")
-    print(f"  nodes {data.GetDimensions()}, {data.GetNumberOfCells()} {kind}, "
+    print(f"  nodes {dimensions(data)}, {data.GetNumberOfCells()} {kind}, "
           f"{data.GetDataDimension()} dimensions")
-    print(f"  origin {data.GetOrigin()}, spacing {data.GetSpacing()}")
+    if isinstance(data, vtk.vtkImageData):
+        print(f"  origin {data.GetOrigin()}, spacing {data.GetSpacing()}")
+    else:
+        print(f"  bounds {data.GetBounds()}")
     for name, values in arrays(data).items():
         components = 1 if values.ndim == 1 else values.shape[1]
         finite = values[np.isfinite(values)]
@@ -110,26 +121,32 @@ def differences(path, data):
         if not same(found[name], values):
             yield name
     nodes = tuple(length + 1 for length in cells[:axes]) + (1,) * (3 - axes)
-    if data.GetDimensions() != nodes or data.GetDataDimension() != axes:
+    if dimensions(data) != nodes or data.GetDataDimension() != axes:
         yield "nodes"
-    if data.GetOrigin() != tuple(ORIGIN[:axes] + [0.0] * (3 - axes)):
+    origin = ORIGIN[:axes] + [0.0] * (3 - axes)
+    spacing = SPACING[:axes] + [1.0] * (3 - axes)
+    is_image = isinstance(data, vtk.vtkImageData)
+    if is_image and data.GetOrigin() != tuple(ORIGIN[:axes] + [0.0] * (3 - axes)):
         yield "origin"
-    if data.GetSpacing() != tuple(SPACING[:axes] + [1.0] * (3 - axes)):
+    if is_image and data.GetSpacing() != tuple(SPACING[:axes] + [1.0] * (3 - axes)):
         yield "spacing"
-    if data.GetCellType(0) != {2: vtk.VTK_PIXEL, 3: vtk.VTK_VOXEL}[axes]:
+    kinds = {2: vtk.VTK_PIXEL, 3: vtk.VTK_VOXEL} if is_image else {2: vtk.VTK_QUAD}
+    if data.GetCellType(0) != kinds[axes]:
         yield "kind of cells"
     if time(data) != 0.1:
         yield "time"
     flat = (axes == 3) * 0.5
     expected = np.column_stack([
-        data.GetOrigin()[axis] + data.GetSpacing()[axis] * (index + (0.5, 0.5, flat)[axis])
+        origin[axis] + spacing[axis] * (index + (0.5, 0.5, flat)[axis])
         for axis, index in enumerate((i, j, k))])
-    if not np.allclose(middles(data), expected, rtol=1e-6, atol=0.0):
+    if not is_image:
+        expected[:, :2] = expected[:, :2] @ DEFORMATION.T
+    if not np.allclose(middles(data), expected, rtol=1e-6, atol=0.0 if is_image else 1e-6):
         yield "middles of the cells"
 
 
 def files(path):
-    """The image data that a path stands for: itself, or what a collection names."""
+    """The files that a path stands for: itself, or what a collection names."""
     if path.suffix != ".pvd":
         return [path]
     entries = tree.parse(path).getroot().iter("DataSet")

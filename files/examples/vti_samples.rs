@@ -8,6 +8,9 @@ use std::path::{Path, PathBuf};
 use wellposed_files::vti::{Grid, ImageData, Number, Storage, collection};
 use wellposed_files::write_atomically;
 
+/// What takes the nodes of plane grids to those of structured ones.
+const DEFORMATION: [[f64; 2]; 2] = [[1.0, 0.5], [-0.25, 1.25]];
+
 /// Number of a cell along each axis, the first axis fastest.
 fn indices(cells: &[usize]) -> Vec<[usize; 3]> {
     let along = |axis| 0..cells.get(axis).copied().unwrap_or(1);
@@ -36,11 +39,19 @@ fn fill<T: Number>(data: &mut ImageData, places: &[[usize; 3]], real: fn(f64) ->
     cases.into_iter().collect::<Result<(), _>>().expect("arrays of the right length");
 }
 
-fn sample(cells: &[usize], storage: Storage, narrow: bool) -> Result<ImageData, Box<dyn Error>> {
+fn sample(
+    cells: &[usize],
+    storage: Storage,
+    narrow: bool,
+    deformation: Option<[[f64; 2]; 2]>,
+) -> Result<ImageData, Box<dyn Error>> {
     let origin = [-1.5, 0.25, 1e-7][..cells.len()].to_vec();
     let spacing = [0.1, 1.0 / 3.0, 2.5e-8][..cells.len()].to_vec();
     let grid = Grid { cells: cells.to_vec(), origin, spacing };
-    let mut data = ImageData::new(grid, storage)?;
+    let mut data = match deformation {
+        None => ImageData::new(grid, storage)?,
+        Some(matrix) => ImageData::deformed(grid, matrix, storage)?,
+    };
     let places = indices(cells);
     data.set_time(0.1)?;
     if narrow {
@@ -66,9 +77,13 @@ fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
         let lengths: Vec<String> = cells.iter().map(usize::to_string).collect();
         for (storage, how) in [(Storage::Plain, "plain"), (Storage::Compressed, "zlib")] {
             for (narrow, bits) in [(false, 64), (true, 32)] {
-                let name = format!("{}_{how}_{bits}.vti", lengths.join("x"));
-                sample(cells, storage, narrow)?.write(&folder.join(&name))?;
-                files.push((files.len() as f64 / 8.0, name));
+                let deformations = [("vti", None), ("vts", Some(DEFORMATION))];
+                let possible = if cells.len() == 2 { 2 } else { 1 };
+                for (kind, deformation) in &deformations[..possible] {
+                    let name = format!("{}_{how}_{bits}.{kind}", lengths.join("x"));
+                    sample(cells, storage, narrow, *deformation)?.write(&folder.join(&name))?;
+                    files.push((files.len() as f64 / 8.0, name));
+                }
             }
         }
     }

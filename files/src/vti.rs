@@ -1,5 +1,6 @@
-//! Fields on regular grids in VTK's XML format for image data (`.vti`), which ParaView and VisIt
-//! open, and collections that give each of several files its time (`.pvd`).
+//! Fields on regular grids in VTK's XML format for image data (`.vti`), or on such grids after a
+//! deformation for structured grids (`.vts`), which ParaView and VisIt open, and collections that give
+//! each of several files its time (`.pvd`).
 //!
 //! Values belong to cells. They are appended as raw little-endian bytes, so that they keep every
 //! bit and a reader finds its way by offsets; compression is optional. The format has no place
@@ -42,6 +43,14 @@ pub enum VtiError {
     /// A spacing is not a positive, finite number.
     #[error("the spacing of image data cannot be {0}")]
     Spacing(f64),
+    /// A deformation is not finite, or not one of a plane grid.
+    #[error("image data of {axes} axes cannot be deformed by {found:?}")]
+    Deformation {
+        /// Axes of the grid.
+        axes: usize,
+        /// The deformation given.
+        found: [[f64; 2]; 2],
+    },
     /// A time is not finite.
     #[error("the time of image data cannot be {0}")]
     Time(f64),
@@ -184,6 +193,8 @@ struct Array {
 pub struct ImageData {
     grid: Grid,
     count: usize,
+    /// The nodes of a grid that is deformed, as they stand in the file.
+    nodes: Option<Vec<u8>>,
     storage: Storage,
     time: Option<f64>,
     arrays: Vec<Array>,
@@ -193,7 +204,30 @@ impl ImageData {
     /// Image data on a grid, without arrays.
     pub fn new(grid: Grid, storage: Storage) -> Result<Self, VtiError> {
         let count = grid.count()?;
-        Ok(Self { grid, count, storage, time: None, arrays: Vec::new() })
+        Ok(Self { grid, count, nodes: None, storage, time: None, arrays: Vec::new() })
+    }
+
+    /// A structured grid: the nodes x of a plane grid are where a matrix F takes them, at Fx.
+    pub fn deformed(grid: Grid, matrix: [[f64; 2]; 2], storage: Storage) -> Result<Self, VtiError> {
+        let mut data = Self::new(grid, storage)?;
+        let axes = data.grid.cells.len();
+        if axes != 2 || !matrix.as_flattened().iter().all(|entry| entry.is_finite()) {
+            return Err(VtiError::Deformation { axes, found: matrix });
+        }
+        let along = |axis: usize, index: usize| {
+            data.grid.origin[axis] + index as f64 * data.grid.spacing[axis]
+        };
+        let [columns, rows] = [0, 1].map(|axis| data.grid.cells[axis] + 1);
+        let node = |x: f64, y: f64| {
+            let [a, b] = matrix.map(|row| row[0] * x + row[1] * y);
+            [a, b, 0.0]
+        };
+        let nodes: Vec<f64> = (0..rows)
+            .flat_map(|j| (0..columns).map(move |i| (i, j)))
+            .flat_map(|(i, j)| node(along(0, i), along(1, j)))
+            .collect();
+        data.nodes = Some(data.packed(&nodes));
+        Ok(data)
     }
 
     /// Says at what time, in seconds as a rule, the arrays hold.
@@ -215,12 +249,17 @@ impl ImageData {
             return Err(VtiError::Components { name: name.to_owned(), found: components });
         }
         check_length(name, values.len(), self.count.saturating_mul(components))?;
-        let bytes = match self.storage {
-            Storage::Plain => plain(values),
-            Storage::Compressed => compressed(values),
-        };
+        let bytes = self.packed(values);
         self.arrays.push(Array { name: name.to_owned(), kind: T::KIND, components, bytes });
         Ok(())
+    }
+
+    /// Values as they stand in the file.
+    fn packed<T: Number>(&self, values: &[T]) -> Vec<u8> {
+        match self.storage {
+            Storage::Plain => plain(values),
+            Storage::Compressed => compressed(values),
+        }
     }
 
     /// Adds a vector from one to three fields, one for each axis and each with the first axis
@@ -257,8 +296,9 @@ impl ImageData {
     /// Writes the file's bytes, in few large pieces.
     pub fn write_to(&self, writer: &mut impl Write) -> io::Result<()> {
         writer.write_all(self.head().as_bytes())?;
-        for array in &self.arrays {
-            writer.write_all(&array.bytes)?;
+        let arrays = self.arrays.iter().map(|array| &array.bytes);
+        for bytes in arrays.chain(&self.nodes) {
+            writer.write_all(bytes)?;
         }
         writer.write_all(b"\n  </AppendedData>\n</VTKFile>\n")
     }
@@ -282,18 +322,33 @@ impl ImageData {
         let origin = triple(&self.grid.origin, 0.0);
         let spacing = triple(&self.grid.spacing, 1.0);
         let (time, arrays) = (self.time_element(), self.array_elements());
+        let (kind, place, nodes) = match self.nodes {
+            None => {
+                ("ImageData", format!(" Origin=\"{origin}\" Spacing=\"{spacing}\""), String::new())
+            }
+            Some(_) => ("StructuredGrid", String::new(), self.node_element()),
+        };
         format!(
             "<?xml version=\"1.0\"?>\n\
-             <VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" \
+             <VTKFile type=\"{kind}\" version=\"1.0\" byte_order=\"LittleEndian\" \
              header_type=\"UInt64\"{compressor}>\n  \
-               <ImageData WholeExtent=\"{extent}\" Origin=\"{origin}\" Spacing=\"{spacing}\">\n\
+               <{kind} WholeExtent=\"{extent}\"{place}>\n\
              {time}    \
                  <Piece Extent=\"{extent}\">\n      \
                    <PointData>\n      </PointData>\n      \
-                   <CellData>\n{arrays}      </CellData>\n    \
+                   <CellData>\n{arrays}      </CellData>\n{nodes}    \
                  </Piece>\n  \
-               </ImageData>\n  \
+               </{kind}>\n  \
                <AppendedData encoding=\"raw\">\n   _"
+        )
+    }
+
+    /// Where the nodes of a deformed grid start: behind all arrays.
+    fn node_element(&self) -> String {
+        let offset: usize = self.arrays.iter().map(|array| array.bytes.len()).sum();
+        format!(
+            "      <Points>\n        <DataArray type=\"Float64\" NumberOfComponents=\"3\" \
+             format=\"appended\" offset=\"{offset}\"/>\n      </Points>\n"
         )
     }
 
@@ -517,6 +572,39 @@ mod tests {
         assert_eq!(values[8..16], 1.0_f64.to_le_bytes());
         let second: Vec<u8> = [1.0_f32, 1.0, 0.0].iter().flat_map(|v| v.to_le_bytes()).collect();
         assert_eq!(values[64 + 12..][..12], second);
+    }
+
+    #[test]
+    fn deformed_grids_have_nodes_of_their_own() {
+        let matrix = [[1.0, 2.0], [0.5, 1.0]];
+        let mut data = ImageData::deformed(plane(), matrix, Storage::Plain).unwrap();
+        data.set_time(0.125).unwrap();
+        data.add("first [Pa]", 1, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
+        let bytes = data.bytes();
+        assert_eq!(plain_time(&bytes), Some(0.125));
+        assert_eq!(plain_values(&bytes, "first [Pa]").unwrap(), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        let (head, values) = parts(&bytes);
+        for expected in [
+            "<VTKFile type=\"StructuredGrid\" ",
+            "  <StructuredGrid WholeExtent=\"0 3 0 2 0 0\">\n",
+            "<Points>\n        <DataArray type=\"Float64\" NumberOfComponents=\"3\" \
+             format=\"appended\" offset=\"56\"/>\n      </Points>",
+        ] {
+            assert!(head.contains(expected), "{expected} is missing in\n{head}");
+        }
+        // 4 × 3 nodes of three coordinates; the second is a cell along the first axis from the first.
+        assert_eq!(number(&values[56..], 0), 12 * 3 * 8);
+        let nodes: Vec<f64> =
+            values[64..].as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+        assert_eq!(nodes[..6], [-1.0 + 1.0, -0.5 + 0.5, 0.0, -0.75 + 1.0, -0.375 + 0.5, 0.0]);
+        assert_eq!(nodes.len(), 36);
+
+        let solid = Grid { cells: vec![1; 3], origin: vec![0.0; 3], spacing: vec![1.0; 3] };
+        let refused = |grid, found| ImageData::deformed(grid, found, Storage::Plain).err().unwrap();
+        let expected = VtiError::Deformation { axes: 3, found: matrix };
+        assert_eq!(refused(solid, matrix), expected);
+        let odd = [[1.0, f64::INFINITY], [0.0, 1.0]];
+        assert!(matches!(refused(plane(), odd), VtiError::Deformation { axes: 2, .. }));
     }
 
     #[test]

@@ -536,15 +536,15 @@ pub struct Gravity {
     pub lateral_ratio: f64,
 }
 
-/// A point at which the state is recorded.
+/// A point at which the state is recorded, of a solid or, with its own kind of field, of a flow.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Receiver {
+pub struct Receiver<F = Recorded> {
     /// Names its record; no other receiver has it.
     pub name: String,
     /// Where, m; inside the grid.
     pub at: Vec<f64>,
     /// What is recorded.
-    pub fields: Vec<Recorded>,
+    pub fields: Vec<F>,
 }
 
 /// A quantity that a receiver records.

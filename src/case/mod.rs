@@ -3,6 +3,7 @@
 
 pub mod dynamics;
 mod error;
+pub mod flow;
 mod keys;
 mod kind;
 mod place;
@@ -12,12 +13,14 @@ mod value;
 
 pub use dynamics::Dynamics;
 pub use error::{CaseError, Place};
+pub use flow::FlowRun;
 pub use keys::{
     BackgroundNumbers, KEYS, Key, ModelNumbers, Numbers, Parameter, Presence, SolidNumbers,
     StressNumbers, Wave, YieldNumbers,
 };
 pub use kind::{Kind, Medium, NoSuchMedium, Solid, Yield};
 
+use ::dynamics::flow::Closure;
 use dynamics::{Grid, Picture};
 use keys::Value;
 use models::granular_flow::state::State;
@@ -71,8 +74,10 @@ pub struct Case {
     pub map: Option<Map>,
     /// Kinds of model to compare on this state.
     pub compare: Option<Vec<Kind>>,
-    /// How the case is run in time, if it says so.
+    /// How a solid is run in time, if the case says so.
     pub dynamics: Option<Dynamics>,
+    /// How a flow is run in time, if the case says so.
+    pub flow: Option<FlowRun>,
     places: Places,
     source: Option<PathBuf>,
 }
@@ -103,7 +108,17 @@ impl PartialEq for Case {
             && self.map == other.map
             && self.compare == other.compare
             && self.dynamics == other.dynamics
+            && self.flow == other.flow
     }
+}
+
+/// How a case is run in time.
+#[derive(Clone, Copy, Debug)]
+pub enum InTime<'a> {
+    /// As a solid.
+    Solid(&'a Dynamics),
+    /// As a flow.
+    Flow(&'a FlowRun),
 }
 
 /// The two parameters of a map.
@@ -199,10 +214,17 @@ impl Case {
     fn parse_for(text: &str, file: &str, sets: &[String], purpose: Use) -> Result<Self, CaseError> {
         let mut entries = Entries::read(text, file, sets)?;
         let kind = read::kind(entries.text("model.kind")?, "model.kind", &entries.places)?;
-        let grid = dynamics::read::grid(&entries, kind)?;
-        if grid.is_none() && purpose == Use::InTime {
+        let is_in_time = entries.is_run_in_time(kind)?;
+        if !is_in_time && purpose == Use::InTime {
             return Err(no_grid(&entries.places, kind));
         }
+        let closure = match kind {
+            _ if !is_in_time => None,
+            Kind::Flow(flow) => Closure::of(flow),
+            Kind::Solid(_) => None,
+        };
+        let is_solid = is_in_time && closure.is_none();
+        let grid = is_solid.then(|| dynamics::read::grid(&entries)).transpose()?;
         if let Some(grid) = &grid {
             dynamics::read::provide_dimensions(&mut entries, kind, grid);
         }
@@ -236,7 +258,8 @@ impl Case {
             _ => String::new(),
         };
         let name = name(&entries, file)?;
-        let (places, dynamics, source) = (entries.places.clone(), None, None);
+        let places = entries.places.clone();
+        let (dynamics, flow, source) = (None, None, None);
         let case = Self {
             name,
             title,
@@ -247,13 +270,16 @@ impl Case {
             map,
             compare,
             dynamics,
+            flow,
             places,
             source,
         };
         let folder = Path::new(file).parent().unwrap_or(Path::new(""));
         let dynamics =
             grid.map(|grid| dynamics::read::read(grid, &case, &entries, folder)).transpose()?;
-        Ok(Self { dynamics, ..case })
+        let flow =
+            closure.map(|closure| flow::read::read(closure, &entries, folder)).transpose()?;
+        Ok(Self { dynamics, flow, ..case })
     }
 
     /// The case of a region: this one but for the kind, yield set and numbers that the region has
@@ -330,7 +356,7 @@ impl Case {
         let yields = self.yields.filter(|set| kind.yield_sets().contains(set));
         let mut case = Self { kind, yields, compare: None, ..self.clone() };
         if kind != self.kind {
-            case.dynamics = None;
+            (case.dynamics, case.flow) = (None, None);
         }
         let medium = case.medium();
         for key in KEYS.iter().filter(|key| !key.is_used_by(medium)) {
@@ -466,8 +492,10 @@ impl Case {
     ///
     /// # Errors
     /// That the case does not say, and how to.
-    pub fn required_dynamics(&self) -> Result<&Dynamics, CaseError> {
-        self.dynamics.as_ref().ok_or_else(|| no_grid(&self.places, self.kind))
+    pub fn in_time(&self) -> Result<InTime<'_>, CaseError> {
+        let flow = || self.flow.as_ref().map(InTime::Flow);
+        let found = self.dynamics.as_ref().map(InTime::Solid).or_else(flow);
+        found.ok_or_else(|| no_grid(&self.places, self.kind))
     }
 
     /// The resolved case as TOML: every value that the kind uses, defaults included, numbers in
@@ -497,6 +525,9 @@ impl Case {
         if let Some(dynamics) = &self.dynamics {
             text.push_str(&dynamics.to_toml());
         }
+        if let Some(flow) = &self.flow {
+            text.push_str(&flow.to_toml());
+        }
         text
     }
 
@@ -505,6 +536,9 @@ impl Case {
         let mut case = self.clone();
         if let Some(dynamics) = &mut case.dynamics {
             (dynamics.output.picture, dynamics.output.contours) = (Picture::default(), None);
+        }
+        if let Some(flow) = &mut case.flow {
+            (flow.output.picture, flow.output.contours) = (None, None);
         }
         case
     }
@@ -548,10 +582,16 @@ impl std::fmt::Display for Sweep {
 /// That a case does not say how it is run in time, and how to.
 fn no_grid(places: &Places, kind: Kind) -> CaseError {
     match kind {
+        Kind::Flow(Flow::FreeRotating) => {
+            let found = format!("found {}", kind.name());
+            let allowed = "another model: nothing determines the spin of this one, so that it \
+                           cannot be run in time";
+            places.error("model.kind", found, allowed)
+        }
         Kind::Flow(_) => {
-            let solids = Kind::SOLIDS.map(Kind::name).join(", ");
-            let found = format!("found {}, a flow", kind.name());
-            places.error("model.kind", found, format!("only solids are run in time ({solids})"))
+            let allowed = "add a section [grid] with cells = [64, 64] and length = 0.1, [time] with \
+                           duration, and [[initial]]";
+            places.error("grid", "missing", allowed)
         }
         Kind::Solid(_) => {
             let allowed = "add a section [grid] with cells = [200, 200] and spacing = 1.0, and [time] \

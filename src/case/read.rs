@@ -6,12 +6,13 @@ use super::kind::{Kind, Medium, Yield};
 use super::place::{Places, is_inside};
 use super::section::{Node, Refused, Section, Table, segment};
 use super::value::{count, describe, nearest, number, pair, suggestion, text, texts};
+use models::granular_flow::Kind as Flow;
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
-/// The sections of a case that say how it is run in time, in the order in which they are written;
-/// whether each is a list.
-pub(super) const SECTIONS_IN_TIME: [(&str, bool); 12] = [
+/// The sections of a case that say how a solid is run in time, in the order in which they are
+/// written; whether each is a list.
+const SOLIDS_IN_TIME: [(&str, bool); 12] = [
     ("grid", false),
     ("time", false),
     ("scheme", false),
@@ -26,14 +27,34 @@ pub(super) const SECTIONS_IN_TIME: [(&str, bool); 12] = [
     ("output", false),
 ];
 
+/// The same of a flow; the last one is for the plastic potential alone.
+const FLOWS_IN_TIME: [(&str, bool); 6] = [
+    ("grid", false),
+    ("time", false),
+    ("initial", true),
+    ("receiver", true),
+    ("output", false),
+    ("limits", false),
+];
+
+/// The sections that say how such a model is run in time; none where nothing is.
+fn sections_in_time(kind: Kind) -> &'static [(&'static str, bool)] {
+    match kind {
+        Kind::Solid(_) => &SOLIDS_IN_TIME,
+        Kind::Flow(Flow::PlasticPotential) => &FLOWS_IN_TIME,
+        Kind::Flow(Flow::HarrisGrekova | Flow::DoubleShearing) => &FLOWS_IN_TIME[..5],
+        Kind::Flow(Flow::FreeRotating) => &[],
+    }
+}
+
 fn is_in_time(section: &str) -> bool {
-    SECTIONS_IN_TIME.iter().any(|(name, _)| *name == section)
+    SOLIDS_IN_TIME.iter().chain(&FLOWS_IN_TIME).any(|(name, _)| *name == section)
 }
 
 /// The values of a case by key, before their meaning is looked at.
 pub(super) struct Entries<'a> {
     values: BTreeMap<&'static str, Value>,
-    /// The sections of [`SECTIONS_IN_TIME`].
+    /// The sections that say how a case is run in time.
     in_time: Table<'a>,
     pub(super) places: Places,
 }
@@ -141,7 +162,7 @@ impl<'a> Entries<'a> {
         Ok(None)
     }
 
-    /// Reads one `--set` of a key in [`SECTIONS_IN_TIME`].
+    /// Reads one `--set` of a key in a section that says how a case is run in time.
     fn set_in_time(&mut self, set: &str, name: &str, text: &'a str) -> Result<(), CaseError> {
         // Quotes around text may be left out, as the shell takes them away.
         let value = DeValue::parse(text).map(|value| value.into_inner());
@@ -160,6 +181,48 @@ impl<'a> Entries<'a> {
     /// The sections that say how a case is run in time.
     pub(super) fn in_time(&self) -> Section<'_> {
         Section::root(&self.in_time, &self.places)
+    }
+
+    /// Whether the case says how it is run in time, by a section `[grid]`.
+    ///
+    /// # Errors
+    /// A section that such a model has no use for, or one without a grid.
+    pub(super) fn is_run_in_time(&self, kind: Kind) -> Result<bool, CaseError> {
+        let root = self.in_time();
+        let own = sections_in_time(kind);
+        let is_own = |name: &str| own.iter().any(|(own, _)| *own == name);
+        if let Some((foreign, _)) = root.entries().find(|(name, _)| !is_own(name)) {
+            let found = match kind {
+                Kind::Solid(_) => format!("found for the model {}, a solid", kind.name()),
+                Kind::Flow(_) => format!("found for the model {}, a flow", kind.name()),
+            };
+            let allowed = match kind {
+                Kind::Flow(Flow::FreeRotating) => {
+                    "leave it out: nothing determines the spin of this model, so that it cannot be \
+                     run in time"
+                        .to_owned()
+                }
+                _ if foreign == "limits" => {
+                    "leave it out: it belongs to plastic-potential".to_owned()
+                }
+                _ => {
+                    let own: Vec<&str> = own.iter().map(|(name, _)| *name).collect();
+                    format!("leave it out: it belongs to solids; a flow has {}", own.join(", "))
+                }
+            };
+            return Err(root.error(foreign, found, allowed));
+        }
+        let first = own.iter().find(|(name, _)| root.node(name).is_some());
+        match first {
+            None => Ok(false),
+            Some(("grid", _)) => Ok(true),
+            Some((name, _)) => {
+                let size = if let Kind::Flow(_) = kind { "length" } else { "spacing" };
+                let allowed =
+                    format!("add a section [grid] with cells and {size}, or leave this one out");
+                Err(root.error(name, "found without a grid", allowed))
+            }
+        }
     }
 
     /// A value that follows from others, where none was given.
@@ -239,8 +302,9 @@ impl<'a> Entries<'a> {
             section = section.rsplit_once('.').map_or("", |(outer, _)| outer);
         }
         let mut siblings = names_inside(section, is_usable);
-        if section.is_empty() && !matches!(kind, Some(Kind::Flow(_))) {
-            siblings.extend(SECTIONS_IN_TIME.map(|(name, is_list)| match is_list {
+        if section.is_empty() {
+            let in_time = kind.map_or(&SOLIDS_IN_TIME[..], sections_in_time);
+            siblings.extend(in_time.iter().map(|(name, is_list)| match is_list {
                 true => format!("[[{name}]]"),
                 false => format!("[{name}]"),
             }));

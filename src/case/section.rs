@@ -232,6 +232,16 @@ pub(super) fn count(node: &Node) -> Option<usize> {
     value::count(node.value()?)
 }
 
+/// A whole number of at least 0.
+pub(super) fn whole(node: &Node) -> Option<u64> {
+    u64::try_from(value::integer(node.value()?)?).ok()
+}
+
+/// Two whole numbers.
+pub(super) fn whole_pair(node: &Node) -> Option<[i64; 2]> {
+    value::pair(node.value()?, value::integer)
+}
+
 /// Text in one line.
 pub(super) fn text(node: &Node) -> Option<String> {
     value::text(node.value()?)

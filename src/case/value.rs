@@ -21,7 +21,8 @@ pub(super) fn number(value: &DeValue) -> Option<f64> {
     .filter(|number: &f64| number.is_finite())
 }
 
-fn integer(value: &DeValue) -> Option<i64> {
+/// A whole number.
+pub(super) fn integer(value: &DeValue) -> Option<i64> {
     let integer = value.as_integer()?;
     i64::from_str_radix(integer.as_str(), integer.radix()).ok()
 }

@@ -1,6 +1,7 @@
 //! What a run needs to go on: state, and what its growing files held.
 
 use crate::output::{Growing, OutputError, ResultFolder, not_written};
+use dynamics::flow;
 use dynamics::real::Real;
 use dynamics::split::Snapshot;
 use files::append::Written;
@@ -9,16 +10,17 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 
-/// A checkpoint of any precision.
+/// A checkpoint of a solid or a flow.
 pub(super) struct Checkpoint {
     pub(super) steps: usize,
-    /// What stands in the receivers' and the ledger's file.
-    pub(super) tables: [Written; 2],
-    /// Energy at the beginning, J.
+    /// The time that these led to, s.
+    pub(super) time: f64,
+    /// What stands in the tables.
+    pub(super) tables: Vec<Written>,
+    /// Energy at the beginning, J or J/m³.
     pub(super) start: f64,
-    fields: Vec<Vec<u8>>,
-    totals: Vec<u8>,
-    sums: Vec<Vec<u8>>,
+    /// The state, in parts by name.
+    state: BTreeMap<String, Vec<u8>>,
 }
 
 /// The numbers of a section, if it is one of whole numbers.
@@ -31,52 +33,78 @@ fn bytes(numbers: &[f64]) -> Vec<u8> {
     numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
 }
 
+/// Parts under a name with their numbers.
+fn numbered(
+    name: &str,
+    parts: impl Iterator<Item = Vec<u8>>,
+) -> impl Iterator<Item = (String, Vec<u8>)> {
+    parts.enumerate().map(move |(index, part)| (format!("{name}{index}"), part))
+}
+
 impl Checkpoint {
-    /// Of a run's state.
-    pub(super) fn new<T: Real>(snapshot: &Snapshot<T>, tables: [Written; 2], start: f64) -> Self {
+    /// Of a solid's state.
+    pub(super) fn of_solid<T: Real>(
+        snapshot: &Snapshot<T>,
+        time: f64,
+        tables: Vec<Written>,
+        start: f64,
+    ) -> Self {
         let narrow = |values: &Vec<T>| values.iter().flat_map(|value| value.bytes()).collect();
-        Self {
-            steps: snapshot.steps,
-            tables,
-            start,
-            fields: snapshot.fields.iter().map(narrow).collect(),
-            totals: bytes(snapshot.totals.as_flattened()),
-            sums: snapshot.sums.iter().map(|sums| bytes(sums)).collect(),
-        }
+        let fields = numbered("field", snapshot.fields.iter().map(narrow));
+        let sums = numbered("sums", snapshot.sums.iter().map(|sums| bytes(sums)));
+        let totals = ("totals".to_owned(), bytes(snapshot.totals.as_flattened()));
+        let state = [totals].into_iter().chain(fields).chain(sums).collect();
+        Self { steps: snapshot.steps, time, tables, start, state }
     }
 
-    /// The state; `None` where the numbers are not of this kind.
-    pub(super) fn snapshot<T: Real>(&self) -> Option<Snapshot<T>> {
-        let totals = doubles(&self.totals)?;
+    /// Of a flow's state.
+    pub(super) fn of_flow(
+        snapshot: &flow::Snapshot,
+        time: f64,
+        tables: Vec<Written>,
+        start: f64,
+    ) -> Self {
+        let state = numbered("part", snapshot.parts.iter().map(|part| bytes(part))).collect();
+        Self { steps: snapshot.steps, time, tables, start, state }
+    }
+
+    /// The parts of that name.
+    fn parts(&self, name: &str) -> impl Iterator<Item = &Vec<u8>> {
+        (0..).map_while(move |index| self.state.get(&format!("{name}{index}")))
+    }
+
+    /// The state of a solid; `None` where the numbers are not of this kind.
+    pub(super) fn solid<T: Real>(&self) -> Option<Snapshot<T>> {
+        let totals = doubles(self.state.get("totals")?)?;
         let (totals, []) = totals.as_chunks::<14>() else { return None };
         Some(Snapshot {
             steps: self.steps,
-            fields: self.fields.iter().map(|field| T::from_bytes(field)).collect::<Option<_>>()?,
+            fields: self.parts("field").map(|field| T::from_bytes(field)).collect::<Option<_>>()?,
             totals: totals.to_vec(),
-            sums: self.sums.iter().map(|sums| doubles(sums)).collect::<Option<_>>()?,
+            sums: self.parts("sums").map(|sums| doubles(sums)).collect::<Option<_>>()?,
         })
+    }
+
+    /// The state of a flow; `None` where the numbers are not whole.
+    pub(super) fn flow(&self) -> Option<flow::Snapshot> {
+        let parts = self.parts("part").map(|part| doubles(part)).collect::<Option<_>>()?;
+        Some(flow::Snapshot { steps: self.steps, parts })
     }
 
     /// Writes it, whole or not at all.
     pub(super) fn write(&self, folder: &ResultFolder) -> Result<(), OutputError> {
+        let tables: Vec<[u64; 2]> =
+            self.tables.iter().map(|table| [table.length, table.checksum.into()]).collect();
         let about = json!({
             "steps": self.steps,
-            "tables": self.tables.map(|table| [table.length, table.checksum.into()]),
+            "time": self.time.to_bits(),
+            "tables": tables,
             "start": self.start.to_bits(),
         })
         .to_string();
         let mut sections: Vec<(&str, &[u8])> =
             vec![("case", folder.undrawn().as_bytes()), ("about", about.as_bytes())];
-        sections.push(("totals", &self.totals));
-        let numbered = |name: &str, count: usize| -> Vec<String> {
-            (0..count).map(|index| format!("{name}{index}")).collect()
-        };
-        let names = [numbered("field", self.fields.len()), numbered("sums", self.sums.len())];
-        let contents = [&self.fields, &self.sums];
-        for (names, contents) in names.iter().zip(contents) {
-            let named = names.iter().zip(contents);
-            sections.extend(named.map(|(name, bytes)| (name.as_str(), bytes.as_slice())));
-        }
+        sections.extend(self.state.iter().map(|(name, part)| (name.as_str(), part.as_slice())));
         let path = folder.growing(Growing::Checkpoint);
         write_sealed(&path, &sections).map_err(|error| not_written(&path, &error))
     }
@@ -103,26 +131,22 @@ impl Checkpoint {
         let about: Value =
             take("about").and_then(|own| serde_json::from_slice(&own).ok()).ok_or_else(odd)?;
         let number = |value: &Value| value.as_u64();
-        let tables = [0, 1].map(|i| {
-            let table = &about["tables"][i];
+        let table = |table: &Value| {
             let checksum = number(&table[1]).and_then(|own| u32::try_from(own).ok());
             Some(Written { length: number(&table[0])?, checksum: checksum? })
-        });
-        let ([Some(receivers), Some(ledger)], Some(steps), Some(start), Some(totals)) =
-            (tables, number(&about["steps"]), number(&about["start"]), take("totals"))
+        };
+        let tables = about["tables"].as_array().and_then(|all| all.iter().map(table).collect());
+        let [steps, time, start] = ["steps", "time", "start"].map(|name| number(&about[name]));
+        let (Some(tables), Some(steps), Some(time), Some(start)) = (tables, steps, time, start)
         else {
             return Err(odd());
         };
-        let mut numbered = |name: &str| -> Vec<Vec<u8>> {
-            (0..).map_while(|index| take(&format!("{name}{index}"))).collect()
-        };
         Ok(Some(Self {
             steps: usize::try_from(steps).map_err(|_| odd())?,
-            tables: [receivers, ledger],
+            time: f64::from_bits(time),
+            tables,
             start: f64::from_bits(start),
-            fields: numbered("field"),
-            totals,
-            sums: numbered("sums"),
+            state: sections,
         }))
     }
 

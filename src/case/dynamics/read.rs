@@ -8,7 +8,7 @@ use super::{
 use crate::case::error::{CaseError, Place, shown};
 use crate::case::keys::{Key, Value};
 use crate::case::place::Places;
-use crate::case::read::{Entries, SECTIONS_IN_TIME};
+use crate::case::read::Entries;
 use crate::case::section::{
     Node, Section, any_numbers, cells, count, joined, matrix, not_negative, number, numbers,
     positive, rows, spacing, text, texts, truth,
@@ -17,6 +17,7 @@ use crate::case::{Case, Kind, Solid};
 use models::cosserat::parameters::Theory;
 use models::cosserat::waves::Field;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::io::Read;
 use std::path::Path;
 
@@ -27,24 +28,17 @@ const DURATION: &str = "a positive number in s (how long it lasts)";
 const START: &str = "a finite number in s (when it begins)";
 const FREQUENCY: &str = "a positive number in Hz (frequency)";
 
-/// The section `[grid]`, if the case has one.
+/// The section `[grid]` of a solid.
 ///
 /// # Errors
-/// What is wrong with it; that the case is one of a flow; that another section needs a grid.
-pub(in crate::case) fn grid(entries: &Entries, kind: Kind) -> Result<Option<Grid>, CaseError> {
+/// What is wrong with it.
+pub(in crate::case) fn grid(entries: &Entries) -> Result<Grid, CaseError> {
     let mut root = entries.in_time();
-    let present = SECTIONS_IN_TIME.iter().find(|(name, _)| root.node(name).is_some());
-    let Some((present, _)) = present else { return Ok(None) };
-    if let Kind::Flow(_) = kind {
-        let found = format!("found for the model {}, a flow", kind.name());
-        let solids = Kind::SOLIDS.map(Kind::name).join(", ");
-        let allowed = format!("leave it out: only solids are run in time ({solids})");
-        return Err(root.error(present, found, allowed));
+    let mut section = root.required_table("grid", "a section [grid] with cells and spacing")?;
+    if section.node("length").is_some() {
+        let allowed = "give spacing, the edges of a cell in m, in its place";
+        return Err(section.error("length", "found for a solid", allowed));
     }
-    let Some(mut section) = root.table("grid")? else {
-        let allowed = "add a section [grid] with cells and spacing, or leave this one out";
-        return Err(root.error(present, "found without a grid", allowed));
-    };
     let expected = "a list of 2 or 3 whole numbers of at least 1 (cells along each axis)";
     let cells = section.required("cells", expected, cells)?;
     let d = cells.len();
@@ -71,7 +65,7 @@ pub(in crate::case) fn grid(entries: &Entries, kind: Kind) -> Result<Option<Grid
         }
     }
     section.finish()?;
-    Ok(Some(grid))
+    Ok(grid)
 }
 
 fn joined_by(numbers: &[usize], between: &str) -> String {
@@ -240,16 +234,7 @@ impl Reader<'_> {
         axes: &[usize],
     ) -> Result<(), CaseError> {
         let extents: Vec<[f64; 2]> = axes.iter().map(|&axis| self.grid.extent(axis)).collect();
-        if position.iter().zip(&extents).all(|(x, [first, last])| (first..=last).contains(&x)) {
-            return Ok(());
-        }
-        let words: Vec<String> = axes
-            .iter()
-            .zip(&extents)
-            .map(|(axis, [first, last])| format!("x{} from {first:?} to {last:?} m", axis + 1))
-            .collect();
-        let found = format!("found {position:?}, outside the grid");
-        Err(section.error("at", found, format!("the grid has {}", words.join(", "))))
+        check_inside(section, position, axes, &extents, "grid")
     }
 
     /// An axis by its number in the file; from 0.
@@ -280,28 +265,6 @@ impl Reader<'_> {
     ) -> Result<Component, CaseError> {
         Component::find(name, self.theory, among)
             .ok_or_else(|| section.no_such(key, name, &names(among)))
-    }
-
-    /// A list of different quantities, whose names are `among`; `None` where it is absent.
-    fn list_of<T: PartialEq>(
-        &self,
-        section: &mut Section,
-        key: &'static str,
-        among: &[String],
-        find: impl Fn(&str) -> Option<T>,
-    ) -> Result<Option<Vec<T>>, CaseError> {
-        let expected = format!("a list with any of {}", joined(among));
-        let Some(given) = section.optional(key, &expected, texts)? else { return Ok(None) };
-        let mut all = Vec::new();
-        for name in given {
-            let own = find(&name).ok_or_else(|| section.no_such(key, &name, among))?;
-            if all.contains(&own) {
-                let found = format!("found '{name}' twice");
-                return Err(section.error(key, found, "name each once"));
-            }
-            all.push(own);
-        }
-        Ok(Some(all))
     }
 
     /// A shape; `extra` is the one without keys that is allowed here.
@@ -450,7 +413,7 @@ impl Reader<'_> {
         among.retain(|component| component.is_velocity());
         let names = names(&among);
         let find = |name: &str| Component::find(name, self.theory, &among);
-        self.list_of(section, "held", &names, find)?.ok_or_else(|| {
+        different(section, "held", &names, find)?.ok_or_else(|| {
             let allowed = format!("add held, a list with any of {}", joined(&names));
             section.error("held", "missing", allowed)
         })
@@ -682,38 +645,12 @@ impl Reader<'_> {
         let all: Vec<Recorded> = (self.components.iter().copied().map(Recorded::Component))
             .chain(integrals.iter().copied().map(Recorded::Integral))
             .collect();
-        let words: Vec<String> = all.iter().map(Recorded::to_string).collect();
         let find = |name: &str| {
             let component = Component::find(name, self.theory, &self.components);
             let integral = || all.iter().copied().find(|own| own.to_string() == name);
             component.map(Recorded::Component).or_else(integral)
         };
-        let mut receivers = Vec::new();
-        let mut taken: BTreeMap<String, usize> = BTreeMap::new();
-        for (index, mut section) in root.tables("receiver")?.into_iter().enumerate() {
-            let is_name = |node: &Node| {
-                let stands = |c: char| c.is_alphanumeric() || "-_.".contains(c);
-                text(node).filter(|name| !name.is_empty() && name.chars().all(stands))
-            };
-            let expected = "text in quotes (letters, digits, '-', '_' and '.')";
-            let name = section.optional("name", expected, is_name)?;
-            let name = name.unwrap_or_else(|| format!("r{}", index + 1));
-            if let Some(first) = taken.insert(name.clone(), index) {
-                let place = root.place(&format!("receiver[{first}]"));
-                let found = format!("found '{name}', the name of receiver[{first}] ({place})");
-                return Err(section.error("name", found, "give each receiver its own name"));
-            }
-            let at = self.point_inside(&mut section, "a point of the grid")?;
-            let fields = self.list_of(&mut section, "fields", &words, find)?;
-            if fields.as_ref().is_some_and(Vec::is_empty) {
-                let allowed = format!("name at least one of {}", joined(&words));
-                return Err(section.error("fields", "an empty list", allowed));
-            }
-            section.finish()?;
-            let fields = fields.unwrap_or_else(|| all.clone());
-            receivers.push(Receiver { name, at, fields });
-        }
-        Ok(receivers)
+        receivers(root, &all, find, |section| self.point_inside(section, "a point of the grid"))
     }
 
     /// What is recorded and drawn, of media of which one `yields` or none.
@@ -726,14 +663,8 @@ impl Reader<'_> {
             contours: None,
         };
         let Some(mut section) = root.table("output")? else { return Ok(output) };
-        let expected = "a number of at least 0 in s (0: at most 1000 lines)";
-        if let Some(interval) = section.optional("ledger_interval", expected, not_negative)? {
-            output.ledger_interval = interval;
-        }
-        let expected = "a number of at least 0 in s (0: none)";
-        if let Some(interval) = section.optional("snapshot_interval", expected, not_negative)? {
-            output.snapshot_interval = interval;
-        }
+        [output.ledger_interval, output.snapshot_interval] =
+            intervals(&mut section, "0: at most 1000 lines")?;
         let possible: Vec<(String, Component)> = self
             .components
             .iter()
@@ -741,8 +672,7 @@ impl Reader<'_> {
             .collect();
         let words: Vec<String> = possible.iter().map(|own| own.0.clone()).collect();
         let find = |name: &str| possible.iter().find(|own| own.0 == name).map(|own| own.1);
-        output.integrals =
-            self.list_of(&mut section, "integrals", &words, find)?.unwrap_or_default();
+        output.integrals = different(&mut section, "integrals", &words, find)?.unwrap_or_default();
         let mut pictures = vec![Picture::Speed];
         pictures.extend(self.components.iter().copied().map(Picture::Component));
         pictures.extend(output.integrals.iter().copied().map(Picture::Integral));
@@ -844,6 +774,93 @@ impl Reader<'_> {
         let found = format!("'{}' has {}", shown(&file), plural(samples.len(), "sample"));
         Samples::new(samples).ok_or_else(|| section.error("file", found, FEW))
     }
+}
+
+/// That a position along some axes is between first and last coordinates, those of the grid or box.
+pub(in crate::case) fn check_inside(
+    section: &Section,
+    position: &[f64],
+    axes: &[usize],
+    extents: &[[f64; 2]],
+    whole: &str,
+) -> Result<(), CaseError> {
+    if position.iter().zip(extents).all(|(x, [first, last])| (first..=last).contains(&x)) {
+        return Ok(());
+    }
+    let words: Vec<String> = axes
+        .iter()
+        .zip(extents)
+        .map(|(axis, [first, last])| format!("x{} from {first:?} to {last:?} m", axis + 1))
+        .collect();
+    let found = format!("found {position:?}, outside the {whole}");
+    Err(section.error("at", found, format!("the {whole} has {}", words.join(", "))))
+}
+
+/// A list of different quantities, whose names are `among`; `None` where it is absent.
+fn different<T: PartialEq>(
+    section: &mut Section,
+    key: &'static str,
+    among: &[String],
+    find: impl Fn(&str) -> Option<T>,
+) -> Result<Option<Vec<T>>, CaseError> {
+    let expected = format!("a list with any of {}", joined(among));
+    let Some(given) = section.optional(key, &expected, texts)? else { return Ok(None) };
+    let mut all = Vec::new();
+    for name in given {
+        let own = find(&name).ok_or_else(|| section.no_such(key, &name, among))?;
+        if all.contains(&own) {
+            let found = format!("found '{name}' twice");
+            return Err(section.error(key, found, "name each once"));
+        }
+        all.push(own);
+    }
+    Ok(Some(all))
+}
+
+/// The receivers, which record any of the fields `all`, each of which `find` knows by its name; `point`
+/// reads where one is.
+pub(in crate::case) fn receivers<F: Clone + PartialEq + Display>(
+    root: &mut Section,
+    all: &[F],
+    find: impl Fn(&str) -> Option<F>,
+    point: impl Fn(&mut Section) -> Result<Vec<f64>, CaseError>,
+) -> Result<Vec<Receiver<F>>, CaseError> {
+    let words: Vec<String> = all.iter().map(F::to_string).collect();
+    let mut receivers = Vec::new();
+    let mut taken: BTreeMap<String, usize> = BTreeMap::new();
+    for (index, mut section) in root.tables("receiver")?.into_iter().enumerate() {
+        let is_name = |node: &Node| {
+            let stands = |c: char| c.is_alphanumeric() || "-_.".contains(c);
+            text(node).filter(|name| !name.is_empty() && name.chars().all(stands))
+        };
+        let expected = "text in quotes (letters, digits, '-', '_' and '.')";
+        let name = section.optional("name", expected, is_name)?;
+        let name = name.unwrap_or_else(|| format!("r{}", index + 1));
+        if let Some(first) = taken.insert(name.clone(), index) {
+            let place = root.place(&format!("receiver[{first}]"));
+            let found = format!("found '{name}', the name of receiver[{first}] ({place})");
+            return Err(section.error("name", found, "give each receiver its own name"));
+        }
+        let at = point(&mut section)?;
+        let fields = different(&mut section, "fields", &words, &find)?;
+        if fields.as_ref().is_some_and(Vec::is_empty) {
+            let allowed = format!("name at least one of {}", joined(&words));
+            return Err(section.error("fields", "an empty list", allowed));
+        }
+        section.finish()?;
+        let fields = fields.unwrap_or_else(|| all.to_vec());
+        receivers.push(Receiver { name, at, fields });
+    }
+    Ok(receivers)
+}
+
+/// Time between two lines of the ledger, where `zero` says what 0 means, and between two snapshots, s.
+pub(in crate::case) fn intervals(section: &mut Section, zero: &str) -> Result<[f64; 2], CaseError> {
+    let expected = format!("a number of at least 0 in s ({zero})");
+    let ledger = section.optional("ledger_interval", &expected, not_negative)?;
+    let expected = "a number of at least 0 in s (0: none)";
+    let snapshots = section.optional("snapshot_interval", expected, not_negative)?;
+    Ok([ledger.unwrap_or(0.0), snapshots.unwrap_or(0.0)])
 }
 
 /// Names in case files.

@@ -1,11 +1,12 @@
 //! What a case says of a run in time, back as TOML: every value, defaults included.
 
 use super::{
-    Action, Centre, Component, Condition, Dynamics, Initial, Load, Part, Region, Shape,
+    Action, Centre, Component, Condition, Dynamics, Initial, Load, Part, Receiver, Region, Shape,
     SideCondition, Source, SourceKind, TimeFunction,
 };
 use crate::case::section::Resolved;
 use crate::case::{Case, NO_YIELD};
+use std::fmt::Display;
 
 impl Dynamics {
     /// The sections as TOML.
@@ -44,13 +45,7 @@ impl Dynamics {
                 .number("lateral_ratio", gravity.lateral_ratio)
                 .under("[gravity]");
         }
-        text.extend(self.receivers.iter().map(|receiver| {
-            Resolved::default()
-                .text("name", &receiver.name)
-                .number("at", &receiver.at)
-                .texts("fields", &receiver.fields)
-                .under("[[receiver]]")
-        }));
+        text.extend(self.receivers.iter().map(|receiver| receiver.resolved()));
         let integrals: Vec<String> =
             self.output.integrals.iter().filter_map(|own| own.integral()).collect();
         let output = Resolved::default()
@@ -63,6 +58,17 @@ impl Dynamics {
             None => output,
         };
         text + &output.under("[output]")
+    }
+}
+
+impl<F: Display> Receiver<F> {
+    /// The entry as TOML.
+    pub(in crate::case) fn resolved(&self) -> String {
+        Resolved::default()
+            .text("name", &self.name)
+            .number("at", &self.at)
+            .texts("fields", &self.fields)
+            .under("[[receiver]]")
     }
 }
 

@@ -1,0 +1,155 @@
+//! Powers of what is spread over many scales.
+
+use crate::growth::{GRID, LINE_WIDTH, LOOKS, Line, MARKER_SPACING, draw_marker, legend_of};
+use crate::page::{self, Legend, MARGIN, RULE};
+use crate::picture::{INK, Picture, Rectangle, clip};
+use crate::scale::{self, Tick};
+use crate::{FigureError, Format};
+
+/// A positive quantity against the number of a scale, both axes logarithmic, at several times.
+///
+/// What is 16 decades or more below the greatest value is rounding, and is left out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpectrumFigure {
+    /// Headline.
+    pub title: String,
+    /// What is held fixed.
+    pub subtitle: String,
+    /// Name and unit of the horizontal axis.
+    pub x_label: String,
+    /// Name and unit of the quantity.
+    pub y_label: String,
+    /// The lines, one for each time; eight have looks of their own. Points that are not positive or not
+    /// finite interrupt a line.
+    pub lines: Vec<Line>,
+}
+
+/// Decades of the vertical axis, at most.
+const DECADES: f64 = 16.0;
+
+impl SpectrumFigure {
+    /// Draws the figure into the bytes of a file.
+    pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
+        self.picture().render(format)
+    }
+
+    fn picture(&self) -> Picture {
+        let labels: Vec<&str> = self.lines.iter().map(|line| line.label.as_str()).collect();
+        let legend = Legend::new(legend_of(&labels), page::WIDTH - 2.0 * MARGIN);
+        let below = page::BOTTOM_AXIS + 22.0 + legend.height() + MARGIN - 12.0;
+        let mut picture = Picture::new(page::WIDTH as u32, page::HEIGHT as u32);
+        let top = page::heading(&mut picture, &self.title, &self.subtitle) + 14.0;
+        let bottom = page::HEIGHT - below;
+
+        // Places: decimal logarithms, those of what has none not a number.
+        let place = |value: f64| if value > 0.0 { value.log10() } else { f64::NAN };
+        let lines: Vec<Vec<[f64; 2]>> = self
+            .lines
+            .iter()
+            .map(|line| line.points.iter().map(|p| p.map(place)).collect())
+            .collect();
+        let [x, y] = [0, 1].map(|axis| range(lines.iter().flatten().map(|point| point[axis])));
+        let y = [y[0].max(y[1] - DECADES), y[1]];
+        let ticks = |[low, high]: [f64; 2], most: usize| scale::log_ticks(low, high, most);
+        let y_ticks = ticks(y, ((bottom - top) / 48.0) as usize);
+        let left = MARGIN + page::left_axis_width(&y_ticks);
+        let frame = Rectangle { left, top, right: page::WIDTH - MARGIN, bottom };
+
+        let at = |[a, b]: [f64; 2]| {
+            let share = |value: f64, [low, high]: [f64; 2]| (value - low) / (high - low);
+            [frame.left + share(a, x) * frame.width(), frame.bottom - share(b, y) * frame.height()]
+        };
+        let x_ticks = page::spaced(frame.width(), false, |most| ticks(x, most));
+        let across: Vec<Tick> =
+            x_ticks.into_iter().map(|(value, name)| (at([value, y[0]])[0], name)).collect();
+        let upwards: Vec<Tick> =
+            y_ticks.into_iter().map(|(value, name)| (at([x[0], value])[1], name)).collect();
+        for (place, _) in &across {
+            picture.line([[*place, frame.top], [*place, frame.bottom]], 1.2, GRID);
+        }
+        for (place, _) in &upwards {
+            picture.line([[frame.left, *place], [frame.right, *place]], 1.2, GRID);
+        }
+        for (index, line) in lines.iter().enumerate() {
+            let look = &LOOKS[index % LOOKS.len()];
+            let points: Vec<[f64; 2]> = line.iter().map(|point| at(*point)).collect();
+            for part in clip(&points, frame) {
+                picture.dashed(&part, look.dashes, LINE_WIDTH, look.colour);
+            }
+            let mut next = frame.left + MARKER_SPACING * 0.28 * index as f64;
+            for &point in points.iter().filter(|p| (frame.top..=frame.bottom).contains(&p[1])) {
+                if point[0] >= next {
+                    draw_marker(&mut picture, point, look);
+                    next = point[0] + MARKER_SPACING;
+                }
+            }
+        }
+        picture.frame(frame, RULE, INK);
+        page::bottom_axis(&mut picture, frame, &across, &self.x_label);
+        page::left_axis(&mut picture, frame, &upwards, &self.y_label);
+        legend.draw(&mut picture, MARGIN, bottom + page::BOTTOM_AXIS + 22.0);
+        picture
+    }
+}
+
+/// Least and greatest of some places, with room at both ends; some range where there are none.
+fn range(places: impl Iterator<Item = f64>) -> [f64; 2] {
+    let finite = places.filter(|place| place.is_finite());
+    let ends = finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| {
+        [low.min(place), high.max(place)]
+    });
+    match ends {
+        [low, high] if low > high => [0.0, 1.0],
+        [low, high] => {
+            let room = (0.03 * (high - low)).max(0.05);
+            [low - room, high + room]
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::png_size;
+
+    fn figure(times: usize, value: impl Fn(f64, usize) -> f64) -> SpectrumFigure {
+        let line = |time: usize| Line {
+            label: format!("t = {time} s"),
+            points: (1..=64).map(f64::from).map(|n| [n, value(n, time)]).collect(),
+        };
+        SpectrumFigure {
+            title: "Title".to_owned(),
+            subtitle: "subtitle".to_owned(),
+            x_label: "mode number n".to_owned(),
+            y_label: "energy, J/m³".to_owned(),
+            lines: (0..times).map(line).collect(),
+        }
+    }
+
+    #[test]
+    fn spectra_of_all_kinds_are_drawn() {
+        for times in [0, 1, 6, 9] {
+            for value in [
+                |n: f64, time: usize| 1e-3 * n.powi(-3) * (time as f64).exp(),
+                |n: f64, _: usize| (-n).exp() * 1e300,
+                |_: f64, _: usize| 0.0,
+                |n: f64, time: usize| if time == 1 { f64::NAN } else { n - 3.0 },
+                |n: f64, _: usize| if n > 5.0 { f64::INFINITY } else { 2.0 },
+            ] {
+                let figure = figure(times, value);
+                assert_eq!(png_size(&figure.draw(Format::Png).unwrap()), [1600, 1100]);
+                let svg = figure.draw(Format::Svg).unwrap();
+                assert!(!String::from_utf8(svg).unwrap().contains("NaN"));
+            }
+        }
+    }
+
+    #[test]
+    fn rounding_does_not_stretch_the_axis() {
+        let text = |small: f64| {
+            let figure = figure(1, |n, _| if n < 9.0 { 1.0 / n } else { small });
+            String::from_utf8(figure.draw(Format::Svg).unwrap()).unwrap()
+        };
+        assert!(text(1e-12).contains("10⁻¹⁰") && !text(1e-40).contains("10⁻³⁰"));
+    }
+}

@@ -1,0 +1,127 @@
+//! Pictures of a flow in time.
+
+use super::{Fields, animation, array, label, ledger, seismograms, table, write};
+use crate::Error;
+use crate::case::Case;
+use crate::case::flow::{FlowRun, Quantity};
+use crate::output::{Growing, ResultFolder};
+use crate::words::{case_title, short, unit_of};
+use dynamics::flow::Field;
+use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind, Line, SpectrumFigure};
+
+/// Draws all pictures of a run.
+pub(super) fn draw(
+    case: &Case,
+    run: &FlowRun,
+    fields: &Fields,
+    folder: &ResultFolder,
+) -> Result<(), Error> {
+    let of = |name: &str| fields.of(name).map(<[f64]>::to_vec).unwrap_or_default();
+    let values = match run.output.picture {
+        None => of("v1").iter().zip(of("v2")).map(|(v1, v2)| v1.hypot(v2)).collect(),
+        Some(own) => of(own.array()).iter().map(|value| own.shown(*value)).collect(),
+    };
+    let figure = figure(case, run, fields.time(), values);
+    write(folder, "run", |format| figure.draw(format))?;
+    if !run.receivers.is_empty() {
+        seismograms(case, folder)?;
+    }
+    let words = |name: &str| match name {
+        "kinetic" => "kinetic energy of the perturbation",
+        "background" => "given by the mean flow",
+        "stress" => "work of the stress",
+        _ => "left over: error of the steps",
+    };
+    let mut columns = table(folder, Growing::Ledger)?;
+    columns.retain(|column| column.0 != "power");
+    ledger(case, folder, "J/m³", columns, words)?;
+    spectrum(case, folder)?;
+    if run.output.snapshot_interval > 0.0 {
+        let of_snapshot = |bytes: &[u8]| of_snapshot(bytes, run);
+        animation(folder, of_snapshot, |time, values| self::figure(case, run, time, values))?;
+    }
+    Ok(())
+}
+
+/// What a snapshot has of the picture, or why it has nothing; what has a mean, less that.
+fn of_snapshot(bytes: &[u8], run: &FlowRun) -> Result<Vec<f64>, String> {
+    let count = run.grid.count();
+    let velocity = || array(bytes, "velocity [m/s]", 3 * count);
+    let values: Vec<f64> = match run.output.picture {
+        None => velocity()?.chunks_exact(3).map(|v| v[0].hypot(v[1])).collect(),
+        Some(Quantity(Field::Velocity(i))) => velocity()?.chunks_exact(3).map(|v| v[i]).collect(),
+        Some(own) => {
+            let name = format!("{} [{}]", own.array(), unit_of(own.array()));
+            array(bytes, &name, count)?.iter().map(|value| own.shown(*value)).collect()
+        }
+    };
+    Ok(values)
+}
+
+/// A field in the box as it was at the beginning. What has a mean, less that: perturbations would not be
+/// seen beside it.
+fn figure(case: &Case, run: &FlowRun, time: f64, mut values: Vec<f64>) -> FieldFigure {
+    let picture = run.output.picture;
+    let mut subtitle = format!("t = {} s, in the box that moves with the mean flow", short(time));
+    let label = match picture {
+        None => "speed |v| of the perturbation, m/s".to_owned(),
+        Some(own @ Quantity(Field::Velocity(_))) => label(own.name()),
+        Some(own) => {
+            let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+            values.iter_mut().for_each(|value| *value -= mean);
+            let unit = unit_of(own.name()).replace("deg", "°");
+            subtitle += &format!("; mean {} {unit}", short(mean));
+            label(own.name()).replace(", ", " less the mean, ")
+        }
+    };
+    let axis = |axis: usize| FieldAxis {
+        label: format!("x{} at the beginning, m", ["₁", "₂"][axis]),
+        from: 0.0,
+        to: run.grid.lengths[axis],
+    };
+    let mark = |at: [f64; 2], name: &str| FieldMark {
+        at,
+        name: name.to_owned(),
+        kind: FieldMarkKind::Receiver,
+    };
+    FieldFigure {
+        title: case_title(case),
+        subtitle,
+        x: axis(0),
+        y: axis(1),
+        columns: run.grid.cells[0],
+        rows: run.grid.cells[1],
+        values,
+        label,
+        is_signed: picture.is_some(),
+        limit: None,
+        scale: None,
+        curves: run.output.contours.clone(),
+        outlines: Vec::new(),
+        plastic: Vec::new(),
+        marks: run.receivers.iter().map(|own| mark([own.at[0], own.at[1]], &own.name)).collect(),
+    }
+}
+
+/// The energy of the shells of modes at some of the times.
+fn spectrum(case: &Case, folder: &ResultFolder) -> Result<(), Error> {
+    /// Lines of the picture, at most.
+    const MOST: usize = 6;
+    let columns = table(folder, Growing::Spectrum)?;
+    let Some(((_, times), shells)) = columns.split_first() else { return Ok(()) };
+    let last = times.len().saturating_sub(1);
+    let count = MOST.min(times.len());
+    let rows = (0..count).map(|line| line * last / (count - 1).max(1));
+    let lines = rows.map(|row| Line {
+        label: format!("t = {} s", short(times[row])),
+        points: (1..).zip(shells).map(|(n, shell)| [f64::from(n), shell.1[row]]).collect(),
+    });
+    let figure = SpectrumFigure {
+        title: case_title(case),
+        subtitle: "energy of the modes with n − ½ ≤ |m| < n + ½".to_owned(),
+        x_label: "mode number n".to_owned(),
+        y_label: "kinetic energy, J/m³".to_owned(),
+        lines: lines.collect(),
+    };
+    write(folder, "spectrum", |format| figure.draw(format))
+}

@@ -1,0 +1,181 @@
+//! A flow in time.
+
+mod initial;
+mod march;
+
+use super::checkpoint::Checkpoint;
+use super::{Outcome, Run, if_memory_suffices};
+use crate::case::Case;
+use crate::case::flow::{FlowRun, Quantity};
+use crate::words::{case_title, short, unit_of};
+use crate::{Error, pool};
+use dynamics::flow::Problem;
+use files::npz::Npz;
+use march::Found;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+
+/// Numbers that a run keeps of a point, at most: 24 were found in 1024² points, to which a checkpoint and a
+/// snapshot add theirs.
+const NUMBERS: f64 = 40.0;
+
+/// A flow and the problem that it comes to.
+pub(super) struct Job<'a> {
+    case: &'a Case,
+    run: &'a FlowRun,
+    problem: Problem,
+}
+
+impl<'a> Job<'a> {
+    pub(super) fn new(case: &'a Case, run: &'a FlowRun) -> Result<Self, Error> {
+        let mean = case.mean_flow()?;
+        let parameters = case.parameters();
+        let problem = Problem {
+            closure: run.closure,
+            density: mean.density,
+            friction_angle: parameters.friction_angle,
+            cohesion: parameters.cohesion,
+            pressure: mean.stress.pressure,
+            velocity_gradient: mean.velocity_gradient.map(|row| row.map(|entry| entry.value)),
+            stress_angle: mean.stress.angle,
+            spin: mean.spin.map_or(0.0, |spin| spin.value),
+            spin_acceleration: case.numbers.background.spin_acceleration,
+            points: run.grid.cells,
+            lengths: run.grid.lengths,
+            tolerance: run.time.tolerance,
+            pressure_tolerance: run.time.pressure_tolerance,
+            least_shear_rate: run.least_shear_rate,
+        };
+        Ok(Self { case, run, problem })
+    }
+}
+
+impl super::Job for Job<'_> {
+    fn plan(&self) -> Result<String, Error> {
+        let grid = &self.run.grid;
+        let least = grid.lengths.map(|length| 2.0 * std::f64::consts::PI / length);
+        let modes = grid.greatest_modes();
+        let greatest = [0, 1].map(|axis| modes[axis] as f64 * least[axis]);
+        let plan = format!(
+            "{} × {} points, {}, {} s, wave numbers from {} to {} 1/m",
+            grid.cells[0],
+            grid.cells[1],
+            self.case.kind.title(),
+            short(self.run.time.duration),
+            short(least[0].min(least[1])),
+            short(greatest[0].max(greatest[1])),
+        );
+        let needed = NUMBERS * size_of::<f64>() as f64 * grid.count() as f64;
+        if_memory_suffices(&plan, needed, |found| {
+            self.run.locate("grid.cells", found, "ask for fewer points")
+        })
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        initial::fields(self.run, &self.problem)?;
+        Ok(())
+    }
+
+    fn warnings(&self) -> Result<Vec<String>, Error> {
+        Ok(Vec::new())
+    }
+
+    fn compute(&self, run: &Run, from: Option<Checkpoint>) -> Result<Outcome, Error> {
+        let found = pool(run.threads)?.install(|| self.march(run, from.as_ref()))?;
+        Ok(Outcome {
+            words: self.words(&found),
+            report: self.report(&found),
+            fields: self.fields(&found)?,
+            has_receivers: !self.run.receivers.is_empty(),
+            stopped: found.stopped,
+            lock: found.lock,
+        })
+    }
+}
+
+impl Job<'_> {
+    fn report(&self, found: &Found) -> Value {
+        let grid = &self.run.grid;
+        let energy = found.last.energy;
+        json!({
+            "title": self.case.title,
+            "model": self.case.kind.name(),
+            "cells": grid.cells,
+            "length": grid.lengths,
+            "steps": found.steps,
+            "time": found.time,
+            "velocity_gradient": self.problem.velocity_gradient,
+            "deformation": found.deformation,
+            "fields": found.values.iter().map(|(own, _)| own.array()).collect::<Vec<_>>(),
+            "ledger": {
+                "unit": "J/m3",
+                "kinetic": energy.kinetic,
+                "at_start": found.start,
+                "background": energy.background,
+                "stress": energy.stress,
+                "balance": found.last.balance(found.start),
+                "power": energy.power,
+            },
+            "receivers": self.run.receivers.iter().map(|receiver| {
+                let point = grid.nearest(&receiver.at);
+                let index = [point % grid.cells[0], point / grid.cells[0]];
+                let point = [grid.position(0, index[0]), grid.position(1, index[1])];
+                json!({ "name": receiver.name, "at": receiver.at, "point": point })
+            }).collect::<Vec<_>>(),
+            "stopped": found.stopped.as_ref().map(ToString::to_string),
+        })
+    }
+
+    fn fields(&self, found: &Found) -> Result<Vec<u8>, Error> {
+        let mut archive = Npz::new();
+        let grid = &self.run.grid;
+        for axis in 0..2 {
+            let points: Vec<f64> = (0..grid.cells[axis]).map(|i| grid.position(axis, i)).collect();
+            archive.add_f64(&format!("x{}", axis + 1), &[points.len()], &points)?;
+        }
+        archive.add_f64("time", &[], &[found.time])?;
+        archive.add_f64("deformation", &[2, 2], found.deformation.as_flattened())?;
+        let names: Vec<&str> = found.values.iter().map(|(own, _)| own.array()).collect();
+        let units: Vec<&str> = names.iter().map(|name| unit_of(name)).collect();
+        archive.add_text("names", &[names.len()], &names)?;
+        archive.add_text("units", &[units.len()], &units)?;
+        // The first axis runs fastest.
+        for (own, values) in &found.values {
+            archive.add_f64(own.array(), &[grid.cells[1], grid.cells[0]], values)?;
+        }
+        Ok(archive.finish()?)
+    }
+
+    fn words(&self, found: &Found) -> String {
+        let mut text = String::new();
+        let energy = found.last.energy;
+        let _ = writeln!(text, "{}", case_title(self.case));
+        let _ = writeln!(text, "{} steps: t = {} s", found.steps, short(found.time));
+        let mut line = |name: &str, value: f64, unit: &str| {
+            let _ = writeln!(text, "  {name:<34} {:>11} {unit}", short(value));
+        };
+        line("kinetic energy at the start", found.start, "J/m³");
+        line("kinetic energy", energy.kinetic, "J/m³");
+        line("given by the mean flow", energy.background, "J/m³");
+        line("work of the stress", energy.stress, "J/m³");
+        line("left over (error of the steps)", found.last.balance(found.start), "J/m³");
+        line("internal power", energy.power, "W/m³");
+        for (own, values) in &found.values {
+            let [least, greatest] = range(values);
+            let unit = unit_of(own.name());
+            line(&format!("least {own}"), own.shown(least), unit);
+            line(&format!("greatest {own}"), own.shown(greatest), unit);
+        }
+        text
+    }
+}
+
+/// Least and greatest.
+fn range(values: &[f64]) -> [f64; 2] {
+    values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+        [low.min(*value), high.max(*value)]
+    })
+}
+
+/// Values with the quantities that they are of.
+type Values = Vec<(Quantity, Vec<f64>)>;

@@ -1,0 +1,337 @@
+//! Step by step, and what is written on the way.
+
+use super::super::checkpoint::Checkpoint;
+use super::super::control::{Keeper, computed, listen};
+use super::super::files::{Files, Table, check_snapshots, columns};
+use super::super::{Run, Stopped};
+use super::{Job, Values, initial};
+use crate::Error;
+use crate::case::flow::Quantity;
+use crate::output::Growing;
+use crate::progress::Progress;
+use crate::words::{short, unit_of};
+use dynamics::flow::{Energy, Flow, Left};
+use files::vti::{Grid, ImageData, Storage};
+use std::fs::File;
+use std::time::Instant;
+
+/// Lines of the ledger where the case does not say how many.
+const LINES: f64 = 200.0;
+/// Parts of the duration that a bar of progress tells apart.
+const PARTS: f64 = 1000.0;
+
+/// What came out.
+pub(super) struct Found {
+    pub(super) values: Values,
+    pub(super) deformation: [[f64; 2]; 2],
+    /// Kinetic energy at the beginning, J/m³.
+    pub(super) start: f64,
+    pub(super) last: Line,
+    pub(super) steps: usize,
+    /// The time that the run came to, s.
+    pub(super) time: f64,
+    pub(super) stopped: Option<Stopped>,
+    /// Held until all is written.
+    pub(super) lock: File,
+}
+
+/// A line of the ledger.
+#[derive(Clone, Copy)]
+pub(super) struct Line {
+    time: f64,
+    pub(super) energy: Energy,
+}
+
+impl Line {
+    /// Energy that no term accounts for, J/m³: the error of the steps.
+    pub(super) fn balance(&self, start: f64) -> f64 {
+        self.energy.kinetic - start - self.energy.background - self.energy.stress
+    }
+}
+
+/// The first of the multiples of an interval that comes after a time; the last one is the duration, which
+/// stands for what is next to it.
+fn next(time: f64, interval: f64, duration: f64) -> f64 {
+    let mut count = (time / interval).floor();
+    while count * interval <= time {
+        count += 1.0;
+    }
+    let next = count * interval;
+    if next > duration - 1e-6 * interval { duration } else { next }
+}
+
+/// Where a point has left the fully deforming region.
+fn place(left: &Left) -> String {
+    let [first, second] = left.at.map(short);
+    format!("[{first}, {second}] m")
+}
+
+impl Job<'_> {
+    /// Computes the run, from its beginning or from a checkpoint.
+    pub(super) fn march(&self, run: &Run, from: Option<&Checkpoint>) -> Result<Found, Error> {
+        listen(run.folder);
+        let mut march = March::new(self, run, from)?;
+        let duration = self.run.time.duration;
+        let done = |march: &March| (PARTS * march.flow.time() / duration) as u64;
+        let mut shown = done(&march);
+        let progress = Progress::new("run", PARTS as u64);
+        progress.tick(shown);
+        let mut stopped = None;
+        while march.flow.time() < duration {
+            if let Err(left) = march.step()? {
+                stopped = Some(march.stop(&left)?);
+                break;
+            }
+            progress.tick(done(&march) - shown);
+            shown = done(&march);
+            progress.note(march.note());
+            march.keep()?;
+        }
+        march.finish(stopped)
+    }
+}
+
+/// A run on its way.
+struct March<'a> {
+    job: &'a Job<'a>,
+    flow: Flow,
+    files: Files<'a>,
+    keeper: Keeper<'a>,
+    /// Points of the receivers.
+    watched: Vec<usize>,
+    /// Places of what the receivers record, in all quantities of their points.
+    columns: Vec<usize>,
+    /// Time between two lines of the ledger, s.
+    lines: f64,
+    /// Time between two snapshots, s, if there are to be any.
+    snapshots: Option<f64>,
+    last: Line,
+    energy_at_start: f64,
+    /// When this part of the run began, and after how many steps.
+    began: (Instant, usize),
+    lock: File,
+}
+
+impl<'a> March<'a> {
+    /// A run at its beginning, or at a checkpoint.
+    fn new(job: &'a Job<'a>, run: &'a Run<'a>, from: Option<&Checkpoint>) -> Result<Self, Error> {
+        let (case, duration) = (job.run, job.run.time.duration);
+        let mut flow = Flow::new(&job.problem)
+            .map_err(|error| case.locate("grid", error.to_string(), "see the README"))?;
+        // Left before it began: the perturbation asks for too much.
+        let too_much = |left: Left| {
+            let found = format!("{} at {}", left.what, place(&left));
+            case.locate("initial", found, "a smaller perturbation, which leaves the flow deforming")
+        };
+        if from.is_none() {
+            let fields = initial::fields(case, &job.problem)?;
+            let [v1, v2] = &fields.velocity;
+            flow.perturb([v1, v2], &fields.inner).map_err(too_much)?;
+        }
+        let names: Vec<&str> = flow.fields().into_iter().map(|own| Quantity(own).name()).collect();
+        let (header, columns) = columns(&case.receivers, &names);
+        let mut tables: Vec<Table> = Vec::new();
+        if !case.receivers.is_empty() {
+            tables.push((Growing::Receivers, header));
+        }
+        let ledger = ["time", "kinetic", "background", "stress", "balance", "power"];
+        tables.push((Growing::Ledger, ledger.map(str::to_owned).to_vec()));
+        let shells = (1..=flow.spectrum().len()).map(|shell| shell.to_string());
+        let header = ["time".to_owned()].into_iter().chain(shells).collect();
+        tables.push((Growing::Spectrum, header));
+        let output = &case.output;
+        let (files, lock) =
+            Files::open(run.folder, &tables, output.snapshot_interval > 0.0, from, |from| {
+                from.flow().is_some_and(|snapshot| flow.restore(&snapshot))
+            })?;
+        let lines = match output.ledger_interval {
+            0.0 => duration / LINES,
+            seconds => seconds,
+        };
+        let energy = flow.energy();
+        let last = Line { time: flow.time(), energy };
+        let mut march = Self {
+            job,
+            files,
+            keeper: Keeper::new(run),
+            watched: case.receivers.iter().map(|own| case.grid.nearest(&own.at)).collect(),
+            columns,
+            lines,
+            snapshots: Some(output.snapshot_interval).filter(|seconds| *seconds > 0.0),
+            last,
+            energy_at_start: from.map_or(energy.kinetic, |from| from.start),
+            began: (Instant::now(), flow.steps()),
+            flow,
+            lock,
+        };
+        match from {
+            None => march.record(true, march.snapshots.is_some())?,
+            Some(_) => {
+                check_snapshots(run.folder, march.snapshots_so_far().into_iter().map(|own| own.1))?;
+            }
+        }
+        Ok(march)
+    }
+
+    /// One step, and what is to be recorded of where it leads.
+    fn step(&mut self) -> Result<Result<(), Left>, Error> {
+        let (time, duration) = (self.flow.time(), self.job.run.time.duration);
+        let line = next(time, self.lines, duration);
+        let snapshot =
+            self.snapshots.map_or(f64::INFINITY, |interval| next(time, interval, duration));
+        if let Err(left) = self.flow.advance(line.min(snapshot)) {
+            return Ok(Err(left));
+        }
+        let now = self.flow.time();
+        self.record(now >= line, now >= snapshot)?;
+        Ok(Ok(()))
+    }
+
+    /// What the receivers see, and where they are due a line of the ledger and a snapshot.
+    fn record(&mut self, is_line: bool, is_snapshot: bool) -> Result<(), Error> {
+        if is_snapshot || !self.watched.is_empty() {
+            let values = self.flow.values();
+            if !self.watched.is_empty() {
+                self.write_receivers(&values)?;
+            }
+            if is_snapshot {
+                self.files.snapshot(&self.image(&values)?, &self.snapshots_so_far())?;
+            }
+        }
+        if is_line { self.write_line() } else { Ok(()) }
+    }
+
+    fn write_receivers(&mut self, values: &[Vec<f64>]) -> Result<(), Error> {
+        let fields: Vec<Quantity> = self.flow.fields().into_iter().map(Quantity).collect();
+        let state: Vec<f64> = self
+            .watched
+            .iter()
+            .flat_map(|&point| {
+                fields.iter().zip(values).map(move |(own, values)| own.shown(values[point]))
+            })
+            .collect();
+        let own = self.columns.iter().map(|column| state[*column]);
+        let row: Vec<f64> = [self.flow.time()].into_iter().chain(own).collect();
+        self.files.write(Growing::Receivers, &row)
+    }
+
+    /// A line of the ledger and one of the spectrum.
+    fn write_line(&mut self) -> Result<(), Error> {
+        let line = Line { time: self.flow.time(), energy: self.flow.energy() };
+        self.last = line;
+        let Energy { kinetic, background, stress, power } = line.energy;
+        let balance = line.balance(self.energy_at_start);
+        let row = [line.time, kinetic, background, stress, balance, power];
+        self.files.write(Growing::Ledger, &row)?;
+        let row: Vec<f64> = [line.time].into_iter().chain(self.flow.spectrum()).collect();
+        self.files.write(Growing::Spectrum, &row)
+    }
+
+    /// The state for ParaView, where the box is.
+    fn image(&self, values: &[Vec<f64>]) -> Result<ImageData, Error> {
+        let own = &self.job.run.grid;
+        let grid = Grid {
+            cells: own.cells.to_vec(),
+            origin: vec![0.0; 2],
+            spacing: [0, 1].map(|axis| own.lengths[axis] / own.cells[axis] as f64).to_vec(),
+        };
+        let mut image = ImageData::deformed(grid, self.flow.deformation(), Storage::Plain)?;
+        image.set_time(self.flow.time())?;
+        let [v1, v2, others @ ..] = values else { return Ok(image) };
+        image.add_vector("velocity [m/s]", &[v1, v2])?;
+        for (field, values) in self.flow.fields().into_iter().skip(2).zip(others) {
+            let name = Quantity(field).array();
+            image.add(&format!("{name} [{}]", unit_of(name)), 1, values)?;
+        }
+        Ok(image)
+    }
+
+    /// All snapshots that an uninterrupted run would have written by now, with their times.
+    fn snapshots_so_far(&self) -> Vec<(f64, String)> {
+        let Some(interval) = self.snapshots else { return Vec::new() };
+        let (now, duration) = (self.flow.time(), self.job.run.time.duration);
+        let after = |time: &f64| (*time < duration).then(|| next(*time, interval, duration));
+        let times = std::iter::successors(Some(0.0), after).take_while(|time| *time <= now);
+        times.enumerate().map(|(index, time)| (time, format!("snapshot-{index:08}.vts"))).collect()
+    }
+
+    /// The run ends here: the last line is that of the last state that had a stress everywhere.
+    fn stop(&mut self, left: &Left) -> Result<Stopped, Error> {
+        if self.last.time < self.flow.time() {
+            self.write_line()?;
+        }
+        Ok(Stopped {
+            what: format!("{} at {} in the box at the beginning,", left.what, place(left)),
+            time: short(left.time),
+            remedy: "a smaller perturbation goes on for longer if the state is well-posed",
+            saved: short(self.flow.time()),
+        })
+    }
+
+    fn note(&self) -> String {
+        let [time, energy] = [self.flow.time(), self.last.energy.kinetic].map(short);
+        let [evaluations, iterations] = self.flow.effort();
+        let iterations = iterations as f64 / evaluations.max(1) as f64;
+        let (steps, stages) = (self.flow.steps(), self.flow.stages());
+        format!(
+            "t = {time} s, energy {energy}, step {steps} of {stages} stages, {iterations:.1} iterations \
+             of the pressure"
+        )
+    }
+
+    fn keep(&mut self) -> Result<(), Error> {
+        let (flow, start) = (&self.flow, self.energy_at_start);
+        let is_last = flow.time() >= self.job.run.time.duration;
+        self.keeper.keep(&mut self.files, is_last, |tables| {
+            Checkpoint::of_flow(&flow.snapshot(), flow.time(), tables, start)
+        })
+    }
+
+    /// What came out.
+    fn finish(mut self, stopped: Option<Stopped>) -> Result<Found, Error> {
+        computed();
+        self.files.sync()?;
+        let (clock, first) = self.began;
+        self.files.log(&format!(
+            "{} steps in {:.2} s with {} threads",
+            self.flow.steps() - first,
+            clock.elapsed().as_secs_f64(),
+            rayon::current_num_threads(),
+        ));
+        let quantities = self.flow.fields().into_iter().map(Quantity);
+        Ok(Found {
+            values: quantities.zip(self.flow.values()).collect(),
+            deformation: self.flow.deformation(),
+            start: self.energy_at_start,
+            last: self.last,
+            steps: self.flow.steps(),
+            time: self.flow.time(),
+            stopped,
+            lock: self.lock,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::next;
+
+    /// Multiples that a sum would miss come once each, the last one when the run ends.
+    #[test]
+    fn times_of_output() {
+        for (interval, duration, count) in [
+            (0.1, 1.0, 10),
+            (1e-3 / 200.0, 1e-3, 200),
+            (0.3, 1.0, 4),
+            (7.0, 1.0, 1),
+            (1e-5, 0.7, 70_000),
+        ] {
+            let mut times = vec![0.0];
+            while *times.last().unwrap() < duration {
+                times.push(next(*times.last().unwrap(), interval, duration));
+            }
+            assert_eq!((times.len() - 1, *times.last().unwrap()), (count, duration));
+            assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
+        }
+    }
+}

@@ -1,0 +1,484 @@
+//! What case files say of flows in time: what is read, what is refused and in which words.
+
+use dynamics::flow::{Closure, Field};
+use std::fs;
+use std::path::Path;
+use wellposed::case::flow::{Disturbed, FlowRun, Initial, Quantity};
+use wellposed::case::{Case, Kind};
+use wellposed::new::{self, Purpose};
+use wellposed::run::{self, Control};
+use wellposed::{Error, Options};
+
+/// Everything that a flow can have; tests refer to its lines.
+const FLOW: &str = "\
+title = 'Flow'
+[model]
+kind = 'harris-grekova'
+friction_angle_deg = 30
+moment_of_inertia = 1.25e-7
+rotational_strength = 0
+[background]
+density = 1600
+pressure = 1000
+stress_angle_deg = 45
+shear_rate = 50
+noncoaxiality_deg = 20
+[grid]
+cells = [32, 24]
+length = [0.2, 0.1]
+[time]
+duration = 1e-3
+tolerance = 1e-4
+[[initial]]
+kind = 'mode'
+mode = [2, -1]
+field = 'v'
+amplitude = 1e-3
+[[initial]]
+kind = 'packet'
+mode = [0, 3]
+field = 'w'
+amplitude = 0.5
+phase_deg = 90
+at = [0.1, 0.05]
+radius = 0.02
+[[initial]]
+kind = 'noise'
+field = 'v'
+from = 1
+to = 6.5
+amplitude = 1e-4
+seed = 12
+[[initial]]
+kind = 'uniform'
+field = 'w'
+amplitude = 0.1
+[[receiver]]
+at = [0.2, 0]
+[[receiver]]
+name = 'middle'
+at = [0.1, 0.05]
+fields = ['psi_deg', 'v2']
+[output]
+snapshot_interval = 2e-4
+picture = 'psi_deg'
+contours = [0.1]
+";
+
+const CONTROL: Control = Control { checkpoint_every: 1e9 };
+
+fn parse(text: &str) -> Result<Case, String> {
+    Case::parse(text, "folder/x.toml", &[]).map_err(|error| error.to_string())
+}
+
+fn flow(text: &str) -> FlowRun {
+    parse(text).unwrap().flow.unwrap()
+}
+
+/// The text with a part replaced that must be there.
+fn with(text: &str, old: &str, new: &str) -> String {
+    assert!(text.contains(old), "{old}");
+    text.replacen(old, new, 1)
+}
+
+/// The same for a model without spin.
+fn without_spin(kind: &str, inner: &str) -> String {
+    let text = with(FLOW, "moment_of_inertia = 1.25e-7\nrotational_strength = 0\n", "");
+    let text = with(&text, "harris-grekova", kind).replace("field = 'w'", inner);
+    with(&text, "noncoaxiality_deg = 20\n", "")
+}
+
+fn plastic() -> String {
+    let text = without_spin("plastic-potential", "field = 'v'");
+    with(&text, "[[initial]]\nkind = 'uniform'\nfield = 'v'\namplitude = 0.1\n", "")
+}
+
+#[test]
+fn a_case_is_read_as_written() {
+    let run = flow(FLOW);
+    assert_eq!(
+        (run.grid.cells, run.grid.lengths, run.closure),
+        ([32, 24], [0.2, 0.1], Closure::HarrisGrekova)
+    );
+    assert_eq!((run.time.tolerance, run.time.pressure_tolerance), (1e-4, 1e-9));
+    let Initial::Mode(wave) = &run.initial[0] else { panic!() };
+    assert_eq!((wave.mode, wave.field, wave.phase_deg), ([2, -1], Disturbed::Velocity, 0.0));
+    assert!(matches!(
+        run.initial[1],
+        Initial::Packet { wave: own, at: [0.1, 0.05], radius: 0.02 } if own.phase_deg == 90.0
+    ));
+    assert!(matches!(run.initial[2], Initial::Noise { to: 6.5, seed: 12, .. }));
+    // Both ends of the box are in it, and the nearest point is of the box.
+    assert_eq!(run.grid.nearest(&run.receivers[0].at), 31);
+    let names: Vec<&str> = run.receivers[0].fields.iter().map(|own| own.name()).collect();
+    assert_eq!(names, ["v1", "v2", "w", "psi_deg", "p", "shear_rate"]);
+    assert_eq!(run.receivers[1].fields, [Field::StressAngle, Field::Velocity(1)].map(Quantity));
+    assert_eq!(run.output.picture, Some(Quantity(Field::StressAngle)));
+    let text = without_spin("double-shearing", "field = 'psi_deg'");
+    assert_eq!(flow(&text).closure, Closure::DoubleShearing);
+    let run = flow(&(plastic() + "[limits]\nshear_rate = 0.01\n"));
+    assert_eq!(run.least_shear_rate, 0.01);
+    let equal = with(FLOW, "length = [0.2, 0.1]", "length = 0.2");
+    assert_eq!(flow(&equal).grid.lengths, [0.2, 0.2]);
+}
+
+#[test]
+fn the_resolved_case_reads_back_to_itself() {
+    for text in [FLOW.to_owned(), without_spin("double-shearing", "field = 'psi_deg'"), plastic()] {
+        let case = parse(&text).unwrap();
+        let resolved = case.to_toml();
+        assert_eq!(parse(&resolved).unwrap_or_else(|error| panic!("{error}\n{resolved}")), case);
+        assert!(resolved.contains("pressure_tolerance = 1e-9"), "{resolved}");
+        assert_eq!(resolved.contains("[limits]"), text.contains("plastic"), "{resolved}");
+        // What is drawn makes no other results.
+        let drawn = parse(&with(&text, "picture = 'psi_deg'", "picture = 'v1'")).unwrap();
+        assert_ne!(drawn, case);
+        assert_eq!(drawn.undrawn(), case.undrawn());
+        let other = parse(&with(&text, "seed = 12", "seed = 13")).unwrap();
+        assert_ne!(other.undrawn(), case.undrawn());
+    }
+}
+
+#[test]
+fn wrong_cases_are_refused_with_place_and_remedy() {
+    for (old, new, message) in [
+        (
+            "cells = [32, 24]",
+            "cells = [32, 15]",
+            "folder/x.toml:14: grid.cells: found [32, 15]; expected a list of 2 even whole numbers of at \
+             least 8 (points along each axis)",
+        ),
+        (
+            "cells = [32, 24]",
+            "cells = [6, 16]",
+            "folder/x.toml:14: grid.cells: found [6, 16]; expected",
+        ),
+        (
+            "cells = [32, 24]",
+            "cells = [8, 8, 8]",
+            "folder/x.toml:14: grid.cells: found [8, 8, 8]; expected",
+        ),
+        (
+            "cells = [32, 24]",
+            "cells = [200000, 200000]",
+            "folder/x.toml:14: grid.cells: 200000 × 200000 points; expected at most 268435456 in all",
+        ),
+        (
+            "length = [0.2, 0.1]",
+            "spacing = 0.01",
+            "folder/x.toml:15: grid.spacing: found for a flow; give length, the edges of the box at the \
+             beginning in m, in its place",
+        ),
+        (
+            "length = [0.2, 0.1]",
+            "length = [0.2, -0.1]",
+            "folder/x.toml:15: grid.length: found [0.2, -0.1]; expected a positive number or a list of 2",
+        ),
+        (
+            "tolerance = 1e-4",
+            "tolerance = 1",
+            "folder/x.toml:18: time.tolerance: found the integer 1; expected a number between 0 and 1",
+        ),
+        (
+            "tolerance = 1e-4",
+            "courant = 1",
+            "folder/x.toml:18: time.courant: unknown key; did you mean 'tolerance'? allowed here: duration, tolerance, \
+             pressure_tolerance",
+        ),
+        (
+            "mode = [2, -1]",
+            "mode = [0, 0]",
+            "folder/x.toml:21: initial[0].mode: found [0, 0]; expected a list of 2 whole numbers, not both 0",
+        ),
+        (
+            "mode = [2, -1]",
+            "mode = [2, -8]",
+            "folder/x.toml:21: initial[0].mode: found [2, -8] with 32 × 24 points; at most 10 and 7: add \
+             points, or a longer wave",
+        ),
+        (
+            "field = 'v'",
+            "field = 'psi_deg'",
+            "folder/x.toml:22: initial[0].field: found 'psi_deg'; allowed: v, w",
+        ),
+        (
+            "at = [0.1, 0.05]",
+            "at = [0.1, 0.5]",
+            "folder/x.toml:30: initial[1].at: found [0.1, 0.5], outside the box; the box has x1 from 0.0 to \
+             0.2 m, x2 from 0.0 to 0.1 m",
+        ),
+        (
+            "to = 6.5",
+            "to = 8",
+            "folder/x.toml:36: initial[2].to: found 8.0 with 32 × 24 points; at most 7.0: add points, or \
+             take longer waves",
+        ),
+        (
+            "to = 6.5",
+            "to = 0.5",
+            "folder/x.toml:36: initial[2].to: found 0.5 with from = 1.0; to must be",
+        ),
+        (
+            "from = 1\nto = 6.5",
+            "from = 1.1\nto = 1.2",
+            "folder/x.toml:36: initial[2].to: no whole numbers m₁, m₂ between 1.1 and 1.2; a wider band",
+        ),
+        (
+            "seed = 12",
+            "seed = -1",
+            "folder/x.toml:38: initial[2].seed: found the integer -1; expected a whole number of at least 0",
+        ),
+        (
+            "kind = 'uniform'\nfield = 'w'",
+            "kind = 'uniform'\nfield = 'v'",
+            "folder/x.toml:41: initial[3].field: found 'v'; allowed: w",
+        ),
+        (
+            "kind = 'uniform'",
+            "kind = 'pulse'",
+            "folder/x.toml:40: initial[3].kind: found 'pulse'; did you mean 'noise'? allowed: mode, packet, noise, uniform, file",
+        ),
+        (
+            "fields = ['psi_deg', 'v2']",
+            "fields = ['psi']",
+            "folder/x.toml:48: receiver[1].fields: found 'psi'; did you mean 'psi_deg'? allowed: v1, v2, w, psi_deg, p, shear_rate",
+        ),
+        (
+            "picture = 'psi_deg'",
+            "picture = 'sigma11'",
+            "folder/x.toml:51: output.picture: found 'sigma11'; allowed: speed, v1, v2, w, psi_deg, p, \
+             shear_rate",
+        ),
+        (
+            "[[receiver]]",
+            "[gravity]\nacceleration = [0, -9.81]\n[[receiver]]",
+            "folder/x.toml:43: gravity: found for the model harris-grekova, a flow; leave it out: it belongs \
+             to solids; a flow has grid, time, initial, receiver, output",
+        ),
+        (
+            "[[receiver]]",
+            "[limits]\nshear_rate = 0.1\n[[receiver]]",
+            "folder/x.toml:43: limits: found for the model harris-grekova, a flow; leave it out: it belongs to \
+             plastic-potential",
+        ),
+    ] {
+        let error = parse(&with(FLOW, old, new)).expect_err(new);
+        assert!(error.starts_with(message), "{new}:\n{message}\n{error}");
+    }
+    let (head, rest) = FLOW.split_once("[[initial]]").unwrap();
+    let (_, tail) = rest.split_once("[[receiver]]").unwrap();
+    let error = parse(&format!("{head}[[receiver]]{tail}")).unwrap_err();
+    let start =
+        "folder/x.toml: initial: missing; add [[initial]] with kind = \"noise\", field = \"v\"";
+    assert!(error.starts_with(start), "{error}");
+    let (model, rest) = FLOW.split_once("[grid]").unwrap();
+    let (_, time) = rest.split_once("[time]").unwrap();
+    let error = parse(&format!("{model}[time]{time}")).unwrap_err();
+    let start =
+        "folder/x.toml:13: time: found without a grid; add a section [grid] with cells and length";
+    assert!(error.starts_with(start), "{error}");
+    let error = parse(&with(&plastic(), "kind = 'mode'", "kind = 'uniform'")).unwrap_err();
+    assert!(
+        error.contains("initial[0].kind: found 'uniform' for the model plastic-potential;"),
+        "{error}"
+    );
+    let free = new::text(Kind::FLOWS[3]) + "[grid]\ncells = [8, 8]\nlength = 1\n";
+    let error = parse(&free).unwrap_err();
+    assert!(
+        error.contains("grid: found for the model free-rotating, a flow; leave it out"),
+        "{error}"
+    );
+    let solid = new::text(Kind::SOLIDS[0]) + "[grid]\ncells = [8, 8]\nlength = 1\n";
+    let error = parse(&solid).unwrap_err();
+    assert!(error.contains("grid.length: found for a solid; give spacing"), "{error}");
+    let error =
+        parse(&(solid.replace("length", "spacing") + "[limits]\nshear_rate = 0.1\n")).unwrap_err();
+    assert!(
+        error.contains("limits: found for the model classical, a solid; leave it out"),
+        "{error}"
+    );
+}
+
+fn dry_run(folder: &Path, case: &str) -> Result<String, Error> {
+    let file = folder.join("case.run.toml");
+    fs::write(&file, case).unwrap();
+    let out = Some(folder.join("out"));
+    let options = Options { case: file, out, dry_run: true, ..Options::default() };
+    let mut stdout = Vec::new();
+    run::run(&options, CONTROL, &mut stdout)?;
+    assert!(!folder.join("out").exists());
+    Ok(String::from_utf8(stdout).unwrap())
+}
+
+/// States that are none of a uniform flow in its own frame.
+#[test]
+fn states_that_cannot_be_run_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |text: &str| {
+        let error = dry_run(folder.path(), text).expect_err(text);
+        assert_eq!(error.exit_code(), 2, "{error}");
+        error.to_string().rsplit_once("case.run.toml").unwrap().1.to_owned()
+    };
+    for (extra, message) in [
+        (
+            "velocity = [1, 0]",
+            ":13: background.velocity: found [1.0, 0.0]; leave it out: the box moves with the mean flow",
+        ),
+        (
+            "pressure_gradient = [0, 1]",
+            ":13: background.pressure_gradient: found [0.0, 1.0]; leave it out: the flow that is run in time is uniform",
+        ),
+        ("stress_angle_gradient_deg = [1, 0]", ":13: background.stress_angle_gradient_deg: found"),
+        ("spin_gradient = [1, 0]", ":13: background.spin_gradient: found"),
+        ("inertia_rate = 1", ":13: background.inertia_rate: found 1.0; leave it out"),
+        (
+            "deviatoric_stress = 400",
+            ":13: background.deviatoric_stress: found 400.0, inside yield; leave it out",
+        ),
+        (
+            "deviatoric_stress = 600",
+            ":13: background.deviatoric_stress: found 600.0, outside yield; leave it out",
+        ),
+        (
+            "rotational_stress = 5",
+            ":13: background.rotational_stress: found 5.0, outside yield; leave it out",
+        ),
+        ("body_moment = 1", ":13: background.body_moment: "),
+    ] {
+        let text = with(FLOW, "[grid]", &format!("{extra}\n[grid]"));
+        let error = refused(&text);
+        assert!(error.starts_with(message), "{error}");
+    }
+    let dilatant = with(FLOW, "moment_of_inertia", "dilatancy_angle_deg = 10\nmoment_of_inertia");
+    let error = refused(&dilatant);
+    let message =
+        ":5: model.dilatancy_angle_deg: found 10.0; flows are run in time at constant volume: 0";
+    assert_eq!(error, message);
+    let error = refused(&with(FLOW, "noncoaxiality_deg = 20", "noncoaxiality_deg = -45"));
+    assert!(error.starts_with(":12: background.noncoaxiality_deg: found |Δ| = 45"), "{error}");
+    // As in point.
+    let error = refused(&with(FLOW, "friction_angle_deg = 30", "friction_angle_deg = 95"));
+    assert!(error.starts_with(":4: model.friction_angle_deg: found 95"), "{error}");
+    let error = refused(&with(FLOW, "[grid]", "spin = 1\n[grid]"));
+    assert!(error.contains("background.spin"), "{error}");
+    let error = refused(&new::text(Kind::FLOWS[3]));
+    assert!(
+        error
+            .ends_with("nothing determines the spin of this one, so that it cannot be run in time")
+    );
+    if Path::new("/proc/meminfo").exists() {
+        let large = with(FLOW, "cells = [32, 24]", "cells = [16384, 16384]");
+        let error = refused(&large);
+        assert!(error.contains("GiB are free; ask for fewer points"), "{error}");
+    }
+}
+
+#[test]
+fn dry_runs_say_what_would_be_computed() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = dry_run(folder.path(), FLOW).unwrap();
+    let start = "would compute 32 × 24 points, Harris–Grekova, 0.001 s, wave numbers from 31.42 to 439.8 1/m, memory ";
+    assert!(text.starts_with(start) && text.contains("run.png"), "{text}");
+    for (path, text) in
+        wellposed::cases::CASES.iter().filter(|own| own.0.starts_with("cases/flow/"))
+    {
+        dry_run(folder.path(), text).unwrap_or_else(|error| panic!("{path}: {error}"));
+    }
+}
+
+/// Fields of an archive are those of the case's points, and the archive is part of the case.
+#[test]
+fn archives_are_read_next_to_the_case() {
+    let folder = tempfile::tempdir().unwrap();
+    let archive = |names: &[&str], shape: [usize; 2]| {
+        let mut archive = files::npz::Npz::new();
+        for name in names {
+            archive.add_f64(name, &shape, &vec![0.5; shape[0] * shape[1]]).unwrap();
+        }
+        fs::write(folder.path().join("old.npz"), archive.finish().unwrap()).unwrap();
+    };
+    let entry = "kind = 'file'\npath = 'old.npz'";
+    let text = with(FLOW, "kind = 'uniform'\nfield = 'w'\namplitude = 0.1", entry);
+    let error = dry_run(folder.path(), &text).unwrap_err().to_string();
+    assert!(error.contains("initial[3].path: 'old.npz': No such file"), "{error}");
+    archive(&["v1", "v2", "w"], [24, 32]);
+    dry_run(folder.path(), &text).unwrap();
+
+    let file = folder.path().join("case.run.toml");
+    let case = Case::load(&file, &[]).unwrap();
+    let resolved = case.to_toml();
+    // The same wherever it is read, without a look at the archive.
+    assert_eq!(parse(&resolved).unwrap(), case);
+    archive(&["v1", "v2", "psi"], [24, 32]);
+    assert_ne!(Case::load(&file, &[]).unwrap(), case);
+    let error = dry_run(folder.path(), &resolved).unwrap_err().to_string();
+    assert!(error.contains("has changed since the case was read; bring it back"), "{error}");
+    let refused = |text: &str| dry_run(folder.path(), text).unwrap_err().to_string();
+    assert!(refused(&text).contains("old.npz': no array w; an archive (NPZ) with v1, v2 and"));
+    archive(&["v1", "v2", "w"], [32, 24]);
+    let error = refused(&text);
+    assert!(error.contains("v1 is of shape [32, 24], not [24, 32]"), "{error}");
+    fs::write(folder.path().join("old.npz"), "no archive").unwrap();
+    assert!(refused(&text).contains("initial[3].path: '"));
+    let odd = with(&text, entry, "kind = 'file'\npath = 'old.npz'\nchecksum = 'xyz'");
+    assert!(refused(&odd).contains("initial[3].checksum: found the text 'xyz'; expected eight"));
+}
+
+/// The template has every key that a flow takes, and every entry of it is a sound one.
+#[test]
+fn new_runs_show_every_key() {
+    let folder = tempfile::tempdir().unwrap();
+    for kind in &Kind::FLOWS[..3] {
+        let text = new::text_for((*kind).into(), Purpose::Run);
+        dry_run(folder.path(), &text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let template = &text[text.find("\n[grid]\n").unwrap()..];
+        let base = text.split("\n\n").filter(|block| !block.starts_with("[[initial]]"));
+        let base = base.collect::<Vec<_>>().join("\n\n");
+        for block in template.split("\n\n").map(str::trim) {
+            let lines: Vec<&str> = block
+                .lines()
+                .map(|line| line.strip_prefix("# ").unwrap_or(line))
+                .filter(|line| line.starts_with('[') || line.contains(" = "))
+                .collect();
+            let Some(header) = lines.first().filter(|line| line.starts_with('[')) else { continue };
+            let is_file = block.contains("\"file\"");
+            let own = lines.join("\n");
+            let document = match header.starts_with("[[initial]]") {
+                true => format!("{base}\n{own}\n"),
+                false => text.replace(block, &own),
+            };
+            let found = Case::parse(&document, "x.toml", &[]);
+            found.unwrap_or_else(|error| panic!("{error}\n{document}"));
+            let odd = document.replace(&own, &format!("{own}\nodd = 0"));
+            let error = Case::parse(&odd, "x.toml", &[]).unwrap_err().to_string();
+            let (_, allowed) =
+                error.split_once("allowed here: ").unwrap_or_else(|| panic!("{error}"));
+            for key in allowed.split(", ") {
+                assert!(
+                    own.contains(&format!("{key} = ")),
+                    "{key} is missing in {block} {is_file}"
+                );
+            }
+        }
+        for name in
+            Initial::NAMES.iter().filter(|name| text.contains("psi_deg") || **name != "uniform")
+        {
+            let is_shown = template.contains(&format!("kind = \"{name}\""));
+            let is_coaxial = *name == "uniform" && kind.name() == "plastic-potential";
+            assert!(is_shown != is_coaxial, "{name}");
+        }
+        let closure = Closure::of(match kind {
+            Kind::Flow(flow) => *flow,
+            Kind::Solid(_) => panic!(),
+        });
+        for own in Quantity::all(closure.unwrap()) {
+            assert!(template.contains(own.name()), "{own}");
+        }
+        for word in ["EVOLVES", "INNER", "NAMES"] {
+            assert!(!text.contains(word), "{text}");
+        }
+    }
+    let other = folder.path().join("other.toml");
+    let error = new::run(Kind::FLOWS[3].into(), Purpose::Run, Some(&other), false).unwrap_err();
+    assert!(error.to_string().contains("nothing determines the spin of free-rotating"), "{error}");
+}
