@@ -139,8 +139,8 @@ fn the_pressure_keeps_the_flow_free_of_divergence() {
         let gradient: Vec<Vec<f64>> =
             [(&v1, 0), (&v1, 1), (&v2, 0), (&v2, 1)].map(|(v, axis)| derivative(v, axis)).to_vec();
         let greatest = gradient.iter().flatten().fold(0.0f64, |sum, value| sum.max(value.abs()));
-        for i in 0..count {
-            let divergence = gradient[0][i] + gradient[3][i];
+        for (one, other) in gradient[0].iter().zip(&gradient[3]) {
+            let divergence = one + other;
             assert!(divergence.abs() < 1e-13 * greatest, "{closure:?} {divergence:e}");
         }
         let shear = problem.velocity_gradient[0][1];
