@@ -43,6 +43,8 @@ pub struct Options {
     pub dry_run: bool,
     /// Number of threads; absent: one per core. Results do not depend on it.
     pub threads: Option<usize>,
+    /// Whether a flow is run in time although its equations are ill-posed.
+    pub accept_ill_posed: bool,
 }
 
 /// Form of what a verb prints.
@@ -79,6 +81,9 @@ pub enum Error {
     /// A run ended by its own state.
     #[error(transparent)]
     Stopped(#[from] run::Stopped),
+    /// A flow that is not to be run in time unasked.
+    #[error("{0}; --accept-ill-posed runs it all the same")]
+    IllPosed(run::IllPosed),
     /// Somebody ended a run, which may go on.
     #[error("interrupted at {time} s; wellposed resume {folder} goes on")]
     Interrupted {

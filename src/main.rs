@@ -58,6 +58,9 @@ enum Verb {
         #[arg(long, value_name = "SECONDS", default_value_t = run::CHECKPOINT_EVERY,
             value_parser = seconds)]
         checkpoint_every: f64,
+        /// Run a flow although its equations are ill-posed: finer grids give other solutions
+        #[arg(long)]
+        accept_ill_posed: bool,
     },
     /// Go on with a run that was interrupted or killed; its results are the same bits
     Resume {
@@ -170,6 +173,7 @@ impl From<Common> for Options {
             force: run.force,
             dry_run: run.dry_run,
             threads: run.threads.map(usize::from),
+            accept_ill_posed: false,
         }
     }
 }
@@ -197,8 +201,9 @@ fn carry_out(verb: Verb) -> Result<(), Error> {
         Verb::Point { run } => point::run(&run.into(), &mut stdout)?,
         Verb::Dispersion { run } => dispersion::run(&run.into(), &mut stdout)?,
         Verb::Speeds { run } => speeds::run(&run.into(), &mut stdout)?,
-        Verb::Run { run, checkpoint_every } => {
-            run::run(&run.into(), Control { checkpoint_every }, &mut stdout)?;
+        Verb::Run { run, checkpoint_every, accept_ill_posed } => {
+            let options = Options { accept_ill_posed, ..run.into() };
+            run::run(&options, Control { checkpoint_every }, &mut stdout)?;
         }
         Verb::Resume { folder, threads, checkpoint_every, format } => {
             let threads = threads.map(usize::from);

@@ -15,10 +15,12 @@ mod solid;
 use crate::case::{Case, CaseError, InTime};
 use crate::output::{Growing, ResultFolder};
 use crate::plot;
-use crate::words::unit_of;
+use crate::words::{short, superscript, unit_of};
 use crate::{Error, Format, Options};
 use ::files::npz::Npz;
+use analysis::growth::Growth;
 use checkpoint::Checkpoint;
+use std::fmt;
 use std::fs::File;
 use std::io::Write;
 use std::path::Path;
@@ -40,6 +42,38 @@ pub struct Stopped {
     saved: String,
 }
 
+/// Short waves of a flow grow without bound: what is solved in time depends on the grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IllPosed {
+    /// Growth rate as k → ∞, and where; `None` where it is unbounded at finite k.
+    growth: Option<Growth>,
+    /// The worst direction of the wave vector, degrees.
+    direction_deg: f64,
+    /// The greatest wave number of the grid, 1/m.
+    number: f64,
+}
+
+impl fmt::Display for IllPosed {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let direction = short(self.direction_deg);
+        formatter.write_str("ill-posed: ")?;
+        let Some(Growth { order, coefficient }) = self.growth else {
+            return write!(formatter, "waves at {direction}° grow at unbounded rates");
+        };
+        let order = order.value();
+        let tenfold = 10f64.ln() / (coefficient * self.number.powf(order));
+        write!(
+            formatter,
+            "short waves grow at the rate {} k{} 1/s, fastest at {direction}°; those of the grid, \
+             k = {} 1/m, tenfold in {} s, and finer grids faster",
+            short(coefficient),
+            superscript(order),
+            short(self.number),
+            short(tenfold)
+        )
+    }
+}
+
 /// How a run is kept from being lost.
 #[derive(Clone, Copy, Debug)]
 pub struct Control {
@@ -57,6 +91,9 @@ trait Job {
 
     /// What is likely not meant.
     fn warnings(&self) -> Result<Vec<String>, Error>;
+
+    /// What the analysis says of its equations, where that is against running them.
+    fn ill_posed(&self) -> Result<Option<IllPosed>, Error>;
 
     /// Computes it, from its beginning or from a checkpoint, and writes the files that grow.
     fn compute(&self, run: &Run, from: Option<Checkpoint>) -> Result<Outcome, Error>;
@@ -108,6 +145,11 @@ pub fn run(options: &Options, control: Control, stdout: &mut dyn Write) -> Resul
     let _ = writeln!(std::io::stderr(), "{plan}");
     for warning in job.warnings()? {
         let _ = writeln!(std::io::stderr(), "warning: {warning}");
+    }
+    match job.ill_posed()? {
+        Some(found) if !options.accept_ill_posed => return Err(Error::IllPosed(found)),
+        Some(found) => drop(writeln!(std::io::stderr(), "warning: {found}")),
+        None => {}
     }
     let run = Run { folder: &folder, control, threads: options.threads };
     carry_out(&case, &*job, &run, None, options.format, stdout)

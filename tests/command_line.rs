@@ -105,8 +105,9 @@ fn every_bundled_case_runs() {
             Err(_) if text.contains("[background]") => ("point", Vec::new()),
             Err(_) => ("dispersion", Vec::new()),
         };
+        let ill_posed = if case.flow.is_some() { " --accept-ill-posed" } else { "" };
         let options: String = sets.iter().map(|set| format!(" --set {set}")).collect();
-        let (stdout, _) = ends_with(0, &here, &format!("{verb} {name}{options}"));
+        let (stdout, _) = ends_with(0, &here, &format!("{verb} {name}{options}{ill_posed}"));
         assert!(!stdout.is_empty());
         let out = here.join("out").join(name.trim_end_matches(".toml"));
         let case = Case::load(&here.join(name), &sets).unwrap();

@@ -8,6 +8,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use wellposed::case::Case;
 use wellposed::run::{self, Control};
+use wellposed::words::short;
 use wellposed::{Error, Options, plot};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");
@@ -62,8 +63,14 @@ fn carried_out(folder: &Path, case: &str, threads: usize) -> Result<String, Erro
     let file = folder.join("case.run.toml");
     fs::write(&file, case).unwrap();
     let out = Some(folder.join("out"));
-    let options =
-        Options { case: file, out, force: true, threads: Some(threads), ..Options::default() };
+    let options = Options {
+        case: file,
+        out,
+        force: true,
+        threads: Some(threads),
+        accept_ill_posed: true,
+        ..Options::default()
+    };
     let mut stdout = Vec::new();
     run::run(&options, CONTROL, &mut stdout)?;
     Ok(String::from_utf8(stdout).unwrap())
@@ -388,7 +395,19 @@ fn bundled_flows_do_what_they_say() {
             .join(name)
             .with_extension("toml");
         let out = folder.path().join("out");
-        let options = Options { case: file.clone(), out: Some(out.clone()), ..Options::default() };
+        let options = Options {
+            case: file.clone(),
+            out: Some(out.clone()),
+            accept_ill_posed: grows,
+            ..Options::default()
+        };
+        if grows {
+            // Not unasked, and nothing is written.
+            let unasked = Options { accept_ill_posed: false, ..options.clone() };
+            let error = run::run(&unasked, CONTROL, &mut Vec::new()).unwrap_err();
+            assert!(matches!(error, Error::IllPosed(_)) && error.exit_code() == 2, "{error}");
+            assert!(!out.exists());
+        }
         match run::run(&options, CONTROL, &mut Vec::new()) {
             Ok(()) => {}
             Err(error) => assert!(grows && error.exit_code() == 3, "{name}: {error}"),
@@ -400,5 +419,25 @@ fn bundled_flows_do_what_they_say() {
         assert_eq!(last > first, grows, "{name}: {first} {last}");
         let case = Case::load(&file, &[]).unwrap();
         assert!(case.flow.is_some());
+    }
+}
+
+/// What is said before an ill-posed run: order, coefficient and time of the closed form, for the plastic
+/// potential ς ≈ k² q tan²(φ/2)/(2ρQ_D).
+#[test]
+fn ill_posed_flows_are_told_before_they_run() {
+    let case =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/flow/plastic-potential-in-time.toml");
+    let options = Options { case, ..Options::default() };
+    let error = run::run(&options, CONTROL, &mut Vec::new()).unwrap_err().to_string();
+    let coefficient = 500.0 * 15f64.to_radians().tan().powi(2) / (2.0 * 1600.0 * 5.0);
+    let number = 21.0 * 2.0 * std::f64::consts::PI / 0.1;
+    let tenfold = 10f64.ln() / (coefficient * number * number);
+    for part in [
+        format!("at the rate {} k² 1/s", short(coefficient)),
+        format!("k = {} 1/m, tenfold in {} s", short(number), short(tenfold)),
+        "--accept-ill-posed".to_owned(),
+    ] {
+        assert!(error.contains(&part), "{part}: {error}");
     }
 }

@@ -4,11 +4,13 @@ mod initial;
 mod march;
 
 use super::checkpoint::Checkpoint;
-use super::{Outcome, Run, if_memory_suffices};
+use super::{IllPosed, Outcome, Run, if_memory_suffices};
 use crate::case::Case;
 use crate::case::flow::{FlowRun, Quantity};
+use crate::frozen::{StateError, Workspace};
 use crate::words::{case_title, short, unit_of};
 use crate::{Error, pool};
+use analysis::growth::Verdict;
 use dynamics::flow::Problem;
 use files::npz::Npz;
 use march::Found;
@@ -53,17 +55,15 @@ impl<'a> Job<'a> {
 impl super::Job for Job<'_> {
     fn plan(&self) -> Result<String, Error> {
         let grid = &self.run.grid;
-        let least = grid.lengths.map(|length| 2.0 * std::f64::consts::PI / length);
-        let modes = grid.greatest_modes();
-        let greatest = [0, 1].map(|axis| modes[axis] as f64 * least[axis]);
+        let [least, greatest] = self.wave_numbers();
         let plan = format!(
             "{} × {} points, {}, {} s, wave numbers from {} to {} 1/m",
             grid.cells[0],
             grid.cells[1],
             self.case.kind.title(),
             short(self.run.time.duration),
-            short(least[0].min(least[1])),
-            short(greatest[0].max(greatest[1])),
+            short(least),
+            short(greatest),
         );
         let needed = NUMBERS * size_of::<f64>() as f64 * grid.count() as f64;
         if_memory_suffices(&plan, needed, |found| {
@@ -80,6 +80,17 @@ impl super::Job for Job<'_> {
         Ok(Vec::new())
     }
 
+    fn ill_posed(&self) -> Result<Option<IllPosed>, Error> {
+        let flow = self.case.mean_flow()?;
+        let located = |error: StateError| error.locate(self.case);
+        let model = self.case.flow_model().map_err(|error| located(error.into()))?;
+        let judged = Workspace::default().decide(&model, &flow);
+        let (verdict, _) = judged.map_err(|error| located(error.into()))?;
+        let Verdict::IllPosed { growth, direction } = verdict else { return Ok(None) };
+        let [_, number] = self.wave_numbers();
+        Ok(Some(IllPosed { growth, direction_deg: direction.to_degrees(), number }))
+    }
+
     fn compute(&self, run: &Run, from: Option<Checkpoint>) -> Result<Outcome, Error> {
         let found = pool(run.threads)?.install(|| self.march(run, from.as_ref()))?;
         Ok(Outcome {
@@ -94,6 +105,15 @@ impl super::Job for Job<'_> {
 }
 
 impl Job<'_> {
+    /// Least and greatest wave number of the box along an axis at the beginning, 1/m.
+    fn wave_numbers(&self) -> [f64; 2] {
+        let grid = &self.run.grid;
+        let least = grid.lengths.map(|length| 2.0 * std::f64::consts::PI / length);
+        let modes = grid.greatest_modes();
+        let greatest = [0, 1].map(|axis| modes[axis] as f64 * least[axis]);
+        [least[0].min(least[1]), greatest[0].max(greatest[1])]
+    }
+
     fn report(&self, found: &Found) -> Value {
         let grid = &self.run.grid;
         let energy = found.last.energy;

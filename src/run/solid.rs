@@ -2,7 +2,7 @@
 
 use super::checkpoint::Checkpoint;
 use super::setup::{Setup, Steps, cell_at, centre, media, steps};
-use super::{Outcome, Run, Stopped, if_memory_suffices};
+use super::{IllPosed, Outcome, Run, Stopped, if_memory_suffices};
 use crate::Error;
 use crate::case::Case;
 use crate::case::dynamics::{Component, Dynamics, Ledger as LedgerKind, Precision, TimeFunction};
@@ -128,6 +128,11 @@ impl super::Job for Job<'_> {
             Some(format!("{text}: smaller cells see more of it"))
         };
         Ok(loads.chain(sources).filter_map(warning).collect())
+    }
+
+    fn ill_posed(&self) -> Result<Option<IllPosed>, Error> {
+        // Elastic, or with associated flow without softening: all others are refused.
+        Ok(None)
     }
 
     fn compute(&self, run: &Run, from: Option<Checkpoint>) -> Result<Outcome, Error> {
