@@ -1,12 +1,13 @@
 //! Well-posedness of continuum models of granular media.
 //!
 //! Describe a medium and a state in a case file; `wellposed` says whether its equations are
-//! well-posed. One file per verb ([`map`], [`point`], [`dispersion`], [`speeds`], [`run`], [`plot`], [`cases`], [`new`]);
+//! well-posed. One file per verb ([`map`], [`point`], [`dispersion`], [`speeds`], [`run`], [`check`], [`plot`], [`cases`], [`new`]);
 //! [`case`] reads case files; [`output`] keeps folders of results. No physics and no numerics here.
 #![deny(missing_docs)]
 
 pub mod case;
 pub mod cases;
+pub mod check;
 pub mod dispersion;
 pub mod frozen;
 pub mod hyperbolicity;
@@ -73,6 +74,9 @@ pub enum Error {
     /// A run ended by its own state.
     #[error(transparent)]
     Stopped(#[from] run::Stopped),
+    /// What was measured is not what was predicted.
+    #[error(transparent)]
+    Disagrees(#[from] check::Disagreement),
     /// Somebody ended a run, which may go on.
     #[error("interrupted at {time} s; wellposed resume {folder} goes on")]
     Interrupted {
@@ -108,11 +112,12 @@ pub enum Error {
 }
 
 impl Error {
-    /// The program's exit code: 2, but 0 where the reader of a pipe had enough, 3 where a run was stopped
+    /// The program's exit code: 2, but 0 where the reader of a pipe had enough, 1 where a check disagreed, 3 where a run was stopped
     /// by its own state, 130 where it was interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Stdout(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
+            Self::Disagrees(_) => 1,
             Self::Stopped(_) => 3,
             Self::Interrupted { .. } => INTERRUPTED_CODE,
             _ => 2,

@@ -17,6 +17,14 @@ pub enum Purpose {
 /// A dynamic problem in plane strain, to be changed.
 const RUN: &str = include_str!("new/run.toml");
 
+/// What `wellposed check` sends, with an example of each key.
+const CHECK: &str = "
+# [check]  # for wellposed check; absent, or without a key: what suits the solid
+# numbers = [0.5, 2.0]                          # 1/m: wave numbers; > 0
+# directions_deg = [0.0, 30.0]                  # deg: directions of the wave vector from x₁
+# cells = [20, 30, 40]                          # cells to a period on two or three grids, ascending
+";
+
 /// Writes a case for that medium to `file`, or else to `<kind>.toml`; says where.
 ///
 /// # Errors
@@ -82,6 +90,7 @@ kind = \"{name}\"
             Kind::Solid(_) => {
                 "# wellposed dispersion FILE    frequencies and speeds of waves against wave number
 # wellposed speeds FILE        characteristic speeds against direction
+# wellposed check FILE         frequencies of the analysis held against those of the solver
 # wellposed point FILE         everything about this state
 # wellposed map FILE           verdict over the two parameters of [map]"
             }
@@ -173,6 +182,9 @@ kind = \"{name}\"
             [("model.lambda", "0.0", "2e10", 11), ("wave.number", "0.1", "10.0", 11)]
         }
     };
+    if let Kind::Solid(_) = kind {
+        text.push_str(CHECK);
+    }
     let _ = write!(text, "\n[map]\n");
     for (axis, (name, from, to, points)) in [("x", x), ("y", y)] {
         let _ = writeln!(

@@ -22,6 +22,7 @@ use files::npz::Npz;
 use models::cosserat::waves::Field;
 use serde_json::json;
 use setup::{Setup, Steps, cell_at, centre, media, steps};
+pub(crate) use setup::{medium, unknown_name};
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::Write;

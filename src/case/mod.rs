@@ -1,6 +1,7 @@
 //! Case files: parsing, `--set`, diagnostics with place and remedy, and conversion to the checked
 //! structs of the models.
 
+mod check;
 pub mod dynamics;
 mod error;
 mod keys;
@@ -10,6 +11,7 @@ mod read;
 mod section;
 mod value;
 
+pub use check::Check;
 pub use dynamics::Dynamics;
 pub use error::{CaseError, Place};
 pub use keys::{
@@ -73,6 +75,8 @@ pub struct Case {
     pub compare: Option<Vec<Kind>>,
     /// How the case is run in time, if it says so.
     pub dynamics: Option<Dynamics>,
+    /// What `wellposed check` sends, if the case says so.
+    pub check: Option<Check>,
     places: Places,
     source: Option<PathBuf>,
 }
@@ -103,6 +107,7 @@ impl PartialEq for Case {
             && self.map == other.map
             && self.compare == other.compare
             && self.dynamics == other.dynamics
+            && self.check == other.check
     }
 }
 
@@ -236,6 +241,7 @@ impl Case {
             _ => String::new(),
         };
         let name = name(&entries, file)?;
+        let check = check::read(&entries)?;
         let (places, dynamics, source) = (entries.places.clone(), None, None);
         let case = Self {
             name,
@@ -247,6 +253,7 @@ impl Case {
             map,
             compare,
             dynamics,
+            check,
             places,
             source,
         };
@@ -496,6 +503,9 @@ impl Case {
         }
         if let Some(dynamics) = &self.dynamics {
             text.push_str(&dynamics.to_toml());
+        }
+        if let Some(check) = &self.check {
+            text.push_str(&check.to_toml());
         }
         text
     }

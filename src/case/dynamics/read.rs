@@ -32,7 +32,7 @@ const FREQUENCY: &str = "a positive number in Hz (frequency)";
 /// # Errors
 /// What is wrong with it; that the case is one of a flow; that another section needs a grid.
 pub(in crate::case) fn grid(entries: &Entries, kind: Kind) -> Result<Option<Grid>, CaseError> {
-    let mut root = entries.in_time();
+    let mut root = entries.structured();
     let present = SECTIONS_IN_TIME.iter().find(|(name, _)| root.node(name).is_some());
     let Some((present, _)) = present else { return Ok(None) };
     if let Kind::Flow(_) = kind {
@@ -124,7 +124,7 @@ pub(in crate::case) fn read(
     };
     let components = Component::all(theory, grid.dimensions());
     let reader = Reader { grid: &grid, theory, components, folder };
-    let mut root = entries.in_time();
+    let mut root = entries.structured();
     let regions = reader.regions(&mut root, case, entries)?;
     let sides = reader.sides(&mut root)?;
     let periodic: Vec<Side> = periodic_sides(&sides).map(|(_, side)| side).collect();
