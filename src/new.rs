@@ -17,11 +17,11 @@ pub enum Purpose {
 /// A dynamic problem in plane strain, to be changed.
 const RUN: &str = include_str!("new/run.toml");
 
-/// What `wellposed check` sends, with an example of each key.
+/// What `wellposed check` sends; what is left out is chosen to suit the solid.
 const CHECK: &str = "
-# [check]  # for wellposed check; absent, or without a key: what suits the solid
-# numbers = [0.5, 2.0]                          # 1/m: wave numbers; > 0
-# directions_deg = [0.0, 30.0]                  # deg: directions of the wave vector from x₁
+[check]
+# numbers = [0.5, 2.0]                          # 1/m: wave numbers that wellposed check sends; > 0
+# directions_deg = [0.0, 30.0]                  # deg: directions of their wave vectors from x₁
 # cells = [20, 30, 40]                          # cells to a period on two or three grids, ascending
 ";
 

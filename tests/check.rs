@@ -56,9 +56,12 @@ fn elastic_waves_are_as_predicted() {
             assert!(row.agrees(), "{of}: {row:?}");
             assert!(row.difference().size() < 1e-4, "{of}: {:?}", row.difference());
             assert!(row.part(row.grids[0].measured).size() < 1e-2, "{of}");
-            let order = row.order().expect("errors beyond rounding");
-            // Errors of the phase go like h², of the amplitude like h³.
-            assert!((1.8..3.2).contains(&order), "{of}: order {order}");
+            // Errors of the phase go like h², of the amplitude like h³; what only turns, torsion without
+            // couple stress along an axis, has none but rounding.
+            let is_exact =
+                row.branch.starts_with("torsion") && row.part(row.limit.measured).size() < 1e-12;
+            let order = row.order();
+            assert!(order.map_or(is_exact, |own| (1.8..3.2).contains(&own)), "{of}: {order:?}");
         }
     }
 }
@@ -74,11 +77,11 @@ fn loading_and_unloading_waves_are_as_predicted() {
             assert!(row.agrees(), "{name}: {row:?}");
             assert!(row.difference().size() < 1e-3, "{name}: {row:?}");
         }
-        // The greatest loading frequency is below the greatest unloading one somewhere.
+        // Speeds of a loading solid interlace with the elastic ones below them.
         let of = |name: &str| -> f64 {
             rows.iter().filter(|row| row.response.name() == name).map(|row| row.predicted).sum()
         };
-        assert!(of("loading") < 0.95 * of("unloading"), "{name}");
+        assert!(of("loading") < 0.999 * of("unloading"), "{name}");
     }
 }
 
@@ -173,7 +176,7 @@ fn wrong_sections_are_located() {
         ("check.cells=[4, 8]", "at least 8"),
         ("check.cell=[20, 30]", "cells"),
         // More steps than anybody waits for: the natural rotation is far faster than such a wave.
-        ("check.numbers=[1e-9]", "cell-updates"),
+        ("check.numbers=[2e-6]", "cell-updates"),
     ];
     for (set, words) in wrong {
         let (_, ended) = checked(bundled("dynamics/plane-waves.toml"), &[set]);

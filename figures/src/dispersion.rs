@@ -298,8 +298,11 @@ impl Plot<'_> {
         for (branch, points) in self.rings.iter().enumerate() {
             for place in points.iter().map(|&point| self.place(point)) {
                 let [x, y] = place;
-                if (frame.left..=frame.right).contains(&x)
-                    && (frame.top..=frame.bottom).contains(&y)
+                // One that the frame would cut is left out.
+                if x > frame.left + RING
+                    && x < frame.right - RING
+                    && y > frame.top + RING
+                    && y < frame.bottom - RING
                 {
                     draw_ring(picture, place, COLOURS[branch % COLOURS.len()]);
                 }

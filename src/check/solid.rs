@@ -320,6 +320,9 @@ impl<const D: usize> Check<'_, D> {
             .iter()
             .flat_map(|branch| self.plan.cells.iter().map(move |&cells| (branch, cells)))
             .collect();
+        for (branch, cells) in &runs {
+            self.check_size(branch, *cells)?;
+        }
         let progress = Progress::new("waves in time", runs.len() as u64);
         let runs: Vec<OnGrid> = runs
             .into_par_iter()
@@ -328,7 +331,7 @@ impl<const D: usize> Check<'_, D> {
                 progress.tick(1);
                 found
             })
-            .collect::<Result<_, _>>()?;
+            .collect();
         let rows = branches.iter().zip(runs.chunks(self.plan.cells.len()));
         Ok(rows.map(|(branch, grids)| row(branch, grids.to_vec())).collect())
     }
@@ -434,29 +437,32 @@ impl<const D: usize> Check<'_, D> {
         (grid, period, per_cell.ceil().max(1.0) as usize)
     }
 
+    /// That a run is not longer than anybody waits for.
+    fn check_size(&self, branch: &Branch<D>, cells: usize) -> Result<(), InputError> {
+        let (grid, _, per_cell) = self.grid(branch, cells);
+        let updates = (cells * per_cell) as f64 * grid.count() as f64;
+        if updates <= MOST_UPDATES {
+            return Ok(());
+        }
+        Err(InputError {
+            key: "check.numbers",
+            found: format!("a wave of {updates:.1e} cell-updates at {} 1/m", branch.wave.number),
+            allowed: format!("at most {MOST_UPDATES:.0e}: a greater wave number, or fewer cells"),
+        })
+    }
+
     fn on_grid(
         &self,
         branch: &Branch<D>,
         cells: usize,
         unknowns: &[&str],
         background: Option<&Background>,
-    ) -> Result<OnGrid, Failed> {
+    ) -> OnGrid {
         let nothing = Rate { frequency: f64::NAN, growth: f64::NAN };
         let failed = OnGrid { cells, measured: nothing, expected: nothing, tolerance: 0.0 };
-        let Some(amplitude) = &branch.amplitude else { return Ok(failed) };
+        let Some(amplitude) = &branch.amplitude else { return failed };
         let (grid, period, per_cell) = self.grid(branch, cells);
         let count = cells * per_cell;
-        let updates = count as f64 * grid.count() as f64;
-        if updates > MOST_UPDATES {
-            return Err(Failed::Input(InputError {
-                key: "check.numbers",
-                found: format!(
-                    "a wave of {updates:.1e} cell-updates at {} 1/m",
-                    branch.wave.number
-                ),
-                allowed: format!("at most {MOST_UPDATES:.0e}: a greater wave number, fewer cells"),
-            }));
-        }
         let steps = Steps { spacing: grid.spacing, step: period / count as f64 };
         // What the wave's stress and the flow that carries it turn a curved surface, and the rounding of the
         // whole stress.
@@ -493,12 +499,12 @@ impl<const D: usize> Check<'_, D> {
         let measured: Vec<Complex64> = measured.iter().map(|own| own * scale).collect();
         let times: Vec<f64> =
             (0..=cells).map(|index| (index * per_cell) as f64 * steps.step).collect();
-        Ok(OnGrid {
+        OnGrid {
             cells,
             measured: rate(&times, &measured),
             expected: rate(&times, &expected),
             tolerance: error_of_rate(rounding, period),
-        })
+        }
     }
 
     fn velocities(&self) -> usize {
