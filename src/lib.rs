@@ -2,7 +2,8 @@
 //!
 //! Describe a medium and a state in a case file; `wellposed` says whether its equations are
 //! well-posed. One file per verb ([`map`], [`point`], [`dispersion`], [`speeds`], [`run`], [`check`], [`plot`], [`cases`], [`new`]);
-//! [`case`] reads case files; [`output`] keeps folders of results. No physics and no numerics here.
+//! [`case`] reads case files; [`output`] keeps folders of results. No physics here, and no numerics but where
+//! [`check`] holds the two halves against each other.
 #![deny(missing_docs)]
 
 pub mod case;
