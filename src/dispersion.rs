@@ -18,19 +18,19 @@ use std::io::Write;
 const SAMPLES: usize = 600;
 
 /// Waves that move alike: a family, and how many others are the same.
-struct Kind {
-    family: Family,
+pub(crate) struct Kind {
+    pub(crate) family: Family,
     /// Whether ω² below zero is rounding.
     keeps_energy: bool,
-    count: usize,
-    bands: Vec<ForbiddenBand>,
+    pub(crate) count: usize,
+    pub(crate) bands: Vec<ForbiddenBand>,
 }
 
 /// A branch at one wave number, exp(ςt + ikx) with ς = −iω: Re ω, |Im ω|, Re ω/k, Re dω/dk. With the
 /// conjugate of a complex ω² one of the four ς grows as |Im ω|.
-struct Point {
-    number: f64,
-    frequency: f64,
+pub(crate) struct Point {
+    pub(crate) number: f64,
+    pub(crate) frequency: f64,
     growth_rate: f64,
     phase_speed: f64,
     group_speed: f64,
@@ -59,7 +59,7 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
         0.0 => solid.elastic.own_wave_number().map_or(wave.number, |own| 4.0 * own),
         given => given,
     };
-    let kinds = kinds(&solid, &wave, greatest).map_err(|error| error.locate(&case))?;
+    let kinds = kinds(&solid, &wave, greatest, false).map_err(|error| error.locate(&case))?;
     let is_finite = |p: &Point| p.frequency.is_finite() && p.growth_rate.is_finite();
     let ends = [wave.number, greatest];
     if !ends.iter().all(|&k| kinds.iter().all(|kind| kind.at(k).iter().all(is_finite))) {
@@ -97,10 +97,16 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     Ok(())
 }
 
-/// The families of waves, those that are the same at every wave number taken together.
-fn kinds(solid: &Solid, wave: &Wave, greatest: f64) -> Result<Vec<Kind>, StateError> {
+/// The families of waves, those that are the same at every wave number taken together; of the elastic solid
+/// if `stays_elastic`.
+pub(crate) fn kinds(
+    solid: &Solid,
+    wave: &Wave,
+    greatest: f64,
+    stays_elastic: bool,
+) -> Result<Vec<Kind>, StateError> {
     let mut kinds: Vec<Kind> = Vec::new();
-    for family in solid.waves(wave, false)?.families {
+    for family in solid.waves(wave, stays_elastic)?.families {
         let is_same = |other: &Kind| {
             let at = |f: &Family, k: f64| f.squared_frequencies(k);
             other.family.polarisation == family.polarisation
@@ -115,7 +121,7 @@ fn kinds(solid: &Solid, wave: &Wave, greatest: f64) -> Result<Vec<Kind>, StateEr
             Some(kind) => kind.count += 1,
             None => {
                 let bands = family.forbidden_bands();
-                let keeps_energy = solid.keeps_energy();
+                let keeps_energy = stays_elastic || solid.keeps_energy();
                 kinds.push(Kind { family, keeps_energy, count: 1, bands });
             }
         }
@@ -146,7 +152,7 @@ impl Point {
 
 impl Kind {
     /// Name of a branch, counted from the lowest.
-    fn label(&self, branch: usize) -> String {
+    pub(crate) fn label(&self, branch: usize) -> String {
         let place = match (self.family.branches(), branch) {
             (1, _) => String::new(),
             (2, 0) => ", lower branch".into(),
@@ -158,7 +164,7 @@ impl Kind {
     }
 
     /// The points of every branch.
-    fn curves(&self, greatest: f64) -> Vec<Vec<Point>> {
+    pub(crate) fn curves(&self, greatest: f64) -> Vec<Vec<Point>> {
         let mut curves: Vec<Vec<Point>> = (0..self.family.branches()).map(|_| Vec::new()).collect();
         for k in numbers(greatest) {
             for (curve, point) in curves.iter_mut().zip(self.at(k)) {
@@ -176,7 +182,7 @@ impl Kind {
     }
 
     /// The branches at one wave number.
-    fn at(&self, number: f64) -> Vec<Point> {
+    pub(crate) fn at(&self, number: f64) -> Vec<Point> {
         let modes = self.family.modes(number);
         modes.iter().map(|mode| Point::new(number, mode, self.keeps_energy)).collect()
     }
@@ -327,6 +333,7 @@ fn figure(case: &Case, solid: &Solid, kinds: &[Kind], greatest: f64) -> Dispersi
             label: kind.label(branch),
             frequency: curve.iter().map(|p| [p.number, p.frequency]).collect(),
             group_speed: curve.iter().map(|p| [p.number, p.group_speed]).collect(),
+            measured: Vec::new(),
             growth: match curve.iter().any(|p| p.growth_rate > 0.0) {
                 true => curve.iter().map(|p| [p.number, p.growth_rate]).collect(),
                 false => Vec::new(),

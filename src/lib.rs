@@ -1,12 +1,14 @@
 //! Well-posedness of continuum models of granular media.
 //!
 //! Describe a medium and a state in a case file; `wellposed` says whether its equations are
-//! well-posed. One file per verb ([`map`], [`point`], [`dispersion`], [`speeds`], [`run`], [`plot`], [`cases`], [`new`]);
-//! [`case`] reads case files; [`output`] keeps folders of results. No physics and no numerics here.
+//! well-posed. One file per verb ([`map`], [`point`], [`dispersion`], [`speeds`], [`run`], [`check`], [`plot`], [`cases`], [`new`]);
+//! [`case`] reads case files; [`output`] keeps folders of results. No physics here, and no numerics but where
+//! [`check`] holds the two halves against each other.
 #![deny(missing_docs)]
 
 pub mod case;
 pub mod cases;
+pub mod check;
 pub mod dispersion;
 pub mod frozen;
 pub mod hyperbolicity;
@@ -84,6 +86,9 @@ pub enum Error {
     /// A flow that is not to be run in time unasked.
     #[error("{0}; --accept-ill-posed runs it all the same")]
     IllPosed(run::IllPosed),
+    /// What was measured is not what was predicted.
+    #[error(transparent)]
+    Disagrees(#[from] check::Disagreement),
     /// Somebody ended a run, which may go on.
     #[error("interrupted at {time} s; wellposed resume {folder} goes on")]
     Interrupted {
@@ -119,11 +124,12 @@ pub enum Error {
 }
 
 impl Error {
-    /// The program's exit code: 2, but 0 where the reader of a pipe had enough, 3 where a run was stopped
+    /// The program's exit code: 2, but 0 where the reader of a pipe had enough, 1 where a check disagreed, 3 where a run was stopped
     /// by its own state, 130 where it was interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Stdout(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
+            Self::Disagrees(_) => 1,
             Self::Stopped(_) => 3,
             Self::Interrupted { .. } => INTERRUPTED_CODE,
             _ => 2,

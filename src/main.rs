@@ -9,7 +9,7 @@ use wellposed::case::{Kind, Medium, Yield};
 use wellposed::map::{self, Extras};
 use wellposed::new::{self, Purpose};
 use wellposed::run::{self, Control};
-use wellposed::{Error, Format, Options, VERSION, cases, dispersion, plot, point, speeds};
+use wellposed::{Error, Format, Options, VERSION, cases, check, dispersion, plot, point, speeds};
 
 /// Well-posedness of continuum models of granular media.
 #[derive(Parser)]
@@ -61,6 +61,11 @@ enum Verb {
         /// Run a flow although its equations are ill-posed: finer grids give other solutions
         #[arg(long)]
         accept_ill_posed: bool,
+    },
+    /// Predict complex frequencies and measure them in time: table, picture; exit code 1 where both disagree
+    Check {
+        #[command(flatten)]
+        run: Common,
     },
     /// Go on with a run that was interrupted or killed; its results are the same bits
     Resume {
@@ -205,6 +210,7 @@ fn carry_out(verb: Verb) -> Result<(), Error> {
             let options = Options { accept_ill_posed, ..run.into() };
             run::run(&options, Control { checkpoint_every }, &mut stdout)?;
         }
+        Verb::Check { run } => check::run(&run.into(), &mut stdout)?,
         Verb::Resume { folder, threads, checkpoint_every, format } => {
             let threads = threads.map(usize::from);
             let control = Control { checkpoint_every };

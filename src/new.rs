@@ -54,6 +54,13 @@ fn flow_in_time(closure: Closure) -> String {
         false => text.replace("EVOLVES", evolves),
     }
 }
+/// What `wellposed check` sends; what is left out is chosen to suit the solid.
+const CHECK: &str = "
+[check]
+# numbers = [0.5, 2.0]                          # 1/m: wave numbers that wellposed check sends; > 0
+# directions_deg = [0.0, 30.0]                  # deg: directions of their wave vectors from x₁
+# cells = [20, 30, 40]                          # cells to a period on two or three grids, ascending
+";
 
 /// Writes a case for that medium to `file`, or else to `<kind>.toml`; says where.
 ///
@@ -122,6 +129,7 @@ kind = \"{name}\"
             Kind::Solid(_) => {
                 "# wellposed dispersion FILE    frequencies and speeds of waves against wave number
 # wellposed speeds FILE        characteristic speeds against direction
+# wellposed check FILE         frequencies of the analysis held against those of the solver
 # wellposed point FILE         everything about this state
 # wellposed map FILE           verdict over the two parameters of [map]"
             }
@@ -223,6 +231,9 @@ kind = \"{name}\"
             [("model.lambda", "0.0", "2e10", 11), ("wave.number", "0.1", "10.0", 11)]
         }
     };
+    if let Kind::Solid(_) = kind {
+        text.push_str(CHECK);
+    }
     let _ = write!(text, "\n[map]\n");
     for (axis, (name, from, to, points)) in [("x", x), ("y", y)] {
         let _ = writeln!(

@@ -50,6 +50,9 @@ pub const SPEEDS: [&str; 8] = [
     "sphere.csv",
 ];
 
+/// What `check` writes besides.
+pub const CHECK: [&str; 4] = ["check.png", "check.svg", "check.json", "check.txt"];
+
 /// What `run` writes besides: receivers and their pictures where there are any, snapshots and their animation
 /// where they are asked for, spectra of flows, and every snapshot by its own name.
 pub const RUN: [&str; 21] = [
@@ -123,7 +126,7 @@ pub fn is_snapshot(name: &str) -> bool {
 /// Every file that a verb may write. `--force` removes the ones of another case, so that no result
 /// ever stands beside a case that it does not belong to.
 pub fn results() -> impl Iterator<Item = &'static str> {
-    MAP.into_iter().chain(POINT).chain(DISPERSION).chain(SPEEDS).chain(RUN)
+    MAP.into_iter().chain(POINT).chain(DISPERSION).chain(SPEEDS).chain(CHECK).chain(RUN)
 }
 
 /// Results cannot be written.

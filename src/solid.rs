@@ -154,6 +154,11 @@ impl Solid {
         Ok(self.roots(wave)?.iter().map(|root| root.re).fold(0.0, f64::max))
     }
 
+    /// The stresses of [`Elastic::carried_rates`] in `D` dimensions.
+    pub fn carried_stresses<const D: usize>(&self) -> Vec<Component> {
+        self.elastic.law::<D>().0.all_stresses().collect()
+    }
+
     /// The stresses in the rate equations in `D` dimensions.
     pub fn stresses<const D: usize>(&self) -> &'static [Component] {
         self.elastic.law::<D>().0.stresses

@@ -234,7 +234,11 @@ fn bundled_cases_are_valid_and_have_headers() {
             "run"
         } else if let Kind::Solid(_) = case.kind {
             Solid::of(&case).unwrap_or_else(|error| panic!("{error}"));
-            if case.map.is_some() { "map" } else { "dispersion" }
+            match case.map.is_some() {
+                true => "map",
+                false if path.starts_with("cases/check/") => "check",
+                false => "dispersion",
+            }
         } else {
             check(&case).unwrap_or_else(|error| panic!("{error}"));
             if case.map.is_some() { "map" } else { "point" }

@@ -495,6 +495,7 @@ fn dispersion(growing: bool) -> DispersionFigure {
             label: label.to_owned(),
             frequency: over(omega),
             group_speed: over(&slope),
+            measured: over(omega).into_iter().skip(20).step_by(60).collect(),
             growth: if growing { over(growth) } else { Vec::new() },
         }
     };

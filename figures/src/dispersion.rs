@@ -20,6 +20,9 @@ pub struct Branch {
     pub frequency: Vec<[f64; 2]>,
     /// Wave number and group speed; may be empty.
     pub group_speed: Vec<[f64; 2]>,
+    /// Wave numbers and angular frequencies that were measured, drawn as rings; may be empty. Phase speeds
+    /// are drawn from the same points.
+    pub measured: Vec<[f64; 2]>,
     /// Wave number and growth rate or attenuation; may be empty. The panel of growth is drawn
     /// where some branch has any.
     pub growth: Vec<[f64; 2]>,
@@ -101,6 +104,9 @@ const LABEL: f64 = 22.0;
 /// Numbers beyond are treated as infinite: differences of larger ones overflow.
 const FINITE: f64 = 1e300;
 
+/// Radius of the ring about a measured point.
+const RING: f64 = 9.0;
+
 /// Radius of the disc that carries a number.
 pub(crate) const TAG: f64 = 15.0;
 
@@ -113,6 +119,13 @@ pub(crate) fn draw_tag(picture: &mut Picture, [x, y]: Point, number: usize, colo
     let size = (20.0_f64).min(20.0 * 1.3 * TAG / text_width(&words, 20.0, true).max(1.0));
     let text = Text::new([x, y + 0.36 * size], Anchor::Middle, size, words);
     picture.text(Text { bold: true, ..text });
+}
+
+/// A point that was measured.
+fn draw_ring(picture: &mut Picture, place: Point, colour: Colour) {
+    picture.disc(place, RING + 1.5, WHITE);
+    picture.disc(place, RING, colour);
+    picture.disc(place, RING - 3.5, WHITE);
 }
 
 /// The room of a tag.
@@ -192,6 +205,8 @@ struct Plot<'a> {
     /// Points of the lines of each branch: solid ones, and dashed ones.
     solid: Vec<Vec<Point>>,
     dashed: Vec<Vec<Point>>,
+    /// Points of each branch that stand alone.
+    rings: Vec<Vec<Point>>,
     levels: &'a [Level],
     pattern: &'static [f64],
     bands: &'a [Band],
@@ -280,12 +295,26 @@ impl Plot<'_> {
                 }
             }
         }
+        for (branch, points) in self.rings.iter().enumerate() {
+            for place in points.iter().map(|&point| self.place(point)) {
+                let [x, y] = place;
+                // One that the frame would cut is left out.
+                if x > frame.left + RING
+                    && x < frame.right - RING
+                    && y > frame.top + RING
+                    && y < frame.bottom - RING
+                {
+                    draw_ring(picture, place, COLOURS[branch % COLOURS.len()]);
+                }
+            }
+        }
         picture.frame(frame, RULE, INK);
 
         // Words and numbers find their places one after the other, off all lines.
         let mut lines: Vec<Vec<Point>> =
             solid.iter().chain(&dashed).flatten().map(|part| densified(part)).collect();
-        let mut taken: Vec<Rectangle> = Vec::new();
+        let places = self.rings.iter().flatten().map(|&point| self.place(point));
+        let mut taken: Vec<Rectangle> = places.map(tag_area).collect();
         let level_lines =
             levels.iter().map(|(y, _)| vec![[frame.left, *y], [frame.right, *y]]).collect();
         lines.extend::<Vec<Vec<Point>>>(level_lines);
@@ -456,11 +485,19 @@ impl DispersionFigure {
             line("phase speed ω/k", &[], LINE_WIDTH, INK);
             line("group speed dω/dk", GROUP, LINE_WIDTH, INK);
         }
+        let has_measured = self.branches.iter().any(|branch| !branch.measured.is_empty());
         if !self.cutoffs.is_empty() {
             line("cut-off frequency", CUTOFF, LEVEL_WIDTH, PALE_INK);
         }
         if !self.speed_limits.is_empty() {
             line("limit of the speed", LIMIT, LEVEL_WIDTH, PALE_INK);
+        }
+        if has_measured {
+            let swatch = move |picture: &mut Picture, area: Rectangle| {
+                let place = [0.5 * (area.left + area.right), middle(area)];
+                draw_ring(picture, place, INK);
+            };
+            entries.push(("measured in time".to_owned(), Box::new(swatch)));
         }
         for (index, band) in self.bands.iter().enumerate() {
             if self.bands[..index].iter().all(|other| other.label != band.label) {
@@ -487,7 +524,12 @@ impl DispersionFigure {
 
     /// The phase speeds of a branch.
     fn phase(branch: &Branch) -> Vec<Point> {
-        branch.frequency.iter().map(|&[k, omega]| [k, omega / k]).collect()
+        Self::phases(&branch.frequency)
+    }
+
+    /// Phase speeds from wave numbers and frequencies.
+    fn phases(points: &[Point]) -> Vec<Point> {
+        points.iter().map(|&[k, omega]| [k, omega / k]).collect()
     }
 
     /// The axes of wave numbers, frequencies, speeds and growth rates.
@@ -496,7 +538,9 @@ impl DispersionFigure {
         let kind = |log: bool| if log { Kind::Log } else { Kind::Linear };
         let numbers = || {
             branches()
-                .flat_map(|b| b.frequency.iter().chain(&b.group_speed).chain(&b.growth))
+                .flat_map(|b| {
+                    b.frequency.iter().chain(&b.group_speed).chain(&b.growth).chain(&b.measured)
+                })
                 .map(|point| point[0])
         };
         let mut k = Scale::of(kind(self.k_log), numbers(), [0.0; 2]);
@@ -506,7 +550,8 @@ impl DispersionFigure {
 
         let edges = self.bands.iter().flat_map(|band| [band.from, band.to]);
         let cutoffs = self.cutoffs.iter().map(|level| level.value);
-        let frequencies = branches().flat_map(|b| &b.frequency).map(|point| point[1]);
+        let frequencies =
+            branches().flat_map(|b| b.frequency.iter().chain(&b.measured)).map(|point| point[1]);
         let values = frequencies.chain(cutoffs).chain(edges);
         let frequency = if self.frequency_log {
             Scale::of(Kind::Log, values, [0.04, 0.04])
@@ -570,11 +615,13 @@ impl DispersionFigure {
             y,
             solid,
             dashed: Vec::new(),
+            rings: Vec::new(),
             levels: &[],
             pattern: CUTOFF,
             bands: &[],
         };
         let frequencies = Plot {
+            rings: self.branches.iter().map(|branch| branch.measured.clone()).collect(),
             levels: &self.cutoffs,
             bands: &self.bands,
             ..plot(left, frequency, lines(&|branch| branch.frequency.clone()))
@@ -589,6 +636,7 @@ impl DispersionFigure {
         }
         let speeds = Plot {
             dashed: lines(&|branch| branch.group_speed.clone()),
+            rings: lines(&|branch| Self::phases(&branch.measured)),
             levels: &self.speed_limits,
             pattern: LIMIT,
             ..plot(right, speed, lines(&Self::phase))
@@ -614,6 +662,7 @@ mod tests {
             label: format!("branch {index}"),
             frequency: points.to_vec(),
             group_speed: points.to_vec(),
+            measured: points.to_vec(),
             growth: points.to_vec(),
         };
         let level = |&value: &f64| Level { label: format!("ω* = {value} rad/s"), value };

@@ -1,6 +1,7 @@
 //! Case files: parsing, `--set`, diagnostics with place and remedy, and conversion to the checked
 //! structs of the models.
 
+mod check;
 pub mod dynamics;
 mod error;
 pub mod flow;
@@ -11,6 +12,7 @@ mod read;
 mod section;
 mod value;
 
+pub use check::Check;
 pub use dynamics::Dynamics;
 pub use error::{CaseError, Place};
 pub use flow::FlowRun;
@@ -78,6 +80,8 @@ pub struct Case {
     pub dynamics: Option<Dynamics>,
     /// How a flow is run in time, if the case says so.
     pub flow: Option<FlowRun>,
+    /// What `wellposed check` sends, if the case says so.
+    pub check: Option<Check>,
     places: Places,
     source: Option<PathBuf>,
 }
@@ -109,6 +113,7 @@ impl PartialEq for Case {
             && self.compare == other.compare
             && self.dynamics == other.dynamics
             && self.flow == other.flow
+            && self.check == other.check
     }
 }
 
@@ -258,6 +263,7 @@ impl Case {
             _ => String::new(),
         };
         let name = name(&entries, file)?;
+        let check = check::read(&entries)?;
         let places = entries.places.clone();
         let (dynamics, flow, source) = (None, None, None);
         let case = Self {
@@ -271,6 +277,7 @@ impl Case {
             compare,
             dynamics,
             flow,
+            check,
             places,
             source,
         };
@@ -527,6 +534,9 @@ impl Case {
         }
         if let Some(flow) = &self.flow {
             text.push_str(&flow.to_toml());
+        }
+        if let Some(check) = &self.check {
+            text.push_str(&check.to_toml());
         }
         text
     }

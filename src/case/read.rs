@@ -47,15 +47,20 @@ fn sections_in_time(kind: Kind) -> &'static [(&'static str, bool)] {
     }
 }
 
-fn is_in_time(section: &str) -> bool {
-    SOLIDS_IN_TIME.iter().chain(&FLOWS_IN_TIME).any(|(name, _)| *name == section)
+/// The section that says what `wellposed check` sends.
+const CHECK: &str = "check";
+
+/// Whether a section is no list of keys of the table, but a tree of its own.
+fn is_structured(section: &str) -> bool {
+    let mut in_time = SOLIDS_IN_TIME.iter().chain(&FLOWS_IN_TIME);
+    section == CHECK || in_time.any(|(name, _)| *name == section)
 }
 
 /// The values of a case by key, before their meaning is looked at.
 pub(super) struct Entries<'a> {
     values: BTreeMap<&'static str, Value>,
-    /// The sections that say how a case is run in time.
-    in_time: Table<'a>,
+    /// The sections that say how a case is run in time, and `[check]`.
+    structured: Table<'a>,
     pub(super) places: Places,
 }
 
@@ -76,27 +81,27 @@ impl<'a> Entries<'a> {
         found.sort_by_key(|entry| entry.offset);
 
         let mut places = Places::new(file);
-        let mut in_time = Table::default();
+        let mut structured = Table::default();
         let mut parts: Vec<(String, usize)> = Vec::new();
         for entry in &found {
             parts.push((entry.name.clone(), entry.offset));
-            if is_in_time(&entry.name) {
+            if is_structured(&entry.name) {
                 let node = Node::read(entry.value, &entry.name, &mut |name, offset| {
                     parts.push((name, offset));
                 });
-                in_time.insert(&entry.name, node);
+                structured.insert(&entry.name, node);
             }
         }
         let line = lines(text);
         for (name, offset) in parts {
             places.add_line(name, line(offset));
         }
-        let mut entries = Self { values: BTreeMap::new(), in_time, places };
+        let mut entries = Self { values: BTreeMap::new(), structured, places };
         let mut unknown = None;
         for Found { name, value, .. } in &found {
             match Key::find(name) {
                 Some(key) => entries.insert(key, value)?,
-                None if is_in_time(name) => {}
+                None if is_structured(name) => {}
                 None if !is_section(name) => {
                     unknown.get_or_insert_with(|| (name.clone(), entries.places.of(name)));
                 }
@@ -140,8 +145,8 @@ impl<'a> Entries<'a> {
             return refused(set, "no key before '='", "write --set section.key=value".into());
         }
         let Some(key) = Key::find(name) else {
-            if is_in_time(name.split(['.', '[']).next().unwrap_or_default()) {
-                return self.set_in_time(set, name, text).map(|()| None);
+            if is_structured(name.split(['.', '[']).next().unwrap_or_default()) {
+                return self.set_structured(set, name, text).map(|()| None);
             }
             if is_section(name) {
                 let inside = names_inside(name, |_| true).join(", ");
@@ -162,14 +167,14 @@ impl<'a> Entries<'a> {
         Ok(None)
     }
 
-    /// Reads one `--set` of a key in a section that says how a case is run in time.
-    fn set_in_time(&mut self, set: &str, name: &str, text: &'a str) -> Result<(), CaseError> {
+    /// Reads one `--set` of a key in one of these sections.
+    fn set_structured(&mut self, set: &str, name: &str, text: &'a str) -> Result<(), CaseError> {
         // Quotes around text may be left out, as the shell takes them away.
         let value = DeValue::parse(text).map(|value| value.into_inner());
         let value = value.unwrap_or_else(|_| DeValue::String(text.into()));
         // One place answers for all that the option holds.
         let node = Node::read(&value, name, &mut |_, _| {});
-        let key = self.in_time.set(name, node).map_err(|Refused { key, found, allowed }| {
+        let key = self.structured.set(name, node).map_err(|Refused { key, found, allowed }| {
             let (place, key) = (Place::Option(set.to_owned()), shown(&key));
             CaseError::Key { place, key, found, allowed }
         })?;
@@ -178,9 +183,9 @@ impl<'a> Entries<'a> {
         Ok(())
     }
 
-    /// The sections that say how a case is run in time.
-    pub(super) fn in_time(&self) -> Section<'_> {
-        Section::root(&self.in_time, &self.places)
+    /// The sections that say how a case is run in time, and what is checked.
+    pub(super) fn structured(&self) -> Section<'_> {
+        Section::root(&self.structured, &self.places)
     }
 
     /// Whether the case says how it is run in time, by a section `[grid]`.
@@ -188,9 +193,9 @@ impl<'a> Entries<'a> {
     /// # Errors
     /// A section that such a model has no use for, or one without a grid.
     pub(super) fn is_run_in_time(&self, kind: Kind) -> Result<bool, CaseError> {
-        let root = self.in_time();
+        let root = self.structured();
         let own = sections_in_time(kind);
-        let is_own = |name: &str| own.iter().any(|(own, _)| *own == name);
+        let is_own = |name: &str| name == CHECK || own.iter().any(|(own, _)| *own == name);
         if let Some((foreign, _)) = root.entries().find(|(name, _)| !is_own(name)) {
             let found = match kind {
                 Kind::Solid(_) => format!("found for the model {}, a solid", kind.name()),
@@ -233,8 +238,8 @@ impl<'a> Entries<'a> {
     /// The values of a region: those of the case, and over them what its tables `model` and `yield`
     /// say. A table that names another kind than the case counts alone.
     pub(super) fn of_region(&self, region: &mut Section) -> Result<Entries<'static>, CaseError> {
-        let (in_time, places) = (Table::default(), self.places.clone());
-        let mut own = Entries { values: BTreeMap::new(), in_time, places };
+        let (structured, places) = (Table::default(), self.places.clone());
+        let mut own = Entries { values: BTreeMap::new(), structured, places };
         let mut given = Vec::new();
         for (section, kind_key) in [("model", "model.kind"), ("yield", "yield.kind")] {
             let table = region.table(section)?;
@@ -303,6 +308,7 @@ impl<'a> Entries<'a> {
         }
         let mut siblings = names_inside(section, is_usable);
         if section.is_empty() {
+            siblings.push(format!("[{CHECK}]"));
             let in_time = kind.map_or(&SOLIDS_IN_TIME[..], sections_in_time);
             siblings.extend(in_time.iter().map(|(name, is_list)| match is_list {
                 true => format!("[[{name}]]"),

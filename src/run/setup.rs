@@ -34,23 +34,12 @@ pub(super) struct Setup<const D: usize> {
 /// The media of a case in their order, with the cases that describe them.
 pub(super) fn media(case: &Case, dynamics: &Dynamics) -> Result<Vec<Medium>, Error> {
     let dimensions = dynamics.grid.dimensions();
-    let medium = |own: &Case| -> Result<Medium, Error> {
-        let (elastic, set) = elastic_and_set(own).map_err(|error| own.locate(error))?;
-        let medium = match &elastic {
-            Elastic::Isotropic(solid) => Medium::isotropic(solid, dimensions),
-            Elastic::Compliances(solid) => Medium::compliances(solid),
-        };
-        check_flow(set.as_ref()).map_err(|error| own.locate(error))?;
-        Ok(match set {
-            Some(set) => medium.yielding(set),
-            None => medium,
-        })
-    };
+    let medium = |own: &Case| medium(own, dimensions).map_err(|error| own.locate(error).into());
     if dynamics.regions.is_empty() {
-        return Ok(vec![medium(case)?]);
+        return medium(case).map(|medium| vec![medium]);
     }
     let all: Vec<Medium> =
-        dynamics.regions.iter().map(|region| medium(&region.case)).collect::<Result<_, _>>()?;
+        dynamics.regions.iter().map(|region| medium(&region.case)).collect::<Result<_, Error>>()?;
     if let Some(odd) = all.iter().position(|medium| medium.fields != all[0].fields) {
         let kinds = [odd, 0].map(|index| dynamics.regions[index].case.kind.name());
         let found = format!("found {}, beside {} in region[0]", kinds[0], kinds[1]);
@@ -58,6 +47,29 @@ pub(super) fn media(case: &Case, dynamics: &Dynamics) -> Result<Vec<Medium>, Err
         return Err(dynamics.locate(&format!("region[{odd}].model.kind"), found, allowed).into());
     }
     Ok(all)
+}
+
+/// What a case's solid is to the solver.
+///
+/// # Errors
+/// The constant that is out of range; that the flow is not one that a run knows; that the case is one of a
+/// flow.
+pub(crate) fn medium(case: &Case, dimensions: usize) -> Result<Medium, InputError> {
+    let (elastic, set) = elastic_and_set(case)?;
+    let medium = match &elastic {
+        Elastic::Isotropic(solid) => Medium::isotropic(solid, dimensions),
+        Elastic::Compliances(solid) => Medium::compliances(solid),
+    };
+    check_flow(set.as_ref())?;
+    Ok(match set {
+        Some(set) => medium.yielding(set),
+        None => medium,
+    })
+}
+
+/// The name of a field among the unknowns of the analysis.
+pub(crate) fn unknown_name(field: Field) -> String {
+    Component(field).to_string().replace("sigma", "σ").replace('w', "ω")
 }
 
 /// That flow is ideal and associated: a run knows no other.
@@ -714,10 +726,8 @@ impl Place<'_> {
             let allowed = format!("1 to {} at this wavelength", waves.len());
             return Err(self.dynamics.locate(&format!("{key}.branch"), found, allowed).into());
         };
-        let name =
-            |field: Field| Component(field).to_string().replace("sigma", "σ").replace('w', "ω");
         let of = |field: Field| {
-            let name = name(field);
+            let name = unknown_name(field);
             rates.unknowns.iter().position(|unknown| unknown.name == name)
         };
         let found: Vec<(Field, Complex64)> = self

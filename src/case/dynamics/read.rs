@@ -33,7 +33,7 @@ const FREQUENCY: &str = "a positive number in Hz (frequency)";
 /// # Errors
 /// What is wrong with it.
 pub(in crate::case) fn grid(entries: &Entries) -> Result<Grid, CaseError> {
-    let mut root = entries.in_time();
+    let mut root = entries.structured();
     let mut section = root.required_table("grid", "a section [grid] with cells and spacing")?;
     if section.node("length").is_some() {
         let allowed = "give spacing, the edges of a cell in m, in its place";
@@ -118,7 +118,7 @@ pub(in crate::case) fn read(
     };
     let components = Component::all(theory, grid.dimensions());
     let reader = Reader { grid: &grid, theory, components, folder };
-    let mut root = entries.in_time();
+    let mut root = entries.structured();
     let regions = reader.regions(&mut root, case, entries)?;
     let sides = reader.sides(&mut root)?;
     let periodic: Vec<Side> = periodic_sides(&sides).map(|(_, side)| side).collect();

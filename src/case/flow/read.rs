@@ -23,7 +23,7 @@ pub(in crate::case) fn read(
     entries: &Entries,
     folder: &Path,
 ) -> Result<FlowRun, CaseError> {
-    let mut root = entries.in_time();
+    let mut root = entries.structured();
     let grid = grid(&mut root)?;
     let reader = Reader { closure, grid, folder };
     Ok(FlowRun {

@@ -1,0 +1,534 @@
+//! `wellposed check`: what is measured in time is what the analysis predicts.
+//!
+//! The prediction comes from the linearised equations ([`analysis`]), the measurement from the solver
+//! ([`dynamics`]); they share nothing but the numbers of the case. How far the solver may be off is not
+//! chosen: [`scheme`] has the exact symbol of its step, whose complex frequencies are fitted as the measured
+//! ones are.
+
+mod fit;
+mod scheme;
+pub mod solid;
+
+pub use fit::Rate;
+
+use crate::case::{Case, Check, Kind, Wave};
+use crate::dispersion::{Kind as Waves, kinds};
+use crate::output::{self, OutputError, ResultFolder};
+use crate::solid::Solid;
+use crate::words::{case_title, short};
+use crate::{Error, Format, Options};
+use figures::{Band, Branch, DispersionFigure};
+use models::granular_flow::InputError;
+use serde_json::{Value, json};
+use solid::{Gap, OnGrid, Plan, Response, Row};
+use std::fmt::Write as _;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// A check that disagreed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{failed} of {all} {what} disagree")]
+pub struct Disagreement {
+    failed: usize,
+    all: usize,
+    what: &'static str,
+}
+
+/// How thorough a check is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extent {
+    /// All waves of the case, or the chosen ones.
+    Full,
+    /// One wave number in two directions: for many cases one after the other.
+    Short,
+}
+
+/// What was found of one medium.
+struct Checked {
+    /// Where it is in the case; empty if it is everywhere.
+    place: String,
+    case: Case,
+    rows: Vec<Row>,
+    gaps: Vec<Gap>,
+}
+
+impl Checked {
+    fn agrees(&self) -> bool {
+        self.rows.iter().all(Row::agrees) && self.gaps.iter().all(|gap| gap.agrees)
+    }
+}
+
+/// Runs the verb on a case, or on all cases in a folder.
+///
+/// # Errors
+/// The case is wrong or has no solver, results cannot be written, or the check disagrees.
+pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads.unwrap_or(0))
+        .build()
+        .map_err(|error| Error::Threads(error.to_string()))?;
+    match options.case.is_dir() {
+        true => of_folder(options, &pool, stdout),
+        false => of_case(options, &pool, stdout),
+    }
+}
+
+fn of_case(
+    options: &Options,
+    pool: &rayon::ThreadPool,
+    stdout: &mut dyn Write,
+) -> Result<(), Error> {
+    let case = Case::load(&options.case, &options.sets)?;
+    let media = media(&case).map_err(|error| case.locate(error))?;
+    let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
+    if options.dry_run {
+        let count: usize = media.iter().map(|(_, own)| plan(own, Extent::Full).waves.len()).sum();
+        writeln!(stdout, "would send all branches at {count} wave vectors")?;
+        for name in output::CHECK {
+            writeln!(stdout, "would write {}", folder.path().join(name).display())?;
+        }
+        return Ok(());
+    }
+    let checked = pool.install(|| check(media, Extent::Full))?;
+    let json = format!("{:#}\n", report(&case, &checked));
+    let words = words(&case, &checked);
+    folder.open()?;
+    let figure = figure(&case, &checked[0])?;
+    folder.write("check.png", &figure.draw(figures::Format::Png)?)?;
+    folder.write("check.svg", &figure.draw(figures::Format::Svg)?)?;
+    folder.write("check.json", json.as_bytes())?;
+    folder.write("check.txt", words.as_bytes())?;
+    match options.format {
+        Format::Json => stdout.write_all(json.as_bytes())?,
+        Format::Text => {
+            stdout.write_all(words.as_bytes())?;
+            writeln!(stdout, "picture: {}", folder.path().join("check.png").display())?;
+        }
+    }
+    let rows = || checked.iter().flat_map(|own| &own.rows);
+    let gaps = || checked.iter().flat_map(|own| &own.gaps);
+    let failed = rows().filter(|row| !row.agrees()).count() + gaps().filter(|g| !g.agrees).count();
+    let all = rows().count() + gaps().count();
+    disagreement(failed, all, "rows")
+}
+
+fn disagreement(failed: usize, all: usize, what: &'static str) -> Result<(), Error> {
+    match failed {
+        0 => Ok(()),
+        _ => Err(Disagreement { failed, all, what }.into()),
+    }
+}
+
+/// Checks all cases in a folder in short; writes nothing.
+fn of_folder(
+    options: &Options,
+    pool: &rayon::ThreadPool,
+    stdout: &mut dyn Write,
+) -> Result<(), Error> {
+    let mut files = Vec::new();
+    collect(&options.case, &mut files)?;
+    files.sort();
+    if options.dry_run {
+        writeln!(stdout, "would check {} cases; would write nothing", files.len())?;
+        return Ok(());
+    }
+    let (mut list, mut failed, mut all) = (Vec::new(), 0, 0);
+    for path in files {
+        let case = Case::load(&path, &options.sets)?;
+        let name = path.display().to_string();
+        let media = match media(&case) {
+            Ok(media) => media,
+            Err(error) => {
+                let reason = format!("{} = {}: {}", error.key, error.found, error.allowed);
+                if options.format == Format::Text {
+                    writeln!(stdout, "{name:<56} skipped: {reason}")?;
+                }
+                list.push(json!({ "case": name, "skipped": reason }));
+                continue;
+            }
+        };
+        let checked = pool.install(|| check(media, Extent::Short))?;
+        let rows: Vec<&Row> = checked.iter().flat_map(|own| &own.rows).collect();
+        let is_well = checked.iter().all(Checked::agrees);
+        all += 1;
+        failed += usize::from(!is_well);
+        let worst = worst(&rows);
+        if options.format == Format::Text {
+            let verdict = if is_well { "agrees" } else { "DISAGREES" };
+            let (rows, worst) = (rows.len(), exponent(worst));
+            writeln!(stdout, "{name:<56} {rows:>3} waves, {worst} off: {verdict}")?;
+            stdout.flush()?;
+        }
+        list.push(json!({
+            "case": name,
+            "agrees": is_well,
+            "waves": rows.len(),
+            "greatest_difference": worst,
+        }));
+    }
+    if options.format == Format::Json {
+        writeln!(stdout, "{:#}", json!({ "agrees": failed == 0, "cases": list }))?;
+    }
+    disagreement(failed, all, "cases")
+}
+
+/// The case files in a folder and in those inside it.
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), OutputError> {
+    let entries =
+        std::fs::read_dir(folder).map_err(|error| OutputError::unreadable(folder, &error))?;
+    for entry in entries {
+        let path = entry.map_err(|error| OutputError::unreadable(folder, &error))?.path();
+        if path.is_dir() {
+            collect(&path, files)?;
+        } else if path.extension().is_some_and(|extension| extension == "toml") {
+            files.push(path);
+        }
+    }
+    Ok(())
+}
+
+/// The media of a case that a solver takes, and where they are.
+///
+/// The one place that says which models have a solver: a solver of flows is plugged in here, in [`check`]
+/// and in [`figure`].
+fn media(case: &Case) -> Result<Vec<(String, Case)>, InputError> {
+    if let Kind::Flow(_) = case.kind {
+        return Err(InputError {
+            key: "model.kind",
+            found: case.kind.name().to_owned(),
+            allowed: analysis_alone("flows have no solver yet"),
+        });
+    }
+    let regions = case.dynamics.iter().flat_map(|dynamics| &dynamics.regions);
+    let mut media: Vec<(String, Case)> = Vec::new();
+    for (index, region) in regions.enumerate() {
+        let own = &region.case;
+        let is_same = |(_, other): &(String, Case)| {
+            (own.medium(), own.numbers) == (other.medium(), other.numbers)
+        };
+        if !media.iter().any(is_same) {
+            media.push((format!("region[{index}]"), own.clone()));
+        }
+    }
+    if media.is_empty() {
+        media.push((String::new(), case.clone()));
+    }
+    for (_, own) in &media {
+        let solid = Solid::of(own)?;
+        crate::run::medium(own, solid.dimensions)
+            .map_err(|error| InputError { allowed: analysis_alone(&error.allowed), ..error })?;
+        if let Some(plastic) = solid.plastic.filter(|plastic| plastic.rate > 0.0) {
+            return Err(InputError {
+                key: "yield.plastic_rate",
+                found: format!("{:?}", plastic.rate),
+                allowed: analysis_alone("waves are sent through backgrounds at rest: 0"),
+            });
+        }
+    }
+    Ok(media)
+}
+
+fn analysis_alone(why: &str) -> String {
+    format!("analysis alone ({why})")
+}
+
+/// The waves of a medium and the grids.
+pub fn plan(case: &Case, extent: Extent) -> Plan {
+    let wave = case.numbers.wave;
+    let solid = Solid::of(case);
+    let own = solid.as_ref().ok().and_then(|solid| solid.elastic.own_wave_number());
+    let dimensions = solid.as_ref().map_or(2, |solid| solid.dimensions);
+    let yields = solid.is_ok_and(|solid| solid.plastic.is_some());
+    let asked = case.check.clone().unwrap_or_default();
+    let Check { numbers, directions_deg, cells } = asked;
+    let mut numbers = numbers.unwrap_or_else(|| match own {
+        // Long waves see another solid than short ones.
+        Some(own) if !yields => [1.0, 0.25, 0.5, 2.0, 4.0].map(|part| part * own).to_vec(),
+        Some(own) => vec![own],
+        None => vec![wave.number],
+    });
+    let asked = directions_deg
+        .map(|all| all.into_iter().map(|own| [own, wave.elevation_deg]).collect::<Vec<_>>());
+    let mut directions = asked.unwrap_or_else(|| {
+        let oblique: &[[f64; 2]] = match (dimensions, yields) {
+            (2, false) => &[[30.0, 0.0], [0.0, 0.0], [105.0, 0.0]],
+            (2, true) => &[[30.0, 0.0], [0.0, 0.0]],
+            (_, false) => &[[30.0, 35.0], [0.0, 0.0], [105.0, -20.0]],
+            (_, true) => &[[30.0, 0.0], [0.0, 0.0]],
+        };
+        let own = [wave.direction_deg, wave.elevation_deg];
+        let others = oblique.iter().copied().filter(|other| *other != own);
+        [own].into_iter().chain(others).collect()
+    });
+    if extent == Extent::Short {
+        numbers.truncate(1);
+        directions.truncate(2);
+    }
+    let waves = numbers.iter().flat_map(|&number| {
+        directions.iter().map(move |&[direction_deg, elevation_deg]| Wave {
+            number,
+            direction_deg,
+            elevation_deg,
+            ..wave
+        })
+    });
+    let default = if dimensions == 2 { vec![20, 30, 40] } else { vec![20, 25, 30] };
+    let time = case.dynamics.as_ref().map(|dynamics| &dynamics.time);
+    Plan {
+        waves: waves.collect(),
+        cells: cells.unwrap_or(default),
+        courant: time.map_or(1.0, |time| time.courant),
+        rotation: time.map_or(30.0, |time| time.rotation_deg).to_radians(),
+    }
+}
+
+fn check(media: Vec<(String, Case)>, extent: Extent) -> Result<Vec<Checked>, Error> {
+    let checked = media.into_iter().map(|(place, case)| {
+        let rows = solid::rows(&case, &case, &plan(&case, extent))?;
+        let gaps = solid::gaps(&case, &rows)?;
+        Ok(Checked { place, case, rows, gaps })
+    });
+    checked.collect()
+}
+
+/// The greatest difference of all rows in the limit of small cells, as part of the frequency.
+fn worst(rows: &[&Row]) -> f64 {
+    rows.iter().map(|row| row.difference().size()).fold(0.0, f64::max)
+}
+
+/// A number by its size: `3.2e-7`.
+fn exponent(x: f64) -> String {
+    if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
+}
+
+fn grid_json(row: &Row, grid: &OnGrid) -> Value {
+    json!({
+        "cells": grid.cells,
+        "frequency": grid.measured.frequency,
+        "growth_rate": grid.measured.growth,
+        "expected_frequency": grid.expected.frequency,
+        "expected_growth_rate": grid.expected.growth,
+        "difference": row.part(grid.measured).frequency,
+        "tolerance": grid.tolerance,
+        "agrees": grid.agrees(),
+    })
+}
+
+fn report(case: &Case, checked: &[Checked]) -> Value {
+    let row = |row: &Row| {
+        let mut limit = grid_json(row, &row.limit);
+        limit["cells"] = Value::Null;
+        json!({
+            "response": row.response.name(),
+            "branch": row.branch,
+            "wave": {
+                "number": row.wave.number,
+                "direction_deg": row.wave.direction_deg,
+                "elevation_deg": row.wave.elevation_deg,
+            },
+            "predicted": { "frequency": row.predicted, "growth_rate": 0.0 },
+            "limit": limit,
+            "grids": row.grids.iter().map(|grid| grid_json(row, grid)).collect::<Vec<_>>(),
+            "order": row.order(),
+            "agrees": row.agrees(),
+        })
+    };
+    let gap = |gap: &Gap| {
+        json!({
+            "polarisation": gap.polarisation,
+            "from": gap.from,
+            "to": gap.to,
+            "nearest": gap.nearest,
+            "agrees": gap.agrees,
+        })
+    };
+    json!({
+        "model": case.medium().title(),
+        "agrees": checked.iter().all(Checked::agrees),
+        "media": checked.iter().map(|own| json!({
+            "place": own.place,
+            "model": own.case.medium().title(),
+            "agrees": own.agrees(),
+            "rows": own.rows.iter().map(row).collect::<Vec<_>>(),
+            "forbidden_bands": own.gaps.iter().map(gap).collect::<Vec<_>>(),
+        })).collect::<Vec<_>>(),
+        "units": { "frequency": "rad/s", "growth_rate": "1/s", "tolerance": "rad/s", "number": "1/m" },
+    })
+}
+
+fn words(case: &Case, checked: &[Checked]) -> String {
+    let mut text = format!("{}\n", case_title(case));
+    for own in checked {
+        let place = if own.place.is_empty() { String::new() } else { format!("{}: ", own.place) };
+        let _ = writeln!(text, "{place}{}", own.case.medium().title());
+        let Some(first) = own.rows.first() else { continue };
+        let cells: Vec<String> = first.grids.iter().map(|grid| grid.cells.to_string()).collect();
+        let coarse = &cells[0];
+        let _ = writeln!(
+            text,
+            "frequencies ω in rad/s; differences and growth rates γ as parts of ω; {} cells to a period \
+             along each axis\n",
+            cells.join(", ")
+        );
+        let _ = writeln!(
+            text,
+            "{:<42}{:>12}{:>12}{:>10}{:>10}{:>10}{:>10}{:>10}{:>6}",
+            "",
+            "predicted",
+            "measured",
+            "differs",
+            "expected",
+            "growth",
+            "within",
+            format!("at {coarse}"),
+            "order",
+        );
+        let mut last: Option<Wave> = None;
+        for row in &own.rows {
+            let wave = row.wave;
+            if last != Some(wave) {
+                let up = match wave.elevation_deg {
+                    0.0 => String::new(),
+                    up => format!(", {}° above the plane", short(up)),
+                };
+                let (k, along) = (short(wave.number), short(wave.direction_deg));
+                let _ = writeln!(text, "k = {k} 1/m at {along}°{up}");
+                last = Some(wave);
+            }
+            let name = match row.response {
+                Response::Elastic => row.branch.clone(),
+                other => format!("{}: {}", other.name(), row.branch),
+            };
+            let (found, expected) = (row.difference(), row.expected_difference());
+            let signed = |x: f64| if x == 0.0 { "0".into() } else { format!("{x:+.1e}") };
+            let _ = writeln!(
+                text,
+                "  {:<40}{:>12}{:>12}{:>10}{:>10}{:>10}{:>10}{:>10}{:>6}  {}",
+                name,
+                digits(row.predicted),
+                digits(row.limit.measured.frequency),
+                signed(found.frequency),
+                signed(expected.frequency),
+                signed(found.growth),
+                exponent(row.limit.tolerance / row.predicted),
+                signed(row.part(row.grids[0].measured).frequency),
+                row.order().map_or("–".into(), |order| format!("{order:.2}")),
+                if row.agrees() { "agrees" } else { "DISAGREES" },
+            );
+        }
+        for gap in &own.gaps {
+            let at = |own: Option<f64>| own.map_or("none".to_owned(), digits);
+            let _ = writeln!(
+                text,
+                "\nno {} waves between {} and {} rad/s: measured next to it {} and {}  {}",
+                gap.polarisation,
+                digits(gap.from),
+                digits(gap.to),
+                at(gap.nearest[0]),
+                at(gap.nearest[1]),
+                if gap.agrees { "agrees" } else { "DISAGREES" },
+            );
+        }
+        let rows: Vec<&Row> = own.rows.iter().collect();
+        let failed = rows.iter().filter(|row| !row.agrees()).count();
+        let verdict = match failed {
+            0 => "all agree".to_owned(),
+            some => format!("{some} DISAGREE"),
+        };
+        let _ = writeln!(
+            text,
+            "\n{} waves, {} off at most: {verdict}",
+            rows.len(),
+            exponent(worst(&rows))
+        );
+    }
+    text
+}
+
+/// A frequency with seven digits.
+fn digits(x: f64) -> String {
+    match x.abs() {
+        0.0 => "0".into(),
+        size if (1e-3..1e6).contains(&size) => {
+            let after = (6 - size.log10().floor() as i32).clamp(0, 9) as usize;
+            format!("{x:.after$}")
+        }
+        _ => format!("{x:.5e}"),
+    }
+}
+
+/// Phase speeds below this part of the greatest are zero: what stands still is not drawn.
+const STILL: f64 = 1e-6;
+
+/// Measured points on predicted curves: elastic ones of all directions, which are alike, where the solid is
+/// isotropic; else of the first direction.
+fn figure(case: &Case, checked: &Checked) -> Result<DispersionFigure, Error> {
+    let own = &checked.case;
+    let solid = Solid::of(own).map_err(|error| own.locate(error))?;
+    let wave = checked.rows.first().map_or(own.numbers.wave, |row| row.wave);
+    let greatest = checked.rows.iter().map(|row| row.wave.number).fold(0.0, f64::max);
+    let speeds = checked.rows.iter().map(|row| row.predicted / row.wave.number);
+    let greatest_speed = speeds.fold(0.0, f64::max);
+    let is_isotropic = matches!(solid.elastic, crate::solid::Elastic::Isotropic(_));
+    let responses: &[(Response, bool)] = match solid.plastic {
+        None => &[(Response::Elastic, true)],
+        Some(_) => &[(Response::Unloading, true), (Response::Loading, false)],
+    };
+    let (mut branches, mut bands) = (Vec::new(), Vec::new());
+    for &(response, stays_elastic) in responses {
+        let all: Vec<Waves> =
+            kinds(&solid, &wave, greatest, stays_elastic).map_err(|error| error.locate(own))?;
+        for kind in &all {
+            for (index, curve) in kind.curves(1.05 * greatest).into_iter().enumerate() {
+                let label = kind.label(index);
+                let is_own = |row: &&Row| {
+                    let is_along = (row.wave.direction_deg, row.wave.elevation_deg)
+                        == (wave.direction_deg, wave.elevation_deg);
+                    row.response == response
+                        && row.branch == label
+                        && (is_along || (is_isotropic && response != Response::Loading))
+                };
+                let measured = checked.rows.iter().filter(is_own);
+                if curve.iter().all(|p| p.frequency <= STILL * p.number * greatest_speed) {
+                    continue;
+                }
+                branches.push(Branch {
+                    measured: measured
+                        .map(|row| [row.wave.number, row.limit.measured.frequency])
+                        .collect(),
+                    label: match response {
+                        Response::Elastic => label,
+                        other => format!("{}: {label}", other.name()),
+                    },
+                    frequency: curve.iter().map(|p| [p.number, p.frequency]).collect(),
+                    group_speed: Vec::new(),
+                    growth: Vec::new(),
+                });
+            }
+            let inner = kind.bands.iter().filter(|band| band.from > 0.0 && band.to.is_finite());
+            bands.extend(inner.map(|band| Band {
+                label: format!("no {} waves", kind.family.polarisation.name()),
+                from: band.from,
+                to: band.to,
+            }));
+        }
+    }
+    Ok(DispersionFigure {
+        title: case_title(case),
+        subtitle: format!(
+            "{}: curves from the analysis, rings from the solver{}",
+            own.medium().title(),
+            if is_isotropic && solid.plastic.is_none() { ", all directions" } else { "" },
+        ),
+        k_label: "wave number k (1/m)".into(),
+        frequency_label: "angular frequency ω (rad/s)".into(),
+        speed_label: "phase speed ω/k (m/s)".into(),
+        growth_label: String::new(),
+        k_log: false,
+        frequency_log: false,
+        branches,
+        bands,
+        cutoffs: Vec::new(),
+        speed_limits: Vec::new(),
+    })
+}

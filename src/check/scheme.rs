@@ -1,0 +1,153 @@
+//! The symbol of a step: what the solver's scheme does to a plane wave, exactly, from the matrices of the
+//! analysis.
+//!
+//! In units of energy y = LᵀU, A = LLᵀ, the equations are ẏ = Σ B̂ⁱ∂ᵢy + Q̂y with B̂ⁱ symmetric and Q̂
+//! antisymmetric, and the projection onto the tangent of a yield surface is the orthogonal one, Π. A sweep of
+//! Δt/2 along axis i is, on exp(iκ·x) with θ = κᵢhᵢ, V g Vᵀ with B̂ⁱ = V diag(c) Vᵀ and for waves that run to
+//! the right with Courant number C = |c|Δt/2hᵢ
+//!
+//! ```text
+//! g = 1 − C (1 − e^(−iθ)) (1 + ½(1 − C) i sin θ)      (Fromm 1968),
+//! G = X Y Z e^(½Q̂Δt) (2Π − I) e^(½Q̂Δt) Z Y X          (elastic: Π = I).
+//! ```
+//!
+//! Knows nothing of the solver but this.
+
+use models::rates::SymmetricForm;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use num_complex::Complex64;
+
+type Matrix = DMatrix<Complex64>;
+
+/// A grid on which a plane wave is a whole number of cells long along each axis, and the step in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steps<const D: usize> {
+    /// Edges of a cell, m.
+    pub spacing: [f64; D],
+    /// Δt, s.
+    pub step: f64,
+}
+
+/// The equations in units of energy, while some conditions of yielding stay active or none.
+#[derive(Clone, Debug)]
+pub struct Equations<const D: usize> {
+    /// Lᵀ: from unknowns to units of energy.
+    pub into_energy: DMatrix<f64>,
+    /// L⁻ᵀ: back.
+    pub from_energy: DMatrix<f64>,
+    /// Along each axis V and c of B̂ⁱ.
+    along: [SymmetricEigen<f64, nalgebra::Dyn>; D],
+    b: [DMatrix<f64>; D],
+    q: DMatrix<f64>,
+    /// Π.
+    tangent: DMatrix<f64>,
+    /// L⁻¹n by active condition.
+    normals: Vec<DVector<f64>>,
+}
+
+impl<const D: usize> Equations<D> {
+    /// From the symmetric form and the gradients of the active conditions by all unknowns; `None` where the
+    /// energy is not positive or the gradients depend on each other.
+    pub fn new(form: &SymmetricForm<D>, normals: &[DVector<f64>]) -> Option<Self> {
+        let lower = form.a.clone().cholesky()?.l();
+        let inverse = lower.clone().try_inverse()?;
+        let scaled = |m: &DMatrix<f64>| &inverse * m * inverse.transpose();
+        let size = lower.nrows();
+        let normals: Vec<DVector<f64>> = normals.iter().map(|normal| &inverse * normal).collect();
+        let mut tangent = DMatrix::identity(size, size);
+        if !normals.is_empty() {
+            let all = DMatrix::from_columns(&normals);
+            tangent -= &all * (all.transpose() * &all).try_inverse()? * all.transpose();
+        }
+        let b = form.b.each_ref().map(scaled);
+        Some(Self {
+            along: b.each_ref().map(|b| ((b + b.transpose()) * 0.5).symmetric_eigen()),
+            q: scaled(&form.q),
+            b,
+            into_energy: lower.transpose(),
+            from_energy: inverse.transpose(),
+            tangent,
+            normals,
+        })
+    }
+
+    /// i(Σ κᵢB̂ⁱ) + Q̂ without Π.
+    fn symbol(&self, wave: [f64; D]) -> Matrix {
+        let mut symbol = complex(&self.q);
+        for (b, k) in self.b.iter().zip(wave) {
+            symbol += b.map(|x| Complex64::new(0.0, k * x));
+        }
+        symbol
+    }
+
+    /// Frequencies (rad/s, positive, descending) and amplitudes in units of energy, of which each wave has
+    /// one, with the wave vector κ, 1/m: y = Re ŷ exp(i(κ·x − ωt)).
+    pub fn waves(&self, wave: [f64; D]) -> Vec<(f64, DVector<Complex64>)> {
+        /// Frequencies below this part of the greatest are zero.
+        const STILL: f64 = 1e-9;
+        let tangent = complex(&self.tangent);
+        let symbol = &tangent * self.symbol(wave) * &tangent * Complex64::i();
+        let eigen = ((&symbol + symbol.adjoint()) * Complex64::from(0.5)).symmetric_eigen();
+        let greatest = eigen.eigenvalues.amax();
+        let mut waves: Vec<(f64, DVector<Complex64>)> = (0..eigen.eigenvalues.len())
+            .filter(|&i| eigen.eigenvalues[i] > STILL * greatest)
+            .map(|i| (eigen.eigenvalues[i], eigen.eigenvectors.column(i).into_owned()))
+            .collect();
+        waves.sort_by(|a, b| b.0.total_cmp(&a.0));
+        waves
+    }
+
+    /// By active condition the most that a wave of that amplitude can do: the greatest value it may have in
+    /// it, and the greatest rate of that if the solid stayed elastic (Cauchy & Schwarz).
+    pub fn most(&self, wave: [f64; D], amplitude: &DVector<Complex64>) -> Vec<[f64; 2]> {
+        let rate = (self.symbol(wave) * amplitude).norm();
+        self.normals.iter().map(|n| [n.norm() * amplitude.norm(), n.norm() * rate]).collect()
+    }
+
+    /// The stress across the yield surface, as unknowns, in which every condition has the value one.
+    pub fn outward(&self) -> Option<DVector<f64>> {
+        let all = DMatrix::from_columns(&self.normals);
+        let share = (all.transpose() * &all).try_inverse()?
+            * DVector::from_element(self.normals.len(), 1.0);
+        // The multipliers of flow, all of which must be positive while all conditions stay active.
+        share.iter().all(|own| *own > 0.0).then(|| &self.from_energy * all * share)
+    }
+
+    /// G for the wave vector κ, 1/m.
+    pub fn step(&self, wave: [f64; D], grid: &Steps<D>) -> Matrix {
+        let half = self.rotation(0.5 * grid.step);
+        let size = self.q.nrows();
+        let mirror = complex(&(&self.tangent * 2.0 - DMatrix::identity(size, size)));
+        let sweeps: Vec<Matrix> = (0..D).map(|axis| self.sweep(axis, wave[axis], grid)).collect();
+        let middle = &half * mirror * &half;
+        sweeps.iter().rev().fold(middle, |inner, sweep| sweep * inner * sweep)
+    }
+
+    fn sweep(&self, axis: usize, k: f64, grid: &Steps<D>) -> Matrix {
+        let h = grid.spacing[axis];
+        let (sin, cos) = (k * h).sin_cos();
+        let factor = |speed: f64| {
+            let courant = 0.5 * speed.abs() * grid.step / h;
+            let rise = 0.5 * (1.0 - courant) * sin;
+            let to_right =
+                1.0 - courant * Complex64::new(1.0 - cos, sin) * Complex64::new(1.0, rise);
+            // ẇ = c∂w runs to the left for c > 0.
+            if speed > 0.0 { to_right.conj() } else { to_right }
+        };
+        let own = &self.along[axis];
+        let vectors = complex(&own.eigenvectors);
+        &vectors * Matrix::from_diagonal(&own.eigenvalues.map(factor)) * vectors.adjoint()
+    }
+
+    /// exp(Q̂t).
+    fn rotation(&self, time: f64) -> Matrix {
+        let symbol = self.q.map(|x| Complex64::new(0.0, x));
+        let eigen = ((&symbol + symbol.adjoint()) * Complex64::from(0.5)).symmetric_eigen();
+        let turn = eigen.eigenvalues.map(|frequency| Complex64::cis(-frequency * time));
+        &eigen.eigenvectors * Matrix::from_diagonal(&turn) * eigen.eigenvectors.adjoint()
+    }
+}
+
+fn complex(matrix: &DMatrix<f64>) -> Matrix {
+    matrix.map(Complex64::from)
+}

@@ -1,0 +1,222 @@
+//! What is predicted is what is measured, and what is not is told.
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use wellposed::case::{Case, Parameter};
+use wellposed::check::solid::rows;
+use wellposed::check::{self, Extent, plan};
+use wellposed::{Error, Format, Options};
+
+fn bundled(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(name)
+}
+
+fn options(file: PathBuf, sets: &[&str], out: Option<PathBuf>) -> Options {
+    let sets = sets.iter().map(|set| (*set).to_owned()).collect();
+    Options { case: file, sets, format: Format::Json, out, ..Options::default() }
+}
+
+/// What the verb prints and how it ends.
+fn checked(file: PathBuf, sets: &[&str]) -> (Value, Result<(), Error>) {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let mut printed = Vec::new();
+    let out = folder.path().join("out");
+    let ended = check::run(&options(file, sets, Some(out.clone())), &mut printed);
+    let report: Value = serde_json::from_slice(&printed).unwrap_or_default();
+    if ended.is_ok() {
+        assert_eq!(fs::read(out.join("check.json")).expect("a report"), printed);
+        for name in ["check.png", "check.svg", "check.txt", "case.toml"] {
+            assert!(out.join(name).is_file(), "{name}");
+        }
+    }
+    (report, ended)
+}
+
+/// All branches of every theory: 10⁻⁴ of the frequency in the limit of small cells, 1 % at 20 cells to a
+/// period, and errors that fall as the scheme's do.
+#[test]
+fn elastic_waves_are_as_predicted() {
+    let cases = [
+        ("dynamics/lamb-2d.toml", 2),
+        ("dynamics/lamb-3d.toml", 3),
+        ("dynamics/driven-column.toml", 3),
+        ("cosserat/forbidden-band.toml", 6),
+        ("dynamics/plane-waves.toml", 3),
+        ("check/cosserat-space.toml", 6),
+        ("check/cubic-plane.toml", 3),
+    ];
+    for (name, branches) in cases {
+        let case = Case::load(&bundled(name), &[]).expect("a case");
+        let plan = plan(&case, Extent::Short);
+        let rows = rows(&case, &case, &plan).expect("a solver");
+        assert_eq!(rows.len(), branches * plan.waves.len(), "{name}");
+        for row in rows {
+            let of = format!("{name} {} at {:?}", row.branch, row.wave);
+            assert!(row.agrees(), "{of}: {row:?}");
+            assert!(row.difference().size() < 1e-4, "{of}: {:?}", row.difference());
+            assert!(row.part(row.grids[0].measured).size() < 1e-2, "{of}");
+            // Errors of the phase go like h², of the amplitude like h³; what only turns, torsion without
+            // couple stress along an axis, has none but rounding.
+            let is_exact =
+                row.branch.starts_with("torsion") && row.part(row.limit.measured).size() < 1e-12;
+            let order = row.order();
+            assert!(order.map_or(is_exact, |own| (1.8..3.2).contains(&own)), "{of}: {order:?}");
+        }
+    }
+}
+
+#[test]
+fn loading_and_unloading_waves_are_as_predicted() {
+    for name in
+        ["check/slipping-layers.toml", "check/yielding-cone.toml", "check/yielding-plane.toml"]
+    {
+        let case = Case::load(&bundled(name), &[]).expect("a case");
+        let rows = rows(&case, &case, &plan(&case, Extent::Short)).expect("a solver");
+        for row in &rows {
+            assert!(row.agrees(), "{name}: {row:?}");
+            assert!(row.difference().size() < 1e-3, "{name}: {row:?}");
+        }
+        // Speeds of a loading solid interlace with the elastic ones below them.
+        let of = |name: &str| -> f64 {
+            rows.iter().filter(|row| row.response.name() == name).map(|row| row.predicted).sum()
+        };
+        assert!(of("loading") < 0.999 * of("unloading"), "{name}");
+    }
+}
+
+/// √((λ + μ)/ρ) of a loading pressure wave in plane strain, √((λ + 2μ)/ρ) of an unloading one.
+#[test]
+fn speeds_of_a_yielding_metal() {
+    let case = Case::load(&bundled("check/yielding-plane.toml"), &[]).expect("a case");
+    let rows = rows(&case, &case, &plan(&case, Extent::Short)).expect("a solver");
+    for (response, modulus) in [("unloading", 2.32e11), ("loading", 1.52e11)] {
+        let speed = (modulus / 7815.0f64).sqrt();
+        let row = rows
+            .iter()
+            .find(|row| row.response.name() == response && row.wave.direction_deg == 0.0)
+            .expect("a pressure wave");
+        let measured = row.limit.measured.frequency / row.wave.number;
+        assert!((measured / speed - 1.0).abs() < 1e-6, "{response}: {measured} for {speed}");
+    }
+}
+
+/// A medium whose solver has other moduli than the analysis: every modulus, on every grid.
+#[test]
+fn a_wrong_modulus_is_caught() {
+    let case = Case::load(&bundled("dynamics/plane-waves.toml"), &[]).expect("a case");
+    let plan = plan(&case, Extent::Short);
+    for name in ["lambda", "mu", "alpha", "gamma", "eta", "density", "inertia"] {
+        let parameter = Parameter::find(&format!("model.{name}")).expect("a number");
+        let mut other = case.clone();
+        other.set(parameter, parameter.get(&case.numbers).expect("a number") * (1.0 + 1e-9));
+        let rows = rows(&case, &other, &plan).expect("a solver");
+        assert!(rows.iter().any(|row| !row.agrees()), "{name}");
+        assert!(rows.iter().all(|row| row.difference().size() < 1e-4), "{name}");
+    }
+}
+
+/// Friction that the solver has and the analysis has not.
+#[test]
+fn a_wrong_yield_set_is_caught() {
+    let file = bundled("check/slipping-layers.toml");
+    let case = Case::load(&file, &[]).expect("a case");
+    let sets = ["yield.shear_friction=0.601", "yield.shear_dilatancy=0.601"].map(str::to_owned);
+    let other = Case::load(&file, &sets).expect("a case");
+    let rows = rows(&case, &other, &plan(&case, Extent::Short)).expect("a solver");
+    for row in rows.iter().filter(|row| row.response.name() == "unloading") {
+        assert!(row.agrees(), "{row:?}");
+    }
+    assert!(rows.iter().any(|row| !row.agrees()));
+}
+
+#[test]
+fn the_report_has_the_forbidden_band() {
+    let sets = ["check.numbers=[0.3, 2.6]", "check.directions_deg=[25]", "model.dimensions=2"];
+    let (report, ended) = checked(bundled("cosserat/forbidden-band.toml"), &sets);
+    ended.expect("agreement");
+    assert_eq!(report["agrees"], true);
+    let medium = &report["media"][0];
+    assert_eq!(medium["rows"].as_array().expect("rows").len(), 6);
+    let band = &medium["forbidden_bands"][0];
+    let at = |value: &Value| value.as_f64().expect("a number");
+    let natural = (4.0 * 1.005e9 / 2700.0f64).sqrt();
+    assert!((at(&band["to"]) / natural - 1.0).abs() < 1e-9);
+    assert!(at(&band["nearest"][0]) <= at(&band["from"]));
+    assert!(at(&band["nearest"][1]) >= at(&band["to"]));
+    let first = &medium["rows"][0];
+    let ratio = at(&first["limit"]["frequency"]) / at(&first["predicted"]["frequency"]);
+    assert!((ratio - 1.0).abs() < 1e-5, "{ratio}");
+}
+
+#[test]
+fn what_has_no_solver_is_analysis_alone() {
+    let cases: [(&str, &[&str], &str); 3] = [
+        ("granular-flow/dilatant-domain.toml", &[], "model.kind"),
+        ("cosserat/flutter.toml", &[], "yield.shear_dilatancy"),
+        ("check/yielding-cone.toml", &["yield.plastic_rate=0.1"], "yield.plastic_rate"),
+    ];
+    for (name, sets, key) in cases {
+        let (_, ended) = checked(bundled(name), sets);
+        let error = ended.expect_err("nothing to hold it against");
+        let words = error.to_string();
+        assert_eq!(error.exit_code(), 2, "{words}");
+        assert!(words.contains(key) && words.contains("analysis alone"), "{words}");
+    }
+}
+
+#[test]
+fn wrong_sections_are_located() {
+    let wrong = [
+        ("check.numbers=[]", "wave numbers"),
+        ("check.numbers=[-1]", "wave numbers"),
+        ("check.directions_deg=['a']", "degrees"),
+        ("check.cells=[20, 10]", "ascending"),
+        ("check.cells=[20]", "two or three"),
+        ("check.cells=[4, 8]", "at least 8"),
+        ("check.cell=[20, 30]", "cells"),
+        // More steps than anybody waits for: the natural rotation is far faster than such a wave.
+        ("check.numbers=[2e-6]", "cell-updates"),
+    ];
+    for (set, words) in wrong {
+        let (_, ended) = checked(bundled("dynamics/plane-waves.toml"), &[set]);
+        let error = ended.expect_err(set);
+        assert_eq!(error.exit_code(), 2, "{set}");
+        assert!(error.to_string().contains(words), "{set}: {error}");
+    }
+}
+
+/// Cases in folders inside folders; those without a solver are listed and change nothing.
+#[test]
+fn a_folder_is_walked() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    fs::create_dir(folder.path().join("inside")).expect("a folder");
+    for (from, to) in [
+        ("dynamics/plane-waves.toml", "inside/waves.toml"),
+        ("cosserat/flutter.toml", "flutter.toml"),
+        ("granular-flow/plastic-potential.toml", "flow.toml"),
+    ] {
+        fs::copy(bundled(from), folder.path().join(to)).expect("a copy");
+    }
+    let mut printed = Vec::new();
+    check::run(&options(folder.path().to_owned(), &[], None), &mut printed).expect("agreement");
+    let report: Value = serde_json::from_slice(&printed).expect("a report");
+    let cases = report["cases"].as_array().expect("cases");
+    let skipped: Vec<bool> = cases.iter().map(|own| own["skipped"].is_string()).collect();
+    assert_eq!(skipped, [true, true, false]);
+    assert_eq!(cases[2]["agrees"], true);
+    assert_eq!(cases[2]["waves"], 6);
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let bits = [1, 3].map(|threads| {
+        let folder = tempfile::tempdir().expect("a scratch folder");
+        let mut printed = Vec::new();
+        let out = Some(folder.path().join("out"));
+        let own = options(bundled("check/cubic-plane.toml"), &[], out);
+        check::run(&Options { threads: Some(threads), ..own }, &mut printed).expect("agreement");
+        printed
+    });
+    assert_eq!(bits[0], bits[1]);
+}
