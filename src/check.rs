@@ -6,12 +6,13 @@
 //! ones are.
 
 mod fit;
+pub mod flow;
 mod scheme;
 pub mod solid;
 
 pub use fit::Rate;
 
-use crate::case::{Case, Check, Kind, Wave};
+use crate::case::{Case, CaseError, Check, Kind, Wave};
 use crate::dispersion::{Kind as Waves, kinds};
 use crate::output::{self, OutputError, ResultFolder};
 use crate::solid::Solid;
@@ -79,23 +80,22 @@ fn of_case(
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
     let case = Case::load(&options.case, &options.sets)?;
-    let media = media(&case).map_err(|error| case.locate(error))?;
+    let subject = Subject::of(&case, Extent::Full)?;
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     if options.dry_run {
-        let count: usize = media.iter().map(|(_, own)| plan(own, Extent::Full).waves.len()).sum();
-        writeln!(stdout, "would send all branches at {count} wave vectors")?;
-        for name in output::CHECK {
+        writeln!(stdout, "would {}", subject.plan())?;
+        for name in &output::CHECK[..4] {
             writeln!(stdout, "would write {}", folder.path().join(name).display())?;
         }
         return Ok(());
     }
-    let checked = pool.install(|| check(media, Extent::Full))?;
-    let json = format!("{:#}\n", report(&case, &checked));
-    let words = words(&case, &checked);
+    let found = pool.install(|| subject.check(&case, Extent::Full))?;
+    let json = format!("{:#}\n", found.report(&case));
+    let words = found.words(&case);
     folder.open()?;
-    let figure = figure(&case, &checked[0])?;
-    folder.write("check.png", &figure.draw(figures::Format::Png)?)?;
-    folder.write("check.svg", &figure.draw(figures::Format::Svg)?)?;
+    for (name, drawn) in found.pictures(&case)? {
+        folder.write(name, &drawn)?;
+    }
     folder.write("check.json", json.as_bytes())?;
     folder.write("check.txt", words.as_bytes())?;
     match options.format {
@@ -105,11 +105,150 @@ fn of_case(
             writeln!(stdout, "picture: {}", folder.path().join("check.png").display())?;
         }
     }
-    let rows = || checked.iter().flat_map(|own| &own.rows);
-    let gaps = || checked.iter().flat_map(|own| &own.gaps);
-    let failed = rows().filter(|row| !row.agrees()).count() + gaps().filter(|g| !g.agrees).count();
-    let all = rows().count() + gaps().count();
+    let [all, failed] = found.counts();
     disagreement(failed, all, "rows")
+}
+
+/// What of a case is checked.
+enum Subject {
+    /// Media, and where they are.
+    Solid(Vec<(String, Case)>),
+    /// Waves, and grids on which a perturbation is refined.
+    Flow { waves: Vec<flow::Wave>, grids: Vec<usize> },
+}
+
+/// What was found.
+enum Found {
+    Solid(Vec<Checked>),
+    Flow(flow::Checked),
+}
+
+impl Subject {
+    /// # Errors
+    /// The case has no solver, or its state is wrong.
+    fn of(case: &Case, extent: Extent) -> Result<Self, Error> {
+        let Kind::Flow(_) = case.kind else {
+            return Ok(Self::Solid(media(case).map_err(|error| case.locate(error))?));
+        };
+        case.closure()?;
+        case.mean_flow()?;
+        let (wave, asked) = (case.numbers.wave, case.check.clone().unwrap_or_default());
+        let mut numbers =
+            asked.numbers.unwrap_or_else(|| [1.0, 4.0, 16.0].map(|n| n * wave.number).to_vec());
+        let mut directions = match asked.directions_deg {
+            Some(directions) => directions,
+            None => {
+                let worst = flow::worst_direction_deg(case)?;
+                let mut all = vec![wave.direction_deg];
+                // The order of the short form.
+                for other in worst.into_iter().chain([30.0, 105.0]) {
+                    if all.iter().all(|own| (own - other).abs() > 1e-6) {
+                        all.push(other);
+                    }
+                }
+                all
+            }
+        };
+        if extent == Extent::Short {
+            numbers.truncate(1);
+            directions.truncate(2);
+        }
+        let waves = directions.iter().flat_map(|&direction_deg| {
+            numbers.iter().map(move |&number| flow::Wave { number, direction_deg })
+        });
+        let grids =
+            if extent == Extent::Full { asked.cells.unwrap_or_default() } else { Vec::new() };
+        Ok(Self::Flow { waves: waves.collect(), grids })
+    }
+
+    /// What would be done.
+    fn plan(&self) -> String {
+        match self {
+            Self::Solid(media) => {
+                let count: usize =
+                    media.iter().map(|(_, own)| plan(own, Extent::Full).waves.len()).sum();
+                format!("send all branches at {count} wave vectors")
+            }
+            Self::Flow { waves, grids } if grids.is_empty() => {
+                format!("follow waves of {} wave vectors", waves.len())
+            }
+            Self::Flow { waves, grids } => {
+                format!(
+                    "follow waves of {} wave vectors, and one perturbation on {} grids",
+                    waves.len(),
+                    grids.len()
+                )
+            }
+        }
+    }
+
+    fn check(self, case: &Case, extent: Extent) -> Result<Found, Error> {
+        Ok(match self {
+            Self::Solid(media) => Found::Solid(check(media, extent)?),
+            Self::Flow { waves, grids } => Found::Flow(flow::check(case, &waves, &grids)?),
+        })
+    }
+}
+
+impl Found {
+    /// Rows, and those that disagree.
+    fn counts(&self) -> [usize; 2] {
+        match self {
+            Self::Flow(own) => own.counts(),
+            Self::Solid(all) => {
+                let rows = || all.iter().flat_map(|own| &own.rows);
+                let gaps = || all.iter().flat_map(|own| &own.gaps);
+                let failed = rows().filter(|row| !row.agrees()).count()
+                    + gaps().filter(|gap| !gap.agrees).count();
+                [rows().count() + gaps().count(), failed]
+            }
+        }
+    }
+
+    /// The greatest difference of all waves, as part of the rate.
+    fn worst(&self) -> f64 {
+        match self {
+            Self::Flow(own) => own.worst(),
+            Self::Solid(all) => worst(&all.iter().flat_map(|own| &own.rows).collect::<Vec<_>>()),
+        }
+    }
+
+    fn report(&self, case: &Case) -> Value {
+        match self {
+            Self::Flow(own) => own.report(case),
+            Self::Solid(all) => report(case, all),
+        }
+    }
+
+    fn words(&self, case: &Case) -> String {
+        match self {
+            Self::Flow(own) => own.words(case),
+            Self::Solid(all) => words(case, all),
+        }
+    }
+
+    /// Pictures by the names of their files.
+    fn pictures(&self, case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
+        use figures::Format::{Png, Svg};
+        let mut all = Vec::new();
+        match self {
+            Self::Solid(checked) => {
+                let figure = figure(case, &checked[0])?;
+                all.push(("check.png", figure.draw(Png)?));
+                all.push(("check.svg", figure.draw(Svg)?));
+            }
+            Self::Flow(checked) => {
+                let figure = checked.figure(case)?;
+                all.push(("check.png", figure.draw(Png)?));
+                all.push(("check.svg", figure.draw(Svg)?));
+                if let Some(figure) = checked.refinement_figure(case) {
+                    all.push(("refinement.png", figure.draw(Png)?));
+                    all.push(("refinement.svg", figure.draw(Svg)?));
+                }
+            }
+        }
+        Ok(all)
+    }
 }
 
 fn disagreement(failed: usize, all: usize, what: &'static str) -> Result<(), Error> {
@@ -136,33 +275,33 @@ fn of_folder(
     for path in files {
         let case = Case::load(&path, &options.sets)?;
         let name = path.display().to_string();
-        let media = match media(&case) {
-            Ok(media) => media,
-            Err(error) => {
-                let reason = format!("{} = {}: {}", error.key, error.found, error.allowed);
+        let subject = match Subject::of(&case, Extent::Short) {
+            Ok(subject) => subject,
+            Err(Error::Case(CaseError::Key { key, found, allowed, .. })) => {
+                let reason = format!("{key}: {found}; {allowed}");
                 if options.format == Format::Text {
                     writeln!(stdout, "{name:<56} skipped: {reason}")?;
                 }
                 list.push(json!({ "case": name, "skipped": reason }));
                 continue;
             }
+            Err(error) => return Err(error),
         };
-        let checked = pool.install(|| check(media, Extent::Short))?;
-        let rows: Vec<&Row> = checked.iter().flat_map(|own| &own.rows).collect();
-        let is_well = checked.iter().all(Checked::agrees);
+        let found = pool.install(|| subject.check(&case, Extent::Short))?;
+        let ([rows, wrong], worst) = (found.counts(), found.worst());
+        let is_well = wrong == 0;
         all += 1;
         failed += usize::from(!is_well);
-        let worst = worst(&rows);
         if options.format == Format::Text {
             let verdict = if is_well { "agrees" } else { "DISAGREES" };
-            let (rows, worst) = (rows.len(), exponent(worst));
+            let worst = exponent(worst);
             writeln!(stdout, "{name:<56} {rows:>3} waves, {worst} off: {verdict}")?;
             stdout.flush()?;
         }
         list.push(json!({
             "case": name,
             "agrees": is_well,
-            "waves": rows.len(),
+            "waves": rows,
             "greatest_difference": worst,
         }));
     }
@@ -187,18 +326,8 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// The media of a case that a solver takes, and where they are.
-///
-/// The one place that says which models have a solver: a solver of flows is plugged in here, in [`check`]
-/// and in [`figure`].
+/// The media of a solid that a solver takes, and where they are.
 fn media(case: &Case) -> Result<Vec<(String, Case)>, InputError> {
-    if let Kind::Flow(_) = case.kind {
-        return Err(InputError {
-            key: "model.kind",
-            found: case.kind.name().to_owned(),
-            allowed: analysis_alone("flows have no solver yet"),
-        });
-    }
     let regions = case.dynamics.iter().flat_map(|dynamics| &dynamics.regions);
     let mut media: Vec<(String, Case)> = Vec::new();
     for (index, region) in regions.enumerate() {

@@ -50,8 +50,9 @@ pub const SPEEDS: [&str; 8] = [
     "sphere.csv",
 ];
 
-/// What `check` writes besides.
-pub const CHECK: [&str; 4] = ["check.png", "check.svg", "check.json", "check.txt"];
+/// What `check` writes besides: the last two where a perturbation is refined.
+pub const CHECK: [&str; 6] =
+    ["check.png", "check.svg", "check.json", "check.txt", "refinement.png", "refinement.svg"];
 
 /// What `run` writes besides: receivers and their pictures where there are any, snapshots and their animation
 /// where they are asked for, spectra of flows, and every snapshot by its own name.

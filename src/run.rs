@@ -20,6 +20,7 @@ use crate::{Error, Format, Options};
 use ::files::npz::Npz;
 use analysis::growth::Growth;
 use checkpoint::Checkpoint;
+pub(crate) use flow::{flow_problem, perturbation};
 pub(crate) use setup::{medium, unknown_name};
 use std::fmt;
 use std::fs::File;

@@ -101,19 +101,66 @@ impl Evolution {
         self.admissible.adjoint() * &self.rates * &self.admissible
     }
 
-    /// The admissible wave of an eigenvalue of [`reduced`](Self::reduced): the fastest growing one, with its
-    /// rate. `None` if the iteration does not converge.
-    pub fn fastest(&self) -> Option<(Complex64, Vec<Complex64>)> {
+    /// Rates of [`reduced`](Self::reduced), 1/s, and the admissible waves that have them, of unit length; the
+    /// fastest growing one first. Empty if the iteration does not converge.
+    pub fn modes(&self) -> Vec<(Complex64, Vec<Complex64>)> {
         let reduced = self.reduced();
-        let rates = crate::dense::eigenvalues(reduced.clone())?;
-        let fastest = rates.into_iter().max_by(|a, b| a.re.total_cmp(&b.re))?;
-        // The vector that the shifted matrix all but annihilates.
         let size = reduced.nrows();
-        let shifted = reduced - DMatrix::identity(size, size) * fastest;
-        let decomposition = shifted.svd(false, true);
-        let vector = decomposition.v_t?.row(decomposition.singular_values.imin()).adjoint();
-        Some((fastest, (&self.admissible * vector).iter().copied().collect()))
+        let mut rates = crate::dense::eigenvalues(reduced.clone()).unwrap_or_default();
+        rates.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+        let vector = |rate: Complex64| {
+            // What the shifted matrix all but annihilates.
+            let shifted = &reduced - DMatrix::identity(size, size) * rate;
+            let decomposition = shifted.svd(false, true);
+            let least = decomposition.singular_values.imin();
+            let vector = decomposition.v_t?.row(least).adjoint();
+            Some((rate, (&self.admissible * vector).iter().copied().collect()))
+        };
+        rates.into_iter().filter_map(vector).collect()
     }
+}
+
+/// The course of a wave of vector `wave` (1/m) in v = Γx from its beginning: its unknowns that evolve at
+/// `count` even intervals of a time, s, the beginning included. By collocation of fifth order (Radau IIA;
+/// Hairer & Wanner 1996, IV.5), which takes decay however fast, in `steps` steps an interval.
+///
+/// `None` if the equations do not determine the evolution.
+pub fn course(
+    system: &LinearisedSystem<2>,
+    gradient: [[f64; 2]; 2],
+    wave: [f64; 2],
+    start: &[Complex64],
+    duration: f64,
+    [count, steps]: [usize; 2],
+) -> Option<Vec<Vec<Complex64>>> {
+    let root = 6f64.sqrt();
+    let times = [(4.0 - root) / 10.0, (4.0 + root) / 10.0, 1.0];
+    let weights = [
+        [(88.0 - 7.0 * root) / 360.0, (296.0 - 169.0 * root) / 1800.0, (-2.0 + 3.0 * root) / 225.0],
+        [(296.0 + 169.0 * root) / 1800.0, (88.0 + 7.0 * root) / 360.0, (-2.0 - 3.0 * root) / 225.0],
+        [(16.0 - root) / 36.0, (16.0 + root) / 36.0, 1.0 / 9.0],
+    ];
+    let (step, size) = (duration / (count * steps) as f64, start.len());
+    let mut state = nalgebra::DVector::from_column_slice(start);
+    let mut all = vec![start.to_vec()];
+    for index in 0..count * steps {
+        // zᵢ = z + h Σ wᵢⱼ G(tⱼ) zⱼ, the last of which is the next z.
+        let mut left = DMatrix::<Complex64>::identity(3 * size, 3 * size);
+        for (j, time) in times.into_iter().enumerate() {
+            let now = wave_vector(gradient, wave, (index as f64 + time) * step);
+            let rates = Evolution::new(system, now, wave_vector_rate(gradient, now))?.rates;
+            for i in 0..3 {
+                let mut block = left.view_mut((i * size, j * size), (size, size));
+                block -= rates.scale(step * weights[i][j]);
+            }
+        }
+        let right = nalgebra::DVector::from_fn(3 * size, |row, _| state[row % size]);
+        state = left.lu().solve(&right)?.rows(2 * size, size).into_owned();
+        if (index + 1) % steps == 0 {
+            all.push(state.iter().copied().collect());
+        }
+    }
+    Some(all)
 }
 
 /// Orthonormal columns orthogonal to rows (Gram and Schmidt, twice).

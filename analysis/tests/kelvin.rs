@@ -7,7 +7,7 @@ use models::granular_flow::state::{Flow, State};
 use models::granular_flow::{Kind, Model, Parameters};
 use num_complex::Complex64;
 use support::states::Random;
-use wellposed_analysis::kelvin::{Evolution, wave_vector, wave_vector_rate};
+use wellposed_analysis::kelvin::{Evolution, course, wave_vector, wave_vector_rate};
 use wellposed_analysis::pencil::Pencil;
 
 const KINDS: [Kind; 3] = [Kind::HarrisGrekova, Kind::DoubleShearing, Kind::PlasticPotential];
@@ -142,4 +142,53 @@ fn the_wave_vector_moves_with_the_flow() {
     // Simple shear: k₂ falls by γ̇k₁t.
     let sheared = wave_vector([[0.0, 2.0], [0.0, 0.0]], [3.0, 1.0], 0.5);
     assert!((sheared[0] - 3.0).abs() < 1e-14 && (sheared[1] + 2.0).abs() < 1e-14, "{sheared:?}");
+}
+
+/// The course of a wave against the classical Runge–Kutta method, and its modes against their matrix.
+#[test]
+fn the_course_of_a_wave_obeys_its_evolution() {
+    let mut random = Random::new(3);
+    for kind in KINDS {
+        let (model, flow) = flow(kind, &mut random);
+        let mut system = LinearisedSystem::default();
+        model.symbol(&flow, &mut system);
+        let gradient = flow.velocity_gradient.map(|row| row.map(|own| own.value));
+        let wave = [0.7, -0.4];
+        let at = |time: f64| {
+            let now = wave_vector(gradient, wave, time);
+            Evolution::new(&system, now, wave_vector_rate(gradient, now)).expect("determined")
+        };
+        let modes = at(0.0).modes();
+        assert!(modes.windows(2).all(|pair| pair[0].0.re >= pair[1].0.re));
+        for (rate, mode) in &modes {
+            let image = &at(0.0).rates * nalgebra::DVector::from_column_slice(mode);
+            let reduced = at(0.0).reduced().norm();
+            // Admissible, and multiplied by the rate but for what the constraint's motion asks of it.
+            let along: Complex64 = mode.iter().take(2).zip(wave).map(|(v, k)| v * k).sum();
+            assert!(along.norm() < 1e-12);
+            let own: Complex64 = mode.iter().zip(image.iter()).map(|(z, r)| z.conj() * r).sum();
+            assert!(
+                (own - rate).norm() < 1e-9 * (reduced + flow.shear_rate),
+                "{kind:?} {own} {rate}"
+            );
+        }
+        let duration = 0.3 / flow.shear_rate;
+        let start = &modes[0].1;
+        let found = course(&system, gradient, wave, start, duration, [3, 40]).expect("determined");
+        let mut state = nalgebra::DVector::from_column_slice(start);
+        let steps = 6000;
+        let step = duration / f64::from(steps);
+        for index in 0..steps {
+            let now = f64::from(index) * step;
+            let [begin, middle, end] = [0.0, 0.5, 1.0].map(|part| at(now + part * step).rates);
+            let complex = |x: f64| Complex64::new(x, 0.0);
+            let first = &begin * &state;
+            let second = &middle * (&state + &first * complex(0.5 * step));
+            let third = &middle * (&state + &second * complex(0.5 * step));
+            let fourth = &end * (&state + &third * complex(step));
+            state += (first + (second + third) * complex(2.0) + fourth) * complex(step / 6.0);
+        }
+        let difference: f64 = found[3].iter().zip(state.iter()).map(|(a, b)| (a - b).norm()).sum();
+        assert!(difference < 1e-8 * state.norm(), "{kind:?}: {difference:e} of {}", state.norm());
+    }
 }

@@ -26,8 +26,8 @@ use spectral::Mode;
 
 /// Most stages of a step.
 const MOST_STAGES: usize = 2000;
-/// Steps after which the greatest rate is looked for again.
-const LOOK: usize = 25;
+/// Steps, and shear of the box, after which the greatest rate is looked for again.
+const LOOK: (usize, f64) = (25, 0.02);
 /// Successive cuts of a step to a quarter, after which it cannot be made.
 const CUTS: usize = 12;
 /// Rounding of a step, relative to all of the state.
@@ -192,6 +192,8 @@ struct Control {
     rate: f64,
     /// Steps since it was looked for.
     age: usize,
+    /// When that was, s.
+    looked: f64,
     /// The perturbation that has it.
     direction: Vec<Complex64>,
 }
@@ -231,6 +233,7 @@ impl Flow {
                 error: 1.0,
                 rate: f64::NAN,
                 age: 0,
+                looked: 0.0,
                 direction: Vec::new(),
             },
             stages: 0,
@@ -304,9 +307,8 @@ impl Flow {
         if self.control.step.is_nan() {
             self.control.rate = self.greatest_rate()?;
             self.control.step = self.first_step(rest)?;
-        } else if self.control.rate.is_nan() || self.control.age >= LOOK {
-            self.control.rate = self.greatest_rate()?;
         }
+        self.look()?;
         let start = self.equations.pressure.clone();
         let mut cuts = 0;
         loop {
@@ -355,9 +357,7 @@ impl Flow {
     /// # Errors
     /// As [`advance`](Self::advance).
     pub fn advance_by(&mut self, step: f64) -> Result<(), Left> {
-        if self.control.rate.is_nan() || self.control.age >= LOOK {
-            self.control.rate = self.greatest_rate()?;
-        }
+        self.look()?;
         let (state, rates, _) = self.tried(step)?;
         (self.state, self.rates) = (state, rates);
         (self.time, self.steps, self.control.age) =
@@ -367,7 +367,9 @@ impl Flow {
 
     /// State and rates after a step, and its error over the tolerance.
     fn tried(&mut self, step: f64) -> Result<(Vec<Complex64>, Vec<Complex64>, f64), Left> {
-        self.stages = stages(step * self.control.rate);
+        // Wave vectors lengthen at the rate Q_D at most, and decay goes with their square.
+        let ahead = self.time + step - self.control.looked;
+        self.stages = stages(step * self.control.rate * (2.0 * self.shear_rate() * ahead).exp());
         let mut last = self.state.clone();
         let mut before = last.clone();
         let mut rates = self.rates.clone();
@@ -427,6 +429,16 @@ impl Flow {
         tolerance * self.norm(&perturbation) + ROUNDING * (self.norm(state) + self.shear_rate())
     }
 
+    /// Looks for the greatest rate, if what is known of it is old.
+    fn look(&mut self) -> Result<(), Left> {
+        let Control { rate, age, looked, .. } = self.control;
+        let (steps, shear) = LOOK;
+        if rate.is_nan() || age >= steps || (self.time - looked) * self.shear_rate() > shear {
+            self.control.rate = self.greatest_rate()?;
+        }
+        Ok(())
+    }
+
     /// The greatest rate of the equations, 1/s, by the power method on their differences; a fifth is added for
     /// what it has not found.
     fn greatest_rate(&mut self) -> Result<f64, Left> {
@@ -460,7 +472,7 @@ impl Flow {
             }
         }
         self.control.direction = direction;
-        self.control.age = 0;
+        (self.control.age, self.control.looked) = (0, time);
         self.equations.pressure.copy_from_slice(&start);
         // No slower than what the background does.
         Ok(1.2 * rate.max(self.shear_rate()))
@@ -623,8 +635,14 @@ impl Flow {
     pub fn snapshot(&self) -> Snapshot {
         let flat = |values: &[Complex64]| values.iter().flat_map(|v| [v.re, v.im]).collect();
         let control = &self.control;
-        let numbers =
-            vec![self.time, control.step, control.error, control.rate, control.age as f64];
+        let numbers = vec![
+            self.time,
+            control.step,
+            control.error,
+            control.rate,
+            control.age as f64,
+            control.looked,
+        ];
         Snapshot {
             steps: self.steps,
             parts: vec![
@@ -639,7 +657,7 @@ impl Flow {
     /// Goes back to a snapshot; `false`, and nothing changed, if it is none of this problem.
     pub fn restore(&mut self, snapshot: &Snapshot) -> bool {
         let [numbers, state, pressure, direction] = snapshot.parts.as_slice() else { return false };
-        let [time, step, error, rate, age] = numbers.as_slice() else { return false };
+        let [time, step, error, rate, age, looked] = numbers.as_slice() else { return false };
         let lengths = [2 * self.state.len(), 2 * self.equations.pressure.len()];
         let fits = [state.len(), pressure.len()] == lengths
             && (direction.is_empty() || direction.len() == lengths[0]);
@@ -656,6 +674,7 @@ impl Flow {
             error: *error,
             rate: *rate,
             age: *age as usize,
+            looked: *looked,
             direction: complex(direction),
         };
         // What a snapshot was taken of had a stress.

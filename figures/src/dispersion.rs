@@ -122,7 +122,7 @@ pub(crate) fn draw_tag(picture: &mut Picture, [x, y]: Point, number: usize, colo
 }
 
 /// A point that was measured.
-fn draw_ring(picture: &mut Picture, place: Point, colour: Colour) {
+pub(crate) fn draw_ring(picture: &mut Picture, place: Point, colour: Colour) {
     picture.disc(place, RING + 1.5, WHITE);
     picture.disc(place, RING, colour);
     picture.disc(place, RING - 3.5, WHITE);

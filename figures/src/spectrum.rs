@@ -1,5 +1,6 @@
 //! Powers of what is spread over many scales.
 
+use crate::dispersion::draw_ring;
 use crate::growth::{GRID, LINE_WIDTH, LOOKS, Line, MARKER_SPACING, draw_marker, legend_of};
 use crate::page::{self, Legend, MARGIN, RULE};
 use crate::picture::{INK, Picture, Rectangle, clip};
@@ -22,6 +23,8 @@ pub struct SpectrumFigure {
     /// The lines, one for each time; eight have looks of their own. Points that are not positive or not
     /// finite interrupt a line.
     pub lines: Vec<Line>,
+    /// Points that were measured, drawn as rings in the colours of the lines; fewer lists than lines will do.
+    pub rings: Vec<Vec<[f64; 2]>>,
 }
 
 /// Decades of the vertical axis, at most.
@@ -48,7 +51,10 @@ impl SpectrumFigure {
             .iter()
             .map(|line| line.points.iter().map(|p| p.map(place)).collect())
             .collect();
-        let [x, y] = [0, 1].map(|axis| range(lines.iter().flatten().map(|point| point[axis])));
+        let rings: Vec<Vec<[f64; 2]>> =
+            self.rings.iter().map(|own| own.iter().map(|p| p.map(place)).collect()).collect();
+        let all = || lines.iter().chain(&rings).flatten();
+        let [x, y] = [0, 1].map(|axis| range(all().map(|point| point[axis])));
         let y = [y[0].max(y[1] - DECADES), y[1]];
         let ticks = |[low, high]: [f64; 2], most: usize| scale::log_ticks(low, high, most);
         let y_ticks = ticks(y, ((bottom - top) / 48.0) as usize);
@@ -81,6 +87,17 @@ impl SpectrumFigure {
                 if point[0] >= next {
                     draw_marker(&mut picture, point, look);
                     next = point[0] + MARKER_SPACING;
+                }
+            }
+        }
+        for (index, points) in rings.iter().enumerate() {
+            for point in points.iter().map(|point| at(*point)) {
+                let [inside_x, inside_y] = [
+                    (frame.left..=frame.right).contains(&point[0]),
+                    (frame.top..=frame.bottom).contains(&point[1]),
+                ];
+                if inside_x && inside_y {
+                    draw_ring(&mut picture, point, LOOKS[index % LOOKS.len()].colour);
                 }
             }
         }
@@ -123,6 +140,7 @@ mod tests {
             x_label: "mode number n".to_owned(),
             y_label: "energy, J/m³".to_owned(),
             lines: (0..times).map(line).collect(),
+            rings: vec![(1..4).map(f64::from).map(|n| [n, value(n, 0)]).collect()],
         }
     }
 

@@ -12,9 +12,13 @@ pub struct Check {
     pub numbers: Option<Vec<f64>>,
     /// Directions of the wave vector, degrees anticlockwise from x₁, with the elevation of `[wave]`.
     pub directions_deg: Option<Vec<f64>>,
-    /// Cells to a period along each axis of the grids, ascending.
+    /// Ascending: of a solid cells to a period along each axis of the grids; of a flow points along each axis
+    /// of the grids that its perturbation is refined on.
     pub cells: Option<Vec<usize>>,
 }
+
+/// Most grids.
+pub const MOST_GRIDS: usize = 5;
 
 /// Fewest cells to a period: fewer hold no wave.
 pub const FEWEST_CELLS: usize = 8;
@@ -34,7 +38,8 @@ pub(super) fn read(entries: &Entries) -> Result<Option<Check>, CaseError> {
         let value = node.value()?;
         let list = value::list(value, value.as_array()?.len(), value::count)?;
         let is_ascending = list.windows(2).all(|pair| pair[0] < pair[1]);
-        ((2..=3).contains(&list.len()) && is_ascending && list[0] >= FEWEST_CELLS).then_some(list)
+        ((2..=MOST_GRIDS).contains(&list.len()) && is_ascending && list[0] >= FEWEST_CELLS)
+            .then_some(list)
     };
     let check = Check {
         numbers: section.optional(
@@ -50,7 +55,7 @@ pub(super) fn read(entries: &Entries) -> Result<Option<Check>, CaseError> {
         cells: section.optional(
             "cells",
             &format!(
-                "two or three ascending whole numbers of at least {FEWEST_CELLS} (cells to a period)"
+                "two to {MOST_GRIDS} ascending whole numbers of at least {FEWEST_CELLS} (cells to a period)"
             ),
             cells,
         )?,

@@ -10,7 +10,7 @@ mod write;
 use super::dynamics::Receiver;
 use super::keys::{Key, Value};
 use super::place::Places;
-use super::{Case, CaseError};
+use super::{Case, CaseError, Kind};
 use dynamics::flow::{Closure, Field};
 use models::granular_flow::state::{Background, Flow, Region};
 use std::fmt;
@@ -61,6 +61,13 @@ pub struct Grid {
     pub cells: [usize; 2],
     /// Edges at the beginning, m; positive.
     pub lengths: [f64; 2],
+}
+
+impl FlowRun {
+    /// The same in another box.
+    pub fn on(&self, grid: Grid) -> Self {
+        Self { grid, ..self.clone() }
+    }
 }
 
 impl Grid {
@@ -280,6 +287,22 @@ impl FlowRun {
 }
 
 impl Case {
+    /// What determines the stress angle of the case's flow in time.
+    ///
+    /// # Errors
+    /// The model is none that can be run in time.
+    pub fn closure(&self) -> Result<Closure, CaseError> {
+        let closure = match self.kind {
+            Kind::Flow(flow) => Closure::of(flow),
+            Kind::Solid(_) => None,
+        };
+        closure.ok_or_else(|| {
+            let found = format!("found {}", self.kind.name());
+            let allowed = "a flow whose stress angle is determined: nothing determines it here";
+            self.places.error("model.kind", found, allowed)
+        })
+    }
+
     /// The uniform flow that a run in time perturbs.
     ///
     /// # Errors

@@ -44,6 +44,11 @@ fn polynomial(places: &[f64], values: &[f64], degree: usize, place: f64, slope: 
     }
 }
 
+/// The slope of the line that fits values at places best.
+pub fn slope(places: &[f64], values: &[f64]) -> f64 {
+    polynomial(places, values, 1, 0.0, true)
+}
+
 /// The complex frequency of an amplitude: slopes of its phase and of the logarithm of its modulus. From one
 /// time to the next the phase changes by less than half a turn.
 pub fn rate(times: &[f64], amplitudes: &[Complex64]) -> Rate {
@@ -54,8 +59,7 @@ pub fn rate(times: &[f64], amplitudes: &[Complex64]) -> Rate {
         phases.push(phase);
     }
     let logarithms: Vec<f64> = amplitudes.iter().map(|a| a.norm().ln()).collect();
-    let slope = |values: &[f64]| polynomial(times, values, 1, 0.0, true);
-    Rate { frequency: -slope(&phases), growth: slope(&logarithms) }
+    Rate { frequency: -slope(times, &phases), growth: slope(times, &logarithms) }
 }
 
 /// The greatest error of [`rate`] over a time (s) if phase and logarithm are off by at most `error`: the

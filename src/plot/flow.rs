@@ -122,6 +122,7 @@ fn spectrum(case: &Case, folder: &ResultFolder) -> Result<(), Error> {
         x_label: "mode number n".to_owned(),
         y_label: "kinetic energy, J/m³".to_owned(),
         lines: lines.collect(),
+        rings: Vec::new(),
     };
     write(folder, "spectrum", |format| figure.draw(format))
 }

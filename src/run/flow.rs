@@ -6,7 +6,7 @@ mod march;
 use super::checkpoint::Checkpoint;
 use super::{IllPosed, Outcome, Run, if_memory_suffices};
 use crate::case::Case;
-use crate::case::flow::{FlowRun, Quantity};
+use crate::case::flow::{FlowRun, Grid, Quantity};
 use crate::frozen::{StateError, Workspace};
 use crate::words::{case_title, short, unit_of};
 use crate::{Error, pool};
@@ -28,25 +28,56 @@ pub(super) struct Job<'a> {
     problem: Problem,
 }
 
+/// The problem of a case in a box, with the tolerances that are the default.
+///
+/// # Errors
+/// The case is none of a uniform flow that a solver takes.
+pub(crate) fn flow_problem(
+    case: &Case,
+    points: [usize; 2],
+    lengths: [f64; 2],
+) -> Result<Problem, Error> {
+    let mean = case.mean_flow()?;
+    let parameters = case.parameters();
+    let closure = case.closure()?;
+    Ok(Problem {
+        closure,
+        density: mean.density,
+        friction_angle: parameters.friction_angle,
+        cohesion: parameters.cohesion,
+        pressure: mean.stress.pressure,
+        velocity_gradient: mean.velocity_gradient.map(|row| row.map(|entry| entry.value)),
+        stress_angle: mean.stress.angle,
+        spin: mean.spin.map_or(0.0, |spin| spin.value),
+        spin_acceleration: case.numbers.background.spin_acceleration,
+        points,
+        lengths,
+        tolerance: 1e-5,
+        pressure_tolerance: 1e-9,
+        least_shear_rate: 1e-3,
+    })
+}
+
+/// Velocities and ω or ψ of a case's perturbation at the points of a problem.
+///
+/// # Errors
+/// The archive that a part names is not what it should be.
+pub(crate) fn perturbation(
+    run: &FlowRun,
+    problem: &Problem,
+) -> Result<([Vec<f64>; 2], Vec<f64>), Error> {
+    let grid = Grid { cells: problem.points, lengths: problem.lengths };
+    let fields = initial::fields(&run.on(grid), problem)?;
+    Ok((fields.velocity, fields.inner))
+}
+
 impl<'a> Job<'a> {
     pub(super) fn new(case: &'a Case, run: &'a FlowRun) -> Result<Self, Error> {
-        let mean = case.mean_flow()?;
-        let parameters = case.parameters();
         let problem = Problem {
-            closure: run.closure,
-            density: mean.density,
-            friction_angle: parameters.friction_angle,
-            cohesion: parameters.cohesion,
-            pressure: mean.stress.pressure,
-            velocity_gradient: mean.velocity_gradient.map(|row| row.map(|entry| entry.value)),
-            stress_angle: mean.stress.angle,
-            spin: mean.spin.map_or(0.0, |spin| spin.value),
-            spin_acceleration: case.numbers.background.spin_acceleration,
-            points: run.grid.cells,
-            lengths: run.grid.lengths,
             tolerance: run.time.tolerance,
             pressure_tolerance: run.time.pressure_tolerance,
             least_shear_rate: run.least_shear_rate,
+            ..flow_problem(case, run.grid.cells, run.grid.lengths)?
         };
         Ok(Self { case, run, problem })
     }
