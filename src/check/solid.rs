@@ -259,6 +259,10 @@ struct Branch<'a, const D: usize> {
     response: Response,
     label: String,
     predicted: f64,
+    /// The greatest predicted frequency at this wave vector, rad/s.
+    greatest: f64,
+    /// The frequency in `equations`, rad/s: the predicted one but for rounding.
+    own: f64,
     /// In units of energy.
     amplitude: Option<DVector<Complex64>>,
     equations: &'a Equations<D>,
@@ -298,10 +302,12 @@ impl<const D: usize> Check<'_, D> {
             let vector = std::array::from_fn(component);
             for &(response, stays_elastic, equations) in &responses {
                 let predicted = self.predicted(wave, stays_elastic)?;
-                let mut amplitudes = equations.waves(vector).into_iter().map(|own| own.1);
+                let waves = equations.waves(vector);
+                let greatest = predicted.first().map_or(0.0, |own| own.1);
+                let mut waves = waves.into_iter();
                 for (label, predicted) in predicted {
                     // Without one the analysis contradicts itself: nothing is measured, and that fails.
-                    let amplitude = amplitudes.next();
+                    let (own, amplitude) = waves.next().unzip();
                     let loads = amplitude.as_ref().map(|own| yielding.most(vector, own));
                     branches.push(Branch {
                         wave: *wave,
@@ -309,6 +315,8 @@ impl<const D: usize> Check<'_, D> {
                         response,
                         label,
                         predicted,
+                        greatest,
+                        own: own.unwrap_or(f64::NAN),
                         amplitude,
                         equations,
                         loads: loads.unwrap_or_default(),
@@ -499,11 +507,17 @@ impl<const D: usize> Check<'_, D> {
         let measured: Vec<Complex64> = measured.iter().map(|own| own * scale).collect();
         let times: Vec<f64> =
             (0..=cells).map(|index| (index * per_cell) as f64 * steps.step).collect();
+        // What the scheme adds to the predicted frequency. That is the root of an eigenvalue ω², which is known
+        // to the rounding of the greatest.
+        let mut expected = rate(&times, &expected);
+        expected.frequency += branch.predicted - branch.own;
+        let ratio = branch.greatest / branch.predicted;
+        let of_root = ROUNDINGS * f64::EPSILON * branch.greatest * ratio;
         OnGrid {
             cells,
             measured: rate(&times, &measured),
-            expected: rate(&times, &expected),
-            tolerance: error_of_rate(rounding, period),
+            expected,
+            tolerance: error_of_rate(rounding, period) + of_root,
         }
     }
 
