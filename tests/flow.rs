@@ -329,7 +329,7 @@ fn courses() {
                 let wave = flow.wave_vector(mode);
                 let start = transverse(&flow, mode);
                 for _ in 0..steps {
-                    flow.advance_by(duration / f64::from(steps)).expect("a stress");
+                    flow.advance_by(duration / f64::from(steps), 0).expect("a stress");
                 }
                 let expected = kelvin(&background, wave, start, duration);
                 let found = transverse(&flow, mode);

@@ -99,11 +99,11 @@ fn row(points: usize, threads: usize) {
         let mut own = flow(&problem(closure, points));
         // Stages are many: what they take is what a run takes.
         let step = 2e-5 * (512.0 / points as f64).powi(2);
-        own.advance_by(step).expect("a stress");
+        own.advance_by(step, 0).expect("a stress");
         let [evaluations, iterations] = own.effort();
         let clock = Instant::now();
         for _ in 0..3 {
-            own.advance_by(step).expect("a stress");
+            own.advance_by(step, 0).expect("a stress");
         }
         let time = clock.elapsed().as_secs_f64();
         let [more, further] = own.effort();

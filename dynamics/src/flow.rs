@@ -315,7 +315,7 @@ impl Flow {
             // What is left is shared by steps of one length, lest the last one is a splinter.
             let longest = self.control.step.min(0.9 * reach(MOST_STAGES) / self.control.rate);
             let step = rest / (rest / longest).ceil().max(1.0);
-            match self.tried(step) {
+            match self.tried(step, 0) {
                 Ok((state, rates, error)) if error <= 1.0 => {
                     let factor = 0.8
                         * error.max(1e-6).powf(-1.0 / 3.0)
@@ -352,13 +352,13 @@ impl Flow {
         }
     }
 
-    /// A step of a given length, s, whatever its error.
+    /// A step of a given length, s, whatever its error, in at least so many stages, on which its error depends.
     ///
     /// # Errors
     /// As [`advance`](Self::advance).
-    pub fn advance_by(&mut self, step: f64) -> Result<(), Left> {
+    pub fn advance_by(&mut self, step: f64, least_stages: usize) -> Result<(), Left> {
         self.look()?;
-        let (state, rates, _) = self.tried(step)?;
+        let (state, rates, _) = self.tried(step, least_stages)?;
         (self.state, self.rates) = (state, rates);
         (self.time, self.steps, self.control.age) =
             (self.time + step, self.steps + 1, self.control.age + 1);
@@ -366,10 +366,15 @@ impl Flow {
     }
 
     /// State and rates after a step, and its error over the tolerance.
-    fn tried(&mut self, step: f64) -> Result<(Vec<Complex64>, Vec<Complex64>, f64), Left> {
+    fn tried(
+        &mut self,
+        step: f64,
+        least_stages: usize,
+    ) -> Result<(Vec<Complex64>, Vec<Complex64>, f64), Left> {
         // Wave vectors lengthen at the rate Q_D at most, and decay goes with their square.
         let ahead = self.time + step - self.control.looked;
-        self.stages = stages(step * self.control.rate * (2.0 * self.shear_rate() * ahead).exp());
+        let product = step * self.control.rate * (2.0 * self.shear_rate() * ahead).exp();
+        self.stages = stages(product).max(least_stages);
         let mut last = self.state.clone();
         let mut before = last.clone();
         let mut rates = self.rates.clone();

@@ -96,7 +96,7 @@ fn the_pressure_keeps_the_flow_free_of_divergence() {
         let problem = steady(closure, 16);
         let mut flow = perturbed(&problem, 0.2);
         // In a box that has been sheared.
-        flow.advance_by(2e-4).expect("a stress");
+        flow.advance_by(2e-4, 0).expect("a stress");
         assert!(flow.pressure_residual() <= 1e-11);
         let [v1, v2, p, angle] =
             [Field::Velocity(0), Field::Velocity(1), Field::Pressure, Field::StressAngle]
@@ -214,7 +214,7 @@ fn the_energy_is_accounted_for() {
                 let mut flow = perturbed(&steady(closure, 16), 0.1);
                 let start = flow.energy();
                 for _ in 0..steps {
-                    flow.advance_by(5e-3 / f64::from(steps)).expect("a stress");
+                    flow.advance_by(5e-3 / f64::from(steps), 0).expect("a stress");
                 }
                 let now = flow.energy();
                 let change = now.kinetic - start.kinetic;
@@ -422,7 +422,7 @@ fn the_box_moves_with_the_flow() {
         let mut flow = Flow::new(&slow).expect("a problem");
         let zero = vec![0.0; 64];
         flow.perturb([&zero, &zero], &[]).expect("a stress");
-        flow.advance_by(0.7).expect("a stress");
+        flow.advance_by(0.7, 0).expect("a stress");
         // The series of the exponential.
         let matrix = nalgebra::Matrix2::<f64>::from_fn(|i, j| 0.7 * gradient[i][j]);
         let mut sum = nalgebra::Matrix2::<f64>::identity();

@@ -33,6 +33,10 @@ const TIMES: usize = 8;
 const STEPS: usize = 4;
 /// Points along each axis of a box of one wave.
 const POINTS: usize = 8;
+/// Powers of e by which other waves in the box may grow.
+const FOLDS: f64 = 4.0;
+/// What is left of a wave's amplitude at least, so that it is far above rounding.
+const LEAST: f64 = 0.1;
 /// Steps between two times by which the analysis follows a wave.
 const COURSE: usize = 50;
 
@@ -261,6 +265,21 @@ impl<'a> Background<'a> {
         }
     }
 
+    /// The greatest growth rate of the waves in a box of one wave at a time, 1/s; 0 where none grows.
+    fn fastest_growth(&self, lengths: [f64; 2], time: f64) -> Result<f64, Error> {
+        let most = ((POINTS - 1) / 3) as i32;
+        let mut fastest = 0.0f64;
+        for first in 0..=most {
+            for second in (-most..=most).filter(|second| [first, *second] > [0, 0]) {
+                let mode = [f64::from(first), f64::from(second)];
+                let start = [0, 1].map(|axis| TAU * mode[axis] / lengths[axis]);
+                let modes = self.moving(wave_vector(self.gradient, start, time))?.modes();
+                fastest = modes.iter().fold(fastest, |sum, own| sum.max(own.0.re));
+            }
+        }
+        Ok(fastest)
+    }
+
     /// Amplitudes of a wave by the linearised equations.
     fn predicted(
         &self,
@@ -353,27 +372,47 @@ fn rows(background: &Background, wave: Wave) -> Result<Vec<Row>, Error> {
         ..flow_problem(background.case, [POINTS; 2], lengths)?
     };
     let of = |(index, (eigenvalue, unknowns)): (usize, &(Complex64, Vec<Complex64>))| {
-        // An e-fold, while the wave vector does not turn by much.
+        // An e-fold, while the wave vector does not turn by much, and before what rounding makes of faster
+        // waves in the box is seen.
         let duration = (1.0 / eigenvalue.norm()).min(0.2 / shear_rate);
+        let mut growth = 0.0f64;
+        for part in [0.0, 0.5, 1.0] {
+            growth = growth.max(background.fastest_growth(lengths, part * duration)?);
+        }
+        let duration = duration.min(FOLDS / growth);
         let unit = background.across(vector, unknowns);
         let (greater, size) = background.greater(wave.number, unit);
         let start = unit.map(|own| own * (AMPLITUDE * size / unit[greater].norm()));
-        let predicted = background.predicted(vector, start, unknowns.len(), duration)?;
-        // Of both fields the one that varies less: the other may pass through zero.
-        let least = |field: usize| {
-            let sizes = || predicted.iter().map(|own| own[field].norm());
-            sizes().fold(f64::MAX, f64::min) / sizes().fold(f64::MIN_POSITIVE, f64::max)
+        let (duration, predicted, leading) = {
+            let mut duration = duration;
+            loop {
+                let predicted = background.predicted(vector, start, unknowns.len(), duration)?;
+                // Of both fields the one that varies less: the other may pass through zero.
+                let least = |field: usize| {
+                    let sizes = || predicted.iter().map(|own| own[field].norm());
+                    sizes().fold(f64::MAX, f64::min) / sizes().fold(f64::MIN_POSITIVE, f64::max)
+                };
+                let leading = usize::from(least(1) > least(0));
+                // A rate that is small at the beginning may not stay so.
+                if least(leading) > LEAST || duration < 1e-9 / shear_rate {
+                    break (duration, predicted, leading);
+                }
+                duration *= 0.5;
+            }
         };
-        let leading = usize::from(least(1) > least(0));
         let of_rate = |all: &[[Complex64; 2]]| {
             rate(&times(duration), &all.iter().map(|own| own[leading]).collect::<Vec<_>>())
         };
         let predicted = of_rate(&predicted);
+        // As many stages in all steps: the limit is that of one method.
+        let sent = |steps: usize, stages: usize| {
+            measured(background, &problem, mode, start, [steps, stages], duration)
+        };
+        let (_, stages) = sent(STEPS, 0)?;
         let measured = [1, 2, 4]
             .map(|times| {
                 let steps = STEPS * times;
-                let all = measured(background, &problem, mode, start, duration, steps)?;
-                Ok((steps * TIMES, of_rate(&all)))
+                Ok((steps * TIMES, of_rate(&sent(steps, stages)?.0)))
             })
             .into_iter()
             .collect::<Result<Vec<_>, Error>>()?;
@@ -403,15 +442,16 @@ fn nearest(frozen: &[(Complex64, Vec<Complex64>)], rate: Complex64) -> Rate {
     nearest.map_or(Rate::default(), |own| Rate { frequency: -own.0.im, growth: own.0.re })
 }
 
-/// Amplitudes of a wave in the solver, in so many steps between two of them.
+/// Amplitudes of a wave in the solver, in so many steps between two of them and at least so many stages; and
+/// the greatest number of stages.
 fn measured(
     background: &Background,
     problem: &Problem,
     mode: Mode,
     start: [Complex64; 2],
+    [steps, least_stages]: [usize; 2],
     duration: f64,
-    steps: usize,
-) -> Result<Vec<[Complex64; 2]>, Error> {
+) -> Result<(Vec<[Complex64; 2]>, usize), Error> {
     let case = background.case;
     let mut solver = Solver::new(problem).map_err(|error| refused(case, error))?;
     let [k1, k2] = solver.wave_vector(mode);
@@ -432,14 +472,15 @@ fn measured(
         .perturb([&velocity[0], &velocity[1]], &value(inner))
         .map_err(|error| refused(case, error))?;
     let step = duration / (TIMES * steps) as f64;
-    let mut all = vec![amplitudes(&solver, mode)];
+    let (mut all, mut stages) = (vec![amplitudes(&solver, mode)], least_stages);
     for _ in 0..TIMES {
         for _ in 0..steps {
-            solver.advance_by(step).map_err(|error| refused(case, error))?;
+            solver.advance_by(step, least_stages).map_err(|error| refused(case, error))?;
+            stages = stages.max(solver.stages());
         }
         all.push(amplitudes(&solver, mode));
     }
-    Ok(all)
+    Ok((all, stages))
 }
 
 /// Rates of three numbers of steps in the limit, errors being of second and third order in the step; and by
@@ -482,11 +523,8 @@ fn refinement(
 /// The mode of a grid that grows fastest, predicted and measured.
 fn fastest(background: &Background, run: &FlowRun, points: [usize; 2]) -> Result<Fastest, Error> {
     let case = background.case;
-    let problem = Problem {
-        tolerance: 1e-5,
-        pressure_tolerance: 1e-9,
-        ..flow_problem(case, points, run.grid.lengths)?
-    };
+    // Of a whole of which one wave is a small part.
+    let problem = Problem { tolerance: 3e-7, ..flow_problem(case, points, run.grid.lengths)? };
     let mut solver = Solver::new(&problem).map_err(|error| refused(case, error))?;
     let [most, across] = solver.greatest_modes().map(|greatest| greatest as i32);
     let modes: Vec<Mode> = (0..=most)

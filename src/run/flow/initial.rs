@@ -147,6 +147,12 @@ impl Fields {
         envelope: Option<([f64; 2], f64)>,
     ) {
         let envelope = envelope.map(|(at, radius)| bell(grid, at, radius));
+        // Points take shorter waves for longer ones.
+        let greatest = grid.greatest_modes();
+        let holds = |mode: &[i64; 2]| {
+            mode.iter().zip(greatest).all(|(m, most)| m.unsigned_abs() <= most as u64)
+        };
+        let modes: Vec<Mode> = modes.iter().copied().filter(|own| holds(&own.0)).collect();
         let add = |own: &mut [f64], mut values: Vec<f64>| {
             if let Some(bell) = &envelope {
                 values.iter_mut().zip(bell).for_each(|(value, bell)| *value *= bell);
