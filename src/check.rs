@@ -130,8 +130,7 @@ impl Subject {
         let Kind::Flow(_) = case.kind else {
             return Ok(Self::Solid(media(case).map_err(|error| case.locate(error))?));
         };
-        case.closure()?;
-        case.mean_flow()?;
+        case.closure().and(case.mean_flow()).map_err(without_solver)?;
         let (wave, asked) = (case.numbers.wave, case.check.clone().unwrap_or_default());
         let mut numbers =
             asked.numbers.unwrap_or_else(|| [1.0, 4.0, 16.0].map(|n| n * wave.number).to_vec());
@@ -355,6 +354,16 @@ fn media(case: &Case) -> Result<Vec<(String, Case)>, InputError> {
         }
     }
     Ok(media)
+}
+
+/// The same, said of a flow that no solver takes.
+fn without_solver(error: CaseError) -> CaseError {
+    match error {
+        CaseError::Key { place, key, found, allowed } => {
+            CaseError::Key { place, key, found, allowed: analysis_alone(&allowed) }
+        }
+        other => other,
+    }
 }
 
 fn analysis_alone(why: &str) -> String {

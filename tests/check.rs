@@ -151,8 +151,14 @@ fn the_report_has_the_forbidden_band() {
 
 #[test]
 fn what_has_no_solver_is_analysis_alone() {
-    let cases: [(&str, &[&str], &str); 3] = [
-        ("granular-flow/dilatant-domain.toml", &[], "model.kind"),
+    let cases: [(&str, &[&str], &str); 5] = [
+        ("granular-flow/dilatant-domain.toml", &[], "model.dilatancy_angle_deg"),
+        (
+            "granular-flow/noncoaxiality-bound.toml",
+            &["background.pressure_gradient=[1, 0]"],
+            "gradient",
+        ),
+        ("granular-flow/plastic-potential.toml", &["model.kind=free-rotating"], "model.kind"),
         ("cosserat/flutter.toml", &[], "yield.shear_dilatancy"),
         ("check/yielding-cone.toml", &["yield.plastic_rate=0.1"], "yield.plastic_rate"),
     ];
@@ -172,7 +178,7 @@ fn wrong_sections_are_located() {
         ("check.numbers=[-1]", "wave numbers"),
         ("check.directions_deg=['a']", "degrees"),
         ("check.cells=[20, 10]", "ascending"),
-        ("check.cells=[20]", "two or three"),
+        ("check.cells=[20]", "two to 5"),
         ("check.cells=[4, 8]", "at least 8"),
         ("check.cell=[20, 30]", "cells"),
         // More steps than anybody waits for: the natural rotation is far faster than such a wave.
@@ -219,4 +225,67 @@ fn any_number_of_threads_gives_the_same_bits() {
         printed
     });
     assert_eq!(bits[0], bits[1]);
+}
+
+/// Waves that the mean flow carries along, in the models of Harris & Grekova inside and outside the bound, of
+/// double shearing and of the plastic potential: 10⁻⁴ of the rate, or of the shear rate; against the frozen
+/// rate the difference stays of the order of the shear rate while the rate grows.
+#[test]
+fn waves_in_flows_are_as_predicted() {
+    for (name, order) in [
+        ("granular-flow/noncoaxiality-bound.toml", 2),
+        ("flow/outside-the-bound.toml", 2),
+        ("flow/double-shearing.toml", 1),
+        ("flow/plastic-potential-in-time.toml", 2),
+    ] {
+        let sets = ["check.numbers=[500, 2000]", "check.directions_deg=[20, 105]"];
+        let (report, ended) = checked(bundled(name), &sets);
+        ended.unwrap_or_else(|error| panic!("{name}: {error}"));
+        let number = |value: &Value| value.as_f64().expect("a number");
+        let rate = |value: &Value| number(&value["growth_rate"]).hypot(number(&value["frequency"]));
+        let case = Case::load(&bundled(name), &[]).expect("a case");
+        let shear_rate = case.get("background.shear_rate").expect("a shear rate");
+        let rows = report["rows"].as_array().expect("rows");
+        for row in rows {
+            let [limit, predicted] = ["limit", "predicted"].map(|own| &row[own]);
+            let difference = (number(&limit["growth_rate"]) - number(&predicted["growth_rate"]))
+                .hypot(number(&limit["frequency"]) - number(&predicted["frequency"]));
+            let scale = rate(predicted).max(shear_rate);
+            assert!(difference < 1e-4 * scale, "{name}: {row}");
+            let frozen =
+                (number(&row["frozen"]["growth_rate"]) - number(&predicted["growth_rate"])).abs();
+            assert!(frozen < 20.0 * shear_rate, "{name}: {row}");
+        }
+        // Of four times the wave number, in the same direction.
+        let fastest = |k: f64| {
+            let own = |row: &&Value| number(&row["wave"]["number"]) == k;
+            rows.iter().filter(own).map(|row| rate(&row["predicted"])).fold(0.0, f64::max)
+        };
+        let found = (fastest(2000.0) / fastest(500.0)).ln() / 4f64.ln();
+        assert!((found - f64::from(order)).abs() < 0.15, "{name}: order {found}");
+    }
+}
+
+/// One perturbation on finer and finer grids: rates of the fastest waves as predicted, orders 2 and 1, and
+/// none with an intrinsic spin.
+#[test]
+fn finer_grids_make_of_a_perturbation_what_is_predicted() {
+    let sets = ["check.cells=[16, 32, 64]", "check.numbers=[500]", "check.directions_deg=[20]"];
+    let (report, ended) = checked(bundled("check/grid-dependence.toml"), &sets);
+    ended.unwrap();
+    let all = report["refinements"].as_array().expect("refinements");
+    let names: Vec<&str> = all.iter().map(|own| own["model"].as_str().expect("a name")).collect();
+    assert_eq!(names, ["harris-grekova", "double-shearing", "plastic-potential"]);
+    for (own, order) in all.iter().zip([0.0, 1.0, 2.0]) {
+        assert_eq!(own["limit_of_the_order"], order);
+        let orders = &own["orders"];
+        if order == 0.0 {
+            assert!(orders.is_null());
+            continue;
+        }
+        for which in ["predicted", "measured"] {
+            let found = orders[which].as_f64().expect("an order");
+            assert!((found - order).abs() < 0.1, "{own}");
+        }
+    }
 }

@@ -243,7 +243,33 @@ fn rows() -> Vec<Row> {
     rows
 }
 
+/// Arithmetic in registers alone, by two threads over that by one: what the cores give at best.
+fn scaling_of_arithmetic() -> f64 {
+    let work = || {
+        let mut values: [f64; 16] = std::array::from_fn(|i| 1.0 + i as f64);
+        for _ in 0..20_000_000 {
+            for value in &mut values {
+                *value = *value * 0.999_999 + 1e-6;
+            }
+        }
+        std::hint::black_box(values);
+    };
+    let seconds = |threads: usize| {
+        let clock = Instant::now();
+        std::thread::scope(|scope| {
+            for _ in 0..threads {
+                scope.spawn(work);
+            }
+        });
+        clock.elapsed().as_secs_f64()
+    };
+    let mut ratios: Vec<f64> = (0..5).map(|_| 2.0 * seconds(1) / seconds(2)).collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios[2]
+}
+
 fn main() {
+    println!("arithmetic alone: two threads {:.2} times one\n", scaling_of_arithmetic());
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     println!("| row | Mcu/s | B per update | GB/s | triad GB/s | energies / step | |");
     println!("|---|---|---|---|---|---|---|");

@@ -1,4 +1,4 @@
-//! Solids in time: sweeps along coordinate lines, and what stands between them.
+//! Solids in time: sweeps along coordinate lines, and what stands between them; and granular flow in time.
 //!
 //! - [`medium`]: what a solid is to the sweeps;
 //! - [`problem`]: what is to be solved;
@@ -8,7 +8,8 @@
 //! - [`split`]: the same in parts, each in a thread of its own, and the halo between them;
 //! - [`mod@line`]: one pair of fields along a line of cells and joints, with its energy account;
 //! - [`kernel`]: the same on many lines at once, in the instructions that the processor has;
-//! - [`real`]: floating-point numbers, and groups of them.
+//! - [`real`]: floating-point numbers, and groups of them;
+//! - [`flow`]: granular flow in a box that moves with it, by Fourier series.
 #![deny(missing_docs)]
 
 pub mod boundary;

@@ -746,8 +746,12 @@ impl Checked {
             };
             for mode in 1..=2 {
                 let Some(first) = own(mode).next() else { continue };
-                // What grows or decays no faster than the mean flow deforms is not short waves' doing.
-                if own(mode).all(|row| row.predicted.growth.abs() < 3.0 * self.shear_rate) {
+                // What grows or decays no faster than the mean flow deforms is not short waves' doing; and next
+                // to a degenerate direction the rate at the beginning is not that of the way.
+                let is_slow = |row: &Row| row.predicted.growth.abs() < 3.0 * self.shear_rate;
+                let has_turned =
+                    |row: &Row| row.frozen.less(row.predicted).size() > 0.1 * row.predicted.size();
+                if own(mode).all(is_slow) || own(mode).any(has_turned) {
                     continue;
                 }
                 let sign = if first.predicted.growth > 0.0 { "grows" } else { "decays" };
