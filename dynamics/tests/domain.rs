@@ -75,7 +75,7 @@ fn modes<const D: usize>(
     modes
 }
 
-/// Mean errors of all fields of a plane wave of unit energy density.
+/// Mean errors of all fields of a plane wave of unit energy density, the greatest over some instants.
 fn errors<const D: usize>(
     theory: Theory,
     count: usize,
@@ -89,10 +89,10 @@ fn errors<const D: usize>(
     let (frequency, amplitude) = modes(&form, wave).swap_remove(branch);
     let medium = Medium::isotropic(&solid, D);
     let h = 1.0 / count as f64;
-    // No period of the wave, and a Courant number that is no integer for any family. Some periods: an error of
-    // frequency grows with time and falls on all fields alike, beside one of polarisation that does not grow. In
-    // the first period they cancel in some fields, and orders of a single field mean little.
-    let time = 3.37 * 2.0 * PI / frequency;
+    // The last of several instants, none of them a period of the wave; and a Courant number that is no integer
+    // for any family.
+    const LAST: f64 = 2.87;
+    let time = LAST * 2.0 * PI / frequency;
     // In proportion to the cells, lest the Courant number changes from grid to grid.
     let steps = (16.0 * time * medium.greatest_speed() / (2.0 * 0.93)).ceil() / 16.0 / h;
     let steps = steps.round();
@@ -131,23 +131,36 @@ fn errors<const D: usize>(
         let cells = count.pow(D as u32);
         domain.set(field, &(0..cells).map(|cell| exact(field, cell, 0.0)).collect::<Vec<_>>());
     }
-    for _ in 0..steps as usize {
-        domain.advance();
-    }
-    fields
-        .iter()
-        .map(|&field| {
-            let values = domain.values(field).expect("a field");
+    // The greatest error of these instants: at a single one errors of several kinds may cancel in a field, and
+    // its order would mean little.
+    let mut greatest = vec![0.0f64; fields.len()];
+    let mut done = 0;
+    for instant in [1.37, 1.87, 2.37, LAST] {
+        let until = (steps * instant / LAST).round() as usize;
+        for _ in done..until {
+            domain.advance();
+        }
+        done = until;
+        let time = time / steps * until as f64;
+        for (field, greatest) in fields.iter().zip(&mut greatest) {
+            let values = domain.values(*field).expect("a field");
             let sum: f64 = values
                 .iter()
                 .enumerate()
-                .map(|(cell, value)| (value - exact(field, cell, time)).abs())
+                .map(|(cell, value)| (value - exact(*field, cell, time)).abs())
                 .sum();
+            *greatest = greatest.max(sum / values.len() as f64);
+        }
+    }
+    fields
+        .iter()
+        .zip(greatest)
+        .map(|(&field, error)| {
             // In units of energy, of which the wave has one: some fields have no part in it.
             let name = name(field);
             let place = equations.unknowns.iter().position(|unknown| unknown.name == name);
             let place = place.expect("an unknown");
-            (name, sum / values.len() as f64 * form.a[(place, place)].sqrt())
+            (name, error * form.a[(place, place)].sqrt())
         })
         .collect()
 }
