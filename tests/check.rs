@@ -158,7 +158,7 @@ fn what_has_no_solver_is_analysis_alone() {
             &["background.pressure_gradient=[1, 0]"],
             "gradient",
         ),
-        ("granular-flow/plastic-potential.toml", &["model.kind=free-rotating"], "model.kind"),
+        ("granular-flow/plastic-potential.toml", &["model.dilatancy_angle_deg=5"], "dilatancy"),
         ("cosserat/flutter.toml", &[], "yield.shear_dilatancy"),
         ("check/yielding-cone.toml", &["yield.plastic_rate=0.1"], "yield.plastic_rate"),
     ];

@@ -204,7 +204,7 @@ pub struct Flow {
     equations: Equations,
     time: f64,
     steps: usize,
-    /// ζ, then ω or ψ, in modes, then the works of background and stress.
+    /// ζ, then ω or ψ, in modes, then the works of background and stress, then ω or ψ of the background.
     state: Vec<Complex64>,
     /// Its rates of change.
     rates: Vec<Complex64>,
@@ -238,25 +238,15 @@ impl Flow {
             },
             stages: 0,
         };
-        let background = flow.background();
-        if let Some(mean) = flow.inner_modes_mut().first_mut() {
-            mean.re = background;
+        let background = match problem.closure {
+            Closure::HarrisGrekova => problem.spin,
+            Closure::DoubleShearing | Closure::PlasticPotential => problem.stress_angle,
+        };
+        flow.state[size - 1].re = background;
+        if problem.closure.inner().is_some() {
+            flow.state[flow.equations.series.count()].re = background;
         }
         Ok(flow)
-    }
-
-    /// ω or ψ of the background, where it does not change of itself.
-    fn background(&self) -> f64 {
-        let problem = self.equations.problem();
-        match problem.closure {
-            Closure::HarrisGrekova => problem.spin + problem.spin_acceleration * self.time,
-            Closure::DoubleShearing | Closure::PlasticPotential => problem.stress_angle,
-        }
-    }
-
-    fn inner_modes_mut(&mut self) -> &mut [Complex64] {
-        let (count, size) = (self.equations.series.count(), self.state.len());
-        &mut self.state[count..size - 1]
     }
 
     /// Adds perturbations at the points (i + ½)L₁/N₁, (j + ½)L₂/N₂, x₁ running fastest: of the velocity,
@@ -417,7 +407,7 @@ impl Flow {
             Closure::DoubleShearing => 2.0 * self.shear_rate(),
             _ => 1.0,
         };
-        let fields = state[..state.len() - 1].chunks(series.count());
+        let fields = state[..state.len() - 2].chunks(series.count());
         let squares =
             fields.zip([1.0, unit]).map(|(own, unit)| unit * unit * series.product(own, own));
         squares.sum::<f64>().sqrt()
@@ -427,8 +417,8 @@ impl Flow {
     fn allowed(&self, state: &[Complex64]) -> f64 {
         let mut perturbation = state.to_vec();
         let count = self.equations.series.count();
-        if perturbation.len() > count + 1 {
-            perturbation[count].re -= self.background();
+        if perturbation.len() > count + 2 {
+            perturbation[count].re -= state[state.len() - 1].re;
         }
         let tolerance = self.equations.problem().tolerance;
         tolerance * self.norm(&perturbation) + ROUNDING * (self.norm(state) + self.shear_rate())
@@ -460,9 +450,8 @@ impl Flow {
         let mut rates = vec![Complex64::ZERO; self.state.len()];
         let mut rate = 0.0;
         for round in 0..MOST {
-            if let Some(works) = direction.last_mut() {
-                *works = Complex64::ZERO;
-            }
+            let size_of_fields = direction.len() - 2;
+            direction[size_of_fields..].fill(Complex64::ZERO);
             let norm = self.norm(&direction);
             let mut state = self.state.clone();
             combine(&mut state, 1.0, &direction, size / norm);
@@ -565,7 +554,7 @@ impl Flow {
 
     /// Energy of the perturbation, and what changed it.
     pub fn energy(&self) -> Energy {
-        let works = self.state[self.state.len() - 1];
+        let works = self.state[self.state.len() - 2];
         Energy {
             kinetic: self.shells().iter().map(|own| own.1).sum(),
             background: works.re,
@@ -626,7 +615,7 @@ impl Flow {
             None => (series.index(mode.map(|m| -m))?, true),
         };
         let of = |values: &[Complex64]| {
-            let pick = |offset: usize| match values[..values.len() - 1].get(offset + index) {
+            let pick = |offset: usize| match values[..values.len() - 2].get(offset + index) {
                 Some(value) if is_conjugate => value.conj(),
                 Some(value) => *value,
                 None => Complex64::ZERO,

@@ -529,7 +529,11 @@ fn fastest(background: &Background, run: &FlowRun, points: [usize; 2]) -> Result
     let [most, across] = solver.greatest_modes().map(|greatest| greatest as i32);
     let modes: Vec<Mode> = (0..=most)
         .flat_map(|first| (-across..=across).map(move |second| [first, second]))
-        .filter(|mode| *mode > [0, 0])
+        // In the circle that noise fills, one of each pair of opposite ones.
+        .filter(|[first, second]| {
+            let radius = most.min(across);
+            [*first, *second] > [0, 0] && first * first + second * second <= radius * radius
+        })
         .collect();
     let growth = |mode: &Mode| {
         let wave = solver.wave_vector(*mode);
@@ -555,14 +559,25 @@ fn fastest(background: &Background, run: &FlowRun, points: [usize; 2]) -> Result
     solver.perturb([v1, v2], &own.1).map_err(|error| refused(case, error))?;
     let wave = solver.wave_vector(*mode);
     let mut measured = vec![amplitudes(&solver, *mode)];
+    let count = if problem.closure == Closure::PlasticPotential { 2 } else { 3 };
+    let (duration, predicted) = {
+        let mut duration = duration;
+        loop {
+            let predicted = background.predicted(wave, measured[0], count, duration)?;
+            // What decays is followed while it is far above rounding.
+            let left = predicted.iter().map(|own| own[0].norm()).fold(f64::MAX, f64::min);
+            if left > LEAST * predicted[0][0].norm() || duration < 1e-9 / shear_rate {
+                break (duration, predicted);
+            }
+            duration *= 0.5;
+        }
+    };
     for time in times(duration).into_iter().skip(1) {
         while solver.time() < time {
             solver.advance(time).map_err(|error| refused(case, error))?;
         }
         measured.push(amplitudes(&solver, *mode));
     }
-    let count = if problem.closure == Closure::PlasticPotential { 2 } else { 3 };
-    let predicted = background.predicted(wave, measured[0], count, duration)?;
     // Of the last half, when what decays is gone.
     let half = TIMES / 2;
     let of_rate = |all: &[[Complex64; 2]]| {
@@ -796,7 +811,10 @@ impl Checked {
                 .refinements
                 .iter()
                 .map(|own| Line {
-                    label: own.kind.title().to_owned(),
+                    label: match own.orders() {
+                        Some(_) => own.kind.title().to_owned(),
+                        None => format!("{}: nothing grows", own.kind.title()),
+                    },
                     points: points(own, |grid| grid.predicted),
                 })
                 .collect(),

@@ -285,9 +285,23 @@ impl Equations {
         &self.points.problem
     }
 
-    /// Numbers of the state: ζ, then ω or ψ, then the works of background and stress.
+    /// Numbers of the state: ζ, then ω or ψ, then the works of background and stress, then ω or ψ of the
+    /// background.
     pub(super) fn size(&self) -> usize {
-        self.series.count() * (1 + usize::from(self.problem().closure.inner().is_some())) + 1
+        self.series.count() * (1 + usize::from(self.problem().closure.inner().is_some())) + 2
+    }
+
+    /// The rate of ω or ψ of the background, which no perturbation changes.
+    fn background_rate(&self, inner: f64) -> f64 {
+        let Problem { closure, velocity_gradient, spin_acceleration, .. } = self.problem();
+        match closure {
+            Closure::HarrisGrekova => *spin_acceleration,
+            Closure::DoubleShearing => {
+                let deformation = Deformation::new(*velocity_gradient);
+                double_shearing(&deformation, self.points.sin_phi, cos_sin(inner))
+            }
+            Closure::PlasticPotential => 0.0,
+        }
     }
 
     /// The waves at a time, s.
@@ -320,7 +334,8 @@ impl Equations {
             self.advect(rest[0].re, &mut rest_rates[..count]);
         }
         let Powers { background, stress, .. } = self.powers;
-        rest_rates[size - count - 1] = Complex64::new(background, stress);
+        rest_rates[size - count - 2] = Complex64::new(background, stress);
+        rest_rates[size - count - 1] = self.background_rate(state[size - 1].re).into();
         Ok(())
     }
 
