@@ -152,7 +152,7 @@ fn the_report_has_the_forbidden_band() {
 #[test]
 fn what_has_no_solver_is_analysis_alone() {
     let cases: [(&str, &[&str], &str); 5] = [
-        ("granular-flow/dilatant-domain.toml", &[], "model.dilatancy_angle_deg"),
+        ("granular-flow/characteristic-directions.toml", &[], "model.dilatancy_angle_deg"),
         (
             "granular-flow/noncoaxiality-bound.toml",
             &["background.pressure_gradient=[1, 0]"],
