@@ -799,7 +799,8 @@ impl Checked {
     /// Rates of the fastest growing wave of each grid, model by model.
     pub(super) fn refinement_figure(&self, case: &Case) -> Option<SpectrumFigure> {
         let points = |own: &Refinement, value: fn(&Fastest) -> f64| -> Vec<[f64; 2]> {
-            own.grids.iter().map(|grid| [grid.points[0] as f64, value(grid)]).collect()
+            let grids = own.grids.iter().filter(|_| own.orders().is_some());
+            grids.map(|grid| [grid.points[0] as f64, value(grid)]).collect()
         };
         (!self.refinements.is_empty()).then(|| SpectrumFigure {
             title: case_title(case),
