@@ -109,6 +109,9 @@ fn of_case(
     disagreement(failed, all, "rows")
 }
 
+/// Most points along an axis of a grid on which a perturbation of a flow is refined.
+const MOST_POINTS: usize = 4096;
+
 /// What of a case is checked.
 enum Subject {
     /// Media, and where they are.
@@ -155,8 +158,22 @@ impl Subject {
         let waves = directions.iter().flat_map(|&direction_deg| {
             numbers.iter().map(move |&number| flow::Wave { number, direction_deg })
         });
-        let grids =
-            if extent == Extent::Full { asked.cells.unwrap_or_default() } else { Vec::new() };
+        let grids = asked.cells.unwrap_or_default();
+        let refuse = |found: String, allowed: &str| {
+            let allowed = allowed.to_owned();
+            Err(case.locate(InputError { key: "check.cells", found, allowed }).into())
+        };
+        if !grids.is_empty() && case.flow.is_none() {
+            let found = format!("{grids:?} without a perturbation");
+            return refuse(found, "add [grid], [time] and [[initial]], or leave it out");
+        }
+        if let Some(odd) = grids.iter().find(|own| *own % 2 == 1 || **own > MOST_POINTS) {
+            return refuse(odd.to_string(), "even numbers of points along each axis, up to 4096");
+        }
+        for kind in case.compare.iter().flatten().filter(|_| !grids.is_empty()) {
+            case.for_kind(*kind).closure().map_err(without_solver)?;
+        }
+        let grids = if extent == Extent::Full { grids } else { Vec::new() };
         Ok(Self::Flow { waves: waves.collect(), grids })
     }
 
@@ -286,7 +303,18 @@ fn of_folder(
             }
             Err(error) => return Err(error),
         };
-        let found = pool.install(|| subject.check(&case, Extent::Short))?;
+        let found = match pool.install(|| subject.check(&case, Extent::Short)) {
+            Ok(found) => found,
+            Err(Error::Case(error)) => {
+                (all, failed) = (all + 1, failed + 1);
+                if options.format == Format::Text {
+                    writeln!(stdout, "{name:<56} FAILS: {error}")?;
+                }
+                list.push(json!({ "case": name, "agrees": false, "failure": error.to_string() }));
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
         let ([rows, wrong], worst) = (found.counts(), found.worst());
         let is_well = wrong == 0;
         all += 1;

@@ -192,6 +192,22 @@ fn wrong_sections_are_located() {
     }
 }
 
+#[test]
+fn wrong_grids_of_flows_are_located() {
+    let case = "check/grid-dependence.toml";
+    let wrong: [(&str, &[&str], &str); 3] = [
+        (case, &["check.cells=[65, 129]"], "even numbers"),
+        (case, &["initial[0].field=w"], "which all of them have"),
+        ("granular-flow/noncoaxiality-bound.toml", &["check.cells=[64, 128]"], "[[initial]]"),
+    ];
+    for (name, sets, words) in wrong {
+        let (_, ended) = checked(bundled(name), sets);
+        let error = ended.expect_err(words);
+        assert_eq!(error.exit_code(), 2, "{words}");
+        assert!(error.to_string().contains(words), "{words}: {error}");
+    }
+}
+
 /// Cases in folders inside folders; those without a solver are listed and change nothing.
 #[test]
 fn a_folder_is_walked() {

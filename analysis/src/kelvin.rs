@@ -92,7 +92,7 @@ impl Evolution {
         let rates = solution.rows(0, evolving.len()).into_owned();
         let own = |row: usize| left.row(row).columns(0, evolving.len()).into_owned();
         let admissible =
-            complement(&constraints.into_iter().map(own).collect::<Vec<_>>(), evolving.len());
+            complement(&constraints.into_iter().map(own).collect::<Vec<_>>(), evolving.len())?;
         rates.iter().all(|entry| entry.is_finite()).then_some(Self { evolving, rates, admissible })
     }
 
@@ -149,9 +149,9 @@ pub fn course(
         for (j, time) in times.into_iter().enumerate() {
             let now = wave_vector(gradient, wave, (index as f64 + time) * step);
             let rates = Evolution::new(system, now, wave_vector_rate(gradient, now))?.rates;
-            for i in 0..3 {
+            for (i, weights) in weights.iter().enumerate() {
                 let mut block = left.view_mut((i * size, j * size), (size, size));
-                block -= rates.scale(step * weights[i][j]);
+                block -= rates.scale(step * weights[j]);
             }
         }
         let right = nalgebra::DVector::from_fn(3 * size, |row, _| state[row % size]);
@@ -163,8 +163,8 @@ pub fn course(
     Some(all)
 }
 
-/// Orthonormal columns orthogonal to rows (Gram and Schmidt, twice).
-fn complement(rows: &[nalgebra::RowDVector<Complex64>], size: usize) -> DMatrix<Complex64> {
+/// Orthonormal columns orthogonal to rows (Gram and Schmidt, twice), if there are any.
+fn complement(rows: &[nalgebra::RowDVector<Complex64>], size: usize) -> Option<DMatrix<Complex64>> {
     let mut taken: Vec<nalgebra::DVector<Complex64>> = Vec::new();
     let mut left = Vec::new();
     let axes = (0..size).map(|axis| {
@@ -190,5 +190,5 @@ fn complement(rows: &[nalgebra::RowDVector<Complex64>], size: usize) -> DMatrix<
             }
         }
     }
-    DMatrix::from_columns(&left)
+    (!left.is_empty()).then(|| DMatrix::from_columns(&left))
 }

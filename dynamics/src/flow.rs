@@ -28,8 +28,10 @@ use spectral::Mode;
 const MOST_STAGES: usize = 2000;
 /// Steps, and shear of the box, after which the greatest rate is looked for again.
 const LOOK: (usize, f64) = (25, 0.02);
-/// Successive cuts of a step to a quarter, after which it cannot be made.
-const CUTS: usize = 12;
+/// Successive cuts of a step, after which it cannot be made.
+const MOST_CUTS: usize = 20;
+/// Shear of the box in a step, at most.
+const SHEAR: f64 = 0.25;
 /// Rounding of a step, relative to all of the state.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
@@ -115,6 +117,7 @@ impl Problem {
             ("the tolerance", self.tolerance),
             ("the tolerance of the pressure", self.pressure_tolerance),
             ("the deviatoric stress", self.deviator()),
+            ("the cosine of the friction angle", self.friction_angle.cos()),
         ];
         let finite = [
             ("the cohesion", self.cohesion),
@@ -254,11 +257,15 @@ impl Flow {
     /// is left out.
     ///
     /// # Errors
-    /// A point has no stress.
+    /// A point has no stress; then nothing is added.
     ///
     /// # Panics
     /// The number of values is not that of the points.
     pub fn perturb(&mut self, velocity: [&[f64]; 2], inner: &[f64]) -> Result<(), Left> {
+        self.or_back(|flow| flow.add(velocity, inner))
+    }
+
+    fn add(&mut self, velocity: [&[f64]; 2], inner: &[f64]) -> Result<(), Left> {
         let count: usize = self.equations.problem().points.iter().product();
         assert!(velocity.iter().all(|own| own.len() == count), "a value for each point");
         let waves = self.equations.waves(self.time);
@@ -288,12 +295,46 @@ impl Flow {
     /// One step as long as the tolerance allows, not beyond `until`, s.
     ///
     /// # Errors
-    /// A point has left the fully deforming region; the state is that before the step.
+    /// A point has left the fully deforming region, or no step keeps to the tolerance; the state is that before
+    /// the step.
     pub fn advance(&mut self, until: f64) -> Result<(), Left> {
-        let rest = until - self.time;
-        if rest <= 0.0 {
+        if until <= self.time {
             return Ok(());
         }
+        self.or_back(|flow| flow.step_towards(until))
+    }
+
+    /// A step of a given length, s, whatever its error, in at least so many stages, on which its error depends.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance), or the step needs more stages than any has.
+    pub fn advance_by(&mut self, step: f64, least_stages: usize) -> Result<(), Left> {
+        self.or_back(|flow| {
+            flow.look()?;
+            let end = flow.time + step;
+            let (state, rates, _) = flow.tried(step, end, least_stages)?;
+            flow.accept(state, rates, end);
+            Ok(())
+        })
+    }
+
+    /// Does something to the flow; what cannot be done leaves all fields at the points as they were.
+    fn or_back(&mut self, action: impl FnOnce(&mut Self) -> Result<(), Left>) -> Result<(), Left> {
+        let (state, pressure) = (self.state.clone(), self.equations.pressure.clone());
+        action(self).inspect_err(|_| {
+            (self.state, self.equations.pressure) = (state, pressure);
+            // If there was no stress before, there is none now.
+            let _ = self.equations.rates(self.time, &self.state, &mut self.rates);
+        })
+    }
+
+    fn accept(&mut self, state: Vec<Complex64>, rates: Vec<Complex64>, time: f64) {
+        (self.state, self.rates, self.time) = (state, rates, time);
+        (self.steps, self.control.age) = (self.steps + 1, self.control.age + 1);
+    }
+
+    fn step_towards(&mut self, until: f64) -> Result<(), Left> {
+        let rest = until - self.time;
         if self.control.step.is_nan() {
             self.control.rate = self.greatest_rate()?;
             self.control.step = self.first_step(rest)?;
@@ -302,10 +343,21 @@ impl Flow {
         let start = self.equations.pressure.clone();
         let mut cuts = 0;
         loop {
-            // What is left is shared by steps of one length, lest the last one is a splinter.
-            let longest = self.control.step.min(0.9 * reach(MOST_STAGES) / self.control.rate);
+            // Before the box has sheared by much, and what is left is shared by steps of one length, lest the last
+            // one is a splinter.
+            let sheared = (self.time - self.control.looked) * self.shear_rate() + SHEAR;
+            let fastest = self.control.rate * (2.0 * sheared).exp();
+            let longest = self
+                .control
+                .step
+                .min(SHEAR / self.shear_rate())
+                .min(0.9 * reach(MOST_STAGES) / fastest);
             let step = rest / (rest / longest).ceil().max(1.0);
-            match self.tried(step, 0) {
+            let end = if step == rest { until } else { self.time + step };
+            if end <= self.time {
+                return Err(self.stuck("a step is below the rounding of the time"));
+            }
+            match self.tried(step, end, 0) {
                 Ok((state, rates, error)) if error <= 1.0 => {
                     let factor = 0.8
                         * error.max(1e-6).powf(-1.0 / 3.0)
@@ -313,58 +365,48 @@ impl Flow {
                     // A step cut short by `until` says nothing against a longer one.
                     let next = step * factor.clamp(0.1, 5.0);
                     self.control.step = if step < longest { next.max(longest) } else { next };
-                    (self.control.error, self.control.age) = (error, self.control.age + 1);
-                    (self.state, self.rates) = (state, rates);
-                    let is_last = step == rest;
-                    self.time = if is_last { until } else { self.time + step };
-                    self.steps += 1;
+                    self.control.error = error;
+                    self.accept(state, rates, end);
                     return Ok(());
                 }
                 Ok((.., error)) if error.is_finite() => {
                     self.control.step = step * (0.8 * error.powf(-1.0 / 3.0)).clamp(0.1, 0.8);
                 }
-                Ok(_) => self.control.step = 0.25 * step,
-                Err(left) if cuts >= CUTS => {
-                    self.equations.pressure.copy_from_slice(&start);
-                    self.equations.rates(self.time, &self.state, &mut self.rates)?;
-                    return Err(left);
-                }
-                Err(_) => {
-                    cuts += 1;
-                    self.control.step = 0.25 * step;
-                }
+                Ok(_) if cuts >= MOST_CUTS => return Err(self.stuck("no step has finite values")),
+                Err(left) if cuts >= MOST_CUTS => return Err(left),
+                _ => self.control.step = 0.25 * step,
+            }
+            cuts += 1;
+            self.equations.pressure.copy_from_slice(&start);
+            // Next to the end of the region the look itself may leave it.
+            if self.control.age > 0
+                && let Ok(rate) = self.greatest_rate()
+            {
+                self.control.rate = rate;
             }
             self.equations.pressure.copy_from_slice(&start);
-            if self.control.age > 0 {
-                self.control.rate = self.greatest_rate()?;
-                self.equations.pressure.copy_from_slice(&start);
-            }
         }
     }
 
-    /// A step of a given length, s, whatever its error, in at least so many stages, on which its error depends.
-    ///
-    /// # Errors
-    /// As [`advance`](Self::advance).
-    pub fn advance_by(&mut self, step: f64, least_stages: usize) -> Result<(), Left> {
-        self.look()?;
-        let (state, rates, _) = self.tried(step, least_stages)?;
-        (self.state, self.rates) = (state, rates);
-        (self.time, self.steps, self.control.age) =
-            (self.time + step, self.steps + 1, self.control.age + 1);
-        Ok(())
+    /// That it does not go on, though no point is to blame.
+    fn stuck(&self, what: &str) -> Left {
+        Left { what: what.to_owned(), at: [0.0; 2], time: self.time }
     }
 
     /// State and rates after a step, and its error over the tolerance.
     fn tried(
         &mut self,
         step: f64,
+        end: f64,
         least_stages: usize,
     ) -> Result<(Vec<Complex64>, Vec<Complex64>, f64), Left> {
         // Wave vectors lengthen at the rate Q_D at most, and decay goes with their square.
-        let ahead = self.time + step - self.control.looked;
+        let ahead = end - self.control.looked;
         let product = step * self.control.rate * (2.0 * self.shear_rate() * ahead).exp();
         self.stages = stages(product).max(least_stages);
+        if self.stages > MOST_STAGES {
+            return Err(self.stuck(&format!("a step of {step:e} s asks for too many stages")));
+        }
         let mut last = self.state.clone();
         let mut before = last.clone();
         let mut rates = self.rates.clone();
@@ -385,7 +427,7 @@ impl Flow {
             }
             time = self.time + step * stage.time;
         }
-        self.equations.rates(self.time + step, &last, &mut rates)?;
+        self.equations.rates(end, &last, &mut rates)?;
         // 0.8 (y − y⁺) + 0.4 h (y′ + y⁺′)
         before.copy_from_slice(&self.state);
         combine(&mut before, 0.8, &last, -0.8);
@@ -458,7 +500,9 @@ impl Flow {
             self.equations.rates(time, &state, &mut rates)?;
             combine(&mut rates, 1.0, &self.rates, -1.0);
             let found = self.norm(&rates) / size;
-            std::mem::swap(&mut direction, &mut rates);
+            if found > 0.0 {
+                std::mem::swap(&mut direction, &mut rates);
+            }
             let is_settled = round > 1 && (found - rate).abs() <= 0.01 * found;
             rate = found;
             if is_settled || found == 0.0 {
@@ -468,6 +512,9 @@ impl Flow {
         self.control.direction = direction;
         (self.control.age, self.control.looked) = (0, time);
         self.equations.pressure.copy_from_slice(&start);
+        if !rate.is_finite() {
+            return Err(self.stuck("rates that are not finite"));
+        }
         // No slower than what the background does.
         Ok(1.2 * rate.max(self.shear_rate()))
     }
@@ -648,7 +695,7 @@ impl Flow {
         }
     }
 
-    /// Goes back to a snapshot; `false`, and nothing changed, if it is none of this problem.
+    /// Goes back to a snapshot; `false` if it is none of this problem.
     pub fn restore(&mut self, snapshot: &Snapshot) -> bool {
         let [numbers, state, pressure, direction] = snapshot.parts.as_slice() else { return false };
         let [time, step, error, rate, age, looked] = numbers.as_slice() else { return false };

@@ -347,7 +347,11 @@ fn points_that_leave_the_region_stop_the_run() {
     assert!(left.what.contains("no stress angle"), "{left}");
     assert!((left.time / expected - 1.0).abs() < 1e-2, "{} {expected}", left.time);
     assert!(flow.time() <= left.time && flow.time() > 0.98 * expected);
-    assert!(flow.values().iter().flatten().all(|value| value.is_finite()));
+    // The fields at rest are those of the state before.
+    let mut again = Flow::new(&fast).expect("a problem");
+    assert!(again.restore(&flow.snapshot()));
+    assert_eq!(flow.values(), again.values());
+    assert_eq!(flow.energy(), again.energy());
     // A plastic potential at rest somewhere.
     let mut flow = Flow::new(&steady(Closure::PlasticPotential, 16)).expect("a problem");
     let stop: Vec<f64> =
@@ -391,6 +395,25 @@ fn bits_depend_on_no_threads_and_no_snapshot() {
     let mut flow = Flow::new(&steady(Closure::PlasticPotential, 8)).expect("a problem");
     let other = Flow::new(&steady(Closure::PlasticPotential, 16)).expect("a problem").snapshot();
     assert!(!flow.restore(&other));
+}
+
+/// A flow without a perturbation steps on, and what no number of stages bears is refused.
+#[test]
+fn steps_have_an_end() {
+    let calm = Problem { lengths: [10.0, 10.0], ..problem(Closure::HarrisGrekova, 8, 0.3) };
+    let mut flow = Flow::new(&calm).expect("a problem");
+    let zero = vec![0.0; 64];
+    flow.perturb([&zero, &zero], &zero).expect("a stress");
+    while flow.time() < 0.5 {
+        flow.advance(0.5).expect("a stress");
+    }
+    assert!(flow.steps() < 1000, "{}", flow.steps());
+    let stiff = Problem { lengths: [1e-6, 1e-6], ..calm };
+    let mut flow = perturbed(&stiff, 1e-3);
+    let before = flow.snapshot();
+    let left = flow.advance_by(1.0, 0).expect_err("too many stages");
+    assert!(left.what.contains("too many stages"), "{left}");
+    assert_eq!(flow.snapshot().parts[1], before.parts[1]);
 }
 
 #[test]

@@ -149,7 +149,10 @@ impl<'a> March<'a> {
             seconds => seconds,
         };
         let energy = flow.energy();
-        let last = Line { time: flow.time(), energy };
+        // What resumes between two lines has written none of this state.
+        let time = flow.time();
+        let is_due = time >= duration || (time / lines).round() * lines == time;
+        let last = Line { time: if is_due { time } else { f64::NEG_INFINITY }, energy };
         let mut march = Self {
             job,
             files,
