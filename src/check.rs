@@ -2,8 +2,8 @@
 //!
 //! The prediction comes from the linearised equations ([`analysis`]), the measurement from the solver
 //! ([`dynamics`]); they share nothing but the numbers of the case. How far the solver may be off is not
-//! chosen: [`scheme`] has the exact symbol of its step, whose complex frequencies are fitted as the measured
-//! ones are.
+//! chosen: `scheme` has the exact symbol of its step, whose complex frequencies are fitted as the measured
+//! ones are; for flows the limit of small steps tells how far it may be off.
 
 mod fit;
 pub mod flow;
