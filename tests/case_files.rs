@@ -231,7 +231,7 @@ fn bundled_cases_are_valid_and_have_headers() {
         let case = Case::parse(text, path, &[]).unwrap_or_else(|error| panic!("{error}"));
         assert!(!case.title.is_empty(), "{path}");
         let verb = if case.in_time().is_ok() {
-            "run"
+            if path.starts_with("cases/check/") { "check" } else { "run" }
         } else if let Kind::Solid(_) = case.kind {
             Solid::of(&case).unwrap_or_else(|error| panic!("{error}"));
             match case.map.is_some() {
@@ -243,8 +243,13 @@ fn bundled_cases_are_valid_and_have_headers() {
             check(&case).unwrap_or_else(|error| panic!("{error}"));
             if case.map.is_some() { "map" } else { "point" }
         };
-        let command = format!("# Run     wellposed {verb} {path}\n");
-        for part in ["# Shows ", "# Expect ", "# Takes ", command.as_str()] {
+        let command = format!("# Run     wellposed {verb} {path}");
+        let lines = || text.lines();
+        assert!(
+            lines().any(|line| line.trim_end_matches(" --accept-ill-posed") == command),
+            "{path} does not say '{command}'"
+        );
+        for part in ["# Shows ", "# Expect ", "# Takes "] {
             assert!(text.contains(part), "{path} does not say '{part}'");
         }
     }
