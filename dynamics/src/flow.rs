@@ -217,7 +217,7 @@ pub struct Flow {
 }
 
 impl Flow {
-    /// The background alone.
+    /// The background alone; its [`values`](Self::values) are there once it has been perturbed, or restored.
     ///
     /// # Errors
     /// The first number that cannot be. That the background has a stress is found by [`perturb`](Self::perturb).
@@ -569,13 +569,7 @@ impl Flow {
 
     /// Fields of this flow, velocities first.
     pub fn fields(&self) -> Vec<Field> {
-        let spin =
-            (self.equations.problem().closure == Closure::HarrisGrekova).then_some(Field::Spin);
-        [Field::Velocity(0), Field::Velocity(1)]
-            .into_iter()
-            .chain(spin)
-            .chain([Field::StressAngle, Field::Pressure, Field::ShearRate])
-            .collect()
+        self.equations.problem().closure.fields()
     }
 
     /// Values of all [`fields`](Self::fields) at the points, x₁ running fastest.

@@ -228,7 +228,8 @@ fn plane_waves_in_the_plane_without_limiter() {
 
 #[test]
 fn plane_waves_in_the_plane() {
-    orders::<2>(&[64, 128], Slopes::Limited, [1.85, 1.4]);
+    // On 64 cells the limiter still takes a notable part of each crest.
+    orders::<2>(&[128, 256], Slopes::Limited, [1.85, 1.4]);
 }
 
 #[test]
@@ -375,7 +376,7 @@ fn domains_that_cannot_be_are_refused() {
 
 /// Every branch on grids so fine that all orders are those of the scheme.
 #[test]
-#[ignore = "some minutes: cargo test -p wellposed-dynamics --test domain fine -- --ignored --nocapture"]
+#[ignore = "two minutes: cargo test -p wellposed-dynamics --test domain fine -- --ignored --nocapture"]
 fn fine_grids_in_the_plane() {
     orders::<2>(&[64, 128, 256, 512], Slopes::Limited, [1.9; 2]);
     orders::<2>(&[64, 128, 256, 512], Slopes::Unlimited, [1.9; 2]);

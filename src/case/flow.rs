@@ -11,6 +11,7 @@ use super::dynamics::Receiver;
 use super::keys::{Key, Value};
 use super::place::Places;
 use super::{Case, CaseError, Kind};
+use dynamics::flow::spectral::greatest_modes;
 use dynamics::flow::{Closure, Field};
 use models::granular_flow::state::{Background, Flow, Region};
 use std::fmt;
@@ -79,7 +80,7 @@ impl Grid {
     /// Greatest m₁ and m₂ of the waves exp(2πi(m₁y₁/L₁ + m₂y₂/L₂)) that the points hold without mistaking
     /// products of two of them for others.
     pub fn greatest_modes(&self) -> [usize; 2] {
-        self.cells.map(|count| (count - 1) / 3)
+        greatest_modes(self.cells)
     }
 
     /// Coordinate at the beginning of the point of that index along an axis, m.
@@ -115,13 +116,7 @@ pub struct Quantity(pub Field);
 impl Quantity {
     /// Those that a flow has.
     pub fn all(closure: Closure) -> Vec<Self> {
-        let spin = (closure == Closure::HarrisGrekova).then_some(Field::Spin);
-        [Field::Velocity(0), Field::Velocity(1)]
-            .into_iter()
-            .chain(spin)
-            .chain([Field::StressAngle, Field::Pressure, Field::ShearRate])
-            .map(Self)
-            .collect()
+        closure.fields().into_iter().map(Self).collect()
     }
 
     /// Name in case files, tables and pictures, where angles are in degrees.

@@ -33,6 +33,16 @@ impl Closure {
             Self::PlasticPotential => None,
         }
     }
+
+    /// Fields of a flow, velocities first.
+    pub fn fields(self) -> Vec<Field> {
+        let spin = (self == Self::HarrisGrekova).then_some(Field::Spin);
+        [Field::Velocity(0), Field::Velocity(1)]
+            .into_iter()
+            .chain(spin)
+            .chain([Field::StressAngle, Field::Pressure, Field::ShearRate])
+            .collect()
+    }
 }
 
 /// The velocity gradient in invariants.

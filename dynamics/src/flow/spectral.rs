@@ -30,12 +30,18 @@ pub struct Series {
     half: Vec<Complex64>,
 }
 
+/// Greatest mode numbers of series on so many points along each axis: products of two of them are not mistaken
+/// for others (the rule of two thirds, Orszag 1971).
+pub fn greatest_modes(points: [usize; 2]) -> [usize; 2] {
+    points.map(|points| (points - 1) / 3)
+}
+
 impl Series {
     /// Series on so many points along each axis: even numbers of at least 8.
     pub fn new(points: [usize; 2]) -> Self {
         let mut real = RealFftPlanner::new();
         let mut complex = FftPlanner::new();
-        let greatest = points.map(|points| (points - 1) / 3);
+        let greatest = greatest_modes(points);
         Self {
             points,
             greatest,

@@ -93,28 +93,31 @@ fn mix(state: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// exp(2πimy/L) at the points of an axis. Whole turns are taken off in whole numbers.
-fn along(mode: i64, points: usize) -> Vec<Complex64> {
-    let turn = 2 * points as i128;
-    (0..points as i128)
-        .map(|i| (i128::from(mode) * (2 * i + 1)).rem_euclid(turn) as f64)
-        .map(|half| Complex64::cis(PI * half / points as f64))
-        .collect()
+/// exp(iπh/n) for all h of a turn.
+fn turn(points: usize) -> Vec<Complex64> {
+    (0..2 * points).map(|half| Complex64::cis(PI * half as f64 / points as f64)).collect()
+}
+
+/// exp(2πimy/L) at the points of an axis, from a turn. Whole turns are taken off in whole numbers.
+fn along(mode: i64, turn: &[Complex64]) -> impl Iterator<Item = Complex64> {
+    let count = turn.len() as i64;
+    (0..count / 2).map(move |i| turn[(mode * (2 * i + 1)).rem_euclid(count) as usize])
 }
 
 /// Σ Re c exp(ik·y) at the points, by way of sums along the second axis.
 fn sum(grid: &Grid, modes: impl IntoIterator<Item = Mode>) -> Vec<f64> {
     let [columns, rows] = grid.cells;
+    let [column_turn, row_turn] = grid.cells.map(turn);
     let mut by_first: BTreeMap<i64, Vec<Complex64>> = BTreeMap::new();
     for ([m1, m2], amplitude) in modes {
         let sums = by_first.entry(m1).or_insert_with(|| vec![Complex64::ZERO; rows]);
-        for (sum, wave) in sums.iter_mut().zip(along(m2, rows)) {
+        for (sum, wave) in sums.iter_mut().zip(along(m2, &row_turn)) {
             *sum += amplitude * wave;
         }
     }
     let mut values = vec![0.0; grid.count()];
     for (m1, sums) in by_first {
-        let waves = along(m1, columns);
+        let waves: Vec<Complex64> = along(m1, &column_turn).collect();
         for (row, sum) in values.chunks_exact_mut(columns).zip(sums) {
             for (value, wave) in row.iter_mut().zip(&waves) {
                 *value += sum.re * wave.re - sum.im * wave.im;
