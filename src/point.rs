@@ -7,7 +7,7 @@ use crate::case::{Case, Kind, radians};
 use crate::frozen::{Frozen, Workspace};
 use crate::output::{self, ResultFolder};
 use crate::words::{
-    ROUTE, VALIDITY, case_title, coefficient_unit, order_words, short, superscript,
+    ROUTE, VALIDITY, case_title, coaxial_words, coefficient_unit, order_words, short, superscript,
 };
 use crate::{Error, Format, Options};
 use analysis::bound::{self, Place, Supremum};
@@ -94,7 +94,7 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
         if other.kind != own.kind {
             let _ = write!(words, "\nCompared: {}\n", other.kind.title());
             if let Some(delta) = other.lost_noncoaxiality_deg {
-                let _ = writeln!(words, "  (coaxial: Δ = 0 in place of {}°)", short(delta));
+                let _ = writeln!(words, "  {}", coaxial_words(delta));
             }
             words += &verdict_words(other);
         }

@@ -59,6 +59,11 @@ pub fn unit_of(name: &str) -> &'static str {
     }
 }
 
+/// That a model is coaxial, though the case says Δ, degrees.
+pub fn coaxial_words(noncoaxiality_deg: f64) -> String {
+    format!("(coaxial: Δ = 0 in place of {}°)", short(noncoaxiality_deg))
+}
+
 /// An order as a fraction where it is one.
 pub fn order_words(order: f64) -> String {
     for denominator in 1..=12 {

@@ -221,7 +221,7 @@ fn five_thousand_steps_are_stable() {
 }
 
 #[test]
-#[ignore = "a minute: cargo test -p wellposed-dynamics --test ledger -- --ignored"]
+#[ignore = "a minute: cargo test --release -p wellposed-dynamics --test ledger -- --ignored"]
 fn a_hundred_thousand_steps_are_stable() {
     stable(100);
 }

@@ -5,11 +5,11 @@ use super::fit::{Rate, error_of_rate, rate};
 use super::{digits, exponent};
 use crate::Error;
 use crate::case::flow::{Disturbed, FlowRun, Initial};
-use crate::case::{Case, Kind};
+use crate::case::{Case, Converted, Kind};
 use crate::frozen::{StateError, Workspace};
 use crate::progress::Progress;
 use crate::run::{flow_problem, perturbation};
-use crate::words::{case_title, order_words, short};
+use crate::words::{case_title, coaxial_words, order_words, short};
 use analysis::growth::Verdict;
 use analysis::kelvin::{Evolution, course, wave_vector, wave_vector_rate};
 use analysis::newton::Order;
@@ -134,6 +134,8 @@ pub struct Refinement {
     pub grids: Vec<Fastest>,
     /// |Γ|, in the sense of Q_D, 1/s.
     pub shear_rate: f64,
+    /// The case's Δ, degrees, where this model can have none but 0.
+    pub lost_noncoaxiality_deg: Option<f64>,
 }
 
 impl Refinement {
@@ -365,8 +367,8 @@ pub(super) fn check(case: &Case, waves: &[Wave], grids: &[usize]) -> Result<Chec
         return Err(case.locate(InputError { key: "initial", found, allowed }).into());
     }
     for kind in kinds {
-        // The plastic potential has no non-coaxiality.
-        let own = case.for_kind_with(kind, Some(background.flow.noncoaxiality.to_degrees())).case;
+        let noncoaxiality_deg = background.flow.noncoaxiality.to_degrees();
+        let own = case.for_kind_with(kind, Some(noncoaxiality_deg));
         if let Some(run) = &case.flow {
             refinements.push(refinement(&own, run, grids, &progress)?);
         }
@@ -537,11 +539,12 @@ fn in_the_limit(measured: &[(usize, Rate)]) -> (Rate, f64) {
 
 /// What grids make of the perturbation of a case in its model.
 fn refinement(
-    case: &Case,
+    converted: &Converted,
     run: &FlowRun,
     grids: &[usize],
     progress: &Progress,
 ) -> Result<Refinement, Error> {
+    let Converted { case, lost_noncoaxiality_deg } = converted;
     let background = Background::new(case)?;
     let limit = match &background.verdict {
         Verdict::IllPosed { growth: Some(growth), .. } => Order::value(growth.order),
@@ -553,7 +556,13 @@ fn refinement(
         found
     };
     let grids = grids.iter().map(fastest).collect::<Result<_, _>>()?;
-    Ok(Refinement { kind: case.kind, limit, grids, shear_rate: background.flow.shear_rate })
+    Ok(Refinement {
+        kind: case.kind,
+        limit,
+        grids,
+        shear_rate: background.flow.shear_rate,
+        lost_noncoaxiality_deg: *lost_noncoaxiality_deg,
+    })
 }
 
 /// The mode of a grid that grows fastest, predicted and measured.
@@ -744,6 +753,9 @@ impl Checked {
                 "\n{}: the fastest growing wave of each grid, rates in 1/s",
                 own.kind.title()
             );
+            if let Some(delta) = own.lost_noncoaxiality_deg {
+                let _ = writeln!(text, "  {}", coaxial_words(delta));
+            }
             for grid in &own.grids {
                 let [columns, rows] = grid.points;
                 let scale = grid.predicted.abs().max(own.shear_rate);
