@@ -50,6 +50,32 @@ impl Patterns {
     }
 }
 
+/// So many zeros, in great pages where the system has such: a sweep across rows is on another small page with
+/// every cell, and a processor knows the addresses of few.
+fn zeros<N: Number>(count: usize) -> Vec<N> {
+    let mut room: Vec<N> = Vec::with_capacity(count);
+    #[cfg(target_os = "linux")]
+    {
+        const PAGE: usize = 1 << 12;
+        let free = room.spare_capacity_mut();
+        let before = free.as_ptr().cast::<u8>().align_offset(PAGE);
+        let length = size_of_val(free).saturating_sub(before) / PAGE * PAGE;
+        if length > 0 {
+            // SAFETY: whole pages of a room that is ours; how the system keeps them does not change what they hold.
+            // Where it cannot do it, it goes on as ever.
+            unsafe {
+                libc::madvise(
+                    free.as_mut_ptr().cast::<u8>().add(before).cast(),
+                    length,
+                    libc::MADV_HUGEPAGE,
+                );
+            }
+        }
+    }
+    room.resize(count, N::ZERO);
+    room
+}
+
 impl<T: Real, const D: usize> Domain<T, D> {
     /// The layers across the last axis of a sound problem, and whether there are others beyond.
     pub(crate) fn slab(problem: &Problem<D>, own: Range<usize>, is_cut: [bool; 2]) -> Self {
@@ -216,7 +242,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     ((length + depth) % groups, (length + depth) / groups)
                 }),
             },
-            data: vec![T::Lanes::ZERO; patterns.len() * fields.len()],
+            data: zeros(patterns.len() * fields.len()),
             patterns,
             row_patterns: rows.iter().map(|row| row.1).collect(),
             sides: [sides.clone(), sides],
