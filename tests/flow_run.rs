@@ -241,7 +241,7 @@ fn growth_ends_a_run_with_what_was_sound() {
     let error = carried_out(folder.path(), &text, 1).expect_err("growth");
     assert_eq!(error.exit_code(), 3, "{error}");
     let message = error.to_string();
-    assert!(message.contains(" m in the box at the beginning, after "), "{message}");
+    assert!(message.contains(" m in the box at the beginning after "), "{message}");
     assert!(message.ends_with(" s is saved"), "{message}");
     let out = folder.path().join("out");
     let report: serde_json::Value =

@@ -156,8 +156,8 @@ fn shear_rate_of(gradient: [[f64; 2]; 2]) -> f64 {
 pub struct Left {
     /// What happened, with its values.
     pub what: String,
-    /// Where, in coordinates of the box at the beginning, m.
-    pub at: [f64; 2],
+    /// Where, in coordinates of the box at the beginning, m; `None` where it is not one point's doing.
+    pub at: Option<[f64; 2]>,
     /// When, s.
     pub time: f64,
 }
@@ -390,7 +390,7 @@ impl Flow {
 
     /// That it does not go on, though no point is to blame.
     fn stuck(&self, what: &str) -> Left {
-        Left { what: what.to_owned(), at: [0.0; 2], time: self.time }
+        Left { what: what.to_owned(), at: None, time: self.time }
     }
 
     /// State and rates after a step, and its error over the tolerance.

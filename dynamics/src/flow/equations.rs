@@ -343,7 +343,7 @@ impl Equations {
         let Problem { points, lengths, .. } = self.problem();
         let index = [point % points[0], point / points[0]];
         let place = |axis: usize| (index[axis] as f64 + 0.5) * lengths[axis] / points[axis] as f64;
-        Left { what, at: [place(0), place(1)], time }
+        Left { what, at: Some([place(0), place(1)]), time }
     }
 
     /// Velocity, its gradient, and ω or ψ at the points.
@@ -389,7 +389,7 @@ impl Equations {
             pressure.fill(Complex64::ZERO);
             let (residual, count) = (solved.residual, solved.iterations);
             let what = format!("no pressure: residual {residual:.1e} after {count} iterations");
-            Left { what, at: [0.0; 2], time }
+            Left { what, at: None, time }
         })?;
         self.effort = [self.effort[0] + 1, self.effort[1] + iterations];
         self.residual = residual;

@@ -60,10 +60,14 @@ fn next(time: f64, interval: f64, duration: f64) -> f64 {
     if next > duration - 1e-6 * interval { duration } else { next }
 }
 
-/// Where a point has left the fully deforming region.
-fn place(left: &Left) -> String {
-    let [first, second] = left.at.map(short);
-    format!("[{first}, {second}] m")
+/// What happened, and at which point if it is one that has left the fully deforming region.
+fn told(left: &Left) -> String {
+    match left.at.map(|at| at.map(short)) {
+        Some([first, second]) => {
+            format!("{} at [{first}, {second}] m in the box at the beginning", left.what)
+        }
+        None => left.what.clone(),
+    }
 }
 
 impl Job<'_> {
@@ -120,8 +124,11 @@ impl<'a> March<'a> {
             .map_err(|error| case.locate("grid", error.to_string(), "see the README"))?;
         // Left before it began: the perturbation asks for too much.
         let too_much = |left: Left| {
-            let found = format!("{} at {}", left.what, place(&left));
-            case.locate("initial", found, "a smaller perturbation, which leaves the flow deforming")
+            case.locate(
+                "initial",
+                told(&left),
+                "a smaller perturbation, which leaves the flow deforming",
+            )
         };
         if from.is_none() {
             let fields = initial::fields(case, &job.problem)?;
@@ -264,9 +271,14 @@ impl<'a> March<'a> {
             self.write_line()?;
         }
         Ok(Stopped {
-            what: format!("{} at {} in the box at the beginning,", left.what, place(left)),
+            what: told(left),
             time: short(left.time),
-            remedy: "a smaller perturbation goes on for longer if the state is well-posed",
+            remedy: match left.at {
+                Some(_) => "a smaller perturbation goes on for longer if the state is well-posed",
+                None => {
+                    "a smaller perturbation or greater tolerances go on for longer if the state is well-posed"
+                }
+            },
             saved: short(self.flow.time()),
         })
     }
