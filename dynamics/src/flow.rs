@@ -341,7 +341,7 @@ impl Flow {
         }
         self.look()?;
         let start = self.equations.pressure.clone();
-        let mut cuts = 0;
+        let (mut cuts, mut last_left) = (0, None);
         loop {
             // Before the box has sheared by much, and what is left is shared by steps of one length, lest the last
             // one is a splinter.
@@ -355,7 +355,9 @@ impl Flow {
             let step = rest / (rest / longest).ceil().max(1.0);
             let end = if step == rest { until } else { self.time + step };
             if end <= self.time {
-                return Err(self.stuck("a step is below the rounding of the time"));
+                // A point that no step is short enough for is to blame.
+                let stuck = || self.stuck("a step is below the rounding of the time");
+                return Err(last_left.unwrap_or_else(stuck));
             }
             match self.tried(step, end, 0) {
                 Ok((state, rates, error)) if error <= 1.0 => {
@@ -374,7 +376,11 @@ impl Flow {
                 }
                 Ok(_) if cuts >= MOST_CUTS => return Err(self.stuck("no step has finite values")),
                 Err(left) if cuts >= MOST_CUTS => return Err(left),
-                _ => self.control.step = 0.25 * step,
+                Err(left) => {
+                    last_left = Some(left);
+                    self.control.step = 0.25 * step;
+                }
+                Ok(_) => self.control.step = 0.25 * step,
             }
             cuts += 1;
             self.equations.pressure.copy_from_slice(&start);
