@@ -853,13 +853,15 @@ impl Checked {
     pub(super) fn refinement_figure(&self, case: &Case) -> Option<SpectrumFigure> {
         let points = |own: &Refinement, value: fn(&Fastest) -> f64| -> Vec<[f64; 2]> {
             let grids = own.grids.iter().filter(|_| own.orders().is_some());
-            grids.map(|grid| [grid.points[0] as f64, value(grid)]).collect()
+            grids.map(|grid| [grid.number, value(grid)]).collect()
         };
+        let grids = self.refinements.first().map_or(&[][..], |own| &own.grids);
+        let counts: Vec<String> = grids.iter().map(|grid| format!("{}²", grid.points[0])).collect();
         (!self.refinements.is_empty()).then(|| SpectrumFigure {
             title: case_title(case),
             subtitle: "the fastest growing wave of each grid: lines from the analysis, rings from the solver"
                 .to_owned(),
-            x_label: "points along each axis".to_owned(),
+            x_label: format!("its wave number k on {} points, 1/m", counts.join(", ")),
             y_label: "growth rate γ, 1/s".to_owned(),
             lines: self
                 .refinements
