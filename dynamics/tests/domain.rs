@@ -125,27 +125,22 @@ fn errors<const D: usize>(theory: Theory, count: usize, branch: usize, slopes: S
             .sum()
     };
     let fields = domain.fields().to_vec();
-    let of = |field: Field| {
-        let name = name(field);
+    // Place among the unknowns, once for all cells.
+    let place = |field: &Field| {
+        let name = name(*field);
         let place = equations.unknowns.iter().position(|unknown| unknown.name == name);
-        amplitude[place.expect("an unknown")]
+        place.expect("an unknown")
     };
-    let exact = |field: Field, cell: usize, time: f64| {
-        factor * (of(field) * Complex64::cis(phase(cell) - frequency * time)).re
+    let places: Vec<usize> = fields.iter().map(place).collect();
+    let exact = |place: usize, cell: usize, time: f64| {
+        factor * (amplitude[place] * Complex64::cis(phase(cell) - frequency * time)).re
     };
-    for &field in &fields {
-        let cells = count.pow(D as u32);
-        domain.set(field, &(0..cells).map(|cell| exact(field, cell, 0.0)).collect::<Vec<_>>());
+    let cells = count.pow(D as u32);
+    for (&field, &place) in fields.iter().zip(&places) {
+        domain.set(field, &(0..cells).map(|cell| exact(place, cell, 0.0)).collect::<Vec<_>>());
     }
     // The greatest error of these instants: at a single one errors of several kinds may cancel in a field, and
     // its order would mean little.
-    // In units of energy, of which the wave has one: some fields have no part in it.
-    let weight = |field: &Field| {
-        let name = name(*field);
-        let place = equations.unknowns.iter().position(|unknown| unknown.name == name);
-        let place = place.expect("an unknown");
-        form.a[(place, place)].sqrt()
-    };
     let kind = |field: &Field| match field {
         Field::Velocity(_) => 0,
         Field::Spin(_) => 1,
@@ -162,13 +157,14 @@ fn errors<const D: usize>(theory: Theory, count: usize, branch: usize, slopes: S
         }
         done = until;
         let time = time / steps * until as f64;
-        let cells = count.pow(D as u32);
         let mut squares = vec![[0.0f64; 4]; cells];
-        for (field, greatest) in fields.iter().zip(&mut greatest) {
+        for ((field, &place), greatest) in fields.iter().zip(&places).zip(&mut greatest) {
+            // In units of energy, of which the wave has one: some fields have no part in it.
+            let weight = form.a[(place, place)].sqrt();
             let values = domain.values(*field).expect("a field");
             let mut sum = 0.0;
             for ((cell, value), squares) in values.iter().enumerate().zip(&mut squares) {
-                let error = weight(field) * (value - exact(*field, cell, time)).abs();
+                let error = weight * (value - exact(place, cell, time)).abs();
                 sum += error;
                 squares[kind(field)] += error * error;
             }
