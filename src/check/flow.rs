@@ -684,6 +684,7 @@ impl Checked {
         let refinement = |own: &Refinement| {
             json!({
                 "model": own.kind.name(),
+                "lost_noncoaxiality_deg": own.lost_noncoaxiality_deg,
                 "limit_of_the_order": own.limit,
                 "orders": own.orders().map(|[predicted, measured]| {
                     json!({ "predicted": predicted, "measured": measured })
