@@ -128,7 +128,7 @@ pub struct Domain<T: Real, const D: usize> {
     /// Groups of a layer across the last axis.
     across: usize,
     row_ends: RowEnds,
-    /// By group: those of the rows, one to spare, and ghosts beyond the ends of the lines at hand.
+    /// By group: those of the rows, and ghosts beyond the ends of the lines at hand.
     patterns: Vec<u32>,
     /// Of the ghosts of each row: in front of it and behind, the nearest first.
     row_patterns: Vec<[u32; 2 * GHOSTS]>,
@@ -158,8 +158,8 @@ pub struct Domain<T: Real, const D: usize> {
 struct RowEnds {
     /// What ghosts see of both ends, the outermost first; rows shorter than the ghosts repeat themselves.
     inside: [[Slot; GHOSTS]; 2],
-    /// The ghosts behind the last cell.
-    beyond: [Slot; GHOSTS],
+    /// What is no cell: ghosts stand in the first of these while the row is swept, else zeros in all.
+    empty: Vec<Slot>,
 }
 
 /// Terms of the energy density: places of two fields, by medium or pattern a coefficient. Kinetic terms
@@ -177,6 +177,8 @@ struct EnergyTerms<T: Real> {
 struct Buffer<T: Real> {
     /// Of both sweeps along the last axis, of one within a layer and of one in a row, by line and wave.
     carried: [Vec<Carried<T::Lanes>>; 4],
+    /// Groups on the way along a line.
+    way: Vec<usize>,
     /// Groups that are yet to be corrected.
     left: Vec<usize>,
     velocity: Vec<T>,
@@ -256,8 +258,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
         first..first + self.grid.count()
     }
 
-    /// The group behind those of the rows.
-    fn spare(&self) -> usize {
+    /// The groups of all rows: behind them stand ghosts.
+    fn own_groups(&self) -> usize {
         self.layers() * self.across
     }
 

@@ -6,7 +6,7 @@
 //! neighbours are in the next lane, moved copies stand as ghosts. Every cell sees what the plain sweep does, in
 //! the same order: the bits are the same.
 
-use crate::line::{Cell, GHOSTS, Pieces, Slopes, State, Waves, Weights, meet, updated};
+use crate::line::{Cell, Pieces, Slopes, State, Waves, Weights, meet, updated};
 use crate::real::{Number, Real, Vector, Work};
 use std::ops::Range;
 
@@ -95,27 +95,23 @@ impl<T: Real> Table<T> {
     }
 }
 
-/// How many groups ahead of the one at hand numbers are called for: rows and layers lie too far apart for
-/// the processor to guess what comes next.
-const AHEAD: usize = 4;
-
-/// Calls for what stands so far behind the beginning of a slice, whether there is anything or not.
+/// Calls for what stands so far behind the beginning of a slice, whether there is anything or not: at once, or
+/// to be `near` when it is called for again.
 #[inline(always)]
-fn prefetch<N>(from: &[N], distance: usize) {
+fn prefetch<N>(from: &[N], distance: usize, is_near: bool) {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: the address is not read from; the instruction does nothing where it is not one of ours.
     unsafe {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        _mm_prefetch::<_MM_HINT_T0>(from.as_ptr().wrapping_add(distance).cast());
+        use std::arch::x86_64::{_MM_HINT_T0, _MM_HINT_T1, _mm_prefetch};
+        let address = from.as_ptr().wrapping_add(distance).cast();
+        if is_near {
+            _mm_prefetch::<_MM_HINT_T0>(address);
+        } else {
+            _mm_prefetch::<_MM_HINT_T1>(address);
+        }
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = (from, distance);
-}
-
-/// The group that stands beyond an end of a line, the nearest at depth 0.
-#[inline(always)]
-pub(crate) fn ghost(spare: usize, line: usize, end: usize, depth: usize) -> usize {
-    spare + 1 + (2 * line + end) * GHOSTS + depth
+    let _ = (from, distance, is_near);
 }
 
 /// What a walk along a line carries from a group to the next, by wave.
@@ -170,12 +166,12 @@ impl<N: Number> Carried<N> {
         &mut self,
         next: State<N>,
         pieces: Pieces<N>,
-        [behind, cell]: [&Cell<N>; 2],
+        behind: &Cell<N>,
         weights: &Weights<N>,
     ) -> State<N> {
-        let joint = meet(weights, [self.to_right, pieces.to_left(cell)]);
+        let joint = meet(weights, [self.to_right, pieces.to_left()]);
         let moved = updated(self.behind, [self.joint, joint], behind);
-        let to_right = pieces.to_right(cell);
+        let to_right = pieces.to_right();
         *self = Self { behind: self.own, own: next, to_right, joint };
         moved
     }
@@ -192,18 +188,16 @@ pub(crate) struct Lines<'a, T: Real> {
     pub(crate) slopes: Slopes,
     /// Of all groups.
     pub(crate) patterns: &'a [u32],
-    /// The first group of the first line: those of the other lines follow.
-    pub(crate) first: usize,
-    /// Groups from one of a line to the next one.
-    pub(crate) stride: usize,
-    /// Groups of a line.
-    pub(crate) count: usize,
-    /// The groups to be at hand one after the other, of −1 to `count`: the one behind is written, the one
-    /// after is read.
-    pub(crate) places: Range<isize>,
-    /// The spare group: what is written to it is nobody's. [`ghost`] tells which of the groups that follow
-    /// stand beyond the ends.
-    pub(crate) spare: usize,
+    /// Groups of the first line in the order of the way: all but the first and the last are at hand one after
+    /// the other, while the one before is written and the one after is read. Those of the other lines follow
+    /// each of them.
+    pub(crate) way: &'a [usize],
+    /// Whether the way begins with the ghosts in front, where nothing is carried yet. They are written like all
+    /// groups, and must be filled anew for another walk.
+    pub(crate) begins: bool,
+    /// How many groups behind those at hand numbers are called for: rows and layers lie too far apart for the
+    /// processor to guess what comes next.
+    pub(crate) ahead: [usize; 2],
     /// By line and wave.
     pub(crate) carried: &'a mut [Carried<T::Lanes>],
 }
@@ -221,46 +215,48 @@ impl<T: Real> Work<T> for Lines<'_, T> {
 }
 
 impl<T: Real> Lines<'_, T> {
-    /// In runs through groups of one pattern, and single steps from one to another.
+    /// Lines of one pattern together; the others in runs through groups of one pattern, and single steps from
+    /// one to another.
     #[inline(always)]
     fn walk<V: Vector<T>>(mut self, slopes: Slopes) {
-        let Range { start, end } = self.places;
-        for line in 0..self.carried.len() / self.waves.len().max(1) {
-            if start < 0 {
-                self.begin(line);
+        let lines = self.carried.len() / self.waves.len().max(1);
+        let steps = self.way.len().saturating_sub(2);
+        if self.begins {
+            (0..lines).for_each(|line| self.begin(line));
+        }
+        let (mut line, mut place) = (0, 0);
+        while line < lines {
+            let pattern = self.pattern(line, place);
+            let mut end = place;
+            while end < steps && self.pattern(line, end + 1) == pattern {
+                end += 1;
             }
-            let mut place = start;
-            while place < end {
-                let pattern = self.pattern(line, place);
-                if self.pattern(line, place - 1) != pattern {
-                    self.step::<V>(line, place, slopes);
-                    place += 1;
-                    continue;
+            let mut last = line + 1;
+            if (place, end) == (0, steps) {
+                let way = &self.way[..=steps];
+                let is_like =
+                    |line: usize| way.iter().all(|group| self.patterns[group + line] == pattern);
+                while last < lines && is_like(last) {
+                    last += 1;
                 }
-                // Where neighbours lie as regularly as they do elsewhere.
-                let last = self.count as isize - 1;
-                let most = if place < 1.min(last) {
-                    1.min(last)
-                } else if place < 1.max(last) {
-                    1.max(last)
-                } else {
-                    end
-                };
-                let most = most.min(end);
-                let mut run = place..place + 1;
-                while run.end < most && self.pattern(line, run.end) == pattern {
-                    run.end += 1;
-                }
-                place = run.end;
+            }
+            if place < end {
                 for index in 0..self.waves.len() {
                     // Loops of their own for all numbers of followers, of which Hooke's law has two at most.
                     debug_assert!(self.waves[index].followers.len() <= 2);
+                    let (lines, run) = (line..last, place..end);
                     match self.waves[index].followers.len() {
-                        0 => self.run_through::<V, 0>(line, run.clone(), (index, pattern), slopes),
-                        1 => self.run_through::<V, 1>(line, run.clone(), (index, pattern), slopes),
-                        _ => self.run_through::<V, 2>(line, run.clone(), (index, pattern), slopes),
+                        0 => self.run_through::<V, 0>(lines, run, (index, pattern), slopes),
+                        1 => self.run_through::<V, 1>(lines, run, (index, pattern), slopes),
+                        _ => self.run_through::<V, 2>(lines, run, (index, pattern), slopes),
                     }
                 }
+            }
+            if end < steps {
+                self.step::<V>(line, end, slopes);
+                place = end + 1;
+            } else {
+                (line, place) = (last, 0);
             }
         }
     }
@@ -269,60 +265,47 @@ impl<T: Real> Lines<'_, T> {
     #[inline(always)]
     fn begin(&mut self, line: usize) {
         for (index, wave) in self.waves.iter().enumerate() {
-            let behind = self.read(line, -2, wave);
-            let own = self.read(line, -1, wave);
+            let [behind, own] = [0, 1].map(|place| self.read(line, place, wave));
             self.carried[line * self.waves.len() + index] =
                 Carried { behind, own, ..Carried::empty() };
         }
     }
 
-    /// The group at a place of a line, ghosts included.
     #[inline(always)]
-    fn group(&self, line: usize, place: isize) -> usize {
-        match usize::try_from(place) {
-            Ok(place) if place < self.count => self.first + line + place * self.stride,
-            Ok(place) => ghost(self.spare, line, 1, place - self.count),
-            Err(_) => ghost(self.spare, line, 0, (-1 - place) as usize),
-        }
+    fn pattern(&self, line: usize, place: usize) -> u32 {
+        self.patterns[self.way[place] + line]
     }
 
     #[inline(always)]
-    fn pattern(&self, line: usize, place: isize) -> u32 {
-        self.patterns[self.group(line, place)]
-    }
-
-    #[inline(always)]
-    fn read<V: Vector<T>>(&self, line: usize, place: isize, wave: &Wave) -> State<V> {
-        let group = &self.data[self.group(line, place) * self.fields..][..self.fields];
+    fn read<V: Vector<T>>(&self, line: usize, place: usize, wave: &Wave) -> State<V> {
+        let group = &self.data[(self.way[place] + line) * self.fields..][..self.fields];
         let [velocity, stress] = [&group[wave.velocity], &group[wave.stress]];
         State { velocity: V::load(velocity), stress: V::load(stress) }
     }
 
-    /// A step from one pattern to another.
+    /// A step from one pattern to another, with the first of three places behind.
     #[inline(always)]
-    fn step<V: Vector<T>>(&mut self, line: usize, place: isize, slopes: Slopes) {
-        let (behind, here) = (self.pattern(line, place - 1), self.pattern(line, place));
+    fn step<V: Vector<T>>(&mut self, line: usize, place: usize, slopes: Slopes) {
+        let (behind, here) = (self.pattern(line, place), self.pattern(line, place + 1));
         for (index, wave) in self.waves.iter().enumerate() {
             let slot = line * self.waves.len() + index;
             let mut carried: Carried<V> = Carried::load(&self.carried[slot]);
-            let next = self.read(line, place + 1, wave);
+            let next = self.read(line, place + 2, wave);
             let last = Cell::load(self.table.cell(behind, wave));
             let cell = Cell::load(self.table.cell(here, wave));
             let weights = Weights::new(last.impedance, cell.impedance);
             let pieces = Pieces::of([carried.behind, carried.own, next], &cell, slopes);
             let unmoved = carried.behind.stress;
-            let moved = carried.pass(next, pieces, [&last, &cell], &weights);
+            let moved = carried.pass(next, pieces, &last, &weights);
             carried.store(&mut self.carried[slot]);
-            if place > 0 {
-                let change = moved.stress - unmoved;
-                let group = self.group(line, place - 1) * self.fields;
-                let group = &mut self.data[group..][..self.fields];
-                moved.velocity.store(&mut group[wave.velocity]);
-                moved.stress.store(&mut group[wave.stress]);
-                for (index, &place) in wave.followers.iter().enumerate() {
-                    let ratio = V::load(self.table.ratio(behind, wave, index));
-                    (V::load(&group[place]) + ratio * change).store(&mut group[place]);
-                }
+            let change = moved.stress - unmoved;
+            let group = (self.way[place] + line) * self.fields;
+            let group = &mut self.data[group..][..self.fields];
+            moved.velocity.store(&mut group[wave.velocity]);
+            moved.stress.store(&mut group[wave.stress]);
+            for (index, &place) in wave.followers.iter().enumerate() {
+                let ratio = V::load(self.table.ratio(behind, wave, index));
+                (V::load(&group[place]) + ratio * change).store(&mut group[place]);
             }
         }
     }
@@ -331,8 +314,8 @@ impl<T: Real> Lines<'_, T> {
     #[inline(always)]
     fn run_through<V: Vector<T>, const FOLLOWERS: usize>(
         &mut self,
-        line: usize,
-        run: Range<isize>,
+        lines: Range<usize>,
+        run: Range<usize>,
         (index, pattern): (usize, u32),
         slopes: Slopes,
     ) {
@@ -343,47 +326,47 @@ impl<T: Real> Lines<'_, T> {
             *place = wave.followers[index];
             *ratio = V::load(self.table.ratio(pattern, wave, index));
         }
-        let (velocity, stress) = (wave.velocity, wave.stress);
-        let slot = line * self.waves.len() + index;
-        let mut carried: Carried<V> = Carried::load(&self.carried[slot]);
-        let mut own = Waves::of(carried.own, &cell);
-        let mut before = Waves::of(carried.behind, &cell).to(own);
-        // Ghosts behind the line are next to each other; what is in front of it is not written.
-        let step = self.stride * self.fields;
-        let mut next = self.group(line, run.start + 1) * self.fields;
-        let next_step = if run.start + 1 < self.count as isize { step } else { self.fields };
-        let (mut behind, behind_step) = match run.start > 0 {
-            true => (self.group(line, run.start - 1) * self.fields, step),
-            false => (self.spare * self.fields, 0),
-        };
-        for _ in run {
-            let ahead = &self.data[next..][..self.fields];
-            for place in [velocity, stress] {
-                prefetch(ahead, AHEAD * self.fields + place);
-            }
-            let ahead =
-                State { velocity: V::load(&ahead[velocity]), stress: V::load(&ahead[stress]) };
-            let waves = Waves::of(ahead, &cell);
-            let after = own.to(waves);
-            let pieces = Pieces::new(own, [before, after], slopes);
-            let unmoved = carried.behind.stress;
-            let moved = carried.pass(ahead, pieces, [&cell, &cell], &cell.between);
-            let group = &mut self.data[behind..][..self.fields];
-            for (place, _) in followers {
-                prefetch(group, AHEAD * self.fields + place);
-            }
-            moved.velocity.store(&mut group[velocity]);
-            moved.stress.store(&mut group[stress]);
-            if FOLLOWERS > 0 {
-                let change = moved.stress - unmoved;
-                for (place, ratio) in followers {
-                    (V::load(&group[place]) + ratio * change).store(&mut group[place]);
+        let (velocity, stress, fields) = (wave.velocity, wave.stress, self.fields);
+        let [near, far] = self.ahead.map(|groups| groups * fields);
+        let has_far = far > 0;
+        let far = far + index * fields.div_ceil(self.waves.len());
+        let way = &self.way[run.start..run.end + 2];
+        for line in lines {
+            let slot = line * self.waves.len() + index;
+            let mut carried: Carried<V> = Carried::load(&self.carried[slot]);
+            let mut own = Waves::of(carried.own, &cell);
+            let mut before = Waves::of(carried.behind, &cell).to(own);
+            for (behind, next) in way.iter().zip(&way[2..]) {
+                let next = &self.data[(next + line) * fields..][..fields];
+                prefetch(next, near + velocity, true);
+                prefetch(next, near + stress, true);
+                if has_far {
+                    for place in 0..4 {
+                        prefetch(next, far + place, false);
+                    }
                 }
+                let next =
+                    State { velocity: V::load(&next[velocity]), stress: V::load(&next[stress]) };
+                let waves = Waves::of(next, &cell);
+                let after = own.to(waves);
+                let pieces = Pieces::new(own, [before, after], &cell, slopes);
+                let unmoved = carried.behind.stress;
+                let moved = carried.pass(next, pieces, &cell, &cell.between);
+                let group = &mut self.data[(behind + line) * fields..][..fields];
+                for (place, _) in followers {
+                    prefetch(group, near + place, true);
+                }
+                moved.velocity.store(&mut group[velocity]);
+                moved.stress.store(&mut group[stress]);
+                if FOLLOWERS > 0 {
+                    let change = moved.stress - unmoved;
+                    for (place, ratio) in followers {
+                        (V::load(&group[place]) + ratio * change).store(&mut group[place]);
+                    }
+                }
+                (own, before) = (waves, after);
             }
-            (own, before) = (waves, after);
-            next += next_step;
-            behind += behind_step;
+            carried.store(&mut self.carried[slot]);
         }
-        carried.store(&mut self.carried[slot]);
     }
 }

@@ -39,25 +39,28 @@ pub const HALO: usize = 2 * GHOSTS;
 pub enum Slopes {
     /// Constant: first order (Godunov 1959).
     Godunov,
-    /// The mean of the differences to both sides, limited to twice the smaller of them and to zero at
-    /// extrema (monotonised central, van Leer 1977): second order, no new extrema.
+    /// The mean of the differences to both sides, limited lest new extrema appear, and zero at extrema
+    /// (monotonised central, van Leer 1977, in the bounds of Roe 1985 that depend on the Courant number).
     Limited,
     /// The mean of the differences to both sides (Fromm 1968): second order.
     Unlimited,
 }
 
 impl Slopes {
-    /// Half the slope: how much the value at the end of a cell is above the mean.
+    /// How much what leaves a cell during the step is beyond its mean, in the direction of its way, by the
+    /// differences to the cell that the wave comes from and to the one that it runs to: 1 − C times half the
+    /// slope.
+    ///
+    /// With the rise r of a straight piece from its middle to its end the cell becomes a mean of its own
+    /// value and the one upwind as long as C·(1 + (1 − C)·r/upwind) ≤ 1 there and (1 − C)·r ≤ downwind
+    /// (Harten 1983): r ≤ upwind/C and r ≤ downwind/(1 − C).
     #[inline(always)]
-    pub(crate) fn rise<N: Number>(self, before: N, after: N) -> N {
-        let mean = N::QUARTER * (before + after);
+    pub(crate) fn lead<N: Number>(self, [upwind, downwind]: [N; 2], cell: &Cell<N>) -> N {
+        let mean = cell.mean_slope * (upwind + downwind);
         match self {
             Self::Godunov => N::ZERO,
             Self::Unlimited => mean,
-            // At extrema both bounds are zero, elsewhere the one towards the smaller difference counts.
-            Self::Limited => mean
-                .greatest(before.greatest(after).least(N::ZERO))
-                .least(before.least(after).greatest(N::ZERO)),
+            Self::Limited => mean.bounded(cell.steepest * upwind, downwind),
         }
     }
 }
@@ -69,9 +72,10 @@ pub struct Cell<N> {
     pub impedance: N,
     /// C = cΔt/h, in \[0, 1\].
     pub courant: N,
-    /// 1 − C: from the middle of a cell to that of the part that leaves it during the step, over half the
-    /// cell.
-    pub(crate) rest: N,
+    /// (1 − C)/4: of the sum of the differences to both sides, what leads if nothing bounds it.
+    pub(crate) mean_slope: N,
+    /// (1 − C)/C: of the difference upwind, what may lead.
+    pub(crate) steepest: N,
     /// C/z: change of v per difference of s between the joints.
     pub(crate) to_velocity: N,
     /// Cz: change of s per difference of v between the joints.
@@ -105,7 +109,9 @@ impl<T: Real> Cell<T> {
         Self {
             impedance: T::of(impedance),
             courant: T::of(courant),
-            rest: T::of(1.0 - courant),
+            mean_slope: T::of(0.25 * (1.0 - courant)),
+            // Nothing moves without speed, and nothing is infinite.
+            steepest: T::of((1.0 - courant) / courant.max(1e-6)),
             to_velocity: T::of(courant / impedance),
             to_stress: T::of(courant * impedance),
             between: Weights::new(T::of(impedance), T::of(impedance)),
@@ -124,7 +130,8 @@ impl<V: Number> Cell<V> {
         Self {
             impedance: V::load(&from.impedance),
             courant: V::load(&from.courant),
-            rest: V::load(&from.rest),
+            mean_slope: V::load(&from.mean_slope),
+            steepest: V::load(&from.steepest),
             to_velocity: V::load(&from.to_velocity),
             to_stress: V::load(&from.to_stress),
             between: Weights {
@@ -223,23 +230,28 @@ impl<N: Number> Waves<N> {
     }
 }
 
-/// Both waves in a cell, and how much they rise from its middle to its end.
+/// Both waves in a cell, and how much what leaves it during the step is beyond their means.
 #[derive(Clone, Copy)]
 pub(crate) struct Pieces<N> {
     mean: Waves<N>,
-    rise: Waves<N>,
+    lead: Waves<N>,
 }
 
 impl<N: Number> Pieces<N> {
     /// From a cell's own waves, and the differences of the waves from the cell before and to the cell after
     /// it: all by its own z, since v and s are continuous at its joints, and z is not.
     #[inline(always)]
-    pub(crate) fn new(mean: Waves<N>, [before, after]: [Waves<N>; 2], slopes: Slopes) -> Self {
-        let rise = Waves {
-            right: slopes.rise(before.right, after.right),
-            left: slopes.rise(before.left, after.left),
+    pub(crate) fn new(
+        mean: Waves<N>,
+        [before, after]: [Waves<N>; 2],
+        cell: &Cell<N>,
+        slopes: Slopes,
+    ) -> Self {
+        let lead = Waves {
+            right: slopes.lead([before.right, after.right], cell),
+            left: slopes.lead([after.left, before.left], cell),
         };
-        Self { mean, rise }
+        Self { mean, lead }
     }
 
     /// From the states of the cell before, of the cell, and of the cell after it.
@@ -247,19 +259,28 @@ impl<N: Number> Pieces<N> {
     pub(crate) fn of([before, own, after]: [State<N>; 3], cell: &Cell<N>, slopes: Slopes) -> Self {
         let own = Waves::of(own, cell);
         let around = [Waves::of(before, cell).to(own), own.to(Waves::of(after, cell))];
-        Self::new(own, around, slopes)
+        Self::new(own, around, cell, slopes)
     }
 
     /// Mean over the step of what leaves to the right: the foremost part of length C.
     #[inline(always)]
-    pub(crate) fn to_right(self, cell: &Cell<N>) -> N {
-        self.mean.right + cell.rest * self.rise.right
+    pub(crate) fn to_right(self) -> N {
+        self.mean.right + self.lead.right
     }
 
     /// The same to the left.
     #[inline(always)]
-    pub(crate) fn to_left(self, cell: &Cell<N>) -> N {
-        self.mean.left - cell.rest * self.rise.left
+    pub(crate) fn to_left(self) -> N {
+        self.mean.left - self.lead.left
+    }
+}
+
+impl<T: Real> Pieces<T> {
+    /// The slopes of both over the whole cell. At Courant number 1 all leaves, and is as good as straight.
+    fn slopes(&self, cell: &Cell<T>) -> Waves<T> {
+        let quarter = cell.mean_slope;
+        let slope = |lead: T| if quarter == T::ZERO { lead } else { T::HALF * lead / quarter };
+        Waves { right: slope(self.lead.right), left: slope(self.lead.left) }
     }
 }
 
@@ -296,10 +317,10 @@ struct Joint<T> {
 impl<T: Real> Joint<T> {
     fn new([(own, cell), (other, next)]: [(&Pieces<T>, &Cell<T>); 2]) -> Self {
         let weights = Weights::new(cell.impedance, next.impedance);
-        let change = |cell: &Cell<T>, rise: T| cell.courant * (rise + rise);
-        let changes = [-change(cell, own.rise.right), change(next, other.rise.left)];
+        let changes =
+            [-(cell.courant * own.slopes(cell).right), next.courant * other.slopes(next).left];
         Self {
-            mean: meet(&weights, [own.to_right(cell), other.to_left(next)]),
+            mean: meet(&weights, [own.to_right(), other.to_left()]),
             change: meet(&weights, changes),
         }
     }
@@ -383,7 +404,8 @@ fn note<T: Real>(
     // h·w²/(4M) per Δt.
     let unit = 0.25 / (z * c);
     let square = |x: f64| x * x;
-    let [right_slope, left_slope] = [own.rise.right, own.rise.left].map(|rise| 2.0 * rise.wide());
+    let slopes = own.slopes(cell);
+    let [right_slope, left_slope] = [slopes.right, slopes.left].map(Real::wide);
     let slopes = square(right_slope) + square(left_slope);
     account.gained += unit * slopes / 12.0;
     // What came in occupies C of the cell, what stayed the rest.

@@ -38,6 +38,10 @@ pub trait Number:
     /// √x.
     fn root(self) -> Self;
 
+    /// Of this and two bounds the one nearest to zero, or zero where they have different signs. This is a mean
+    /// of some kind: where the bounds have one sign it has no other.
+    fn bounded(self, one: Self, other: Self) -> Self;
+
     /// Whether any is greater than its counterpart.
     fn exceeds(self, other: Self) -> bool;
 }
@@ -161,6 +165,14 @@ impl<T: Number, const COUNT: usize> Number for Lanes<T, COUNT> {
     fn root(mut self) -> Self {
         for lane in 0..COUNT {
             self.0[lane] = self.0[lane].root();
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn bounded(mut self, one: Self, other: Self) -> Self {
+        for lane in 0..COUNT {
+            self.0[lane] = self.0[lane].bounded(one.0[lane], other.0[lane]);
         }
         self
     }

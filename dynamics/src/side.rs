@@ -117,7 +117,8 @@ impl<T: Real> Mirror<T> {
     /// The ghost of a cell.
     #[inline(always)]
     pub(crate) fn ghost(&self, pair: usize, (group, lane): Slot, own: State<T>) -> State<T> {
-        let [v, a, s, b] = self.by_face[pair * self.groups + group].map(|own| own.lanes()[lane]);
+        let face = &self.by_face[pair * self.groups + group];
+        let [v, a, s, b] = face.each_ref().map(|own| own.lanes()[lane]);
         State { velocity: v * own.velocity + a, stress: s * own.stress + b }
     }
 }

@@ -14,15 +14,15 @@ use models::cosserat::waves::Field;
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
-/// Media in the lanes of a group, and whether there are cells; numbered as they turn up.
+/// Media in the lanes of a group; numbered as they turn up.
 #[derive(Default)]
 struct Patterns {
-    known: HashMap<Vec<(u16, bool)>, u32>,
-    all: Vec<Vec<(u16, bool)>>,
+    known: HashMap<Vec<u16>, u32>,
+    all: Vec<Vec<u16>>,
 }
 
 impl Patterns {
-    fn number(&mut self, lanes: Vec<(u16, bool)>) -> u32 {
+    fn number(&mut self, lanes: Vec<u16>) -> u32 {
         let (all, next) = (&mut self.all, self.known.len() as u32);
         *self.known.entry(lanes).or_insert_with_key(|lanes| {
             all.push(lanes.clone());
@@ -41,7 +41,7 @@ impl Patterns {
                 if x < 0 { (-1 - x) as usize } else { x as usize - length.min(x as usize) };
             let depth = beyond % length;
             let own = if (x < 0) == is_periodic { length - 1 - depth } else { depth };
-            (inside.copied().unwrap_or(media[own]), inside.is_some())
+            inside.copied().unwrap_or(media[own])
         };
         let mut group =
             |place: isize| self.number((0..lanes).map(|lane| at(lane * groups + place)).collect());
@@ -203,12 +203,12 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let longest = longest + 2 * GHOSTS;
         let widest = media[0].pairs.iter().map(Vec::len).max().unwrap_or(0);
         let own_groups = patterns.len();
-        // One to spare, and the ghosts.
-        patterns.extend(vec![0; 1 + 2 * GHOSTS * groups.max(TILE)]);
+        patterns.extend(vec![0; 2 * GHOSTS * groups.max(TILE)]);
         let stream = vec![Carried::empty(); across * media[0].pairs[D - 1].len()];
         let carried = |lines: usize| vec![Carried::empty(); lines * widest];
         let buffer = Buffer {
             carried: [stream.clone(), stream, carried(groups), carried(1)],
+            way: Vec::with_capacity(longest),
             left: Vec::with_capacity(across),
             velocity: vec![T::ZERO; longest],
             stress: vec![T::ZERO; longest],
@@ -238,9 +238,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     std::array::from_fn(|depth| slot(depth % length)),
                     std::array::from_fn(|depth| slot(length - 1 - depth % length)),
                 ],
-                beyond: std::array::from_fn(|depth| {
-                    ((length + depth) % groups, (length + depth) / groups)
-                }),
+                empty: (length..groups * T::Lanes::COUNT)
+                    .map(|place| (place % groups, place / groups))
+                    .collect(),
             },
             data: zeros(patterns.len() * fields.len()),
             patterns,
@@ -263,42 +263,36 @@ impl<T: Real, const D: usize> Domain<T, D> {
     }
 
     /// The constants of all patterns.
-    fn tabulate(&mut self, patterns: &[Vec<(u16, bool)>], [waves, followers]: [usize; 2]) {
-        let lanes = |pattern: &[(u16, bool)], value: &dyn Fn(usize, bool) -> f64| {
-            T::Lanes::by_lane(|lane| {
-                let (medium, is_cell) = pattern[lane];
-                T::of(value(usize::from(medium), is_cell))
-            })
+    fn tabulate(&mut self, patterns: &[Vec<u16>], [waves, followers]: [usize; 2]) {
+        let lanes = |pattern: &[u16], value: &dyn Fn(&Medium) -> f64| {
+            T::Lanes::by_lane(|lane| T::of(value(&self.media[usize::from(pattern[lane])])))
         };
         let media = &self.media;
         let mut table = Table { cells: Vec::new(), waves, ratios: Vec::new(), followers };
         for pattern in patterns {
-            // What is no cell does not change.
-            let only_cells = |value: &dyn Fn(&Medium) -> f64| {
-                lanes(pattern, &|medium, is_cell| if is_cell { value(&media[medium]) } else { 0.0 })
-            };
             for axis in 0..D {
                 let ratio = 0.5 * self.step / self.grid.spacing[axis];
                 for pair in 0..media[0].pairs[axis].len() {
-                    let cell = |medium: &Medium| {
-                        let own = &medium.pairs[axis][pair];
-                        Cell::<T>::new(own.impedance(), (own.speed() * ratio).min(1.0))
-                    };
                     let own = |value: &dyn Fn(Cell<T>) -> T| {
-                        lanes(pattern, &|medium, _| value(cell(&media[medium])).wide())
+                        lanes(pattern, &|medium| {
+                            let own = &medium.pairs[axis][pair];
+                            let courant = (own.speed() * ratio).min(1.0);
+                            value(Cell::new(own.impedance(), courant)).wide()
+                        })
                     };
                     let impedance = own(&|cell| cell.impedance);
                     table.cells.push(Cell {
                         impedance,
                         courant: own(&|cell| cell.courant),
-                        rest: own(&|cell| cell.rest),
-                        to_velocity: only_cells(&|medium| cell(medium).to_velocity.wide()),
-                        to_stress: only_cells(&|medium| cell(medium).to_stress.wide()),
+                        mean_slope: own(&|cell| cell.mean_slope),
+                        steepest: own(&|cell| cell.steepest),
+                        to_velocity: own(&|cell| cell.to_velocity),
+                        to_stress: own(&|cell| cell.to_stress),
                         between: Weights::new(impedance, impedance),
                     });
                     for &place in &self.waves[axis][pair].followers {
                         let field = media[0].fields[place];
-                        table.ratios.push(only_cells(&|medium| {
+                        table.ratios.push(lanes(pattern, &|medium| {
                             let mut own = medium.pairs[axis][pair].followers.iter();
                             own.find(|own| own.0 == field).map_or(0.0, |own| own.1)
                         }));
@@ -309,8 +303,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let turns = patterns.iter().map(|pattern| {
             [1.0, 0.5].map(|part| {
                 [0, 1, 2].map(|which| {
-                    lanes(pattern, &|medium, is_cell| {
-                        let Some(rotation) = media[medium].rotation.filter(|_| is_cell) else {
+                    lanes(pattern, &|medium| {
+                        let Some(rotation) = medium.rotation else {
                             return [1.0, 0.0, 0.0][which];
                         };
                         let (sin, cos) = (rotation.frequency * part * self.step).sin_cos();
@@ -320,9 +314,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             })
         });
         let turns = turns.collect();
-        let yields = |&(medium, is_cell): &(u16, bool)| {
-            is_cell && media[usize::from(medium)].yields.is_some()
-        };
+        let yields = |medium: &u16| media[usize::from(*medium)].yields.is_some();
         let yields = patterns.iter().map(|pattern| pattern.iter().any(yields)).collect();
         // Coefficients by term; kinetic terms in front, since velocities and spins are.
         let mut terms: BTreeMap<[usize; 2], Vec<f64>> = BTreeMap::new();
@@ -335,9 +327,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let is_kinetic = |place: &[usize; 2]| media[0].inertia(media[0].fields[place[0]]) > 0.0;
         let kinetic = terms.keys().filter(|place| is_kinetic(place)).count();
         let factors = patterns.iter().map(|pattern| {
-            let of = |term: &Vec<f64>| {
-                lanes(pattern, &|medium, is_cell| if is_cell { term[medium] } else { 0.0 })
-            };
+            let of =
+                |term: &Vec<f64>| T::Lanes::by_lane(|lane| T::of(term[usize::from(pattern[lane])]));
             terms.values().map(of).collect()
         });
         let factors = factors.collect();

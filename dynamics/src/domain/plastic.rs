@@ -129,7 +129,7 @@ fn boundless<T: Real>() -> f64 {
 
 impl<T: Real> Sets<T> {
     /// `None` where there are sets of both kinds.
-    pub(super) fn new(media: &[Medium], patterns: &[Vec<(u16, bool)>]) -> Option<Self> {
+    pub(super) fn new(media: &[Medium], patterns: &[Vec<u16>]) -> Option<Self> {
         match Strengths::new(media, patterns) {
             Some(strengths) => Some(Self::Mises(strengths)),
             None => half_spaces::<T>(media, patterns).map(Self::HalfSpaces),
@@ -140,7 +140,7 @@ impl<T: Real> Sets<T> {
 /// Conditions by pattern; `None` where a set is no interlayer set.
 fn half_spaces<T: Real>(
     media: &[Medium],
-    patterns: &[Vec<(u16, bool)>],
+    patterns: &[Vec<u16>],
 ) -> Option<Vec<Vec<HalfSpace<T::Lanes>>>> {
     let fields = &media[0].fields;
     /// n by field, and k.
@@ -172,8 +172,7 @@ fn half_spaces<T: Real>(
         let half_space = |index: usize| {
             let lanes = |value: &dyn Fn(&Condition) -> f64, other: f64| {
                 T::Lanes::by_lane(|lane| {
-                    let (medium, is_cell) = pattern[lane];
-                    let own = conditions[usize::from(medium)].get(index).filter(|_| is_cell);
+                    let own = conditions[usize::from(pattern[lane])].get(index);
                     T::of(own.map_or(other, value))
                 })
             };
@@ -190,7 +189,7 @@ fn half_spaces<T: Real>(
 
 impl<T: Real> Strengths<T> {
     /// `None` where a set is none of Mises'.
-    fn new(media: &[Medium], patterns: &[Vec<(u16, bool)>]) -> Option<Self> {
+    fn new(media: &[Medium], patterns: &[Vec<u16>]) -> Option<Self> {
         let fields = &media[0].fields;
         let of_medium: Vec<Strength<f64>> = media
             .iter()
@@ -202,13 +201,9 @@ impl<T: Real> Strengths<T> {
                 _ => None,
             })
             .collect::<Option<_>>()?;
-        let none = Strength::none(boundless::<T>());
         let by_pattern = patterns.iter().map(|pattern| {
             let lanes = |value: &dyn Fn(&Strength<f64>) -> f64| {
-                T::Lanes::by_lane(|lane| {
-                    let (medium, is_cell) = pattern[lane];
-                    T::of(value(if is_cell { &of_medium[usize::from(medium)] } else { &none }))
-                })
+                T::Lanes::by_lane(|lane| T::of(value(&of_medium[usize::from(pattern[lane])])))
             };
             let parts = |value: &dyn Fn(&Strength<f64>) -> [f64; PARTS]| {
                 std::array::from_fn(|part| lanes(&|own| value(own)[part]))

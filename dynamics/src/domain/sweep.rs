@@ -1,12 +1,15 @@
 //! Sweeps along the axes, what lies beyond their ends, and the work done there.
 
-use super::{CHUNK, Domain, ROW, WITHIN, written};
-use crate::kernel::{Lines, Wave, ghost};
+use super::{CHUNK, Domain, ROW, TILE, WITHIN, written};
+use crate::kernel::{Lines, Wave};
 use crate::line::{self, Account, Cell, GHOSTS, State};
 use crate::problem::Detail;
 use crate::real::{Group, Number, Real};
 use crate::side::{Side, Slot};
 use std::ops::Range;
+
+/// Groups of a row that are called for ahead of the one at hand.
+const AHEAD: usize = 4;
 
 /// Lines that lie side by side.
 #[derive(Clone, Copy)]
@@ -72,6 +75,17 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 self.walk(bundle, -1..count as isize + 1, ROW);
             }
         }
+        self.clear_row(first);
+    }
+
+    /// Sets to zero what is no cell in a row: ghosts, and what the sweep made of them.
+    fn clear_row(&mut self, first: usize) {
+        let fields = self.media[0].fields.len();
+        for &(group, lane) in &self.row_ends.empty {
+            for field in &mut self.data[(first + group) * fields..][..fields] {
+                field.lanes_mut()[lane] = T::ZERO;
+            }
+        }
     }
 
     /// Goes on with half a step along the last axis, on a tile of a layer's groups: some layers are ready
@@ -111,13 +125,17 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.walk(bundle, start..end, stream);
     }
 
-    /// Part of the way along lines, in the widest instructions.
+    /// Part of the way along lines, in the widest instructions: the groups at these places are at hand one
+    /// after the other.
     fn walk(&mut self, bundle: Bundle, places: Range<isize>, stream: usize) {
-        let Bundle { axis, first, stride, count, lines, .. } = bundle;
-        let (fields, spare) = (self.fields().len(), self.spare());
+        let Bundle { axis, half, stride, lines, .. } = bundle;
+        let mut way = std::mem::take(&mut self.buffer.way);
+        way.clear();
+        way.extend((places.start - 1..=places.end).map(|place| self.group(bundle, 0, place)));
+        let fields = self.fields().len();
         let waves = &self.waves[axis];
         // Streams along the last axis are under way in all tiles.
-        let before = if stream < WITHIN { first * waves.len() } else { 0 };
+        let before = if stream < WITHIN { bundle.first * waves.len() } else { 0 };
         let carried = &mut self.buffer.carried[stream][before..before + lines * waves.len()];
         self.instructions.run::<T>(Lines {
             data: &mut self.data,
@@ -126,13 +144,30 @@ impl<T: Real, const D: usize> Domain<T, D> {
             waves,
             slopes: self.scheme.slopes,
             patterns: &self.patterns,
-            first,
-            stride,
-            count,
-            places,
-            spare,
+            way: &way,
+            begins: places.start < 0,
+            ahead: match (axis, half) {
+                (0, _) => [AHEAD, 0],
+                // Rows that come in next, beside the next line.
+                (1, 0) => [2, CHUNK * stride],
+                _ => [2, 0],
+            },
             carried,
         });
+        self.buffer.way = way;
+    }
+
+    /// The group that stands at a place of a line, ghosts included: of these all lines have theirs at a depth
+    /// beyond an end side by side.
+    fn group(&self, bundle: Bundle, line: usize, place: isize) -> usize {
+        let ghost = |end: usize, depth: usize| {
+            self.own_groups() + (end * GHOSTS + depth) * self.groups.max(TILE) + line
+        };
+        match usize::try_from(place) {
+            Ok(place) if place < bundle.count => bundle.first + line + place * bundle.stride,
+            Ok(place) => ghost(1, place - bundle.count),
+            Err(_) => ghost(0, place.unsigned_abs() - 1),
+        }
     }
 
     /// The state in a lane of a group.
@@ -146,9 +181,10 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// The ghosts of a row: those behind its last cell in the row itself; and what is in front of its
     /// groups and behind them, which is in other lanes.
-    fn fill_row(&mut self, Bundle { half, first, face: row, .. }: Bundle) {
+    fn fill_row(&mut self, bundle: Bundle) {
+        let Bundle { half, first, face: row, .. } = bundle;
         let (lanes, length, groups) = (T::Lanes::COUNT, self.grid.cells[0], self.groups);
-        let (fields, spare) = (self.fields().len(), self.spare());
+        let fields = self.fields().len();
         let face = (row / lanes, row % lanes);
         let pairs = self.waves[0].len();
         for pair in 0..pairs {
@@ -177,13 +213,14 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 }
             }
             for (depth, behind) in beyond[1].iter().enumerate() {
-                let (group, lane) = self.row_ends.beyond[depth];
+                let (group, lane) = self.row_ends.empty[depth];
                 let group = &mut self.data[(first + group) * fields..];
                 group[velocity].lanes_mut()[lane] = behind.velocity;
                 group[stress].lanes_mut()[lane] = behind.stress;
             }
             for (depth, front) in beyond[0].iter().enumerate() {
-                let [before, behind] = [0, 1].map(|end| ghost(spare, 0, end, depth) * fields);
+                let [before, behind] =
+                    self.beyond(bundle, depth).map(|place| self.group(bundle, 0, place) * fields);
                 let last = (first + groups - 1 - depth) * fields;
                 let next = (first + depth) * fields;
                 for (place, lane) in [(velocity, front.velocity), (stress, front.stress)] {
@@ -193,14 +230,18 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 }
             }
         }
-        self.patterns[spare + 1..][..2 * GHOSTS].copy_from_slice(&self.row_patterns[row]);
+        for depth in 0..GHOSTS {
+            for (end, place) in self.beyond(bundle, depth).into_iter().enumerate() {
+                let ghost = self.group(bundle, 0, place);
+                self.patterns[ghost] = self.row_patterns[row][end * GHOSTS + depth];
+            }
+        }
     }
 
     /// The ghosts at an end of lines across the groups.
     fn fill_end(&mut self, bundle: Bundle, end: usize) {
         let Bundle { axis, half, first, stride, count, lines, face } = bundle;
         let (pairs, fields) = (self.waves[axis].len(), self.fields().len());
-        let spare = self.spare();
         let sides = &self.sides[half][axis];
         for depth in 0..GHOSTS {
             let from_end = |end: usize| match end {
@@ -212,7 +253,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 Side::Periodic => from_end(1 - end),
             };
             for line in 0..lines {
-                let ghost = ghost(spare, line, end, depth);
+                let ghost = self.group(bundle, line, self.beyond(bundle, depth)[end]);
                 self.patterns[ghost] = self.patterns[source + line];
                 for pair in 0..pairs {
                     let Wave { velocity, stress, .. } = self.waves[axis][pair];
@@ -230,6 +271,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 }
             }
         }
+    }
+
+    /// The places of the ghosts at a depth in front of a line of groups and behind it.
+    fn beyond(&self, bundle: Bundle, depth: usize) -> [isize; 2] {
+        [-1 - depth as isize, (bundle.count + depth) as isize]
     }
 
     /// Cells of a line, and its lines of cells by line of groups and lane.
@@ -270,15 +316,15 @@ impl<T: Real, const D: usize> Domain<T, D> {
         };
         let (group, lane) = match usize::try_from(place) {
             Ok(place) if place < length + beyond => self.place_of(bundle, (line, lane), place),
-            Ok(place) => (ghost(self.spare(), line, 1, place - length), lane),
-            Err(_) => (ghost(self.spare(), line, 0, place.unsigned_abs() - 1), lane),
+            _ => (self.group(bundle, line, place), lane),
         };
         let state = self.state((group, lane), wave);
         let cell = self.table.cell(self.patterns[group], wave);
         let constants = Cell {
             impedance: cell.impedance.lanes()[lane],
             courant: cell.courant.lanes()[lane],
-            rest: cell.rest.lanes()[lane],
+            mean_slope: cell.mean_slope.lanes()[lane],
+            steepest: cell.steepest.lanes()[lane],
             to_velocity: cell.to_velocity.lanes()[lane],
             to_stress: cell.to_stress.lanes()[lane],
             between: line::Weights::new(cell.impedance.lanes()[lane], cell.impedance.lanes()[lane]),
