@@ -22,9 +22,9 @@
 //! its fields. Behind the last cell two ghosts stand in the row itself, and there are two groups at least:
 //! what is next to a row's first and last groups is in the next lanes, not farther.
 //!
-//! A step is one pass over the memory. Layers across the last axis come in by a few; while they are in the
-//! cache, sweeps along the last axis follow as far behind as they must, and what stands after them in the
-//! step behind those. Sweeps run over many lines at once ([`crate::kernel`]); with
+//! A step is one pass over the memory. Layers across the last axis come in by a few, and of these a few rows at
+//! a time; while they are in the cache, sweeps across rows and layers follow as far behind as they must, and
+//! what stands after them in the step behind those. Sweeps run over many lines at once ([`crate::kernel`]); with
 //! [`Detail::Full`](crate::problem::Detail::Full) all layers come in together, sweeps run line by line
 //! ([`crate::line`]) and keep the account of the scheme's own dissipation. The bits of the fields are the
 //! same.
@@ -42,7 +42,7 @@ use crate::kernel::{Carried, Instructions, Table, Wave};
 use crate::ledger::{Energy, Ledger, Total};
 use crate::line::{Account, Cell, GHOSTS, HALO};
 use crate::medium::{Medium, component};
-use crate::problem::{DomainError, Grid, Placement, Problem, Scheme};
+use crate::problem::{Detail, DomainError, Grid, Placement, Problem, Scheme};
 use crate::real::{Group, Number, Real};
 use crate::side::{Side, Slot};
 use models::cosserat::stress::Stress;
@@ -50,19 +50,25 @@ use models::cosserat::waves::Field;
 use plastic::Sets;
 use std::ops::Range;
 
-/// Layers that come in at a time: what a sweep carries from one of these chunks to the next is little
+/// Rows or layers that come in at a time: what a sweep carries from one of these chunks to the next is little
 /// beside them, and they stay in the cache.
 const CHUNK: usize = 8;
 
-/// Rows or layers that a sweep across them has written when so many have come in: it reads two more.
-fn written(ready: usize, all: usize) -> usize {
-    if ready == all { all } else { ready - GHOSTS }
+/// How many rows or layers have come through three stages when a chunk more has come in: each of two sweeps
+/// across them reads two more than it writes.
+fn come_in(ready: [usize; 3], chunk: usize, all: usize) -> [usize; 3] {
+    let written = |ready: usize| if ready == all { all } else { ready - GHOSTS };
+    let first = all.min(ready[0].saturating_add(chunk));
+    [first, written(first), written(written(first))]
 }
 
-/// The place of what sweeps within a layer carry, behind both sweeps along the last axis.
-const WITHIN: usize = 2;
-/// That of sweeps along rows.
-const ROW: usize = 3;
+/// Those that come through each of three stages.
+fn stages(before: [usize; 3], ready: [usize; 3]) -> [Range<usize>; 3] {
+    std::array::from_fn(|stage| before[stage]..ready[stage])
+}
+
+/// Layers that are within a stage at a time at most: the last ones come together.
+const AT_ONCE: usize = CHUNK + 2 * GHOSTS;
 
 /// Groups of a layer that go through the middle of a step together, so that their layers stay in the cache.
 const TILE: usize = 32;
@@ -175,8 +181,9 @@ struct EnergyTerms<T: Real> {
 /// Room for the sweeps.
 #[derive(Clone)]
 struct Buffer<T: Real> {
-    /// Of both sweeps along the last axis, of one within a layer and of one in a row, by line and wave.
-    carried: [Vec<Carried<T::Lanes>>; 4],
+    /// What sweeps carry by line and wave, by axis and half of the step; of those that run within layers or rows
+    /// by layer or row at hand.
+    carried: [[Vec<Carried<T::Lanes>>; 2]; 3],
     /// Groups on the way along a line.
     way: Vec<usize>,
     /// Groups that are yet to be corrected.
@@ -359,36 +366,67 @@ impl<T: Real, const D: usize> Domain<T, D> {
         if self.is_own_halo {
             self.fill_own_halo();
         }
-        // Layers that are ready for the first sweep along the last axis, for the second, and for what
-        // stands after that.
         let (all, mut ready) = (self.layers(), [0; 3]);
         while ready[2] < all {
             let before = ready;
-            ready[0] = self.next_chunk(ready[0], all);
-            ready[1] = written(ready[0], all);
-            ready[2] = written(ready[1], all);
-            for layer in before[0]..ready[0] {
-                self.sweep_layer(layer, 0);
-            }
-            for first in (0..self.across).step_by(TILE) {
-                let tile = first..self.across.min(first + TILE);
-                self.sweep_last(before[0]..ready[0], tile.clone(), 0);
-                self.turn_and_kick(before[1]..ready[1], tile.clone());
-                self.sweep_last(before[1]..ready[1], tile, 1);
-            }
-            for layer in before[2]..ready[2] {
-                self.sweep_layer(layer, 1);
-                if self.scheme.placement == Placement::Last {
-                    self.correct(layer..layer + 1, 0..self.across, false);
-                }
-                self.integrate(layer..layer + 1, 1.0);
-            }
+            ready = come_in(ready, self.chunk(), all);
+            self.advance_layers(&stages(before, ready));
         }
         let own = self.own_layers();
         for (total, step) in self.totals.iter_mut().zip(&self.ledgers[own]) {
             total.add(*step);
         }
         self.ledgers.fill(Ledger::default());
+    }
+
+    /// Brings layers through the stages of a step: some of them up to the first sweep along the last axis, some
+    /// from there to the second one, some through what stands after that. Rows of theirs follow each other
+    /// likewise.
+    fn advance_layers(&mut self, layers: &[Range<usize>; 3]) {
+        let (all, mut ready) = (self.across / self.groups, [0; 3]);
+        while ready[2] < all {
+            let before = ready;
+            ready = come_in(ready, self.chunk_of_rows(), all);
+            let rows = stages(before, ready);
+            for (index, layer) in layers[0].clone().enumerate() {
+                self.sweep_layer((layer, index), &rows, 0);
+            }
+            let middle = rows[1].start * self.groups..rows[1].end * self.groups;
+            for first in middle.clone().step_by(TILE) {
+                let tile = first..middle.end.min(first + TILE);
+                self.sweep_last(layers[0].clone(), tile.clone(), 0);
+                self.turn_and_kick(layers[1].clone(), tile.clone());
+                self.sweep_last(layers[1].clone(), tile, 1);
+            }
+            for (index, layer) in layers[2].clone().enumerate() {
+                self.sweep_layer((layer, index), &rows, 1);
+                if self.scheme.placement == Placement::Last {
+                    // Row by row, as sums are the same however many have come in.
+                    for row in rows[2].clone() {
+                        let groups = row * self.groups..(row + 1) * self.groups;
+                        self.correct(layer..layer + 1, groups, false);
+                    }
+                }
+            }
+        }
+        self.integrate(layers[2].clone(), 1.0);
+    }
+
+    /// Layers that come in at a time: all for the plain sweeps.
+    fn chunk(&self) -> usize {
+        match self.scheme.detail {
+            Detail::Full => usize::MAX,
+            Detail::Light => CHUNK,
+        }
+    }
+
+    /// Rows of a layer that come in at a time. Those that come round are each other's ghosts, and must all be
+    /// there.
+    fn chunk_of_rows(&self) -> usize {
+        match self.sides[0][1][0] {
+            Side::Periodic if D == 3 => usize::MAX,
+            _ => self.chunk(),
+        }
     }
 
     /// K Q K, with the correction where it stands in the middle.

@@ -95,32 +95,32 @@ impl<T: Real> Table<T> {
     }
 }
 
-/// Calls for what stands so far behind the beginning of a slice, whether there is anything or not: at once, or
-/// to be `near` when it is called for again.
+/// Fields by wave at most: 24 by 6 in Cosserat's space, 12 by 3 in its plane.
+const MOST_SHARE: usize = 4;
+
+/// Calls for what stands so far behind the beginning of a slice, whether there is anything or not: `soon` it will
+/// be wanted, or else called for again before.
 #[inline(always)]
-fn prefetch<N>(from: &[N], distance: usize, is_near: bool) {
+fn prefetch<N>(from: &[N], distance: usize, soon: bool) {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: the address is not read from; the instruction does nothing where it is not one of ours.
     unsafe {
         use std::arch::x86_64::{_MM_HINT_T0, _MM_HINT_T1, _mm_prefetch};
-        let address = from.as_ptr().wrapping_add(distance).cast();
-        if is_near {
-            _mm_prefetch::<_MM_HINT_T0>(address);
-        } else {
-            _mm_prefetch::<_MM_HINT_T1>(address);
+        let address = from.as_ptr().wrapping_add(distance).cast::<i8>();
+        for line in (0..size_of::<N>()).step_by(64) {
+            match soon {
+                true => _mm_prefetch::<_MM_HINT_T0>(address.wrapping_add(line)),
+                false => _mm_prefetch::<_MM_HINT_T1>(address.wrapping_add(line)),
+            }
         }
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = (from, distance, is_near);
+    let _ = (from, distance, soon);
 }
 
 /// What a walk along a line carries from a group to the next, by wave.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Carried<N> {
-    /// The group behind, not yet written.
-    behind: State<N>,
-    /// The group at hand.
-    own: State<N>,
     /// What leaves the group behind towards the one at hand.
     to_right: N,
     /// The joint in front of the group behind.
@@ -128,17 +128,17 @@ pub(crate) struct Carried<N> {
 }
 
 impl<V: Number> Carried<V> {
+    /// Nothing.
+    pub(crate) fn empty() -> Self {
+        Self { to_right: V::ZERO, joint: State { velocity: V::ZERO, stress: V::ZERO } }
+    }
+
     #[inline(always)]
     fn load<T: Real>(from: &Carried<T::Lanes>) -> Self
     where
         V: Vector<T>,
     {
-        Self {
-            behind: State::load(&from.behind),
-            own: State::load(&from.own),
-            to_right: V::load(&from.to_right),
-            joint: State::load(&from.joint),
-        }
+        Self { to_right: V::load(&from.to_right), joint: State::load(&from.joint) }
     }
 
     #[inline(always)]
@@ -146,33 +146,22 @@ impl<V: Number> Carried<V> {
     where
         V: Vector<T>,
     {
-        self.behind.store(&mut to.behind);
-        self.own.store(&mut to.own);
         self.to_right.store(&mut to.to_right);
         self.joint.store(&mut to.joint);
     }
-}
 
-impl<N: Number> Carried<N> {
-    /// Nothing.
-    pub(crate) fn empty() -> Self {
-        let zero = State { velocity: N::ZERO, stress: N::ZERO };
-        Self { behind: zero, own: zero, to_right: N::ZERO, joint: zero }
-    }
-
-    /// On to the next group: the one behind as it is after the step.
+    /// On to the next group: the one behind, of which this is the cell, as it is after the step.
     #[inline(always)]
     fn pass(
         &mut self,
-        next: State<N>,
-        pieces: Pieces<N>,
-        behind: &Cell<N>,
-        weights: &Weights<N>,
-    ) -> State<N> {
+        behind: State<V>,
+        pieces: Pieces<V>,
+        cell: &Cell<V>,
+        weights: &Weights<V>,
+    ) -> State<V> {
         let joint = meet(weights, [self.to_right, pieces.to_left()]);
-        let moved = updated(self.behind, [self.joint, joint], behind);
-        let to_right = pieces.to_right();
-        *self = Self { behind: self.own, own: next, to_right, joint };
+        let moved = updated(behind, [self.joint, joint], cell);
+        *self = Self { to_right: pieces.to_right(), joint };
         moved
     }
 }
@@ -195,9 +184,11 @@ pub(crate) struct Lines<'a, T: Real> {
     /// Whether the way begins with the ghosts in front, where nothing is carried yet. They are written like all
     /// groups, and must be filled anew for another walk.
     pub(crate) begins: bool,
-    /// How many groups behind those at hand numbers are called for: rows and layers lie too far apart for the
-    /// processor to guess what comes next.
-    pub(crate) ahead: [usize; 2],
+    /// How many groups behind those at hand fields are called for that the way reads next: rows and layers lie
+    /// too far apart for the processor to guess them.
+    pub(crate) next: usize,
+    /// The same of whatever comes in later; 0 where nothing is to be called for.
+    pub(crate) later: usize,
     /// By line and wave.
     pub(crate) carried: &'a mut [Carried<T::Lanes>],
 }
@@ -222,7 +213,7 @@ impl<T: Real> Lines<'_, T> {
         let lines = self.carried.len() / self.waves.len().max(1);
         let steps = self.way.len().saturating_sub(2);
         if self.begins {
-            (0..lines).for_each(|line| self.begin(line));
+            self.carried.fill(Carried::empty());
         }
         let (mut line, mut place) = (0, 0);
         while line < lines {
@@ -261,16 +252,6 @@ impl<T: Real> Lines<'_, T> {
         }
     }
 
-    /// What is carried to the nearest ghost in front of a line.
-    #[inline(always)]
-    fn begin(&mut self, line: usize) {
-        for (index, wave) in self.waves.iter().enumerate() {
-            let [behind, own] = [0, 1].map(|place| self.read(line, place, wave));
-            self.carried[line * self.waves.len() + index] =
-                Carried { behind, own, ..Carried::empty() };
-        }
-    }
-
     #[inline(always)]
     fn pattern(&self, line: usize, place: usize) -> u32 {
         self.patterns[self.way[place] + line]
@@ -290,15 +271,16 @@ impl<T: Real> Lines<'_, T> {
         for (index, wave) in self.waves.iter().enumerate() {
             let slot = line * self.waves.len() + index;
             let mut carried: Carried<V> = Carried::load(&self.carried[slot]);
+            let before: State<V> = self.read(line, place, wave);
+            let own = self.read(line, place + 1, wave);
             let next = self.read(line, place + 2, wave);
             let last = Cell::load(self.table.cell(behind, wave));
             let cell = Cell::load(self.table.cell(here, wave));
             let weights = Weights::new(last.impedance, cell.impedance);
-            let pieces = Pieces::of([carried.behind, carried.own, next], &cell, slopes);
-            let unmoved = carried.behind.stress;
-            let moved = carried.pass(next, pieces, &last, &weights);
+            let pieces = Pieces::of([before, own, next], &cell, slopes);
+            let moved = carried.pass(before, pieces, &last, &weights);
             carried.store(&mut self.carried[slot]);
-            let change = moved.stress - unmoved;
+            let change = moved.stress - before.stress;
             let group = (self.way[place] + line) * self.fields;
             let group = &mut self.data[group..][..self.fields];
             moved.velocity.store(&mut group[wave.velocity]);
@@ -327,22 +309,31 @@ impl<T: Real> Lines<'_, T> {
             *ratio = V::load(self.table.ratio(pattern, wave, index));
         }
         let (velocity, stress, fields) = (wave.velocity, wave.stress, self.fields);
-        let [near, far] = self.ahead.map(|groups| groups * fields);
-        let has_far = far > 0;
-        let far = far + index * fields.div_ceil(self.waves.len());
+        let near = self.next * fields;
+        // Each wave calls for its share of the fields.
+        let share = fields.div_ceil(self.waves.len());
+        let later = self.later * fields + index * share;
         let way = &self.way[run.start..run.end + 2];
         for line in lines {
             let slot = line * self.waves.len() + index;
+            prefetch(self.carried, slot + self.next * self.waves.len(), true);
             let mut carried: Carried<V> = Carried::load(&self.carried[slot]);
-            let mut own = Waves::of(carried.own, &cell);
-            let mut before = Waves::of(carried.behind, &cell).to(own);
+            for group in &way[..2] {
+                let group = &self.data[(group + line) * fields..][..fields];
+                prefetch(group, near + velocity, true);
+                prefetch(group, near + stress, true);
+            }
+            let mut last: State<V> = self.read(line, run.start, wave);
+            let mut here = self.read(line, run.start + 1, wave);
+            let mut own = Waves::of(here, &cell);
+            let mut before = Waves::of(last, &cell).to(own);
             for (behind, next) in way.iter().zip(&way[2..]) {
                 let next = &self.data[(next + line) * fields..][..fields];
                 prefetch(next, near + velocity, true);
                 prefetch(next, near + stress, true);
-                if has_far {
-                    for place in 0..4 {
-                        prefetch(next, far + place, false);
+                if self.later > 0 {
+                    for place in 0..MOST_SHARE {
+                        prefetch(next, later + place, false);
                     }
                 }
                 let next =
@@ -350,8 +341,7 @@ impl<T: Real> Lines<'_, T> {
                 let waves = Waves::of(next, &cell);
                 let after = own.to(waves);
                 let pieces = Pieces::new(own, [before, after], &cell, slopes);
-                let unmoved = carried.behind.stress;
-                let moved = carried.pass(next, pieces, &cell, &cell.between);
+                let moved = carried.pass(last, pieces, &cell, &cell.between);
                 let group = &mut self.data[(behind + line) * fields..][..fields];
                 for (place, _) in followers {
                     prefetch(group, near + place, true);
@@ -359,12 +349,12 @@ impl<T: Real> Lines<'_, T> {
                 moved.velocity.store(&mut group[velocity]);
                 moved.stress.store(&mut group[stress]);
                 if FOLLOWERS > 0 {
-                    let change = moved.stress - unmoved;
+                    let change = moved.stress - last.stress;
                     for (place, ratio) in followers {
                         (V::load(&group[place]) + ratio * change).store(&mut group[place]);
                     }
                 }
-                (own, before) = (waves, after);
+                (last, here, own, before) = (here, next, waves, after);
             }
             carried.store(&mut self.carried[slot]);
         }

@@ -1,7 +1,7 @@
 //! What a domain needs of a problem, and the order in which it needs it.
 
 use super::plastic::Sets;
-use super::{Buffer, Domain, EnergyTerms, Kick, RowEnds, TILE, groups};
+use super::{AT_ONCE, Buffer, Domain, EnergyTerms, Kick, RowEnds, TILE, groups};
 use crate::boundary::Boundary;
 use crate::kernel::{Carried, Instructions, Table, Wave};
 use crate::ledger::{Ledger, Total};
@@ -201,13 +201,19 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let cells = of_cell.len();
         let longest = whole.cells.iter().copied().max().unwrap_or(0).max(layers.len());
         let longest = longest + 2 * GHOSTS;
-        let widest = media[0].pairs.iter().map(Vec::len).max().unwrap_or(0);
         let own_groups = patterns.len();
         patterns.extend(vec![0; 2 * GHOSTS * groups.max(TILE)]);
-        let stream = vec![Carried::empty(); across * media[0].pairs[D - 1].len()];
-        let carried = |lines: usize| vec![Carried::empty(); lines * widest];
+        let carried = std::array::from_fn(|axis| {
+            let lines = match axis {
+                0 => 1,
+                _ if axis + 1 == D => across,
+                _ => AT_ONCE * groups,
+            };
+            let room = vec![Carried::empty(); lines * waves.get(axis).map_or(0, Vec::len)];
+            [room.clone(), room]
+        });
         let buffer = Buffer {
-            carried: [stream.clone(), stream, carried(groups), carried(1)],
+            carried,
             way: Vec::with_capacity(longest),
             left: Vec::with_capacity(across),
             velocity: vec![T::ZERO; longest],

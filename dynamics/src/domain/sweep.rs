@@ -1,6 +1,6 @@
 //! Sweeps along the axes, what lies beyond their ends, and the work done there.
 
-use super::{CHUNK, Domain, ROW, TILE, WITHIN, written};
+use super::{CHUNK, Domain, TILE};
 use crate::kernel::{Lines, Wave};
 use crate::line::{self, Account, Cell, GHOSTS, State};
 use crate::problem::Detail;
@@ -9,7 +9,10 @@ use crate::side::{Side, Slot};
 use std::ops::Range;
 
 /// Groups of a row that are called for ahead of the one at hand.
-const AHEAD: usize = 4;
+const GROUPS_AHEAD: usize = 4;
+
+/// Lines that are called for ahead of the one at hand.
+const LINES_AHEAD: usize = 2;
 
 /// Lines that lie side by side.
 #[derive(Clone, Copy)]
@@ -27,52 +30,57 @@ struct Bundle {
     lines: usize,
     /// The row, or else the first group of faces where the lines end.
     face: usize,
+    /// Place of the first line among those that carry something along this axis.
+    carried: usize,
 }
 
 /// Sweeps, their ghosts and their work.
 impl<T: Real, const D: usize> Domain<T, D> {
-    /// Half a step along all axes but the last one, in a layer across that: in their order in the first half
-    /// of the step, and in the second one in the other.
-    pub(super) fn sweep_layer(&mut self, layer: usize, half: usize) {
-        let (groups, first) = (self.groups, layer * self.across);
-        if D == 2 {
-            return self.sweep_row(first / groups, half);
+    /// Goes on with half a step along all axes but the last one, in a layer across that: in their order in the
+    /// first half of the step, and in the second one in the other. Rows come through the stages of
+    /// [`Self::advance_layers`].
+    pub(super) fn sweep_layer(
+        &mut self,
+        (layer, index): (usize, usize),
+        [come, middle, last]: &[Range<usize>; 3],
+        half: usize,
+    ) {
+        let (groups, first_row) = (self.groups, layer * self.across / self.groups);
+        let sweep_rows = |domain: &mut Self, rows: &Range<usize>| {
+            rows.clone().for_each(|row| domain.sweep_row(first_row + row, half));
+        };
+        if half == 0 {
+            sweep_rows(self, come);
         }
-        let (count, face) = (self.grid.cells[1], layer * groups);
-        let bundle = Bundle { axis: 1, half, first, stride: groups, count, lines: groups, face };
-        let mut ready = [0; 2];
-        while ready[1] < count {
-            let before = ready;
-            // Rows that come round are each other's ghosts, and must all be there.
-            ready[0] = match self.sides[half][1][0] {
-                Side::Periodic => count,
-                _ => self.next_chunk(ready[0], count),
+        if D == 3 {
+            let bundle = Bundle {
+                axis: 1,
+                half,
+                first: first_row * groups,
+                stride: groups,
+                count: self.grid.cells[1],
+                lines: groups,
+                face: layer * groups,
+                carried: index * groups,
             };
-            ready[1] = written(ready[0], count);
-            if half == 0 {
-                for row in before[0]..ready[0] {
-                    self.sweep_row(first / groups + row, half);
-                }
-            }
-            self.sweep_on(bundle, before[0]..ready[0], WITHIN);
-            if half == 1 {
-                for row in before[1]..ready[1] {
-                    self.sweep_row(first / groups + row, half);
-                }
-            }
+            self.sweep_on(bundle, [come, middle][half].clone());
+        }
+        if half == 1 {
+            sweep_rows(self, last);
         }
     }
 
     /// Half a step along the first axis.
     fn sweep_row(&mut self, row: usize, half: usize) {
         let (first, count) = (row * self.groups, self.groups);
-        let bundle = Bundle { axis: 0, half, first, stride: 1, count, lines: 1, face: row };
+        let bundle =
+            Bundle { axis: 0, half, first, stride: 1, count, lines: 1, face: row, carried: 0 };
         self.fill_row(bundle);
         match self.scheme.detail {
             Detail::Full => self.sweep_plainly(bundle),
             Detail::Light => {
                 (0..2).for_each(|end| self.note_work(bundle, end));
-                self.walk(bundle, -1..count as isize + 1, ROW);
+                self.walk(bundle, -1..count as isize + 1);
             }
         }
         self.clear_row(first);
@@ -92,22 +100,14 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// that were not before.
     pub(super) fn sweep_last(&mut self, ready: Range<usize>, tile: Range<usize>, half: usize) {
         let (stride, count) = (self.across, self.layers());
-        let (first, lines, face) = (tile.start, tile.len(), tile.start);
-        let bundle = Bundle { axis: D - 1, half, first, stride, count, lines, face };
-        self.sweep_on(bundle, ready, half);
-    }
-
-    /// How many rows or layers are there when the next chunk has come in; all at once for the plain
-    /// sweeps.
-    pub(super) fn next_chunk(&self, ready: usize, all: usize) -> usize {
-        match self.scheme.detail {
-            Detail::Full => all,
-            Detail::Light => all.min(ready + CHUNK),
-        }
+        let (first, lines) = (tile.start, tile.len());
+        let bundle =
+            Bundle { axis: D - 1, half, first, stride, count, lines, face: first, carried: first };
+        self.sweep_on(bundle, ready);
     }
 
     /// Goes on with half a step across the rows: some of them are ready that were not before.
-    fn sweep_on(&mut self, bundle: Bundle, ready: Range<usize>, stream: usize) {
+    fn sweep_on(&mut self, bundle: Bundle, ready: Range<usize>) {
         let is_full = self.scheme.detail == Detail::Full;
         let ends = [ready.start == 0, ready.end == bundle.count];
         // Where there is a single row its work at one end needs the ghosts at the other.
@@ -122,21 +122,20 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
         let start = ready.start as isize - 1;
         let end = if ends[1] { bundle.count as isize + 1 } else { ready.end as isize - 1 };
-        self.walk(bundle, start..end, stream);
+        self.walk(bundle, start..end);
     }
 
     /// Part of the way along lines, in the widest instructions: the groups at these places are at hand one
     /// after the other.
-    fn walk(&mut self, bundle: Bundle, places: Range<isize>, stream: usize) {
+    fn walk(&mut self, bundle: Bundle, places: Range<isize>) {
         let Bundle { axis, half, stride, lines, .. } = bundle;
         let mut way = std::mem::take(&mut self.buffer.way);
         way.clear();
         way.extend((places.start - 1..=places.end).map(|place| self.group(bundle, 0, place)));
         let fields = self.fields().len();
         let waves = &self.waves[axis];
-        // Streams along the last axis are under way in all tiles.
-        let before = if stream < WITHIN { bundle.first * waves.len() } else { 0 };
-        let carried = &mut self.buffer.carried[stream][before..before + lines * waves.len()];
+        let before = bundle.carried * waves.len();
+        let carried = &mut self.buffer.carried[axis][half][before..before + lines * waves.len()];
         self.instructions.run::<T>(Lines {
             data: &mut self.data,
             fields,
@@ -146,12 +145,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
             patterns: &self.patterns,
             way: &way,
             begins: places.start < 0,
-            ahead: match (axis, half) {
-                (0, _) => [AHEAD, 0],
-                // Rows that come in next, beside the next line.
-                (1, 0) => [2, CHUNK * stride],
-                _ => [2, 0],
-            },
+            next: if axis == 0 { GROUPS_AHEAD } else { LINES_AHEAD },
+            // The rows that come in next.
+            later: if (axis, half) == (1, 0) { CHUNK * stride } else { 0 },
             carried,
         });
         self.buffer.way = way;
@@ -240,7 +236,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// The ghosts at an end of lines across the groups.
     fn fill_end(&mut self, bundle: Bundle, end: usize) {
-        let Bundle { axis, half, first, stride, count, lines, face } = bundle;
+        let Bundle { axis, half, first, stride, count, lines, face, .. } = bundle;
         let (pairs, fields) = (self.waves[axis].len(), self.fields().len());
         let sides = &self.sides[half][axis];
         for depth in 0..GHOSTS {
