@@ -274,6 +274,10 @@ impl<T: Real> Lines<'_, T> {
             let before: State<V> = self.read(line, place, wave);
             let own = self.read(line, place + 1, wave);
             let next = self.read(line, place + 2, wave);
+            let ahead = &self.data[(self.way[place + 2] + line) * self.fields..];
+            for place in [wave.velocity, wave.stress] {
+                prefetch(ahead, self.next * self.fields + place, true);
+            }
             let last = Cell::load(self.table.cell(behind, wave));
             let cell = Cell::load(self.table.cell(here, wave));
             let weights = Weights::new(last.impedance, cell.impedance);

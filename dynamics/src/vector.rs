@@ -267,10 +267,9 @@ macro_rules! real {
 
             #[inline(always)]
             fn bounded(self, one: Self, other: Self) -> Self {
-                // All of one sign: so is the bit pattern, and it grows with the magnitude.
-                let least = self.to_bits().min(one.to_bits()).min(other.to_bits());
+                let least = self.abs().least(one.abs()).least(other.abs());
                 let differ = one.is_sign_negative() != other.is_sign_negative();
-                if differ { 0.0 } else { Self::from_bits(least) }
+                if differ { 0.0 } else { least.copysign(one) }
             }
 
             #[inline(always)]
@@ -335,3 +334,64 @@ macro_rules! real {
 
 real!(f32, 16, Avx2Single, Avx512Single);
 real!(f64, 8, Avx2Double, Avx512Double);
+
+#[cfg(test)]
+mod tests {
+    use crate::kernel::Instructions;
+    use crate::real::{Group, Number, Real, Vector, Work};
+
+    struct Bounded<'a, T: Real>(&'a [[T::Lanes; 3]], &'a mut Vec<T::Lanes>);
+
+    impl<T: Real> Work<T> for Bounded<'_, T> {
+        #[inline(always)]
+        fn run<V: Vector<T>>(self) {
+            for [mean, one, other] in self.0 {
+                let mut found = T::Lanes::ZERO;
+                V::load(mean).bounded(V::load(one), V::load(other)).store(&mut found);
+                self.1.push(found);
+            }
+        }
+    }
+
+    /// Nearest to zero of numbers of one sign, zero where bounds differ in sign; in any instructions, to the bit.
+    fn bounds_hold<T: Real>() {
+        let tiny = T::LEAST.wide();
+        let sizes = [0.0, 1e-3 * tiny, tiny, 1e-3, 0.7, 1.0, 1.5, 1e30, f64::INFINITY];
+        let all: Vec<f64> = sizes.iter().flat_map(|size| [*size, -size]).collect();
+        let mut cases = Vec::new();
+        for &one in &all {
+            for &other in &all {
+                for mean in sizes.map(|size| size.copysign(one)) {
+                    cases.push([mean, one, other]);
+                }
+            }
+        }
+        let lanes = T::Lanes::COUNT;
+        let groups: Vec<[T::Lanes; 3]> = cases
+            .chunks(lanes)
+            .map(|chunk| {
+                let lane =
+                    |which: usize| T::Lanes::by_lane(|i| T::of(chunk[i % chunk.len()][which]));
+                [lane(0), lane(1), lane(2)]
+            })
+            .collect();
+        for set in Instructions::available() {
+            let mut found = Vec::new();
+            set.run::<T>(Bounded(&groups, &mut found));
+            for (place, case) in cases.iter().enumerate() {
+                let [mean, one, other] = case.map(|value| T::of(value).wide());
+                let differ = one.is_sign_negative() != other.is_sign_negative();
+                let least = mean.abs().min(one.abs()).min(other.abs()).copysign(one);
+                let expected = if differ { 0.0 } else { least };
+                let found = found[place / lanes].lanes()[place % lanes].wide();
+                assert_eq!(found.to_bits(), expected.to_bits(), "{set:?} {case:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn bounds_hold_in_all_instructions() {
+        bounds_hold::<f64>();
+        bounds_hold::<f32>();
+    }
+}

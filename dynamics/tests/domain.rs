@@ -411,9 +411,7 @@ fn fine_grids_in_the_plane() {
     orders::<2>(&[64, 128, 256, 512], Slopes::Unlimited, [1.9; 2]);
 }
 
-/// With the limiter linearly polarised shear waves are not quite there: 1.887 to 1.899 in the first branch of
-/// classical and the first two of Cosserat solids, where a period is 74 cells of the finest grid; in the plane the
-/// orders of these branches rise from 1.83 to 1.95 and 2.0 from 64 to 512 cells.
+/// As in the plane. A period is 74 cells of the finest grid.
 #[test]
 #[ignore = "half an hour"]
 fn fine_grids_in_space() {

@@ -246,6 +246,38 @@ fn energy_does_not_grow() {
     }
 }
 
+/// With the limiter a wave becomes, in every cell, a mean of what it was there and in the cell upwind.
+#[test]
+fn nothing_new_stands_out() {
+    let mut random = Random(8);
+    let mut reached = 0;
+    for _ in 0..300 {
+        let (z, courant) = (random.within(0.1, 5.0), random.within(0.0, 1.0));
+        // To the right alone; rough, smooth and flat.
+        let kind = random.within(0.0, 3.0);
+        let w: Vec<f64> = (0..40)
+            .map(|i| match kind {
+                0.0..1.0 => random.within(-1.0, 1.0),
+                1.0..2.0 => (0.4 * f64::from(i)).sin(),
+                _ => f64::from(u8::from(i % 13 < 4)),
+            })
+            .collect();
+        let mut line = Line::new(40, |i| (-0.5 * w[i] / z, 0.5 * w[i], Cell::new(z, courant)));
+        let mut plain = line.clone();
+        line.step(Slopes::Limited, None);
+        plain.step(Slopes::Unlimited, None);
+        for (i, place) in line.inner().enumerate() {
+            let wave = |line: &Line| line.stress[place] - z * line.velocity[place];
+            let (own, upwind) = (w[i], w[(i + 39) % 40]);
+            let within = own.min(upwind) - 1e-14..=own.max(upwind) + 1e-14;
+            assert!(within.contains(&wave(&line)), "{courant} {own} {upwind} {}", wave(&line));
+            reached += usize::from(!within.contains(&wave(&plain)));
+        }
+    }
+    // Without it much does.
+    assert!(reached > 1000, "{reached}");
+}
+
 /// The decay of a wave on the scale of the grid by first-order sweeps: its amplification is
 /// 1 − C(1 − exp(−iθ)) for the wave to the right.
 #[test]

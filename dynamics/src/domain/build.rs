@@ -292,6 +292,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                         courant: own(&|cell| cell.courant),
                         mean_slope: own(&|cell| cell.mean_slope),
                         steepest: own(&|cell| cell.steepest),
+                        slope: own(&|cell| cell.slope),
                         to_velocity: own(&|cell| cell.to_velocity),
                         to_stress: own(&|cell| cell.to_stress),
                         between: Weights::new(impedance, impedance),

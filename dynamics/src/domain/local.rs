@@ -308,4 +308,4 @@ impl<T: Real, const D: usize> Work<T> for Energies<'_, T, D> {
 }
 
 /// Lanes of the narrowest numbers.
-const MOST_LANES: usize = 16;
+pub(super) const MOST_LANES: usize = 16;

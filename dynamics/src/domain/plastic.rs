@@ -6,6 +6,7 @@
 //!
 //! A stress just on the surface may move by rounding if one in another lane of its group yields.
 
+use super::local::MOST_LANES;
 use crate::medium::{Law, Medium, component};
 use crate::real::{Group, Number, Real, Vector, Work};
 use models::cosserat::parameters::Isotropic;
@@ -238,7 +239,7 @@ pub(super) struct Correct<'a, T: Real> {
     pub(super) yields: &'a [bool],
     /// Plastic dissipation by group and lane, J/m³; added to.
     pub(super) dissipated: &'a mut [f64],
-    /// Its sum over these groups, J/m³.
+    /// Its sum over these groups, J/m³: of each lane first.
     pub(super) sum: &'a mut f64,
     /// Groups that have stresses which are left.
     pub(super) left: &'a mut Vec<usize>,
@@ -249,6 +250,7 @@ impl<T: Real> Work<T> for Correct<'_, T> {
     fn run<V: Vector<T>>(self) {
         let lanes = T::Lanes::COUNT;
         let groups = self.data.chunks_exact_mut(self.fields).zip(self.patterns);
+        let mut sums = [0.0f64; MOST_LANES];
         for (index, (group, &pattern)) in groups.enumerate() {
             if !self.yields[pattern as usize] {
                 continue;
@@ -268,19 +270,18 @@ impl<T: Real> Work<T> for Correct<'_, T> {
                 Done::Nothing => {}
                 Done::All => {
                     let dissipated = &mut self.dissipated[index * lanes..][..lanes];
-                    for (sum, lost) in dissipated.iter_mut().zip(lost.lanes()) {
+                    for ((sum, own), lost) in sums.iter_mut().zip(dissipated).zip(lost.lanes()) {
                         let lost = lost.wide();
                         // What is no number is so in the stress as well, where it is looked for.
                         debug_assert!(lost.is_nan() || lost >= 0.0, "the correction adds energy");
-                        if lost > 0.0 {
-                            *sum += lost;
-                            *self.sum += lost;
-                        }
+                        *own += lost.max(0.0);
+                        *sum += lost.max(0.0);
                     }
                 }
                 Done::NotAll => self.left.push(index),
             }
         }
+        *self.sum = sums.iter().sum();
     }
 }
 
@@ -395,7 +396,8 @@ fn correct<T: Real, V: Vector<T>>(
         *rate = V::load(own);
     }
     let mut x = ((shear - room) / (a * shear + room * rates[0])).greatest(V::ZERO);
-    if seen[1] || seen[2] || seen[3] || seen[4] {
+    let is_one = !(seen[1] || seen[2] || seen[3] || seen[4]);
+    if !is_one {
         // From zero Newton's iterates rise to the root and never pass it.
         x = V::ZERO;
         for _ in 0..MOST_STEPS {
@@ -435,7 +437,9 @@ fn correct<T: Real, V: Vector<T>>(
             loss = loss + compliance * squares[part] * shares[part] * shares[part];
         }
     }
-    let multiplier = (x + x) * shear_left.root();
+    // (1 + x·Dp)τ̄(x) = τ̄(0), where there is one rate.
+    let shear_left = if is_one { shear / (V::ONE + x * rates[0]) } else { shear_left.root() };
+    let multiplier = (x + x) * shear_left;
     let quarter = V::QUARTER * a * multiplier;
     // In lanes that do not yield this is nothing times a great number.
     (loss + (strength + quarter) * multiplier).store(lost);

@@ -9,7 +9,7 @@ use crate::side::{Side, Slot};
 use std::ops::Range;
 
 /// Groups of a row that are called for ahead of the one at hand.
-const GROUPS_AHEAD: usize = 4;
+const GROUPS_AHEAD: usize = 16;
 
 /// Lines that are called for ahead of the one at hand.
 const LINES_AHEAD: usize = 2;
@@ -321,6 +321,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             courant: cell.courant.lanes()[lane],
             mean_slope: cell.mean_slope.lanes()[lane],
             steepest: cell.steepest.lanes()[lane],
+            slope: cell.slope.lanes()[lane],
             to_velocity: cell.to_velocity.lanes()[lane],
             to_stress: cell.to_stress.lanes()[lane],
             between: line::Weights::new(cell.impedance.lanes()[lane], cell.impedance.lanes()[lane]),
