@@ -25,7 +25,7 @@
 //! A step is one pass over the memory. Layers across the last axis come in by a few, and of these a few rows at
 //! a time; while they are in the cache, sweeps across rows and layers follow as far behind as they must, and
 //! what stands after them in the step behind those. Sweeps run over many lines at once ([`crate::kernel`]); with
-//! [`Detail::Full`](crate::problem::Detail::Full) all layers come in together, sweeps run line by line
+//! [`Detail::Full`] all layers come in together, sweeps run line by line
 //! ([`crate::line`]) and keep the account of the scheme's own dissipation. The bits of the fields are the
 //! same.
 //!
