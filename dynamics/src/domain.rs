@@ -153,7 +153,9 @@ pub struct Domain<T: Real, const D: usize> {
     /// Steps done.
     steps: usize,
     /// Of the step under way, by layer across the last axis: sums do not depend on who does them.
-    ledgers: Vec<Ledger>,
+    /// What both halves of it add comes in an order of its own: how they follow each other depends on what else has
+    /// come in.
+    ledgers: [Vec<Ledger>; 2],
     /// Of all steps before, by own layers.
     totals: Vec<Total>,
     buffer: Buffer<T>,
@@ -174,7 +176,7 @@ struct RowEnds {
 struct EnergyTerms<T: Real> {
     places: Vec<[usize; 2]>,
     kinetic: usize,
-    /// By pattern and term; zero in lanes that are no cells.
+    /// By pattern and term.
     factors: Vec<Vec<T::Lanes>>,
 }
 
@@ -272,7 +274,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// All layers, those of the halo included.
     fn layers(&self) -> usize {
-        self.ledgers.len()
+        self.totals.len() + self.halo[0] + self.halo[1]
     }
 
     /// The own layers among all.
@@ -373,10 +375,12 @@ impl<T: Real, const D: usize> Domain<T, D> {
             self.advance_layers(&stages(before, ready));
         }
         let own = self.own_layers();
-        for (total, step) in self.totals.iter_mut().zip(&self.ledgers[own]) {
-            total.add(*step);
+        for ledgers in &mut self.ledgers {
+            for (total, step) in self.totals.iter_mut().zip(&ledgers[own.clone()]) {
+                total.add(*step);
+            }
+            ledgers.fill(Ledger::default());
         }
-        self.ledgers.fill(Ledger::default());
     }
 
     /// Brings layers through the stages of a step: some of them up to the first sweep along the last axis, some
@@ -446,7 +450,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
     pub(crate) fn exchanged(&mut self) -> (Outermost<'_, T>, Beyond<'_, T>) {
         let layer = self.across * self.fields().len();
         let [front, behind] = self.halo.map(|layers| layers * layer);
-        let rows = &mut self.data[..self.ledgers.len() * layer];
+        let all = self.layers();
+        let rows = &mut self.data[..all * layer];
         let own = rows.len() - front - behind;
         let (first, rest) = rows.split_at_mut(front);
         let (own, last) = rest.split_at_mut(own);
@@ -516,7 +521,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
     pub fn admissible(&self) -> Self {
         let mut shown = self.clone();
         shown.correct(0..self.layers(), 0..self.across, false);
-        shown.ledgers.fill(Ledger::default());
+        shown.ledgers.iter_mut().for_each(|half| half.fill(Ledger::default()));
         shown.dissipated.clone_from(&self.dissipated);
         shown
     }

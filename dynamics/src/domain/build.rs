@@ -259,7 +259,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             dissipated: vec![0.0; if is_plastic { own_groups * T::Lanes::COUNT } else { 0 }],
             integrals: integrals.map(|place| (place, vec![0.0; cells])).collect(),
             steps: 0,
-            ledgers: vec![Ledger::default(); layers.len()],
+            ledgers: [0, 1].map(|_| vec![Ledger::default(); layers.len()]),
             totals: vec![Total::default(); own.len()],
             buffer,
             media,

@@ -58,7 +58,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                         *self.at_mut(cell, place) = T::of(value);
                         self.media[medium].stored_energy(&self.stress(cell)) - before
                     };
-                    self.ledgers[group / across].sources += volume * work;
+                    self.ledgers[half][group / across].sources += volume * work;
                 }
             }
         }
@@ -76,7 +76,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                         let medium = &self.media[usize::from(self.of_cell[cell])];
                         let inertia = medium.inertia(Field::Velocity(axis));
                         let value = &mut self.data[group * fields + place].lanes_mut()[lane];
-                        self.ledgers[layer].sources += volume * inertia * push(value, change);
+                        self.ledgers[half][layer].sources += volume * inertia * push(value, change);
                     }
                 }
             }
@@ -140,7 +140,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                         sum: &mut sum,
                         left: &mut left,
                     });
-                    self.ledgers[layer].plastic += self.grid.volume() * sum;
+                    self.ledgers[1][layer].plastic += self.grid.volume() * sum;
                 }
                 _ => left.extend(0..tile.len()),
             }
@@ -185,7 +185,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         };
         let share = loss / energy(&trial).max(f64::MIN_POSITIVE);
         debug_assert!(share >= -1e-14, "the correction adds energy: {share:e} of what is there");
-        let ledger = &mut self.ledgers[layer];
+        let ledger = &mut self.ledgers[1][layer];
         ledger.plastic += volume * loss;
         ledger.released += volume * released;
         ledger.least_plastic = ledger.least_plastic.min(share);

@@ -352,7 +352,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 let cells = [four[1].1, four[2].1];
                 let work = line::work_between(four.map(|own| own.0), cells, self.scheme.slopes);
                 let inflow = if end == 0 { -work } else { work };
-                self.ledgers[outermost / self.across].inflow += self.face_time(axis) * inflow;
+                let inflow = self.face_time(axis) * inflow;
+                self.ledgers[half][outermost / self.across].inflow += inflow;
             }
         }
     }
@@ -405,7 +406,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     |end: usize| matches!(self.sides[half][axis][end], Side::Mirror(_));
                 let ends = [i == 0, i + 1 == length];
                 let is_edge = (0..2).any(|end| ends[end] && is_outside(end));
-                let ledger = &mut self.ledgers[layer];
+                let ledger = &mut self.ledgers[half][layer];
                 ledger.inflow += if is_edge { unit * account.inflow } else { 0.0 };
                 ledger.gained += unit * account.gained;
                 ledger.lost += unit * account.lost;
