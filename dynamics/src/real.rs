@@ -78,6 +78,9 @@ pub trait Real: Number + PartialOrd {
     unsafe fn avx512(work: impl Work<Self>);
 }
 
+/// Lanes of the narrowest numbers.
+pub(crate) const MOST_LANES: usize = 16;
+
 /// Numbers in lanes.
 pub trait Group<T>: Number {
     /// How many.

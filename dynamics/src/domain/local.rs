@@ -4,7 +4,7 @@ use super::plastic::Correct;
 use super::{Domain, Turn};
 use crate::ledger::Energy;
 use crate::medium::component;
-use crate::real::{Group, Real, Vector, Work};
+use crate::real::{Group, MOST_LANES, Real, Vector, Work};
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
 use std::ops::Range;
@@ -306,6 +306,3 @@ impl<T: Real, const D: usize> Work<T> for Energies<'_, T, D> {
         }
     }
 }
-
-/// Lanes of the narrowest numbers.
-pub(super) const MOST_LANES: usize = 16;

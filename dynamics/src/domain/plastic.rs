@@ -6,9 +6,8 @@
 //!
 //! A stress just on the surface may move by rounding if one in another lane of its group yields.
 
-use super::local::MOST_LANES;
 use crate::medium::{Law, Medium, component};
-use crate::real::{Group, Number, Real, Vector, Work};
+use crate::real::{Group, MOST_LANES, Number, Real, Vector, Work};
 use models::cosserat::parameters::Isotropic;
 use models::cosserat::waves::Field;
 use models::plasticity::parameters::{ActiveCondition, Mises, YieldSet};
