@@ -29,9 +29,6 @@ pub trait Number:
     /// The least normal number.
     const LEAST: Self;
 
-    /// The smaller of two numbers.
-    fn least(self, other: Self) -> Self;
-
     /// The greater of two numbers.
     fn greatest(self, other: Self) -> Self;
 
@@ -147,14 +144,6 @@ impl<T: Number, const COUNT: usize> Number for Lanes<T, COUNT> {
     const THIRD: Self = Self([T::THIRD; COUNT]);
     const QUARTER: Self = Self([T::QUARTER; COUNT]);
     const LEAST: Self = Self([T::LEAST; COUNT]);
-
-    #[inline(always)]
-    fn least(mut self, other: Self) -> Self {
-        for lane in 0..COUNT {
-            self.0[lane] = self.0[lane].least(other.0[lane]);
-        }
-        self
-    }
 
     #[inline(always)]
     fn greatest(mut self, other: Self) -> Self {

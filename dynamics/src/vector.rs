@@ -20,7 +20,7 @@ mod x86 {
         (
             $(#[$about:meta])*
             $name:ident, $scalar:ty, $register:ty, $count:literal of $width:literal,
-            $add:ident $sub:ident $mul:ident $div:ident $min:ident $max:ident $sqrt:ident
+            $add:ident $sub:ident $mul:ident $div:ident $max:ident $sqrt:ident
             $load:ident $store:ident $exceeds:ident $bounded:ident
         ) => {
             $(#[$about])*
@@ -57,14 +57,6 @@ mod x86 {
                 const THIRD: Self = Self::all(1.0 / 3.0);
                 const QUARTER: Self = Self::all(0.25);
                 const LEAST: Self = Self::all(<$scalar>::MIN_POSITIVE);
-
-                #[inline(always)]
-                fn least(mut self, other: Self) -> Self {
-                    for i in 0..$count {
-                        self.0[i] = unsafe { $min(self.0[i], other.0[i]) };
-                    }
-                    self
-                }
 
                 #[inline(always)]
                 fn greatest(mut self, other: Self) -> Self {
@@ -205,25 +197,25 @@ mod x86 {
     vector!(
         /// Eight numbers in two registers of four.
         Avx2Double, f64, __m256d, 2 of 4,
-        _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_min_pd _mm256_max_pd
+        _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_max_pd
         _mm256_sqrt_pd _mm256_load_pd _mm256_store_pd double256 least_double256
     );
     vector!(
         /// Sixteen numbers in two registers of eight.
         Avx2Single, f32, __m256, 2 of 8,
-        _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_min_ps _mm256_max_ps
+        _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_max_ps
         _mm256_sqrt_ps _mm256_load_ps _mm256_store_ps single256 least_single256
     );
     vector!(
         /// Eight numbers in a register.
         Avx512Double, f64, __m512d, 1 of 8,
-        _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_min_pd _mm512_max_pd
+        _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_max_pd
         _mm512_sqrt_pd _mm512_load_pd _mm512_store_pd double512 least_double512
     );
     vector!(
         /// Sixteen numbers in a register.
         Avx512Single, f32, __m512, 1 of 16,
-        _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_min_ps _mm512_max_ps
+        _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_max_ps
         _mm512_sqrt_ps _mm512_load_ps _mm512_store_ps single512 least_single512
     );
 }
@@ -251,11 +243,6 @@ macro_rules! real {
             const LEAST: Self = Self::MIN_POSITIVE;
 
             #[inline(always)]
-            fn least(self, other: Self) -> Self {
-                if self < other { self } else { other }
-            }
-
-            #[inline(always)]
             fn greatest(self, other: Self) -> Self {
                 if self > other { self } else { other }
             }
@@ -267,7 +254,8 @@ macro_rules! real {
 
             #[inline(always)]
             fn bounded(self, one: Self, other: Self) -> Self {
-                let least = self.abs().least(one.abs()).least(other.abs());
+                let smaller = |one: Self, other: Self| if one < other { one } else { other };
+                let least = smaller(smaller(self.abs(), one.abs()), other.abs());
                 let differ = one.is_sign_negative() != other.is_sign_negative();
                 if differ { 0.0 } else { least.copysign(one) }
             }

@@ -34,6 +34,13 @@ struct Bundle {
     carried: usize,
 }
 
+impl Bundle {
+    /// The places of the ghosts at a depth in front of a line of groups and behind it.
+    fn beyond(self, depth: usize) -> [isize; 2] {
+        [-1 - depth as isize, (self.count + depth) as isize]
+    }
+}
+
 /// Sweeps, their ghosts and their work.
 impl<T: Real, const D: usize> Domain<T, D> {
     /// Goes on with half a step along all axes but the last one, in a layer across that: in their order in the
@@ -216,7 +223,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             }
             for (depth, front) in beyond[0].iter().enumerate() {
                 let [before, behind] =
-                    self.beyond(bundle, depth).map(|place| self.group(bundle, 0, place) * fields);
+                    bundle.beyond(depth).map(|place| self.group(bundle, 0, place) * fields);
                 let last = (first + groups - 1 - depth) * fields;
                 let next = (first + depth) * fields;
                 for (place, lane) in [(velocity, front.velocity), (stress, front.stress)] {
@@ -227,7 +234,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             }
         }
         for depth in 0..GHOSTS {
-            for (end, place) in self.beyond(bundle, depth).into_iter().enumerate() {
+            for (end, place) in bundle.beyond(depth).into_iter().enumerate() {
                 let ghost = self.group(bundle, 0, place);
                 self.patterns[ghost] = self.row_patterns[row][end * GHOSTS + depth];
             }
@@ -249,7 +256,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 Side::Periodic => from_end(1 - end),
             };
             for line in 0..lines {
-                let ghost = self.group(bundle, line, self.beyond(bundle, depth)[end]);
+                let ghost = self.group(bundle, line, bundle.beyond(depth)[end]);
                 self.patterns[ghost] = self.patterns[source + line];
                 for pair in 0..pairs {
                     let Wave { velocity, stress, .. } = self.waves[axis][pair];
@@ -267,11 +274,6 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 }
             }
         }
-    }
-
-    /// The places of the ghosts at a depth in front of a line of groups and behind it.
-    fn beyond(&self, bundle: Bundle, depth: usize) -> [isize; 2] {
-        [-1 - depth as isize, (bundle.count + depth) as isize]
     }
 
     /// Cells of a line, and its lines of cells by line of groups and lane.
