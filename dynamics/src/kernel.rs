@@ -6,7 +6,7 @@
 //! neighbours are in the next lane, moved copies stand as ghosts. Every cell sees what the plain sweep does, in
 //! the same order: the bits are the same.
 
-use crate::line::{Cell, Pieces, Slopes, State, Waves, Weights, meet, updated};
+use crate::line::{Cell, Joint, Pieces, Slopes, State, Waves, updated};
 use crate::real::{Number, Real, Vector, Work};
 use std::ops::Range;
 
@@ -123,14 +123,14 @@ fn prefetch<N>(from: &[N], distance: usize, soon: bool) {
 pub(crate) struct Carried<N> {
     /// What leaves the group behind towards the one at hand.
     to_right: N,
-    /// The joint in front of the group behind.
-    joint: State<N>,
+    /// The joint in front of the group behind, as that sees it.
+    joint: Joint<N>,
 }
 
 impl<V: Number> Carried<V> {
     /// Nothing.
     pub(crate) fn empty() -> Self {
-        Self { to_right: V::ZERO, joint: State { velocity: V::ZERO, stress: V::ZERO } }
+        Self { to_right: V::ZERO, joint: Joint::between_like([V::ZERO, V::ZERO]) }
     }
 
     #[inline(always)]
@@ -138,7 +138,7 @@ impl<V: Number> Carried<V> {
     where
         V: Vector<T>,
     {
-        Self { to_right: V::load(&from.to_right), joint: State::load(&from.joint) }
+        Self { to_right: V::load(&from.to_right), joint: Joint::load(&from.joint) }
     }
 
     #[inline(always)]
@@ -148,21 +148,6 @@ impl<V: Number> Carried<V> {
     {
         self.to_right.store(&mut to.to_right);
         self.joint.store(&mut to.joint);
-    }
-
-    /// On to the next group: the one behind, of which this is the cell, as it is after the step.
-    #[inline(always)]
-    fn pass(
-        &mut self,
-        behind: State<V>,
-        pieces: Pieces<V>,
-        cell: &Cell<V>,
-        weights: &Weights<V>,
-    ) -> State<V> {
-        let joint = meet(weights, [self.to_right, pieces.to_left()]);
-        let moved = updated(behind, [self.joint, joint], cell);
-        *self = Self { to_right: pieces.to_right(), joint };
-        moved
     }
 }
 
@@ -280,9 +265,11 @@ impl<T: Real> Lines<'_, T> {
             }
             let last = Cell::load(self.table.cell(behind, wave));
             let cell = Cell::load(self.table.cell(here, wave));
-            let weights = Weights::new(last.impedance, cell.impedance);
             let pieces = Pieces::of([before, own, next], &cell, slopes);
-            let moved = carried.pass(before, pieces, &last, &weights);
+            let waves = [carried.to_right, pieces.to_left()];
+            let [joint, ahead] = Joint::between([last.impedance, cell.impedance], waves);
+            let moved = updated(before, [carried.joint, joint], &last);
+            carried = Carried { to_right: pieces.to_right(), joint: ahead };
             carried.store(&mut self.carried[slot]);
             let change = moved.stress - before.stress;
             let group = (self.way[place] + line) * self.fields;
@@ -345,7 +332,9 @@ impl<T: Real> Lines<'_, T> {
                 let waves = Waves::of(next, &cell);
                 let after = own.to(waves);
                 let pieces = Pieces::new(own, [before, after], &cell, slopes);
-                let moved = carried.pass(last, pieces, &cell, &cell.between);
+                let joint = Joint::between_like([carried.to_right, pieces.to_left()]);
+                let moved = updated(last, [carried.joint, joint], &cell);
+                carried = Carried { to_right: pieces.to_right(), joint };
                 let group = &mut self.data[(behind + line) * fields..][..fields];
                 for (place, _) in followers {
                     prefetch(group, near + place, true);

@@ -70,39 +70,14 @@ impl Slopes {
 pub struct Cell<N> {
     /// z, kg/(m²s) for translations.
     pub impedance: N,
-    /// C = cΔt/h, in \[0, 1\].
-    pub courant: N,
+    /// C/2: change of s per difference of 2zv between the joints.
+    pub(crate) half_courant: N,
+    /// C/(2z): change of v per difference of 2s between the joints.
+    pub(crate) to_velocity: N,
     /// (1 − C)/4: of the sum of the differences to both sides, what leads if nothing bounds it.
     pub(crate) mean_slope: N,
     /// (1 − C)/C: of the difference upwind, what may lead.
     pub(crate) steepest: N,
-    /// 2/(1 − C): the slope over the whole cell of what leads by one. At Courant number 1, where nothing does, 0.
-    pub(crate) slope: N,
-    /// C/z: change of v per difference of s between the joints.
-    pub(crate) to_velocity: N,
-    /// Cz: change of s per difference of v between the joints.
-    pub(crate) to_stress: N,
-    /// Of joints between cells like this.
-    pub(crate) between: Weights<N>,
-}
-
-/// What a joint makes of the waves that reach it, by impedances z to its left and y to its right.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Weights<N> {
-    /// 1/(z + y).
-    pub(crate) share: N,
-    /// y/(z + y).
-    pub(crate) from_left: N,
-    /// z/(z + y).
-    pub(crate) from_right: N,
-}
-
-impl<N: Number> Weights<N> {
-    #[inline(always)]
-    pub(crate) fn new(z: N, y: N) -> Self {
-        let share = N::ONE / (z + y);
-        Self { share, from_left: y * share, from_right: z * share }
-    }
 }
 
 impl<T: Real> Cell<T> {
@@ -110,15 +85,17 @@ impl<T: Real> Cell<T> {
     pub fn new(impedance: f64, courant: f64) -> Self {
         Self {
             impedance: T::of(impedance),
-            courant: T::of(courant),
+            half_courant: T::of(0.5 * courant),
+            to_velocity: T::of(0.5 * courant / impedance),
             mean_slope: T::of(0.25 * (1.0 - courant)),
             // Nothing moves without speed, and nothing is infinite.
             steepest: T::of((1.0 - courant) / courant.max(1e-6)),
-            slope: T::of(if courant < 1.0 { 2.0 / (1.0 - courant) } else { 0.0 }),
-            to_velocity: T::of(courant / impedance),
-            to_stress: T::of(courant * impedance),
-            between: Weights::new(T::of(impedance), T::of(impedance)),
         }
+    }
+
+    /// C = cΔt/h, in \[0, 1\].
+    pub fn courant(&self) -> T {
+        self.half_courant + self.half_courant
     }
 }
 
@@ -129,20 +106,12 @@ impl<V: Number> Cell<V> {
     where
         V: Vector<T>,
     {
-        let Weights { share, from_left, from_right } = &from.between;
         Self {
             impedance: V::load(&from.impedance),
-            courant: V::load(&from.courant),
+            half_courant: V::load(&from.half_courant),
+            to_velocity: V::load(&from.to_velocity),
             mean_slope: V::load(&from.mean_slope),
             steepest: V::load(&from.steepest),
-            slope: V::load(&from.slope),
-            to_velocity: V::load(&from.to_velocity),
-            to_stress: V::load(&from.to_stress),
-            between: Weights {
-                share: V::load(share),
-                from_left: V::load(from_left),
-                from_right: V::load(from_right),
-            },
         }
     }
 }
@@ -179,38 +148,11 @@ impl<'a> std::iter::Sum<&'a Self> for Account {
     }
 }
 
-/// A velocity and a stress: of a cell, of a joint, or their difference from a cell to the next.
+/// The velocity and the stress of a cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State<N> {
     pub(crate) velocity: N,
     pub(crate) stress: N,
-}
-
-impl<V: Number> State<V> {
-    #[inline(always)]
-    pub(crate) fn load<T: Real>(from: &State<T::Lanes>) -> Self
-    where
-        V: Vector<T>,
-    {
-        Self { velocity: V::load(&from.velocity), stress: V::load(&from.stress) }
-    }
-
-    #[inline(always)]
-    pub(crate) fn store<T: Real>(self, to: &mut State<T::Lanes>)
-    where
-        V: Vector<T>,
-    {
-        self.velocity.store(&mut to.velocity);
-        self.stress.store(&mut to.stress);
-    }
-}
-
-impl<N: Number> State<N> {
-    /// The difference to the next cell.
-    #[inline(always)]
-    pub(crate) fn to(self, next: Self) -> Self {
-        Self { velocity: next.velocity - self.velocity, stress: next.stress - self.stress }
-    }
 }
 
 /// Characteristic variables: s − zv, which runs to the right, and s + zv, which runs to the left.
@@ -280,18 +222,60 @@ impl<N: Number> Pieces<N> {
 }
 
 impl<T: Real> Pieces<T> {
-    /// The slopes of both over the whole cell.
+    /// The slopes of both over the whole cell: twice what leads over the part 1 − C that it leads. At Courant
+    /// number 1 nothing does.
     fn slopes(&self, cell: &Cell<T>) -> Waves<T> {
-        Waves { right: cell.slope * self.lead.right, left: cell.slope * self.lead.left }
+        let staying = T::ONE - cell.courant();
+        let slope = |lead: T| if staying > T::ZERO { (lead + lead) / staying } else { T::ZERO };
+        Waves { right: slope(self.lead.right), left: slope(self.lead.left) }
     }
 }
 
-/// The state of the joint that s − zv reaches from the left and s + yv from the right.
-#[inline(always)]
-pub(crate) fn meet<N: Number>(weights: &Weights<N>, [left, right]: [N; 2]) -> State<N> {
-    State {
-        velocity: (right - left) * weights.share,
-        stress: weights.from_left * left + weights.from_right * right,
+/// A joint as the cell at one of its sides sees it, by the z of that cell: the difference of the waves that the
+/// cell has in it is 2zv, their sum 2s.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Joint<N> {
+    difference: N,
+    sum: N,
+}
+
+impl<N: Number> Joint<N> {
+    /// Between cells of one impedance, which s − zv reaches from the left and s + zv from the right: both cells see
+    /// the same.
+    #[inline(always)]
+    pub(crate) fn between_like([left, right]: [N; 2]) -> Self {
+        Self { difference: right - left, sum: left + right }
+    }
+
+    /// Between cells of impedances z and y, which s − zv reaches from the left and s + yv from the right, as they
+    /// see it: v = (right − left)/(z + y) and s = (y left + z right)/(z + y), with the coefficient of reflection
+    /// (y − z)/(y + z). Where that is zero, this is [`Self::between_like`] to the bit.
+    #[inline(always)]
+    pub(crate) fn between([z, y]: [N; 2], waves: [N; 2]) -> [Self; 2] {
+        let reflection = (y - z) / (y + z);
+        let Self { difference, sum } = Self::between_like(waves);
+        let sum = sum - reflection * difference;
+        [
+            Self { difference: (N::ONE - reflection) * difference, sum },
+            Self { difference: (N::ONE + reflection) * difference, sum },
+        ]
+    }
+
+    #[inline(always)]
+    pub(crate) fn load<T: Real>(from: &Joint<T::Lanes>) -> Self
+    where
+        N: Vector<T>,
+    {
+        Self { difference: N::load(&from.difference), sum: N::load(&from.sum) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn store<T: Real>(self, to: &mut Joint<T::Lanes>)
+    where
+        N: Vector<T>,
+    {
+        self.difference.store(&mut to.difference);
+        self.sum.store(&mut to.sum);
     }
 }
 
@@ -299,38 +283,41 @@ pub(crate) fn meet<N: Number>(weights: &Weights<N>, [left, right]: [N; 2]) -> St
 #[inline(always)]
 pub(crate) fn updated<N: Number>(
     own: State<N>,
-    [left, right]: [State<N>; 2],
+    [left, right]: [Joint<N>; 2],
     cell: &Cell<N>,
 ) -> State<N> {
-    let across = left.to(right);
     State {
-        velocity: own.velocity + cell.to_velocity * across.stress,
-        stress: own.stress + cell.to_stress * across.velocity,
+        velocity: own.velocity + cell.to_velocity * (right.sum - left.sum),
+        stress: own.stress + cell.half_courant * (right.difference - left.difference),
     }
 }
 
-/// Mean over the step of velocity and stress at a joint, and their change during the step.
+/// What the cells to the left and to the right of a face see there: the mean over the step, and its change during
+/// the step.
 #[derive(Clone, Copy)]
-struct Joint<T> {
-    mean: State<T>,
-    change: State<T>,
+struct Face<T> {
+    mean: [Joint<T>; 2],
+    change: [Joint<T>; 2],
+    /// z to the left.
+    impedance: T,
 }
 
-impl<T: Real> Joint<T> {
+impl<T: Real> Face<T> {
     fn new([(own, cell), (other, next)]: [(&Pieces<T>, &Cell<T>); 2]) -> Self {
-        let weights = Weights::new(cell.impedance, next.impedance);
+        let impedances = [cell.impedance, next.impedance];
         let changes =
-            [-(cell.courant * own.slopes(cell).right), next.courant * other.slopes(next).left];
+            [-(cell.courant() * own.slopes(cell).right), next.courant() * other.slopes(next).left];
         Self {
-            mean: meet(&weights, [own.to_right(), other.to_left()]),
-            change: meet(&weights, changes),
+            mean: Joint::between(impedances, [own.to_right(), other.to_left()]),
+            change: Joint::between(impedances, changes),
+            impedance: cell.impedance,
         }
     }
 
     /// ∫ s v dt over the step, per Δt: both are straight in time.
     fn work(&self) -> f64 {
-        let product = |state: State<T>| state.stress.wide() * state.velocity.wide();
-        product(self.mean) + product(self.change) / 12.0
+        let product = |joint: Joint<T>| joint.sum.wide() * joint.difference.wide();
+        (product(self.mean[0]) + product(self.change[0]) / 12.0) / (4.0 * self.impedance.wide())
     }
 }
 
@@ -343,7 +330,7 @@ pub(crate) fn work_between<T: Real>(
 ) -> f64 {
     let [left, right] =
         [0, 1].map(|i| Pieces::of([states[i], states[i + 1], states[i + 2]], &cells[i], slopes));
-    Joint::new([(&left, &cells[0]), (&right, &cells[1])]).work()
+    Face::new([(&left, &cells[0]), (&right, &cells[1])]).work()
 }
 
 /// Advances a pair of fields by a step along a line whose first and last [`GHOSTS`] cells are ghosts,
@@ -371,12 +358,12 @@ pub fn sweep<T: Real>(
     let (mut own, mut after) = (state(velocity, stress, first), state(velocity, stress, first + 1));
     let front = Pieces::of([before, ghost, own], &cells[first - 1], slopes);
     let mut here = Pieces::of([ghost, own, after], &cells[first], slopes);
-    let mut left = Joint::new([(&front, &cells[first - 1]), (&here, &cells[first])]);
+    let mut left = Face::new([(&front, &cells[first - 1]), (&here, &cells[first])]);
     for place in first..end {
         let beyond = state(velocity, stress, place + 2);
         let next = Pieces::of([own, after, beyond], &cells[place + 1], slopes);
-        let right = Joint::new([(&here, &cells[place]), (&next, &cells[place + 1])]);
-        let moved = updated(own, [left.mean, right.mean], &cells[place]);
+        let right = Face::new([(&here, &cells[place]), (&next, &cells[place + 1])]);
+        let moved = updated(own, [left.mean[1], right.mean[0]], &cells[place]);
         (velocity[place], stress[place]) = (moved.velocity, moved.stress);
         if let Some(account) = accounts.as_deref_mut().and_then(|all| all.get_mut(place - first)) {
             if place == first {
@@ -396,9 +383,9 @@ fn note<T: Real>(
     account: &mut Account,
     own: &Pieces<T>,
     cell: &Cell<T>,
-    [left, right]: [&Joint<T>; 2],
+    [left, right]: [&Face<T>; 2],
 ) {
-    let (z, c) = (cell.impedance.wide(), cell.courant.wide());
+    let (z, c) = (cell.impedance.wide(), cell.courant().wide());
     if c == 0.0 {
         // Nothing moves, and nothing is averaged.
         return;
@@ -416,27 +403,47 @@ fn note<T: Real>(
         c * rest * square(came[0] - stayed[0])
             + (c * square(came[1]) + rest * square(stayed[1])) / 12.0
     };
-    let incoming = |joint: &Joint<T>, sign: f64| {
-        [joint.mean, joint.change]
-            .map(|state| state.stress.wide() + sign * z * state.velocity.wide())
+    // s − zv from the left, s + zv from the right.
+    let came = |joints: [Joint<T>; 2], sign: f64| {
+        joints.map(|joint| 0.5 * (joint.sum.wide() + sign * joint.difference.wide()))
     };
     let stayed = |value: T, slope: f64, sign: f64| {
         [value.wide() - sign * 0.5 * c * slope, (1.0 - c) * slope]
     };
+    let from_left = came([left.mean[1], left.change[1]], -1.0);
+    let from_right = came([right.mean[0], right.change[0]], 1.0);
     account.lost += unit
-        * (variance(incoming(left, -1.0), stayed(own.mean.right, right_slope, 1.0))
-            + variance(incoming(right, 1.0), stayed(own.mean.left, left_slope, -1.0)));
+        * (variance(from_left, stayed(own.mean.right, right_slope, 1.0))
+            + variance(from_right, stayed(own.mean.left, left_slope, -1.0)));
 }
 
 /// The energy of the cells of a line without its ghosts, in the unit of the [`Account`].
 pub fn energy<T: Real>(velocity: &[T], stress: &[T], cells: &[Cell<T>]) -> f64 {
     let inner = GHOSTS..cells.len().saturating_sub(GHOSTS);
     inner
-        .filter(|&i| cells[i].courant != T::ZERO)
+        .filter(|&i| cells[i].half_courant != T::ZERO)
         .map(|i| {
-            let (z, c) = (cells[i].impedance.wide(), cells[i].courant.wide());
+            let (z, c) = (cells[i].impedance.wide(), cells[i].courant().wide());
             let (v, s) = (velocity[i].wide(), stress[i].wide());
             (z * v * v + s * s / z) / (2.0 * c)
         })
         .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Joint;
+
+    /// Sums and products with what is exactly zero or one change nothing, signs of zeros included.
+    #[test]
+    fn a_joint_of_like_cells_is_the_same_to_the_bit() {
+        let numbers = [0.0, -0.0, 1.0, -1.0 / 3.0, 1e-310, -7e200, 0.1, -0.1];
+        for (left, right) in numbers.iter().flat_map(|l| numbers.map(|r| (*l, r))) {
+            let like: Joint<f64> = Joint::between_like([left, right]);
+            for seen in Joint::between([0.7; 2], [left, right]) {
+                assert_eq!(seen.difference.to_bits(), like.difference.to_bits());
+                assert_eq!(seen.sum.to_bits(), like.sum.to_bits());
+            }
+        }
+    }
 }

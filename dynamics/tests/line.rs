@@ -219,7 +219,7 @@ fn a_wrong_impedance_opens_the_account() {
     let before = line.energy();
     let right = line.cells.clone();
     let cell = line.cells[15];
-    line.cells[15] = Cell::new(1.01 * cell.impedance, cell.courant);
+    line.cells[15] = Cell::new(1.01 * cell.impedance, cell.courant());
     let mut account = Account::default();
     line.step(Slopes::Limited, Some(&mut account));
     line.cells = right;
@@ -329,7 +329,7 @@ fn single_precision_follows() {
     let narrow = |list: &[f64]| list.iter().map(|&x| x as f32).collect::<Vec<f32>>();
     let (mut velocity, mut stress) = (narrow(&line.velocity), narrow(&line.stress));
     let cells: Vec<Cell<f32>> =
-        line.cells.iter().map(|c| Cell::new(c.impedance, c.courant)).collect();
+        line.cells.iter().map(|c| Cell::new(c.impedance, c.courant())).collect();
     for _ in 0..10 {
         line.step(Slopes::Limited, None);
         sweep(&mut velocity, &mut stress, &cells, Slopes::Limited, None);

@@ -5,7 +5,7 @@ use super::{AT_ONCE, Buffer, Domain, EnergyTerms, Kick, RowEnds, TILE, groups};
 use crate::boundary::Boundary;
 use crate::kernel::{Carried, Instructions, Table, Wave};
 use crate::ledger::{Ledger, Total};
-use crate::line::{Account, Cell, GHOSTS, HALO, Weights};
+use crate::line::{Account, Cell, GHOSTS, HALO};
 use crate::medium::{Medium, energy_terms};
 use crate::problem::Problem;
 use crate::real::{Group, Number, Real};
@@ -286,16 +286,12 @@ impl<T: Real, const D: usize> Domain<T, D> {
                             value(Cell::new(own.impedance(), courant)).wide()
                         })
                     };
-                    let impedance = own(&|cell| cell.impedance);
                     table.cells.push(Cell {
-                        impedance,
-                        courant: own(&|cell| cell.courant),
+                        impedance: own(&|cell| cell.impedance),
+                        half_courant: own(&|cell| cell.half_courant),
+                        to_velocity: own(&|cell| cell.to_velocity),
                         mean_slope: own(&|cell| cell.mean_slope),
                         steepest: own(&|cell| cell.steepest),
-                        slope: own(&|cell| cell.slope),
-                        to_velocity: own(&|cell| cell.to_velocity),
-                        to_stress: own(&|cell| cell.to_stress),
-                        between: Weights::new(impedance, impedance),
                     });
                     for &place in &self.waves[axis][pair].followers {
                         let field = media[0].fields[place];

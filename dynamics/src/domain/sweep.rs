@@ -320,13 +320,10 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let cell = self.table.cell(self.patterns[group], wave);
         let constants = Cell {
             impedance: cell.impedance.lanes()[lane],
-            courant: cell.courant.lanes()[lane],
+            half_courant: cell.half_courant.lanes()[lane],
+            to_velocity: cell.to_velocity.lanes()[lane],
             mean_slope: cell.mean_slope.lanes()[lane],
             steepest: cell.steepest.lanes()[lane],
-            slope: cell.slope.lanes()[lane],
-            to_velocity: cell.to_velocity.lanes()[lane],
-            to_stress: cell.to_stress.lanes()[lane],
-            between: line::Weights::new(cell.impedance.lanes()[lane], cell.impedance.lanes()[lane]),
         };
         (state, constants)
     }
