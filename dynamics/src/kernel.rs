@@ -68,18 +68,18 @@ pub(crate) struct Wave {
     pub(crate) followers: Vec<usize>,
     /// Place of the constants among those of a pattern.
     pub(crate) constants: usize,
-    /// Place of the first follower's ratio among those of a pattern.
-    pub(crate) ratios: usize,
+    /// Places of the followers' ratios among those of a pattern.
+    pub(crate) ratios: Vec<usize>,
 }
 
 /// Constants of the media by pattern: which medium each lane of a group has.
 #[derive(Clone, Debug)]
 pub(crate) struct Table<T: Real> {
     pub(crate) cells: Vec<Cell<T::Lanes>>,
-    /// Constants of a pattern.
+    /// Constants of a pattern: waves that have the same share them.
     pub(crate) waves: usize,
     pub(crate) ratios: Vec<T::Lanes>,
-    /// Ratios of a pattern.
+    /// Ratios of a pattern, shared likewise.
     pub(crate) followers: usize,
 }
 
@@ -91,7 +91,7 @@ impl<T: Real> Table<T> {
 
     #[inline(always)]
     pub(crate) fn ratio(&self, pattern: u32, wave: &Wave, follower: usize) -> &T::Lanes {
-        &self.ratios[pattern as usize * self.followers + wave.ratios + follower]
+        &self.ratios[pattern as usize * self.followers + wave.ratios[follower]]
     }
 }
 
@@ -191,8 +191,8 @@ impl<T: Real> Work<T> for Lines<'_, T> {
 }
 
 impl<T: Real> Lines<'_, T> {
-    /// Lines of one pattern together; the others in runs through groups of one pattern, and single steps from
-    /// one to another.
+    /// Lines of one pattern together; the others in runs through groups of one pattern, and runs from each pattern
+    /// to another.
     #[inline(always)]
     fn walk<V: Vector<T>>(mut self, slopes: Slopes) {
         let lines = self.carried.len() / self.waves.len().max(1);
@@ -216,24 +216,39 @@ impl<T: Real> Lines<'_, T> {
                     last += 1;
                 }
             }
-            if place < end {
-                for index in 0..self.waves.len() {
-                    // Loops of their own for all numbers of followers, of which Hooke's law has two at most.
-                    debug_assert!(self.waves[index].followers.len() <= 2);
-                    let (lines, run) = (line..last, place..end);
-                    match self.waves[index].followers.len() {
-                        0 => self.run_through::<V, 0>(lines, run, (index, pattern), slopes),
-                        1 => self.run_through::<V, 1>(lines, run, (index, pattern), slopes),
-                        _ => self.run_through::<V, 2>(lines, run, (index, pattern), slopes),
-                    }
+            let middle = end;
+            while end < steps && self.pattern(line, end) != self.pattern(line, end + 1) {
+                end += 1;
+            }
+            let (lines_run, runs) = (line..last, [place..middle, middle..end]);
+            for index in 0..self.waves.len() {
+                // Loops of their own for all numbers of followers, of which Hooke's law has two at most.
+                debug_assert!(self.waves[index].followers.len() <= 2);
+                match self.waves[index].followers.len() {
+                    0 => self.advance::<V, 0>(&lines_run, &runs, index, slopes),
+                    1 => self.advance::<V, 1>(&lines_run, &runs, index, slopes),
+                    _ => self.advance::<V, 2>(&lines_run, &runs, index, slopes),
                 }
             }
-            if end < steps {
-                self.step::<V>(line, end, slopes);
-                place = end + 1;
-            } else {
-                (line, place) = (last, 0);
-            }
+            (line, place) = if end < steps { (line, end) } else { (last, 0) };
+        }
+    }
+
+    /// A wave on its way through groups of one pattern, and on through such of which each has another one than the
+    /// one before.
+    #[inline(always)]
+    fn advance<V: Vector<T>, const FOLLOWERS: usize>(
+        &mut self,
+        lines: &Range<usize>,
+        [through, across]: &[Range<usize>; 2],
+        index: usize,
+        slopes: Slopes,
+    ) {
+        if !through.is_empty() {
+            self.run_through::<V, FOLLOWERS>(lines.clone(), through.clone(), index, slopes);
+        }
+        if !across.is_empty() {
+            self.run_across::<V, FOLLOWERS>(lines.start, across.clone(), index, slopes);
         }
     }
 
@@ -249,38 +264,54 @@ impl<T: Real> Lines<'_, T> {
         State { velocity: V::load(velocity), stress: V::load(stress) }
     }
 
-    /// A step from one pattern to another, with the first of three places behind.
+    /// A wave on its way through groups of which each has another pattern than the one before.
     #[inline(always)]
-    fn step<V: Vector<T>>(&mut self, line: usize, place: usize, slopes: Slopes) {
-        let (behind, here) = (self.pattern(line, place), self.pattern(line, place + 1));
-        for (index, wave) in self.waves.iter().enumerate() {
-            let slot = line * self.waves.len() + index;
-            let mut carried: Carried<V> = Carried::load(&self.carried[slot]);
-            let before: State<V> = self.read(line, place, wave);
-            let own = self.read(line, place + 1, wave);
-            let next = self.read(line, place + 2, wave);
-            let ahead = &self.data[(self.way[place + 2] + line) * self.fields..];
-            for place in [wave.velocity, wave.stress] {
-                prefetch(ahead, self.next * self.fields + place, true);
-            }
-            let last = Cell::load(self.table.cell(behind, wave));
+    fn run_across<V: Vector<T>, const FOLLOWERS: usize>(
+        &mut self,
+        line: usize,
+        run: Range<usize>,
+        index: usize,
+        slopes: Slopes,
+    ) {
+        let (wave, fields) = (&self.waves[index], self.fields);
+        let (velocity, stress) = (wave.velocity, wave.stress);
+        let near = self.next * fields;
+        let later = self.later * fields + index * fields.div_ceil(self.waves.len());
+        let slot = line * self.waves.len() + index;
+        let mut carried: Carried<V> = Carried::load(&self.carried[slot]);
+        let mut pattern = self.pattern(line, run.start);
+        let mut last: Cell<V> = Cell::load(self.table.cell(pattern, wave));
+        let mut before: State<V> = self.read(line, run.start, wave);
+        let mut own = self.read(line, run.start + 1, wave);
+        for place in run {
+            let here = self.pattern(line, place + 1);
             let cell = Cell::load(self.table.cell(here, wave));
+            let next = self.read(line, place + 2, wave);
+            let ahead = &self.data[(self.way[place + 2] + line) * fields..];
+            prefetch(ahead, near + velocity, true);
+            prefetch(ahead, near + stress, true);
+            if self.later > 0 {
+                for place in 0..MOST_SHARE {
+                    prefetch(ahead, later + place, false);
+                }
+            }
             let pieces = Pieces::of([before, own, next], &cell, slopes);
             let waves = [carried.to_right, pieces.to_left()];
-            let [joint, ahead] = Joint::between([last.impedance, cell.impedance], waves);
+            let [joint, beyond] = Joint::between([last.impedance, cell.impedance], waves);
             let moved = updated(before, [carried.joint, joint], &last);
-            carried = Carried { to_right: pieces.to_right(), joint: ahead };
-            carried.store(&mut self.carried[slot]);
+            carried = Carried { to_right: pieces.to_right(), joint: beyond };
+            let group = &mut self.data[(self.way[place] + line) * fields..][..fields];
+            moved.velocity.store(&mut group[velocity]);
+            moved.stress.store(&mut group[stress]);
             let change = moved.stress - before.stress;
-            let group = (self.way[place] + line) * self.fields;
-            let group = &mut self.data[group..][..self.fields];
-            moved.velocity.store(&mut group[wave.velocity]);
-            moved.stress.store(&mut group[wave.stress]);
-            for (index, &place) in wave.followers.iter().enumerate() {
-                let ratio = V::load(self.table.ratio(behind, wave, index));
+            for follower in 0..FOLLOWERS {
+                let place = wave.followers[follower];
+                let ratio = V::load(self.table.ratio(pattern, wave, follower));
                 (V::load(&group[place]) + ratio * change).store(&mut group[place]);
             }
+            (before, own, last, pattern) = (own, next, cell, here);
         }
+        carried.store(&mut self.carried[slot]);
     }
 
     /// A wave on its way through groups of one pattern.
@@ -289,10 +320,10 @@ impl<T: Real> Lines<'_, T> {
         &mut self,
         lines: Range<usize>,
         run: Range<usize>,
-        (index, pattern): (usize, u32),
+        index: usize,
         slopes: Slopes,
     ) {
-        let wave = &self.waves[index];
+        let (wave, pattern) = (&self.waves[index], self.pattern(lines.start, run.start));
         let cell: Cell<V> = Cell::load(self.table.cell(pattern, wave));
         let mut followers = [(0, V::ZERO); FOLLOWERS];
         for (index, (place, ratio)) in followers.iter_mut().enumerate() {
@@ -300,6 +331,9 @@ impl<T: Real> Lines<'_, T> {
             *ratio = V::load(self.table.ratio(pattern, wave, index));
         }
         let (velocity, stress, fields) = (wave.velocity, wave.stress, self.fields);
+        // Once, and not in every group.
+        assert!(velocity < fields && stress < fields);
+        assert!(followers.iter().all(|(place, _)| *place < fields));
         let near = self.next * fields;
         // Each wave calls for its share of the fields.
         let share = fields.div_ceil(self.waves.len());

@@ -50,6 +50,14 @@ impl Patterns {
     }
 }
 
+/// The place of a value in a list, which has each one once.
+fn number<N: PartialEq>(all: &mut Vec<N>, value: N) -> usize {
+    all.iter().position(|own| *own == value).unwrap_or_else(|| {
+        all.push(value);
+        all.len() - 1
+    })
+}
+
 /// So many zeros, in great pages where the system has such: a sweep across rows is on another small page with
 /// every cell, and a processor knows the addresses of few.
 fn zeros<N: Number>(count: usize) -> Vec<N> {
@@ -96,7 +104,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let of_cell: Vec<u16> =
             layers.iter().flat_map(|&index| &problem.of_cell[of_layer(index)]).copied().collect();
 
-        let mut constants = [0, 0];
+        let mut constants = Vec::new();
+        let mut ratios = Vec::new();
         let mut wave = |axis: usize, index: usize| {
             // What follows in any medium, in the others by a ratio of zero.
             let all = media.iter().flat_map(|medium| &medium.pairs[axis][index].followers);
@@ -104,15 +113,28 @@ impl<T: Real, const D: usize> Domain<T, D> {
             followers.sort_unstable();
             followers.dedup();
             let pair = &media[0].pairs[axis][index];
-            let wave = Wave {
+            let cells: Vec<Cell<T>> = media
+                .iter()
+                .map(|medium| {
+                    let own = &medium.pairs[axis][index];
+                    let courant = own.speed() * (0.5 * problem.step / whole.spacing[axis]);
+                    Cell::new(own.impedance(), courant.min(1.0))
+                })
+                .collect();
+            let of_followers = followers.iter().map(|&place| {
+                let ratio = |medium: &Medium| {
+                    let mut own = medium.pairs[axis][index].followers.iter();
+                    own.find(|own| own.0 == fields[place]).map_or(0.0, |own| own.1)
+                };
+                media.iter().map(ratio).collect::<Vec<f64>>()
+            });
+            Wave {
                 velocity: place(pair.velocity).unwrap_or(0),
                 stress: place(pair.stress).unwrap_or(0),
-                constants: constants[0],
-                ratios: constants[1],
+                constants: number(&mut constants, cells),
+                ratios: of_followers.map(|ratio| number(&mut ratios, ratio)).collect(),
                 followers,
-            };
-            constants = [constants[0] + 1, constants[1] + wave.followers.len()];
-            wave
+            }
         };
         let waves: [Vec<Wave>; D] = std::array::from_fn(|axis| {
             (0..media[0].pairs[axis].len()).map(|index| wave(axis, index)).collect()
@@ -256,7 +278,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             acceleration: problem.acceleration,
             initial_stress,
             sets: None,
-            dissipated: vec![0.0; if is_plastic { own_groups * T::Lanes::COUNT } else { 0 }],
+            dissipated: zeros(if is_plastic { own_groups * T::Lanes::COUNT } else { 0 }),
             integrals: integrals.map(|place| (place, vec![0.0; cells])).collect(),
             steps: 0,
             ledgers: [0, 1].map(|_| vec![Ledger::default(); layers.len()]),
@@ -264,44 +286,39 @@ impl<T: Real, const D: usize> Domain<T, D> {
             buffer,
             media,
         };
-        domain.tabulate(&known.all, constants);
+        domain.tabulate(&known.all, &constants, &ratios);
         domain
     }
 
-    /// The constants of all patterns.
-    fn tabulate(&mut self, patterns: &[Vec<u16>], [waves, followers]: [usize; 2]) {
+    /// The constants of all patterns, by medium those of all waves and the ratios of followers.
+    fn tabulate(&mut self, patterns: &[Vec<u16>], constants: &[Vec<Cell<T>>], ratios: &[Vec<f64>]) {
         let lanes = |pattern: &[u16], value: &dyn Fn(&Medium) -> f64| {
             T::Lanes::by_lane(|lane| T::of(value(&self.media[usize::from(pattern[lane])])))
         };
         let media = &self.media;
-        let mut table = Table { cells: Vec::new(), waves, ratios: Vec::new(), followers };
+        let mut table = Table {
+            waves: constants.len(),
+            followers: ratios.len(),
+            cells: Vec::with_capacity(patterns.len() * constants.len()),
+            ratios: Vec::with_capacity(patterns.len() * ratios.len()),
+        };
         for pattern in patterns {
-            for axis in 0..D {
-                let ratio = 0.5 * self.step / self.grid.spacing[axis];
-                for pair in 0..media[0].pairs[axis].len() {
-                    let own = |value: &dyn Fn(Cell<T>) -> T| {
-                        lanes(pattern, &|medium| {
-                            let own = &medium.pairs[axis][pair];
-                            let courant = (own.speed() * ratio).min(1.0);
-                            value(Cell::new(own.impedance(), courant)).wide()
-                        })
-                    };
-                    table.cells.push(Cell {
-                        impedance: own(&|cell| cell.impedance),
-                        half_courant: own(&|cell| cell.half_courant),
-                        to_velocity: own(&|cell| cell.to_velocity),
-                        mean_slope: own(&|cell| cell.mean_slope),
-                        steepest: own(&|cell| cell.steepest),
-                    });
-                    for &place in &self.waves[axis][pair].followers {
-                        let field = media[0].fields[place];
-                        table.ratios.push(lanes(pattern, &|medium| {
-                            let mut own = medium.pairs[axis][pair].followers.iter();
-                            own.find(|own| own.0 == field).map_or(0.0, |own| own.1)
-                        }));
-                    }
+            table.cells.extend(constants.iter().map(|cells| {
+                let own = |value: fn(&Cell<T>) -> T| {
+                    T::Lanes::by_lane(|lane| value(&cells[usize::from(pattern[lane])]))
+                };
+                Cell {
+                    impedance: own(|cell| cell.impedance),
+                    half_courant: own(|cell| cell.half_courant),
+                    to_velocity: own(|cell| cell.to_velocity),
+                    mean_slope: own(|cell| cell.mean_slope),
+                    steepest: own(|cell| cell.steepest),
                 }
-            }
+            }));
+            let lanes = |ratio: &Vec<f64>| {
+                T::Lanes::by_lane(|lane| T::of(ratio[usize::from(pattern[lane])]))
+            };
+            table.ratios.extend(ratios.iter().map(lanes));
         }
         let turns = patterns.iter().map(|pattern| {
             [1.0, 0.5].map(|part| {

@@ -80,6 +80,9 @@ struct Strength<N> {
     shift: N,
     /// a = 2κ²K.
     a: N,
+    /// Of the force deviator alone: 2/(a + D), the multiplier per excess of τ̄, and half its rate D.
+    softness: N,
+    half_rate: N,
     /// Weights p, rates Dp and compliances 1/D of the parts.
     weights: [N; PARTS],
     rates: [N; PARTS],
@@ -93,7 +96,9 @@ impl Strength<f64> {
         // Any but zero.
         rates[0] = 1.0;
         let [weights, compliances] = [[0.0; PARTS]; 2];
-        Self { strength, friction: 0.0, shift: 0.0, a: 0.0, weights, rates, compliances }
+        let [friction, shift, a, half_rate] = [0.0; 4];
+        let softness = 1.0;
+        Self { strength, friction, shift, a, softness, half_rate, weights, rates, compliances }
     }
 
     fn new(set: &Mises, solid: &Isotropic) -> Self {
@@ -109,6 +114,8 @@ impl Strength<f64> {
             friction,
             shift,
             a,
+            softness: 2.0 / (a + parts[0][0] * parts[0][1]),
+            half_rate: 0.5 * parts[0][0] * parts[0][1],
             weights: parts.map(|[weight, _]| weight),
             rates: parts.map(|[weight, stiffness]| weight * stiffness),
             compliances: parts.map(|[weight, stiffness]| match weight > 0.0 {
@@ -213,6 +220,8 @@ impl<T: Real> Strengths<T> {
                 friction: lanes(&|own| own.friction),
                 shift: lanes(&|own| own.shift),
                 a: lanes(&|own| own.a),
+                softness: lanes(&|own| own.softness),
+                half_rate: lanes(&|own| own.half_rate),
                 weights: parts(&|own| own.weights),
                 rates: parts(&|own| own.rates),
                 compliances: parts(&|own| own.compliances),
@@ -225,6 +234,12 @@ impl<T: Real> Strengths<T> {
             by_pattern: by_pattern.collect(),
             seen: std::array::from_fn(seen),
         })
+    }
+}
+
+impl<T: Real> Strengths<T> {
+    fn sees_deviator_alone(&self) -> bool {
+        !self.seen[1..].contains(&true)
     }
 }
 
@@ -247,6 +262,28 @@ pub(super) struct Correct<'a, T: Real> {
 impl<T: Real> Work<T> for Correct<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
+        match self.sets {
+            Sets::HalfSpaces(all) => {
+                let groups = self.data.chunks_exact(self.fields).zip(self.patterns);
+                for (index, (group, &pattern)) in groups.enumerate() {
+                    let pattern = pattern as usize;
+                    if self.yields[pattern] && !admits::<T, V>(group, &all[pattern]) {
+                        self.left.push(index);
+                    }
+                }
+            }
+            Sets::Mises(strengths) if strengths.sees_deviator_alone() => {
+                self.each::<V, true>(strengths);
+            }
+            Sets::Mises(strengths) => self.each::<V, false>(strengths),
+        }
+    }
+}
+
+impl<T: Real> Correct<'_, T> {
+    /// Mises' sets: those that see nothing but the deviator of the stress have a loop of their own.
+    #[inline(always)]
+    fn each<V: Vector<T>, const DEVIATOR: bool>(self, strengths: &Strengths<T>) {
         let lanes = T::Lanes::COUNT;
         let groups = self.data.chunks_exact_mut(self.fields).zip(self.patterns);
         let mut sums = [0.0f64; MOST_LANES];
@@ -254,18 +291,9 @@ impl<T: Real> Work<T> for Correct<'_, T> {
             if !self.yields[pattern as usize] {
                 continue;
             }
-            let strengths = match self.sets {
-                Sets::Mises(strengths) => strengths,
-                Sets::HalfSpaces(all) => {
-                    if !admits::<T, V>(group, &all[pattern as usize]) {
-                        self.left.push(index);
-                    }
-                    continue;
-                }
-            };
             let own = &strengths.by_pattern[pattern as usize];
             let mut lost = T::Lanes::ZERO;
-            match correct::<T, V>(group, own, strengths, &mut lost) {
+            match correct::<T, V, DEVIATOR>(group, own, strengths, &mut lost) {
                 Done::Nothing => {}
                 Done::All => {
                     let dissipated = &mut self.dissipated[index * lanes..][..lanes];
@@ -326,9 +354,9 @@ fn invariants<T: Real, V: Vector<T>>(group: &[T::Lanes], matrix: &Matrix) -> (V,
     (mean, deviator, antisymmetric)
 }
 
-/// Takes shares of the deviator and of the antisymmetric part away and adds to the mean.
+/// Takes shares of the deviator and of the antisymmetric part, if not of the former alone, away and adds to the mean.
 #[inline(always)]
-fn relax<T: Real, V: Vector<T>>(
+fn relax<T: Real, V: Vector<T>, const DEVIATOR: bool>(
     group: &mut [T::Lanes],
     matrix: &Matrix,
     (mean, more): (V, V),
@@ -343,6 +371,13 @@ fn relax<T: Real, V: Vector<T>>(
     for &[one, other] in &matrix.pairs {
         let (a, b) = (V::load(&group[one]), V::load(&group[other]));
         let symmetric = deviator * (V::HALF * (a + b));
+        if DEVIATOR {
+            (a - symmetric).store(&mut group[one]);
+            if other != one {
+                (b - symmetric).store(&mut group[other]);
+            }
+            continue;
+        }
         let antisymmetric = antisymmetric * (V::HALF * (a - b));
         (a - (symmetric + antisymmetric)).store(&mut group[one]);
         if other != one {
@@ -352,7 +387,7 @@ fn relax<T: Real, V: Vector<T>>(
 }
 
 #[inline(always)]
-fn correct<T: Real, V: Vector<T>>(
+fn correct<T: Real, V: Vector<T>, const DEVIATOR: bool>(
     group: &mut [T::Lanes],
     own: &Strength<T::Lanes>,
     strengths: &Strengths<T>,
@@ -363,7 +398,8 @@ fn correct<T: Real, V: Vector<T>>(
     // ½|s̄|² of each part.
     let mut squares = [deviator, antisymmetric, V::ZERO, V::ZERO, V::ZERO];
     let mut couple_mean = V::ZERO;
-    if seen[2] || seen[3] || seen[4] {
+    let sees_couples = !DEVIATOR && (seen[2] || seen[3] || seen[4]);
+    if sees_couples {
         let (mean, deviator, antisymmetric) = invariants::<T, V>(group, couple);
         couple_mean = mean;
         squares[2] = deviator;
@@ -372,7 +408,7 @@ fn correct<T: Real, V: Vector<T>>(
     }
     let mut square = V::load(&own.weights[0]) * squares[0];
     for part in 1..PARTS {
-        if seen[part] {
+        if !DEVIATOR && seen[part] {
             square = square + V::load(&own.weights[part]) * squares[part];
         }
     }
@@ -386,67 +422,84 @@ fn correct<T: Real, V: Vector<T>>(
     if is_apart {
         return Done::NotAll;
     }
-    let shear = square.root();
+    let (shares, multiplier, parts_lost) = if DEVIATOR {
+        let (share, multiplier) = one_rate::<T, V>(square, room, own);
+        let mut shares = [V::ZERO; PARTS];
+        shares[0] = share;
+        (shares, multiplier, V::load(&own.compliances[0]) * squares[0] * share * share)
+    } else {
+        several_rates::<T, V>(squares, room, own, seen)
+    };
+    let quarter = V::QUARTER * V::load(&own.a) * multiplier;
+    // In lanes that do not yield this is nothing times a great number.
+    (parts_lost + (strength + quarter) * multiplier).store(lost);
+    let more = -(V::load(&own.shift) * multiplier);
+    relax::<T, V, DEVIATOR>(group, force, (mean, more), (shares[0], shares[1]));
+    if sees_couples {
+        let less = -(shares[3] * couple_mean);
+        relax::<T, V, false>(group, couple, (couple_mean, less), (shares[2], shares[4]));
+    }
+    Done::All
+}
 
-    // h(x) = τ̄(x)(1 − ax) − r = 0, at once where there is one rate.
+/// What the deviator loses of itself, and λ, where h(x) = 0 is linear: with τ̄ − r in excess
+/// λ = 2(τ̄ − r)/(a + D), and D λ/(2τ̄) of the deviator is lost.
+#[inline(always)]
+fn one_rate<T: Real, V: Vector<T>>(square: V, room: V, own: &Strength<T::Lanes>) -> (V, V) {
+    let shear = square.root();
+    let multiplier = V::load(&own.softness) * (shear - room).greatest(V::ZERO);
+    // In lanes without any stress there is nothing to lose.
+    (V::load(&own.half_rate) * multiplier / shear.greatest(V::LEAST), multiplier)
+}
+
+/// What each part loses of itself, λ, and what the parts lose of their energy: h(x) = 0 by Newton's method.
+#[inline(always)]
+fn several_rates<T: Real, V: Vector<T>>(
+    squares: [V; PARTS],
+    room: V,
+    own: &Strength<T::Lanes>,
+    seen: &[bool; PARTS],
+) -> ([V; PARTS], V, V) {
     let a = V::load(&own.a);
     let mut rates = [V::ZERO; PARTS];
     for (rate, own) in rates.iter_mut().zip(&own.rates) {
         *rate = V::load(own);
     }
-    let mut x = ((shear - room) / (a * shear + room * rates[0])).greatest(V::ZERO);
-    let is_one = !(seen[1] || seen[2] || seen[3] || seen[4]);
-    if !is_one {
-        // From zero Newton's iterates rise to the root and never pass it.
-        x = V::ZERO;
-        for _ in 0..MOST_STEPS {
-            let (mut norm, mut slope) = (V::ZERO, V::ZERO);
-            for part in 0..PARTS {
-                if seen[part] {
-                    let fraction = V::ONE / (V::ONE + x * rates[part]);
-                    let term = V::load(&own.weights[part]) * squares[part] * fraction * fraction;
-                    norm = norm + term;
-                    slope = slope + term * fraction * rates[part];
-                }
-            }
-            // In lanes without any stress there is nothing to be found.
-            let norm = norm.greatest(V::LEAST);
-            let reciprocal = V::ONE / norm.root();
-            let slope = slope / norm * reciprocal;
-            let more = (V::ONE - a * x - room * reciprocal) / (a + room * slope);
-            let next = x + more.greatest(V::ZERO);
-            let is_done = !(next - x).exceeds(V::ZERO);
-            x = next;
-            if is_done {
-                break;
+    // From zero the iterates rise to the root and never pass it.
+    let mut x = V::ZERO;
+    for _ in 0..MOST_STEPS {
+        let (mut norm, mut slope) = (V::ZERO, V::ZERO);
+        for part in 0..PARTS {
+            if seen[part] {
+                let fraction = V::ONE / (V::ONE + x * rates[part]);
+                let term = V::load(&own.weights[part]) * squares[part] * fraction * fraction;
+                norm = norm + term;
+                slope = slope + term * fraction * rates[part];
             }
         }
+        // In lanes without any stress there is nothing to be found.
+        let norm = norm.greatest(V::LEAST);
+        let reciprocal = V::ONE / norm.root();
+        let slope = slope / norm * reciprocal;
+        let more = (V::ONE - a * x - room * reciprocal) / (a + room * slope);
+        let next = x + more.greatest(V::ZERO);
+        let is_done = !(next - x).exceeds(V::ZERO);
+        x = next;
+        if is_done {
+            break;
+        }
     }
-
     let mut shares = [V::ZERO; PARTS];
-    let mut shear_left = V::ZERO;
-    let mut loss = V::ZERO;
+    let (mut square_left, mut loss) = (V::ZERO, V::ZERO);
     for part in 0..PARTS {
         if seen[part] {
             let fraction = V::ONE / (V::ONE + x * rates[part]);
             shares[part] = x * rates[part] * fraction;
             let weighted = V::load(&own.weights[part]) * squares[part];
-            shear_left = shear_left + weighted * fraction * fraction;
+            square_left = square_left + weighted * fraction * fraction;
             let compliance = V::load(&own.compliances[part]);
             loss = loss + compliance * squares[part] * shares[part] * shares[part];
         }
     }
-    // (1 + x·Dp)τ̄(x) = τ̄(0), where there is one rate.
-    let shear_left = if is_one { shear / (V::ONE + x * rates[0]) } else { shear_left.root() };
-    let multiplier = (x + x) * shear_left;
-    let quarter = V::QUARTER * a * multiplier;
-    // In lanes that do not yield this is nothing times a great number.
-    (loss + (strength + quarter) * multiplier).store(lost);
-    let more = -(V::load(&own.shift) * multiplier);
-    relax::<T, V>(group, force, (mean, more), (shares[0], shares[1]));
-    if seen[2] || seen[3] || seen[4] {
-        let less = -(shares[3] * couple_mean);
-        relax::<T, V>(group, couple, (couple_mean, less), (shares[2], shares[4]));
-    }
-    Done::All
+    (shares, (x + x) * square_left.root(), loss)
 }
