@@ -166,7 +166,8 @@ pub struct Domain<T: Real, const D: usize> {
 struct RowEnds {
     /// What ghosts see of both ends, the outermost first; rows shorter than the ghosts repeat themselves.
     inside: [[Slot; GHOSTS]; 2],
-    /// What is no cell: ghosts stand in the first of these while the row is swept, else zeros in all.
+    /// What is no cell and may be moved: ghosts stand in the first of these while the row is swept, and the sweep
+    /// reaches as far beyond them; else zeros in all, as ever in what is behind.
     empty: Vec<Slot>,
 }
 

@@ -23,7 +23,7 @@ pub(crate) type Slot = (usize, usize);
 pub(crate) struct Mirror<T: Real> {
     /// Sign of v, shift of v, sign of s, shift of s.
     by_face: Vec<[T::Lanes; 4]>,
-    /// Groups of faces of a pair.
+    /// Groups of faces of a pair; one stands for all where they are alike.
     groups: usize,
     loads: Vec<SideLoad>,
     /// Whether work may be done here.
@@ -40,17 +40,34 @@ struct SideLoad {
 }
 
 impl<T: Real> Mirror<T> {
-    /// The faces of a side by their numbers in the whole of it, in order, and where they stand here.
+    /// The faces of a side by their numbers in the whole of it, in order, and where they stand here. What is the
+    /// same at all faces, as it is at most sides without loads, is kept once: it is looked up at both ends of every
+    /// row.
     pub(crate) fn new(
         boundary: &Boundary,
         pairs: usize,
         (faces, groups): (&[(usize, Slot)], usize),
+        is_loaded: bool,
     ) -> Self {
         let entry = |condition| match condition {
             Some(Condition::Velocity(given)) => [-1.0, 2.0 * given, 1.0, 0.0],
             Some(Condition::Traction(given)) => [1.0, 0.0, -1.0, 2.0 * given],
             Some(Condition::NonReflecting) | None => [0.0; 4],
         };
+        // Shifts would move lanes that are no cells.
+        let alike = |pair: usize| {
+            let mut all = faces.iter().map(|(face, _)| entry(boundary.condition(pair, *face)));
+            let first = all.next()?;
+            let is_still = first[1] == 0.0 && first[3] == 0.0;
+            (is_still && all.all(|own| own == first)).then_some(first)
+        };
+        let alike = (0..pairs).map(alike).collect::<Option<Vec<_>>>().filter(|_| !is_loaded);
+        if let Some(entries) = alike {
+            let works = entries.iter().any(|own| own[0] == 0.0);
+            let lanes = |own: [f64; 4]| own.map(|value| T::Lanes::all(T::of(value)));
+            let by_face = entries.into_iter().map(lanes).collect();
+            return Self { by_face, groups: 1, loads: Vec::new(), works };
+        }
         let mut by_face = vec![[T::Lanes::ZERO; 4]; pairs * groups];
         let mut works = false;
         for pair in 0..pairs {
@@ -102,6 +119,11 @@ impl<T: Real> Mirror<T> {
         }
     }
 
+    #[inline(always)]
+    fn face(&self, pair: usize, group: usize) -> &[T::Lanes; 4] {
+        &self.by_face[pair * self.groups + group.min(self.groups - 1)]
+    }
+
     /// The ghosts of a group of cells, each at a face of the group's.
     #[inline(always)]
     pub(crate) fn ghosts(
@@ -110,15 +132,14 @@ impl<T: Real> Mirror<T> {
         group: usize,
         own: State<T::Lanes>,
     ) -> State<T::Lanes> {
-        let [v, a, s, b] = self.by_face[pair * self.groups + group];
+        let [v, a, s, b] = *self.face(pair, group);
         State { velocity: v * own.velocity + a, stress: s * own.stress + b }
     }
 
     /// The ghost of a cell.
     #[inline(always)]
     pub(crate) fn ghost(&self, pair: usize, (group, lane): Slot, own: State<T>) -> State<T> {
-        let face = &self.by_face[pair * self.groups + group];
-        let [v, a, s, b] = face.each_ref().map(|own| own.lanes()[lane]);
+        let [v, a, s, b] = self.face(pair, group).each_ref().map(|own| own.lanes()[lane]);
         State { velocity: v * own.velocity + a, stress: s * own.stress + b }
     }
 }

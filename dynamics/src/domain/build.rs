@@ -2,7 +2,7 @@
 
 use super::plastic::Sets;
 use super::{AT_ONCE, Buffer, Domain, EnergyTerms, Kick, RowEnds, TILE, groups};
-use crate::boundary::Boundary;
+use crate::boundary::{Boundary, Load};
 use crate::kernel::{Carried, Instructions, Table, Wave};
 use crate::ledger::{Ledger, Total};
 use crate::line::{Account, Cell, GHOSTS, HALO};
@@ -182,10 +182,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 _ if axis + 1 == D => across,
                 _ => layers.len() * groups,
             };
-            let mut mirror = Mirror::new(boundary, media[0].pairs[axis].len(), (&faces, groups));
-            for load in problem.loads.iter().filter(|load| (load.axis, load.end) == (axis, end)) {
-                mirror.add(load, &faces);
-            }
+            let own = |load: &&Load| (load.axis, load.end) == (axis, end);
+            let loads: Vec<&Load> = problem.loads.iter().filter(own).collect();
+            let pairs = media[0].pairs[axis].len();
+            let mut mirror = Mirror::new(boundary, pairs, (&faces, groups), !loads.is_empty());
+            loads.into_iter().for_each(|load| mirror.add(load, &faces));
             Side::Mirror(mirror)
         };
         let sides: [[Side<T>; 2]; D] =
@@ -267,6 +268,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     std::array::from_fn(|depth| slot(length - 1 - depth % length)),
                 ],
                 empty: (length..groups * T::Lanes::COUNT)
+                    .take(2 * GHOSTS)
                     .map(|place| (place % groups, place / groups))
                     .collect(),
             },
