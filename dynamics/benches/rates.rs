@@ -232,8 +232,11 @@ fn rows() -> Vec<Row> {
                 rows.push(Row { threads, is_single: true, ..row });
                 rows.push(Row { threads, media: Media::Strong, ..row });
                 rows.push(Row { threads, media: Media::Yielding, ..row });
+                if count != 256 {
+                    rows.push(Row { threads, media: Media::EachCell, ..row });
+                }
                 if is_middle && threads == 1 {
-                    let others = [Media::Layers, Media::Inclusions, Media::EachCell];
+                    let others = [Media::Layers, Media::Inclusions];
                     rows.extend(others.map(|media| Row { media, ..row }));
                     rows.push(Row { is_single: true, media: Media::Tails, ..row });
                 }

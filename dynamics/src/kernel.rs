@@ -96,7 +96,7 @@ impl<T: Real> Table<T> {
 }
 
 /// Fields by wave at most: 24 by 6 in Cosserat's space, 12 by 3 in its plane.
-const MOST_SHARE: usize = 4;
+pub(crate) const MOST_SHARE: usize = 4;
 
 /// Calls for what stands so far behind the beginning of a slice, whether there is anything or not: `soon` it will
 /// be wanted, or else called for again before.
@@ -172,8 +172,8 @@ pub(crate) struct Lines<'a, T: Real> {
     /// How many groups behind those at hand fields are called for that the way reads next: rows and layers lie
     /// too far apart for the processor to guess them.
     pub(crate) next: usize,
-    /// The same of whatever comes in later; 0 where nothing is to be called for.
-    pub(crate) later: usize,
+    /// The same of whatever comes in later, and which of each wave's [`MOST_SHARE`] fields are called for.
+    pub(crate) later: (usize, Range<usize>),
     /// By line and wave.
     pub(crate) carried: &'a mut [Carried<T::Lanes>],
 }
@@ -276,7 +276,7 @@ impl<T: Real> Lines<'_, T> {
         let (wave, fields) = (&self.waves[index], self.fields);
         let (velocity, stress) = (wave.velocity, wave.stress);
         let near = self.next * fields;
-        let later = self.later * fields + index * fields.div_ceil(self.waves.len());
+        let later = self.later.0 * fields + index * fields.div_ceil(self.waves.len());
         let slot = line * self.waves.len() + index;
         let mut carried: Carried<V> = Carried::load(&self.carried[slot]);
         let mut pattern = self.pattern(line, run.start);
@@ -290,10 +290,8 @@ impl<T: Real> Lines<'_, T> {
             let ahead = &self.data[(self.way[place + 2] + line) * fields..];
             prefetch(ahead, near + velocity, true);
             prefetch(ahead, near + stress, true);
-            if self.later > 0 {
-                for place in 0..MOST_SHARE {
-                    prefetch(ahead, later + place, false);
-                }
+            for place in self.later.1.clone() {
+                prefetch(ahead, later + place, false);
             }
             let pieces = Pieces::of([before, own, next], &cell, slopes);
             let waves = [carried.to_right, pieces.to_left()];
@@ -337,7 +335,7 @@ impl<T: Real> Lines<'_, T> {
         let near = self.next * fields;
         // Each wave calls for its share of the fields.
         let share = fields.div_ceil(self.waves.len());
-        let later = self.later * fields + index * share;
+        let later = self.later.0 * fields + index * share;
         let way = &self.way[run.start..run.end + 2];
         for line in lines {
             let slot = line * self.waves.len() + index;
@@ -356,10 +354,8 @@ impl<T: Real> Lines<'_, T> {
                 let next = &self.data[(next + line) * fields..][..fields];
                 prefetch(next, near + velocity, true);
                 prefetch(next, near + stress, true);
-                if self.later > 0 {
-                    for place in 0..MOST_SHARE {
-                        prefetch(next, later + place, false);
-                    }
+                for place in self.later.1.clone() {
+                    prefetch(next, later + place, false);
                 }
                 let next =
                     State { velocity: V::load(&next[velocity]), stress: V::load(&next[stress]) };

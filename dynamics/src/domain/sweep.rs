@@ -1,7 +1,7 @@
 //! Sweeps along the axes, what lies beyond their ends, and the work done there.
 
 use super::{CHUNK, Domain, TILE};
-use crate::kernel::{Lines, Wave};
+use crate::kernel::{Lines, MOST_SHARE, Wave};
 use crate::line::{self, Account, Cell, GHOSTS, State};
 use crate::problem::Detail;
 use crate::real::{Group, Number, Real};
@@ -135,11 +135,12 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// Part of the way along lines, in the widest instructions: the groups at these places are at hand one
     /// after the other.
     fn walk(&mut self, bundle: Bundle, places: Range<isize>) {
-        let Bundle { axis, half, stride, lines, .. } = bundle;
+        let Bundle { axis, half, lines, .. } = bundle;
         let mut way = std::mem::take(&mut self.buffer.way);
         way.clear();
         way.extend((places.start - 1..=places.end).map(|place| self.group(bundle, 0, place)));
         let fields = self.fields().len();
+        let later = self.later(axis, half);
         let waves = &self.waves[axis];
         let before = bundle.carried * waves.len();
         let carried = &mut self.buffer.carried[axis][half][before..before + lines * waves.len()];
@@ -153,11 +154,28 @@ impl<T: Real, const D: usize> Domain<T, D> {
             way: &way,
             begins: places.start < 0,
             next: if axis == 0 { GROUPS_AHEAD } else { LINES_AHEAD },
-            // The rows that come in next.
-            later: if (axis, half) == (1, 0) { CHUNK * stride } else { 0 },
+            later,
             carried,
         });
         self.buffer.way = way;
+    }
+
+    /// The rows that come in next: how far behind the groups at hand they are, and the fields of each wave that are
+    /// called for. Each sweep across rows has its part of them, lest all be asked of the memory at once.
+    fn later(&self, axis: usize, half: usize) -> (usize, Range<usize>) {
+        // By how many pairs of rows and of layers the sweep is behind those that have come in last.
+        let (part, parts, rows, layers) = match (D, axis, half) {
+            (2, 1, 0) => (0, 2, 0, 0),
+            (2, 1, 1) => (1, 2, 1, 0),
+            (3, 1, 0) => (0, 4, 0, 0),
+            (3, 2, 0) => (1, 4, 1, 0),
+            (3, 2, 1) => (2, 4, 1, 1),
+            (3, 1, 1) => (3, 4, 1, 2),
+            _ => return (0, 0..0),
+        };
+        let behind = (CHUNK + GHOSTS * rows) * self.groups + GHOSTS * layers * self.across;
+        let share = MOST_SHARE / parts;
+        (behind, part * share..(part + 1) * share)
     }
 
     /// The group that stands at a place of a line, ghosts included: of these all lines have theirs at a depth
