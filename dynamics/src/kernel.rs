@@ -252,6 +252,12 @@ impl<T: Real> Lines<'_, T> {
         }
     }
 
+    /// How far behind a group at hand stands the share of fields that a wave calls for.
+    #[inline(always)]
+    fn later_share(&self, index: usize) -> usize {
+        self.later.0 * self.fields + index * self.fields.div_ceil(self.waves.len())
+    }
+
     #[inline(always)]
     fn pattern(&self, line: usize, place: usize) -> u32 {
         self.patterns[self.way[place] + line]
@@ -276,7 +282,7 @@ impl<T: Real> Lines<'_, T> {
         let (wave, fields) = (&self.waves[index], self.fields);
         let (velocity, stress) = (wave.velocity, wave.stress);
         let near = self.next * fields;
-        let later = self.later.0 * fields + index * fields.div_ceil(self.waves.len());
+        let later = self.later_share(index);
         let slot = line * self.waves.len() + index;
         let mut carried: Carried<V> = Carried::load(&self.carried[slot]);
         let mut pattern = self.pattern(line, run.start);
@@ -333,9 +339,7 @@ impl<T: Real> Lines<'_, T> {
         assert!(velocity < fields && stress < fields);
         assert!(followers.iter().all(|(place, _)| *place < fields));
         let near = self.next * fields;
-        // Each wave calls for its share of the fields.
-        let share = fields.div_ceil(self.waves.len());
-        let later = self.later.0 * fields + index * share;
+        let later = self.later_share(index);
         let way = &self.way[run.start..run.end + 2];
         for line in lines {
             let slot = line * self.waves.len() + index;

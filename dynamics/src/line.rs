@@ -249,7 +249,8 @@ impl<N: Number> Joint<N> {
 
     /// Between cells of impedances z and y, which s − zv reaches from the left and s + yv from the right, as they
     /// see it: v = (right − left)/(z + y) and s = (y left + z right)/(z + y), with the coefficient of reflection
-    /// (y − z)/(y + z). Where that is zero, this is [`Self::between_like`] to the bit.
+    /// (y − z)/(y + z). Where that is zero, this is [`Self::between_like`] to the bit. What a soft cell sees of v is
+    /// rounded by ε times the ratio of impedances.
     #[inline(always)]
     pub(crate) fn between([z, y]: [N; 2], waves: [N; 2]) -> [Self; 2] {
         let reflection = (y - z) / (y + z);

@@ -235,9 +235,7 @@ impl<T: Real> Strengths<T> {
             seen: std::array::from_fn(seen),
         })
     }
-}
 
-impl<T: Real> Strengths<T> {
     fn sees_deviator_alone(&self) -> bool {
         !self.seen[1..].contains(&true)
     }
