@@ -24,13 +24,15 @@
 //!
 //! A step is one pass over the memory. Layers across the last axis come in by a few, and of these a few rows at
 //! a time; while they are in the cache, sweeps across rows and layers follow as far behind as they must, and
-//! what stands after them in the step behind those. Sweeps run over many lines at once ([`crate::kernel`]); with
+//! what stands after them in the step behind those. In the plane, where layers are rows and many of them fit in
+//! the cache, the next step follows in the same pass: a row that has come through one step comes into the other.
+//! Sweeps run over many lines at once ([`crate::kernel`]); with
 //! [`Detail::Full`] all layers come in together, sweeps run line by line
 //! ([`crate::line`]) and keep the account of the scheme's own dissipation. The bits of the fields are the
 //! same.
 //!
-//! Where a domain is cut, or comes round, along the last axis, it has a halo of [`HALO`] layers, which are
-//! filled before each step; what a step makes of them does not matter.
+//! Where a domain is cut, or comes round, along the last axis, it has a halo of [`HALO`] layers for each step of
+//! a pass, which are filled before it; what the pass makes of them does not matter.
 
 mod build;
 mod local;
@@ -54,11 +56,10 @@ use std::ops::Range;
 /// beside them, and they stay in the cache.
 const CHUNK: usize = 8;
 
-/// How many rows or layers have come through three stages when a chunk more has come in: each of two sweeps
+/// How many rows or layers have come through three stages when so many have come in: each of two sweeps
 /// across them reads two more than it writes.
-fn come_in(ready: [usize; 3], chunk: usize, all: usize) -> [usize; 3] {
-    let written = |ready: usize| if ready == all { all } else { ready - GHOSTS };
-    let first = all.min(ready[0].saturating_add(chunk));
+fn come_through(first: usize, all: usize) -> [usize; 3] {
+    let written = |ready: usize| if ready == all { all } else { ready.saturating_sub(GHOSTS) };
     [first, written(first), written(written(first))]
 }
 
@@ -66,6 +67,15 @@ fn come_in(ready: [usize; 3], chunk: usize, all: usize) -> [usize; 3] {
 fn stages(before: [usize; 3], ready: [usize; 3]) -> [Range<usize>; 3] {
     std::array::from_fn(|stage| before[stage]..ready[stage])
 }
+
+/// Steps that a pass over the memory makes at most, where so many layers are in the smallest part of a domain: a
+/// halo is not deeper than that.
+pub(crate) fn most_steps<const D: usize>(layers: usize) -> usize {
+    if D == 2 { (layers / HALO).clamp(1, STEPS) } else { 1 }
+}
+
+/// Steps of a pass in the plane.
+const STEPS: usize = 2;
 
 /// Layers that are within a stage at a time at most: the last ones come together.
 const AT_ONCE: usize = CHUNK + 2 * GHOSTS;
@@ -99,8 +109,8 @@ struct Kick {
     /// Place of the field, and amplitude.
     amplitudes: Vec<(usize, f64)>,
     signal: Signal,
-    /// By half of the step under way: the mean of the signal times its duration, and its change.
-    now: [[f64; 2]; 2],
+    /// By half step of the pass: the mean of the signal times its duration, and its change.
+    now: Vec<[f64; 2]>,
 }
 
 /// Constants of the rotation by a time: cos, √(αj) sin, sin/√(αj).
@@ -118,6 +128,9 @@ pub struct Domain<T: Real, const D: usize> {
     /// Of all cells, those of the halo included, as everything that follows.
     of_cell: Vec<u16>,
     step: f64,
+    /// Steps of a pass at most, and of the one under way.
+    most_steps: usize,
+    under_way: usize,
     scheme: Scheme,
     instructions: Instructions,
     waves: [Vec<Wave>; D],
@@ -140,8 +153,8 @@ pub struct Domain<T: Real, const D: usize> {
     row_patterns: Vec<[u32; 2 * GHOSTS]>,
     /// By group and field, as patterns are.
     data: Vec<T::Lanes>,
-    /// As they are in both halves of a step.
-    sides: [[[Side<T>; 2]; D]; 2],
+    /// As they are in the half steps of a pass.
+    sides: Vec<[[Side<T>; 2]; D]>,
     kicks: Vec<Kick>,
     acceleration: [f64; D],
     initial_stress: Option<(usize, Vec<Stress>)>,
@@ -152,10 +165,14 @@ pub struct Domain<T: Real, const D: usize> {
     integrals: Vec<(usize, Vec<f64>)>,
     /// Steps done.
     steps: usize,
-    /// Of the step under way, by layer across the last axis: sums do not depend on who does them.
-    /// What both halves of it add comes in an order of its own: how they follow each other depends on what else has
+    /// Own cells that are recorded after each step, in their order.
+    watched: Vec<usize>,
+    /// By step of the pass: what [`Self::show`] gives of them.
+    records: Vec<Vec<f64>>,
+    /// By half step of the pass and by layer across the last axis: sums do not depend on who does them.
+    /// What each half adds comes in an order of its own: how they follow each other depends on what else has
     /// come in.
-    ledgers: [Vec<Ledger>; 2],
+    ledgers: Vec<Vec<Ledger>>,
     /// Of all steps before, by own layers.
     totals: Vec<Total>,
     buffer: Buffer<T>,
@@ -184,9 +201,9 @@ struct EnergyTerms<T: Real> {
 /// Room for the sweeps.
 #[derive(Clone)]
 struct Buffer<T: Real> {
-    /// What sweeps carry by line and wave, by axis and half of the step; of those that run within layers or rows
-    /// by layer or row at hand.
-    carried: [[Vec<Carried<T::Lanes>>; 2]; 3],
+    /// What sweeps carry by line and wave, by axis and half step of the pass; of those that run within layers or
+    /// rows by layer or row at hand.
+    carried: [Vec<Vec<Carried<T::Lanes>>>; 3],
     /// Groups on the way along a line.
     way: Vec<usize>,
     /// Groups that are yet to be corrected.
@@ -204,7 +221,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// See [`DomainError`].
     pub fn new(problem: &Problem<D>) -> Result<Self, DomainError> {
         problem.check()?;
-        Ok(Self::slab(problem, 0..problem.grid.cells[D - 1], [false; 2]))
+        Ok(Self::slab(problem, 0..problem.grid.cells[D - 1], [false; 2], 1))
     }
 
     /// Uses other instructions than the best; results do not depend on them.
@@ -331,6 +348,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
     }
 
+    /// Steps of a pass at most.
+    pub(crate) fn most_steps(&self) -> usize {
+        self.most_steps
+    }
+
     /// Steps done.
     pub(crate) fn steps(&self) -> usize {
         self.steps
@@ -343,40 +365,39 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// Advances all fields by Δt.
     pub fn advance(&mut self) {
-        let [start, half] = [self.time(), 0.5 * self.step];
+        self.pass(1);
+    }
+
+    /// Advances all fields by some steps in one pass over the memory: no more than [`Self::most_steps`].
+    pub(crate) fn pass(&mut self, steps: usize) {
         if self.steps == 0 {
             self.integrate(0..self.layers(), 0.5);
         }
-        self.steps += 1;
-        let times = [start, start + half, self.time()];
-        for (half, sides) in self.sides.iter_mut().enumerate() {
-            let middle = start + [0.25, 0.75][half] * self.step;
-            for side in sides.iter_mut().flatten() {
-                if let Side::Mirror(mirror) = side {
-                    mirror.set_time(middle);
-                }
-            }
-        }
-        for kick in &mut self.kicks {
-            for (now, times) in kick.now.iter_mut().zip(times.windows(2)) {
-                let (from, to) = (times[0], times[1]);
-                // Before the beginning there is none: what is there at once comes with the first step.
-                let before = if from > 0.0 { (kick.signal)(from) } else { 0.0 };
-                let mean = (kick.signal)(0.5 * (from + to));
-                *now = [mean * (to - from), (kick.signal)(to) - before];
-            }
-        }
+        self.set_times(steps);
+        self.steps += steps;
+        self.under_way = steps;
         if self.is_own_halo {
             self.fill_own_halo();
         }
-        let (all, mut ready) = (self.layers(), [0; 3]);
-        while ready[2] < all {
-            let before = ready;
-            ready = come_in(ready, self.chunk(), all);
-            self.advance_layers(&stages(before, ready));
+        let (all, own) = (self.layers(), self.own_layers());
+        let mut ready = [[0; 3]; STEPS];
+        while ready[steps - 1][2] < all {
+            let mut come = all.min(ready[0][0].saturating_add(self.chunk()));
+            for (step, ready) in ready[..steps].iter_mut().enumerate() {
+                let before = std::mem::replace(ready, come_through(come, all));
+                let mut layers = stages(before, *ready);
+                // What no later step looks at need not come to the end of this one.
+                let beyond = (steps - 1 - step) * HALO;
+                let clamp = |layer: usize| {
+                    layer.clamp(own.start.saturating_sub(beyond), all.min(own.end + beyond))
+                };
+                layers[2] = clamp(layers[2].start)..clamp(layers[2].end);
+                self.advance_layers(&layers, 2 * step);
+                self.record(layers[2].clone(), step);
+                come = ready[2];
+            }
         }
-        let own = self.own_layers();
-        for ledgers in &mut self.ledgers {
+        for ledgers in &mut self.ledgers[..2 * steps] {
             for (total, step) in self.totals.iter_mut().zip(&ledgers[own.clone()]) {
                 total.add(*step);
             }
@@ -384,32 +405,53 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Brings layers through the stages of a step: some of them up to the first sweep along the last axis, some
-    /// from there to the second one, some through what stands after that. Rows of theirs follow each other
-    /// likewise.
-    fn advance_layers(&mut self, layers: &[Range<usize>; 3]) {
-        let (all, mut ready) = (self.across / self.groups, [0; 3]);
+    /// Sides and sources as they are in the steps to come.
+    fn set_times(&mut self, steps: usize) {
+        for half in 0..2 * steps {
+            let start = (self.steps + half / 2) as f64 * self.step;
+            let end = (self.steps + half / 2 + 1) as f64 * self.step;
+            let middle = start + 0.5 * self.step;
+            let [from, to] = [[start, middle], [middle, end]][half % 2];
+            for side in self.sides[half].iter_mut().flatten() {
+                if let Side::Mirror(mirror) = side {
+                    mirror.set_time(start + [0.25, 0.75][half % 2] * self.step);
+                }
+            }
+            for kick in &mut self.kicks {
+                // Before the beginning there is none: what is there at once comes with the first step.
+                let before = if from > 0.0 { (kick.signal)(from) } else { 0.0 };
+                let mean = (kick.signal)(0.5 * (from + to));
+                kick.now[half] = [mean * (to - from), (kick.signal)(to) - before];
+            }
+        }
+    }
+
+    /// Brings layers through the stages of a step, of which this is the first half in the pass: some of them up to
+    /// the first sweep along the last axis, some from there to the second one, some through what stands after that.
+    /// Rows of theirs follow each other likewise.
+    fn advance_layers(&mut self, layers: &[Range<usize>; 3], first: usize) {
+        let (all, second, mut ready) = (self.across / self.groups, first + 1, [0; 3]);
         while ready[2] < all {
-            let before = ready;
-            ready = come_in(ready, self.chunk_of_rows(), all);
+            let come = all.min(ready[0].saturating_add(self.chunk_of_rows()));
+            let before = std::mem::replace(&mut ready, come_through(come, all));
             let rows = stages(before, ready);
             for (index, layer) in layers[0].clone().enumerate() {
-                self.sweep_layer((layer, index), &rows, 0);
+                self.sweep_layer((layer, index), &rows, first);
             }
             let middle = rows[1].start * self.groups..rows[1].end * self.groups;
-            for first in middle.clone().step_by(TILE) {
-                let tile = first..middle.end.min(first + TILE);
-                self.sweep_last(layers[0].clone(), tile.clone(), 0);
-                self.turn_and_kick(layers[1].clone(), tile.clone());
-                self.sweep_last(layers[1].clone(), tile, 1);
+            for start in middle.clone().step_by(TILE) {
+                let tile = start..middle.end.min(start + TILE);
+                self.sweep_last(layers[0].clone(), tile.clone(), first);
+                self.turn_and_kick(layers[1].clone(), tile.clone(), first);
+                self.sweep_last(layers[1].clone(), tile, second);
             }
             for (index, layer) in layers[2].clone().enumerate() {
-                self.sweep_layer((layer, index), &rows, 1);
+                self.sweep_layer((layer, index), &rows, second);
                 if self.scheme.placement == Placement::Last {
                     // Row by row, as sums are the same however many have come in.
                     for row in rows[2].clone() {
                         let groups = row * self.groups..(row + 1) * self.groups;
-                        self.correct(layer..layer + 1, groups, false);
+                        self.correct(layer..layer + 1, groups, second, false);
                     }
                 }
             }
@@ -435,16 +477,16 @@ impl<T: Real, const D: usize> Domain<T, D> {
     }
 
     /// K Q K, with the correction where it stands in the middle.
-    fn turn_and_kick(&mut self, layers: Range<usize>, tile: Range<usize>) {
-        self.kick(&layers, &tile, 0);
+    fn turn_and_kick(&mut self, layers: Range<usize>, tile: Range<usize>, first: usize) {
+        self.kick(&layers, &tile, first);
         if self.scheme.placement == Placement::Middle && !self.dissipated.is_empty() {
             self.rotate(&layers, &tile, 1);
-            self.correct(layers.clone(), tile.clone(), true);
+            self.correct(layers.clone(), tile.clone(), first + 1, true);
             self.rotate(&layers, &tile, 1);
         } else {
             self.rotate(&layers, &tile, 0);
         }
-        self.kick(&layers, &tile, 1);
+        self.kick(&layers, &tile, first + 1);
     }
 
     /// The outermost own layers at both ends, which are a neighbour's halo, and the halo itself.
@@ -467,7 +509,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let layer = self.across * self.fields().len();
         let own = self.own_layers();
         for index in (0..own.start).chain(own.end..self.layers()) {
-            let source = own.start + (index + own.len() * HALO - own.start) % own.len();
+            let source = own.start + (index + own.len() * own.start - own.start) % own.len();
             self.data.copy_within(source * layer..(source + 1) * layer, index * layer);
         }
     }
@@ -521,7 +563,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
     #[must_use]
     pub fn admissible(&self) -> Self {
         let mut shown = self.clone();
-        shown.correct(0..self.layers(), 0..self.across, false);
+        shown.correct(0..self.layers(), 0..self.across, 1, false);
         shown.ledgers.iter_mut().for_each(|half| half.fill(Ledger::default()));
         shown.dissipated.clone_from(&self.dissipated);
         shown
@@ -533,6 +575,29 @@ impl<T: Real, const D: usize> Domain<T, D> {
             let stress = self.whole_stress(cell);
             self.medium(cell).project(&stress).stress != stress
         })
+    }
+
+    /// Records cells after each step from now on.
+    pub(crate) fn watch(&mut self, cells: impl Iterator<Item = usize>) {
+        self.watched = cells.collect();
+        self.watched.sort_unstable();
+    }
+
+    /// Records what is watched in layers that have come through a step of the pass.
+    fn record(&mut self, layers: Range<usize>, step: usize) {
+        let mut records = std::mem::take(&mut self.records[step]);
+        let first = self.own_cells().start;
+        let [from, to] = [layers.start, layers.end]
+            .map(|layer| self.watched.partition_point(|cell| first + cell < layer * self.layer()));
+        for &cell in &self.watched[from..to] {
+            self.show(cell, &mut records);
+        }
+        self.records[step] = records;
+    }
+
+    /// Moves what a pass recorded behind what was recorded before: by step and then by cell in their order.
+    pub(crate) fn hand_over(&mut self, records: &mut Vec<f64>) {
+        self.records.iter_mut().for_each(|step| records.append(step));
     }
 
     /// Appends all fields of a cell as they are shown: the whole stress, the initial one included, in its

@@ -1,11 +1,11 @@
 //! A domain in parts: slabs along the last axis, each in a thread of its own.
 //!
-//! Before each step a part gets the [`HALO`] layers next to it from its neighbours, and does to them what
-//! they do. Every cell sees the same operations as in the whole, and sums are made by layers: the same
-//! bits.
+//! Before each pass over the memory a part gets the [`HALO`] layers for each of its steps from its neighbours, and
+//! does to them what they do. Every cell sees the same operations as in the whole, and sums are made by layers:
+//! the same bits.
 
 use crate::boundary::Boundary;
-use crate::domain::Domain;
+use crate::domain::{Domain, most_steps};
 use crate::kernel::Instructions;
 use crate::ledger::{Energy, Ledger, Total};
 use crate::line::HALO;
@@ -68,21 +68,24 @@ struct Part<T: Real, const D: usize, H> {
     halo: H,
     /// Its first cell.
     first: usize,
-    /// Cells to be recorded after each step: places in the list of all, and own cells.
+    /// Cells to be recorded after each step, in their order: places in the list of all, and own cells.
     watched: Vec<(usize, usize)>,
     /// All fields of those cells by step and cell.
     records: Vec<f64>,
 }
 
 impl<T: Real, const D: usize, H: Halo<T::Lanes>> Part<T, D, H> {
-    fn advance(&mut self) {
-        let Self { domain, halo, watched, records, .. } = self;
-        let (send, receive) = domain.exchanged();
-        halo.begin(send);
-        halo.finish(receive);
-        domain.advance();
-        for &(_, cell) in watched.iter() {
-            domain.show(cell, records);
+    fn advance(&mut self, steps: usize) {
+        let Self { domain, halo, records, .. } = self;
+        let mut left = steps;
+        while left > 0 {
+            let (send, receive) = domain.exchanged();
+            halo.begin(send);
+            halo.finish(receive);
+            let steps = left.min(domain.most_steps());
+            domain.pass(steps);
+            domain.hand_over(records);
+            left -= steps;
         }
     }
 }
@@ -126,7 +129,7 @@ impl<T: Real, const D: usize> Split<T, D> {
                 [index > 0, index + 1 < count].map(|inside| count > 1 && (inside || is_periodic));
             let first = range.start * problem.grid.faces(D - 1);
             parts.push(Part {
-                domain: Domain::slab(problem, range, is_cut),
+                domain: Domain::slab(problem, range, is_cut, most_steps::<D>(layers / count)),
                 halo: Channels { neighbours: [None, None] },
                 first,
                 watched: Vec::new(),
@@ -156,11 +159,11 @@ impl<T: Real, const D: usize> Split<T, D> {
     /// Advances all fields by `steps` time steps, each part in a thread of its own.
     pub fn advance(&mut self, steps: usize) {
         if let [part] = self.parts.as_mut_slice() {
-            return (0..steps).for_each(|_| part.advance());
+            return part.advance(steps);
         }
         std::thread::scope(|scope| {
             for part in &mut self.parts {
-                scope.spawn(move || (0..steps).for_each(|_| part.advance()));
+                scope.spawn(move || part.advance(steps));
             }
         });
     }
@@ -194,6 +197,8 @@ impl<T: Real, const D: usize> Split<T, D> {
                 .filter(|(_, cell)| own.contains(cell))
                 .map(|(place, cell)| (place, cell - part.first))
                 .collect();
+            part.watched.sort_by_key(|(_, cell)| *cell);
+            part.domain.watch(part.watched.iter().map(|(_, cell)| *cell));
         }
     }
 

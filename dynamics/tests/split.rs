@@ -5,8 +5,9 @@ mod support;
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances};
 use models::cosserat::waves::Field;
 use models::plasticity::parameters::{Mises, YieldSet};
+use std::sync::Arc;
 use support::noise;
-use wellposed_dynamics::boundary::{Boundary, Load};
+use wellposed_dynamics::boundary::{Boundary, Load, Signal, Source};
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::kernel::Instructions;
 use wellposed_dynamics::ledger::Ledger;
@@ -214,7 +215,7 @@ fn work_on_single_layers() {
             let mut problem = Problem::new(grid, media, vec![0; count], sides, step, scheme);
             for axis in 0..2 {
                 let faces = (0..grid.faces(axis)).map(|face| (face, 0.7)).collect();
-                let signal = std::sync::Arc::new(|time: f64| 1.0 + time);
+                let signal = Arc::new(|time: f64| 1.0 + time);
                 problem.loads.push(Load { axis, end: 1, pair: 0, faces, signal });
             }
             let mut split: Split<f64, 2> = Split::new(&problem, 1).expect("sound");
@@ -229,6 +230,49 @@ fn work_on_single_layers() {
             (inflows[0] - inflows[1]).abs() < 1e-13 * inflows[1].abs(),
             "{cells:?} {inflows:?}"
         );
+    }
+}
+
+/// Steps of one pass over the memory are as many single ones: at sides and sources whose values change, and in what
+/// is recorded after each of them.
+#[test]
+fn passes_are_single_steps() {
+    let medium = Medium::isotropic(&solids()[0], 2);
+    let set = YieldSet::Mises(Mises::von_mises(0.2));
+    let medium = medium.yielding(set);
+    let step = 1.9 * 0.1 / medium.greatest_speed();
+    for last in [Boundary::Periodic, Boundary::Fixed] {
+        let grid = Grid { cells: [20, 33], spacing: [0.1; 2] };
+        let sides = [[Boundary::Free, Boundary::Free], [last.clone(), last]];
+        let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+        let mut problem =
+            Problem::new(grid, vec![medium.clone()], vec![0; grid.count()], sides, step, scheme);
+        let signal: Signal = Arc::new(move |time: f64| 0.3 * (2.0 * time / step).sin());
+        let faces = (5..20).map(|face| (face, 0.7)).collect();
+        problem.loads.push(Load { axis: 0, end: 1, pair: 0, faces, signal: signal.clone() });
+        problem.sources.push(Source {
+            cells: vec![(4, 0.5), (337, 0.5)],
+            amplitudes: vec![(Field::Velocity(1), 0.1), (Field::Stress(0, 0), 0.2)],
+            signal,
+        });
+        problem.integrals = vec![Field::Velocity(0)];
+        let mut whole: Domain<f64, 2> = Domain::new(&problem).expect("sound");
+        let watched = [640, 3, 337, 330, 3];
+        let mut expected = Vec::new();
+        for _ in 0..21 {
+            whole.advance();
+            watched.iter().for_each(|&cell| whole.show(cell, &mut expected));
+        }
+        assert!(whole.ledger().plastic > 0.0);
+        for parts in 1..4 {
+            let mut split: Split<f64, 2> = Split::new(&problem, parts).expect("sound");
+            split.watch(&watched);
+            split.advance(3);
+            split.advance(18);
+            assert_eq!(split.records(), expected, "{parts}");
+            assert_eq!(split.snapshot().fields[4], whole.values(whole.fields()[4]).expect("one"));
+            assert_eq!(split.ledger(), whole.ledger());
+        }
     }
 }
 

@@ -85,20 +85,26 @@ fn zeros<N: Number>(count: usize) -> Vec<N> {
 }
 
 impl<T: Real, const D: usize> Domain<T, D> {
-    /// The layers across the last axis of a sound problem, and whether there are others beyond.
-    pub(crate) fn slab(problem: &Problem<D>, own: Range<usize>, is_cut: [bool; 2]) -> Self {
+    /// The layers across the last axis of a sound problem, whether there are others beyond, and how many steps a pass
+    /// is to make at most.
+    pub(crate) fn slab(
+        problem: &Problem<D>,
+        own: Range<usize>,
+        is_cut: [bool; 2],
+        most_steps: usize,
+    ) -> Self {
         let whole = problem.grid;
         let [length, last] = [whole.cells[0], whole.cells[D - 1]];
-        let layer = whole.faces(D - 1);
+        let (layer, halves) = (whole.faces(D - 1), 2 * most_steps);
         let media = problem.media.clone();
         let fields = &media[0].fields;
         let place = |field: Field| fields.iter().position(|own| *own == field);
 
         let is_own_halo = problem.boundaries[D - 1][0] == Boundary::Periodic && own.len() == last;
-        let halo = is_cut.map(|cut| if cut || is_own_halo { HALO } else { 0 });
+        let halo = is_cut.map(|cut| if cut || is_own_halo { most_steps * HALO } else { 0 });
         // Layers count round where the domain does.
         let layers: Vec<usize> = (0..halo[0] + own.len() + halo[1])
-            .map(|index| (index + own.start + HALO * last - halo[0]) % last)
+            .map(|index| (index + own.start + halo[0] * last - halo[0]) % last)
             .collect();
         let of_layer = |values: usize| values * layer..(values + 1) * layer;
         let of_cell: Vec<u16> =
@@ -208,7 +214,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             cells.sort_by_key(|&(group, lane, _)| (group, lane));
             let amplitudes = source.amplitudes.iter();
             let amplitudes = amplitudes.filter_map(|&(f, a)| Some((place(f)?, a))).collect();
-            Kick { cells, amplitudes, signal: source.signal.clone(), now: [[0.0; 2]; 2] }
+            Kick { cells, amplitudes, signal: source.signal.clone(), now: vec![[0.0; 2]; halves] }
         });
         let initial_stress =
             problem.initial_stress.clone().map(|(axis, stress)| match axis + 1 == D {
@@ -233,7 +239,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 _ => AT_ONCE * groups,
             };
             let room = vec![Carried::empty(); lines * waves.get(axis).map_or(0, Vec::len)];
-            [room.clone(), room]
+            vec![room; halves]
         });
         let buffer = Buffer {
             carried,
@@ -252,6 +258,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
             is_own_halo,
             of_cell,
             step: problem.step,
+            most_steps,
+            under_way: 0,
             scheme: problem.scheme,
             instructions: Instructions::best(),
             waves,
@@ -275,7 +283,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             data: zeros(patterns.len() * fields.len()),
             patterns,
             row_patterns: rows.iter().map(|row| row.1).collect(),
-            sides: [sides.clone(), sides],
+            sides: vec![sides; halves],
             kicks: kicks.collect(),
             acceleration: problem.acceleration,
             initial_stress,
@@ -283,7 +291,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
             dissipated: zeros(if is_plastic { own_groups * T::Lanes::COUNT } else { 0 }),
             integrals: integrals.map(|place| (place, vec![0.0; cells])).collect(),
             steps: 0,
-            ledgers: [0, 1].map(|_| vec![Ledger::default(); layers.len()]),
+            watched: Vec::new(),
+            records: vec![Vec::new(); most_steps],
+            ledgers: vec![vec![Ledger::default(); layers.len()]; halves],
             totals: vec![Total::default(); own.len()],
             buffer,
             media,

@@ -31,7 +31,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.integrals = integrals;
     }
 
-    /// Sources and gravity over half a step.
+    /// Sources and gravity over a half step of the pass.
     pub(super) fn kick(&mut self, layers: &Range<usize>, tile: &Range<usize>, half: usize) {
         let (volume, across, fields) = (self.grid.volume(), self.across, self.fields().len());
         let kicks = std::mem::take(&mut self.kicks);
@@ -116,8 +116,14 @@ impl<T: Real, const D: usize> Domain<T, D> {
         combined(&self.stress(cell), &self.initial_stress(cell), 1.0)
     }
 
-    /// P, or with `reflects` 2P − I.
-    pub(super) fn correct(&mut self, layers: Range<usize>, tile: Range<usize>, reflects: bool) {
+    /// P, or with `reflects` 2P − I, in a half step of the pass.
+    pub(super) fn correct(
+        &mut self,
+        layers: Range<usize>,
+        tile: Range<usize>,
+        half: usize,
+        reflects: bool,
+    ) {
         if self.dissipated.is_empty() {
             return;
         }
@@ -140,7 +146,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                         sum: &mut sum,
                         left: &mut left,
                     });
-                    self.ledgers[1][layer].plastic += self.grid.volume() * sum;
+                    self.ledgers[half][layer].plastic += self.grid.volume() * sum;
                 }
                 _ => left.extend(0..tile.len()),
             }
@@ -150,7 +156,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 }
                 for lane in 0..T::Lanes::COUNT {
                     if let Some(cell) = self.cell_of(group, lane) {
-                        self.correct_cell(cell, layer, reflects);
+                        self.correct_cell(cell, (half, layer), reflects);
                     }
                 }
             }
@@ -158,7 +164,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.buffer.left = left;
     }
 
-    fn correct_cell(&mut self, cell: usize, layer: usize, reflects: bool) {
+    fn correct_cell(&mut self, cell: usize, (half, layer): (usize, usize), reflects: bool) {
         let medium = &self.media[usize::from(self.of_cell[cell])];
         if medium.yields.is_none() {
             return;
@@ -185,7 +191,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         };
         let share = loss / energy(&trial).max(f64::MIN_POSITIVE);
         debug_assert!(share >= -1e-14, "the correction adds energy: {share:e} of what is there");
-        let ledger = &mut self.ledgers[1][layer];
+        let ledger = &mut self.ledgers[half][layer];
         ledger.plastic += volume * loss;
         ledger.released += volume * released;
         ledger.least_plastic = ledger.least_plastic.min(share);

@@ -18,7 +18,7 @@ const LINES_AHEAD: usize = 2;
 #[derive(Clone, Copy)]
 struct Bundle {
     axis: usize,
-    /// The half of the step.
+    /// The half step of the pass.
     half: usize,
     /// The first group of the first line: those of the other lines follow.
     first: usize,
@@ -43,8 +43,8 @@ impl Bundle {
 
 /// Sweeps, their ghosts and their work.
 impl<T: Real, const D: usize> Domain<T, D> {
-    /// Goes on with half a step along all axes but the last one, in a layer across that: in their order in the
-    /// first half of the step, and in the second one in the other. Rows come through the stages of
+    /// Goes on with a half step of the pass along all axes but the last one, in a layer across that: in their order
+    /// in the first half of a step, and in the second one in the other. Rows come through the stages of
     /// [`Self::advance_layers`].
     pub(super) fn sweep_layer(
         &mut self,
@@ -53,10 +53,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
         half: usize,
     ) {
         let (groups, first_row) = (self.groups, layer * self.across / self.groups);
+        let is_second = half % 2 == 1;
         let sweep_rows = |domain: &mut Self, rows: &Range<usize>| {
             rows.clone().for_each(|row| domain.sweep_row(first_row + row, half));
         };
-        if half == 0 {
+        if !is_second {
             sweep_rows(self, come);
         }
         if D == 3 {
@@ -70,9 +71,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 face: layer * groups,
                 carried: index * groups,
             };
-            self.sweep_on(bundle, [come, middle][half].clone());
+            self.sweep_on(bundle, [come, middle][half % 2].clone());
         }
-        if half == 1 {
+        if is_second {
             sweep_rows(self, last);
         }
     }
@@ -115,6 +116,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// Goes on with half a step across the rows: some of them are ready that were not before.
     fn sweep_on(&mut self, bundle: Bundle, ready: Range<usize>) {
+        if ready.is_empty() {
+            return;
+        }
         let is_full = self.scheme.detail == Detail::Full;
         let ends = [ready.start == 0, ready.end == bundle.count];
         // Where there is a single row its work at one end needs the ghosts at the other.
@@ -165,8 +169,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
     fn later(&self, axis: usize, half: usize) -> (usize, Range<usize>) {
         // By how many pairs of rows and of layers the sweep is behind those that have come in last.
         let (part, parts, rows, layers) = match (D, axis, half) {
-            (2, 1, 0) => (0, 2, 0, 0),
-            (2, 1, 1) => (1, 2, 1, 0),
+            // The last step of the pass: what comes in sooner does not stay so long.
+            (2, 1, half) if half + 2 >= 2 * self.under_way => (half % 2, 2, half, 0),
             (3, 1, 0) => (0, 4, 0, 0),
             (3, 2, 0) => (1, 4, 1, 0),
             (3, 2, 1) => (2, 4, 1, 1),
