@@ -130,7 +130,10 @@ struct Measured {
     share: Option<f64>,
     /// Seconds of a sum of energies over those of a step.
     energies: f64,
-    fields: usize,
+    /// Bytes by cell-update that go in and out of the memory.
+    bytes: f64,
+    /// Bytes of all fields.
+    size: usize,
 }
 
 fn measure<T: Real, const D: usize>(row: &Row) -> Measured {
@@ -172,11 +175,14 @@ fn measure<T: Real, const D: usize>(row: &Row) -> Measured {
     let start = Instant::now();
     std::hint::black_box(split.energy());
     let energies = start.elapsed().as_secs_f64() / seconds[2];
+    let fields = split.fields().len();
     Measured {
         rate: 2.0 * count as f64 / seconds[2] / 1e6,
         share,
         energies,
-        fields: split.fields().len(),
+        // All fields in and out, once in a pass; two updates a step.
+        bytes: (fields * size_of::<T>()) as f64 / split.most_steps() as f64,
+        size: fields * size_of::<T>() * count,
     }
 }
 
@@ -289,9 +295,7 @@ fn main() {
                 (_, false) => measure::<f64, 3>(&row),
                 (_, true) => measure::<f32, 3>(&row),
             };
-            let size = if row.is_single { 4 } else { 8 };
-            let bytes = size * found.fields * row.count.pow(row.dimensions as u32);
-            let triad = triad(bytes.clamp(1 << 20, 1 << 30), row.threads);
+            let triad = triad(found.size.clamp(1 << 20, 1 << 30), row.threads);
             let is_quiet = found.share.is_none_or(|share| share > 0.95);
             if best.as_ref().is_none_or(|best| found.rate > best.0.rate) {
                 best = Some((found, triad));
@@ -301,16 +305,15 @@ fn main() {
             }
         }
         let Some((found, triad)) = best else { continue };
-        // All fields in and out, once a step of two updates.
-        let bytes = (found.fields * if row.is_single { 4 } else { 8 }) as f64;
         let note = match found.share {
             Some(share) if share <= 0.95 => format!("disturbed, {:.0} %", 100.0 * share),
             _ => String::new(),
         };
         println!(
-            "| {name} | {:.1} | {bytes:.0} | {:.1} | {triad:.1} | {:.2} | {note} |",
+            "| {name} | {:.1} | {:.0} | {:.1} | {triad:.1} | {:.2} | {note} |",
             found.rate,
-            found.rate * bytes / 1e3,
+            found.bytes,
+            found.rate * found.bytes / 1e3,
             found.energies
         );
     }

@@ -385,14 +385,16 @@ impl<T: Real, const D: usize> Domain<T, D> {
             let mut come = all.min(ready[0][0].saturating_add(self.chunk()));
             for (step, ready) in ready[..steps].iter_mut().enumerate() {
                 let before = std::mem::replace(ready, come_through(come, all));
-                let mut layers = stages(before, *ready);
-                // What no later step looks at need not come to the end of this one.
-                let beyond = (steps - 1 - step) * HALO;
-                let clamp = |layer: usize| {
-                    layer.clamp(own.start.saturating_sub(beyond), all.min(own.end + beyond))
-                };
-                layers[2] = clamp(layers[2].start)..clamp(layers[2].end);
-                self.advance_layers(&layers, 2 * step);
+                // What no later sweep looks at is left alone.
+                let needed = std::array::from_fn(|stage| {
+                    let beyond = (steps - 1 - step) * HALO + (2 - stage) * GHOSTS;
+                    own.start.saturating_sub(beyond)..all.min(own.end + beyond)
+                });
+                let layers = std::array::from_fn(|stage| {
+                    let Range { start, end } = needed[stage];
+                    before[stage].clamp(start, end)..ready[stage].clamp(start, end)
+                });
+                self.advance_layers(&layers, &needed, 2 * step);
                 self.record(layers[2].clone(), step);
                 come = ready[2];
             }
@@ -427,9 +429,14 @@ impl<T: Real, const D: usize> Domain<T, D> {
     }
 
     /// Brings layers through the stages of a step, of which this is the first half in the pass: some of them up to
-    /// the first sweep along the last axis, some from there to the second one, some through what stands after that.
-    /// Rows of theirs follow each other likewise.
-    fn advance_layers(&mut self, layers: &[Range<usize>; 3], first: usize) {
+    /// the first sweep along the last axis, some from there to the second one, some through what stands after that;
+    /// those from end to end are all that come through each. Rows of theirs follow each other likewise.
+    fn advance_layers(
+        &mut self,
+        layers: &[Range<usize>; 3],
+        ends: &[Range<usize>; 3],
+        first: usize,
+    ) {
         let (all, second, mut ready) = (self.across / self.groups, first + 1, [0; 3]);
         while ready[2] < all {
             let come = all.min(ready[0].saturating_add(self.chunk_of_rows()));
@@ -441,9 +448,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
             let middle = rows[1].start * self.groups..rows[1].end * self.groups;
             for start in middle.clone().step_by(TILE) {
                 let tile = start..middle.end.min(start + TILE);
-                self.sweep_last(layers[0].clone(), tile.clone(), first);
+                self.sweep_last(&layers[0], &ends[0], tile.clone(), first);
                 self.turn_and_kick(layers[1].clone(), tile.clone(), first);
-                self.sweep_last(layers[1].clone(), tile, second);
+                self.sweep_last(&layers[1], &ends[1], tile, second);
             }
             for (index, layer) in layers[2].clone().enumerate() {
                 self.sweep_layer((layer, index), &rows, second);

@@ -168,6 +168,11 @@ impl<T: Real, const D: usize> Split<T, D> {
         });
     }
 
+    /// Steps that a pass over the memory makes at most; each field is read and written once in it.
+    pub fn most_steps(&self) -> usize {
+        self.parts.first().map_or(1, |part| part.domain.most_steps())
+    }
+
     /// Time, s.
     pub fn time(&self) -> f64 {
         self.parts.first().map_or(0.0, |part| part.domain.time())

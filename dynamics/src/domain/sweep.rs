@@ -104,14 +104,26 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Goes on with half a step along the last axis, on a tile of a layer's groups: some layers are ready
-    /// that were not before.
-    pub(super) fn sweep_last(&mut self, ready: Range<usize>, tile: Range<usize>, half: usize) {
-        let (stride, count) = (self.across, self.layers());
-        let (first, lines) = (tile.start, tile.len());
-        let bundle =
-            Bundle { axis: D - 1, half, first, stride, count, lines, face: first, carried: first };
-        self.sweep_on(bundle, ready);
+    /// Goes on with half a step along the last axis, from end to end, on a tile of a layer's groups: some layers are
+    /// ready that were not before.
+    pub(super) fn sweep_last(
+        &mut self,
+        ready: &Range<usize>,
+        ends: &Range<usize>,
+        tile: Range<usize>,
+        half: usize,
+    ) {
+        let bundle = Bundle {
+            axis: D - 1,
+            half,
+            first: ends.start * self.across + tile.start,
+            stride: self.across,
+            count: ends.len(),
+            lines: tile.len(),
+            face: tile.start,
+            carried: tile.start,
+        };
+        self.sweep_on(bundle, ready.start - ends.start..ready.end - ends.start);
     }
 
     /// Goes on with half a step across the rows: some of them are ready that were not before.
