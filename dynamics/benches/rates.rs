@@ -130,8 +130,8 @@ struct Measured {
     share: Option<f64>,
     /// Seconds of a sum of energies over those of a step.
     energies: f64,
-    /// Bytes by cell-update that go in and out of the memory.
-    bytes: f64,
+    /// Bytes by cell-update that go in and out of the memory; not of the reference.
+    bytes: Option<f64>,
     /// Bytes of all fields.
     size: usize,
 }
@@ -160,7 +160,7 @@ fn measure<T: Real, const D: usize>(row: &Row) -> Measured {
     // Medians of several rounds of about a second.
     let probe = Instant::now();
     split.advance(2);
-    let steps = ((2.0 / probe.elapsed().as_secs_f64()) as usize).clamp(2, 1000);
+    let steps = 2 * ((1.0 / probe.elapsed().as_secs_f64()) as usize).clamp(1, 500);
     let begun = (Instant::now(), processor_time());
     let mut seconds: Vec<f64> = (0..5)
         .map(|_| {
@@ -181,7 +181,8 @@ fn measure<T: Real, const D: usize>(row: &Row) -> Measured {
         share,
         energies,
         // All fields in and out, once in a pass; two updates a step.
-        bytes: (fields * size_of::<T>()) as f64 / split.most_steps() as f64,
+        bytes: (row.detail == Detail::Light)
+            .then(|| (fields * size_of::<T>()) as f64 / split.most_steps() as f64),
         size: fields * size_of::<T>() * count,
     }
 }
@@ -310,10 +311,10 @@ fn main() {
             _ => String::new(),
         };
         println!(
-            "| {name} | {:.1} | {:.0} | {:.1} | {triad:.1} | {:.2} | {note} |",
+            "| {name} | {:.1} | {} | {} | {triad:.1} | {:.2} | {note} |",
             found.rate,
-            found.bytes,
-            found.rate * found.bytes / 1e3,
+            found.bytes.map_or(String::new(), |bytes| format!("{bytes:.0}")),
+            found.bytes.map_or(String::new(), |bytes| format!("{:.1}", found.rate * bytes / 1e3)),
             found.energies
         );
     }

@@ -31,8 +31,8 @@
 //! ([`crate::line`]) and keep the account of the scheme's own dissipation. The bits of the fields are the
 //! same.
 //!
-//! Where a domain is cut, or comes round, along the last axis, it has a halo of [`HALO`] layers for each step of
-//! a pass, which are filled before it; what the pass makes of them does not matter.
+//! Where a domain is cut, or comes round, along the last axis, it has a halo of [`HALO`] layers for each step that
+//! a pass may have, which are filled before it; what is in them after it does not matter.
 
 mod build;
 mod local;
@@ -58,9 +58,9 @@ const CHUNK: usize = 8;
 
 /// How many rows or layers have come through three stages when so many have come in: each of two sweeps
 /// across them reads two more than it writes.
-fn come_through(first: usize, all: usize) -> [usize; 3] {
+fn come_through(come: usize, all: usize) -> [usize; 3] {
     let written = |ready: usize| if ready == all { all } else { ready.saturating_sub(GHOSTS) };
-    [first, written(first), written(written(first))]
+    [come, written(come), written(written(come))]
 }
 
 /// Those that come through each of three stages.
@@ -68,16 +68,20 @@ fn stages(before: [usize; 3], ready: [usize; 3]) -> [Range<usize>; 3] {
     std::array::from_fn(|stage| before[stage]..ready[stage])
 }
 
-/// Steps that a pass over the memory makes at most, where so many layers are in the smallest part of a domain: a
-/// halo is not deeper than that.
+/// Steps of a pass at most, in the plane: in space few layers fit in the cache.
+const STEPS: usize = 2;
+
+/// The first rows that come to a sweep must be two: the ghosts in front of them are not there any more when others
+/// follow. Each sweep has two rows less than the one before it.
+const _: () = assert!(CHUNK >= 2 * STEPS * GHOSTS);
+
+/// Steps of a pass at most, where the smallest part of a domain has so many layers: all that are in the halo of
+/// another part must be there.
 pub(crate) fn most_steps<const D: usize>(layers: usize) -> usize {
     if D == 2 { (layers / HALO).clamp(1, STEPS) } else { 1 }
 }
 
-/// Steps of a pass in the plane.
-const STEPS: usize = 2;
-
-/// Layers that are within a stage at a time at most: the last ones come together.
+/// Layers of a domain in space that are within a stage at a time at most: the last ones come together.
 const AT_ONCE: usize = CHUNK + 2 * GHOSTS;
 
 /// Groups of a layer that go through the middle of a step together, so that their layers stay in the cache.
@@ -128,9 +132,10 @@ pub struct Domain<T: Real, const D: usize> {
     /// Of all cells, those of the halo included, as everything that follows.
     of_cell: Vec<u16>,
     step: f64,
-    /// Steps of a pass at most, and of the one under way.
+    /// Steps of a pass at most.
     most_steps: usize,
-    under_way: usize,
+    /// Steps of the pass under way.
+    pass_steps: usize,
     scheme: Scheme,
     instructions: Instructions,
     waves: [Vec<Wave>; D],
@@ -368,14 +373,16 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.pass(1);
     }
 
-    /// Advances all fields by some steps in one pass over the memory: no more than [`Self::most_steps`].
+    /// Advances all fields by some steps in one pass over the memory: one at least, and no more than
+    /// [`Self::most_steps`].
     pub(crate) fn pass(&mut self, steps: usize) {
+        debug_assert!((1..=self.most_steps).contains(&steps));
         if self.steps == 0 {
             self.integrate(0..self.layers(), 0.5);
         }
         self.set_times(steps);
         self.steps += steps;
-        self.under_way = steps;
+        self.pass_steps = steps;
         if self.is_own_halo {
             self.fill_own_halo();
         }
@@ -385,7 +392,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             let mut come = all.min(ready[0][0].saturating_add(self.chunk()));
             for (step, ready) in ready[..steps].iter_mut().enumerate() {
                 let before = std::mem::replace(ready, come_through(come, all));
-                // What no later sweep looks at is left alone.
+                // What no later sweep looks at is left alone: each looks GHOSTS layers beyond what it writes.
                 let needed = std::array::from_fn(|stage| {
                     let beyond = (steps - 1 - step) * HALO + (2 - stage) * GHOSTS;
                     own.start.saturating_sub(beyond)..all.min(own.end + beyond)
@@ -584,10 +591,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
         })
     }
 
-    /// Records cells after each step from now on.
+    /// Records own cells, in their order, after each step from now on.
     pub(crate) fn watch(&mut self, cells: impl Iterator<Item = usize>) {
         self.watched = cells.collect();
-        self.watched.sort_unstable();
     }
 
     /// Records what is watched in layers that have come through a step of the pass.
@@ -602,7 +608,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.records[step] = records;
     }
 
-    /// Moves what a pass recorded behind what was recorded before: by step and then by cell in their order.
+    /// Appends what the pass recorded, by step and then by cell, and forgets it.
     pub(crate) fn hand_over(&mut self, records: &mut Vec<f64>) {
         self.records.iter_mut().for_each(|step| records.append(step));
     }

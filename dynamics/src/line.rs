@@ -31,7 +31,7 @@ use crate::real::{Number, Real, Vector};
 /// Cells beyond each end of a line that a sweep reads.
 pub const GHOSTS: usize = 2;
 
-/// Layers of a halo: so many for each of both sweeps along the last axis in a step.
+/// Layers of a halo for each step of a pass: so many ghosts for each of both sweeps along the last axis.
 pub const HALO: usize = 2 * GHOSTS;
 
 /// How waves are reconstructed in a cell.

@@ -136,7 +136,8 @@ impl<const D: usize> Problem<D> {
             return Err(DomainError::Cells { found: self.of_cell.len(), needed });
         }
         let Some(first) = self.media.first() else { return Err(DomainError::Media) };
-        if self.media.iter().any(|medium| medium.fields != first.fields) {
+        let is_sound = |own: &Medium| own.fields == first.fields && own.pairs.len() == D;
+        if !self.media.iter().all(is_sound) {
             return Err(DomainError::Media);
         }
         let count = self.media.len();
@@ -207,8 +208,10 @@ impl<const D: usize> Problem<D> {
 /// A domain that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DomainError {
-    /// Media of different theories, or none at all.
-    #[error("all media of a domain must have the same fields, and there must be one")]
+    /// Media of different theories or dimensions, or none at all.
+    #[error(
+        "all media of a domain must have its dimensions and the same fields, and there must be one"
+    )]
     Media,
     /// A cell whose medium is not in the list.
     #[error("cell {cell} has medium {medium}, of {count}")]

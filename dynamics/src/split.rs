@@ -168,7 +168,8 @@ impl<T: Real, const D: usize> Split<T, D> {
         });
     }
 
-    /// Steps that a pass over the memory makes at most; each field is read and written once in it.
+    /// Steps that a pass over the memory makes at most. With [`Detail::Light`](crate::problem::Detail) each field
+    /// goes in and out of the memory once in it.
     pub fn most_steps(&self) -> usize {
         self.parts.first().map_or(1, |part| part.domain.most_steps())
     }

@@ -35,7 +35,7 @@ static ALLOCATOR: Counting = Counting;
 
 fn allocations(problem: &Problem<2>, parts: usize, steps: usize) -> usize {
     let mut split: Split<f64, 2> = Split::new(problem, parts).expect("sound");
-    split.set(Field::Velocity(0), &(0..180).map(|i| (i % 7) as f64).collect::<Vec<_>>());
+    split.set(Field::Velocity(0), &(0..405).map(|i| (i % 7) as f64).collect::<Vec<_>>());
     split.advance(3);
     let before = COUNT.load(Ordering::Relaxed);
     split.advance(steps);
@@ -69,12 +69,12 @@ fn steps_allocate_nothing() {
         let load = Load { axis: 0, end: 1, pair: 0, faces, signal: signal.clone() };
         let amplitudes = vec![(Field::Spin(2), 1.0), (Field::Stress(0, 0), 1.0)];
         let source = Source { cells: vec![(40, 1.0)], amplitudes, signal };
-        let grid = Grid { cells: [15, 12], spacing: [0.1, 0.1] };
+        let grid = Grid { cells: [15, 27], spacing: [0.1, 0.1] };
         let sides = [[Boundary::Fixed, Boundary::Free], [Boundary::Periodic, Boundary::Periodic]];
         let problem = Problem {
             loads: vec![load],
             sources: vec![source],
-            ..Problem::new(grid, vec![medium], vec![0; 180], sides, step, scheme)
+            ..Problem::new(grid, vec![medium], vec![0; 405], sides, step, scheme)
         };
         assert_eq!(allocations(&problem, 1, 200), 0);
         // Threads: to start them and to let each wait for the first time, whenever that is, but nothing by

@@ -384,6 +384,12 @@ fn domains_that_cannot_be_are_refused() {
         make(vec![medium.clone(), other], vec![0; 16], 1e-3, free.clone()),
         Err(DomainError::Media)
     );
+    // A medium of the plane in space.
+    let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+    let scheme = Scheme::new(Slopes::Limited, Placement::Middle);
+    let space = Grid { cells: [2; 3], spacing: [0.1; 3] };
+    let problem = Problem::new(space, vec![medium.clone()], vec![0; 8], sides, 1e-3, scheme);
+    assert_eq!(Domain::<f64, 3>::new(&problem).map(|_| ()), Err(DomainError::Media));
     assert!(matches!(
         make(vec![medium.clone()], vec![1; 16], 1e-3, free.clone()),
         Err(DomainError::NoSuchMedium { cell: 0, medium: 1, count: 1 })

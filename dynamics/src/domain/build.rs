@@ -85,8 +85,8 @@ fn zeros<N: Number>(count: usize) -> Vec<N> {
 }
 
 impl<T: Real, const D: usize> Domain<T, D> {
-    /// The layers across the last axis of a sound problem, whether there are others beyond, and how many steps a pass
-    /// is to make at most.
+    /// The part of a sound problem in these layers across the last axis, cut where there are others beyond, for
+    /// passes of so many steps at most.
     pub(crate) fn slab(
         problem: &Problem<D>,
         own: Range<usize>,
@@ -259,7 +259,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             of_cell,
             step: problem.step,
             most_steps,
-            under_way: 0,
+            pass_steps: 0,
             scheme: problem.scheme,
             instructions: Instructions::best(),
             waves,

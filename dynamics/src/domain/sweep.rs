@@ -179,10 +179,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// The rows that come in next: how far behind the groups at hand they are, and the fields of each wave that are
     /// called for. Each sweep across rows has its part of them, lest all be asked of the memory at once.
     fn later(&self, axis: usize, half: usize) -> (usize, Range<usize>) {
-        // By how many pairs of rows and of layers the sweep is behind those that have come in last.
+        // By how many pairs of rows and of layers the sweep is behind those that have come in last; layers of the
+        // plane are rows.
         let (part, parts, rows, layers) = match (D, axis, half) {
-            // The last step of the pass: what comes in sooner does not stay so long.
-            (2, 1, half) if half + 2 >= 2 * self.under_way => (half % 2, 2, half, 0),
+            // By the last step of the pass alone: what comes in long before it is wanted is gone by then.
+            (2, 1, half) if half + 2 >= 2 * self.pass_steps => (half % 2, 2, half, 0),
             (3, 1, 0) => (0, 4, 0, 0),
             (3, 2, 0) => (1, 4, 1, 0),
             (3, 2, 1) => (2, 4, 1, 1),
