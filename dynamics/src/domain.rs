@@ -24,7 +24,8 @@
 //!
 //! A step is one pass over the memory. Layers across the last axis come in by a few, and of these a few rows at
 //! a time; while they are in the cache, sweeps across rows and layers follow as far behind as they must, and
-//! what stands after them in the step behind those. In the plane, where layers are rows and many of them fit in
+//! what stands after them in the step behind those. In space a block of the rows of all layers goes through the
+//! step before other rows do, so that layers that wait for the next ones do not leave the cache. In the plane, where layers are rows and many of them fit in
 //! the cache, the next step follows in the same pass: a row that has come through one step comes into the other.
 //! Sweeps run over many lines at once ([`crate::kernel`]); with
 //! [`Detail::Full`] all layers come in together, sweeps run line by line
@@ -32,7 +33,9 @@
 //! same.
 //!
 //! Where a domain is cut, or comes round, along the last axis, it has a halo of [`HALO`] layers for each step that
-//! a pass may have, which are filled before it; what is in them after it does not matter.
+//! a pass may have. They are filled in the pass with what the first sweeps within layers have made of the outermost
+//! layers beyond the cut, which so are made once: those in front before the first layers come in, those behind
+//! before the last ones do. What is in them after it does not matter.
 
 mod build;
 mod local;
@@ -44,7 +47,7 @@ use crate::kernel::{Carried, Instructions, Table, Wave};
 use crate::ledger::{Energy, Ledger, Total};
 use crate::line::{Account, Cell, GHOSTS, HALO};
 use crate::medium::{Medium, component};
-use crate::problem::{Detail, DomainError, Grid, Placement, Problem, Scheme};
+use crate::problem::{DomainError, Grid, Placement, Problem, Scheme};
 use crate::real::{Group, Number, Real};
 use crate::side::{Side, Slot};
 use models::cosserat::stress::Stress;
@@ -52,8 +55,8 @@ use models::cosserat::waves::Field;
 use plastic::Sets;
 use std::ops::Range;
 
-/// Rows or layers that come in at a time: what a sweep carries from one of these chunks to the next is little
-/// beside them, and they stay in the cache.
+/// Rows or layers that come in at a time at most: what a sweep carries from one of these chunks to the next is
+/// little beside them, and they stay in the cache.
 const CHUNK: usize = 8;
 
 /// How many rows or layers have come through three stages when so many have come in: each of two sweeps
@@ -72,7 +75,7 @@ fn stages(before: [usize; 3], ready: [usize; 3]) -> [Range<usize>; 3] {
 const STEPS: usize = 2;
 
 /// The first rows that come to a sweep must be two: the ghosts in front of them are not there any more when others
-/// follow. Each sweep has two rows less than the one before it.
+/// follow. Each sweep has two rows less than the one before it. (In space [`AtATime`] keeps to it.)
 const _: () = assert!(CHUNK >= 2 * STEPS * GHOSTS);
 
 /// Steps of a pass at most, where the smallest part of a domain has so many layers: all that are in the halo of
@@ -81,8 +84,42 @@ pub(crate) fn most_steps<const D: usize>(layers: usize) -> usize {
     if D == 2 { (layers / HALO).clamp(1, STEPS) } else { 1 }
 }
 
-/// Layers of a domain in space that are within a stage at a time at most: the last ones come together.
-const AT_ONCE: usize = CHUNK + 2 * GHOSTS;
+/// Bytes of rows of layers that come in together, so that they stay in a core's own cache while they go through the
+/// step.
+const OWN_CACHE: usize = 9 << 17;
+
+/// Bytes of a block of rows in the layers that are within the step, so that they stay in the cache that cores share.
+const SHARED_CACHE: usize = 7 << 20;
+
+/// How many of them come in at a time.
+#[derive(Clone, Copy, Debug)]
+struct AtATime {
+    layers: usize,
+    /// Rows of these layers.
+    rows: usize,
+    /// Rows of all layers, before other rows do.
+    block: usize,
+}
+
+impl AtATime {
+    /// All at once.
+    const ALL: Self = Self { layers: usize::MAX, rows: usize::MAX, block: usize::MAX };
+
+    /// For the plane, where layers are rows.
+    const ROWS: Self = Self { layers: CHUNK, rows: 1, block: 1 };
+
+    /// In space, where a row takes so many bytes. Rows that come round are each other's ghosts, and must all be
+    /// there.
+    fn in_space(row: usize, come_round: bool) -> Self {
+        let fits = |chunk: &usize| chunk * chunk * row <= OWN_CACHE;
+        let layers = (2 * GHOSTS..=CHUNK).rev().step_by(2).find(fits).unwrap_or(2 * GHOSTS);
+        let block = SHARED_CACHE / ((layers + 2 * GHOSTS) * row) / layers;
+        match come_round {
+            true => Self { layers, ..Self::ALL },
+            false => Self { layers, rows: layers, block: block.max(1) * layers },
+        }
+    }
+}
 
 /// Groups of a layer that go through the middle of a step together, so that their layers stay in the cache.
 const TILE: usize = 32;
@@ -101,9 +138,22 @@ fn groups<T: Real>(cells: usize) -> usize {
     (cells + GHOSTS).div_ceil(T::Lanes::COUNT).max(GHOSTS)
 }
 
-/// Layers at both ends of the last axis: own ones, and those of the halo.
-type Outermost<'a, T> = [&'a [<T as Real>::Lanes]; 2];
-type Beyond<'a, T> = [&'a mut [<T as Real>::Lanes]; 2];
+/// What crosses the cuts of a domain, at the ends towards smaller (0) and towards greater coordinates (1), in the
+/// order of these.
+pub trait Halo<T> {
+    /// Hands over rows of an outermost layer at an end.
+    fn begin(&mut self, end: usize, send: &[T]);
+
+    /// Brings those of the neighbour at an end; where there is none they are left as they are.
+    fn finish(&mut self, end: usize, receive: &mut [T]);
+}
+
+/// No neighbours.
+impl<T> Halo<T> for () {
+    fn begin(&mut self, _: usize, _: &[T]) {}
+
+    fn finish(&mut self, _: usize, _: &mut [T]) {}
+}
 
 /// A source on cells of its own part.
 #[derive(Clone)]
@@ -174,7 +224,11 @@ pub struct Domain<T: Real, const D: usize> {
     watched: Vec<usize>,
     /// By step of the pass: what [`Self::show`] gives of them.
     records: Vec<Vec<f64>>,
-    /// By half step of the pass and by layer across the last axis: sums do not depend on who does them.
+    at_a_time: AtATime,
+    /// Groups from the rows that have come in last to those that come next.
+    ahead: usize,
+    /// By half step of the pass and by layer across the last axis: sums do not depend on who does them. Behind them
+    /// what is done at both ends of that axis.
     /// What each half adds comes in an order of its own: how they follow each other depends on what else has
     /// come in.
     ledgers: Vec<Vec<Ledger>>,
@@ -370,12 +424,12 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// Advances all fields by Δt.
     pub fn advance(&mut self) {
-        self.pass(1);
+        self.pass(1, &mut ());
     }
 
     /// Advances all fields by some steps in one pass over the memory: one at least, and no more than
     /// [`Self::most_steps`].
-    pub(crate) fn pass(&mut self, steps: usize) {
+    pub(crate) fn pass(&mut self, steps: usize, neighbours: &mut impl Halo<T::Lanes>) {
         debug_assert!((1..=self.most_steps).contains(&steps));
         if self.steps == 0 {
             self.integrate(0..self.layers(), 0.5);
@@ -383,13 +437,46 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.set_times(steps);
         self.steps += steps;
         self.pass_steps = steps;
-        if self.is_own_halo {
-            self.fill_own_halo();
+        let rows = self.across / self.groups;
+        let mut come = 0;
+        while come < rows {
+            let block = come..rows.min(come.saturating_add(self.at_a_time.block));
+            come = block.end;
+            self.advance_block(&block, steps, neighbours);
         }
-        let (all, own) = (self.layers(), self.own_layers());
+        let (own, layers, last) = (self.own_layers(), self.layers(), self.totals.len() - 1);
+        for ledgers in &mut self.ledgers[..2 * steps] {
+            for (total, step) in self.totals.iter_mut().zip(&ledgers[own.clone()]) {
+                total.add(*step);
+            }
+            for end in (0..2).filter(|end| self.halo[*end] == 0) {
+                self.totals[[0, last][end]].add(ledgers[layers + end]);
+            }
+            ledgers.fill(Ledger::default());
+        }
+    }
+
+    /// Brings a block of the rows of all layers through some steps, as far as the rows behind it do not matter.
+    fn advance_block(
+        &mut self,
+        block: &Range<usize>,
+        steps: usize,
+        neighbours: &mut impl Halo<T::Lanes>,
+    ) {
+        let (all, own, rows) = (self.layers(), self.own_layers(), self.across / self.groups);
+        let swept = come_through(block.start, rows)[1]..come_through(block.end, rows)[1];
+        self.send(block, &swept, neighbours);
+        if self.is_own_halo {
+            self.fill_own_halo(&swept);
+        }
+        self.receive(0, &swept, neighbours);
         let mut ready = [[0; 3]; STEPS];
         while ready[steps - 1][2] < all {
-            let mut come = all.min(ready[0][0].saturating_add(self.chunk()));
+            let mut come = all.min(ready[0][0].saturating_add(self.at_a_time.layers));
+            // As late as may be: a neighbour may be behind for a while before anyone waits for it.
+            if ready[0][0] <= own.end && own.end < come {
+                self.receive(1, &swept, neighbours);
+            }
             for (step, ready) in ready[..steps].iter_mut().enumerate() {
                 let before = std::mem::replace(ready, come_through(come, all));
                 // What no later sweep looks at is left alone: each looks GHOSTS layers beyond what it writes.
@@ -401,16 +488,13 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     let Range { start, end } = needed[stage];
                     before[stage].clamp(start, end)..ready[stage].clamp(start, end)
                 });
-                self.advance_layers(&layers, &needed, 2 * step);
-                self.record(layers[2].clone(), step);
+                self.advance_layers(&layers, &needed, block, 2 * step);
+                if block.end == rows {
+                    self.integrate(layers[2].clone(), 1.0);
+                    self.record(layers[2].clone(), step);
+                }
                 come = ready[2];
             }
-        }
-        for ledgers in &mut self.ledgers[..2 * steps] {
-            for (total, step) in self.totals.iter_mut().zip(&ledgers[own.clone()]) {
-                total.add(*step);
-            }
-            ledgers.fill(Ledger::default());
         }
     }
 
@@ -435,22 +519,26 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Brings layers through the stages of a step, of which this is the first half in the pass: some of them up to
-    /// the first sweep along the last axis, some from there to the second one, some through what stands after that;
-    /// those from end to end are all that come through each. Rows of theirs follow each other likewise.
+    /// Brings a block of layers through the stages of a step, of which this is the first half in the pass: some of
+    /// them up to the first sweep along the last axis, some from there to the second one, some through what stands
+    /// after that; those from end to end are all that come through each. Rows of theirs follow each other likewise.
     fn advance_layers(
         &mut self,
         layers: &[Range<usize>; 3],
         ends: &[Range<usize>; 3],
+        block: &Range<usize>,
         first: usize,
     ) {
-        let (all, second, mut ready) = (self.across / self.groups, first + 1, [0; 3]);
-        while ready[2] < all {
-            let come = all.min(ready[0].saturating_add(self.chunk_of_rows()));
-            let before = std::mem::replace(&mut ready, come_through(come, all));
+        let (all, second) = (self.across / self.groups, first + 1);
+        let mut ready = come_through(block.start, all);
+        while ready[0] < block.end {
+            let rows = self.next_rows(ready[0], block, self.at_a_time.layers);
+            let before = std::mem::replace(&mut ready, come_through(rows.end, all));
             let rows = stages(before, ready);
-            for (index, layer) in layers[0].clone().enumerate() {
-                self.sweep_layer((layer, index), &rows, first);
+            for layer in layers[0].clone() {
+                if first > 0 || !self.is_exchanged(layer) {
+                    self.sweep_layer(layer, &rows, first);
+                }
             }
             let middle = rows[1].start * self.groups..rows[1].end * self.groups;
             for start in middle.clone().step_by(TILE) {
@@ -459,8 +547,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 self.turn_and_kick(layers[1].clone(), tile.clone(), first);
                 self.sweep_last(&layers[1], &ends[1], tile, second);
             }
-            for (index, layer) in layers[2].clone().enumerate() {
-                self.sweep_layer((layer, index), &rows, second);
+            for layer in layers[2].clone() {
+                self.sweep_layer(layer, &rows, second);
                 if self.scheme.placement == Placement::Last {
                     // Row by row, as sums are the same however many have come in.
                     for row in rows[2].clone() {
@@ -470,24 +558,17 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 }
             }
         }
-        self.integrate(layers[2].clone(), 1.0);
     }
 
-    /// Layers that come in at a time: all for the plain sweeps.
-    fn chunk(&self) -> usize {
-        match self.scheme.detail {
-            Detail::Full => usize::MAX,
-            Detail::Light => CHUNK,
-        }
-    }
-
-    /// Rows of a layer that come in at a time. Those that come round are each other's ghosts, and must all be
-    /// there.
-    fn chunk_of_rows(&self) -> usize {
-        match self.sides[0][1][0] {
-            Side::Periodic if D == 3 => usize::MAX,
-            _ => self.chunk(),
-        }
+    /// The rows of a block that come in next, in layers that so many follow.
+    fn next_rows(&mut self, come: usize, block: &Range<usize>, layers: usize) -> Range<usize> {
+        let end = block.end.min(come.saturating_add(self.at_a_time.rows));
+        // Behind the last ones of the block come its first ones in the layers that follow.
+        self.ahead = match end < block.end {
+            true => (end - come) * self.groups,
+            false => layers.saturating_mul(self.across) - (come - block.start) * self.groups,
+        };
+        come..end
     }
 
     /// K Q K, with the correction where it stands in the middle.
@@ -503,28 +584,60 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.kick(&layers, &tile, first + 1);
     }
 
-    /// The outermost own layers at both ends, which are a neighbour's halo, and the halo itself.
-    pub(crate) fn exchanged(&mut self) -> (Outermost<'_, T>, Beyond<'_, T>) {
-        let layer = self.across * self.fields().len();
-        let [front, behind] = self.halo.map(|layers| layers * layer);
-        let all = self.layers();
-        let rows = &mut self.data[..all * layer];
-        let own = rows.len() - front - behind;
-        let (first, rest) = rows.split_at_mut(front);
-        let (own, last) = rest.split_at_mut(own);
-        let own = &*own;
-        // Layers that are their own halo may be fewer, and are sent to nobody.
-        let [front, behind] = [front, behind].map(|halo| halo.min(own.len()));
-        ([&own[..front], &own[own.len() - behind..]], [first, last])
+    /// Whether a layer is in the halo of this part, or may be in a neighbour's.
+    fn is_exchanged(&self, layer: usize) -> bool {
+        layer < 2 * self.halo[0] || layer + 2 * self.halo[1] >= self.layers()
     }
 
-    /// Fills the halo from the own layers.
-    fn fill_own_halo(&mut self) {
-        let layer = self.across * self.fields().len();
+    /// Does the first sweeps of a pass in a block of the own layers that are in halos, and hands over the rows that
+    /// are ready. Layers that are their own halo are sent to nobody.
+    fn send(
+        &mut self,
+        block: &Range<usize>,
+        ready: &Range<usize>,
+        neighbours: &mut impl Halo<T::Lanes>,
+    ) {
+        let own = self.own_layers();
+        for layer in own.clone() {
+            if !self.is_exchanged(layer) {
+                continue;
+            }
+            let mut come = block.start;
+            while come < block.end {
+                let rows = self.next_rows(come, block, 1);
+                come = rows.end;
+                self.sweep_layer(layer, &[rows, 0..0, 0..0], 0);
+            }
+            let depths = [layer - own.start, own.end - 1 - layer];
+            for end in (0..2).filter(|end| depths[*end] < self.halo[*end]) {
+                neighbours.begin(end, &self.data[self.stored(layer, ready)]);
+            }
+        }
+    }
+
+    /// Fills rows of the halo at an end.
+    fn receive(&mut self, end: usize, rows: &Range<usize>, neighbours: &mut impl Halo<T::Lanes>) {
+        let first = [0, self.own_layers().end][end];
+        for layer in first..first + self.halo[end] {
+            let stored = self.stored(layer, rows);
+            neighbours.finish(end, &mut self.data[stored]);
+        }
+    }
+
+    /// Where the fields of rows of a layer stand.
+    fn stored(&self, layer: usize, rows: &Range<usize>) -> Range<usize> {
+        let first = layer * self.across;
+        let of = |row: usize| (first + row * self.groups) * self.fields().len();
+        of(rows.start)..of(rows.end)
+    }
+
+    /// Fills rows of the halo from the own layers.
+    fn fill_own_halo(&mut self, rows: &Range<usize>) {
         let own = self.own_layers();
         for index in (0..own.start).chain(own.end..self.layers()) {
             let source = own.start + (index + own.len() * own.start - own.start) % own.len();
-            self.data.copy_within(source * layer..(source + 1) * layer, index * layer);
+            let [from, to] = [source, index].map(|layer| self.stored(layer, rows));
+            self.data.copy_within(from, to.start);
         }
     }
 

@@ -1,11 +1,12 @@
 //! A domain in parts: slabs along the last axis, each in a thread of its own.
 //!
-//! Before each pass over the memory a part gets the [`HALO`] layers for each of its steps from its neighbours, and
+//! In each pass over the memory a part gets the [`HALO`] layers for each of its steps from its neighbours, and
 //! does to them what they do. Every cell sees the same operations as in the whole, and sums are made by layers:
-//! the same bits.
+//! the same bits. Layers from behind are wanted last, so that a part may be ahead of the next one by nearly a block
+//! of rows: a thread that is held up for a moment does not hold up the others.
 
 use crate::boundary::Boundary;
-use crate::domain::{Domain, most_steps};
+use crate::domain::{Domain, Halo, most_steps};
 use crate::kernel::Instructions;
 use crate::ledger::{Energy, Ledger, Total};
 use crate::line::HALO;
@@ -14,50 +15,37 @@ use crate::real::Real;
 use models::cosserat::waves::Field;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-/// What crosses the cuts of a part: towards smaller and towards greater coordinates.
-pub trait Halo<T> {
-    /// Hands over the outermost layers of the part.
-    fn begin(&mut self, send: [&[T]; 2]);
-
-    /// Brings those of its neighbours; what has no neighbour is left as it is.
-    fn finish(&mut self, receive: [&mut [T]; 2]);
-}
-
 /// The halo of a part whose neighbours are other threads of the process.
 #[derive(Debug, Default)]
 pub struct Channels<T> {
     neighbours: [Option<Neighbour<T>>; 2],
 }
 
-/// A neighbour and a message that came from it, to be filled anew.
+/// A neighbour, and messages that came from it, to be filled anew.
 #[derive(Debug)]
 struct Neighbour<T> {
     to: SyncSender<Vec<T>>,
     from: Receiver<Vec<T>>,
-    spare: Vec<T>,
+    spare: Vec<Vec<T>>,
 }
 
 impl<T: Copy> Halo<T> for Channels<T> {
-    fn begin(&mut self, send: [&[T]; 2]) {
-        for (neighbour, layers) in self.neighbours.iter_mut().zip(send) {
-            if let Some(neighbour) = neighbour {
-                let mut message = std::mem::take(&mut neighbour.spare);
-                message.clear();
-                message.extend_from_slice(layers);
-                // A neighbour that is gone has panicked: its thread is joined, and tells.
-                let _ = neighbour.to.send(message);
-            }
+    fn begin(&mut self, end: usize, send: &[T]) {
+        if let Some(neighbour) = &mut self.neighbours[end] {
+            let mut message = neighbour.spare.pop().unwrap_or_default();
+            message.clear();
+            message.extend_from_slice(send);
+            // A neighbour that is gone has panicked: its thread is joined, and tells.
+            let _ = neighbour.to.send(message);
         }
     }
 
-    fn finish(&mut self, receive: [&mut [T]; 2]) {
-        for (neighbour, layers) in self.neighbours.iter_mut().zip(receive) {
-            if let Some(neighbour) = neighbour
-                && let Ok(received) = neighbour.from.recv()
-            {
-                layers.copy_from_slice(&received);
-                neighbour.spare = received;
-            }
+    fn finish(&mut self, end: usize, receive: &mut [T]) {
+        if let Some(neighbour) = &mut self.neighbours[end]
+            && let Ok(received) = neighbour.from.recv()
+        {
+            receive.copy_from_slice(&received);
+            neighbour.spare.push(received);
         }
     }
 }
@@ -79,11 +67,8 @@ impl<T: Real, const D: usize, H: Halo<T::Lanes>> Part<T, D, H> {
         let Self { domain, halo, records, .. } = self;
         let mut left = steps;
         while left > 0 {
-            let (send, receive) = domain.exchanged();
-            halo.begin(send);
-            halo.finish(receive);
             let steps = left.min(domain.most_steps());
-            domain.pass(steps);
+            domain.pass(steps, halo);
             domain.hand_over(records);
             left -= steps;
         }
@@ -141,7 +126,10 @@ impl<T: Real, const D: usize> Split<T, D> {
             if count == 1 || (next == 0 && !is_periodic) {
                 continue;
             }
-            let ((forth, from_behind), (back, from_ahead)) = (sync_channel(2), sync_channel(2));
+            // Of two blocks: nobody hands over those of a third one before the neighbour has had those of the first.
+            let bound = 2 * HALO * most_steps::<D>(layers / count);
+            let ((forth, from_behind), (back, from_ahead)) =
+                (sync_channel(bound), sync_channel(bound));
             let neighbour = |to, from| Some(Neighbour { to, from, spare: Vec::new() });
             parts[index].halo.neighbours[1] = neighbour(forth, from_ahead);
             parts[next].halo.neighbours[0] = neighbour(back, from_behind);

@@ -1,13 +1,13 @@
 //! What a domain needs of a problem, and the order in which it needs it.
 
 use super::plastic::Sets;
-use super::{AT_ONCE, Buffer, Domain, EnergyTerms, Kick, RowEnds, TILE, groups};
+use super::{AtATime, Buffer, Domain, EnergyTerms, Kick, RowEnds, TILE, groups};
 use crate::boundary::{Boundary, Load};
 use crate::kernel::{Carried, Instructions, Table, Wave};
 use crate::ledger::{Ledger, Total};
 use crate::line::{Account, Cell, GHOSTS, HALO};
 use crate::medium::{Medium, energy_terms};
-use crate::problem::Problem;
+use crate::problem::{Detail, Problem};
 use crate::real::{Group, Number, Real};
 use crate::side::{Mirror, Side, Slot};
 use models::cosserat::waves::Field;
@@ -236,7 +236,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             let lines = match axis {
                 0 => 1,
                 _ if axis + 1 == D => across,
-                _ => AT_ONCE * groups,
+                _ => layers.len() * groups,
             };
             let room = vec![Carried::empty(); lines * waves.get(axis).map_or(0, Vec::len)];
             vec![room; halves]
@@ -249,6 +249,13 @@ impl<T: Real, const D: usize> Domain<T, D> {
             stress: vec![T::ZERO; longest],
             cells: vec![Cell::new(1.0, 0.0); longest],
             accounts: vec![Account::default(); longest],
+        };
+        let row = groups * fields.len() * size_of::<T::Lanes>();
+        let come_round = problem.boundaries[1][0] == Boundary::Periodic;
+        let at_a_time = match (problem.scheme.detail, D) {
+            (Detail::Full, _) => AtATime::ALL,
+            (Detail::Light, 3) => AtATime::in_space(row, come_round),
+            (Detail::Light, _) => AtATime::ROWS,
         };
         let mut grid = whole;
         grid.cells[D - 1] = own.len();
@@ -293,7 +300,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
             steps: 0,
             watched: Vec::new(),
             records: vec![Vec::new(); most_steps],
-            ledgers: vec![vec![Ledger::default(); layers.len()]; halves],
+            at_a_time,
+            ahead: 0,
+            ledgers: vec![vec![Ledger::default(); layers.len() + 2]; halves],
             totals: vec![Total::default(); own.len()],
             buffer,
             media,

@@ -1,6 +1,6 @@
 //! Sweeps along the axes, what lies beyond their ends, and the work done there.
 
-use super::{CHUNK, Domain, TILE};
+use super::{Domain, TILE};
 use crate::kernel::{Lines, MOST_SHARE, Wave};
 use crate::line::{self, Account, Cell, GHOSTS, State};
 use crate::problem::Detail;
@@ -11,8 +11,8 @@ use std::ops::Range;
 /// Groups of a row that are called for ahead of the one at hand.
 const GROUPS_AHEAD: usize = 16;
 
-/// Lines that are called for ahead of the one at hand.
-const LINES_AHEAD: usize = 2;
+/// Lines that are called for ahead of the one at hand, by axis.
+const LINES_AHEAD: [usize; 3] = [0, 2, 3];
 
 /// Lines that lie side by side.
 #[derive(Clone, Copy)]
@@ -48,7 +48,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// [`Self::advance_layers`].
     pub(super) fn sweep_layer(
         &mut self,
-        (layer, index): (usize, usize),
+        layer: usize,
         [come, middle, last]: &[Range<usize>; 3],
         half: usize,
     ) {
@@ -69,7 +69,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 count: self.grid.cells[1],
                 lines: groups,
                 face: layer * groups,
-                carried: index * groups,
+                carried: layer * groups,
             };
             self.sweep_on(bundle, [come, middle][half % 2].clone());
         }
@@ -156,7 +156,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         way.clear();
         way.extend((places.start - 1..=places.end).map(|place| self.group(bundle, 0, place)));
         let fields = self.fields().len();
-        let later = self.later(axis, half);
+        let later = self.later(bundle);
         let waves = &self.waves[axis];
         let before = bundle.carried * waves.len();
         let carried = &mut self.buffer.carried[axis][half][before..before + lines * waves.len()];
@@ -169,7 +169,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             patterns: &self.patterns,
             way: &way,
             begins: places.start < 0,
-            next: if axis == 0 { GROUPS_AHEAD } else { LINES_AHEAD },
+            next: if axis == 0 { GROUPS_AHEAD } else { LINES_AHEAD[axis] },
             later,
             carried,
         });
@@ -178,19 +178,22 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// The rows that come in next: how far behind the groups at hand they are, and the fields of each wave that are
     /// called for. Each sweep across rows has its part of them, lest all be asked of the memory at once.
-    fn later(&self, axis: usize, half: usize) -> (usize, Range<usize>) {
+    fn later(&self, bundle: Bundle) -> (usize, Range<usize>) {
+        let Bundle { axis, half, face, .. } = bundle;
         // By how many pairs of rows and of layers the sweep is behind those that have come in last; layers of the
         // plane are rows.
         let (part, parts, rows, layers) = match (D, axis, half) {
             // By the last step of the pass alone: what comes in long before it is wanted is gone by then.
             (2, 1, half) if half + 2 >= 2 * self.pass_steps => (half % 2, 2, half, 0),
+            // Nothing else sweeps them yet.
+            (3, 1, 0) if self.is_exchanged(face / self.groups) => (0, 1, 0, 0),
             (3, 1, 0) => (0, 4, 0, 0),
             (3, 2, 0) => (1, 4, 1, 0),
             (3, 2, 1) => (2, 4, 1, 1),
             (3, 1, 1) => (3, 4, 1, 2),
             _ => return (0, 0..0),
         };
-        let behind = (CHUNK + GHOSTS * rows) * self.groups + GHOSTS * layers * self.across;
+        let behind = self.ahead + GHOSTS * (rows * self.groups + layers * self.across);
         let share = MOST_SHARE / parts;
         (behind, part * share..(part + 1) * share)
     }
@@ -387,7 +390,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 let work = line::work_between(four.map(|own| own.0), cells, self.scheme.slopes);
                 let inflow = if end == 0 { -work } else { work };
                 let inflow = self.face_time(axis) * inflow;
-                self.ledgers[half][outermost / self.across].inflow += inflow;
+                let layer = match axis + 1 == D {
+                    true => self.layers() + end,
+                    false => outermost / self.across,
+                };
+                self.ledgers[half][layer].inflow += inflow;
             }
         }
     }
