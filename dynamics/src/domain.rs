@@ -25,8 +25,10 @@
 //! A step is one pass over the memory. Layers across the last axis come in by a few, and of these a few rows at
 //! a time; while they are in the cache, sweeps across rows and layers follow as far behind as they must, and
 //! what stands after them in the step behind those. In space a block of the rows of all layers goes through the
-//! step before other rows do, so that layers that wait for the next ones do not leave the cache. In the plane, where layers are rows and many of them fit in
-//! the cache, the next step follows in the same pass: a row that has come through one step comes into the other.
+//! step before the next one does, so that layers that wait for others do not leave the cache. In the plane, where
+//! layers are rows and many of them fit in the cache, the next step follows in the same pass: a row that has come
+//! through one step comes into the other.
+//!
 //! Sweeps run over many lines at once ([`crate::kernel`]); with
 //! [`Detail::Full`] all layers come in together, sweeps run line by line
 //! ([`crate::line`]) and keep the account of the scheme's own dissipation. The bits of the fields are the
@@ -55,7 +57,7 @@ use models::cosserat::waves::Field;
 use plastic::Sets;
 use std::ops::Range;
 
-/// Rows or layers that come in at a time at most: what a sweep carries from one of these chunks to the next is
+/// Rows or layers that come in at a time, unless all do: what a sweep carries from one of these chunks to the next is
 /// little beside them, and they stay in the cache.
 const CHUNK: usize = 8;
 
@@ -91,13 +93,13 @@ const OWN_CACHE: usize = 9 << 17;
 /// Bytes of a block of rows in the layers that are within the step, so that they stay in the cache that cores share.
 const SHARED_CACHE: usize = 7 << 20;
 
-/// How many of them come in at a time.
+/// How many layers and rows come in at a time.
 #[derive(Clone, Copy, Debug)]
 struct AtATime {
     layers: usize,
     /// Rows of these layers.
     rows: usize,
-    /// Rows of all layers, before other rows do.
+    /// Rows of a block: all layers go through the step in these before the next block does.
     block: usize,
 }
 
@@ -140,7 +142,7 @@ fn groups<T: Real>(cells: usize) -> usize {
 
 /// What crosses the cuts of a domain, at the ends towards smaller (0) and towards greater coordinates (1), in the
 /// order of these.
-pub trait Halo<T> {
+pub(crate) trait Halo<T> {
     /// Hands over rows of an outermost layer at an end.
     fn begin(&mut self, end: usize, send: &[T]);
 
@@ -228,8 +230,8 @@ pub struct Domain<T: Real, const D: usize> {
     /// Groups from the rows that have come in last to those that come next.
     ahead: usize,
     /// By half step of the pass and by layer across the last axis: sums do not depend on who does them. Behind them
-    /// what is done at both ends of that axis.
-    /// What each half adds comes in an order of its own: how they follow each other depends on what else has
+    /// the work at both ends of that axis, as layers are swept along it when others of the part have come in. What
+    /// each half adds comes in an order of its own: how they follow each other depends on what else has
     /// come in.
     ledgers: Vec<Vec<Ledger>>,
     /// Of all steps before, by own layers.
@@ -444,13 +446,13 @@ impl<T: Real, const D: usize> Domain<T, D> {
             come = block.end;
             self.advance_block(&block, steps, neighbours);
         }
-        let (own, layers, last) = (self.own_layers(), self.layers(), self.totals.len() - 1);
+        let (own, layers) = (self.own_layers(), self.layers());
         for ledgers in &mut self.ledgers[..2 * steps] {
+            for (end, layer) in [own.start, own.end - 1].into_iter().enumerate() {
+                ledgers[layer].inflow += ledgers[layers + end].inflow;
+            }
             for (total, step) in self.totals.iter_mut().zip(&ledgers[own.clone()]) {
                 total.add(*step);
-            }
-            for end in (0..2).filter(|end| self.halo[*end] == 0) {
-                self.totals[[0, last][end]].add(ledgers[layers + end]);
             }
             ledgers.fill(Ledger::default());
         }
@@ -560,7 +562,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
     }
 
-    /// The rows of a block that come in next, in layers that so many follow.
+    /// The rows of a block that come in next, and which ones will after them is noted for those who call for them;
+    /// so many layers come in together.
     fn next_rows(&mut self, come: usize, block: &Range<usize>, layers: usize) -> Range<usize> {
         let end = block.end.min(come.saturating_add(self.at_a_time.rows));
         // Behind the last ones of the block come its first ones in the layers that follow.

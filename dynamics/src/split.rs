@@ -16,9 +16,15 @@ use models::cosserat::waves::Field;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 /// The halo of a part whose neighbours are other threads of the process.
-#[derive(Debug, Default)]
-pub struct Channels<T> {
+#[derive(Debug)]
+struct Channels<T> {
     neighbours: [Option<Neighbour<T>>; 2],
+}
+
+impl<T> Default for Channels<T> {
+    fn default() -> Self {
+        Self { neighbours: [None, None] }
+    }
 }
 
 /// A neighbour, and messages that came from it, to be filled anew.
@@ -35,7 +41,7 @@ impl<T: Copy> Halo<T> for Channels<T> {
             let mut message = neighbour.spare.pop().unwrap_or_default();
             message.clear();
             message.extend_from_slice(send);
-            // A neighbour that is gone has panicked: its thread is joined, and tells.
+            // A neighbour that is gone has panicked, as the thread that joins it will.
             let _ = neighbour.to.send(message);
         }
     }
@@ -62,16 +68,19 @@ struct Part<T: Real, const D: usize, H> {
     records: Vec<f64>,
 }
 
-impl<T: Real, const D: usize, H: Halo<T::Lanes>> Part<T, D, H> {
+impl<T: Real, const D: usize, H: Halo<T::Lanes> + Default> Part<T, D, H> {
     fn advance(&mut self, steps: usize) {
         let Self { domain, halo, records, .. } = self;
+        // Whoever panics lets go of it: the others wait for nobody who is gone.
+        let mut own = std::mem::take(halo);
         let mut left = steps;
         while left > 0 {
             let steps = left.min(domain.most_steps());
-            domain.pass(steps, halo);
+            domain.pass(steps, &mut own);
             domain.hand_over(records);
             left -= steps;
         }
+        *halo = own;
     }
 }
 
@@ -115,7 +124,7 @@ impl<T: Real, const D: usize> Split<T, D> {
             let first = range.start * problem.grid.faces(D - 1);
             parts.push(Part {
                 domain: Domain::slab(problem, range, is_cut, most_steps::<D>(layers / count)),
-                halo: Channels { neighbours: [None, None] },
+                halo: Channels::default(),
                 first,
                 watched: Vec::new(),
                 records: Vec::new(),

@@ -6,6 +6,7 @@ use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, Plane
 use models::cosserat::waves::Field;
 use models::plasticity::parameters::{Mises, YieldSet};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Load, Signal, Source};
 use wellposed_dynamics::domain::Domain;
@@ -292,6 +293,27 @@ fn single_steps<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
             assert_eq!(*snapshots.get_or_insert(snapshot.clone()), snapshot, "{parts}");
         }
     }
+}
+
+/// A thread that panics, as signals of users may, does not leave the others waiting for it.
+#[test]
+#[should_panic(expected = "a scoped thread panicked")]
+fn whoever_panics_is_not_waited_for() {
+    let medium = Medium::isotropic(&solids()[0], 2);
+    let step = 1.9 * 0.1 / medium.greatest_speed();
+    let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+    let grid = Grid { cells: [9, 24], spacing: [0.1; 2] };
+    let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+    let mut problem = Problem::new(grid, vec![medium], vec![0; 216], sides, step, scheme);
+    let has_panicked = AtomicBool::new(false);
+    let signal = Arc::new(move |time: f64| {
+        assert!(time < 5.0 * step || has_panicked.swap(true, Ordering::Relaxed), "once");
+        1.0
+    });
+    let amplitudes = vec![(Field::Velocity(1), 0.1)];
+    problem.sources.push(Source { cells: vec![(4, 1.0)], amplitudes, signal });
+    let mut split: Split<f64, 2> = Split::new(&problem, 2).expect("sound");
+    split.advance(40);
 }
 
 /// Media by moduli and by compliances side by side: whatever follows in either follows.

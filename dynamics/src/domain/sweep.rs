@@ -185,7 +185,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let (part, parts, rows, layers) = match (D, axis, half) {
             // By the last step of the pass alone: what comes in long before it is wanted is gone by then.
             (2, 1, half) if half + 2 >= 2 * self.pass_steps => (half % 2, 2, half, 0),
-            // Nothing else sweeps them yet.
+            // No other sweep across rows goes along yet: this one calls for all fields.
             (3, 1, 0) if self.is_exchanged(face / self.groups) => (0, 1, 0, 0),
             (3, 1, 0) => (0, 4, 0, 0),
             (3, 2, 0) => (1, 4, 1, 0),
