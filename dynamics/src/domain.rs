@@ -29,10 +29,9 @@
 //! layers are rows and many of them fit in the cache, the next step follows in the same pass: a row that has come
 //! through one step comes into the other.
 //!
-//! Sweeps run over many lines at once ([`crate::kernel`]); with
-//! [`Detail::Full`] all layers come in together, sweeps run line by line
-//! ([`crate::line`]) and keep the account of the scheme's own dissipation. The bits of the fields are the
-//! same.
+//! Sweeps run over many lines at once ([`crate::kernel`]); with [`Detail::Full`](crate::problem::Detail::Full) all
+//! layers come in together, sweeps run line by line ([`crate::line`]) and keep the account of the scheme's own
+//! dissipation. The bits of the fields are the same.
 //!
 //! Where a domain is cut, or comes round, along the last axis, it has a halo of [`HALO`] layers for each step that
 //! a pass may have. They are filled in the pass with what the first sweeps within layers have made of the outermost
