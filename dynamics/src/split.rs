@@ -57,9 +57,9 @@ impl<T: Copy> Halo<T> for Channels<T> {
 }
 
 /// A slab with its halo.
-struct Part<T: Real, const D: usize, H> {
+struct Part<T: Real, const D: usize> {
     domain: Domain<T, D>,
-    halo: H,
+    halo: Channels<T::Lanes>,
     /// Its first cell.
     first: usize,
     /// Cells to be recorded after each step, in their order: places in the list of all, and own cells.
@@ -68,7 +68,7 @@ struct Part<T: Real, const D: usize, H> {
     records: Vec<f64>,
 }
 
-impl<T: Real, const D: usize, H: Halo<T::Lanes> + Default> Part<T, D, H> {
+impl<T: Real, const D: usize> Part<T, D> {
     fn advance(&mut self, steps: usize) {
         let Self { domain, halo, records, .. } = self;
         // Whoever panics lets go of it: the others wait for nobody who is gone.
@@ -99,7 +99,7 @@ pub struct Snapshot<T> {
 
 /// A domain in parts.
 pub struct Split<T: Real, const D: usize> {
-    parts: Vec<Part<T, D, Channels<T::Lanes>>>,
+    parts: Vec<Part<T, D>>,
     /// Number of watched cells.
     watched: usize,
 }
@@ -307,7 +307,7 @@ impl<T: Real, const D: usize> Split<T, D> {
 
     /// The first value that is not finite: its field and its cell.
     pub fn first_non_finite(&self) -> Option<(Field, usize)> {
-        let own = |part: &Part<T, D, _>| {
+        let own = |part: &Part<T, D>| {
             part.domain.first_non_finite().map(|(field, cell)| (field, part.first + cell))
         };
         self.parts.iter().find_map(own)
@@ -324,7 +324,7 @@ impl<T: Real, const D: usize> Split<T, D> {
 
     /// The first cell whose stress is not in its yield set.
     pub fn first_beyond_yield(&self) -> Option<usize> {
-        let own = |part: &Part<T, D, _>| Some(part.first + part.domain.first_beyond_yield()?);
+        let own = |part: &Part<T, D>| Some(part.first + part.domain.first_beyond_yield()?);
         self.parts.iter().find_map(own)
     }
 
