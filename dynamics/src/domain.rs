@@ -18,8 +18,8 @@
 //! yield conditions see the sum.
 //!
 //! A row along the first axis is folded into as many lanes as fill a line of the cache: of G groups the cell
-//! x is in group x mod G and lane x div G, so that cells follow each other lane by lane. A group holds all
-//! its fields. Behind the last cell two ghosts stand in the row itself, and there are two groups at least:
+//! x is in group x mod G and lane x div G, so that cells follow each other lane by lane. A row holds its fields one
+//! after the other, each with all groups. Behind the last cell two ghosts stand in the row itself, and there are two groups at least:
 //! what is next to a row's first and last groups is in the next lanes, not farther.
 //!
 //! A step is one pass over the memory. Layers across the last axis come in by a few, and of these a few rows at
@@ -44,7 +44,7 @@ mod plastic;
 mod sweep;
 
 use crate::boundary::Signal;
-use crate::kernel::{Carried, Instructions, Table, Wave};
+use crate::kernel::{Carried, Instructions, Stop, Table, Wave};
 use crate::ledger::{Energy, Ledger, Total};
 use crate::line::{Account, Cell, GHOSTS, HALO};
 use crate::medium::{Medium, component};
@@ -122,14 +122,21 @@ impl AtATime {
     }
 }
 
-/// Groups of a layer that go through the middle of a step together, so that their layers stay in the cache.
+/// Groups of a row that go through the middle of a step together, so that their layers stay in the cache.
 const TILE: usize = 32;
+
+/// Groups of a row of all layers.
+struct Tile {
+    row: usize,
+    groups: Range<usize>,
+}
 
 /// Memory that a domain takes, bytes, in numbers of kind `T`: so many fields, and what goes with them.
 pub fn memory<T: Real>(cells: &[usize], fields: usize) -> f64 {
     let length = cells.first().copied().unwrap_or(0).max(1);
     let count: f64 = cells.iter().map(|&count| count as f64).product();
-    let per_row = groups::<T>(length) * (fields * size_of::<T::Lanes>() + size_of::<u32>());
+    let groups = groups::<T>(length);
+    let per_row = pitch(groups) * fields * size_of::<T::Lanes>() + groups * size_of::<u32>();
     count / length as f64 * per_row as f64 + count * size_of::<u16>() as f64
 }
 
@@ -137,6 +144,12 @@ pub fn memory<T: Real>(cells: &[usize], fields: usize) -> f64 {
 /// other.
 fn groups<T: Real>(cells: usize) -> usize {
     (cells + GHOSTS).div_ceil(T::Lanes::COUNT).max(GHOSTS)
+}
+
+/// Room of a field in a row of so many groups. An odd number of lines of the cache: what is at one place of different
+/// fields or rows may be in it at once.
+fn pitch(groups: usize) -> usize {
+    groups | 1
 }
 
 /// What crosses the cuts of a domain, at the ends towards smaller (0) and towards greater coordinates (1), in the
@@ -200,6 +213,9 @@ pub struct Domain<T: Real, const D: usize> {
     energy_terms: EnergyTerms<T>,
     /// Groups of a row.
     groups: usize,
+    /// Groups from where a field begins in a row to where the next one does: the place of a field is so many times
+    /// its index.
+    pitch: usize,
     /// Groups of a layer across the last axis.
     across: usize,
     row_ends: RowEnds,
@@ -207,7 +223,7 @@ pub struct Domain<T: Real, const D: usize> {
     patterns: Vec<u32>,
     /// Of the ghosts of each row: in front of it and behind, the nearest first.
     row_patterns: Vec<[u32; 2 * GHOSTS]>,
-    /// By group and field, as patterns are.
+    /// By row, field and group, the rows as patterns are.
     data: Vec<T::Lanes>,
     /// As they are in the half steps of a pass.
     sides: Vec<[[Side<T>; 2]; D]>,
@@ -226,7 +242,7 @@ pub struct Domain<T: Real, const D: usize> {
     /// By step of the pass: what [`Self::show`] gives of them.
     records: Vec<Vec<f64>>,
     at_a_time: AtATime,
-    /// Groups from the rows that have come in last to those that come next.
+    /// Rows from those that have come in last to those that come next.
     ahead: usize,
     /// By half step of the pass and by layer across the last axis: sums do not depend on who does them. Behind them
     /// the work at both ends of that axis, as layers are swept along it when others of the part have come in. What
@@ -265,7 +281,7 @@ struct Buffer<T: Real> {
     /// rows by layer or row at hand.
     carried: [Vec<Vec<Carried<T::Lanes>>>; 3],
     /// Groups on the way along a line.
-    way: Vec<usize>,
+    way: Vec<Stop>,
     /// Groups that are yet to be corrected.
     left: Vec<usize>,
     velocity: Vec<T>,
@@ -333,10 +349,10 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// The first value that is not finite: its field and its cell.
     pub fn first_non_finite(&self) -> Option<(Field, usize)> {
         let is_broken = |cell: &usize| {
-            (0..self.fields().len()).find(|&place| !self.at(*cell, place).wide().is_finite())
+            self.places().find(|(_, place)| !self.at(*cell, *place).wide().is_finite())
         };
         let cell = self.own_cells().find(|cell| is_broken(cell).is_some())?;
-        is_broken(&cell).map(|place| (self.fields()[place], cell - self.own_cells().start))
+        is_broken(&cell).map(|(field, _)| (field, cell - self.own_cells().start))
     }
 
     /// The own cells among all.
@@ -345,9 +361,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
         first..first + self.grid.count()
     }
 
-    /// The groups of all rows: behind them stand ghosts.
-    fn own_groups(&self) -> usize {
-        self.layers() * self.across
+    /// Rows of a layer.
+    fn rows(&self) -> usize {
+        self.across / self.groups
     }
 
     /// All layers, those of the halo included.
@@ -360,29 +376,45 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.halo[0]..self.layers() - self.halo[1]
     }
 
-    fn place(&self, field: Field) -> Option<usize> {
-        self.fields().iter().position(|own| *own == field)
+    /// All fields, and their places in a row.
+    fn places(&self) -> impl Iterator<Item = (Field, usize)> {
+        self.fields().iter().copied().zip((0..).step_by(self.pitch))
     }
 
-    /// Group and lane of a value.
+    fn place(&self, field: Field) -> Option<usize> {
+        self.places().find(|own| own.0 == field).map(|own| own.1)
+    }
+
+    /// Groups of a row in all fields, those included that are there for [`pitch`].
     #[inline(always)]
-    fn slot(&self, cell: usize, place: usize) -> (usize, usize) {
+    fn row_size(&self) -> usize {
+        self.fields().len() * self.pitch
+    }
+
+    /// A group of a row.
+    #[inline(always)]
+    fn stop(&self, row: usize, group: usize) -> Stop {
+        Stop { group: row * self.groups + group, data: row * self.row_size() + group }
+    }
+
+    /// Group and lane of a cell.
+    #[inline(always)]
+    fn slot(&self, cell: usize) -> (Stop, usize) {
         let length = self.grid.cells[0];
         let (row, x) = (cell / length, cell % length);
-        let group = row * self.groups + x % self.groups;
-        (group * self.fields().len() + place, x / self.groups)
+        (self.stop(row, x % self.groups), x / self.groups)
     }
 
     #[inline(always)]
     fn at(&self, cell: usize, place: usize) -> T {
-        let (group, lane) = self.slot(cell, place);
-        self.data[group].lanes()[lane]
+        let (stop, lane) = self.slot(cell);
+        self.data[stop.data + place].lanes()[lane]
     }
 
     #[inline(always)]
     fn at_mut(&mut self, cell: usize, place: usize) -> &mut T {
-        let (group, lane) = self.slot(cell, place);
-        &mut self.data[group].lanes_mut()[lane]
+        let (stop, lane) = self.slot(cell);
+        &mut self.data[stop.data + place].lanes_mut()[lane]
     }
 
     /// Cells of a layer across the last axis.
@@ -438,7 +470,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.set_times(steps);
         self.steps += steps;
         self.pass_steps = steps;
-        let rows = self.across / self.groups;
+        let rows = self.rows();
         let mut come = 0;
         while come < rows {
             let block = come..rows.min(come.saturating_add(self.at_a_time.block));
@@ -464,7 +496,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         steps: usize,
         neighbours: &mut impl Halo<T::Lanes>,
     ) {
-        let (all, own, rows) = (self.layers(), self.own_layers(), self.across / self.groups);
+        let (all, own, rows) = (self.layers(), self.own_layers(), self.rows());
         let swept = come_through(block.start, rows)[1]..come_through(block.end, rows)[1];
         self.send(block, &swept, neighbours);
         if self.is_own_halo {
@@ -530,7 +562,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         block: &Range<usize>,
         first: usize,
     ) {
-        let (all, second) = (self.across / self.groups, first + 1);
+        let (all, second) = (self.rows(), first + 1);
         let mut ready = come_through(block.start, all);
         while ready[0] < block.end {
             let rows = self.next_rows(ready[0], block, self.at_a_time.layers);
@@ -541,20 +573,21 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     self.sweep_layer(layer, &rows, first);
                 }
             }
-            let middle = rows[1].start * self.groups..rows[1].end * self.groups;
-            for start in middle.clone().step_by(TILE) {
-                let tile = start..middle.end.min(start + TILE);
-                self.sweep_last(&layers[0], &ends[0], tile.clone(), first);
-                self.turn_and_kick(layers[1].clone(), tile.clone(), first);
-                self.sweep_last(&layers[1], &ends[1], tile, second);
+            for row in rows[1].clone() {
+                for start in (0..self.groups).step_by(TILE) {
+                    let tile = Tile { row, groups: start..self.groups.min(start + TILE) };
+                    self.sweep_last(&layers[0], &ends[0], &tile, first);
+                    self.turn_and_kick(&layers[1], &tile, first);
+                    self.sweep_last(&layers[1], &ends[1], &tile, second);
+                }
             }
             for layer in layers[2].clone() {
                 self.sweep_layer(layer, &rows, second);
                 if self.scheme.placement == Placement::Last {
                     // Row by row, as sums are the same however many have come in.
                     for row in rows[2].clone() {
-                        let groups = row * self.groups..(row + 1) * self.groups;
-                        self.correct(layer..layer + 1, groups, second, false);
+                        let tile = Tile { row, groups: 0..self.groups };
+                        self.correct(&(layer..layer + 1), &tile, second, false);
                     }
                 }
             }
@@ -567,23 +600,23 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let end = block.end.min(come.saturating_add(self.at_a_time.rows));
         // Behind the last ones of the block come its first ones in the layers that follow.
         self.ahead = match end < block.end {
-            true => (end - come) * self.groups,
-            false => layers.saturating_mul(self.across) - (come - block.start) * self.groups,
+            true => end - come,
+            false => layers.saturating_mul(self.rows()) - (come - block.start),
         };
         come..end
     }
 
     /// K Q K, with the correction where it stands in the middle.
-    fn turn_and_kick(&mut self, layers: Range<usize>, tile: Range<usize>, first: usize) {
-        self.kick(&layers, &tile, first);
+    fn turn_and_kick(&mut self, layers: &Range<usize>, tile: &Tile, first: usize) {
+        self.kick(layers, tile, first);
         if self.scheme.placement == Placement::Middle && !self.dissipated.is_empty() {
-            self.rotate(&layers, &tile, 1);
-            self.correct(layers.clone(), tile.clone(), first + 1, true);
-            self.rotate(&layers, &tile, 1);
+            self.rotate(layers, tile, 1);
+            self.correct(layers, tile, first + 1, true);
+            self.rotate(layers, tile, 1);
         } else {
-            self.rotate(&layers, &tile, 0);
+            self.rotate(layers, tile, 0);
         }
-        self.kick(&layers, &tile, first + 1);
+        self.kick(layers, tile, first + 1);
     }
 
     /// Whether a layer is in the halo of this part, or may be in a neighbour's.
@@ -628,9 +661,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// Where the fields of rows of a layer stand.
     fn stored(&self, layer: usize, rows: &Range<usize>) -> Range<usize> {
-        let first = layer * self.across;
-        let of = |row: usize| (first + row * self.groups) * self.fields().len();
-        of(rows.start)..of(rows.end)
+        let first = layer * self.rows();
+        (first + rows.start) * self.row_size()..(first + rows.end) * self.row_size()
     }
 
     /// Fills rows of the halo from the own layers.
@@ -684,15 +716,18 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// The place of a cell among the lanes of all groups.
     fn lane_of(&self, cell: usize) -> usize {
-        let (place, lane) = self.slot(cell, 0);
-        place / self.fields().len() * T::Lanes::COUNT + lane
+        let (stop, lane) = self.slot(cell);
+        stop.group * T::Lanes::COUNT + lane
     }
 
     /// The domain with its stresses in their yield sets: what is shown of it.
     #[must_use]
     pub fn admissible(&self) -> Self {
         let mut shown = self.clone();
-        shown.correct(0..self.layers(), 0..self.across, 1, false);
+        for row in 0..self.rows() {
+            let tile = Tile { row, groups: 0..self.groups };
+            shown.correct(&(0..self.layers()), &tile, 1, false);
+        }
         shown.ledgers.iter_mut().for_each(|half| half.fill(Ledger::default()));
         shown.dissipated.clone_from(&self.dissipated);
         shown
@@ -732,8 +767,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// yield set. Behind them the integrals of the problem.
     pub fn show(&self, cell: usize, values: &mut Vec<f64>) {
         let stress = self.medium(cell).project(&self.whole_stress(cell)).stress;
-        for (place, field) in self.fields().iter().enumerate() {
-            values.push(match component(*field, &stress) {
+        for (field, place) in self.places() {
+            values.push(match component(field, &stress) {
                 Some(value) => value,
                 None => self.at(cell + self.own_cells().start, place).wide(),
             });

@@ -60,7 +60,7 @@ impl Instructions {
     }
 }
 
-/// Where the fields of a pair of waves stand in a group, and its constants in the table.
+/// Places of the fields of a pair of waves in a row, and of its constants in the table.
 #[derive(Clone, Debug)]
 pub(crate) struct Wave {
     pub(crate) velocity: usize,
@@ -151,12 +151,30 @@ impl<V: Number> Carried<V> {
     }
 }
 
+/// A group on a way.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stop {
+    /// Its number.
+    pub(crate) group: usize,
+    /// Where its first field stands: the others so far behind as their places say.
+    pub(crate) data: usize,
+}
+
+impl Stop {
+    /// The same of another line.
+    #[inline(always)]
+    pub(crate) fn of_line(self, line: usize) -> Self {
+        Self { group: self.group + line, data: self.data + line }
+    }
+}
+
 /// Lines that lie side by side, and the part of their way that is to be gone.
 pub(crate) struct Lines<'a, T: Real> {
-    /// By group and field.
     pub(crate) data: &'a mut [T::Lanes],
     /// Fields of a group.
     pub(crate) fields: usize,
+    /// From a field of a group to the next one.
+    pub(crate) pitch: usize,
     pub(crate) table: &'a Table<T>,
     pub(crate) waves: &'a [Wave],
     pub(crate) slopes: Slopes,
@@ -165,12 +183,12 @@ pub(crate) struct Lines<'a, T: Real> {
     /// Groups of the first line in the order of the way: all but the first and the last are at hand one after
     /// the other, while the one before is written and the one after is read. Those of the other lines follow
     /// each of them.
-    pub(crate) way: &'a [usize],
+    pub(crate) way: &'a [Stop],
     /// Whether the way begins with the ghosts in front, where nothing is carried yet. They are written like all
     /// groups, and must be filled anew for another walk.
     pub(crate) begins: bool,
-    /// How many groups behind those at hand fields are called for that the way reads next: rows and layers lie
-    /// too far apart for the processor to guess them.
+    /// How far behind those at hand fields are called for that the way reads next: rows and layers lie too far apart
+    /// for the processor to guess them.
     pub(crate) next: usize,
     /// The same of whatever comes in later, and which of each wave's [`MOST_SHARE`] fields are called for.
     pub(crate) later: (usize, Range<usize>),
@@ -210,8 +228,9 @@ impl<T: Real> Lines<'_, T> {
             let mut last = line + 1;
             if (place, end) == (0, steps) {
                 let way = &self.way[..=steps];
-                let is_like =
-                    |line: usize| way.iter().all(|group| self.patterns[group + line] == pattern);
+                let is_like = |line: usize| {
+                    way.iter().all(|stop| self.patterns[stop.group + line] == pattern)
+                };
                 while last < lines && is_like(last) {
                     last += 1;
                 }
@@ -255,17 +274,17 @@ impl<T: Real> Lines<'_, T> {
     /// How far behind a group at hand stands the share of fields that a wave calls for.
     #[inline(always)]
     fn later_share(&self, index: usize) -> usize {
-        self.later.0 * self.fields + index * self.fields.div_ceil(self.waves.len())
+        self.later.0 + index * self.fields.div_ceil(self.waves.len()) * self.pitch
     }
 
     #[inline(always)]
     fn pattern(&self, line: usize, place: usize) -> u32 {
-        self.patterns[self.way[place] + line]
+        self.patterns[self.way[place].group + line]
     }
 
     #[inline(always)]
     fn read<V: Vector<T>>(&self, line: usize, place: usize, wave: &Wave) -> State<V> {
-        let group = &self.data[(self.way[place] + line) * self.fields..][..self.fields];
+        let group = &self.data[self.way[place].data + line..];
         let [velocity, stress] = [&group[wave.velocity], &group[wave.stress]];
         State { velocity: V::load(velocity), stress: V::load(stress) }
     }
@@ -279,9 +298,8 @@ impl<T: Real> Lines<'_, T> {
         index: usize,
         slopes: Slopes,
     ) {
-        let (wave, fields) = (&self.waves[index], self.fields);
+        let (wave, near, pitch) = (&self.waves[index], self.next, self.pitch);
         let (velocity, stress) = (wave.velocity, wave.stress);
-        let near = self.next * fields;
         let later = self.later_share(index);
         let slot = line * self.waves.len() + index;
         let mut carried: Carried<V> = Carried::load(&self.carried[slot]);
@@ -293,18 +311,18 @@ impl<T: Real> Lines<'_, T> {
             let here = self.pattern(line, place + 1);
             let cell = Cell::load(self.table.cell(here, wave));
             let next = self.read(line, place + 2, wave);
-            let ahead = &self.data[(self.way[place + 2] + line) * fields..];
+            let ahead = &self.data[self.way[place + 2].data + line..];
             prefetch(ahead, near + velocity, true);
             prefetch(ahead, near + stress, true);
-            for place in self.later.1.clone() {
-                prefetch(ahead, later + place, false);
+            for index in self.later.1.clone() {
+                prefetch(ahead, later + index * pitch, false);
             }
             let pieces = Pieces::of([before, own, next], &cell, slopes);
             let waves = [carried.to_right, pieces.to_left()];
             let [joint, beyond] = Joint::between([last.impedance, cell.impedance], waves);
             let moved = updated(before, [carried.joint, joint], &last);
             carried = Carried { to_right: pieces.to_right(), joint: beyond };
-            let group = &mut self.data[(self.way[place] + line) * fields..][..fields];
+            let group = &mut self.data[self.way[place].data + line..];
             moved.velocity.store(&mut group[velocity]);
             moved.stress.store(&mut group[stress]);
             let change = moved.stress - before.stress;
@@ -334,19 +352,20 @@ impl<T: Real> Lines<'_, T> {
             *place = wave.followers[index];
             *ratio = V::load(self.table.ratio(pattern, wave, index));
         }
-        let (velocity, stress, fields) = (wave.velocity, wave.stress, self.fields);
+        let (velocity, stress, pitch) = (wave.velocity, wave.stress, self.pitch);
         // Once, and not in every group.
-        assert!(velocity < fields && stress < fields);
-        assert!(followers.iter().all(|(place, _)| *place < fields));
-        let near = self.next * fields;
+        let extent = (self.fields - 1) * pitch + 1;
+        assert!(velocity < extent && stress < extent);
+        assert!(followers.iter().all(|(place, _)| *place < extent));
+        let near = self.next;
         let later = self.later_share(index);
         let way = &self.way[run.start..run.end + 2];
         for line in lines {
             let slot = line * self.waves.len() + index;
             prefetch(self.carried, slot + self.next * self.waves.len(), true);
             let mut carried: Carried<V> = Carried::load(&self.carried[slot]);
-            for group in &way[..2] {
-                let group = &self.data[(group + line) * fields..][..fields];
+            for stop in &way[..2] {
+                let group = &self.data[stop.data + line..][..extent];
                 prefetch(group, near + velocity, true);
                 prefetch(group, near + stress, true);
             }
@@ -355,11 +374,11 @@ impl<T: Real> Lines<'_, T> {
             let mut own = Waves::of(here, &cell);
             let mut before = Waves::of(last, &cell).to(own);
             for (behind, next) in way.iter().zip(&way[2..]) {
-                let next = &self.data[(next + line) * fields..][..fields];
+                let next = &self.data[next.data + line..][..extent];
                 prefetch(next, near + velocity, true);
                 prefetch(next, near + stress, true);
-                for place in self.later.1.clone() {
-                    prefetch(next, later + place, false);
+                for index in self.later.1.clone() {
+                    prefetch(next, later + index * pitch, false);
                 }
                 let next =
                     State { velocity: V::load(&next[velocity]), stress: V::load(&next[stress]) };
@@ -369,7 +388,7 @@ impl<T: Real> Lines<'_, T> {
                 let joint = Joint::between_like([carried.to_right, pieces.to_left()]);
                 let moved = updated(last, [carried.joint, joint], &cell);
                 carried = Carried { to_right: pieces.to_right(), joint };
-                let group = &mut self.data[(behind + line) * fields..][..fields];
+                let group = &mut self.data[behind.data + line..][..extent];
                 for (place, _) in followers {
                     prefetch(group, near + place, true);
                 }

@@ -1,7 +1,7 @@
 //! What a domain needs of a problem, and the order in which it needs it.
 
 use super::plastic::Sets;
-use super::{AtATime, Buffer, Domain, EnergyTerms, Kick, RowEnds, TILE, groups};
+use super::{AtATime, Buffer, Domain, EnergyTerms, Kick, RowEnds, groups, pitch};
 use crate::boundary::{Boundary, Load};
 use crate::kernel::{Carried, Instructions, Table, Wave};
 use crate::ledger::{Ledger, Total};
@@ -98,7 +98,10 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let (layer, halves) = (whole.faces(D - 1), 2 * most_steps);
         let media = problem.media.clone();
         let fields = &media[0].fields;
-        let place = |field: Field| fields.iter().position(|own| *own == field);
+        let groups = groups::<T>(length);
+        let pitch = pitch(groups);
+        let index = |field: Field| fields.iter().position(|own| *own == field);
+        let place = |field: Field| Some(index(field)? * pitch);
 
         let is_own_halo = problem.boundaries[D - 1][0] == Boundary::Periodic && own.len() == last;
         let halo = is_cut.map(|cut| if cut || is_own_halo { most_steps * HALO } else { 0 });
@@ -112,38 +115,38 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
         let mut constants = Vec::new();
         let mut ratios = Vec::new();
-        let mut wave = |axis: usize, index: usize| {
+        let mut wave = |axis: usize, pair: usize| {
             // What follows in any medium, in the others by a ratio of zero.
-            let all = media.iter().flat_map(|medium| &medium.pairs[axis][index].followers);
-            let mut followers: Vec<usize> = all.filter_map(|(field, _)| place(*field)).collect();
+            let all = media.iter().flat_map(|medium| &medium.pairs[axis][pair].followers);
+            let mut followers: Vec<usize> = all.filter_map(|(field, _)| index(*field)).collect();
             followers.sort_unstable();
             followers.dedup();
-            let pair = &media[0].pairs[axis][index];
             let cells: Vec<Cell<T>> = media
                 .iter()
                 .map(|medium| {
-                    let own = &medium.pairs[axis][index];
+                    let own = &medium.pairs[axis][pair];
                     let courant = own.speed() * (0.5 * problem.step / whole.spacing[axis]);
                     Cell::new(own.impedance(), courant.min(1.0))
                 })
                 .collect();
-            let of_followers = followers.iter().map(|&place| {
+            let of_followers = followers.iter().map(|&index| {
                 let ratio = |medium: &Medium| {
-                    let mut own = medium.pairs[axis][index].followers.iter();
-                    own.find(|own| own.0 == fields[place]).map_or(0.0, |own| own.1)
+                    let mut own = medium.pairs[axis][pair].followers.iter();
+                    own.find(|own| own.0 == fields[index]).map_or(0.0, |own| own.1)
                 };
                 media.iter().map(ratio).collect::<Vec<f64>>()
             });
+            let pair = &media[0].pairs[axis][pair];
             Wave {
                 velocity: place(pair.velocity).unwrap_or(0),
                 stress: place(pair.stress).unwrap_or(0),
                 constants: number(&mut constants, cells),
                 ratios: of_followers.map(|ratio| number(&mut ratios, ratio)).collect(),
-                followers,
+                followers: followers.into_iter().map(|index| index * pitch).collect(),
             }
         };
         let waves: [Vec<Wave>; D] = std::array::from_fn(|axis| {
-            (0..media[0].pairs[axis].len()).map(|index| wave(axis, index)).collect()
+            (0..media[0].pairs[axis].len()).map(|pair| wave(axis, pair)).collect()
         });
 
         let mut known = Patterns::default();
@@ -151,7 +154,6 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let rows: Vec<_> =
             of_cell.chunks(length).map(|row| known.row::<T>(row, is_periodic)).collect();
         let mut patterns: Vec<u32> = rows.iter().flat_map(|row| row.0.iter().copied()).collect();
-        let groups = groups::<T>(length);
         let across = groups * layer / length;
         // The group and lane of a cell.
         let slot =
@@ -231,7 +233,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let longest = whole.cells.iter().copied().max().unwrap_or(0).max(layers.len());
         let longest = longest + 2 * GHOSTS;
         let own_groups = patterns.len();
-        patterns.extend(vec![0; 2 * GHOSTS * groups.max(TILE)]);
+        patterns.extend(vec![0; 2 * GHOSTS * groups]);
         let carried = std::array::from_fn(|axis| {
             let lines = match axis {
                 0 => 1,
@@ -250,7 +252,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             cells: vec![Cell::new(1.0, 0.0); longest],
             accounts: vec![Account::default(); longest],
         };
-        let row = groups * fields.len() * size_of::<T::Lanes>();
+        let row = pitch * fields.len() * size_of::<T::Lanes>();
         let come_round = problem.boundaries[1][0] == Boundary::Periodic;
         let at_a_time = match (problem.scheme.detail, D) {
             (Detail::Full, _) => AtATime::ALL,
@@ -276,6 +278,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             turning: turning.collect(),
             energy_terms: EnergyTerms { places: Vec::new(), kinetic: 0, factors: Vec::new() },
             groups,
+            pitch,
             across,
             row_ends: RowEnds {
                 inside: [
@@ -287,7 +290,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     .map(|place| (place % groups, place / groups))
                     .collect(),
             },
-            data: zeros(patterns.len() * fields.len()),
+            data: zeros(patterns.len() / groups * fields.len() * pitch),
             patterns,
             row_patterns: rows.iter().map(|row| row.1).collect(),
             sides: vec![sides; halves],
@@ -373,9 +376,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
             terms.values().map(of).collect()
         });
         let factors = factors.collect();
-        let places = terms.keys().copied().collect();
+        let places = terms.keys().map(|indices| indices.map(|index| index * self.pitch)).collect();
         let is_plastic = media.iter().any(|medium| medium.yields.is_some());
-        self.sets = Sets::new(media, patterns).filter(|_| is_plastic);
+        self.sets = Sets::new(media, patterns, self.pitch).filter(|_| is_plastic);
         (self.table, self.turns, self.yields) = (table, turns, yields);
         self.energy_terms = EnergyTerms { places, kinetic, factors };
     }

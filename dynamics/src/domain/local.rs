@@ -1,7 +1,7 @@
 //! What a step does to cells on their own: sources, gravity, rotation, correction; and sums over them.
 
 use super::plastic::Correct;
-use super::{Domain, Turn};
+use super::{Domain, Tile, Turn};
 use crate::ledger::Energy;
 use crate::medium::component;
 use crate::real::{Group, MOST_LANES, Real, Vector, Work};
@@ -32,33 +32,32 @@ impl<T: Real, const D: usize> Domain<T, D> {
     }
 
     /// Sources and gravity over a half step of the pass.
-    pub(super) fn kick(&mut self, layers: &Range<usize>, tile: &Range<usize>, half: usize) {
-        let (volume, across, fields) = (self.grid.volume(), self.across, self.fields().len());
+    pub(super) fn kick(&mut self, layers: &Range<usize>, tile: &Tile, half: usize) {
+        let volume = self.grid.volume();
         let kicks = std::mem::take(&mut self.kicks);
         for kick in &kicks {
             let [impulse, moment] = kick.now[half];
-            let of_layer = |layer: usize| {
-                let groups = [tile.start, tile.end].map(|group| layer * across + group);
-                let ends = groups.map(|group| kick.cells.partition_point(|cell| cell.0 < group));
-                &kick.cells[ends[0]..ends[1]]
-            };
-            for &(group, lane, share) in layers.clone().flat_map(of_layer) {
-                let Some(cell) = self.cell_of(group, lane) else { continue };
-                let medium = usize::from(self.of_cell[cell]);
-                for &(place, amplitude) in &kick.amplitudes {
-                    let inertia = self.media[medium].inertia(self.fields()[place]);
-                    let work = if inertia > 0.0 {
-                        let change = amplitude * share * impulse / (inertia * volume);
-                        push(&mut self.data[group * fields + place].lanes_mut()[lane], change)
-                            * inertia
-                    } else {
-                        let before = self.media[medium].stored_energy(&self.stress(cell));
-                        let value =
-                            self.at(cell, place).wide() - amplitude * share * moment / volume;
-                        *self.at_mut(cell, place) = T::of(value);
-                        self.media[medium].stored_energy(&self.stress(cell)) - before
-                    };
-                    self.ledgers[half][group / across].sources += volume * work;
+            for layer in layers.clone() {
+                let groups = self.groups_of(layer, tile).1;
+                let [from, to] = [groups.start, groups.end]
+                    .map(|group| kick.cells.partition_point(|cell| cell.0 < group));
+                for &(group, lane, share) in &kick.cells[from..to] {
+                    let Some(cell) = self.cell_of(group, lane) else { continue };
+                    let medium = usize::from(self.of_cell[cell]);
+                    for &(place, amplitude) in &kick.amplitudes {
+                        let inertia = self.media[medium].inertia(self.fields()[place / self.pitch]);
+                        let work = if inertia > 0.0 {
+                            let change = amplitude * share * impulse / (inertia * volume);
+                            push(self.at_mut(cell, place), change) * inertia
+                        } else {
+                            let before = self.media[medium].stored_energy(&self.stress(cell));
+                            let value =
+                                self.at(cell, place).wide() - amplitude * share * moment / volume;
+                            *self.at_mut(cell, place) = T::of(value);
+                            self.media[medium].stored_energy(&self.stress(cell)) - before
+                        };
+                        self.ledgers[half][layer].sources += volume * work;
+                    }
                 }
             }
         }
@@ -70,12 +69,13 @@ impl<T: Real, const D: usize> Domain<T, D> {
             };
             let change = acceleration * 0.5 * self.step;
             for layer in layers.clone() {
-                for group in tile.clone().map(|group| layer * across + group) {
+                let (first, groups) = self.groups_of(layer, tile);
+                for (index, group) in groups.enumerate() {
                     for lane in 0..T::Lanes::COUNT {
                         let Some(cell) = self.cell_of(group, lane) else { continue };
                         let medium = &self.media[usize::from(self.of_cell[cell])];
                         let inertia = medium.inertia(Field::Velocity(axis));
-                        let value = &mut self.data[group * fields + place].lanes_mut()[lane];
+                        let value = &mut self.data[first + index + place].lanes_mut()[lane];
                         self.ledgers[half][layer].sources += volume * inertia * push(value, change);
                     }
                 }
@@ -83,12 +83,18 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
     }
 
+    /// Where the fields of a tile begin in a layer, and its groups there.
+    fn groups_of(&self, layer: usize, tile: &Tile) -> (usize, Range<usize>) {
+        let first = self.stop(layer * self.rows() + tile.row, tile.groups.start);
+        (first.data, first.group..first.group + tile.groups.len())
+    }
+
     /// The stress in a cell without the initial one.
     fn stress(&self, cell: usize) -> Stress {
         let mut stress = Stress::default();
-        for (place, field) in self.fields().iter().enumerate() {
+        for (field, place) in self.places() {
             let value = self.at(cell, place).wide();
-            match *field {
+            match field {
                 Field::Stress(i, j) => {
                     stress.force[i][j] = value;
                     // One field stands for both in classical solids.
@@ -119,8 +125,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// P, or with `reflects` 2P − I, in a half step of the pass.
     pub(super) fn correct(
         &mut self,
-        layers: Range<usize>,
-        tile: Range<usize>,
+        layers: &Range<usize>,
+        tile: &Tile,
         half: usize,
         reflects: bool,
     ) {
@@ -128,17 +134,15 @@ impl<T: Real, const D: usize> Domain<T, D> {
             return;
         }
         let mut left = std::mem::take(&mut self.buffer.left);
-        for layer in layers {
-            let first = layer * self.across + tile.start;
+        for layer in layers.clone() {
+            let (first, groups) = self.groups_of(layer, tile);
             left.clear();
             match &self.sets {
                 Some(sets) if !reflects && self.initial_stress.is_none() => {
-                    let (fields, lanes) = (self.fields().len(), T::Lanes::COUNT);
-                    let groups = first..first + tile.len();
+                    let lanes = T::Lanes::COUNT;
                     let mut sum = 0.0;
                     self.instructions.run::<T>(Correct {
-                        fields,
-                        data: &mut self.data[groups.start * fields..groups.end * fields],
+                        data: &mut self.data[first..],
                         patterns: &self.patterns[groups.clone()],
                         sets,
                         yields: &self.yields,
@@ -148,9 +152,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     });
                     self.ledgers[half][layer].plastic += self.grid.volume() * sum;
                 }
-                _ => left.extend(0..tile.len()),
+                _ => left.extend(0..groups.len()),
             }
-            for group in left.iter().map(|index| first + index) {
+            for group in left.iter().map(|index| groups.start + index) {
                 if !self.yields[self.patterns[group] as usize] {
                     continue;
                 }
@@ -197,25 +201,24 @@ impl<T: Real, const D: usize> Domain<T, D> {
         ledger.least_plastic = ledger.least_plastic.min(share);
         let lane = self.lane_of(cell);
         self.dissipated[lane] += loss;
-        for place in 0..self.fields().len() {
-            let of = |stress: &Stress| component(self.fields()[place], stress);
+        let (fields, pitch) = (self.media[0].fields.len(), self.pitch);
+        for index in 0..fields {
+            let of = |stress: &Stress| component(self.fields()[index], stress);
             let (Some(own), Some(plastic)) = (of(&corrected.stress), of(&plastic)) else {
                 continue;
             };
             let moved = if reflects { own - plastic } else { own };
             let moved = moved - of(&initial).unwrap_or(0.0);
-            *self.at_mut(cell, place) = T::of(moved);
+            *self.at_mut(cell, index * pitch) = T::of(moved);
         }
     }
 
     /// Spins against antisymmetric stress, over a whole step (0) or a half (1).
-    pub(super) fn rotate(&mut self, layers: &Range<usize>, tile: &Range<usize>, part: usize) {
-        let fields = self.fields().len();
+    pub(super) fn rotate(&mut self, layers: &Range<usize>, tile: &Tile, part: usize) {
         for layer in layers.clone() {
-            let groups = layer * self.across + tile.start..layer * self.across + tile.end;
+            let (first, groups) = self.groups_of(layer, tile);
             self.instructions.run::<T>(Rotate {
-                data: &mut self.data[groups.start * fields..groups.end * fields],
-                fields,
+                data: &mut self.data[first..],
                 patterns: &self.patterns[groups],
                 turns: &self.turns,
                 turning: &self.turning,
@@ -248,10 +251,10 @@ fn combined(a: &Stress, b: &Stress, factor: f64) -> Stress {
     Stress { force: part(a.force, b.force), couple: part(a.couple, b.couple) }
 }
 
-/// Q on groups.
+/// Q on groups that follow each other in a row.
 struct Rotate<'a, T: Real> {
+    /// From the first of the groups on.
     data: &'a mut [T::Lanes],
-    fields: usize,
     patterns: &'a [u32],
     turns: &'a [[Turn<T::Lanes>; 2]],
     turning: &'a [[usize; 3]],
@@ -261,7 +264,8 @@ struct Rotate<'a, T: Real> {
 impl<T: Real> Work<T> for Rotate<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
-        for (group, &pattern) in self.data.chunks_exact_mut(self.fields).zip(self.patterns) {
+        for (index, &pattern) in self.patterns.iter().enumerate() {
+            let group = &mut self.data[index..];
             let [cos, ratio_sin, sin_over_ratio] = &self.turns[pattern as usize][self.part];
             let (cos, ratio_sin) = (V::load(cos), V::load(ratio_sin));
             let sin_over_ratio = V::load(sin_over_ratio);
@@ -287,15 +291,17 @@ struct Energies<'a, T: Real, const D: usize> {
 impl<T: Real, const D: usize> Work<T> for Energies<'_, T, D> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
-        let Domain { energy_terms: terms, across, patterns, data, .. } = self.domain;
-        let fields = self.domain.fields().len();
+        let Domain { energy_terms: terms, groups, patterns, data, .. } = self.domain;
+        let rows = self.domain.rows();
         let volume = self.domain.grid.volume();
         for (energy, layer) in self.energies.iter_mut().zip(self.domain.own_layers()) {
             // Sums of each lane on its own, in numbers of twice the digits where there are such.
             let mut sums = [[0.0f64; MOST_LANES]; 2];
-            for group in layer * across..(layer + 1) * across {
-                let factors = &terms.factors[patterns[group] as usize];
-                let group = &data[group * fields..][..fields];
+            let rows = layer * rows..(layer + 1) * rows;
+            for (row, group) in rows.flat_map(|row| (0..*groups).map(move |group| (row, group))) {
+                let stop = self.domain.stop(row, group);
+                let factors = &terms.factors[patterns[stop.group] as usize];
+                let group = &data[stop.data..];
                 for (term, (&[one, other], factor)) in terms.places.iter().zip(factors).enumerate()
                 {
                     let sums = &mut sums[usize::from(term >= terms.kinetic)];

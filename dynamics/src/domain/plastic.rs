@@ -52,8 +52,9 @@ struct Matrix {
 }
 
 impl Matrix {
-    fn new(fields: &[Field], of: fn(usize, usize) -> Field) -> Self {
-        let place = |i: usize, j: usize| fields.iter().position(|own| *own == of(i, j));
+    fn new(fields: &[Field], pitch: usize, of: fn(usize, usize) -> Field) -> Self {
+        let index = |i: usize, j: usize| fields.iter().position(|own| *own == of(i, j));
+        let place = |i: usize, j: usize| Some(index(i, j)? * pitch);
         let normal = [place(0, 0), place(1, 1), place(2, 2)];
         let pairs = [[0, 1], [0, 2], [1, 2]].into_iter().filter_map(|[i, j]| {
             let [one, other] = [place(i, j), place(j, i)];
@@ -135,11 +136,11 @@ fn boundless<T: Real>() -> f64 {
 }
 
 impl<T: Real> Sets<T> {
-    /// `None` where there are sets of both kinds.
-    pub(super) fn new(media: &[Medium], patterns: &[Vec<u16>]) -> Option<Self> {
-        match Strengths::new(media, patterns) {
+    /// `None` where there are sets of both kinds. The place of a field is so many times its index.
+    pub(super) fn new(media: &[Medium], patterns: &[Vec<u16>], pitch: usize) -> Option<Self> {
+        match Strengths::new(media, patterns, pitch) {
             Some(strengths) => Some(Self::Mises(strengths)),
-            None => half_spaces::<T>(media, patterns).map(Self::HalfSpaces),
+            None => half_spaces::<T>(media, patterns, pitch).map(Self::HalfSpaces),
         }
     }
 }
@@ -148,6 +149,7 @@ impl<T: Real> Sets<T> {
 fn half_spaces<T: Real>(
     media: &[Medium],
     patterns: &[Vec<u16>],
+    pitch: usize,
 ) -> Option<Vec<Vec<HalfSpace<T::Lanes>>>> {
     let fields = &media[0].fields;
     /// n by field, and k.
@@ -184,8 +186,8 @@ fn half_spaces<T: Real>(
                 })
             };
             let normal = (0..fields.len())
-                .filter(|&place| conditions.iter().flatten().any(|own| own.normal[place] != 0.0))
-                .map(|place| (place, lanes(&|own| own.normal[place], 0.0)))
+                .filter(|&index| conditions.iter().flatten().any(|own| own.normal[index] != 0.0))
+                .map(|index| (index * pitch, lanes(&|own| own.normal[index], 0.0)))
                 .collect();
             HalfSpace { normal, strength: lanes(&|own| own.strength, boundless::<T>()) }
         };
@@ -196,7 +198,7 @@ fn half_spaces<T: Real>(
 
 impl<T: Real> Strengths<T> {
     /// `None` where a set is none of Mises'.
-    fn new(media: &[Medium], patterns: &[Vec<u16>]) -> Option<Self> {
+    fn new(media: &[Medium], patterns: &[Vec<u16>], pitch: usize) -> Option<Self> {
         let fields = &media[0].fields;
         let of_medium: Vec<Strength<f64>> = media
             .iter()
@@ -229,8 +231,8 @@ impl<T: Real> Strengths<T> {
         });
         let seen = |part: usize| of_medium.iter().any(|own| own.weights[part] > 0.0);
         Some(Self {
-            force: Matrix::new(fields, Field::Stress),
-            couple: Matrix::new(fields, Field::Couple),
+            force: Matrix::new(fields, pitch, Field::Stress),
+            couple: Matrix::new(fields, pitch, Field::Couple),
             by_pattern: by_pattern.collect(),
             seen: std::array::from_fn(seen),
         })
@@ -241,10 +243,10 @@ impl<T: Real> Strengths<T> {
     }
 }
 
-/// The correction of groups that lie side by side.
+/// The correction of groups that follow each other in a row.
 pub(super) struct Correct<'a, T: Real> {
+    /// From the first of the groups on.
     pub(super) data: &'a mut [T::Lanes],
-    pub(super) fields: usize,
     pub(super) patterns: &'a [u32],
     pub(super) sets: &'a Sets<T>,
     /// By pattern.
@@ -262,9 +264,8 @@ impl<T: Real> Work<T> for Correct<'_, T> {
     fn run<V: Vector<T>>(self) {
         match self.sets {
             Sets::HalfSpaces(all) => {
-                let groups = self.data.chunks_exact(self.fields).zip(self.patterns);
-                for (index, (group, &pattern)) in groups.enumerate() {
-                    let pattern = pattern as usize;
+                for (index, &pattern) in self.patterns.iter().enumerate() {
+                    let (group, pattern) = (&self.data[index..], pattern as usize);
                     if self.yields[pattern] && !admits::<T, V>(group, &all[pattern]) {
                         self.left.push(index);
                     }
@@ -283,9 +284,9 @@ impl<T: Real> Correct<'_, T> {
     #[inline(always)]
     fn each<V: Vector<T>, const DEVIATOR: bool>(self, strengths: &Strengths<T>) {
         let lanes = T::Lanes::COUNT;
-        let groups = self.data.chunks_exact_mut(self.fields).zip(self.patterns);
         let mut sums = [0.0f64; MOST_LANES];
-        for (index, (group, &pattern)) in groups.enumerate() {
+        for (index, &pattern) in self.patterns.iter().enumerate() {
+            let group = &mut self.data[index..];
             if !self.yields[pattern as usize] {
                 continue;
             }

@@ -1,17 +1,14 @@
 //! Sweeps along the axes, what lies beyond their ends, and the work done there.
 
-use super::{Domain, TILE};
-use crate::kernel::{Lines, MOST_SHARE, Wave};
+use super::{Domain, Tile};
+use crate::kernel::{Lines, MOST_SHARE, Stop, Wave};
 use crate::line::{self, Account, Cell, GHOSTS, State};
 use crate::problem::Detail;
 use crate::real::{Group, Number, Real};
-use crate::side::{Side, Slot};
+use crate::side::Side;
 use std::ops::Range;
 
-/// Groups of a row that are called for ahead of the one at hand.
-const GROUPS_AHEAD: usize = 16;
-
-/// Lines that are called for ahead of the one at hand, by axis.
+/// Lines that are called for ahead of the one at hand, by axis; along rows the next row.
 const LINES_AHEAD: [usize; 3] = [0, 2, 3];
 
 /// Lines that lie side by side.
@@ -21,9 +18,9 @@ struct Bundle {
     /// The half step of the pass.
     half: usize,
     /// The first group of the first line: those of the other lines follow.
-    first: usize,
-    /// Groups from one of a line to the next one.
-    stride: usize,
+    first: Stop,
+    /// From a group of a line to the next one.
+    stride: Stop,
     /// Groups of a line.
     count: usize,
     /// Lines of groups.
@@ -35,6 +32,13 @@ struct Bundle {
 }
 
 impl Bundle {
+    /// The group at a place of the first line.
+    #[inline(always)]
+    fn stop(self, place: usize) -> Stop {
+        let Self { first, stride, .. } = self;
+        Stop { group: first.group + place * stride.group, data: first.data + place * stride.data }
+    }
+
     /// The places of the ghosts at a depth in front of a line of groups and behind it.
     fn beyond(self, depth: usize) -> [isize; 2] {
         [-1 - depth as isize, (self.count + depth) as isize]
@@ -52,7 +56,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         [come, middle, last]: &[Range<usize>; 3],
         half: usize,
     ) {
-        let (groups, first_row) = (self.groups, layer * self.across / self.groups);
+        let (groups, first_row) = (self.groups, layer * self.rows());
         let is_second = half % 2 == 1;
         let sweep_rows = |domain: &mut Self, rows: &Range<usize>| {
             rows.clone().for_each(|row| domain.sweep_row(first_row + row, half));
@@ -64,8 +68,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
             let bundle = Bundle {
                 axis: 1,
                 half,
-                first: first_row * groups,
-                stride: groups,
+                first: self.stop(first_row, 0),
+                stride: self.stop(1, 0),
                 count: self.grid.cells[1],
                 lines: groups,
                 face: layer * groups,
@@ -80,9 +84,10 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// Half a step along the first axis.
     fn sweep_row(&mut self, row: usize, half: usize) {
-        let (first, count) = (row * self.groups, self.groups);
+        let (first, count) = (self.stop(row, 0), self.groups);
+        let stride = Stop { group: 1, data: 1 };
         let bundle =
-            Bundle { axis: 0, half, first, stride: 1, count, lines: 1, face: row, carried: 0 };
+            Bundle { axis: 0, half, first, stride, count, lines: 1, face: row, carried: 0 };
         self.fill_row(bundle);
         match self.scheme.detail {
             Detail::Full => self.sweep_plainly(bundle),
@@ -91,14 +96,14 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 self.walk(bundle, -1..count as isize + 1);
             }
         }
-        self.clear_row(first);
+        self.clear_row(first.data);
     }
 
     /// Sets to zero what is no cell in a row: ghosts, and what the sweep made of them.
     fn clear_row(&mut self, first: usize) {
-        let fields = self.media[0].fields.len();
+        let size = self.row_size();
         for &(group, lane) in &self.row_ends.empty {
-            for field in &mut self.data[(first + group) * fields..][..fields] {
+            for field in self.data[first + group..first + size].iter_mut().step_by(self.pitch) {
                 field.lanes_mut()[lane] = T::ZERO;
             }
         }
@@ -110,18 +115,19 @@ impl<T: Real, const D: usize> Domain<T, D> {
         &mut self,
         ready: &Range<usize>,
         ends: &Range<usize>,
-        tile: Range<usize>,
+        tile: &Tile,
         half: usize,
     ) {
+        let face = tile.row * self.groups + tile.groups.start;
         let bundle = Bundle {
             axis: D - 1,
             half,
-            first: ends.start * self.across + tile.start,
-            stride: self.across,
+            first: self.stop(ends.start * self.rows() + tile.row, tile.groups.start),
+            stride: self.stop(self.rows(), 0),
             count: ends.len(),
-            lines: tile.len(),
-            face: tile.start,
-            carried: tile.start,
+            lines: tile.groups.len(),
+            face,
+            carried: face,
         };
         self.sweep_on(bundle, ready.start - ends.start..ready.end - ends.start);
     }
@@ -154,8 +160,12 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let Bundle { axis, half, lines, .. } = bundle;
         let mut way = std::mem::take(&mut self.buffer.way);
         way.clear();
-        way.extend((places.start - 1..=places.end).map(|place| self.group(bundle, 0, place)));
+        let (first, end, count) = (places.start - 1, places.end + 1, bundle.count as isize);
+        way.extend((first..0).map(|place| self.stop_at(bundle, 0, place)));
+        way.extend((first.max(0)..end.min(count)).map(|place| bundle.stop(place as usize)));
+        way.extend((first.max(count)..end).map(|place| self.stop_at(bundle, 0, place)));
         let fields = self.fields().len();
+        let next = if axis == 0 { self.row_size() } else { LINES_AHEAD[axis] };
         let later = self.later(bundle);
         let waves = &self.waves[axis];
         let before = bundle.carried * waves.len();
@@ -163,20 +173,21 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.instructions.run::<T>(Lines {
             data: &mut self.data,
             fields,
+            pitch: self.pitch,
             table: &self.table,
             waves,
             slopes: self.scheme.slopes,
             patterns: &self.patterns,
             way: &way,
             begins: places.start < 0,
-            next: if axis == 0 { GROUPS_AHEAD } else { LINES_AHEAD[axis] },
+            next,
             later,
             carried,
         });
         self.buffer.way = way;
     }
 
-    /// The rows that come in next: how far behind the groups at hand they are, and the fields of each wave that are
+    /// The rows that come in next: how far behind the fields at hand they are, and the fields of each wave that are
     /// called for. Each sweep across rows has its part of them, lest all be asked of the memory at once.
     fn later(&self, bundle: Bundle) -> (usize, Range<usize>) {
         let Bundle { axis, half, face, .. } = bundle;
@@ -193,27 +204,27 @@ impl<T: Real, const D: usize> Domain<T, D> {
             (3, 1, 1) => (3, 4, 1, 2),
             _ => return (0, 0..0),
         };
-        let behind = self.ahead + GHOSTS * (rows * self.groups + layers * self.across);
+        let behind = self.ahead + GHOSTS * (rows + layers * self.rows());
         let share = MOST_SHARE / parts;
-        (behind, part * share..(part + 1) * share)
+        (behind * self.row_size(), part * share..(part + 1) * share)
     }
 
     /// The group that stands at a place of a line, ghosts included: of these all lines have theirs at a depth
     /// beyond an end side by side.
-    fn group(&self, bundle: Bundle, line: usize, place: isize) -> usize {
+    fn stop_at(&self, bundle: Bundle, line: usize, place: isize) -> Stop {
         let ghost = |end: usize, depth: usize| {
-            self.own_groups() + (end * GHOSTS + depth) * self.groups.max(TILE) + line
+            self.stop(self.layers() * self.rows() + end * GHOSTS + depth, line)
         };
         match usize::try_from(place) {
-            Ok(place) if place < bundle.count => bundle.first + line + place * bundle.stride,
+            Ok(place) if place < bundle.count => bundle.stop(place).of_line(line),
             Ok(place) => ghost(1, place - bundle.count),
             Err(_) => ghost(0, place.unsigned_abs() - 1),
         }
     }
 
     /// The state in a lane of a group.
-    fn state(&self, (group, lane): Slot, wave: &Wave) -> State<T> {
-        let group = &self.data[group * self.fields().len()..];
+    fn state(&self, (stop, lane): (Stop, usize), wave: &Wave) -> State<T> {
+        let group = &self.data[stop.data..];
         State {
             velocity: group[wave.velocity].lanes()[lane],
             stress: group[wave.stress].lanes()[lane],
@@ -225,7 +236,6 @@ impl<T: Real, const D: usize> Domain<T, D> {
     fn fill_row(&mut self, bundle: Bundle) {
         let Bundle { half, first, face: row, .. } = bundle;
         let (lanes, length, groups) = (T::Lanes::COUNT, self.grid.cells[0], self.groups);
-        let fields = self.fields().len();
         let face = (row / lanes, row % lanes);
         let pairs = self.waves[0].len();
         for pair in 0..pairs {
@@ -236,7 +246,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 for (depth, ghost) in beyond.iter_mut().enumerate() {
                     let from_end = |end: usize| {
                         let (group, lane) = self.row_ends.inside[end][depth];
-                        (first + group, lane)
+                        (self.stop(row, group), lane)
                     };
                     *ghost = match &self.sides[half][0][end] {
                         Side::Mirror(mirror) => {
@@ -255,15 +265,15 @@ impl<T: Real, const D: usize> Domain<T, D> {
             }
             for (depth, behind) in beyond[1].iter().enumerate() {
                 let (group, lane) = self.row_ends.empty[depth];
-                let group = &mut self.data[(first + group) * fields..];
+                let group = &mut self.data[first.data + group..];
                 group[velocity].lanes_mut()[lane] = behind.velocity;
                 group[stress].lanes_mut()[lane] = behind.stress;
             }
             for (depth, front) in beyond[0].iter().enumerate() {
                 let [before, behind] =
-                    bundle.beyond(depth).map(|place| self.group(bundle, 0, place) * fields);
-                let last = (first + groups - 1 - depth) * fields;
-                let next = (first + depth) * fields;
+                    bundle.beyond(depth).map(|place| self.stop_at(bundle, 0, place).data);
+                let last = first.data + groups - 1 - depth;
+                let next = first.data + depth;
                 for (place, lane) in [(velocity, front.velocity), (stress, front.stress)] {
                     let lane = T::Lanes::all(lane);
                     self.data[before + place] = self.data[last + place].after(lane);
@@ -273,7 +283,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
         for depth in 0..GHOSTS {
             for (end, place) in bundle.beyond(depth).into_iter().enumerate() {
-                let ghost = self.group(bundle, 0, place);
+                let ghost = self.stop_at(bundle, 0, place).group;
                 self.patterns[ghost] = self.row_patterns[row][end * GHOSTS + depth];
             }
         }
@@ -281,24 +291,25 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// The ghosts at an end of lines across the groups.
     fn fill_end(&mut self, bundle: Bundle, end: usize) {
-        let Bundle { axis, half, first, stride, count, lines, face, .. } = bundle;
-        let (pairs, fields) = (self.waves[axis].len(), self.fields().len());
+        let Bundle { axis, half, count, lines, face, .. } = bundle;
+        let pairs = self.waves[axis].len();
         let sides = &self.sides[half][axis];
         for depth in 0..GHOSTS {
             let from_end = |end: usize| match end {
-                0 => first + depth % count * stride,
-                _ => first + (count - 1 - depth % count) * stride,
+                0 => (depth % count) as isize,
+                _ => (count - 1 - depth % count) as isize,
             };
             let source = match sides[end] {
                 Side::Mirror(_) | Side::Cut => from_end(end),
                 Side::Periodic => from_end(1 - end),
             };
             for line in 0..lines {
-                let ghost = self.group(bundle, line, bundle.beyond(depth)[end]);
-                self.patterns[ghost] = self.patterns[source + line];
+                let ghost = self.stop_at(bundle, line, bundle.beyond(depth)[end]);
+                let source = self.stop_at(bundle, line, source);
+                self.patterns[ghost.group] = self.patterns[source.group];
                 for pair in 0..pairs {
                     let Wave { velocity, stress, .. } = self.waves[axis][pair];
-                    let group = &self.data[(source + line) * fields..];
+                    let group = &self.data[source.data..];
                     let mut own = State { velocity: group[velocity], stress: group[stress] };
                     if let Side::Mirror(mirror) = &sides[end] {
                         // A single cell is seen through the other mirror.
@@ -307,8 +318,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
                         }
                         own = mirror.ghosts(pair, face + line, own);
                     }
-                    self.data[ghost * fields + velocity] = own.velocity;
-                    self.data[ghost * fields + stress] = own.stress;
+                    self.data[ghost.data + velocity] = own.velocity;
+                    self.data[ghost.data + stress] = own.stress;
                 }
             }
         }
@@ -324,16 +335,22 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// Whether there are cells in a lane of a line of groups.
     fn has_cells(&self, bundle: Bundle, line: usize, lane: usize) -> bool {
-        let place = (bundle.first + line) % self.groups;
+        let place = (bundle.first.group + line) % self.groups;
         bundle.axis == 0 || lane * self.groups + place < self.grid.cells[0]
     }
 
     /// Group and lane of a cell of a line.
-    fn place_of(&self, bundle: Bundle, (line, lane): (usize, usize), place: usize) -> Slot {
-        match bundle.axis {
-            0 => (bundle.first + place % self.groups, place / self.groups),
-            _ => (bundle.first + line + place * bundle.stride, lane),
-        }
+    fn place_of(
+        &self,
+        bundle: Bundle,
+        (line, lane): (usize, usize),
+        place: usize,
+    ) -> (Stop, usize) {
+        let (place, lane) = match bundle.axis {
+            0 => (place % self.groups, place / self.groups),
+            _ => (place, lane),
+        };
+        (self.stop_at(bundle, line, place as isize), lane)
     }
 
     /// State and constants at a place of a line, ghosts included.
@@ -350,12 +367,12 @@ impl<T: Real, const D: usize> Domain<T, D> {
             0 => (self.grid.cells[0], GHOSTS),
             _ => (bundle.count, 0),
         };
-        let (group, lane) = match usize::try_from(place) {
+        let (stop, lane) = match usize::try_from(place) {
             Ok(place) if place < length + beyond => self.place_of(bundle, (line, lane), place),
-            _ => (self.group(bundle, line, place), lane),
+            _ => (self.stop_at(bundle, line, place), lane),
         };
-        let state = self.state((group, lane), wave);
-        let cell = self.table.cell(self.patterns[group], wave);
+        let state = self.state((stop, lane), wave);
+        let cell = self.table.cell(self.patterns[stop.group], wave);
         let constants = Cell {
             impedance: cell.impedance.lanes()[lane],
             half_courant: cell.half_courant.lanes()[lane],
@@ -383,7 +400,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             if !self.has_cells(bundle, line.0, line.1) {
                 continue;
             }
-            let outermost = self.place_of(bundle, line, [0, length - 1][end]).0;
+            let outermost = self.place_of(bundle, line, [0, length - 1][end]).0.group;
             for pair in 0..self.waves[axis].len() {
                 let four = [0, 1, 2, 3].map(|i| self.read(bundle, line, first + i, pair));
                 let cells = [four[1].1, four[2].1];
@@ -412,7 +429,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
     fn sweep_line(&mut self, bundle: Bundle, line: (usize, usize)) {
         let Bundle { axis, half, .. } = bundle;
         let (length, _) = self.length(bundle);
-        let (unit, fields) = (self.face_time(axis), self.fields().len());
+        let unit = self.face_time(axis);
         for pair in 0..self.waves[axis].len() {
             let end = length + 2 * GHOSTS;
             for i in 0..end {
@@ -428,11 +445,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
             line::sweep(velocity, stress, &cells[..end], self.scheme.slopes, Some(accounts));
             let wave = &self.waves[axis][pair];
             for i in 0..length {
-                let (group, lane) = self.place_of(bundle, line, i);
-                let pattern = self.patterns[group];
-                let layer = group / self.across;
+                let (stop, lane) = self.place_of(bundle, line, i);
+                let pattern = self.patterns[stop.group];
+                let layer = stop.group / self.across;
                 let [v, s] = [self.buffer.velocity[GHOSTS + i], self.buffer.stress[GHOSTS + i]];
-                let group = &mut self.data[group * fields..][..fields];
+                let group = &mut self.data[stop.data..];
                 let change = s - group[wave.stress].lanes()[lane];
                 group[wave.velocity].lanes_mut()[lane] = v;
                 group[wave.stress].lanes_mut()[lane] = s;
