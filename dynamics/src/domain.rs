@@ -146,10 +146,10 @@ fn groups<T: Real>(cells: usize) -> usize {
     (cells + GHOSTS).div_ceil(T::Lanes::COUNT).max(GHOSTS)
 }
 
-/// Room of a field in a row of so many groups. An odd number of lines of the cache: what is at one place of different
-/// fields or rows may be in it at once.
+/// Room of a field in a row of so many groups. No multiple of four lines of the cache: fewer of those that are at one
+/// place of different fields and rows have to share one in it.
 fn pitch(groups: usize) -> usize {
-    groups | 1
+    if groups.is_multiple_of(4) { groups + 1 } else { groups }
 }
 
 /// What crosses the cuts of a domain, at the ends towards smaller (0) and towards greater coordinates (1), in the
@@ -216,7 +216,9 @@ pub struct Domain<T: Real, const D: usize> {
     /// Groups from where a field begins in a row to where the next one does: the place of a field is so many times
     /// its index.
     pitch: usize,
-    /// Groups of a layer across the last axis.
+    /// Rows of a layer across the last axis.
+    rows: usize,
+    /// Groups of such a layer.
     across: usize,
     row_ends: RowEnds,
     /// By group: those of the rows, and ghosts beyond the ends of the lines at hand.
@@ -361,11 +363,6 @@ impl<T: Real, const D: usize> Domain<T, D> {
         first..first + self.grid.count()
     }
 
-    /// Rows of a layer.
-    fn rows(&self) -> usize {
-        self.across / self.groups
-    }
-
     /// All layers, those of the halo included.
     fn layers(&self) -> usize {
         self.totals.len() + self.halo[0] + self.halo[1]
@@ -470,7 +467,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.set_times(steps);
         self.steps += steps;
         self.pass_steps = steps;
-        let rows = self.rows();
+        let rows = self.rows;
         let mut come = 0;
         while come < rows {
             let block = come..rows.min(come.saturating_add(self.at_a_time.block));
@@ -496,7 +493,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         steps: usize,
         neighbours: &mut impl Halo<T::Lanes>,
     ) {
-        let (all, own, rows) = (self.layers(), self.own_layers(), self.rows());
+        let (all, own, rows) = (self.layers(), self.own_layers(), self.rows);
         let swept = come_through(block.start, rows)[1]..come_through(block.end, rows)[1];
         self.send(block, &swept, neighbours);
         if self.is_own_halo {
@@ -562,7 +559,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         block: &Range<usize>,
         first: usize,
     ) {
-        let (all, second) = (self.rows(), first + 1);
+        let (all, second) = (self.rows, first + 1);
         let mut ready = come_through(block.start, all);
         while ready[0] < block.end {
             let rows = self.next_rows(ready[0], block, self.at_a_time.layers);
@@ -601,7 +598,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         // Behind the last ones of the block come its first ones in the layers that follow.
         self.ahead = match end < block.end {
             true => end - come,
-            false => layers.saturating_mul(self.rows()) - (come - block.start),
+            false => layers.saturating_mul(self.rows) - (come - block.start),
         };
         come..end
     }
@@ -661,7 +658,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// Where the fields of rows of a layer stand.
     fn stored(&self, layer: usize, rows: &Range<usize>) -> Range<usize> {
-        let first = layer * self.rows();
+        let first = layer * self.rows;
         (first + rows.start) * self.row_size()..(first + rows.end) * self.row_size()
     }
 
@@ -724,7 +721,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
     #[must_use]
     pub fn admissible(&self) -> Self {
         let mut shown = self.clone();
-        for row in 0..self.rows() {
+        for row in 0..self.rows {
             let tile = Tile { row, groups: 0..self.groups };
             shown.correct(&(0..self.layers()), &tile, 1, false);
         }

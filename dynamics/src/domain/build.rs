@@ -279,6 +279,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             energy_terms: EnergyTerms { places: Vec::new(), kinetic: 0, factors: Vec::new() },
             groups,
             pitch,
+            rows: layer / length,
             across,
             row_ends: RowEnds {
                 inside: [

@@ -63,10 +63,10 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
         self.kicks = kicks;
         for (axis, acceleration) in self.acceleration.into_iter().enumerate() {
-            let Some(place) = self.place(Field::Velocity(axis)).filter(|_| acceleration != 0.0)
-            else {
+            if acceleration == 0.0 {
                 continue;
-            };
+            }
+            let Some(place) = self.place(Field::Velocity(axis)) else { continue };
             let change = acceleration * 0.5 * self.step;
             for layer in layers.clone() {
                 let (first, groups) = self.groups_of(layer, tile);
@@ -85,7 +85,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// Where the fields of a tile begin in a layer, and its groups there.
     fn groups_of(&self, layer: usize, tile: &Tile) -> (usize, Range<usize>) {
-        let first = self.stop(layer * self.rows() + tile.row, tile.groups.start);
+        let first = self.stop(layer * self.rows + tile.row, tile.groups.start);
         (first.data, first.group..first.group + tile.groups.len())
     }
 
@@ -215,6 +215,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// Spins against antisymmetric stress, over a whole step (0) or a half (1).
     pub(super) fn rotate(&mut self, layers: &Range<usize>, tile: &Tile, part: usize) {
+        if self.turning.is_empty() {
+            return;
+        }
         for layer in layers.clone() {
             let (first, groups) = self.groups_of(layer, tile);
             self.instructions.run::<T>(Rotate {
@@ -292,7 +295,7 @@ impl<T: Real, const D: usize> Work<T> for Energies<'_, T, D> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
         let Domain { energy_terms: terms, groups, patterns, data, .. } = self.domain;
-        let rows = self.domain.rows();
+        let rows = self.domain.rows;
         let volume = self.domain.grid.volume();
         for (energy, layer) in self.energies.iter_mut().zip(self.domain.own_layers()) {
             // Sums of each lane on its own, in numbers of twice the digits where there are such.

@@ -56,7 +56,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         [come, middle, last]: &[Range<usize>; 3],
         half: usize,
     ) {
-        let (groups, first_row) = (self.groups, layer * self.rows());
+        let (groups, first_row) = (self.groups, layer * self.rows);
         let is_second = half % 2 == 1;
         let sweep_rows = |domain: &mut Self, rows: &Range<usize>| {
             rows.clone().for_each(|row| domain.sweep_row(first_row + row, half));
@@ -122,8 +122,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let bundle = Bundle {
             axis: D - 1,
             half,
-            first: self.stop(ends.start * self.rows() + tile.row, tile.groups.start),
-            stride: self.stop(self.rows(), 0),
+            first: self.stop(ends.start * self.rows + tile.row, tile.groups.start),
+            stride: self.stop(self.rows, 0),
             count: ends.len(),
             lines: tile.groups.len(),
             face,
@@ -204,7 +204,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             (3, 1, 1) => (3, 4, 1, 2),
             _ => return (0, 0..0),
         };
-        let behind = self.ahead + GHOSTS * (rows + layers * self.rows());
+        let behind = self.ahead + GHOSTS * (rows + layers * self.rows);
         let share = MOST_SHARE / parts;
         (behind * self.row_size(), part * share..(part + 1) * share)
     }
@@ -213,7 +213,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// beyond an end side by side.
     fn stop_at(&self, bundle: Bundle, line: usize, place: isize) -> Stop {
         let ghost = |end: usize, depth: usize| {
-            self.stop(self.layers() * self.rows() + end * GHOSTS + depth, line)
+            self.stop(self.layers() * self.rows + end * GHOSTS + depth, line)
         };
         match usize::try_from(place) {
             Ok(place) if place < bundle.count => bundle.stop(place).of_line(line),
