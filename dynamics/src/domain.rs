@@ -19,8 +19,8 @@
 //!
 //! A row along the first axis is folded into as many lanes as fill a line of the cache: of G groups the cell
 //! x is in group x mod G and lane x div G, so that cells follow each other lane by lane. A row holds its fields one
-//! after the other, each with all groups. Behind the last cell two ghosts stand in the row itself, and there are two groups at least:
-//! what is next to a row's first and last groups is in the next lanes, not farther.
+//! after the other, each with all groups. Behind the last cell two ghosts stand in the row itself, and there are two
+//! groups at least: what is next to a row's first and last groups is in the next lanes, not farther.
 //!
 //! A step is one pass over the memory. Layers across the last axis come in by a few, and of these a few rows at
 //! a time; while they are in the cache, sweeps across rows and layers follow as far behind as they must, and
@@ -122,10 +122,11 @@ impl AtATime {
     }
 }
 
-/// Groups of a row that go through the middle of a step together, so that their layers stay in the cache.
+/// Groups of a row, at most, that go through the middle of a step together, so that their layers stay in the cache.
 const TILE: usize = 32;
 
-/// Groups of a row of all layers.
+/// Some groups of a row, the same in all layers; never beyond its end, so that sums do not depend on how many rows
+/// come in.
 struct Tile {
     row: usize,
     groups: Range<usize>,
@@ -382,7 +383,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.places().find(|own| own.0 == field).map(|own| own.1)
     }
 
-    /// Groups of a row in all fields, those included that are there for [`pitch`].
+    /// From where a row begins in the data to where the next one does.
     #[inline(always)]
     fn row_size(&self) -> usize {
         self.fields().len() * self.pitch
@@ -570,9 +571,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     self.sweep_layer(layer, &rows, first);
                 }
             }
+            // Parts of a row that are as long as each other.
+            let length = self.groups.div_ceil(self.groups.div_ceil(TILE));
             for row in rows[1].clone() {
-                for start in (0..self.groups).step_by(TILE) {
-                    let tile = Tile { row, groups: start..self.groups.min(start + TILE) };
+                for start in (0..self.groups).step_by(length) {
+                    let tile = Tile { row, groups: start..self.groups.min(start + length) };
                     self.sweep_last(&layers[0], &ends[0], &tile, first);
                     self.turn_and_kick(&layers[1], &tile, first);
                     self.sweep_last(&layers[1], &ends[1], &tile, second);

@@ -170,6 +170,7 @@ impl Stop {
 
 /// Lines that lie side by side, and the part of their way that is to be gone.
 pub(crate) struct Lines<'a, T: Real> {
+    /// By row, field and group.
     pub(crate) data: &'a mut [T::Lanes],
     /// Fields of a group.
     pub(crate) fields: usize,
@@ -187,8 +188,8 @@ pub(crate) struct Lines<'a, T: Real> {
     /// Whether the way begins with the ghosts in front, where nothing is carried yet. They are written like all
     /// groups, and must be filled anew for another walk.
     pub(crate) begins: bool,
-    /// How far behind those at hand fields are called for that the way reads next: rows and layers lie too far apart
-    /// for the processor to guess them.
+    /// How far behind those at hand fields are called for that the way reads next, so many lines or the next row: rows
+    /// and layers lie too far apart for the processor to guess them.
     pub(crate) next: usize,
     /// The same of whatever comes in later, and which of each wave's [`MOST_SHARE`] fields are called for.
     pub(crate) later: (usize, Range<usize>),
@@ -362,7 +363,10 @@ impl<T: Real> Lines<'_, T> {
         let way = &self.way[run.start..run.end + 2];
         for line in lines {
             let slot = line * self.waves.len() + index;
-            prefetch(self.carried, slot + self.next * self.waves.len(), true);
+            // A row is a line alone.
+            if self.carried.len() > self.waves.len() {
+                prefetch(self.carried, slot + self.next * self.waves.len(), true);
+            }
             let mut carried: Carried<V> = Carried::load(&self.carried[slot]);
             for stop in &way[..2] {
                 let group = &self.data[stop.data + line..][..extent];

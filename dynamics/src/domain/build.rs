@@ -369,8 +369,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 term[index] = factor;
             }
         }
-        let is_kinetic = |place: &[usize; 2]| media[0].inertia(media[0].fields[place[0]]) > 0.0;
-        let kinetic = terms.keys().filter(|place| is_kinetic(place)).count();
+        let is_kinetic = |indices: &[usize; 2]| media[0].inertia(media[0].fields[indices[0]]) > 0.0;
+        let kinetic = terms.keys().filter(|indices| is_kinetic(indices)).count();
         let factors = patterns.iter().map(|pattern| {
             let of =
                 |term: &Vec<f64>| T::Lanes::by_lane(|lane| T::of(term[usize::from(pattern[lane])]));

@@ -8,8 +8,8 @@ use crate::real::{Group, Number, Real};
 use crate::side::Side;
 use std::ops::Range;
 
-/// Lines that are called for ahead of the one at hand, by axis; along rows the next row.
-const LINES_AHEAD: [usize; 3] = [0, 2, 3];
+/// Lines that are called for ahead of the one at hand, by axis; along rows the next row is.
+const LINES_AHEAD: [Option<usize>; 3] = [None, Some(2), Some(3)];
 
 /// Lines that lie side by side.
 #[derive(Clone, Copy)]
@@ -165,7 +165,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         way.extend((first.max(0)..end.min(count)).map(|place| bundle.stop(place as usize)));
         way.extend((first.max(count)..end).map(|place| self.stop_at(bundle, 0, place)));
         let fields = self.fields().len();
-        let next = if axis == 0 { self.row_size() } else { LINES_AHEAD[axis] };
+        let next = LINES_AHEAD[axis].unwrap_or(self.row_size());
         let later = self.later(bundle);
         let waves = &self.waves[axis];
         let before = bundle.carried * waves.len();
