@@ -210,65 +210,53 @@ impl<T: Real> Work<T> for Lines<'_, T> {
 }
 
 impl<T: Real> Lines<'_, T> {
-    /// Lines of one pattern together; the others in runs through groups of one pattern, and runs from each pattern
-    /// to another.
+    /// Lines of one pattern together, and together those that go through several.
     #[inline(always)]
     fn walk<V: Vector<T>>(mut self, slopes: Slopes) {
-        let lines = self.carried.len() / self.waves.len().max(1);
-        let steps = self.way.len().saturating_sub(2);
         if self.begins {
             self.carried.fill(Carried::empty());
         }
-        let (mut line, mut place) = (0, 0);
-        while line < lines {
-            let pattern = self.pattern(line, place);
-            let mut end = place;
-            while end < steps && self.pattern(line, end + 1) == pattern {
+        let lines = self.carried.len() / self.waves.len().max(1);
+        let way = &self.way[..self.way.len() - 1];
+        let patterns = self.patterns;
+        let is_like = |pattern: u32, line: usize| {
+            way.iter().all(|stop| patterns[stop.group + line] == pattern)
+        };
+        let is_mixed = |line: usize| !is_like(patterns[way[0].group + line], line);
+        let mut start = 0;
+        while start < lines {
+            let pattern = patterns[way[0].group + start];
+            let mut end = start;
+            while end < lines && is_like(pattern, end) {
                 end += 1;
             }
-            let mut last = line + 1;
-            if (place, end) == (0, steps) {
-                let way = &self.way[..=steps];
-                let is_like = |line: usize| {
-                    way.iter().all(|stop| self.patterns[stop.group + line] == pattern)
-                };
-                while last < lines && is_like(last) {
-                    last += 1;
-                }
-            }
-            let middle = end;
-            while end < steps && self.pattern(line, end) != self.pattern(line, end + 1) {
+            let are_alike = end > start;
+            while !are_alike && end < lines && is_mixed(end) {
                 end += 1;
             }
-            let (lines_run, runs) = (line..last, [place..middle, middle..end]);
             for index in 0..self.waves.len() {
-                // Loops of their own for all numbers of followers, of which Hooke's law has two at most.
-                debug_assert!(self.waves[index].followers.len() <= 2);
-                match self.waves[index].followers.len() {
-                    0 => self.advance::<V, 0>(&lines_run, &runs, index, slopes),
-                    1 => self.advance::<V, 1>(&lines_run, &runs, index, slopes),
-                    _ => self.advance::<V, 2>(&lines_run, &runs, index, slopes),
+                match are_alike {
+                    true => self.advance_wave::<V, false>(start..end, index, slopes),
+                    false => self.advance_wave::<V, true>(start..end, index, slopes),
                 }
             }
-            (line, place) = if end < steps { (line, end) } else { (last, 0) };
+            start = end;
         }
     }
 
-    /// A wave on its way through groups of one pattern, and on through such of which each has another one than the
-    /// one before.
+    /// Loops of their own for all numbers of followers, of which Hooke's law has two at most.
     #[inline(always)]
-    fn advance<V: Vector<T>, const FOLLOWERS: usize>(
+    fn advance_wave<V: Vector<T>, const MIXED: bool>(
         &mut self,
-        lines: &Range<usize>,
-        [through, across]: &[Range<usize>; 2],
+        lines: Range<usize>,
         index: usize,
         slopes: Slopes,
     ) {
-        if !through.is_empty() {
-            self.run_through::<V, FOLLOWERS>(lines.clone(), through.clone(), index, slopes);
-        }
-        if !across.is_empty() {
-            self.run_across::<V, FOLLOWERS>(lines.start, across.clone(), index, slopes);
+        debug_assert!(self.waves[index].followers.len() <= 2);
+        match self.waves[index].followers.len() {
+            0 => self.advance::<V, 0, MIXED>(lines, index, slopes),
+            1 => self.advance::<V, 1, MIXED>(lines, index, slopes),
+            _ => self.advance::<V, 2, MIXED>(lines, index, slopes),
         }
     }
 
@@ -278,135 +266,196 @@ impl<T: Real> Lines<'_, T> {
         self.later.0 + index * self.fields.div_ceil(self.waves.len()) * self.pitch
     }
 
+    /// What the followers of a wave get of its change of stress.
     #[inline(always)]
-    fn pattern(&self, line: usize, place: usize) -> u32 {
-        self.patterns[self.way[place].group + line]
-    }
-
-    #[inline(always)]
-    fn read<V: Vector<T>>(&self, line: usize, place: usize, wave: &Wave) -> State<V> {
-        let group = &self.data[self.way[place].data + line..];
-        let [velocity, stress] = [&group[wave.velocity], &group[wave.stress]];
-        State { velocity: V::load(velocity), stress: V::load(stress) }
-    }
-
-    /// A wave on its way through groups of which each has another pattern than the one before.
-    #[inline(always)]
-    fn run_across<V: Vector<T>, const FOLLOWERS: usize>(
-        &mut self,
-        line: usize,
-        run: Range<usize>,
-        index: usize,
-        slopes: Slopes,
-    ) {
-        let (wave, near, pitch) = (&self.waves[index], self.next, self.pitch);
-        let (velocity, stress) = (wave.velocity, wave.stress);
-        let later = self.later_share(index);
-        let slot = line * self.waves.len() + index;
-        let mut carried: Carried<V> = Carried::load(&self.carried[slot]);
-        let mut pattern = self.pattern(line, run.start);
-        let mut last: Cell<V> = Cell::load(self.table.cell(pattern, wave));
-        let mut before: State<V> = self.read(line, run.start, wave);
-        let mut own = self.read(line, run.start + 1, wave);
-        for place in run {
-            let here = self.pattern(line, place + 1);
-            let cell = Cell::load(self.table.cell(here, wave));
-            let next = self.read(line, place + 2, wave);
-            let ahead = &self.data[self.way[place + 2].data + line..];
-            prefetch(ahead, near + velocity, true);
-            prefetch(ahead, near + stress, true);
-            for index in self.later.1.clone() {
-                prefetch(ahead, later + index * pitch, false);
-            }
-            let pieces = Pieces::of([before, own, next], &cell, slopes);
-            let waves = [carried.to_right, pieces.to_left()];
-            let [joint, beyond] = Joint::between([last.impedance, cell.impedance], waves);
-            let moved = updated(before, [carried.joint, joint], &last);
-            carried = Carried { to_right: pieces.to_right(), joint: beyond };
-            let group = &mut self.data[self.way[place].data + line..];
-            moved.velocity.store(&mut group[velocity]);
-            moved.stress.store(&mut group[stress]);
-            let change = moved.stress - before.stress;
-            for follower in 0..FOLLOWERS {
-                let place = wave.followers[follower];
-                let ratio = V::load(self.table.ratio(pattern, wave, follower));
-                (V::load(&group[place]) + ratio * change).store(&mut group[place]);
-            }
-            (before, own, last, pattern) = (own, next, cell, here);
+    fn ratios<V: Vector<T>, const FOLLOWERS: usize>(
+        &self,
+        pattern: u32,
+        wave: &Wave,
+    ) -> [V; FOLLOWERS] {
+        // In the instructions at hand, which the closures of an array's making are not compiled for.
+        let mut ratios = [V::ZERO; FOLLOWERS];
+        for (follower, ratio) in ratios.iter_mut().enumerate() {
+            *ratio = V::load(self.table.ratio(pattern, wave, follower));
         }
-        carried.store(&mut self.carried[slot]);
+        ratios
     }
 
-    /// A wave on its way through groups of one pattern.
     #[inline(always)]
-    fn run_through<V: Vector<T>, const FOLLOWERS: usize>(
+    fn read<V: Vector<T>, const FOLLOWERS: usize>(
+        &self,
+        places: &Places<FOLLOWERS>,
+        data: usize,
+    ) -> State<V> {
+        let group = &self.data[data..][..places.extent];
+        State { velocity: V::load(&group[places.velocity]), stress: V::load(&group[places.stress]) }
+    }
+
+    /// A wave on its way along lines, of one pattern or `MIXED`.
+    #[inline(always)]
+    fn advance<V: Vector<T>, const FOLLOWERS: usize, const MIXED: bool>(
         &mut self,
         lines: Range<usize>,
-        run: Range<usize>,
         index: usize,
         slopes: Slopes,
     ) {
-        let (wave, pattern) = (&self.waves[index], self.pattern(lines.start, run.start));
-        let cell: Cell<V> = Cell::load(self.table.cell(pattern, wave));
-        let mut followers = [(0, V::ZERO); FOLLOWERS];
-        for (index, (place, ratio)) in followers.iter_mut().enumerate() {
-            *place = wave.followers[index];
-            *ratio = V::load(self.table.ratio(pattern, wave, index));
-        }
-        let (velocity, stress, pitch) = (wave.velocity, wave.stress, self.pitch);
+        let wave = &self.waves[index];
+        let extent = (self.fields - 1) * self.pitch + 1;
+        let places = Places {
+            velocity: wave.velocity,
+            stress: wave.stress,
+            followers: std::array::from_fn(|index| wave.followers[index]),
+            extent,
+            later: self.later_share(index),
+        };
         // Once, and not in every group.
-        let extent = (self.fields - 1) * pitch + 1;
-        assert!(velocity < extent && stress < extent);
-        assert!(followers.iter().all(|(place, _)| *place < extent));
-        let near = self.next;
-        let later = self.later_share(index);
-        let way = &self.way[run.start..run.end + 2];
+        assert!(places.velocity < extent && places.stress < extent);
+        assert!(places.followers.iter().all(|place| *place < extent));
+        let (way, patterns, steps) = (self.way, self.patterns, self.way.len() - 2);
+        let mut pattern = patterns[way[0].group + lines.start];
+        let mut cell: Cell<V> = Cell::load(self.table.cell(pattern, wave));
+        let is_alone = self.carried.len() == self.waves.len();
         for line in lines {
             let slot = line * self.waves.len() + index;
             // A row is a line alone.
-            if self.carried.len() > self.waves.len() {
+            if !is_alone {
                 prefetch(self.carried, slot + self.next * self.waves.len(), true);
             }
-            let mut carried: Carried<V> = Carried::load(&self.carried[slot]);
             for stop in &way[..2] {
                 let group = &self.data[stop.data + line..][..extent];
-                prefetch(group, near + velocity, true);
-                prefetch(group, near + stress, true);
+                prefetch(group, self.next + places.velocity, true);
+                prefetch(group, self.next + places.stress, true);
             }
-            let mut last: State<V> = self.read(line, run.start, wave);
-            let mut here = self.read(line, run.start + 1, wave);
-            let mut own = Waves::of(here, &cell);
-            let mut before = Waves::of(last, &cell).to(own);
-            for (behind, next) in way.iter().zip(&way[2..]) {
-                let next = &self.data[next.data + line..][..extent];
-                prefetch(next, near + velocity, true);
-                prefetch(next, near + stress, true);
-                for index in self.later.1.clone() {
-                    prefetch(next, later + index * pitch, false);
-                }
-                let next =
-                    State { velocity: V::load(&next[velocity]), stress: V::load(&next[stress]) };
-                let waves = Waves::of(next, &cell);
-                let after = own.to(waves);
-                let pieces = Pieces::new(own, [before, after], &cell, slopes);
-                let joint = Joint::between_like([carried.to_right, pieces.to_left()]);
-                let moved = updated(last, [carried.joint, joint], &cell);
-                carried = Carried { to_right: pieces.to_right(), joint };
-                let group = &mut self.data[behind.data + line..][..extent];
-                for (place, _) in followers {
-                    prefetch(group, near + place, true);
-                }
-                moved.velocity.store(&mut group[velocity]);
-                moved.stress.store(&mut group[stress]);
-                if FOLLOWERS > 0 {
-                    let change = moved.stress - last.stress;
-                    for (place, ratio) in followers {
-                        (V::load(&group[place]) + ratio * change).store(&mut group[place]);
-                    }
-                }
-                (last, here, own, before) = (here, next, waves, after);
+            if MIXED {
+                pattern = patterns[way[0].group + line];
+                cell = Cell::load(self.table.cell(pattern, wave));
             }
-            carried.store(&mut self.carried[slot]);
+            let last: State<V> = self.read(&places, way[0].data + line);
+            let here: State<V> = self.read(&places, way[1].data + line);
+            let mut sight = Sight::of([last, here], &cell, Carried::load(&self.carried[slot]));
+            let mut place = 0;
+            loop {
+                let ratios: [V; FOLLOWERS] = self.ratios(pattern, wave);
+                while place < steps && (!MIXED || patterns[way[place + 1].group + line] == pattern)
+                {
+                    let stops = [way[place].data + line, way[place + 2].data + line];
+                    let media = Media::Same(&cell, &ratios);
+                    self.step(&places, &mut sight, stops, media, slopes);
+                    place += 1;
+                }
+                if place == steps {
+                    break;
+                }
+                let stops = [way[place].data + line, way[place + 2].data + line];
+                let (cell_behind, pattern_behind) = (cell, pattern);
+                pattern = patterns[way[place + 1].group + line];
+                cell = Cell::load(self.table.cell(pattern, wave));
+                sight = Sight::of([sight.last, sight.here], &cell, sight.carried);
+                let media = Media::Other([&cell_behind, &cell], pattern_behind, wave);
+                self.step(&places, &mut sight, stops, media, slopes);
+                place += 1;
+            }
+            sight.carried.store(&mut self.carried[slot]);
         }
+    }
+
+    /// Writes the group behind the one at hand, and reads the one after it, which then is at hand.
+    #[inline(always)]
+    fn step<V: Vector<T>, const FOLLOWERS: usize>(
+        &mut self,
+        places: &Places<FOLLOWERS>,
+        sight: &mut Sight<V>,
+        [behind, next]: [usize; 2],
+        media: Media<'_, V, FOLLOWERS>,
+        slopes: Slopes,
+    ) {
+        let &Places { velocity, stress, followers, extent, later } = places;
+        let group = &self.data[next..][..extent];
+        prefetch(group, self.next + velocity, true);
+        prefetch(group, self.next + stress, true);
+        for index in self.later.1.clone() {
+            prefetch(group, later + index * self.pitch, false);
+        }
+        let next: State<V> = self.read(places, next);
+        let [cell_behind, cell] = match media {
+            Media::Same(cell, _) => [cell; 2],
+            Media::Other(cells, ..) => cells,
+        };
+        let waves = Waves::of(next, cell);
+        let after = sight.own.to(waves);
+        let pieces = Pieces::new(sight.own, [sight.before, after], cell, slopes);
+        let reach = [sight.carried.to_right, pieces.to_left()];
+        let [joint, beyond] = match media {
+            Media::Same(..) => [Joint::between_like(reach); 2],
+            Media::Other(..) => Joint::between([cell_behind.impedance, cell.impedance], reach),
+        };
+        let moved = updated(sight.last, [sight.carried.joint, joint], cell_behind);
+        let group = &mut self.data[behind..][..extent];
+        for place in followers {
+            prefetch(group, self.next + place, true);
+        }
+        moved.velocity.store(&mut group[velocity]);
+        moved.stress.store(&mut group[stress]);
+        if FOLLOWERS > 0 {
+            let change = moved.stress - sight.last.stress;
+            for (follower, place) in followers.into_iter().enumerate() {
+                let ratio = match media {
+                    Media::Same(_, ratios) => ratios[follower],
+                    Media::Other(_, pattern, wave) => {
+                        V::load(self.table.ratio(pattern, wave, follower))
+                    }
+                };
+                (V::load(&group[place]) + ratio * change).store(&mut group[place]);
+            }
+        }
+        *sight = Sight {
+            carried: Carried { to_right: pieces.to_right(), joint: beyond },
+            last: sight.here,
+            here: next,
+            own: waves,
+            before: after,
+        };
+    }
+}
+
+/// The medium of the group at hand, and that of the group behind.
+#[derive(Clone, Copy)]
+enum Media<'a, V, const FOLLOWERS: usize> {
+    /// One medium, and the ratios of followers.
+    Same(&'a Cell<V>, &'a [V; FOLLOWERS]),
+    /// That of the group behind, and the one at hand; the pattern of the group behind, and the wave: ratios are
+    /// looked up when they are wanted, as registers are few.
+    Other([&'a Cell<V>; 2], u32, &'a Wave),
+}
+
+/// Places of a wave's fields behind those of a group.
+struct Places<const FOLLOWERS: usize> {
+    velocity: usize,
+    stress: usize,
+    followers: [usize; FOLLOWERS],
+    /// All are before this.
+    extent: usize,
+    /// Of those that are called for.
+    later: usize,
+}
+
+/// What is known of the groups around the one at hand.
+#[derive(Clone, Copy)]
+struct Sight<V> {
+    carried: Carried<V>,
+    last: State<V>,
+    here: State<V>,
+    /// The waves in the group at hand.
+    own: Waves<V>,
+    /// Their difference from those in the group behind.
+    before: Waves<V>,
+}
+
+impl<V: Number> Sight<V> {
+    #[inline(always)]
+    fn of([last, here]: [State<V>; 2], cell: &Cell<V>, carried: Carried<V>) -> Self {
+        let own = Waves::of(here, cell);
+        let before = Waves::of(last, cell).to(own);
+        Self { carried, last, here, own, before }
     }
 }
