@@ -87,7 +87,7 @@ pub(crate) fn most_steps<const D: usize>(layers: usize) -> usize {
 
 /// Bytes of rows of layers that come in together, so that they stay in a core's own cache while they go through the
 /// step.
-const OWN_CACHE: usize = 9 << 17;
+const OWN_CACHE: usize = 1 << 20;
 
 /// Bytes of a block of rows in the layers that are within the step, so that they stay in the cache that cores share.
 const SHARED_CACHE: usize = 7 << 20;
@@ -112,12 +112,12 @@ impl AtATime {
     /// In space, where a row takes so many bytes. Rows that come round are each other's ghosts, and must all be
     /// there.
     fn in_space(row: usize, come_round: bool) -> Self {
-        let fits = |chunk: &usize| chunk * chunk * row <= OWN_CACHE;
+        let fits = |layers: &usize| layers * CHUNK * row <= OWN_CACHE;
         let layers = (2 * GHOSTS..=CHUNK).rev().step_by(2).find(fits).unwrap_or(2 * GHOSTS);
-        let block = SHARED_CACHE / ((layers + 2 * GHOSTS) * row) / layers;
+        let block = SHARED_CACHE / ((layers + 2 * GHOSTS) * row) / CHUNK;
         match come_round {
             true => Self { layers, ..Self::ALL },
-            false => Self { layers, rows: layers, block: block.max(1) * layers },
+            false => Self { layers, rows: CHUNK, block: block.max(1) * CHUNK },
         }
     }
 }
@@ -156,18 +156,18 @@ fn pitch(groups: usize) -> usize {
 /// What crosses the cuts of a domain, at the ends towards smaller (0) and towards greater coordinates (1), in the
 /// order of these.
 pub(crate) trait Halo<T> {
-    /// Hands over rows of an outermost layer at an end.
-    fn begin(&mut self, end: usize, send: &[T]);
+    /// Hands over pieces of an outermost layer at an end.
+    fn begin(&mut self, end: usize, data: &[T], pieces: impl Iterator<Item = Range<usize>>);
 
     /// Brings those of the neighbour at an end; where there is none they are left as they are.
-    fn finish(&mut self, end: usize, receive: &mut [T]);
+    fn finish(&mut self, end: usize, data: &mut [T], pieces: impl Iterator<Item = Range<usize>>);
 }
 
 /// No neighbours.
 impl<T> Halo<T> for () {
-    fn begin(&mut self, _: usize, _: &[T]) {}
+    fn begin(&mut self, _: usize, _: &[T], _: impl Iterator<Item = Range<usize>>) {}
 
-    fn finish(&mut self, _: usize, _: &mut [T]) {}
+    fn finish(&mut self, _: usize, _: &mut [T], _: impl Iterator<Item = Range<usize>>) {}
 }
 
 /// A source on cells of its own part.
@@ -212,6 +212,8 @@ pub struct Domain<T: Real, const D: usize> {
     /// Spin and both stresses that turn against each other.
     turning: Vec<[usize; 3]>,
     energy_terms: EnergyTerms<T>,
+    /// What others must know of a row in a halo: where fields of a row stand that follow each other.
+    exchanged: Vec<Range<usize>>,
     /// Groups of a row.
     groups: usize,
     /// Groups from where a field begins in a row to where the next one does: the place of a field is so many times
@@ -645,7 +647,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             }
             let depths = [layer - own.start, own.end - 1 - layer];
             for end in (0..2).filter(|end| depths[*end] < self.halo[*end]) {
-                neighbours.begin(end, &self.data[self.stored(layer, ready)]);
+                neighbours.begin(end, &self.data, self.exchanged(layer, ready));
             }
         }
     }
@@ -654,9 +656,19 @@ impl<T: Real, const D: usize> Domain<T, D> {
     fn receive(&mut self, end: usize, rows: &Range<usize>, neighbours: &mut impl Halo<T::Lanes>) {
         let first = [0, self.own_layers().end][end];
         for layer in first..first + self.halo[end] {
-            let stored = self.stored(layer, rows);
-            neighbours.finish(end, &mut self.data[stored]);
+            let mut data = std::mem::take(&mut self.data);
+            neighbours.finish(end, &mut data, self.exchanged(layer, rows));
+            self.data = data;
         }
+    }
+
+    /// Where that stands which neighbours exchange of rows of a layer.
+    fn exchanged(&self, layer: usize, rows: &Range<usize>) -> impl Iterator<Item = Range<usize>> {
+        let rows = layer * self.rows + rows.start..layer * self.rows + rows.end;
+        let firsts = rows.map(|row| row * self.row_size());
+        let pieces =
+            |first| self.exchanged.iter().map(move |own| first + own.start..first + own.end);
+        firsts.flat_map(pieces)
     }
 
     /// Where the fields of rows of a layer stand.

@@ -13,6 +13,7 @@ use crate::line::HALO;
 use crate::problem::{DomainError, Problem};
 use crate::real::Real;
 use models::cosserat::waves::Field;
+use std::ops::Range;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 /// The halo of a part whose neighbours are other threads of the process.
@@ -36,21 +37,26 @@ struct Neighbour<T> {
 }
 
 impl<T: Copy> Halo<T> for Channels<T> {
-    fn begin(&mut self, end: usize, send: &[T]) {
+    fn begin(&mut self, end: usize, data: &[T], pieces: impl Iterator<Item = Range<usize>>) {
         if let Some(neighbour) = &mut self.neighbours[end] {
             let mut message = neighbour.spare.pop().unwrap_or_default();
             message.clear();
-            message.extend_from_slice(send);
+            pieces.for_each(|piece| message.extend_from_slice(&data[piece]));
             // A neighbour that is gone has panicked, as the thread that joins it will.
             let _ = neighbour.to.send(message);
         }
     }
 
-    fn finish(&mut self, end: usize, receive: &mut [T]) {
+    fn finish(&mut self, end: usize, data: &mut [T], pieces: impl Iterator<Item = Range<usize>>) {
         if let Some(neighbour) = &mut self.neighbours[end]
             && let Ok(received) = neighbour.from.recv()
         {
-            receive.copy_from_slice(&received);
+            let mut rest = received.as_slice();
+            for piece in pieces {
+                let (own, others) = rest.split_at(piece.len());
+                data[piece].copy_from_slice(own);
+                rest = others;
+            }
             neighbour.spare.push(received);
         }
     }

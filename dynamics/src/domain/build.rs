@@ -7,7 +7,7 @@ use crate::kernel::{Carried, Instructions, Table, Wave};
 use crate::ledger::{Ledger, Total};
 use crate::line::{Account, Cell, GHOSTS, HALO};
 use crate::medium::{Medium, energy_terms};
-use crate::problem::{Detail, Problem};
+use crate::problem::{Detail, Placement, Problem};
 use crate::real::{Group, Number, Real};
 use crate::side::{Mirror, Side, Slot};
 use models::cosserat::waves::Field;
@@ -227,7 +227,25 @@ impl<T: Real, const D: usize> Domain<T, D> {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
             Some([place(Field::Spin(k))?, place(Field::Stress(i, j))?, place(Field::Stress(j, i))?])
         });
+        let turning: Vec<_> = turning.collect();
         let is_plastic = media.iter().any(|medium| medium.yields.is_some());
+        // In a pass of one step a halo goes as far as the second sweep along the last axis.
+        let whole_state = D == 2 || (is_plastic && problem.scheme.placement == Placement::Middle);
+        let read = |place: &usize| {
+            waves[D - 1].iter().any(|wave| [wave.velocity, wave.stress].contains(place))
+        };
+        let turned_with = |place: &usize| {
+            turning.iter().any(|turn: &[usize; 3]| turn.contains(place) && turn.iter().any(read))
+        };
+        let mut exchanged: Vec<Range<usize>> = Vec::new();
+        for place in (0..fields.len()).map(|index| index * pitch) {
+            if whole_state || read(&place) || turned_with(&place) {
+                match exchanged.last_mut() {
+                    Some(last) if last.end == place => last.end += pitch,
+                    _ => exchanged.push(place..place + pitch),
+                }
+            }
+        }
         let integrals = problem.integrals.iter().filter_map(|&field| place(field));
         let cells = of_cell.len();
         let longest = whole.cells.iter().copied().max().unwrap_or(0).max(layers.len());
@@ -275,7 +293,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
             table: Table { cells: Vec::new(), waves: 0, ratios: Vec::new(), followers: 0 },
             turns: Vec::new(),
             yields: Vec::new(),
-            turning: turning.collect(),
+            turning,
+            exchanged,
             energy_terms: EnergyTerms { places: Vec::new(), kinetic: 0, factors: Vec::new() },
             groups,
             pitch,
