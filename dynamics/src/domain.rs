@@ -226,7 +226,7 @@ pub struct Domain<T: Real, const D: usize> {
     row_ends: RowEnds,
     /// By group: those of the rows, and ghosts beyond the ends of the lines at hand.
     patterns: Vec<u32>,
-    /// Of the ghosts of each row: in front of it and behind, the nearest first.
+    /// Of the ghosts of each row: in front of it and behind, the nearest first; empty where there is one pattern.
     row_patterns: Vec<[u32; 2 * GHOSTS]>,
     /// By row, field and group, the rows as patterns are.
     data: Vec<T::Lanes>,

@@ -312,7 +312,10 @@ impl<T: Real, const D: usize> Domain<T, D> {
             },
             data: zeros(patterns.len() / groups * fields.len() * pitch),
             patterns,
-            row_patterns: rows.iter().map(|row| row.1).collect(),
+            row_patterns: match known.all.len() {
+                1 => Vec::new(),
+                _ => rows.iter().map(|row| row.1).collect(),
+            },
             sides: vec![sides; halves],
             kicks: kicks.collect(),
             acceleration: problem.acceleration,

@@ -101,10 +101,13 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// Sets to zero what is no cell in a row: ghosts, and what the sweep made of them.
     fn clear_row(&mut self, first: usize) {
-        let size = self.row_size();
+        let row = &mut self.data[first..][..self.media[0].fields.len() * self.pitch];
         for &(group, lane) in &self.row_ends.empty {
-            for field in self.data[first + group..first + size].iter_mut().step_by(self.pitch) {
-                field.lanes_mut()[lane] = T::ZERO;
+            // A step of an iterator would take a division.
+            let mut place = group;
+            while let Some(group) = row.get_mut(place) {
+                group.lanes_mut()[lane] = T::ZERO;
+                place += self.pitch;
             }
         }
     }
@@ -281,10 +284,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 }
             }
         }
+        let Some(&patterns) = self.row_patterns.get(row) else { return };
         for depth in 0..GHOSTS {
             for (end, place) in bundle.beyond(depth).into_iter().enumerate() {
                 let ghost = self.stop_at(bundle, 0, place).group;
-                self.patterns[ghost] = self.row_patterns[row][end * GHOSTS + depth];
+                self.patterns[ghost] = patterns[end * GHOSTS + depth];
             }
         }
     }
