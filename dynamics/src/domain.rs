@@ -212,7 +212,7 @@ pub struct Domain<T: Real, const D: usize> {
     /// Spin and both stresses that turn against each other.
     turning: Vec<[usize; 3]>,
     energy_terms: EnergyTerms<T>,
-    /// What others must know of a row in a halo: where fields of a row stand that follow each other.
+    /// Pieces of a row that others must know of those in their halo.
     exchanged: Vec<Range<usize>>,
     /// Groups of a row.
     groups: usize,
@@ -647,7 +647,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             }
             let depths = [layer - own.start, own.end - 1 - layer];
             for end in (0..2).filter(|end| depths[*end] < self.halo[*end]) {
-                neighbours.begin(end, &self.data, self.exchanged(layer, ready));
+                neighbours.begin(end, &self.data, self.pieces(layer, ready));
             }
         }
     }
@@ -655,15 +655,15 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// Fills rows of the halo at an end.
     fn receive(&mut self, end: usize, rows: &Range<usize>, neighbours: &mut impl Halo<T::Lanes>) {
         let first = [0, self.own_layers().end][end];
+        let mut data = std::mem::take(&mut self.data);
         for layer in first..first + self.halo[end] {
-            let mut data = std::mem::take(&mut self.data);
-            neighbours.finish(end, &mut data, self.exchanged(layer, rows));
-            self.data = data;
+            neighbours.finish(end, &mut data, self.pieces(layer, rows));
         }
+        self.data = data;
     }
 
-    /// Where that stands which neighbours exchange of rows of a layer.
-    fn exchanged(&self, layer: usize, rows: &Range<usize>) -> impl Iterator<Item = Range<usize>> {
+    /// Where the exchanged pieces of rows of a layer stand.
+    fn pieces(&self, layer: usize, rows: &Range<usize>) -> impl Iterator<Item = Range<usize>> {
         let rows = layer * self.rows + rows.start..layer * self.rows + rows.end;
         let firsts = rows.map(|row| row * self.row_size());
         let pieces =

@@ -231,8 +231,10 @@ impl<T: Real> Lines<'_, T> {
                 end += 1;
             }
             let are_alike = end > start;
-            while !are_alike && end < lines && is_mixed(end) {
-                end += 1;
+            if !are_alike {
+                while end < lines && is_mixed(end) {
+                    end += 1;
+                }
             }
             for index in 0..self.waves.len() {
                 match are_alike {

@@ -57,6 +57,7 @@ impl<T: Copy> Halo<T> for Channels<T> {
                 data[piece].copy_from_slice(own);
                 rest = others;
             }
+            debug_assert!(rest.is_empty());
             neighbour.spare.push(received);
         }
     }

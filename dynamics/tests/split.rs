@@ -2,7 +2,9 @@
 
 mod support;
 
-use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances};
+use models::cosserat::parameters::{
+    CoupleModuli, Isotropic, Microrotation, PlaneCompliances, Theory,
+};
 use models::cosserat::waves::Field;
 use models::plasticity::parameters::{Mises, YieldSet};
 use std::sync::Arc;
@@ -19,10 +21,16 @@ use wellposed_dynamics::real::Real;
 use wellposed_dynamics::split::Split;
 
 fn solids() -> [Isotropic; 2] {
+    solids_of(Theory::Cosserat)
+}
+
+fn solids_of(theory: Theory) -> [Isotropic; 2] {
+    let couple = CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 };
+    let couple = (theory == Theory::Cosserat).then_some(couple);
+    let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple };
+    let rotation = (theory != Theory::Classical).then_some(rotation);
     [1.0, 2.3].map(|factor| {
-        let couple = Some(CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 });
-        let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple };
-        Isotropic::new(1.4 * factor, 0.9 * factor, 1.2, Some(rotation)).expect("sound moduli")
+        Isotropic::new(1.4 * factor, 0.9 * factor, 1.2, rotation).expect("sound moduli")
     })
 }
 
@@ -31,8 +39,16 @@ fn same<T: Real, const D: usize>(
     cells: [usize; D],
     placement: Placement,
 ) {
+    same_of::<T, D>(solids(), sides, cells, placement);
+}
+
+fn same_of<T: Real, const D: usize>(
+    [soft, stiff]: [Isotropic; 2],
+    sides: &[[Boundary; 2]; D],
+    cells: [usize; D],
+    placement: Placement,
+) {
     // One of the two media yields.
-    let [soft, stiff] = solids();
     let set = Mises { antisymmetric_weight: 0.5, ..Mises::drucker_prager(0.3, 0.2, 0.2) };
     let media =
         [Medium::isotropic(&soft, D).yielding(YieldSet::Mises(set)), Medium::isotropic(&stiff, D)];
@@ -106,6 +122,18 @@ fn parts_have_the_bits_of_the_whole() {
             }
             let sides = [pair(&Boundary::Periodic), pair(&Boundary::Fixed), pair(&last)];
             same::<f64, 3>(&sides, [5, 4, 12], placement);
+        }
+    }
+}
+
+/// What parts must know of each other depends on what the last axis moves and what turns with it.
+#[test]
+fn so_they_have_in_every_theory() {
+    let pair = |b: &Boundary| [b.clone(), b.clone()];
+    let sides = [pair(&Boundary::Free), pair(&Boundary::Fixed), pair(&Boundary::Periodic)];
+    for theory in [Theory::Classical, Theory::Reduced, Theory::Cosserat] {
+        for placement in [Placement::Last, Placement::Middle] {
+            same_of::<f64, 3>(solids_of(theory), &sides, [9, 5, 12], placement);
         }
     }
 }

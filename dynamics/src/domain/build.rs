@@ -229,7 +229,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
         });
         let turning: Vec<_> = turning.collect();
         let is_plastic = media.iter().any(|medium| medium.yields.is_some());
-        // In a pass of one step a halo goes as far as the second sweep along the last axis.
+        // In a pass of one step a halo goes as far as the second sweep along the last axis, which reads its own fields
+        // and what has been turned with them. Further steps read all, and so does a correction before that sweep.
         let whole_state = D == 2 || (is_plastic && problem.scheme.placement == Placement::Middle);
         let read = |place: &usize| {
             waves[D - 1].iter().any(|wave| [wave.velocity, wave.stress].contains(place))

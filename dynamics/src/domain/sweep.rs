@@ -101,7 +101,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// Sets to zero what is no cell in a row: ghosts, and what the sweep made of them.
     fn clear_row(&mut self, first: usize) {
-        let row = &mut self.data[first..][..self.media[0].fields.len() * self.pitch];
+        let size = self.row_size();
+        let row = &mut self.data[first..][..size];
         for &(group, lane) in &self.row_ends.empty {
             // A step of an iterator would take a division.
             let mut place = group;
