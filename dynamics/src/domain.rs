@@ -50,7 +50,8 @@ use crate::line::{Account, Cell, GHOSTS, HALO};
 use crate::medium::{Medium, component};
 use crate::problem::{DomainError, Grid, Placement, Problem, Scheme};
 use crate::real::{Group, Number, Real};
-use crate::side::{Side, Slot};
+use crate::row::RowEnds;
+use crate::side::Side;
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
 use plastic::Sets;
@@ -223,7 +224,7 @@ pub struct Domain<T: Real, const D: usize> {
     rows: usize,
     /// Groups of such a layer.
     across: usize,
-    row_ends: RowEnds,
+    row_ends: RowEnds<T>,
     /// By group: those of the rows, and ghosts beyond the ends of the lines at hand.
     patterns: Vec<u32>,
     /// Of the ghosts of each row: in front of it and behind, the nearest first; empty where there is one pattern.
@@ -257,16 +258,6 @@ pub struct Domain<T: Real, const D: usize> {
     /// Of all steps before, by own layers.
     totals: Vec<Total>,
     buffer: Buffer<T>,
-}
-
-/// Where the ends of a row stand in it.
-#[derive(Clone)]
-struct RowEnds {
-    /// What ghosts see of both ends, the outermost first; rows shorter than the ghosts repeat themselves.
-    inside: [[Slot; GHOSTS]; 2],
-    /// What is no cell and may be moved: ghosts stand in the first of these while the row is swept, and the sweep
-    /// reaches as far beyond them; else zeros in all, as ever in what is behind.
-    empty: Vec<Slot>,
 }
 
 /// Terms of the energy density: places of two fields, by medium or pattern a coefficient. Kinetic terms

@@ -8,6 +8,7 @@
 
 use crate::line::{Cell, Joint, Pieces, Slopes, State, Waves, updated};
 use crate::real::{Number, Real, Vector, Work};
+use crate::row::Rows;
 use std::ops::Range;
 
 /// Sets of instructions that a processor may have. Results do not depend on them.
@@ -84,6 +85,12 @@ pub(crate) struct Table<T: Real> {
 }
 
 impl<T: Real> Table<T> {
+    /// Whether all groups have the same media, as where there is one.
+    #[inline(always)]
+    fn is_of_one_pattern(&self) -> bool {
+        self.cells.len() == self.waves
+    }
+
     #[inline(always)]
     pub(crate) fn cell(&self, pattern: u32, wave: &Wave) -> &Cell<T::Lanes> {
         &self.cells[pattern as usize * self.waves + wave.constants]
@@ -163,8 +170,8 @@ pub(crate) struct Stop {
 impl Stop {
     /// The same of another line.
     #[inline(always)]
-    pub(crate) fn of_line(self, line: usize) -> Self {
-        Self { group: self.group + line, data: self.data + line }
+    pub(crate) fn of_line(self, line: usize, across: Self) -> Self {
+        Self { group: self.group + line * across.group, data: self.data + line * across.data }
     }
 }
 
@@ -185,6 +192,8 @@ pub(crate) struct Lines<'a, T: Real> {
     /// the other, while the one before is written and the one after is read. Those of the other lines follow
     /// each of them.
     pub(crate) way: &'a [Stop],
+    /// From a line to the next.
+    pub(crate) across: Stop,
     /// Whether the way begins with the ghosts in front, where nothing is carried yet. They are written like all
     /// groups, and must be filled anew for another walk.
     pub(crate) begins: bool,
@@ -195,6 +204,8 @@ pub(crate) struct Lines<'a, T: Real> {
     pub(crate) later: (usize, Range<usize>),
     /// By line and wave.
     pub(crate) carried: &'a mut [Carried<T::Lanes>],
+    /// Of lines that are rows: their ends.
+    pub(crate) rows: Option<Rows<'a, T>>,
 }
 
 impl<T: Real> Work<T> for Lines<'_, T> {
@@ -213,36 +224,51 @@ impl<T: Real> Lines<'_, T> {
     /// Lines of one pattern together, and together those that go through several.
     #[inline(always)]
     fn walk<V: Vector<T>>(mut self, slopes: Slopes) {
-        if self.begins {
-            self.carried.fill(Carried::empty());
-        }
         let lines = self.carried.len() / self.waves.len().max(1);
+        // Where there is one, nobody looks: patterns would have to come from the memory, too.
+        if self.table.is_of_one_pattern() {
+            return self.advance_lines::<V>(0..lines, Some(0), slopes);
+        }
+        let (patterns, across) = (self.patterns, self.across.group);
         let way = &self.way[..self.way.len() - 1];
-        let patterns = self.patterns;
-        let is_like = |pattern: u32, line: usize| {
-            way.iter().all(|stop| patterns[stop.group + line] == pattern)
+        let own = |line: usize| {
+            let pattern = patterns[way[0].group + line * across];
+            way.iter()
+                .all(|stop| patterns[stop.group + line * across] == pattern)
+                .then_some(pattern)
         };
-        let is_mixed = |line: usize| !is_like(patterns[way[0].group + line], line);
         let mut start = 0;
-        while start < lines {
-            let pattern = patterns[way[0].group + start];
+        let mut next = (lines > 0).then(|| own(0));
+        while let Some(pattern) = next {
             let mut end = start;
-            while end < lines && is_like(pattern, end) {
+            while next == Some(pattern) {
                 end += 1;
+                next = (end < lines).then(|| own(end));
             }
-            let are_alike = end > start;
-            if !are_alike {
-                while end < lines && is_mixed(end) {
-                    end += 1;
-                }
-            }
-            for index in 0..self.waves.len() {
-                match are_alike {
-                    true => self.advance_wave::<V, false>(start..end, index, slopes),
-                    false => self.advance_wave::<V, true>(start..end, index, slopes),
-                }
-            }
+            self.advance_lines::<V>(start..end, pattern, slopes);
             start = end;
+        }
+    }
+
+    /// Lines that lie side by side, of one pattern or each of several.
+    #[inline(always)]
+    fn advance_lines<V: Vector<T>>(
+        &mut self,
+        lines: Range<usize>,
+        pattern: Option<u32>,
+        slopes: Slopes,
+    ) {
+        for index in 0..self.waves.len() {
+            if let Some(rows) = &self.rows {
+                let places = [self.waves[index].velocity, self.waves[index].stress];
+                rows.fill::<V>(self.data, places, index, lines.clone());
+            }
+            match pattern {
+                Some(pattern) => {
+                    self.advance_wave::<V, false>(lines.clone(), index, pattern, slopes)
+                }
+                None => self.advance_wave::<V, true>(lines.clone(), index, 0, slopes),
+            }
         }
     }
 
@@ -252,20 +278,23 @@ impl<T: Real> Lines<'_, T> {
         &mut self,
         lines: Range<usize>,
         index: usize,
+        pattern: u32,
         slopes: Slopes,
     ) {
         debug_assert!(self.waves[index].followers.len() <= 2);
         match self.waves[index].followers.len() {
-            0 => self.advance::<V, 0, MIXED>(lines, index, slopes),
-            1 => self.advance::<V, 1, MIXED>(lines, index, slopes),
-            _ => self.advance::<V, 2, MIXED>(lines, index, slopes),
+            0 => self.advance::<V, 0, MIXED>(lines, index, pattern, slopes),
+            1 => self.advance::<V, 1, MIXED>(lines, index, pattern, slopes),
+            _ => self.advance::<V, 2, MIXED>(lines, index, pattern, slopes),
         }
     }
 
-    /// How far behind a group at hand stands the share of fields that a wave calls for.
+    /// How far behind a group at hand stands the share of fields that a wave calls for, and where that ends.
     #[inline(always)]
-    fn later_share(&self, index: usize) -> usize {
-        self.later.0 + index * self.fields.div_ceil(self.waves.len()) * self.pitch
+    fn later_share(&self, index: usize) -> Range<usize> {
+        let (behind, Range { start, end }) = self.later;
+        let first = index * self.fields.div_ceil(self.waves.len());
+        behind + (first + start) * self.pitch..behind + (first + end) * self.pitch
     }
 
     /// What the followers of a wave get of its change of stress.
@@ -299,6 +328,7 @@ impl<T: Real> Lines<'_, T> {
         &mut self,
         lines: Range<usize>,
         index: usize,
+        mut pattern: u32,
         slopes: Slopes,
     ) {
         let wave = &self.waves[index];
@@ -314,33 +344,36 @@ impl<T: Real> Lines<'_, T> {
         assert!(places.velocity < extent && places.stress < extent);
         assert!(places.followers.iter().all(|place| *place < extent));
         let (way, patterns, steps) = (self.way, self.patterns, self.way.len() - 2);
-        let mut pattern = patterns[way[0].group + lines.start];
         let mut cell: Cell<V> = Cell::load(self.table.cell(pattern, wave));
-        let is_alone = self.carried.len() == self.waves.len();
         for line in lines {
             let slot = line * self.waves.len() + index;
-            // A row is a line alone.
-            if !is_alone {
+            let offset = Stop { group: 0, data: 0 }.of_line(line, self.across);
+            if !self.begins {
                 prefetch(self.carried, slot + self.next * self.waves.len(), true);
             }
             for stop in &way[..2] {
-                let group = &self.data[stop.data + line..][..extent];
+                let group = &self.data[stop.data + offset.data..][..extent];
                 prefetch(group, self.next + places.velocity, true);
                 prefetch(group, self.next + places.stress, true);
             }
             if MIXED {
-                pattern = patterns[way[0].group + line];
+                pattern = patterns[way[0].group + offset.group];
                 cell = Cell::load(self.table.cell(pattern, wave));
             }
-            let last: State<V> = self.read(&places, way[0].data + line);
-            let here: State<V> = self.read(&places, way[1].data + line);
-            let mut sight = Sight::of([last, here], &cell, Carried::load(&self.carried[slot]));
+            let last: State<V> = self.read(&places, way[0].data + offset.data);
+            let here: State<V> = self.read(&places, way[1].data + offset.data);
+            let carried = match self.begins {
+                true => Carried::empty(),
+                false => Carried::load(&self.carried[slot]),
+            };
+            let mut sight = Sight::of([last, here], &cell, carried);
             let mut place = 0;
             loop {
                 let ratios: [V; FOLLOWERS] = self.ratios(pattern, wave);
-                while place < steps && (!MIXED || patterns[way[place + 1].group + line] == pattern)
+                while place < steps
+                    && (!MIXED || patterns[way[place + 1].group + offset.group] == pattern)
                 {
-                    let stops = [way[place].data + line, way[place + 2].data + line];
+                    let stops = [way[place].data + offset.data, way[place + 2].data + offset.data];
                     let media = Media::Same(&cell, &ratios);
                     self.step(&places, &mut sight, stops, media, slopes);
                     place += 1;
@@ -348,16 +381,24 @@ impl<T: Real> Lines<'_, T> {
                 if place == steps {
                     break;
                 }
-                let stops = [way[place].data + line, way[place + 2].data + line];
+                let stops = [way[place].data + offset.data, way[place + 2].data + offset.data];
                 let (cell_behind, pattern_behind) = (cell, pattern);
-                pattern = patterns[way[place + 1].group + line];
+                pattern = patterns[way[place + 1].group + offset.group];
                 cell = Cell::load(self.table.cell(pattern, wave));
                 sight = Sight::of([sight.last, sight.here], &cell, sight.carried);
                 let media = Media::Other([&cell_behind, &cell], pattern_behind, wave);
                 self.step(&places, &mut sight, stops, media, slopes);
                 place += 1;
             }
-            sight.carried.store(&mut self.carried[slot]);
+            if let Some(rows) = &self.rows {
+                rows.clear(self.data, places.velocity, line);
+                rows.clear(self.data, places.stress, line);
+                for place in places.followers {
+                    rows.clear(self.data, place, line);
+                }
+            } else {
+                sight.carried.store(&mut self.carried[slot]);
+            }
         }
     }
 
@@ -371,12 +412,14 @@ impl<T: Real> Lines<'_, T> {
         media: Media<'_, V, FOLLOWERS>,
         slopes: Slopes,
     ) {
-        let &Places { velocity, stress, followers, extent, later } = places;
+        let &Places { velocity, stress, followers, extent, ref later } = places;
         let group = &self.data[next..][..extent];
         prefetch(group, self.next + velocity, true);
         prefetch(group, self.next + stress, true);
-        for index in self.later.1.clone() {
-            prefetch(group, later + index * self.pitch, false);
+        let mut place = later.start;
+        while place < later.end {
+            prefetch(group, place, false);
+            place += self.pitch;
         }
         let next: State<V> = self.read(places, next);
         let [cell_behind, cell] = match media {
@@ -438,7 +481,7 @@ struct Places<const FOLLOWERS: usize> {
     /// All are before this.
     extent: usize,
     /// Of those that are called for.
-    later: usize,
+    later: Range<usize>,
 }
 
 /// What is known of the groups around the one at hand.

@@ -21,6 +21,7 @@ pub mod line;
 pub mod medium;
 pub mod problem;
 pub mod real;
+mod row;
 mod side;
 pub mod split;
 mod vector;

@@ -94,12 +94,6 @@ pub trait Group<T>: Number {
 
     /// The numbers, to be set.
     fn lanes_mut(&mut self) -> &mut [T];
-
-    /// The lanes moved on by one: in the place of each the one before it, in the first the last of `previous`.
-    fn after(self, previous: Self) -> Self;
-
-    /// The lanes moved back by one: in the place of each the one behind it, in the last the first of `next`.
-    fn before(self, next: Self) -> Self;
 }
 
 /// `COUNT` numbers on a line of the cache.
@@ -200,26 +194,6 @@ impl<T: Number, const COUNT: usize> Group<T> for Lanes<T, COUNT> {
     fn lanes_mut(&mut self) -> &mut [T] {
         &mut self.0
     }
-
-    #[inline(always)]
-    fn after(self, previous: Self) -> Self {
-        let mut moved = self;
-        moved.0[0] = previous.0[COUNT - 1];
-        for lane in 1..COUNT {
-            moved.0[lane] = self.0[lane - 1];
-        }
-        moved
-    }
-
-    #[inline(always)]
-    fn before(self, next: Self) -> Self {
-        let mut moved = self;
-        moved.0[COUNT - 1] = next.0[0];
-        for lane in 1..COUNT {
-            moved.0[lane - 1] = self.0[lane];
-        }
-        moved
-    }
 }
 
 /// The numbers of a group on their way through a processor.
@@ -229,6 +203,18 @@ pub trait Vector<T: Real>: Number {
 
     /// The numbers as a group.
     fn store(self, to: &mut T::Lanes);
+
+    /// The same number in all lanes.
+    fn all(value: T) -> Self;
+
+    /// The lanes moved on by one: in the place of each the one before it, in the first the last of `previous`.
+    fn after(self, previous: Self) -> Self;
+
+    /// The lanes moved back by one: in the place of each the one behind it, in the last the first of `next`.
+    fn before(self, next: Self) -> Self;
+
+    /// The numbers of another group in some lanes, by bits, and the own ones in the rest.
+    fn with_lanes(self, lanes: u16, other: Self) -> Self;
 }
 
 /// Something to be done in any set of instructions: `run` and all that it calls must be inlined, which

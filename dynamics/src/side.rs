@@ -119,8 +119,9 @@ impl<T: Real> Mirror<T> {
         }
     }
 
+    /// Sign of v, shift of v, sign of s, shift of s.
     #[inline(always)]
-    fn face(&self, pair: usize, group: usize) -> &[T::Lanes; 4] {
+    pub(crate) fn face(&self, pair: usize, group: usize) -> &[T::Lanes; 4] {
         &self.by_face[pair * self.groups + group.min(self.groups - 1)]
     }
 
@@ -133,13 +134,6 @@ impl<T: Real> Mirror<T> {
         own: State<T::Lanes>,
     ) -> State<T::Lanes> {
         let [v, a, s, b] = *self.face(pair, group);
-        State { velocity: v * own.velocity + a, stress: s * own.stress + b }
-    }
-
-    /// The ghost of a cell.
-    #[inline(always)]
-    pub(crate) fn ghost(&self, pair: usize, (group, lane): Slot, own: State<T>) -> State<T> {
-        let [v, a, s, b] = self.face(pair, group).each_ref().map(|own| own.lanes()[lane]);
         State { velocity: v * own.velocity + a, stress: s * own.stress + b }
     }
 }

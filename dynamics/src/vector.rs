@@ -21,7 +21,7 @@ mod x86 {
             $(#[$about:meta])*
             $name:ident, $scalar:ty, $register:ty, $count:literal of $width:literal,
             $add:ident $sub:ident $mul:ident $div:ident $max:ident $sqrt:ident
-            $load:ident $store:ident $exceeds:ident $bounded:ident
+            $load:ident $store:ident $exceeds:ident $bounded:ident $moved:ident $with_lanes:ident
         ) => {
             $(#[$about])*
             #[derive(Clone, Copy, Debug)]
@@ -108,6 +108,42 @@ mod x86 {
                         unsafe { $store(to.0.as_mut_ptr().add(i * $width), self.0[i]) };
                     }
                 }
+
+                #[inline(always)]
+                fn all(value: $scalar) -> Self {
+                    Self::all(value)
+                }
+
+                #[inline(always)]
+                fn after(mut self, previous: Self) -> Self {
+                    let mut last = previous.0[$count - 1];
+                    for i in 0..$count {
+                        let own = self.0[i];
+                        self.0[i] = unsafe { $moved::<{ $width - 1 }>(own, last) };
+                        last = own;
+                    }
+                    self
+                }
+
+                #[inline(always)]
+                fn before(mut self, next: Self) -> Self {
+                    let mut first = next.0[0];
+                    for i in (0..$count).rev() {
+                        let own = self.0[i];
+                        self.0[i] = unsafe { $moved::<1>(first, own) };
+                        first = own;
+                    }
+                    self
+                }
+
+                #[inline(always)]
+                fn with_lanes(mut self, lanes: u16, other: Self) -> Self {
+                    for i in 0..$count {
+                        let lanes = lanes >> (i * $width);
+                        self.0[i] = unsafe { $with_lanes(self.0[i], lanes, other.0[i]) };
+                    }
+                    self
+                }
             }
         };
         (@binary $name:ident, $count:literal, $($operation:ident $function:ident $instruction:ident),*) => {
@@ -145,6 +181,80 @@ mod x86 {
     #[inline(always)]
     unsafe fn single512(one: __m512, other: __m512) -> bool {
         unsafe { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(one, other) != 0 }
+    }
+
+    // Two registers behind one another, without so many numbers in front.
+
+    #[inline(always)]
+    unsafe fn moved_double256<const BY: i32>(high: __m256d, low: __m256d) -> __m256d {
+        unsafe {
+            let [high, low] = [high, low].map(|own| _mm256_castpd_si256(own));
+            let middle = _mm256_permute2x128_si256::<0x21>(low, high);
+            _mm256_castsi256_pd(match BY {
+                1 => _mm256_alignr_epi8::<8>(middle, low),
+                _ => _mm256_alignr_epi8::<8>(high, middle),
+            })
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn moved_single256<const BY: i32>(high: __m256, low: __m256) -> __m256 {
+        unsafe {
+            let [high, low] = [high, low].map(|own| _mm256_castps_si256(own));
+            let middle = _mm256_permute2x128_si256::<0x21>(low, high);
+            _mm256_castsi256_ps(match BY {
+                1 => _mm256_alignr_epi8::<4>(middle, low),
+                _ => _mm256_alignr_epi8::<12>(high, middle),
+            })
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn moved_double512<const BY: i32>(high: __m512d, low: __m512d) -> __m512d {
+        unsafe {
+            let [high, low] = [high, low].map(|own| _mm512_castpd_si512(own));
+            _mm512_castsi512_pd(_mm512_alignr_epi64::<BY>(high, low))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn moved_single512<const BY: i32>(high: __m512, low: __m512) -> __m512 {
+        unsafe {
+            let [high, low] = [high, low].map(|own| _mm512_castps_si512(own));
+            _mm512_castsi512_ps(_mm512_alignr_epi32::<BY>(high, low))
+        }
+    }
+
+    // Numbers of another register in some lanes, by bits.
+
+    #[inline(always)]
+    unsafe fn with_lanes_double256(own: __m256d, lanes: u16, other: __m256d) -> __m256d {
+        unsafe {
+            let bits = _mm256_set_epi64x(8, 4, 2, 1);
+            let chosen = _mm256_and_si256(_mm256_set1_epi64x(lanes.into()), bits);
+            let chosen = _mm256_castsi256_pd(_mm256_cmpeq_epi64(chosen, bits));
+            _mm256_blendv_pd(own, other, chosen)
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn with_lanes_single256(own: __m256, lanes: u16, other: __m256) -> __m256 {
+        unsafe {
+            let bits = _mm256_set_epi32(128, 64, 32, 16, 8, 4, 2, 1);
+            let chosen = _mm256_and_si256(_mm256_set1_epi32(lanes.into()), bits);
+            let chosen = _mm256_castsi256_ps(_mm256_cmpeq_epi32(chosen, bits));
+            _mm256_blendv_ps(own, other, chosen)
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn with_lanes_double512(own: __m512d, lanes: u16, other: __m512d) -> __m512d {
+        unsafe { _mm512_mask_mov_pd(own, lanes as u8, other) }
+    }
+
+    #[inline(always)]
+    unsafe fn with_lanes_single512(own: __m512, lanes: u16, other: __m512) -> __m512 {
+        unsafe { _mm512_mask_mov_ps(own, lanes, other) }
     }
 
     // Numbers of one sign grow as their bits do, and minima of integers leave the units free that add. There
@@ -199,24 +309,28 @@ mod x86 {
         Avx2Double, f64, __m256d, 2 of 4,
         _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_max_pd
         _mm256_sqrt_pd _mm256_load_pd _mm256_store_pd double256 least_double256
+        moved_double256 with_lanes_double256
     );
     vector!(
         /// Sixteen numbers in two registers of eight.
         Avx2Single, f32, __m256, 2 of 8,
         _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_max_ps
         _mm256_sqrt_ps _mm256_load_ps _mm256_store_ps single256 least_single256
+        moved_single256 with_lanes_single256
     );
     vector!(
         /// Eight numbers in a register.
         Avx512Double, f64, __m512d, 1 of 8,
         _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_max_pd
         _mm512_sqrt_pd _mm512_load_pd _mm512_store_pd double512 least_double512
+        moved_double512 with_lanes_double512
     );
     vector!(
         /// Sixteen numbers in a register.
         Avx512Single, f32, __m512, 1 of 16,
         _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_max_ps
         _mm512_sqrt_ps _mm512_load_ps _mm512_store_ps single512 least_single512
+        moved_single512 with_lanes_single512
     );
 }
 
@@ -231,6 +345,35 @@ macro_rules! real {
             #[inline(always)]
             fn store(self, to: &mut Self) {
                 *to = self;
+            }
+
+            #[inline(always)]
+            fn all(value: $kind) -> Self {
+                Self([value; $lanes])
+            }
+
+            #[inline(always)]
+            fn after(mut self, previous: Self) -> Self {
+                self.0.copy_within(..$lanes - 1, 1);
+                self.0[0] = previous.0[$lanes - 1];
+                self
+            }
+
+            #[inline(always)]
+            fn before(mut self, next: Self) -> Self {
+                self.0.copy_within(1.., 0);
+                self.0[$lanes - 1] = next.0[0];
+                self
+            }
+
+            #[inline(always)]
+            fn with_lanes(mut self, lanes: u16, other: Self) -> Self {
+                for lane in 0..$lanes {
+                    if lanes >> lane & 1 == 1 {
+                        self.0[lane] = other.0[lane];
+                    }
+                }
+                self
             }
         }
 

@@ -1,7 +1,7 @@
 //! What a domain needs of a problem, and the order in which it needs it.
 
 use super::plastic::Sets;
-use super::{AtATime, Buffer, Domain, EnergyTerms, Kick, RowEnds, groups, pitch};
+use super::{AtATime, Buffer, CHUNK, Domain, EnergyTerms, Kick, RowEnds, groups, pitch};
 use crate::boundary::{Boundary, Load};
 use crate::kernel::{Carried, Instructions, Table, Wave};
 use crate::ledger::{Ledger, Total};
@@ -252,10 +252,10 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let longest = whole.cells.iter().copied().max().unwrap_or(0).max(layers.len());
         let longest = longest + 2 * GHOSTS;
         let own_groups = patterns.len();
-        patterns.extend(vec![0; 2 * GHOSTS * groups]);
+        patterns.extend(vec![0; 2 * GHOSTS * CHUNK * groups]);
         let carried = std::array::from_fn(|axis| {
             let lines = match axis {
-                0 => 1,
+                0 => CHUNK,
                 _ if axis + 1 == D => across,
                 _ => layers.len() * groups,
             };
@@ -301,16 +301,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             pitch,
             rows: layer / length,
             across,
-            row_ends: RowEnds {
-                inside: [
-                    std::array::from_fn(|depth| slot(depth % length)),
-                    std::array::from_fn(|depth| slot(length - 1 - depth % length)),
-                ],
-                empty: (length..groups * T::Lanes::COUNT)
-                    .take(2 * GHOSTS)
-                    .map(|place| (place % groups, place / groups))
-                    .collect(),
-            },
+            row_ends: RowEnds::new(length, groups),
             data: zeros(patterns.len() / groups * fields.len() * pitch),
             patterns,
             row_patterns: match known.all.len() {

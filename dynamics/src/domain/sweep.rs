@@ -1,15 +1,19 @@
 //! Sweeps along the axes, what lies beyond their ends, and the work done there.
 
-use super::{Domain, Tile};
+use super::{CHUNK, Domain, Tile};
 use crate::kernel::{Lines, MOST_SHARE, Stop, Wave};
 use crate::line::{self, Account, Cell, GHOSTS, State};
 use crate::problem::Detail;
-use crate::real::{Group, Number, Real};
+use crate::real::{Group, Real, Vector, Work};
+use crate::row::Rows;
 use crate::side::Side;
 use std::ops::Range;
 
 /// Lines that are called for ahead of the one at hand, by axis; along rows the next row is.
 const LINES_AHEAD: [Option<usize>; 3] = [None, Some(2), Some(3)];
+
+/// From a group of a row to the next one.
+const NEXT_GROUP: Stop = Stop { group: 1, data: 1 };
 
 /// Lines that lie side by side.
 #[derive(Clone, Copy)]
@@ -25,7 +29,9 @@ struct Bundle {
     count: usize,
     /// Lines of groups.
     lines: usize,
-    /// The row, or else the first group of faces where the lines end.
+    /// From a line to the next one.
+    across: Stop,
+    /// The first row, or else the first group of faces where the lines end.
     face: usize,
     /// Place of the first line among those that carry something along this axis.
     carried: usize,
@@ -59,7 +65,10 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let (groups, first_row) = (self.groups, layer * self.rows);
         let is_second = half % 2 == 1;
         let sweep_rows = |domain: &mut Self, rows: &Range<usize>| {
-            rows.clone().for_each(|row| domain.sweep_row(first_row + row, half));
+            for start in rows.clone().step_by(CHUNK) {
+                let end = rows.end.min(start + CHUNK);
+                domain.sweep_rows(first_row + start..first_row + end, half);
+            }
         };
         if !is_second {
             sweep_rows(self, come);
@@ -72,6 +81,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 stride: self.stop(1, 0),
                 count: self.grid.cells[1],
                 lines: groups,
+                across: NEXT_GROUP,
                 face: layer * groups,
                 carried: layer * groups,
             };
@@ -82,35 +92,60 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Half a step along the first axis.
-    fn sweep_row(&mut self, row: usize, half: usize) {
-        let (first, count) = (self.stop(row, 0), self.groups);
-        let stride = Stop { group: 1, data: 1 };
-        let bundle =
-            Bundle { axis: 0, half, first, stride, count, lines: 1, face: row, carried: 0 };
-        self.fill_row(bundle);
-        match self.scheme.detail {
-            Detail::Full => self.sweep_plainly(bundle),
-            Detail::Light => {
-                (0..2).for_each(|end| self.note_work(bundle, end));
-                self.walk(bundle, -1..count as isize + 1);
+    /// Half a step along the first axis, in no more than [`CHUNK`] rows.
+    fn sweep_rows(&mut self, rows: Range<usize>, half: usize) {
+        let bundle = Bundle {
+            axis: 0,
+            half,
+            first: self.stop(rows.start, 0),
+            stride: NEXT_GROUP,
+            count: self.groups,
+            lines: rows.len(),
+            across: self.stop(1, 0),
+            face: rows.start,
+            carried: 0,
+        };
+        self.fill_row_patterns(bundle);
+        let works = |side: &Side<T>| matches!(side, Side::Mirror(mirror) if mirror.works);
+        if self.scheme.detail == Detail::Full {
+            self.fill_rows(bundle);
+            self.sweep_plainly(bundle);
+            let mut data = std::mem::take(&mut self.data);
+            let rows = self.rows_of(bundle);
+            for row in 0..bundle.lines {
+                self.places().for_each(|(_, place)| rows.clear(&mut data, place, row));
             }
+            self.data = data;
+            return;
         }
-        self.clear_row(first.data);
+        if self.sides[half][0].iter().any(works) {
+            self.fill_rows(bundle);
+            (0..2).for_each(|end| self.note_work(bundle, end));
+        }
+        self.walk(bundle, -1..self.groups as isize + 1);
     }
 
-    /// Sets to zero what is no cell in a row: ghosts, and what the sweep made of them.
-    fn clear_row(&mut self, first: usize) {
+    /// The rows of a bundle along the first axis.
+    fn rows_of(&self, bundle: Bundle) -> Rows<'_, T> {
         let size = self.row_size();
-        let row = &mut self.data[first..][..size];
-        for &(group, lane) in &self.row_ends.empty {
-            // A step of an iterator would take a division.
-            let mut place = group;
-            while let Some(group) = row.get_mut(place) {
-                group.lanes_mut()[lane] = T::ZERO;
-                place += self.pitch;
-            }
+        Rows {
+            ends: &self.row_ends,
+            sides: &self.sides[bundle.half][0],
+            face: bundle.face,
+            first: bundle.first.data,
+            size,
+            ghosts: self.layers() * self.rows * size,
+            apart: CHUNK * size,
         }
+    }
+
+    /// The ghosts of rows. The walk along them does it by itself.
+    fn fill_rows(&mut self, bundle: Bundle) {
+        let mut data = std::mem::take(&mut self.data);
+        let (waves, rows) = (&self.waves[0], self.rows_of(bundle));
+        let fill = Fill { data: &mut data, waves, rows, count: bundle.lines };
+        self.instructions.run::<T>(fill);
+        self.data = data;
     }
 
     /// Goes on with half a step along the last axis, from end to end, on a tile of a layer's groups: some layers are
@@ -130,6 +165,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             stride: self.stop(self.rows, 0),
             count: ends.len(),
             lines: tile.groups.len(),
+            across: NEXT_GROUP,
             face,
             carried: face,
         };
@@ -173,9 +209,10 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let later = self.later(bundle);
         let waves = &self.waves[axis];
         let before = bundle.carried * waves.len();
-        let carried = &mut self.buffer.carried[axis][half][before..before + lines * waves.len()];
+        let mut carried = std::mem::take(&mut self.buffer.carried[axis][half]);
+        let mut data = std::mem::take(&mut self.data);
         self.instructions.run::<T>(Lines {
-            data: &mut self.data,
+            data: &mut data,
             fields,
             pitch: self.pitch,
             table: &self.table,
@@ -183,11 +220,15 @@ impl<T: Real, const D: usize> Domain<T, D> {
             slopes: self.scheme.slopes,
             patterns: &self.patterns,
             way: &way,
+            across: bundle.across,
             begins: places.start < 0,
             next,
             later,
-            carried,
+            carried: &mut carried[before..before + lines * waves.len()],
+            rows: (axis == 0).then(|| self.rows_of(bundle)),
         });
+        self.data = data;
+        self.buffer.carried[axis][half] = carried;
         self.buffer.way = way;
     }
 
@@ -217,10 +258,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// beyond an end side by side.
     fn stop_at(&self, bundle: Bundle, line: usize, place: isize) -> Stop {
         let ghost = |end: usize, depth: usize| {
-            self.stop(self.layers() * self.rows + end * GHOSTS + depth, line)
+            let row = self.layers() * self.rows + (end * GHOSTS + depth) * CHUNK;
+            self.stop(row, 0).of_line(line, bundle.across)
         };
         match usize::try_from(place) {
-            Ok(place) if place < bundle.count => bundle.stop(place).of_line(line),
+            Ok(place) if place < bundle.count => bundle.stop(place).of_line(line, bundle.across),
             Ok(place) => ghost(1, place - bundle.count),
             Err(_) => ghost(0, place.unsigned_abs() - 1),
         }
@@ -235,61 +277,15 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
     }
 
-    /// The ghosts of a row: those behind its last cell in the row itself; and what is in front of its
-    /// groups and behind them, which is in other lanes.
-    fn fill_row(&mut self, bundle: Bundle) {
-        let Bundle { half, first, face: row, .. } = bundle;
-        let (lanes, length, groups) = (T::Lanes::COUNT, self.grid.cells[0], self.groups);
-        let face = (row / lanes, row % lanes);
-        let pairs = self.waves[0].len();
-        for pair in 0..pairs {
-            let Wave { velocity, stress, .. } = self.waves[0][pair];
-            let wave = &self.waves[0][pair];
-            let mut beyond = [[State { velocity: T::ZERO, stress: T::ZERO }; GHOSTS]; 2];
-            for (end, beyond) in beyond.iter_mut().enumerate() {
-                for (depth, ghost) in beyond.iter_mut().enumerate() {
-                    let from_end = |end: usize| {
-                        let (group, lane) = self.row_ends.inside[end][depth];
-                        (self.stop(row, group), lane)
-                    };
-                    *ghost = match &self.sides[half][0][end] {
-                        Side::Mirror(mirror) => {
-                            let mut inside = self.state(from_end(end), wave);
-                            // A single cell is seen through the other mirror.
-                            if let (true, Side::Mirror(other)) =
-                                (depth >= length, &self.sides[half][0][1 - end])
-                            {
-                                inside = other.ghost(pair, face, inside);
-                            }
-                            mirror.ghost(pair, face, inside)
-                        }
-                        Side::Periodic | Side::Cut => self.state(from_end(1 - end), wave),
-                    };
+    /// The patterns of the ghosts of rows.
+    fn fill_row_patterns(&mut self, bundle: Bundle) {
+        for line in 0..bundle.lines {
+            let Some(&patterns) = self.row_patterns.get(bundle.face + line) else { return };
+            for depth in 0..GHOSTS {
+                for (end, place) in bundle.beyond(depth).into_iter().enumerate() {
+                    let ghost = self.stop_at(bundle, line, place).group;
+                    self.patterns[ghost] = patterns[end * GHOSTS + depth];
                 }
-            }
-            for (depth, behind) in beyond[1].iter().enumerate() {
-                let (group, lane) = self.row_ends.empty[depth];
-                let group = &mut self.data[first.data + group..];
-                group[velocity].lanes_mut()[lane] = behind.velocity;
-                group[stress].lanes_mut()[lane] = behind.stress;
-            }
-            for (depth, front) in beyond[0].iter().enumerate() {
-                let [before, behind] =
-                    bundle.beyond(depth).map(|place| self.stop_at(bundle, 0, place).data);
-                let last = first.data + groups - 1 - depth;
-                let next = first.data + depth;
-                for (place, lane) in [(velocity, front.velocity), (stress, front.stress)] {
-                    let lane = T::Lanes::all(lane);
-                    self.data[before + place] = self.data[last + place].after(lane);
-                    self.data[behind + place] = self.data[next + place].before(T::Lanes::ZERO);
-                }
-            }
-        }
-        let Some(&patterns) = self.row_patterns.get(row) else { return };
-        for depth in 0..GHOSTS {
-            for (end, place) in bundle.beyond(depth).into_iter().enumerate() {
-                let ghost = self.stop_at(bundle, 0, place).group;
-                self.patterns[ghost] = patterns[end * GHOSTS + depth];
             }
         }
     }
@@ -474,6 +470,24 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 ledger.gained += unit * account.gained;
                 ledger.lost += unit * account.lost;
             }
+        }
+    }
+}
+
+/// The ghosts of all waves along rows: for those who look at them before the sweep.
+struct Fill<'a, T: Real> {
+    data: &'a mut [T::Lanes],
+    waves: &'a [Wave],
+    rows: Rows<'a, T>,
+    count: usize,
+}
+
+impl<T: Real> Work<T> for Fill<'_, T> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        for (pair, wave) in self.waves.iter().enumerate() {
+            let places = [wave.velocity, wave.stress];
+            self.rows.fill::<V>(self.data, places, pair, 0..self.count);
         }
     }
 }
