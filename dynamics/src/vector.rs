@@ -525,4 +525,48 @@ mod tests {
         bounds_hold::<f64>();
         bounds_hold::<f32>();
     }
+
+    struct Moved<'a, T: Real>(u16, &'a mut [T::Lanes; 3]);
+
+    impl<T: Real> Work<T> for Moved<'_, T> {
+        #[inline(always)]
+        fn run<V: Vector<T>>(self) {
+            let Self(lanes, moved) = self;
+            let [own, other] =
+                [0.0, 100.0].map(|from| T::Lanes::by_lane(|lane| T::of(from + lane as f64)));
+            let (own, other) = (V::load(&own), V::load(&other));
+            own.after(other).store(&mut moved[0]);
+            own.before(other).store(&mut moved[1]);
+            own.with_lanes(lanes, other).store(&mut moved[2]);
+        }
+    }
+
+    /// Lanes are 0, 1, … and those of the other group 100, 101, …: each choice of some, in any instructions.
+    fn lanes_move<T: Real>() {
+        let count = T::Lanes::COUNT;
+        let choices = (0..count).map(|lane| 1 << lane).chain([0, 0b1010_0110_0101_1001]);
+        for lanes in choices {
+            let expected: [Vec<f64>; 3] = [
+                (0..count)
+                    .map(|i| if i == 0 { 99.0 + count as f64 } else { i as f64 - 1.0 })
+                    .collect(),
+                (1..=count).map(|i| if i == count { 100.0 } else { i as f64 }).collect(),
+                (0..count).map(|i| i as f64 + f64::from(lanes >> i & 1) * 100.0).collect(),
+            ];
+            for set in Instructions::available() {
+                let mut moved = [T::Lanes::ZERO; 3];
+                set.run::<T>(Moved(lanes, &mut moved));
+                for (moved, expected) in moved.iter().zip(&expected) {
+                    let moved: Vec<f64> = moved.lanes().iter().map(|lane| lane.wide()).collect();
+                    assert_eq!(&moved, expected, "{set:?} {lanes:b}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn lanes_move_in_all_instructions() {
+        lanes_move::<f64>();
+        lanes_move::<f32>();
+    }
 }
