@@ -65,8 +65,8 @@ pub(crate) struct Rows<'a, T: Real> {
 }
 
 impl<T: Real> Rows<'_, T> {
-    /// Fills in the ghosts of the velocity and the stress of a pair of waves: those behind the last cell of a row in the row itself; and what is in front of its
-    /// groups and behind them, which is in other lanes.
+    /// Fills in the ghosts of the velocity and the stress of a pair of waves: those behind the last cell of a row in the
+    /// row itself; and what is in front of its groups and behind them, which is in other lanes.
     #[inline(always)]
     pub(crate) fn fill<V: Vector<T>>(
         &self,
@@ -107,6 +107,7 @@ impl<T: Real> Rows<'_, T> {
         rows: Range<usize>,
     ) {
         let &RowEnds { groups, inside: [first, last], behind, in_first, .. } = self.ends;
+        // Rows come round at both ends or at none.
         let [near, far] = match self.sides[0] {
             Side::Mirror(_) => [first, last],
             Side::Periodic | Side::Cut => [last, first],
