@@ -227,6 +227,9 @@ pub struct Domain<T: Real, const D: usize> {
     row_ends: RowEnds<T>,
     /// By group: those of the rows, and ghosts beyond the ends of the lines at hand.
     patterns: Vec<u32>,
+    /// By axis and group: how many groups that follow along the axis have the same pattern, so far as this number
+    /// goes; empty where there is one pattern.
+    alike: [Vec<u8>; D],
     /// Of the ghosts of each row: in front of it and behind, the nearest first; empty where there is one pattern.
     row_patterns: Vec<[u32; 2 * GHOSTS]>,
     /// By row, field and group, the rows as patterns are.

@@ -188,6 +188,9 @@ pub(crate) struct Lines<'a, T: Real> {
     pub(crate) slopes: Slopes,
     /// Of all groups.
     pub(crate) patterns: &'a [u32],
+    /// Of all groups: how many that follow along such a line have the same pattern, so far as this number goes; none
+    /// beyond its ends.
+    pub(crate) alike: &'a [u8],
     /// Groups of the first line in the order of the way: all but the first and the last are at hand one after
     /// the other, while the one before is written and the one after is read. Those of the other lines follow
     /// each of them.
@@ -208,54 +211,75 @@ pub(crate) struct Lines<'a, T: Real> {
     pub(crate) rows: Option<Rows<'a, T>>,
 }
 
-impl<T: Real> Work<T> for Lines<'_, T> {
+/// Lines that lie side by side, of one pattern each or `MIXED`: two routines, as loops of the one would cost those of the
+/// other registers.
+struct Advance<'a, 'b, T: Real, const MIXED: bool> {
+    all: &'a mut Lines<'b, T>,
+    lines: Range<usize>,
+    /// That of all lines, unless they are mixed.
+    pattern: u32,
+}
+
+impl<T: Real, const MIXED: bool> Work<T> for Advance<'_, '_, T, MIXED> {
     /// Loops of their own for all kinds of slopes.
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
-        match self.slopes {
-            Slopes::Godunov => self.walk::<V>(Slopes::Godunov),
-            Slopes::Limited => self.walk::<V>(Slopes::Limited),
-            Slopes::Unlimited => self.walk::<V>(Slopes::Unlimited),
+        let Self { all, lines, pattern } = self;
+        match all.slopes {
+            Slopes::Godunov => all.advance_lines::<V, MIXED>(lines, pattern, Slopes::Godunov),
+            Slopes::Limited => all.advance_lines::<V, MIXED>(lines, pattern, Slopes::Limited),
+            Slopes::Unlimited => all.advance_lines::<V, MIXED>(lines, pattern, Slopes::Unlimited),
         }
     }
 }
 
 impl<T: Real> Lines<'_, T> {
-    /// Lines of one pattern together, and together those that go through several.
-    #[inline(always)]
-    fn walk<V: Vector<T>>(mut self, slopes: Slopes) {
+    /// Goes the way in such instructions: lines of one pattern together, and together those that go through several.
+    pub(crate) fn walk(mut self, instructions: Instructions) {
         let lines = self.carried.len() / self.waves.len().max(1);
         // Where there is one, nobody looks: patterns would have to come from the memory, too.
-        if self.table.is_of_one_pattern() {
-            return self.advance_lines::<V>(0..lines, Some(0), slopes);
-        }
-        let (patterns, across) = (self.patterns, self.across.group);
-        let way = &self.way[..self.way.len() - 1];
-        let own = |line: usize| {
-            let pattern = patterns[way[0].group + line * across];
-            way.iter()
-                .all(|stop| patterns[stop.group + line * across] == pattern)
-                .then_some(pattern)
+        let own = |lines: &Self, line: usize| match lines.table.is_of_one_pattern() {
+            true => Some(0),
+            false => lines.own_pattern(line),
         };
         let mut start = 0;
-        let mut next = (lines > 0).then(|| own(0));
+        let mut next = (lines > 0).then(|| own(&self, 0));
         while let Some(pattern) = next {
             let mut end = start;
             while next == Some(pattern) {
                 end += 1;
-                next = (end < lines).then(|| own(end));
+                next = (end < lines).then(|| own(&self, end));
             }
-            self.advance_lines::<V>(start..end, pattern, slopes);
+            let (all, lines) = (&mut self, start..end);
+            match pattern {
+                Some(pattern) => instructions.run(Advance::<T, false> { all, lines, pattern }),
+                None => instructions.run(Advance::<T, true> { all, lines, pattern: 0 }),
+            }
             start = end;
         }
     }
 
+    /// The pattern of a line that has one all the way.
+    fn own_pattern(&self, line: usize) -> Option<u32> {
+        let offset = line * self.across.group;
+        let pattern = |place: usize| self.patterns[self.way[place].group + offset];
+        let own = pattern(0);
+        let mut place = 0;
+        while place + 2 < self.way.len() {
+            if pattern(place + 1) != own {
+                return None;
+            }
+            place += usize::from(self.alike[self.way[place].group + offset]).max(1);
+        }
+        Some(own)
+    }
+
     /// Lines that lie side by side, of one pattern or each of several.
     #[inline(always)]
-    fn advance_lines<V: Vector<T>>(
+    fn advance_lines<V: Vector<T>, const MIXED: bool>(
         &mut self,
         lines: Range<usize>,
-        pattern: Option<u32>,
+        pattern: u32,
         slopes: Slopes,
     ) {
         for index in 0..self.waves.len() {
@@ -263,29 +287,14 @@ impl<T: Real> Lines<'_, T> {
                 let places = [self.waves[index].velocity, self.waves[index].stress];
                 rows.fill::<V>(self.data, places, index, lines.clone());
             }
-            match pattern {
-                Some(pattern) => {
-                    self.advance_wave::<V, false>(lines.clone(), index, pattern, slopes)
-                }
-                None => self.advance_wave::<V, true>(lines.clone(), index, 0, slopes),
+            // Loops of their own for all numbers of followers, of which Hooke's law has two at most.
+            let lines = lines.clone();
+            debug_assert!(self.waves[index].followers.len() <= 2);
+            match self.waves[index].followers.len() {
+                0 => self.advance::<V, 0, MIXED>(lines, index, pattern, slopes),
+                1 => self.advance::<V, 1, MIXED>(lines, index, pattern, slopes),
+                _ => self.advance::<V, 2, MIXED>(lines, index, pattern, slopes),
             }
-        }
-    }
-
-    /// Loops of their own for all numbers of followers, of which Hooke's law has two at most.
-    #[inline(always)]
-    fn advance_wave<V: Vector<T>, const MIXED: bool>(
-        &mut self,
-        lines: Range<usize>,
-        index: usize,
-        pattern: u32,
-        slopes: Slopes,
-    ) {
-        debug_assert!(self.waves[index].followers.len() <= 2);
-        match self.waves[index].followers.len() {
-            0 => self.advance::<V, 0, MIXED>(lines, index, pattern, slopes),
-            1 => self.advance::<V, 1, MIXED>(lines, index, pattern, slopes),
-            _ => self.advance::<V, 2, MIXED>(lines, index, pattern, slopes),
         }
     }
 

@@ -58,6 +58,18 @@ fn number<N: PartialEq>(all: &mut Vec<N>, value: N) -> usize {
     })
 }
 
+/// By group, how many behind it along lines of so many groups have the same pattern, or 255 of these; then
+/// zeros for ghosts.
+fn alike(patterns: &[u32], stride: usize, count: usize, ghosts: usize) -> Vec<u8> {
+    let mut alike = vec![0_u8; patterns.len() + ghosts];
+    for group in (0..patterns.len()).rev() {
+        if group / stride % count + 1 < count && patterns[group] == patterns[group + stride] {
+            alike[group] = alike[group + stride].saturating_add(1);
+        }
+    }
+    alike
+}
+
 /// So many zeros, in great pages where the system has such: a sweep across rows is on another small page with
 /// every cell, and a processor knows the addresses of few.
 fn zeros<N: Number>(count: usize) -> Vec<N> {
@@ -252,6 +264,16 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let longest = whole.cells.iter().copied().max().unwrap_or(0).max(layers.len());
         let longest = longest + 2 * GHOSTS;
         let own_groups = patterns.len();
+        // From a group to the next one, and groups of a line.
+        let lines: [[usize; 2]; D] = std::array::from_fn(|axis| match axis {
+            0 => [1, groups],
+            _ if axis + 1 == D => [across, layers.len()],
+            _ => [groups, whole.cells[axis]],
+        });
+        let alike = lines.map(|[stride, count]| match known.all.len() {
+            1 => Vec::new(),
+            _ => alike(&patterns, stride, count, 2 * GHOSTS * CHUNK * groups),
+        });
         patterns.extend(vec![0; 2 * GHOSTS * CHUNK * groups]);
         let carried = std::array::from_fn(|axis| {
             let lines = match axis {
@@ -304,6 +326,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             row_ends: RowEnds::new(length, groups),
             data: zeros(patterns.len() / groups * fields.len() * pitch),
             patterns,
+            alike,
             row_patterns: match known.all.len() {
                 1 => Vec::new(),
                 _ => rows.iter().map(|row| row.1).collect(),

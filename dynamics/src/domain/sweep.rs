@@ -211,7 +211,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let before = bundle.carried * waves.len();
         let mut carried = std::mem::take(&mut self.buffer.carried[axis][half]);
         let mut data = std::mem::take(&mut self.data);
-        self.instructions.run::<T>(Lines {
+        let lines = Lines {
             data: &mut data,
             fields,
             pitch: self.pitch,
@@ -219,6 +219,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             waves,
             slopes: self.scheme.slopes,
             patterns: &self.patterns,
+            alike: &self.alike[axis],
             way: &way,
             across: bundle.across,
             begins: places.start < 0,
@@ -226,7 +227,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
             later,
             carried: &mut carried[before..before + lines * waves.len()],
             rows: (axis == 0).then(|| self.rows_of(bundle)),
-        });
+        };
+        lines.walk(self.instructions);
         self.data = data;
         self.buffer.carried[axis][half] = carried;
         self.buffer.way = way;
