@@ -188,8 +188,8 @@ pub(crate) struct Lines<'a, T: Real> {
     pub(crate) slopes: Slopes,
     /// Of all groups.
     pub(crate) patterns: &'a [u32],
-    /// Of all groups: how many that follow along such a line have the same pattern, so far as this number goes; none
-    /// beyond its ends.
+    /// Of all groups: how many that follow along such a line have the same pattern, so far as this number goes. Where a
+    /// line ends at a cut they may be beyond it: what is next there is of the last group's pattern, too.
     pub(crate) alike: &'a [u8],
     /// Groups of the first line in the order of the way: all but the first and the last are at hand one after
     /// the other, while the one before is written and the one after is read. Those of the other lines follow

@@ -158,6 +158,43 @@ fn so_they_have_where_layers_are_wide() {
     }
 }
 
+/// A cell of another medium far along a line, about where counts of like groups end, is not passed by.
+#[test]
+fn so_they_have_where_media_change_once() {
+    fn check<const D: usize>(cells: [usize; D], odd: usize) {
+        let media = solids().map(|solid| Medium::isotropic(&solid, D));
+        let count = cells.iter().product();
+        let of_cell = (0..count).map(|cell| u16::from(cell == odd)).collect();
+        let grid = Grid { cells, spacing: [0.1; D] };
+        let step = 1.9 * 0.1 / media.each_ref().map(Medium::greatest_speed)[1];
+        let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Fixed]);
+        let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+        let light = Problem::new(grid, media.to_vec(), of_cell, sides, step, scheme);
+        let full = Scheme { detail: Detail::Full, ..scheme };
+        let plain = Problem { scheme: full, ..light.clone() };
+        let [light, plain] = [light, plain].map(|problem| {
+            let mut domain: Domain<f64, D> = Domain::new(&problem).expect("sound");
+            let fields = domain.fields().to_vec();
+            for (index, &field) in fields.iter().enumerate() {
+                let value = |cell| noise((10_000 * index + cell) as u64);
+                domain.set(field, &(0..count).map(value).collect::<Vec<_>>());
+            }
+            domain.advance();
+            let values = fields.iter().filter_map(|field| domain.values(*field)).flatten();
+            values.map(f64::to_bits).collect::<Vec<_>>()
+        });
+        assert!(light == plain, "{cells:?}, {odd}");
+    }
+    for place in [0, 1, 253, 254, 255, 256, 257, 258, 509, 510, 511, 512, 513] {
+        // In the first lane of 526 groups, and in the fourth.
+        check([4200, 2], place);
+        check([4200, 2], 3 * 526 + place);
+        check([2, 600], 2 * place);
+        check([2, 600, 2], 2 * place);
+        check([2, 2, 600], 4 * place);
+    }
+}
+
 /// In single precision groups are twice as long.
 #[test]
 fn so_they_have_in_single_precision() {
