@@ -2,7 +2,7 @@
 
 use crate::line::GHOSTS;
 use crate::real::{Group, Number, Real, Vector};
-use crate::side::{Side, Slot};
+use crate::side::{Side, Slot, shown};
 use std::ops::Range;
 
 /// Where the ends of a row stand in it.
@@ -148,12 +148,6 @@ impl<T: Real> Rows<'_, T> {
             }
         }
     }
-}
-
-/// What a mirror of a sign and a shift shows.
-#[inline(always)]
-fn shown<V: Number>([sign, shift]: [V; 2], own: V) -> V {
-    sign * own + shift
 }
 
 /// A number of a field in all lanes.

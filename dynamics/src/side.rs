@@ -1,7 +1,6 @@
 //! Sides as sweeps see them: mirrors with a sign and a shift.
 
 use crate::boundary::{Boundary, Condition, Load, Signal};
-use crate::line::State;
 use crate::real::{Group, Number, Real};
 
 /// What lies beyond a side, ready for the sweeps.
@@ -13,6 +12,16 @@ pub(crate) enum Side<T: Real> {
     Cut,
     /// A mirror: ghosts are (±v + a, ±s + b), or nothing.
     Mirror(Mirror<T>),
+}
+
+impl<T: Real> Side<T> {
+    /// The mirror, where there is one.
+    pub(crate) fn mirror(&self) -> Option<&Mirror<T>> {
+        match self {
+            Self::Mirror(mirror) => Some(mirror),
+            Self::Periodic | Self::Cut => None,
+        }
+    }
 }
 
 /// Where a face stands: a group of faces, and a lane.
@@ -124,16 +133,10 @@ impl<T: Real> Mirror<T> {
     pub(crate) fn face(&self, pair: usize, group: usize) -> &[T::Lanes; 4] {
         &self.by_face[pair * self.groups + group.min(self.groups - 1)]
     }
+}
 
-    /// The ghosts of a group of cells, each at a face of the group's.
-    #[inline(always)]
-    pub(crate) fn ghosts(
-        &self,
-        pair: usize,
-        group: usize,
-        own: State<T::Lanes>,
-    ) -> State<T::Lanes> {
-        let [v, a, s, b] = *self.face(pair, group);
-        State { velocity: v * own.velocity + a, stress: s * own.stress + b }
-    }
+/// What a mirror of a sign and a shift shows.
+#[inline(always)]
+pub(crate) fn shown<N: Number>([sign, shift]: [N; 2], own: N) -> N {
+    sign * own + shift
 }

@@ -6,7 +6,7 @@ use crate::line::{self, Account, Cell, GHOSTS, State};
 use crate::problem::Detail;
 use crate::real::{Group, Real, Vector, Work};
 use crate::row::Rows;
-use crate::side::Side;
+use crate::side::{Mirror, Side, shown};
 use std::ops::Range;
 
 /// Lines that are called for ahead of the one at hand, by axis; along rows the next row is.
@@ -292,40 +292,38 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
     }
 
-    /// The ghosts at an end of lines across the groups.
+    /// The ghosts at an end of lines across the groups. Those beyond a halo are left as they are.
     fn fill_end(&mut self, bundle: Bundle, end: usize) {
         let Bundle { axis, half, count, lines, face, .. } = bundle;
-        let pairs = self.waves[axis].len();
         let sides = &self.sides[half][axis];
+        if matches!(sides[end], Side::Cut) {
+            return;
+        }
+        let mut data = std::mem::take(&mut self.data);
         for depth in 0..GHOSTS {
-            let from_end = |end: usize| match end {
-                0 => (depth % count) as isize,
-                _ => (count - 1 - depth % count) as isize,
-            };
-            let source = match sides[end] {
-                Side::Mirror(_) | Side::Cut => from_end(end),
-                Side::Periodic => from_end(1 - end),
-            };
-            for line in 0..lines {
-                let ghost = self.stop_at(bundle, line, bundle.beyond(depth)[end]);
-                let source = self.stop_at(bundle, line, source);
-                self.patterns[ghost.group] = self.patterns[source.group];
-                for pair in 0..pairs {
-                    let Wave { velocity, stress, .. } = self.waves[axis][pair];
-                    let group = &self.data[source.data..];
-                    let mut own = State { velocity: group[velocity], stress: group[stress] };
-                    if let Side::Mirror(mirror) = &sides[end] {
-                        // A single cell is seen through the other mirror.
-                        if let (true, Side::Mirror(other)) = (depth >= count, &sides[1 - end]) {
-                            own = other.ghosts(pair, face + line, own);
-                        }
-                        own = mirror.ghosts(pair, face + line, own);
-                    }
-                    self.data[ghost.data + velocity] = own.velocity;
-                    self.data[ghost.data + stress] = own.stress;
+            let end_seen = if matches!(sides[end], Side::Periodic) { 1 - end } else { end };
+            let seen = [depth % count, count - 1 - depth % count][end_seen];
+            let [own, ghost] = [seen as isize, bundle.beyond(depth)[end]]
+                .map(|place| self.stop_at(bundle, 0, place));
+            if !self.alike[axis].is_empty() {
+                for line in 0..lines {
+                    let [own, ghost] = [own, ghost].map(|stop| stop.of_line(line, bundle.across));
+                    self.patterns[ghost.group] = self.patterns[own.group];
                 }
             }
+            // A single cell is seen through the other mirror.
+            let through =
+                if depth < count { [None, Some(end)] } else { [Some(1 - end), Some(end)] };
+            self.instructions.run::<T>(FillEnd {
+                data: &mut data,
+                waves: &self.waves[axis],
+                mirrors: through.map(|end| sides[end?].mirror()),
+                stops: [own.data, ghost.data],
+                lines,
+                face,
+            });
         }
+        self.data = data;
     }
 
     /// Cells of a line, and its lines of cells by line of groups and lane.
@@ -490,6 +488,40 @@ impl<T: Real> Work<T> for Fill<'_, T> {
         for (pair, wave) in self.waves.iter().enumerate() {
             let places = [wave.velocity, wave.stress];
             self.rows.fill::<V>(self.data, places, pair, 0..self.count);
+        }
+    }
+}
+
+/// The ghosts at a depth beyond an end of lines that lie side by side, group by group.
+struct FillEnd<'a, T: Real> {
+    data: &'a mut [T::Lanes],
+    waves: &'a [Wave],
+    /// That what is seen is seen through, one after the other.
+    mirrors: [Option<&'a Mirror<T>>; 2],
+    /// What is seen of the first line, and its ghost.
+    stops: [usize; 2],
+    lines: usize,
+    face: usize,
+}
+
+impl<T: Real> Work<T> for FillEnd<'_, T> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let Self { data, waves, mirrors, stops: [own, ghost], lines, face } = self;
+        for (pair, &Wave { velocity, stress, .. }) in waves.iter().enumerate() {
+            for line in 0..lines {
+                let group = &data[own + line..];
+                let mut seen =
+                    State { velocity: V::load(&group[velocity]), stress: V::load(&group[stress]) };
+                for mirror in mirrors.into_iter().flatten() {
+                    let [v, a, s, b] = mirror.face(pair, face + line);
+                    seen.velocity = shown([V::load(v), V::load(a)], seen.velocity);
+                    seen.stress = shown([V::load(s), V::load(b)], seen.stress);
+                }
+                let group = &mut data[ghost + line..];
+                seen.velocity.store(&mut group[velocity]);
+                seen.stress.store(&mut group[stress]);
+            }
         }
     }
 }
