@@ -39,6 +39,9 @@ pub trait Number:
     /// of some kind: where the bounds have one sign it has no other.
     fn bounded(self, one: Self, other: Self) -> Self;
 
+    /// The number, or zero where it is smaller in size than a limit; what is no number stays.
+    fn unless_below(self, limit: Self) -> Self;
+
     /// Whether any is greater than its counterpart.
     fn exceeds(self, other: Self) -> bool;
 }
@@ -159,6 +162,14 @@ impl<T: Number, const COUNT: usize> Number for Lanes<T, COUNT> {
     fn bounded(mut self, one: Self, other: Self) -> Self {
         for lane in 0..COUNT {
             self.0[lane] = self.0[lane].bounded(one.0[lane], other.0[lane]);
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn unless_below(mut self, limit: Self) -> Self {
+        for lane in 0..COUNT {
+            self.0[lane] = self.0[lane].unless_below(limit.0[lane]);
         }
         self
     }

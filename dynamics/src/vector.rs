@@ -21,7 +21,7 @@ mod x86 {
             $(#[$about:meta])*
             $name:ident, $scalar:ty, $register:ty, $count:literal of $width:literal,
             $add:ident $sub:ident $mul:ident $div:ident $max:ident $sqrt:ident
-            $load:ident $store:ident $exceeds:ident $bounded:ident $moved:ident $with_lanes:ident
+            $load:ident $store:ident $exceeds:ident $bounded:ident $kept:ident $moved:ident $with_lanes:ident
         ) => {
             $(#[$about])*
             #[derive(Clone, Copy, Debug)]
@@ -78,6 +78,14 @@ mod x86 {
                 fn bounded(mut self, one: Self, other: Self) -> Self {
                     for i in 0..$count {
                         self.0[i] = unsafe { $bounded(self.0[i], one.0[i], other.0[i]) };
+                    }
+                    self
+                }
+
+                #[inline(always)]
+                fn unless_below(mut self, limit: Self) -> Self {
+                    for i in 0..$count {
+                        self.0[i] = unsafe { $kept(self.0[i], limit.0[i]) };
                     }
                     self
                 }
@@ -304,32 +312,66 @@ mod x86 {
     /// Of bits of the second and the third number whether they are the same.
     const XNOR: i32 = 0b1001_1001;
 
+    // Numbers, or zeros where they are smaller in size than a limit; what is no number is not.
+
+    #[inline(always)]
+    unsafe fn kept_double256(own: __m256d, limit: __m256d) -> __m256d {
+        unsafe {
+            let size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), own);
+            _mm256_and_pd(own, _mm256_cmp_pd::<_CMP_NLT_UQ>(size, limit))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn kept_single256(own: __m256, limit: __m256) -> __m256 {
+        unsafe {
+            let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), own);
+            _mm256_and_ps(own, _mm256_cmp_ps::<_CMP_NLT_UQ>(size, limit))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn kept_double512(own: __m512d, limit: __m512d) -> __m512d {
+        unsafe {
+            let kept = _mm512_cmp_pd_mask::<_CMP_NLT_UQ>(_mm512_abs_pd(own), limit);
+            _mm512_maskz_mov_pd(kept, own)
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn kept_single512(own: __m512, limit: __m512) -> __m512 {
+        unsafe {
+            let kept = _mm512_cmp_ps_mask::<_CMP_NLT_UQ>(_mm512_abs_ps(own), limit);
+            _mm512_maskz_mov_ps(kept, own)
+        }
+    }
+
     vector!(
         /// Eight numbers in two registers of four.
         Avx2Double, f64, __m256d, 2 of 4,
         _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_max_pd
-        _mm256_sqrt_pd _mm256_load_pd _mm256_store_pd double256 least_double256
+        _mm256_sqrt_pd _mm256_load_pd _mm256_store_pd double256 least_double256 kept_double256
         moved_double256 with_lanes_double256
     );
     vector!(
         /// Sixteen numbers in two registers of eight.
         Avx2Single, f32, __m256, 2 of 8,
         _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_max_ps
-        _mm256_sqrt_ps _mm256_load_ps _mm256_store_ps single256 least_single256
+        _mm256_sqrt_ps _mm256_load_ps _mm256_store_ps single256 least_single256 kept_single256
         moved_single256 with_lanes_single256
     );
     vector!(
         /// Eight numbers in a register.
         Avx512Double, f64, __m512d, 1 of 8,
         _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_max_pd
-        _mm512_sqrt_pd _mm512_load_pd _mm512_store_pd double512 least_double512
+        _mm512_sqrt_pd _mm512_load_pd _mm512_store_pd double512 least_double512 kept_double512
         moved_double512 with_lanes_double512
     );
     vector!(
         /// Sixteen numbers in a register.
         Avx512Single, f32, __m512, 1 of 16,
         _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_max_ps
-        _mm512_sqrt_ps _mm512_load_ps _mm512_store_ps single512 least_single512
+        _mm512_sqrt_ps _mm512_load_ps _mm512_store_ps single512 least_single512 kept_single512
         moved_single512 with_lanes_single512
     );
 }
@@ -401,6 +443,11 @@ macro_rules! real {
                 let least = smaller(smaller(self.abs(), one.abs()), other.abs());
                 let differ = one.is_sign_negative() != other.is_sign_negative();
                 if differ { 0.0 } else { least.copysign(one) }
+            }
+
+            #[inline(always)]
+            fn unless_below(self, limit: Self) -> Self {
+                if self.abs() < limit { 0.0 } else { self }
             }
 
             #[inline(always)]
@@ -518,6 +565,39 @@ mod tests {
                 assert_eq!(found.to_bits(), expected.to_bits(), "{set:?} {case:?}");
             }
         }
+    }
+
+    struct Kept<'a, T: Real>(T::Lanes, T, &'a mut T::Lanes);
+
+    impl<T: Real> Work<T> for Kept<'_, T> {
+        #[inline(always)]
+        fn run<V: Vector<T>>(self) {
+            V::load(&self.0).unless_below(<V as Vector<T>>::all(self.1)).store(self.2);
+        }
+    }
+
+    /// What is smaller in size than a limit is zero without a sign, all else stays, in any instructions, to the bit.
+    fn traces_vanish<T: Real>() {
+        let limit = 1e-3;
+        let all = [0.0, 1e-40, 0.9e-3, 1e-3, 1.1e-3, 7.0, f64::INFINITY, f64::NAN];
+        for sign in [1.0, -1.0] {
+            let own = T::Lanes::by_lane(|lane| T::of(sign * all[lane % all.len()]));
+            for set in Instructions::available() {
+                let mut found = T::Lanes::ZERO;
+                set.run::<T>(Kept(own, T::of(limit), &mut found));
+                for (own, found) in own.lanes().iter().zip(found.lanes()) {
+                    let is_below = own.wide().abs() < T::of(limit).wide();
+                    let expected = if is_below { 0.0 } else { own.wide() };
+                    assert_eq!(found.wide().to_bits(), expected.to_bits(), "{set:?} {own:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn traces_vanish_in_all_instructions() {
+        traces_vanish::<f64>();
+        traces_vanish::<f32>();
     }
 
     #[test]

@@ -360,6 +360,66 @@ fn single_steps<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
     }
 }
 
+/// Tails of waves are forgotten before they are below the least normal number: in all parts and instructions, line by
+/// line or not, at the same time, and where they decay from layer to layer the rest is what it is in numbers that need
+/// not forget them.
+#[test]
+fn traces_are_forgotten() {
+    forget_traces([20, 61]);
+    forget_traces([9, 7, 61]);
+}
+
+fn forget_traces<const D: usize>(cells: [usize; D]) {
+    const LIMIT: f64 = 1.29e-26;
+    let medium = Medium::isotropic(&solids()[0], D);
+    let grid = Grid { cells, spacing: [0.1; D] };
+    let step = 1.9 * 0.1 / medium.greatest_speed();
+    let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+    let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+    let problem = Problem::new(grid, vec![medium], vec![0; grid.count()], sides, step, scheme);
+    let full = Scheme { detail: Detail::Full, ..scheme };
+    let plain = Problem { scheme: full, ..problem.clone() };
+    let layer = grid.count() / cells[D - 1];
+    // Beyond the least number of all half way along.
+    let value =
+        |index: usize, i: usize| noise((31 * index + i) as u64) * (-3.5 * (i / layer) as f64).exp();
+
+    let mut wide: Split<f64, D> = Split::new(&problem, 1).expect("sound");
+    let fields = wide.fields().to_vec();
+    for (index, &field) in fields.iter().enumerate() {
+        wide.set(field, &(0..grid.count()).map(|i| value(index, i)).collect::<Vec<_>>());
+    }
+    wide.advance(33);
+
+    let mut expected = None;
+    for (problem, parts) in [(&plain, 1), (&problem, 1), (&problem, 2), (&problem, 3)] {
+        for instructions in Instructions::available() {
+            let mut split: Split<f32, D> = Split::new(problem, parts).expect("sound");
+            split.set_instructions(instructions);
+            for (index, &field) in fields.iter().enumerate() {
+                let values = (0..grid.count()).map(|i| value(index, i) as f32);
+                split.set(field, &values.collect::<Vec<_>>());
+            }
+            let traces = |split: &Split<f32, D>| {
+                let all = fields.iter().filter_map(|field| split.values(*field)).flatten();
+                all.filter(|value| *value != 0.0 && f64::from(value.abs()) < LIMIT).count()
+            };
+            split.advance(15);
+            assert!(traces(&split) > 0);
+            split.advance(1);
+            assert_eq!(traces(&split), 0, "{parts} {instructions:?}");
+            split.advance(17);
+            let found: Vec<_> = fields.iter().map(|field| split.values(*field)).collect();
+            for (found, &field) in found.iter().flatten().zip(&fields) {
+                for (found, wide) in found.iter().zip(wide.values(field).expect("one")) {
+                    assert!((f64::from(*found) - wide).abs() < 3e-6, "{field:?} {found} {wide}");
+                }
+            }
+            assert_eq!(*expected.get_or_insert(found.clone()), found, "{parts} {instructions:?}");
+        }
+    }
+}
+
 /// A thread that panics, as signals of users may, does not leave the others waiting for it.
 #[test]
 #[should_panic(expected = "a scoped thread panicked")]

@@ -9,6 +9,10 @@ use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
 use std::ops::Range;
 
+/// Steps from one time when traces are forgotten to the next: few, as what decays meanwhile may come below the least normal
+/// number.
+const TRACES_KEPT: usize = 16;
+
 impl<T: Real, const D: usize> Domain<T, D> {
     /// The cell in a lane of a group, if there is one.
     #[inline(always)]
@@ -230,6 +234,17 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
     }
 
+    /// With so many steps done, if they are a multiple of [`TRACES_KEPT`], sets to zero what is below 2⁴⁰ times the least
+    /// normal number, see [`crate::domain`]. The factor leaves room for products with constants of the media.
+    pub(super) fn forget_traces(&mut self, layer: usize, rows: &Range<usize>, steps: usize) {
+        if !steps.is_multiple_of(TRACES_KEPT) {
+            return;
+        }
+        let stored = self.stored(layer, rows);
+        let limit = T::of(2.0f64.powi(40) * T::LEAST.wide());
+        self.instructions.run::<T>(Forget { data: &mut self.data[stored], limit });
+    }
+
     /// Energy by own layer across the last axis.
     pub(crate) fn energies(&self) -> Vec<Energy> {
         let mut energies = vec![Energy::default(); self.totals.len()];
@@ -281,6 +296,22 @@ impl<T: Real> Work<T> for Rotate<'_, T> {
                 (a + turned).store(&mut group[first]);
                 (b - turned).store(&mut group[second]);
             }
+        }
+    }
+}
+
+/// Zeros in the place of traces.
+struct Forget<'a, T: Real> {
+    data: &'a mut [T::Lanes],
+    limit: T,
+}
+
+impl<T: Real> Work<T> for Forget<'_, T> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let limit = <V as Vector<T>>::all(self.limit);
+        for group in self.data {
+            V::load(group).unless_below(limit).store(group);
         }
     }
 }
