@@ -17,8 +17,9 @@
 //! Fields are those of the deviation from an initial stress that rests in itself: it moves nothing, and
 //! yield conditions see the sum.
 //!
-//! Every sixteen steps what is below 2⁴⁰ times the least normal number becomes zero, in single precision what is below
-//! 1.3·10⁻²⁶: many processors are slow with smaller numbers than that, and tails of waves would be full of them.
+//! Every sixteen steps what is smaller in size than 2⁴⁰ times the least normal number becomes zero, in single precision
+//! what is smaller than 1.3·10⁻²⁶: many processors are slow with numbers below the normal ones, and tails of waves would
+//! be full of them. No ledger notes what goes with it.
 //!
 //! A row along the first axis is folded into as many lanes as fill a line of the cache: of G groups the cell
 //! x is in group x mod G and lane x div G, so that cells follow each other lane by lane. A row holds its fields one
@@ -560,7 +561,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         first: usize,
     ) {
         let (all, second) = (self.rows, first + 1);
-        let steps = self.steps - self.pass_steps + first / 2 + 1;
+        let steps_done = self.steps - self.pass_steps + first / 2 + 1;
         let mut ready = come_through(block.start, all);
         while ready[0] < block.end {
             let rows = self.next_rows(ready[0], block, self.at_a_time.layers);
@@ -590,7 +591,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                         self.correct(&(layer..layer + 1), &tile, second, false);
                     }
                 }
-                self.forget_traces(layer, &rows[2], steps);
+                self.forget_traces(layer, &rows[2], steps_done);
             }
         }
     }

@@ -312,7 +312,7 @@ mod x86 {
     /// Of bits of the second and the third number whether they are the same.
     const XNOR: i32 = 0b1001_1001;
 
-    // Numbers, or zeros where they are smaller in size than a limit; what is no number is not.
+    // Numbers, or zeros where they are smaller in size than a limit; what is no number stays.
 
     #[inline(always)]
     unsafe fn kept_double256(own: __m256d, limit: __m256d) -> __m256d {

@@ -9,8 +9,8 @@ use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
 use std::ops::Range;
 
-/// Steps from one time when traces are forgotten to the next: few, as what decays meanwhile may come below the least normal
-/// number.
+/// Steps from one time when traces are forgotten to the next: few, so that little decays past the least normal number in
+/// between.
 const TRACES_KEPT: usize = 16;
 
 impl<T: Real, const D: usize> Domain<T, D> {
@@ -234,10 +234,10 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
     }
 
-    /// With so many steps done, if they are a multiple of [`TRACES_KEPT`], sets to zero what is below 2⁴⁰ times the least
-    /// normal number, see [`crate::domain`]. The factor leaves room for products with constants of the media.
-    pub(super) fn forget_traces(&mut self, layer: usize, rows: &Range<usize>, steps: usize) {
-        if !steps.is_multiple_of(TRACES_KEPT) {
+    /// With so many steps done, if they are a multiple of [`TRACES_KEPT`], sets to zero what is smaller in size than 2⁴⁰ times the
+    /// least normal number, see [`crate::domain`]. The factor leaves room for products with constants of the media.
+    pub(super) fn forget_traces(&mut self, layer: usize, rows: &Range<usize>, steps_done: usize) {
+        if !steps_done.is_multiple_of(TRACES_KEPT) {
             return;
         }
         let stored = self.stored(layer, rows);

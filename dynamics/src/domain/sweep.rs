@@ -292,13 +292,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
     }
 
-    /// The ghosts at an end of lines across the groups. Those beyond a halo are left as they are.
+    /// The ghosts at an end of lines across the groups. What they are beyond a halo does not matter, but that they
+    /// are numbers does: the walk writes them, and they must not grow from sweep to sweep.
     fn fill_end(&mut self, bundle: Bundle, end: usize) {
         let Bundle { axis, half, count, lines, face, .. } = bundle;
         let sides = &self.sides[half][axis];
-        if matches!(sides[end], Side::Cut) {
-            return;
-        }
         let mut data = std::mem::take(&mut self.data);
         for depth in 0..GHOSTS {
             let end_seen = if matches!(sides[end], Side::Periodic) { 1 - end } else { end };
@@ -318,7 +316,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 data: &mut data,
                 waves: &self.waves[axis],
                 mirrors: through.map(|end| sides[end?].mirror()),
-                stops: [own.data, ghost.data],
+                places: [own.data, ghost.data],
                 lines,
                 face,
             });
@@ -496,10 +494,10 @@ impl<T: Real> Work<T> for Fill<'_, T> {
 struct FillEnd<'a, T: Real> {
     data: &'a mut [T::Lanes],
     waves: &'a [Wave],
-    /// That what is seen is seen through, one after the other.
+    /// The mirrors through which it is seen, in this order.
     mirrors: [Option<&'a Mirror<T>>; 2],
-    /// What is seen of the first line, and its ghost.
-    stops: [usize; 2],
+    /// Where the fields of what the first line shows begin, and those of its ghost; the other lines follow group by group.
+    places: [usize; 2],
     lines: usize,
     face: usize,
 }
@@ -507,7 +505,7 @@ struct FillEnd<'a, T: Real> {
 impl<T: Real> Work<T> for FillEnd<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
-        let Self { data, waves, mirrors, stops: [own, ghost], lines, face } = self;
+        let Self { data, waves, mirrors, places: [own, ghost], lines, face } = self;
         for (pair, &Wave { velocity, stress, .. }) in waves.iter().enumerate() {
             for line in 0..lines {
                 let group = &data[own + line..];
