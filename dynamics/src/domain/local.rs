@@ -234,8 +234,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
     }
 
-    /// With so many steps done, if they are a multiple of [`TRACES_KEPT`], sets to zero what is smaller in size than 2⁴⁰ times the
-    /// least normal number, see [`crate::domain`]. The factor leaves room for products with constants of the media.
+    /// With so many steps done, if they are a multiple of [`TRACES_KEPT`], sets to zero what is smaller in size than
+    /// 2⁴⁰ times the least normal number, see [`crate::domain`]. The factor leaves room for products with constants of
+    /// the media.
     pub(super) fn forget_traces(&mut self, layer: usize, rows: &Range<usize>, steps_done: usize) {
         if !steps_done.is_multiple_of(TRACES_KEPT) {
             return;
