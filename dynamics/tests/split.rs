@@ -365,11 +365,12 @@ fn single_steps<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
 /// not forget them.
 #[test]
 fn traces_are_forgotten() {
-    forget_traces([20, 121]);
-    forget_traces([9, 7, 121]);
+    // Thirteen parts have a cut every nine layers: wherever there are traces some of these are in a halo.
+    (0..9).step_by(2).for_each(|flat| forget_traces([20, 121], flat));
+    forget_traces([9, 7, 121], 0);
 }
 
-fn forget_traces<const D: usize>(cells: [usize; D]) {
+fn forget_traces<const D: usize>(cells: [usize; D], flat: usize) {
     const LIMIT: f64 = 1.29e-26;
     let medium = Medium::isotropic(&solids()[0], D);
     let grid = Grid { cells, spacing: [0.1; D] };
@@ -381,8 +382,8 @@ fn forget_traces<const D: usize>(cells: [usize; D]) {
     let plain = Problem { scheme: full, ..problem.clone() };
     let layer = grid.count() / cells[D - 1];
     // Beyond the least number of all half way along.
-    let value =
-        |index: usize, i: usize| noise((31 * index + i) as u64) * (-3.5 * (i / layer) as f64).exp();
+    let decay = |i: usize| (-3.5 * (i / layer).saturating_sub(flat) as f64).exp();
+    let value = |index: usize, i: usize| noise((31 * index + i) as u64) * decay(i);
 
     let mut wide: Split<f64, D> = Split::new(&problem, 1).expect("sound");
     let fields = wide.fields().to_vec();
