@@ -366,13 +366,14 @@ fn single_steps<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
 #[test]
 fn traces_are_forgotten() {
     // Thirteen parts have a cut every nine layers: wherever there are traces some of these are in a halo.
-    (0..9).step_by(2).for_each(|flat| forget_traces([20, 121], flat, Boundary::Free));
-    // Waves come from both ends.
-    forget_traces([20, 181], 0, Boundary::Periodic);
-    forget_traces([9, 7, 121], 0, Boundary::Free);
+    (0..9).step_by(2).for_each(|flat| forget_traces([20, 121], 0, flat, Boundary::Free));
+    forget_traces([9, 7, 121], 0, 0, Boundary::Free);
+    // Those that come round are where layers are their own halo.
+    forget_traces([20, 146], 73, 0, Boundary::Periodic);
 }
 
-fn forget_traces<const D: usize>(cells: [usize; D], flat: usize, last: Boundary) {
+/// Numbers of size one in a layer and some after it, and ever smaller ones from there.
+fn forget_traces<const D: usize>(cells: [usize; D], from: usize, flat: usize, last: Boundary) {
     const LIMIT: f64 = 1.29e-26;
     let [soft, stiff] = solids().map(|solid| Medium::isotropic(&solid, D));
     let step = 1.9 * 0.1 / stiff.greatest_speed();
@@ -387,7 +388,7 @@ fn forget_traces<const D: usize>(cells: [usize; D], flat: usize, last: Boundary)
     let plain = Problem { scheme: full, ..problem.clone() };
     let layer = grid.count() / cells[D - 1];
     // Beyond the least number of all half way along.
-    let decay = |i: usize| (-3.5 * (i / layer).saturating_sub(flat) as f64).exp();
+    let decay = |i: usize| (-3.5 * (i / layer).abs_diff(from).saturating_sub(flat) as f64).exp();
     let value = |index: usize, i: usize| noise((31 * index + i) as u64) * decay(i);
 
     let mut wide: Split<f64, D> = Split::new(&problem, 1).expect("sound");
@@ -431,7 +432,8 @@ fn forget_traces<const D: usize>(cells: [usize; D], flat: usize, last: Boundary)
                 }
                 found.extend(values.into_iter().map(f32::to_bits));
             }
-            assert_eq!(*expected.get_or_insert(found.clone()), found, "{parts} {instructions:?}");
+            let is_same = *expected.get_or_insert(found.clone()) == found;
+            assert!(is_same, "{parts} {instructions:?}");
         }
     }
 }
