@@ -127,7 +127,7 @@ fn processor_time() -> Option<f64> {
 struct Measured {
     /// Million cell-updates per second in the middle one of all rounds.
     rate: f64,
-    /// What a tenth of the rounds exceed.
+    /// The rate of the slowest in the fastest tenth of them; of fewer than ten the fastest.
     quick: f64,
     /// Share of its time that it had its processors.
     share: Option<f64>,
@@ -160,11 +160,12 @@ fn measure<T: Real, const D: usize>(row: &Row) -> Measured {
         split.set(field, &(0..count).map(value).collect::<Vec<_>>());
     }
     split.advance(2);
-    // Rounds so short that other processes leave some of them alone.
+    // Rounds so short that other processes leave some of them alone, and so long that it does not matter that each
+    // starts its threads anew.
     let probe = Instant::now();
     split.advance(2);
     let probe = probe.elapsed().as_secs_f64();
-    let steps = 2 * ((0.01 / probe) as usize).max(1);
+    let steps = 2 * ((0.05 / probe) as usize).max(1);
     let rounds = ((5.0 / probe) as usize / (steps / 2)).max(5);
     let begun = (Instant::now(), processor_time());
     let mut seconds: Vec<f64> = (0..rounds)

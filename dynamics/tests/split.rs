@@ -424,6 +424,7 @@ fn forget_traces<const D: usize>(cells: [usize; D], from: usize, flat: usize, la
             split.advance(14);
             assert!(traces(&split) > 0);
             split.advance(2);
+            assert!(split.ledger().plastic > 0.0);
             let mut found = Vec::new();
             for &field in &fields {
                 let values = split.values(field).expect("one");
