@@ -16,6 +16,10 @@ pub enum Condition {
     Traction(f64),
     /// The same medium at rest without end: waves along the normal leave.
     NonReflecting,
+    /// A plane of symmetry across which the velocity or spin is odd and the stress even: no velocity on it.
+    OddVelocity,
+    /// A plane of symmetry across which the velocity or spin is even and the stress odd: no traction on it.
+    OddStress,
 }
 
 /// What lies beyond a side.
@@ -55,7 +59,7 @@ impl Boundary {
                 Field::Spin(k) => k != axis,
                 Field::Stress(..) | Field::Couple(..) => false,
             };
-            if is_odd == is_even { Condition::Velocity(0.0) } else { Condition::Traction(0.0) }
+            if is_odd == is_even { Condition::OddVelocity } else { Condition::OddStress }
         };
         Self::Given(medium.pairs[axis].iter().map(|pair| condition(pair.velocity)).collect())
     }

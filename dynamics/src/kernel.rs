@@ -284,8 +284,7 @@ impl<T: Real> Lines<'_, T> {
     ) {
         for index in 0..self.waves.len() {
             if let Some(rows) = &self.rows {
-                let places = [self.waves[index].velocity, self.waves[index].stress];
-                rows.fill::<V>(self.data, places, index, lines.clone());
+                rows.fill::<V>(self.data, &self.waves[index], index, lines.clone());
             }
             // Loops of their own for all numbers of followers, of which Hooke's law has two at most.
             let lines = lines.clone();

@@ -158,8 +158,8 @@ pub(crate) struct State<N> {
 /// Characteristic variables: s − zv, which runs to the right, and s + zv, which runs to the left.
 #[derive(Clone, Copy)]
 pub(crate) struct Waves<N> {
-    right: N,
-    left: N,
+    pub(crate) right: N,
+    pub(crate) left: N,
 }
 
 impl<N: Number> Waves<N> {
@@ -317,13 +317,22 @@ impl<T: Real> Face<T> {
 
     /// ∫ s v dt over the step, per Δt: both are straight in time.
     fn work(&self) -> f64 {
-        let product = |joint: Joint<T>| joint.sum.wide() * joint.difference.wide();
-        (product(self.mean[0]) + product(self.change[0]) / 12.0) / (4.0 * self.impedance.wide())
+        self.mean_work() + self.product(&self.change[0]) / 12.0
+    }
+
+    /// Mean s times mean v.
+    fn mean_work(&self) -> f64 {
+        self.product(&self.mean[0])
+    }
+
+    fn product(&self, joint: &Joint<T>) -> f64 {
+        joint.sum.wide() * joint.difference.wide() / (4.0 * self.impedance.wide())
     }
 }
 
-/// ∫ s v dt over the step, per Δt, at the joint in the middle of four cells, W/m²; positive towards the
-/// first of them.
+/// Mean stress times mean velocity over the step at the joint in the middle of four cells, W/m²; positive towards the
+/// first of them. Of these one is constant on sides that do work, so that this is their work; on open sides it
+/// leaves out what the change of the wave during a step carries away.
 pub(crate) fn work_between<T: Real>(
     states: [State<T>; 4],
     cells: [Cell<T>; 2],
@@ -331,7 +340,7 @@ pub(crate) fn work_between<T: Real>(
 ) -> f64 {
     let [left, right] =
         [0, 1].map(|i| Pieces::of([states[i], states[i + 1], states[i + 2]], &cells[i], slopes));
-    Face::new([(&left, &cells[0]), (&right, &cells[1])]).work()
+    Face::new([(&left, &cells[0]), (&right, &cells[1])]).mean_work()
 }
 
 /// Advances a pair of fields by a step along a line whose first and last [`GHOSTS`] cells are ghosts,

@@ -1,6 +1,13 @@
-//! Sides as sweeps see them: mirrors with a sign and a shift.
+//! Sides as sweeps see them: ghost states beyond them.
+//!
+//! Across a plane of symmetry they are mirror images, which is exact. Elsewhere the normal derivative of the velocity
+//! on a free side, or of the stress on a fixed one, is not zero, and an image would have a kink there that makes the
+//! limiter flatten the wave that arrives: the error of the face state would be of first order. Here that wave is
+//! reconstructed from its own side ([`ghosts`]), the condition gives the wave that leaves, and both are put into
+//! ghosts from which the sweeps make just these face states.
 
 use crate::boundary::{Boundary, Condition, Load, Signal};
+use crate::line::{Cell, GHOSTS, Slopes, State, Waves};
 use crate::real::{Group, Number, Real};
 
 /// What lies beyond a side, ready for the sweeps.
@@ -30,11 +37,14 @@ pub(crate) type Slot = (usize, usize);
 /// Signs and shifts by pair and face.
 #[derive(Clone)]
 pub(crate) struct Mirror<T: Real> {
-    /// Sign of v, shift of v, sign of s, shift of s.
-    by_face: Vec<[T::Lanes; 4]>,
+    /// Sign of v, shift of v, sign of s, shift of s; 1 where the arriving wave is reconstructed from its own side,
+    /// 0 where ghosts are images.
+    by_face: Vec<[T::Lanes; 5]>,
     /// Groups of faces of a pair; one stands for all where they are alike.
     groups: usize,
     loads: Vec<SideLoad>,
+    /// Whether any wave is reconstructed from its own side.
+    pub(crate) is_one_sided: bool,
     /// Whether work may be done here.
     pub(crate) works: bool,
 }
@@ -57,11 +67,17 @@ impl<T: Real> Mirror<T> {
         pairs: usize,
         (faces, groups): (&[(usize, Slot)], usize),
         is_loaded: bool,
+        slopes: Slopes,
     ) -> Self {
+        // Without slopes images give the same face states.
+        let one_sided = if slopes == Slopes::Godunov { 0.0 } else { 1.0 };
         let entry = |condition| match condition {
-            Some(Condition::Velocity(given)) => [-1.0, 2.0 * given, 1.0, 0.0],
-            Some(Condition::Traction(given)) => [1.0, 0.0, -1.0, 2.0 * given],
-            Some(Condition::NonReflecting) | None => [0.0; 4],
+            Some(Condition::Velocity(given)) => [-1.0, 2.0 * given, 1.0, 0.0, one_sided],
+            Some(Condition::Traction(given)) => [1.0, 0.0, -1.0, 2.0 * given, one_sided],
+            Some(Condition::NonReflecting) => [0.0, 0.0, 0.0, 0.0, one_sided],
+            Some(Condition::OddVelocity) => [-1.0, 0.0, 1.0, 0.0, 0.0],
+            Some(Condition::OddStress) => [1.0, 0.0, -1.0, 0.0, 0.0],
+            None => [0.0; 5],
         };
         // Shifts would move lanes that are no cells.
         let alike = |pair: usize| {
@@ -73,22 +89,24 @@ impl<T: Real> Mirror<T> {
         let alike = (0..pairs).map(alike).collect::<Option<Vec<_>>>().filter(|_| !is_loaded);
         if let Some(entries) = alike {
             let works = entries.iter().any(|own| own[0] == 0.0);
-            let lanes = |own: [f64; 4]| own.map(|value| T::Lanes::all(T::of(value)));
+            let is_one_sided = entries.iter().any(|own| own[4] != 0.0);
+            let lanes = |own: [f64; 5]| own.map(|value| T::Lanes::all(T::of(value)));
             let by_face = entries.into_iter().map(lanes).collect();
-            return Self { by_face, groups: 1, loads: Vec::new(), works };
+            return Self { by_face, groups: 1, loads: Vec::new(), is_one_sided, works };
         }
-        let mut by_face = vec![[T::Lanes::ZERO; 4]; pairs * groups];
-        let mut works = false;
+        let mut by_face = vec![[T::Lanes::ZERO; 5]; pairs * groups];
+        let (mut works, mut is_one_sided) = (false, false);
         for pair in 0..pairs {
             for &(face, (group, lane)) in faces {
                 let entry = entry(boundary.condition(pair, face));
                 works |= entry[0] == 0.0 || entry[1] != 0.0 || entry[3] != 0.0;
+                is_one_sided |= entry[4] != 0.0;
                 for (lanes, value) in by_face[pair * groups + group].iter_mut().zip(entry) {
                     lanes.lanes_mut()[lane] = T::of(value);
                 }
             }
         }
-        Self { by_face, groups, loads: Vec::new(), works }
+        Self { by_face, groups, loads: Vec::new(), is_one_sided, works }
     }
 
     /// Adds a load; on faces of open sides there is nothing to be given.
@@ -98,7 +116,7 @@ impl<T: Real> Mirror<T> {
             let from = faces.partition_point(|own| own.0 < face);
             for &(_, (group, lane)) in faces[from..].iter().take_while(|own| own.0 == face) {
                 let place = load.pair * self.groups + group;
-                let [sign, ..] = self.by_face[place].map(|lanes| lanes.lanes()[lane].wide());
+                let sign = self.by_face[place][0].lanes()[lane].wide();
                 if sign != 0.0 {
                     let which = if sign < 0.0 { 1 } else { 3 };
                     entries.push(((place, lane), which, 2.0 * amplitude));
@@ -128,15 +146,94 @@ impl<T: Real> Mirror<T> {
         }
     }
 
-    /// Sign of v, shift of v, sign of s, shift of s.
+    /// Whether work is done on a face now: neither its velocity nor its traction is zero.
+    pub(crate) fn works_on(&self, pair: usize, (group, lane): Slot) -> bool {
+        let [sign, velocity, _, stress, _] =
+            self.face(pair, group).map(|lanes| lanes.lanes()[lane]);
+        self.works && (sign == T::ZERO || velocity != T::ZERO || stress != T::ZERO)
+    }
+
+    /// Sign of v, shift of v, sign of s, shift of s, and whether the arriving wave is reconstructed from its own side.
     #[inline(always)]
-    pub(crate) fn face(&self, pair: usize, group: usize) -> &[T::Lanes; 4] {
+    pub(crate) fn face(&self, pair: usize, group: usize) -> &[T::Lanes; 5] {
         &self.by_face[pair * self.groups + group.min(self.groups - 1)]
     }
 }
 
-/// What a mirror of a sign and a shift shows.
+/// The image of a value by a sign and a shift.
 #[inline(always)]
-pub(crate) fn shown<N: Number>([sign, shift]: [N; 2], own: N) -> N {
+pub(crate) fn image<N: Number>([sign, shift]: [N; 2], own: N) -> N {
     sign * own + shift
+}
+
+/// The downwind difference of the arriving wave in the outermost cell, over the upwind one: one half. With it that
+/// wave leads by ¾ of its one-sided slope. With all of it (one) a sweep may increase the energy; up to 0.75 no state
+/// was found in which it does.
+fn downwind_of_upwind<N: Number>() -> N {
+    N::HALF
+}
+
+/// The ghosts beyond an end (0 towards smaller coordinates, 1 towards greater ones), the nearest first, from the two
+/// outermost cells and what [`Mirror::face`] gives.
+///
+/// With O the wave that arrives and I the one that leaves, in cells 0 and 1 from the side, the face sees
+/// O* = O₀ + lead(O₀ − O₁, ½(O₀ − O₁)) and by the condition I* = ½(σ_s − σ_v) O* + 2g_s ∓ 2z g_v. The nearest ghost
+/// has O₀ + ½(O₀ − O₁) and I*; the farther one I₀, so that I does not lead in the nearest.
+#[inline(always)]
+pub(crate) fn ghosts<N: Number>(
+    [own, behind]: [State<N>; 2],
+    [sign_v, shift_v, sign_s, shift_s, one_sided]: [N; 5],
+    end: usize,
+    cell: &Cell<N>,
+    slopes: Slopes,
+) -> [State<N>; GHOSTS] {
+    let (near, far) = (Waves::of(own, cell), Waves::of(behind, cell));
+    let is_lower = end == 0;
+    let (arriving, arriving_behind) =
+        if is_lower { (near.left, far.left) } else { (near.right, far.right) };
+    let leaving = if is_lower { near.right } else { near.left };
+    let upwind = arriving - arriving_behind;
+    let downwind = downwind_of_upwind::<N>() * upwind;
+    let at_face = arriving + slopes.lead([upwind, downwind], cell);
+    let given = cell.impedance * shift_v;
+    let given = if is_lower { shift_s - given } else { shift_s + given };
+    let reflected = N::HALF * (sign_s - sign_v) * at_face + given;
+    let beyond = arriving + downwind;
+    let half_admittance = N::HALF / cell.impedance;
+    let (nearest, farther) = (
+        state_of(is_lower, [beyond, reflected], half_admittance),
+        state_of(is_lower, [beyond, leaving], half_admittance),
+    );
+    let images = (
+        State {
+            velocity: image([sign_v, shift_v], own.velocity),
+            stress: image([sign_s, shift_s], own.stress),
+        },
+        State {
+            velocity: image([sign_v, shift_v], behind.velocity),
+            stress: image([sign_s, shift_s], behind.stress),
+        },
+    );
+    [chosen(one_sided, nearest, images.0), chosen(one_sided, farther, images.1)]
+}
+
+/// The state of an arriving and a leaving wave.
+#[inline(always)]
+fn state_of<N: Number>(
+    is_lower: bool,
+    [arriving, leaving]: [N; 2],
+    half_admittance: N,
+) -> State<N> {
+    let difference = if is_lower { arriving - leaving } else { leaving - arriving };
+    State { velocity: half_admittance * difference, stress: N::HALF * (arriving + leaving) }
+}
+
+/// By weight 1 the first state, by weight 0 the second one, to the bit.
+#[inline(always)]
+fn chosen<N: Number>(weight: N, one: State<N>, other: State<N>) -> State<N> {
+    let rest = N::ONE - weight;
+    State {
+        velocity: weight * one.velocity + rest * other.velocity,
+        stress: weight * one.stress + rest * other.stress,
+    }
 }

@@ -205,7 +205,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
             let own = |load: &&Load| (load.axis, load.end) == (axis, end);
             let loads: Vec<&Load> = problem.loads.iter().filter(own).collect();
             let pairs = media[0].pairs[axis].len();
-            let mut mirror = Mirror::new(boundary, pairs, (&faces, groups), !loads.is_empty());
+            let is_loaded = !loads.is_empty();
+            let slopes = problem.scheme.slopes;
+            let mut mirror = Mirror::new(boundary, pairs, (&faces, groups), is_loaded, slopes);
             loads.into_iter().for_each(|load| mirror.add(load, &faces));
             Side::Mirror(mirror)
         };

@@ -1,12 +1,12 @@
 //! Sweeps along the axes, what lies beyond their ends, and the work done there.
 
 use super::{CHUNK, Domain, Tile};
-use crate::kernel::{Lines, MOST_SHARE, Stop, Wave};
-use crate::line::{self, Account, Cell, GHOSTS, State};
+use crate::kernel::{Lines, MOST_SHARE, Stop, Table, Wave};
+use crate::line::{self, Account, Cell, GHOSTS, Slopes, State};
 use crate::problem::Detail;
 use crate::real::{Group, Real, Vector, Work};
 use crate::row::Rows;
-use crate::side::{Mirror, Side, shown};
+use crate::side::{Mirror, Side, ghosts, image};
 use std::ops::Range;
 
 /// Lines that are called for ahead of the one at hand, by axis; along rows the next row is.
@@ -136,6 +136,10 @@ impl<T: Real, const D: usize> Domain<T, D> {
             size,
             ghosts: self.layers() * self.rows * size,
             apart: CHUNK * size,
+            group: bundle.first.group,
+            table: &self.table,
+            patterns: &self.patterns,
+            slopes: self.scheme.slopes,
         }
     }
 
@@ -298,28 +302,49 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let Bundle { axis, half, count, lines, face, .. } = bundle;
         let sides = &self.sides[half][axis];
         let mut data = std::mem::take(&mut self.data);
-        for depth in 0..GHOSTS {
+        let places: [[Stop; 2]; GHOSTS] = std::array::from_fn(|depth| {
             let end_seen = if matches!(sides[end], Side::Periodic) { 1 - end } else { end };
             let seen = [depth % count, count - 1 - depth % count][end_seen];
-            let [own, ghost] = [seen as isize, bundle.beyond(depth)[end]]
-                .map(|place| self.stop_at(bundle, 0, place));
-            if !self.alike[axis].is_empty() {
+            [seen as isize, bundle.beyond(depth)[end]].map(|place| self.stop_at(bundle, 0, place))
+        });
+        if !self.alike[axis].is_empty() {
+            for [own, ghost] in places {
                 for line in 0..lines {
                     let [own, ghost] = [own, ghost].map(|stop| stop.of_line(line, bundle.across));
                     self.patterns[ghost.group] = self.patterns[own.group];
                 }
             }
-            // A single cell is seen through the other mirror.
-            let through =
-                if depth < count { [None, Some(end)] } else { [Some(1 - end), Some(end)] };
-            self.instructions.run::<T>(FillEnd {
-                data: &mut data,
-                waves: &self.waves[axis],
-                mirrors: through.map(|end| sides[end?].mirror()),
-                places: [own.data, ghost.data],
-                lines,
-                face,
-            });
+        }
+        match sides[end].mirror() {
+            Some(mirror) if mirror.is_one_sided && count >= GHOSTS => {
+                self.instructions.run::<T>(FillOneSided {
+                    data: &mut data,
+                    waves: &self.waves[axis],
+                    mirror,
+                    end,
+                    places: places.map(|[own, ghost]| [own.data, ghost.data]),
+                    lines,
+                    face,
+                    table: &self.table,
+                    patterns: &self.patterns[places[0][0].group..],
+                    slopes: self.scheme.slopes,
+                });
+            }
+            _ => {
+                for (depth, [own, ghost]) in places.into_iter().enumerate() {
+                    // A single cell is seen through the other mirror.
+                    let through =
+                        if depth < count { [None, Some(end)] } else { [Some(1 - end), Some(end)] };
+                    self.instructions.run::<T>(FillEnd {
+                        data: &mut data,
+                        waves: &self.waves[axis],
+                        mirrors: through.map(|end| sides[end?].mirror()),
+                        places: [own.data, ghost.data],
+                        lines,
+                        face,
+                    });
+                }
+            }
         }
         self.data = data;
     }
@@ -394,18 +419,13 @@ impl<T: Real, const D: usize> Domain<T, D> {
             return;
         }
         let (length, lanes) = self.length(bundle);
-        let first = [-2, length as isize - 2][end];
         for line in (0..lines).flat_map(|line| (0..lanes).map(move |lane| (line, lane))) {
             if !self.has_cells(bundle, line.0, line.1) {
                 continue;
             }
             let outermost = self.place_of(bundle, line, [0, length - 1][end]).0.group;
             for pair in 0..self.waves[axis].len() {
-                let four = [0, 1, 2, 3].map(|i| self.read(bundle, line, first + i, pair));
-                let cells = [four[1].1, four[2].1];
-                let work = line::work_between(four.map(|own| own.0), cells, self.scheme.slopes);
-                let inflow = if end == 0 { -work } else { work };
-                let inflow = self.face_time(axis) * inflow;
+                let inflow = self.face_time(axis) * self.work_at(bundle, line, pair, end);
                 let layer = match axis + 1 == D {
                     true => self.layers() + end,
                     false => outermost / self.across,
@@ -413,6 +433,26 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 self.ledgers[half][layer].inflow += inflow;
             }
         }
+    }
+
+    /// Power per area that a side does work with at an end of a line whose ghosts are filled, W/m², positive inwards.
+    fn work_at(&self, bundle: Bundle, line: (usize, usize), pair: usize, end: usize) -> f64 {
+        let Bundle { axis, half, .. } = bundle;
+        let face = match axis {
+            0 => {
+                ((bundle.face + line.0) / T::Lanes::COUNT, (bundle.face + line.0) % T::Lanes::COUNT)
+            }
+            _ => (bundle.face + line.0, line.1),
+        };
+        match &self.sides[half][axis][end] {
+            Side::Mirror(mirror) if mirror.works_on(pair, face) => {}
+            _ => return 0.0,
+        }
+        let first = [-2, self.length(bundle).0 as isize - 2][end];
+        let four = [0, 1, 2, 3].map(|i| self.read(bundle, line, first + i, pair));
+        let cells = [four[1].1, four[2].1];
+        let work = line::work_between(four.map(|own| own.0), cells, self.scheme.slopes);
+        if end == 0 { -work } else { work }
     }
 
     /// The sweep line by line and cell by cell, with its account.
@@ -437,6 +477,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 self.buffer.stress[i] = state.stress;
                 self.buffer.cells[i] = cell;
             }
+            let works = [0, 1].map(|end| self.work_at(bundle, line, pair, end));
             let super::Buffer { velocity, stress, cells, accounts, .. } = &mut self.buffer;
             let accounts = &mut accounts[..length];
             accounts.fill(Account::default());
@@ -458,15 +499,17 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     *value = *value + ratio * change;
                 }
                 let account = self.buffer.accounts[i];
-                // What crosses a cut, or comes round, stays inside.
-                let is_outside =
-                    |end: usize| matches!(self.sides[half][axis][end], Side::Mirror(_));
+                // What crosses a cut, or comes round, stays inside. At a side the work is that of the means; what the
+                // change of the waves during the step does to the energy beside it is the scheme's.
                 let ends = [i == 0, i + 1 == length];
-                let is_edge = (0..2).any(|end| ends[end] && is_outside(end));
+                let is_edge = (0..2)
+                    .any(|end| ends[end] && matches!(self.sides[half][axis][end], Side::Mirror(_)));
                 let ledger = &mut self.ledgers[half][layer];
-                ledger.inflow += if is_edge { unit * account.inflow } else { 0.0 };
+                let work: f64 = (0..2).filter(|end| ends[*end]).map(|end| works[end]).sum();
+                let beside = if is_edge { account.inflow - work } else { 0.0 };
+                ledger.inflow += unit * work;
                 ledger.gained += unit * account.gained;
-                ledger.lost += unit * account.lost;
+                ledger.lost += unit * (account.lost - beside);
             }
         }
     }
@@ -484,8 +527,7 @@ impl<T: Real> Work<T> for Fill<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
         for (pair, wave) in self.waves.iter().enumerate() {
-            let places = [wave.velocity, wave.stress];
-            self.rows.fill::<V>(self.data, places, pair, 0..self.count);
+            self.rows.fill::<V>(self.data, wave, pair, 0..self.count);
         }
     }
 }
@@ -512,9 +554,9 @@ impl<T: Real> Work<T> for FillEnd<'_, T> {
                 let mut seen =
                     State { velocity: V::load(&group[velocity]), stress: V::load(&group[stress]) };
                 for mirror in mirrors.into_iter().flatten() {
-                    let [v, a, s, b] = mirror.face(pair, face + line);
-                    seen.velocity = shown([V::load(v), V::load(a)], seen.velocity);
-                    seen.stress = shown([V::load(s), V::load(b)], seen.stress);
+                    let [v, a, s, b, _] = mirror.face(pair, face + line);
+                    seen.velocity = image([V::load(v), V::load(a)], seen.velocity);
+                    seen.stress = image([V::load(s), V::load(b)], seen.stress);
                 }
                 let group = &mut data[ghost + line..];
                 seen.velocity.store(&mut group[velocity]);
@@ -522,4 +564,50 @@ impl<T: Real> Work<T> for FillEnd<'_, T> {
             }
         }
     }
+}
+
+/// The ghosts beyond an end of lines that lie side by side, where some wave is reconstructed from its own side.
+struct FillOneSided<'a, T: Real> {
+    data: &'a mut [T::Lanes],
+    waves: &'a [Wave],
+    mirror: &'a Mirror<T>,
+    end: usize,
+    /// By depth where the fields of the first line's cell begin, and those of its ghost; the other lines follow group
+    /// by group.
+    places: [[usize; 2]; GHOSTS],
+    lines: usize,
+    face: usize,
+    table: &'a Table<T>,
+    /// From the outermost group of the first line on.
+    patterns: &'a [u32],
+    slopes: Slopes,
+}
+
+impl<T: Real> Work<T> for FillOneSided<'_, T> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let Self { data, waves, mirror, end, places, lines, face, table, patterns, slopes } = self;
+        let [[own, ghost], [behind, farther]] = places;
+        for (pair, wave) in waves.iter().enumerate() {
+            for line in 0..lines {
+                let cell: Cell<V> = Cell::load(table.cell(patterns[line], wave));
+                let [v, a, s, b, one_sided] = mirror.face(pair, face + line);
+                let mirror = [V::load(v), V::load(a), V::load(s), V::load(b), V::load(one_sided)];
+                let outermost =
+                    [state_at(&data[own + line..], wave), state_at(&data[behind + line..], wave)];
+                let [one, two] = ghosts(outermost, mirror, end, &cell, slopes);
+                for (place, state) in [(ghost, one), (farther, two)] {
+                    let group = &mut data[place + line..];
+                    state.velocity.store(&mut group[wave.velocity]);
+                    state.stress.store(&mut group[wave.stress]);
+                }
+            }
+        }
+    }
+}
+
+/// The velocity and the stress of a wave in a group.
+#[inline(always)]
+fn state_at<T: Real, V: Vector<T>>(group: &[T::Lanes], wave: &Wave) -> State<V> {
+    State { velocity: V::load(&group[wave.velocity]), stress: V::load(&group[wave.stress]) }
 }
