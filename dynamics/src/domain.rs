@@ -21,6 +21,15 @@
 //! what is smaller than 1.3·10⁻²⁶: many processors are slow with numbers below the normal ones, and tails of waves would
 //! be full of them. No ledger notes what goes with it.
 //!
+//! Where sweeps alternate ([`Splitting::Alternating`](crate::problem::Splitting)) the step is
+//!
+//! ```text
+//! U ← x y z  then  K √Q x √Q K  then  z y,
+//! ```
+//!
+//! with x by a quarter of a step at the very beginning. With X = x² this is (√x … x … √x)ⁿ but for the last √x, which
+//! `complete` adds to what is shown of cells. Every factor keeps or lowers the energy here, too.
+//!
 //! A row along the first axis is folded into as many lanes as fill a line of the cache: of G groups the cell
 //! x is in group x mod G and lane x div G, so that cells follow each other lane by lane. A row holds its fields one
 //! after the other, each with all groups. Behind the last cell two ghosts stand in the row itself, and there are two
@@ -43,6 +52,7 @@
 //! before the last ones do. What is in them after it does not matter.
 
 mod build;
+mod complete;
 mod local;
 mod plastic;
 mod sweep;
@@ -55,7 +65,8 @@ use crate::medium::{Medium, component};
 use crate::problem::{DomainError, Grid, Placement, Problem, Scheme};
 use crate::real::{Group, Number, Real};
 use crate::row::RowEnds;
-use crate::side::Side;
+use crate::side::{Side, set_time};
+use local::combined;
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
 use plastic::Sets;
@@ -89,6 +100,9 @@ const _: () = assert!(CHUNK >= 2 * STEPS * GHOSTS);
 pub(crate) fn most_steps<const D: usize>(layers: usize) -> usize {
     if D == 2 { (layers / HALO).clamp(1, STEPS) } else { 1 }
 }
+
+/// Fields at most: three velocities, three spins and nine stresses and couple stresses each.
+const MOST_FIELDS: usize = 24;
 
 /// Bytes of rows of layers that come in together, so that they stay in a core's own cache while they go through the
 /// step.
@@ -209,6 +223,8 @@ pub struct Domain<T: Real, const D: usize> {
     scheme: Scheme,
     instructions: Instructions,
     waves: [Vec<Wave>; D],
+    /// Along the first axis by a quarter of a step, where sweeps alternate; else none.
+    quarter_waves: Vec<Wave>,
     table: Table<T>,
     /// By pattern: a whole and a half of Q.
     turns: Vec<[Turn<T::Lanes>; 2]>,
@@ -240,6 +256,9 @@ pub struct Domain<T: Real, const D: usize> {
     data: Vec<T::Lanes>,
     /// As they are in the half steps of a pass.
     sides: Vec<[[Side<T>; 2]; D]>,
+    /// Where sweeps alternate those of the first axis, as they are in the quarter step that completes each step of a
+    /// pass.
+    closing_sides: Vec<[Side<T>; 2]>,
     kicks: Vec<Kick>,
     acceleration: [f64; D],
     initial_stress: Option<(usize, Vec<Stress>)>,
@@ -462,12 +481,13 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// [`Self::most_steps`].
     pub(crate) fn pass(&mut self, steps: usize, neighbours: &mut impl Halo<T::Lanes>) {
         debug_assert!((1..=self.most_steps).contains(&steps));
-        if self.steps == 0 {
-            self.integrate(0..self.layers(), 0.5);
+        if self.steps == 0 && !self.scheme.alternates() {
+            let all = 0..self.layers() * self.layer();
+            self.integrate(all, 0.5);
         }
-        self.set_times(steps);
         self.steps += steps;
         self.pass_steps = steps;
+        self.set_times();
         let rows = self.rows;
         let mut come = 0;
         while come < rows {
@@ -521,7 +541,10 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 });
                 self.advance_layers(&layers, &needed, block, 2 * step);
                 if block.end == rows {
-                    self.integrate(layers[2].clone(), 1.0);
+                    if !self.scheme.alternates() {
+                        let layer = self.layer();
+                        self.integrate(layers[2].start * layer..layers[2].end * layer, 1.0);
+                    }
                     self.record(layers[2].clone(), step);
                 }
                 come = ready[2];
@@ -529,16 +552,40 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Sides and sources as they are in the steps to come.
-    fn set_times(&mut self, steps: usize) {
-        for half in 0..2 * steps {
-            let start = (self.steps + half / 2) as f64 * self.step;
-            let end = (self.steps + half / 2 + 1) as f64 * self.step;
+    /// Whether this half step of the pass is the first of all.
+    fn is_first(&self, half: usize) -> bool {
+        half == 0 && self.steps == self.pass_steps
+    }
+
+    /// The waves of a sweep along an axis.
+    fn waves_of(&self, axis: usize, half: usize) -> &[Wave] {
+        match self.scheme.alternates() && axis == 0 && self.is_first(half) {
+            true => &self.quarter_waves,
+            false => &self.waves[axis],
+        }
+    }
+
+    /// Sides and sources as they are in the steps of the pass.
+    fn set_times(&mut self) {
+        let before = self.steps - self.pass_steps;
+        for half in 0..2 * self.pass_steps {
+            let start = (before + half / 2) as f64 * self.step;
+            let end = (before + half / 2 + 1) as f64 * self.step;
             let middle = start + 0.5 * self.step;
             let [from, to] = [[start, middle], [middle, end]][half % 2];
-            for side in self.sides[half].iter_mut().flatten() {
-                if let Side::Mirror(mirror) = side {
-                    mirror.set_time(start + [0.25, 0.75][half % 2] * self.step);
+            for sides in &mut self.sides[half] {
+                set_time(sides, start + [0.25, 0.75][half % 2] * self.step);
+            }
+            if self.scheme.alternates() {
+                // The middle of each sweep along the first axis.
+                let time = match half % 2 {
+                    0 if self.is_first(half) => start + 0.125 * self.step,
+                    0 => start,
+                    _ => middle,
+                };
+                set_time(&mut self.sides[half][0], time);
+                if half % 2 == 1 {
+                    set_time(&mut self.closing_sides[half / 2], end - 0.125 * self.step);
                 }
             }
             for kick in &mut self.kicks {
@@ -575,8 +622,20 @@ impl<T: Real, const D: usize> Domain<T, D> {
             // Parts of a row that are as long as each other.
             let length = self.groups.div_ceil(self.groups.div_ceil(TILE));
             for row in rows[1].clone() {
-                for start in (0..self.groups).step_by(length) {
-                    let tile = Tile { row, groups: start..self.groups.min(start + length) };
+                let tiles = (0..self.groups).step_by(length);
+                let all = self.groups;
+                let tiles = tiles.map(|start| Tile { row, groups: start..all.min(start + length) });
+                if self.scheme.alternates() {
+                    for tile in tiles.clone() {
+                        self.sweep_last(&layers[0], &ends[0], &tile, first);
+                    }
+                    self.sweep_middle(&layers[1], row, first);
+                    for tile in tiles {
+                        self.sweep_last(&layers[1], &ends[1], &tile, second);
+                    }
+                    continue;
+                }
+                for tile in tiles {
                     self.sweep_last(&layers[0], &ends[0], &tile, first);
                     self.turn_and_kick(&layers[1], &tile, first);
                     self.sweep_last(&layers[1], &ends[1], &tile, second);
@@ -619,6 +678,37 @@ impl<T: Real, const D: usize> Domain<T, D> {
             self.rotate(layers, tile, 0);
         }
         self.kick(layers, tile, first + 1);
+    }
+
+    /// Where sweeps alternate, what stands between both sweeps along the last axis: K, half of Q, the sweep along a row,
+    /// half of Q, K. Integrals in time take the mean of the states before and after it, which is second order in the
+    /// middle of the step.
+    fn sweep_middle(&mut self, layers: &Range<usize>, row: usize, first: usize) {
+        let tile = Tile { row, groups: 0..self.groups };
+        self.kick(layers, &tile, first);
+        self.rotate(layers, &tile, 1);
+        self.integrate_row(layers, row);
+        if D == 2 {
+            // Layers are rows here.
+            self.sweep_rows_of(layers.clone(), first + 1);
+        } else {
+            for layer in layers.clone() {
+                let row = layer * self.rows + row;
+                self.sweep_rows_of(row..row + 1, first + 1);
+            }
+        }
+        self.integrate_row(layers, row);
+        self.rotate(layers, &tile, 1);
+        self.kick(layers, &tile, first + 1);
+    }
+
+    /// Half a step of the integrals in time in a row of some layers.
+    fn integrate_row(&mut self, layers: &Range<usize>, row: usize) {
+        let length = self.grid.cells[0];
+        for layer in layers.clone() {
+            let row = layer * self.rows + row;
+            self.integrate(row * length..(row + 1) * length, 0.5);
+        }
     }
 
     /// Whether a layer is in the halo of this part, or may be in a neighbour's.
@@ -689,7 +779,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// The integrals in time of the problem in a cell, m or rad.
     pub(crate) fn integrals(&self, cell: usize) -> impl Iterator<Item = f64> {
-        let last = 0.5 * self.step;
+        // Of the trapezoidal rule; where sweeps alternate the rule is that of midpoints.
+        let last = if self.scheme.alternates() { 0.0 } else { 0.5 * self.step };
         let is_under_way = self.steps > 0;
         let cell = cell + self.own_cells().start;
         self.integrals.iter().map(move |(place, sums)| match is_under_way {
@@ -764,8 +855,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let first = self.own_cells().start;
         let [from, to] = [layers.start, layers.end]
             .map(|layer| self.watched.partition_point(|cell| first + cell < layer * self.layer()));
+        let sides = self.closing_sides.get(step).unwrap_or(&self.sides[0][0]);
         for &cell in &self.watched[from..to] {
-            self.show(cell, &mut records);
+            self.show_between(cell, sides, &mut records);
         }
         self.records[step] = records;
     }
@@ -778,12 +870,17 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// Appends all fields of a cell as they are shown: the whole stress, the initial one included, in its
     /// yield set. Behind them the integrals of the problem.
     pub fn show(&self, cell: usize, values: &mut Vec<f64>) {
-        let stress = self.medium(cell).project(&self.whole_stress(cell)).stress;
-        for (field, place) in self.places() {
-            values.push(match component(field, &stress) {
-                Some(value) => value,
-                None => self.at(cell + self.own_cells().start, place).wide(),
-            });
+        self.show_between(cell, &self.sides_now(), values);
+    }
+
+    /// The same with the sides that [`Self::sides_now`] gives, for many cells.
+    pub(crate) fn show_between(&self, cell: usize, sides: &[Side<T>; 2], values: &mut Vec<f64>) {
+        let own = self.completed(cell + self.own_cells().start, sides);
+        let stress = self.stress_of(&own);
+        let whole = combined(&stress, &self.initial_stress(cell + self.own_cells().start), 1.0);
+        let stress = self.medium(cell).project(&whole).stress;
+        for (&field, value) in self.fields().iter().zip(own) {
+            values.push(component(field, &stress).unwrap_or_else(|| value.wide()));
         }
         values.extend(self.integrals(cell));
     }

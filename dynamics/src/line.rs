@@ -26,7 +26,7 @@
 //! What is written here is arithmetic on [`Number`]s: [`sweep`] does it to a line, cell by cell, and
 //! keeps the account; [`crate::kernel`] does the same to many lines at once.
 
-use crate::real::{Number, Real, Vector};
+use crate::real::{Group, Number, Real, Vector};
 
 /// Cells beyond each end of a line that a sweep reads.
 pub const GHOSTS: usize = 2;
@@ -100,6 +100,21 @@ impl<T: Real> Cell<T> {
 }
 
 impl<V: Number> Cell<V> {
+    /// Those of a lane of a group.
+    #[inline(always)]
+    pub(crate) fn lane<T: Real>(&self, lane: usize) -> Cell<T>
+    where
+        V: Group<T>,
+    {
+        Cell {
+            impedance: self.impedance.lanes()[lane],
+            half_courant: self.half_courant.lanes()[lane],
+            to_velocity: self.to_velocity.lanes()[lane],
+            mean_slope: self.mean_slope.lanes()[lane],
+            steepest: self.steepest.lanes()[lane],
+        }
+    }
+
     /// Those of a group.
     #[inline(always)]
     pub(crate) fn load<T: Real>(from: &Cell<T::Lanes>) -> Self

@@ -31,6 +31,15 @@ impl<T: Real> Side<T> {
     }
 }
 
+/// Both sides of an axis as they are at a time.
+pub(crate) fn set_time<T: Real>(sides: &mut [Side<T>; 2], time: f64) {
+    for side in sides {
+        if let Side::Mirror(mirror) = side {
+            mirror.set_time(time);
+        }
+    }
+}
+
 /// Where a face stands: a group of faces, and a lane.
 pub(crate) type Slot = (usize, usize);
 

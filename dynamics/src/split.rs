@@ -323,8 +323,9 @@ impl<T: Real, const D: usize> Split<T, D> {
     /// Records all fields of the watched cells as they are.
     pub fn record(&mut self) {
         for part in &mut self.parts {
+            let sides = part.domain.sides_now();
             for &(_, cell) in &part.watched {
-                part.domain.show(cell, &mut part.records);
+                part.domain.show_between(cell, &sides, &mut part.records);
             }
         }
     }
@@ -340,9 +341,10 @@ impl<T: Real, const D: usize> Split<T, D> {
         let mut fields = vec![Vec::new(); self.width()];
         let mut state = Vec::new();
         for part in &self.parts {
+            let sides = part.domain.sides_now();
             for cell in 0..part.domain.grid().count() {
                 state.clear();
-                part.domain.show(cell, &mut state);
+                part.domain.show_between(cell, &sides, &mut state);
                 for (values, value) in fields.iter_mut().zip(&state) {
                     values.push(*value);
                 }

@@ -74,7 +74,7 @@ fn steps_allocate_nothing() {
     {
         let medium = Medium::isotropic(&solid, 2).yielding(set);
         let step = 2.0 * 0.1 / medium.greatest_speed();
-        let scheme = Scheme { slopes: Slopes::Limited, placement: Placement::Middle, detail };
+        let scheme = Scheme { detail, ..Scheme::new(Slopes::Limited, Placement::Middle) };
         let signal: wellposed_dynamics::boundary::Signal = Arc::new(f64::sin);
         let faces = vec![(2, 1.0)];
         let load = Load { axis: 0, end: 1, pair: 0, faces, signal: signal.clone() };

@@ -19,7 +19,7 @@ use wellposed_dynamics::boundary::{Boundary, Condition, Load, Signal, Source};
 use wellposed_dynamics::kernel::Instructions;
 use wellposed_dynamics::line::{HALO, Slopes};
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme, Splitting};
 use wellposed_dynamics::real::Real;
 use wellposed_dynamics::split::{Snapshot, Split};
 
@@ -181,7 +181,10 @@ fn problem<const D: usize>(chance: &mut Chance) -> Problem<D> {
     let step = chance.one_of(&[2.0, 1.9, 0.7]) * 0.1 / speed;
     let slopes =
         chance.one_of(&[Slopes::Godunov, Slopes::Limited, Slopes::Limited, Slopes::Unlimited]);
-    let scheme = Scheme::new(slopes, chance.one_of(&[Placement::Last, Placement::Middle]));
+    let scheme = Scheme {
+        splitting: chance.one_of(&[Splitting::TwoCyclic, Splitting::Alternating]),
+        ..Scheme::new(slopes, chance.one_of(&[Placement::Last, Placement::Middle]))
+    };
     let fields = media[0].fields.clone();
     let pairs: Vec<usize> = media[0].pairs.iter().map(Vec::len).collect();
     let mut problem = Problem::new(grid, media, medium_of_cell, sides, step, scheme);

@@ -71,7 +71,7 @@ fn everything(theory: Theory, set: YieldSet, placement: Placement) -> Problem<2>
     let left = Boundary::ByFace((0..pairs).map(|_| (0..10).map(mixed).collect()).collect());
     let sides = [[left, Boundary::NonReflecting], [Boundary::Fixed, Boundary::Free]];
     let step = 2.0 * 0.1 / media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
-    let scheme = Scheme { slopes: Slopes::Limited, placement, detail: Detail::Full };
+    let scheme = Scheme { detail: Detail::Full, ..Scheme::new(Slopes::Limited, placement) };
     let load = |axis: usize, end: usize, pair: usize, frequency: f64| Load {
         axis,
         end,

@@ -94,7 +94,7 @@ fn check<const D: usize>(theory: Theory, set: YieldSet, placement: Placement) {
         vec![0; cells],
         std::array::from_fn(|_| [Boundary::Free, Boundary::Free]),
         step,
-        Scheme { slopes: Slopes::Limited, placement, detail: Detail::Full },
+        Scheme { detail: Detail::Full, ..Scheme::new(Slopes::Limited, placement) },
     ))
     .expect("a sound domain");
     for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
@@ -278,7 +278,7 @@ fn at_once<const D: usize>(theory: Theory, set: YieldSet, seed: usize) {
         of_cell.clone(),
         std::array::from_fn(|_| [Boundary::Free, Boundary::Free]),
         0.01,
-        Scheme { slopes: Slopes::Limited, placement: Placement::Last, detail: Detail::Light },
+        Scheme { detail: Detail::Light, ..Scheme::new(Slopes::Limited, Placement::Last) },
     ))
     .expect("a sound domain");
     let size = |cell: usize| 10f64.powf(1.5 * noise((7 * cell + seed) as u64));

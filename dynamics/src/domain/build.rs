@@ -127,7 +127,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
         let mut constants = Vec::new();
         let mut ratios = Vec::new();
-        let mut wave = |axis: usize, pair: usize| {
+        let mut wave = |axis: usize, pair: usize, sweep: f64| {
             // What follows in any medium, in the others by a ratio of zero.
             let all = media.iter().flat_map(|medium| &medium.pairs[axis][pair].followers);
             let mut followers: Vec<usize> = all.filter_map(|(field, _)| index(*field)).collect();
@@ -137,7 +137,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 .iter()
                 .map(|medium| {
                     let own = &medium.pairs[axis][pair];
-                    let courant = own.speed() * (0.5 * problem.step / whole.spacing[axis]);
+                    let courant = own.speed() * (sweep * problem.step / whole.spacing[axis]);
                     Cell::new(own.impedance(), courant.min(1.0))
                 })
                 .collect();
@@ -158,8 +158,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
             }
         };
         let waves: [Vec<Wave>; D] = std::array::from_fn(|axis| {
-            (0..media[0].pairs[axis].len()).map(|pair| wave(axis, pair)).collect()
+            (0..media[0].pairs[axis].len()).map(|pair| wave(axis, pair, 0.5)).collect()
         });
+        let alternates = problem.scheme.alternates();
+        let pairs = (0..media[0].pairs[0].len()).filter(|_| alternates);
+        let quarter_waves: Vec<Wave> = pairs.map(|pair| wave(0, pair, 0.25)).collect();
 
         let mut known = Patterns::default();
         let is_periodic = problem.boundaries[0][0] == Boundary::Periodic;
@@ -245,7 +248,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let is_plastic = media.iter().any(|medium| medium.yields.is_some());
         // In a pass of one step a halo goes as far as the second sweep along the last axis, which reads its own fields
         // and what has been turned with them. Further steps read all, and so does a correction before that sweep.
-        let whole_state = D == 2 || (is_plastic && problem.scheme.placement == Placement::Middle);
+        let whole_state =
+            D == 2 || alternates || (is_plastic && problem.scheme.placement == Placement::Middle);
         let read = |place: &usize| {
             waves[D - 1].iter().any(|wave| [wave.velocity, wave.stress].contains(place))
         };
@@ -315,6 +319,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             scheme: problem.scheme,
             instructions: Instructions::best(),
             waves,
+            quarter_waves,
             table: Table { cells: Vec::new(), waves: 0, ratios: Vec::new(), followers: 0 },
             turns: Vec::new(),
             yields: Vec::new(),
@@ -333,6 +338,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 1 => Vec::new(),
                 _ => rows.iter().map(|row| row.1).collect(),
             },
+            closing_sides: vec![sides[0].clone(); if alternates { most_steps } else { 0 }],
             sides: vec![sides; halves],
             kicks: kicks.collect(),
             acceleration: problem.acceleration,

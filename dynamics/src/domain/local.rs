@@ -1,7 +1,7 @@
 //! What a step does to cells on their own: sources, gravity, rotation, correction; and sums over them.
 
 use super::plastic::Correct;
-use super::{Domain, Tile, Turn};
+use super::{Domain, MOST_FIELDS, Tile, Turn};
 use crate::ledger::Energy;
 use crate::medium::component;
 use crate::real::{Group, MOST_LANES, Real, Vector, Work};
@@ -22,13 +22,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
         (x < self.grid.cells[0]).then(|| row * self.grid.cells[0] + x)
     }
 
-    /// Adds to the integrals in time by the trapezoidal rule.
-    pub(super) fn integrate(&mut self, layers: Range<usize>, steps: f64) {
+    /// Adds so many steps to the integrals in time of some cells.
+    pub(super) fn integrate(&mut self, cells: Range<usize>, steps: f64) {
         let mut integrals = std::mem::take(&mut self.integrals);
-        let layer = self.layer();
         for (place, sums) in &mut integrals {
-            let cells = layers.start * layer..layers.end * layer;
-            for (sum, cell) in sums[cells.clone()].iter_mut().zip(cells) {
+            for (sum, cell) in sums[cells.clone()].iter_mut().zip(cells.clone()) {
                 *sum += steps * self.step * self.at(cell, *place).wide();
             }
         }
@@ -95,9 +93,18 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// The stress in a cell without the initial one.
     fn stress(&self, cell: usize) -> Stress {
+        let mut values = [T::ZERO; MOST_FIELDS];
+        for (value, (_, place)) in values.iter_mut().zip(self.places()) {
+            *value = self.at(cell, place);
+        }
+        self.stress_of(&values)
+    }
+
+    /// The stress of a state.
+    pub(super) fn stress_of(&self, values: &[T; MOST_FIELDS]) -> Stress {
         let mut stress = Stress::default();
-        for (field, place) in self.places() {
-            let value = self.at(cell, place).wide();
+        for (&field, value) in self.fields().iter().zip(values) {
+            let value = value.wide();
             match field {
                 Field::Stress(i, j) => {
                     stress.force[i][j] = value;
@@ -114,7 +121,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
     }
 
     /// The initial stress in a cell.
-    fn initial_stress(&self, cell: usize) -> Stress {
+    pub(super) fn initial_stress(&self, cell: usize) -> Stress {
         let Some((axis, layers)) = &self.initial_stress else { return Stress::default() };
         let stride: usize = self.grid.cells[..*axis].iter().product();
         layers[cell / stride % layers.len()]
@@ -263,7 +270,7 @@ fn push<T: Real>(value: &mut T, change: f64) -> f64 {
 }
 
 /// a + factor·b.
-fn combined(a: &Stress, b: &Stress, factor: f64) -> Stress {
+pub(super) fn combined(a: &Stress, b: &Stress, factor: f64) -> Stress {
     let part = |a: [[f64; 3]; 3], b: [[f64; 3]; 3]| -> [[f64; 3]; 3] {
         std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + factor * b[i][j]))
     };

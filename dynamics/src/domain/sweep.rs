@@ -54,7 +54,7 @@ impl Bundle {
 /// Sweeps, their ghosts and their work.
 impl<T: Real, const D: usize> Domain<T, D> {
     /// Goes on with a half step of the pass along all axes but the last one, in a layer across that: in their order
-    /// in the first half of a step, and in the second one in the other. Rows come through the stages of
+    /// in the first half of a step, and in the second one in the other, without the first axis where sweeps alternate. Rows come through the stages of
     /// [`Self::advance_layers`].
     pub(super) fn sweep_layer(
         &mut self,
@@ -64,14 +64,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
     ) {
         let (groups, first_row) = (self.groups, layer * self.rows);
         let is_second = half % 2 == 1;
-        let sweep_rows = |domain: &mut Self, rows: &Range<usize>| {
-            for start in rows.clone().step_by(CHUNK) {
-                let end = rows.end.min(start + CHUNK);
-                domain.sweep_rows(first_row + start..first_row + end, half);
-            }
-        };
+        let of_layer = |rows: &Range<usize>| first_row + rows.start..first_row + rows.end;
         if !is_second {
-            sweep_rows(self, come);
+            self.sweep_rows_of(of_layer(come), half);
         }
         if D == 3 {
             let bundle = Bundle {
@@ -87,8 +82,15 @@ impl<T: Real, const D: usize> Domain<T, D> {
             };
             self.sweep_on(bundle, [come, middle][half % 2].clone());
         }
-        if is_second {
-            sweep_rows(self, last);
+        if is_second && !self.scheme.alternates() {
+            self.sweep_rows_of(of_layer(last), half);
+        }
+    }
+
+    /// Half a step along the first axis in rows that follow each other.
+    pub(super) fn sweep_rows_of(&mut self, rows: Range<usize>, half: usize) {
+        for start in rows.clone().step_by(CHUNK) {
+            self.sweep_rows(start..rows.end.min(start + CHUNK), half);
         }
     }
 
@@ -146,7 +148,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// The ghosts of rows. The walk along them does it by itself.
     fn fill_rows(&mut self, bundle: Bundle) {
         let mut data = std::mem::take(&mut self.data);
-        let (waves, rows) = (&self.waves[0], self.rows_of(bundle));
+        let (waves, rows) = (self.waves_of(0, bundle.half), self.rows_of(bundle));
         let fill = Fill { data: &mut data, waves, rows, count: bundle.lines };
         self.instructions.run::<T>(fill);
         self.data = data;
@@ -211,10 +213,10 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let fields = self.fields().len();
         let next = LINES_AHEAD[axis].unwrap_or(self.row_size());
         let later = self.later(bundle);
-        let waves = &self.waves[axis];
-        let before = bundle.carried * waves.len();
+        let before = bundle.carried * self.waves[axis].len();
         let mut carried = std::mem::take(&mut self.buffer.carried[axis][half]);
         let mut data = std::mem::take(&mut self.data);
+        let waves = self.waves_of(axis, half);
         let lines = Lines {
             data: &mut data,
             fields,
@@ -385,7 +387,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         place: isize,
         pair: usize,
     ) -> (State<T>, Cell<T>) {
-        let wave = &self.waves[bundle.axis][pair];
+        let wave = &self.waves_of(bundle.axis, bundle.half)[pair];
         // Behind a row its ghosts stand in it.
         let (length, beyond) = match bundle.axis {
             0 => (self.grid.cells[0], GHOSTS),
@@ -397,19 +399,15 @@ impl<T: Real, const D: usize> Domain<T, D> {
         };
         let state = self.state((stop, lane), wave);
         let cell = self.table.cell(self.patterns[stop.group], wave);
-        let constants = Cell {
-            impedance: cell.impedance.lanes()[lane],
-            half_courant: cell.half_courant.lanes()[lane],
-            to_velocity: cell.to_velocity.lanes()[lane],
-            mean_slope: cell.mean_slope.lanes()[lane],
-            steepest: cell.steepest.lanes()[lane],
-        };
-        (state, constants)
+        (state, cell.lane(lane))
     }
 
     /// A face times the time of a sweep: accounts are powers per area.
-    fn face_time(&self, axis: usize) -> f64 {
-        self.grid.volume() / self.grid.spacing[axis] * 0.5 * self.step
+    fn face_time(&self, axis: usize, half: usize) -> f64 {
+        let is_quarter = self.scheme.alternates() && axis == 0 && self.is_first(half);
+        self.grid.volume() / self.grid.spacing[axis]
+            * if is_quarter { 0.25 } else { 0.5 }
+            * self.step
     }
 
     /// Adds the work at an end of lines that their sweep is about to do.
@@ -425,7 +423,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             }
             let outermost = self.place_of(bundle, line, [0, length - 1][end]).0.group;
             for pair in 0..self.waves[axis].len() {
-                let inflow = self.face_time(axis) * self.work_at(bundle, line, pair, end);
+                let inflow = self.face_time(axis, half) * self.work_at(bundle, line, pair, end);
                 let layer = match axis + 1 == D {
                     true => self.layers() + end,
                     false => outermost / self.across,
@@ -468,7 +466,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
     fn sweep_line(&mut self, bundle: Bundle, line: (usize, usize)) {
         let Bundle { axis, half, .. } = bundle;
         let (length, _) = self.length(bundle);
-        let unit = self.face_time(axis);
+        let unit = self.face_time(axis, half);
         for pair in 0..self.waves[axis].len() {
             let end = length + 2 * GHOSTS;
             for i in 0..end {
