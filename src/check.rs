@@ -443,7 +443,7 @@ pub fn plan(case: &Case, extent: Extent) -> Plan {
     Plan {
         waves: waves.collect(),
         cells: cells.unwrap_or(default),
-        courant: time.map_or(1.0, |time| time.courant),
+        courant: time.map_or(crate::case::dynamics::COURANT, |time| time.courant),
         rotation: time.map_or(30.0, |time| time.rotation_deg).to_radians(),
     }
 }

@@ -5,7 +5,8 @@
 
 mod component;
 mod function;
-pub(super) mod read;
+pub(crate) mod read;
+pub(crate) use read::COURANT;
 mod write;
 
 pub use component::Component;
@@ -111,6 +112,8 @@ pub struct Scheme {
     pub order: Order,
     /// Accuracy in time of plastic flow.
     pub correction: Correction,
+    /// Order of the sweeps.
+    pub splitting: Splitting,
     /// Numbers of the state.
     pub precision: Precision,
     /// What is kept of the energy.
@@ -153,6 +156,16 @@ words! {
         Eno2 = "eno2",
         /// First order.
         Godunov = "godunov"
+    }
+}
+
+words! {
+    /// Order of the sweeps of a step.
+    Splitting {
+        /// Those along the first axis alternate with the others.
+        Alternating = "alternating",
+        /// Forth and back through all axes.
+        TwoCyclic = "two-cyclic"
     }
 }
 

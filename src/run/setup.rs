@@ -4,7 +4,7 @@ use crate::Error;
 use crate::case::dynamics::{
     Action, Centre, Component, Condition as SideKind, Correction, Dynamics, Initial,
     Ledger as LedgerKind, Load as SideLoad, Order, Side, SideCondition, Source as Inside,
-    SourceKind,
+    SourceKind, Splitting as Sweeps,
 };
 use crate::case::{Case, CaseError, Wave};
 use crate::solid::{Elastic, elastic_and_set, normal};
@@ -12,7 +12,7 @@ use analysis::waves::plane_waves;
 use dynamics::boundary::{Boundary, Condition, Load, Source};
 use dynamics::line::Slopes;
 use dynamics::medium::Medium;
-use dynamics::problem::{Detail, DomainError, Grid, Placement, Problem, Scheme};
+use dynamics::problem::{Detail, DomainError, Grid, Placement, Problem, Scheme, Splitting};
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
 use models::granular_flow::InputError;
@@ -162,6 +162,10 @@ impl<const D: usize> Setup<D> {
             placement: match dynamics.scheme.correction {
                 Correction::SecondOrder => Placement::Middle,
                 Correction::FirstOrder => Placement::Last,
+            },
+            splitting: match dynamics.scheme.splitting {
+                Sweeps::Alternating => Splitting::Alternating,
+                Sweeps::TwoCyclic => Splitting::TwoCyclic,
             },
             detail: match dynamics.scheme.ledger {
                 LedgerKind::Light => Detail::Light,

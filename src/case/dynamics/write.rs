@@ -25,6 +25,7 @@ impl Dynamics {
         text += &Resolved::default()
             .text("order", self.scheme.order.name())
             .text("correction", self.scheme.correction.name())
+            .text("splitting", self.scheme.splitting.name())
             .text("precision", self.scheme.precision.name())
             .text("ledger", self.scheme.ledger.name())
             .under("[scheme]");
