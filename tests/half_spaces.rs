@@ -322,7 +322,8 @@ fn pulse(cells: usize, sets: &[&str]) -> (Left, Results) {
 }
 
 /// Plastic zone, residual rotation and dissipated energy converge: on three grids, each of half the
-/// spacing, with the same load, the differences become smaller.
+/// spacing, with the same load, the differences become smaller. The load has edges in space and time, and fronts
+/// that a scheme spreads over more than a cell converge like √h at the least (Godunov 1959).
 #[test]
 fn a_pulse_converges() {
     let found = [60, 120, 240].map(|cells| {
@@ -346,7 +347,7 @@ fn a_pulse_converges() {
         let [coarse, middle, fine] = [0, 1, 2].map(|grid| kind(&found[grid]));
         let [first, second] = [middle - coarse, fine - middle];
         println!("differences {first:.3e}, {second:.3e}");
-        assert!(second.abs() < 0.7 * first.abs(), "{coarse} {middle} {fine}");
+        assert!(second.abs() < 0.8 * first.abs(), "{coarse} {middle} {fine}");
         // What is still missing, were the differences to go on like that, is little.
         assert!(second.abs() < 0.05 * fine.abs(), "{middle} {fine}");
     }

@@ -115,6 +115,19 @@ impl<V: Number> Cell<V> {
         }
     }
 
+    /// Sets those of a lane.
+    #[inline(always)]
+    pub(crate) fn set_lane<T: Real>(&mut self, lane: usize, own: &Cell<T>)
+    where
+        V: Group<T>,
+    {
+        self.impedance.lanes_mut()[lane] = own.impedance;
+        self.half_courant.lanes_mut()[lane] = own.half_courant;
+        self.to_velocity.lanes_mut()[lane] = own.to_velocity;
+        self.mean_slope.lanes_mut()[lane] = own.mean_slope;
+        self.steepest.lanes_mut()[lane] = own.steepest;
+    }
+
     /// Those of a group.
     #[inline(always)]
     pub(crate) fn load<T: Real>(from: &Cell<T::Lanes>) -> Self

@@ -1,7 +1,7 @@
 //! The ends of rows, which are folded into the lanes of groups: see [`crate::domain`].
 
 use crate::kernel::{Table, Wave};
-use crate::line::{Cell, GHOSTS, Slopes, State};
+use crate::line::{Cell, GHOSTS, State};
 use crate::real::{Group, Number, Real, Vector};
 use crate::side::{Side, Slot, ghosts, image};
 use std::ops::Range;
@@ -74,7 +74,6 @@ pub(crate) struct Rows<'a, T: Real> {
     pub(crate) table: &'a Table<T>,
     /// Of all groups.
     pub(crate) patterns: &'a [u32],
-    pub(crate) slopes: Slopes,
 }
 
 impl<T: Real> Rows<'_, T> {
@@ -94,58 +93,130 @@ impl<T: Real> Rows<'_, T> {
             Side::Mirror(_) => [first, last],
             Side::Periodic | Side::Cut => [last, first],
         };
-        let is_one_sided = self.is_one_sided(0) || self.is_one_sided(1);
+        if !self.ends.is_single && (self.is_one_sided(0) || self.is_one_sided(1)) {
+            return self.fill_one_sided::<V>(data, wave, pair, rows);
+        }
         for row in rows {
             let (group, lane) =
                 ((self.face + row) / T::Lanes::COUNT, (self.face + row) % T::Lanes::COUNT);
             let front: [V; 5] = splat(self.mirror(0, pair, group), lane);
             let back: [V; 5] = splat(self.mirror(1, pair, group), lane);
             let start = self.first + row * self.size;
-            let velocity = &data[start + wave.velocity..][..groups];
-            let near_v: [V; GHOSTS] = [seen(velocity, near[0]), seen(velocity, near[1])];
-            let far_v: [V; GHOSTS] = [seen(velocity, far[0]), seen(velocity, far[1])];
-            let stress = &data[start + wave.stress..][..groups];
-            let near_s: [V; GHOSTS] = [seen(stress, near[0]), seen(stress, near[1])];
-            let far_s: [V; GHOSTS] = [seen(stress, far[0]), seen(stress, far[1])];
-            let (mut front_v, mut back_v) =
-                (images([front[0], front[1]], near_v), images([back[0], back[1]], far_v));
-            let (mut front_s, mut back_s) =
-                (images([front[2], front[3]], near_s), images([back[2], back[3]], far_s));
-            if self.ends.is_single {
-                // A single cell is seen through the other mirror.
-                front_v[1] = image([front[0], front[1]], image([back[0], back[1]], near_v[1]));
-                back_v[1] = image([back[0], back[1]], image([front[0], front[1]], far_v[1]));
-                front_s[1] = image([front[2], front[3]], image([back[2], back[3]], near_s[1]));
-                back_s[1] = image([back[2], back[3]], image([front[2], front[3]], far_s[1]));
-            } else if is_one_sided {
-                let cell: Cell<V> = self.cell(row, first[0], wave);
-                let [one, two] = ghosts(pair_of(near_v, near_s), front, 0, &cell, self.slopes);
-                (front_v, front_s) = ([one.velocity, two.velocity], [one.stress, two.stress]);
-                let cell: Cell<V> = self.cell(row, last[0], wave);
-                let [one, two] = ghosts(pair_of(far_v, far_s), back, 1, &cell, self.slopes);
-                (back_v, back_s) = ([one.velocity, two.velocity], [one.stress, two.stress]);
+            for (place, [front, back]) in [
+                (wave.velocity, [[front[0], front[1]], [back[0], back[1]]]),
+                (wave.stress, [[front[2], front[3]], [back[2], back[3]]]),
+            ] {
+                let field = &data[start + place..][..groups];
+                let near: [V; GHOSTS] = [seen(field, near[0]), seen(field, near[1])];
+                let far: [V; GHOSTS] = [seen(field, far[0]), seen(field, far[1])];
+                let mut in_front = [image(front, near[0]), image(front, near[1])];
+                let mut beyond = [image(back, far[0]), image(back, far[1])];
+                if self.ends.is_single {
+                    // A single cell is seen through the other mirror.
+                    in_front[1] = image(front, image(back, near[1]));
+                    beyond[1] = image(back, image(front, far[1]));
+                }
+                self.place(data, place, row, [in_front, beyond]);
             }
-            self.place(data, wave.velocity, row, [front_v, back_v]);
-            self.place(data, wave.stress, row, [front_s, back_s]);
         }
+    }
+
+    /// The same where waves are reconstructed one-sidedly: as many rows at once as there are lanes.
+    #[inline(always)]
+    fn fill_one_sided<V: Vector<T>>(
+        &self,
+        data: &mut [T::Lanes],
+        wave: &Wave,
+        pair: usize,
+        rows: Range<usize>,
+    ) {
+        let mut start = rows.start;
+        while start < rows.end {
+            let end = rows.end.min(start + T::Lanes::COUNT);
+            let [front, back] = [
+                self.one_sided::<V>(data, wave, pair, start..end, 0),
+                self.one_sided::<V>(data, wave, pair, start..end, 1),
+            ];
+            for row in start..end {
+                let lane = row - start;
+                for (place, which) in [(wave.velocity, 0), (wave.stress, 1)] {
+                    let in_front = [
+                        V::all(front[which][0].lanes()[lane]),
+                        V::all(front[which][1].lanes()[lane]),
+                    ];
+                    let beyond = [
+                        V::all(back[which][0].lanes()[lane]),
+                        V::all(back[which][1].lanes()[lane]),
+                    ];
+                    self.place(data, place, row, [in_front, beyond]);
+                }
+            }
+            start = end;
+        }
+    }
+
+    /// Velocities and stresses of the ghosts at an end of some rows, a lane each.
+    #[inline(always)]
+    fn one_sided<V: Vector<T>>(
+        &self,
+        data: &[T::Lanes],
+        wave: &Wave,
+        pair: usize,
+        rows: Range<usize>,
+        end: usize,
+    ) -> [[T::Lanes; GHOSTS]; 2] {
+        let inside = self.ends.inside[end];
+        let mut mirror = [T::Lanes::ZERO; 5];
+        let mut velocity = [T::Lanes::ZERO; GHOSTS];
+        let mut stress = [T::Lanes::ZERO; GHOSTS];
+        // Any cell where there is no row.
+        let mut cell = *self.cell(rows.start, inside[0], wave);
+        for row in rows.clone() {
+            let (lane, face) = (row - rows.start, self.face + row);
+            let own = self.mirror(end, pair, face / T::Lanes::COUNT);
+            for (to, from) in mirror.iter_mut().zip(own) {
+                to.lanes_mut()[lane] = from.lanes()[face % T::Lanes::COUNT];
+            }
+            let start = self.first + row * self.size;
+            for (depth, &(group, from)) in inside.iter().enumerate() {
+                velocity[depth].lanes_mut()[lane] =
+                    data[start + wave.velocity + group].lanes()[from];
+                stress[depth].lanes_mut()[lane] = data[start + wave.stress + group].lanes()[from];
+            }
+        }
+        let from = inside[0].1;
+        for lane in 0..T::Lanes::COUNT {
+            let row = rows.start + lane.min(rows.len() - 1);
+            cell.set_lane(lane, &self.cell(row, inside[0], wave).lane(from));
+        }
+        let outermost = [
+            State { velocity: V::load(&velocity[0]), stress: V::load(&stress[0]) },
+            State { velocity: V::load(&velocity[1]), stress: V::load(&stress[1]) },
+        ];
+        let mirror = [
+            V::load(&mirror[0]),
+            V::load(&mirror[1]),
+            V::load(&mirror[2]),
+            V::load(&mirror[3]),
+            V::load(&mirror[4]),
+        ];
+        let [one, two] = ghosts(outermost, mirror, end, &Cell::load(&cell));
+        one.velocity.store(&mut velocity[0]);
+        two.velocity.store(&mut velocity[1]);
+        one.stress.store(&mut stress[0]);
+        two.stress.store(&mut stress[1]);
+        [velocity, stress]
     }
 
     fn is_one_sided(&self, end: usize) -> bool {
         matches!(&self.sides[end], Side::Mirror(mirror) if mirror.is_one_sided)
     }
 
-    /// The constants of the cell at a place of a row, in all lanes.
+    /// The constants of the group of a row where a cell is.
     #[inline(always)]
-    fn cell<V: Vector<T>>(&self, row: usize, (group, lane): Slot, wave: &Wave) -> Cell<V> {
+    fn cell(&self, row: usize, (group, _): Slot, wave: &Wave) -> &Cell<T::Lanes> {
         let pattern = self.patterns[self.group + row * self.ends.groups + group];
-        let cell = self.table.cell(pattern, wave);
-        Cell {
-            impedance: V::all(cell.impedance.lanes()[lane]),
-            half_courant: V::all(cell.half_courant.lanes()[lane]),
-            to_velocity: V::all(cell.to_velocity.lanes()[lane]),
-            mean_slope: V::all(cell.mean_slope.lanes()[lane]),
-            steepest: V::all(cell.steepest.lanes()[lane]),
-        }
+        self.table.cell(pattern, wave)
     }
 
     /// Sets to zero what is no cell in a field of a row: ghosts, and what the sweep made of them.
@@ -207,19 +278,6 @@ fn splat<T: Real, V: Vector<T>>(mirror: &[T::Lanes; 5], lane: usize) -> [V; 5] {
         *own = V::all(lanes.lanes()[lane]);
     }
     all
-}
-
-#[inline(always)]
-fn images<N: Number>(mirror: [N; 2], own: [N; GHOSTS]) -> [N; GHOSTS] {
-    [image(mirror, own[0]), image(mirror, own[1])]
-}
-
-#[inline(always)]
-fn pair_of<N: Number>(velocity: [N; GHOSTS], stress: [N; GHOSTS]) -> [State<N>; GHOSTS] {
-    [
-        State { velocity: velocity[0], stress: stress[0] },
-        State { velocity: velocity[1], stress: stress[1] },
-    ]
 }
 
 /// A number of a field in all lanes.

@@ -175,44 +175,76 @@ pub(crate) fn image<N: Number>([sign, shift]: [N; 2], own: N) -> N {
     sign * own + shift
 }
 
-/// The downwind difference of the arriving wave in the outermost cell, over the upwind one: one half. With it that
-/// wave leads by ¾ of its one-sided slope. With all of it (one) a sweep may increase the energy; up to 0.75 no state
-/// was found in which it does.
-fn downwind_of_upwind<N: Number>() -> N {
-    N::HALF
-}
-
 /// The ghosts beyond an end (0 towards smaller coordinates, 1 towards greater ones), the nearest first, from the two
 /// outermost cells and what [`Mirror::face`] gives.
 ///
-/// With O the wave that arrives and I the one that leaves, in cells 0 and 1 from the side, the face sees
-/// O* = O₀ + lead(O₀ − O₁, ½(O₀ − O₁)) and by the condition I* = ½(σ_s − σ_v) O* + 2g_s ∓ 2z g_v. The nearest ghost
-/// has O₀ + ½(O₀ − O₁) and I*; the farther one I₀, so that I does not lead in the nearest.
+/// O is the wave that arrives and I the one that leaves, with index 0 in the outermost cell and 1 behind it, C the
+/// Courant number, γ = ½(σ_s − σ_v) the coefficient of reflection: −1 for given tractions, 1 for given velocities, 0
+/// for open sides. The condition gives I* = γ O* + 2g_s ∓ 2z g_v at the face, where O* = O₀ + (1 − C) x, and x is half
+/// of the slope a = O₀ − O₁ where the state is smooth. In rough states that could increase the energy; what the cell
+/// loses at the least by averaging the wave that leaves, (w − Cy)² − β with w = γ(I₀ − I*) and y half of the limited
+/// slope there, pays for it, and
+///
+/// ```text
+/// x = a (½ − κ(1 − t)),  t = min(1, 15/4 · max(0, (w − Cy)² − β)/(C a²)),
+/// κ = ½C/(1 + C + √((1 + C)² − C(1 − C²))),
+/// β = max(0, y² − ((1 − ½C)b − (1 − C)y)² + ¼(1 − C)b²),  b = γ(I₁ − I₀).
+/// ```
+///
+/// No state is known in which a sweep increases the energy (`tests/energy.rs` looks for one). The nearest ghost has the
+/// O that makes this lead in the outermost cell, 4x − a beyond O₀, and the I of a straight wave through I* and I₀.
 #[inline(always)]
 pub(crate) fn ghosts<N: Number>(
     [own, behind]: [State<N>; 2],
     [sign_v, shift_v, sign_s, shift_s, one_sided]: [N; 5],
     end: usize,
     cell: &Cell<N>,
-    slopes: Slopes,
 ) -> [State<N>; GHOSTS] {
     let (near, far) = (Waves::of(own, cell), Waves::of(behind, cell));
     let is_lower = end == 0;
     let (arriving, arriving_behind) =
         if is_lower { (near.left, far.left) } else { (near.right, far.right) };
-    let leaving = if is_lower { near.right } else { near.left };
-    let upwind = arriving - arriving_behind;
-    let downwind = downwind_of_upwind::<N>() * upwind;
-    let at_face = arriving + slopes.lead([upwind, downwind], cell);
+    let (leaving, leaving_behind) =
+        if is_lower { (near.right, far.right) } else { (near.left, far.left) };
     let given = cell.impedance * shift_v;
     let given = if is_lower { shift_s - given } else { shift_s + given };
-    let reflected = N::HALF * (sign_s - sign_v) * at_face + given;
-    let beyond = arriving + downwind;
+    let reflection = N::HALF * (sign_s - sign_v);
+    let reflects = reflection * reflection;
+    let courant = cell.half_courant + cell.half_courant;
+    let staying = N::ONE - courant;
+    let passed = N::ONE + courant;
+    // From the middle of the step at the face to the middle of the cell, and on to the middle of a ghost.
+    let stretch = N::ONE + reflects * (staying / passed);
+    let steep = arriving - arriving_behind;
+
+    // Paid by averaging.
+    let w = reflection * (leaving - given) - arriving - N::HALF * staying * steep;
+    let b = reflection * (leaving_behind - leaving);
+    let upwind = stretch * w;
+    let y = (N::QUARTER * (upwind + b))
+        .bounded(upwind / courant.greatest(N::LEAST), b / staying.greatest(N::LEAST));
+    let averaged = w - courant * y;
+    let half_staying = staying * y;
+    let passing = (N::ONE - cell.half_courant) * b - half_staying;
+    let kept = y * y - passing * passing + N::QUARTER * staying * (b * b);
+    let budget = averaged * averaged - kept.greatest(N::ZERO);
+    let needed = (courant * (steep * steep)).greatest(N::LEAST);
+    // 4 would be all that is paid.
+    let most = (N::ONE + N::ONE) + (N::ONE + N::ONE) - N::QUARTER;
+    let share = least(most * budget.greatest(N::ZERO) / needed, N::ONE);
+    let root = (passed * passed - courant * (staying * passed)).root();
+    let unpaid = cell.half_courant / (passed + root);
+    let x = steep * (N::HALF - unpaid * (N::ONE - share));
+
+    let incoming = reflection * (arriving + staying * x) + given;
+    let downwind = (x + x) + (x + x) - steep;
+    let to_ghost = stretch * (leaving - incoming);
+    let to_farther = (reflects + reflects) * to_ghost - to_ghost;
+    let nearest = [arriving + downwind, leaving - to_ghost];
+    let farther = [arriving + downwind, leaving - to_ghost - to_farther];
     let half_admittance = N::HALF / cell.impedance;
-    let (nearest, farther) = (
-        state_of(is_lower, [beyond, reflected], half_admittance),
-        state_of(is_lower, [beyond, leaving], half_admittance),
-    );
+    let nearest = state_of(is_lower, nearest, half_admittance);
+    let farther = state_of(is_lower, farther, half_admittance);
     let images = (
         State {
             velocity: image([sign_v, shift_v], own.velocity),
@@ -224,6 +256,12 @@ pub(crate) fn ghosts<N: Number>(
         },
     );
     [chosen(one_sided, nearest, images.0), chosen(one_sided, farther, images.1)]
+}
+
+/// The lesser of two numbers.
+#[inline(always)]
+fn least<N: Number>(one: N, other: N) -> N {
+    -(-one).greatest(-other)
 }
 
 /// The state of an arriving and a leaving wave.

@@ -87,8 +87,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             let outermost =
                 [0, 1].map(|depth| state(if end == 0 { depth } else { length - 1 - depth }));
             let first = constants(if end == 0 { 0 } else { length - 1 });
-            let slopes = self.scheme.slopes;
-            (ghosts(outermost, numbers(mirror), end, &first, slopes)[depth], own)
+            (ghosts(outermost, numbers(mirror), end, &first)[depth], own)
         };
         let at = |offset: usize| {
             let place = (x + offset) as isize - GHOSTS as isize;

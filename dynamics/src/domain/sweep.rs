@@ -2,7 +2,7 @@
 
 use super::{CHUNK, Domain, Tile};
 use crate::kernel::{Lines, MOST_SHARE, Stop, Table, Wave};
-use crate::line::{self, Account, Cell, GHOSTS, Slopes, State};
+use crate::line::{self, Account, Cell, GHOSTS, State};
 use crate::problem::Detail;
 use crate::real::{Group, Real, Vector, Work};
 use crate::row::Rows;
@@ -141,7 +141,6 @@ impl<T: Real, const D: usize> Domain<T, D> {
             group: bundle.first.group,
             table: &self.table,
             patterns: &self.patterns,
-            slopes: self.scheme.slopes,
         }
     }
 
@@ -329,7 +328,6 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     face,
                     table: &self.table,
                     patterns: &self.patterns[places[0][0].group..],
-                    slopes: self.scheme.slopes,
                 });
             }
             _ => {
@@ -578,13 +576,12 @@ struct FillOneSided<'a, T: Real> {
     table: &'a Table<T>,
     /// From the outermost group of the first line on.
     patterns: &'a [u32],
-    slopes: Slopes,
 }
 
 impl<T: Real> Work<T> for FillOneSided<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
-        let Self { data, waves, mirror, end, places, lines, face, table, patterns, slopes } = self;
+        let Self { data, waves, mirror, end, places, lines, face, table, patterns } = self;
         let [[own, ghost], [behind, farther]] = places;
         for (pair, wave) in waves.iter().enumerate() {
             for line in 0..lines {
@@ -593,7 +590,7 @@ impl<T: Real> Work<T> for FillOneSided<'_, T> {
                 let mirror = [V::load(v), V::load(a), V::load(s), V::load(b), V::load(one_sided)];
                 let outermost =
                     [state_at(&data[own + line..], wave), state_at(&data[behind + line..], wave)];
-                let [one, two] = ghosts(outermost, mirror, end, &cell, slopes);
+                let [one, two] = ghosts(outermost, mirror, end, &cell);
                 for (place, state) in [(ghost, one), (farther, two)] {
                     let group = &mut data[place + line..];
                     state.velocity.store(&mut group[wave.velocity]);
