@@ -13,7 +13,7 @@ use wellposed_dynamics::boundary::Boundary;
 use wellposed_dynamics::kernel::Instructions;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme, Splitting};
 use wellposed_dynamics::real::Real;
 use wellposed_dynamics::split::Split;
 
@@ -143,10 +143,15 @@ fn measure<T: Real, const D: usize>(row: &Row) -> Measured {
     let (media, of_cell) = media::<D>(row);
     let count = of_cell.len();
     let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
-    let scheme = Scheme { detail: row.detail, ..Scheme::new(Slopes::Limited, Placement::Last) };
+    // The defaults of cases.
+    let scheme = Scheme {
+        detail: row.detail,
+        splitting: Splitting::Alternating,
+        ..Scheme::new(Slopes::Limited, Placement::Last)
+    };
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let grid = Grid { cells: [row.count; D], spacing: [0.1; D] };
-    let problem = Problem::new(grid, media, of_cell, sides, 2.0 * 0.1 / speed, scheme);
+    let problem = Problem::new(grid, media, of_cell, sides, 0.9 * 2.0 * 0.1 / speed, scheme);
     let mut split: Split<T, D> = Split::new(&problem, row.threads).expect("sound");
     split.set_instructions(row.instructions);
     let layer = row.count.pow(D as u32 - 1);
