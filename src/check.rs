@@ -7,12 +7,13 @@
 
 mod fit;
 pub mod flow;
+mod mean;
 mod scheme;
 pub mod solid;
 
 pub use fit::Rate;
 
-use crate::case::{Case, CaseError, Check, Kind, Wave};
+use crate::case::{Case, CaseError, Check, Kind, Parameter, Wave};
 use crate::dispersion::{Kind as Waves, kinds};
 use crate::output::{self, OutputError, ResultFolder};
 use crate::solid::Solid;
@@ -84,7 +85,8 @@ fn of_case(
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     if options.dry_run {
         writeln!(stdout, "would {}", subject.plan())?;
-        for name in &output::CHECK[..4] {
+        let is_drawn = !matches!(subject, Subject::Nothing(_));
+        for name in output::CHECK[..4].iter().filter(|name| is_drawn || !is_picture(name)) {
             writeln!(stdout, "would write {}", folder.path().join(name).display())?;
         }
         return Ok(());
@@ -102,7 +104,9 @@ fn of_case(
         Format::Json => stdout.write_all(json.as_bytes())?,
         Format::Text => {
             stdout.write_all(words.as_bytes())?;
-            writeln!(stdout, "picture: {}", folder.path().join("check.png").display())?;
+            if !matches!(found, Found::Nothing(_)) {
+                writeln!(stdout, "picture: {}", folder.path().join("check.png").display())?;
+            }
         }
     }
     let [all, failed] = found.counts();
@@ -118,22 +122,33 @@ enum Subject {
     Solid(Vec<(String, Case)>),
     /// Waves, and grids on which a perturbation is refined.
     Flow { waves: Vec<flow::Wave>, grids: Vec<usize> },
+    /// Nothing, since no solver takes the case: why.
+    Nothing(String),
 }
 
 /// What was found.
 enum Found {
     Solid(Vec<Checked>),
     Flow(flow::Checked),
+    /// Not measurable: why.
+    Nothing(String),
 }
 
 impl Subject {
     /// # Errors
-    /// The case has no solver, or its state is wrong.
+    /// The case is wrong.
     fn of(case: &Case, extent: Extent) -> Result<Self, Error> {
         let Kind::Flow(_) = case.kind else {
-            return Ok(Self::Solid(media(case).map_err(|error| case.locate(error))?));
+            return Ok(match media(case).map_err(|error| case.locate(error))? {
+                Ok(media) => Self::Solid(media),
+                Err(error) => Self::Nothing(reason(case.locate(error))),
+            });
         };
-        case.closure().and(case.mean_flow()).map_err(without_solver)?;
+        in_range(case)?;
+        case.model()?.background(&case.state()).map_err(|error| case.locate(error))?;
+        if let Err(error) = case.closure().and(case.mean_flow()) {
+            return Ok(Self::Nothing(reason(error)));
+        }
         let (wave, asked) = (case.numbers.wave, case.check.clone().unwrap_or_default());
         let mut numbers =
             asked.numbers.unwrap_or_else(|| [1.0, 4.0, 16.0].map(|n| n * wave.number).to_vec());
@@ -171,7 +186,7 @@ impl Subject {
             return refuse(odd.to_string(), "even numbers of points along each axis, up to 4096");
         }
         for kind in case.compare.iter().flatten().filter(|_| !grids.is_empty()) {
-            case.for_kind(*kind).closure().map_err(without_solver)?;
+            case.for_kind(*kind).closure()?;
         }
         let grids = if extent == Extent::Full { grids } else { Vec::new() };
         Ok(Self::Flow { waves: waves.collect(), grids })
@@ -185,6 +200,7 @@ impl Subject {
                     media.iter().map(|(_, own)| plan(own, Extent::Full).waves.len()).sum();
                 format!("send all branches at {count} wave vectors")
             }
+            Self::Nothing(reason) => format!("say that the case is not measurable: {reason}"),
             Self::Flow { waves, grids } if grids.is_empty() => {
                 format!("follow waves of {} wave vectors", waves.len())
             }
@@ -202,6 +218,7 @@ impl Subject {
         Ok(match self {
             Self::Solid(media) => Found::Solid(check(media, extent)?),
             Self::Flow { waves, grids } => Found::Flow(flow::check(case, &waves, &grids)?),
+            Self::Nothing(reason) => Found::Nothing(reason),
         })
     }
 }
@@ -210,6 +227,7 @@ impl Found {
     /// Rows, and those that disagree.
     fn counts(&self) -> [usize; 2] {
         match self {
+            Self::Nothing(_) => [0, 0],
             Self::Flow(own) => own.counts(),
             Self::Solid(all) => {
                 let rows = || all.iter().flat_map(|own| &own.rows);
@@ -221,9 +239,18 @@ impl Found {
         }
     }
 
+    /// Waves that were not measurable.
+    fn unmeasured(&self) -> usize {
+        match self {
+            Self::Flow(own) => own.unmeasured().map_or(0, |found| found.0),
+            Self::Solid(_) | Self::Nothing(_) => 0,
+        }
+    }
+
     /// The greatest difference of all waves, as part of the rate.
     fn worst(&self) -> f64 {
         match self {
+            Self::Nothing(_) => 0.0,
             Self::Flow(own) => own.worst(),
             Self::Solid(all) => worst(&all.iter().flat_map(|own| &own.rows).collect::<Vec<_>>()),
         }
@@ -231,6 +258,9 @@ impl Found {
 
     fn report(&self, case: &Case) -> Value {
         match self {
+            Self::Nothing(reason) => json!({
+                "model": case.medium().title(), "agrees": null, "not_measurable": reason,
+            }),
             Self::Flow(own) => own.report(case),
             Self::Solid(all) => report(case, all),
         }
@@ -238,6 +268,10 @@ impl Found {
 
     fn words(&self, case: &Case) -> String {
         match self {
+            Self::Nothing(reason) => {
+                let (title, medium) = (case_title(case), case.medium().title());
+                format!("{title}\n{medium}\n\nnot measurable: {reason}\n")
+            }
             Self::Flow(own) => own.words(case),
             Self::Solid(all) => words(case, all),
         }
@@ -248,6 +282,7 @@ impl Found {
         use figures::Format::{Png, Svg};
         let mut all = Vec::new();
         match self {
+            Self::Nothing(_) => {}
             Self::Solid(checked) => {
                 let figure = figure(case, &checked[0])?;
                 all.push(("check.png", figure.draw(Png)?));
@@ -291,19 +326,16 @@ fn of_folder(
     for path in files {
         let case = Case::load(&path, &options.sets)?;
         let name = path.display().to_string();
-        let subject = match Subject::of(&case, Extent::Short) {
-            Ok(subject) => subject,
-            Err(Error::Case(CaseError::Key { key, found, allowed, .. })) => {
-                let reason = format!("{key}: {found}; {allowed}");
+        let found = Subject::of(&case, Extent::Short)
+            .and_then(|subject| pool.install(|| subject.check(&case, Extent::Short)));
+        let found = match found {
+            Ok(Found::Nothing(reason)) => {
                 if options.format == Format::Text {
-                    writeln!(stdout, "{name:<56} skipped: {reason}")?;
+                    writeln!(stdout, "{name:<56} not measurable: {reason}")?;
                 }
-                list.push(json!({ "case": name, "skipped": reason }));
+                list.push(json!({ "case": name, "not_measurable": reason }));
                 continue;
             }
-            Err(error) => return Err(error),
-        };
-        let found = match pool.install(|| subject.check(&case, Extent::Short)) {
             Ok(found) => found,
             Err(Error::Case(error)) => {
                 (all, failed) = (all + 1, failed + 1);
@@ -321,14 +353,15 @@ fn of_folder(
         failed += usize::from(!is_well);
         if options.format == Format::Text {
             let verdict = if is_well { "agrees" } else { "DISAGREES" };
-            let worst = exponent(worst);
-            writeln!(stdout, "{name:<56} {rows:>3} waves, {worst} off: {verdict}")?;
+            let (worst, left) = (exponent(worst), unmeasured_words(found.unmeasured()));
+            writeln!(stdout, "{name:<56} {rows:>3} waves, {worst} off: {verdict}{left}")?;
             stdout.flush()?;
         }
         list.push(json!({
             "case": name,
             "agrees": is_well,
             "waves": rows,
+            "waves_not_measurable": found.unmeasured(),
             "greatest_difference": worst,
         }));
     }
@@ -353,8 +386,13 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// The media of a solid that a solver takes, and where they are.
-fn media(case: &Case) -> Result<Vec<(String, Case)>, InputError> {
+type Media = Vec<(String, Case)>;
+
+/// The media of a solid that a solver takes, and where they are; or why no solver takes one of them.
+///
+/// # Errors
+/// The case is wrong.
+fn media(case: &Case) -> Result<Result<Media, InputError>, InputError> {
     let regions = case.dynamics.iter().flat_map(|dynamics| &dynamics.regions);
     let mut media: Vec<(String, Case)> = Vec::new();
     for (index, region) in regions.enumerate() {
@@ -371,31 +409,48 @@ fn media(case: &Case) -> Result<Vec<(String, Case)>, InputError> {
     }
     for (_, own) in &media {
         let solid = Solid::of(own)?;
-        crate::run::medium(own, solid.dimensions)
-            .map_err(|error| InputError { allowed: analysis_alone(&error.allowed), ..error })?;
+        if let Err(error) = crate::run::medium(own, solid.dimensions) {
+            return Ok(Err(error));
+        }
         if let Some(plastic) = solid.plastic.filter(|plastic| plastic.rate > 0.0) {
-            return Err(InputError {
+            return Ok(Err(InputError {
                 key: "yield.plastic_rate",
                 found: format!("{:?}", plastic.rate),
-                allowed: analysis_alone("waves are sent through backgrounds at rest: 0"),
-            });
+                allowed: "waves are sent through backgrounds at rest: 0".to_owned(),
+            }));
         }
     }
-    Ok(media)
+    Ok(Ok(media))
 }
 
-/// The same, said of a flow that no solver takes.
-fn without_solver(error: CaseError) -> CaseError {
+/// Why no solver takes a case.
+fn reason(error: CaseError) -> String {
     match error {
-        CaseError::Key { place, key, found, allowed } => {
-            CaseError::Key { place, key, found, allowed: analysis_alone(&allowed) }
+        CaseError::Key { key, found, allowed, .. } => {
+            format!("{key}: {found}; analysis alone ({allowed})")
         }
-        other => other,
+        other => other.to_string(),
     }
 }
 
-fn analysis_alone(why: &str) -> String {
-    format!("analysis alone ({why})")
+/// That products of a few numbers of a flow neither overflow nor vanish.
+fn in_range(case: &Case) -> Result<(), CaseError> {
+    const SIZES: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
+    let asked = case.check.iter().flat_map(|own| own.numbers.iter().flatten());
+    let keys = Parameter::all().filter_map(|key| Some((key.key().name, key.get(&case.numbers)?)));
+    let mut all = keys.chain(asked.map(|number| ("check.numbers", *number)));
+    match all.find(|(_, value)| *value != 0.0 && !SIZES.contains(&value.abs())) {
+        None => Ok(()),
+        Some((key, value)) => {
+            let (found, allowed) = (format!("{value:?}"), "0, or a size from 1e-60 to 1e60".into());
+            Err(case.locate(InputError { key, found, allowed }))
+        }
+    }
+}
+
+/// Whether a result is a picture.
+fn is_picture(name: &str) -> bool {
+    name.ends_with(".png") || name.ends_with(".svg")
 }
 
 /// The waves of a medium and the grids.
@@ -459,7 +514,17 @@ fn check(media: Vec<(String, Case)>, extent: Extent) -> Result<Vec<Checked>, Err
 
 /// The greatest difference of all rows in the limit of small cells, as part of the frequency.
 fn worst(rows: &[&Row]) -> f64 {
-    rows.iter().map(|row| row.difference().size()).fold(0.0, f64::max)
+    greatest(rows.iter().map(|row| row.difference().size()))
+}
+
+/// The greatest of some sizes; what is not a number is the greatest.
+fn greatest(sizes: impl Iterator<Item = f64>) -> f64 {
+    sizes.fold(0.0, |sum, own| if own <= sum { sum } else { own })
+}
+
+/// Says how many waves have no measurement, if there are any.
+fn unmeasured_words(count: usize) -> String {
+    if count == 0 { String::new() } else { format!("; {count} not measurable") }
 }
 
 /// A number by its size: `3.2e-7`.

@@ -124,9 +124,12 @@ impl Evolution {
 /// `count` even intervals of a time, s, the beginning included. By collocation of fifth order (Radau IIA;
 /// Hairer & Wanner 1996, IV.5), which takes decay however fast, in `steps` steps an interval.
 ///
-/// `None` if the equations do not determine the evolution.
+/// `system` gives the linearised equations at a time, s: a uniform mean flow may change while it goes on.
+/// Coefficients of constraints are taken as constant in time, as those of k·v = 0 are.
+///
+/// `None` if the equations do not determine the evolution, or there are none at some time.
 pub fn course(
-    system: &LinearisedSystem<2>,
+    system: &dyn Fn(f64) -> Option<LinearisedSystem<2>>,
     gradient: [[f64; 2]; 2],
     wave: [f64; 2],
     start: &[Complex64],
@@ -147,8 +150,9 @@ pub fn course(
         // zᵢ = z + h Σ wᵢⱼ G(tⱼ) zⱼ, the last of which is the next z.
         let mut left = DMatrix::<Complex64>::identity(3 * size, 3 * size);
         for (j, time) in times.into_iter().enumerate() {
-            let now = wave_vector(gradient, wave, (index as f64 + time) * step);
-            let rates = Evolution::new(system, now, wave_vector_rate(gradient, now))?.rates;
+            let time = (index as f64 + time) * step;
+            let now = wave_vector(gradient, wave, time);
+            let rates = Evolution::new(&system(time)?, now, wave_vector_rate(gradient, now))?.rates;
             for (i, weights) in weights.iter().enumerate() {
                 let mut block = left.view_mut((i * size, j * size), (size, size));
                 block -= rates.scale(step * weights[j]);

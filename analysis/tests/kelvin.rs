@@ -174,7 +174,8 @@ fn the_course_of_a_wave_obeys_its_evolution() {
         }
         let duration = 0.3 / flow.shear_rate;
         let start = &modes[0].1;
-        let found = course(&system, gradient, wave, start, duration, [3, 40]).expect("determined");
+        let found = course(&|_| Some(system.clone()), gradient, wave, start, duration, [3, 40])
+            .expect("determined");
         let mut state = nalgebra::DVector::from_column_slice(start);
         let steps = 6000;
         let step = duration / f64::from(steps);

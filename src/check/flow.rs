@@ -2,7 +2,8 @@
 //! make of one perturbation.
 
 use super::fit::{Rate, error_of_rate, rate};
-use super::{digits, exponent};
+use super::mean::MeanFlow;
+use super::{digits, exponent, unmeasured_words};
 use crate::Error;
 use crate::case::flow::{Disturbed, FlowRun, Initial};
 use crate::case::{Case, Converted, Kind};
@@ -16,7 +17,6 @@ use analysis::newton::Order;
 use dynamics::flow::spectral::{Mode, greatest_modes};
 use dynamics::flow::{Closure, Flow as Solver, Problem};
 use figures::{Line, SpectrumFigure};
-use models::LinearisedSystem;
 use models::granular_flow::InputError;
 use models::granular_flow::state::Flow;
 use num_complex::Complex64;
@@ -29,8 +29,9 @@ use std::fmt::Write as _;
 const AMPLITUDE: f64 = 1e-6;
 /// Times at which an amplitude is taken, after the beginning.
 const TIMES: usize = 8;
-/// Steps between two of them, on the coarsest of three sequences; each next one has twice as many.
-const STEPS: usize = 4;
+/// Steps between two of them, on the coarsest of three sequences; each next one has twice as many. Where steps
+/// are too long for the solver all three are halved, up to the second number.
+const STEPS: [usize; 2] = [4, 64];
 /// Points along each axis of a box of one wave.
 const POINTS: usize = 8;
 /// Powers of e by which other waves in the box may grow.
@@ -81,8 +82,15 @@ pub struct Row {
     pub predicted: Rate,
     /// By the frozen pencil.
     pub frozen: Rate,
-    /// By the solver: numbers of steps, ascending.
-    pub measured: Vec<(usize, Rate)>,
+    /// By the solver, or why there is no measurement.
+    pub measured: Result<Measured, String>,
+}
+
+/// What the solver makes of a wave.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// Rates by numbers of steps, ascending.
+    pub sequences: Vec<(usize, Rate)>,
     /// In the limit of small steps.
     pub limit: Rate,
     /// By how much the limit may be off: the error of the extrapolation, and rounding, 1/s.
@@ -95,16 +103,23 @@ impl Row {
         self.predicted.size().max(shear_rate)
     }
 
-    /// Whether measured and predicted rate agree.
-    pub fn agrees(&self) -> bool {
-        self.limit.less(self.predicted).size() <= self.tolerance
+    /// Measured less predicted rate; `None` where there is no measurement.
+    pub fn difference(&self) -> Option<Rate> {
+        self.measured.as_ref().ok().map(|own| own.limit.less(self.predicted))
+    }
+
+    /// Whether measured and predicted rate agree; `None` where there is no measurement.
+    pub fn agrees(&self) -> Option<bool> {
+        let own = self.measured.as_ref().ok()?;
+        Some(own.limit.less(self.predicted).size() <= own.tolerance)
     }
 
     /// By which power of the step the error falls; `None` where it is rounding.
     pub fn order(&self) -> Option<f64> {
-        let [(few, coarse), .., (many, fine)] = self.measured.as_slice() else { return None };
+        let own = self.measured.as_ref().ok()?;
+        let [(few, coarse), .., (many, fine)] = own.sequences.as_slice() else { return None };
         let [first, last] = [coarse, fine].map(|own| own.less(self.predicted).size());
-        (last > self.tolerance).then(|| (first / last).ln() / (*many as f64 / *few as f64).ln())
+        (last > own.tolerance).then(|| (first / last).ln() / (*many as f64 / *few as f64).ln())
     }
 }
 
@@ -193,23 +208,30 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// Whether everything agrees.
-    pub fn agrees(&self) -> bool {
-        self.rows.iter().all(Row::agrees) && self.refinements.iter().all(Refinement::agrees)
+    /// Whether everything that was measured agrees; `None` where nothing was.
+    pub fn agrees(&self) -> Option<bool> {
+        let is_anything = self.rows.iter().any(|row| row.measured.is_ok());
+        let [_, failed] = self.counts();
+        (is_anything || !self.refinements.is_empty()).then_some(failed == 0)
+    }
+
+    /// Waves without a measurement, and why the first of them has none.
+    pub fn unmeasured(&self) -> Option<(usize, &str)> {
+        let mut reasons = self.rows.iter().filter_map(|row| row.measured.as_ref().err());
+        reasons.next().map(|first| (1 + reasons.count(), first.as_str()))
     }
 
     /// Rows and refinements, and those that disagree.
     pub fn counts(&self) -> [usize; 2] {
-        let failed = self.rows.iter().filter(|row| !row.agrees()).count()
+        let failed = self.rows.iter().filter(|row| row.agrees() == Some(false)).count()
             + self.refinements.iter().filter(|own| !own.agrees()).count();
         [self.rows.len() + self.refinements.len(), failed]
     }
 
-    /// The greatest difference of a wave's rates, as part of the rate.
+    /// The greatest difference of the rates of a measured wave, as part of the rate.
     pub fn worst(&self) -> f64 {
-        let part = |row: &Row| row.limit.less(row.predicted).size() / row.scale(self.shear_rate);
-        // What is not a number is the worst.
-        self.rows.iter().map(part).fold(0.0, |sum, own| if own <= sum { sum } else { own })
+        let part = |row: &Row| Some(row.difference()?.size() / row.scale(self.shear_rate));
+        super::greatest(self.rows.iter().filter_map(part))
     }
 }
 
@@ -217,7 +239,7 @@ impl Checked {
 struct Background<'a> {
     case: &'a Case,
     flow: Flow,
-    system: LinearisedSystem<2>,
+    mean: MeanFlow,
     gradient: [[f64; 2]; 2],
     verdict: Verdict,
 }
@@ -229,14 +251,13 @@ impl<'a> Background<'a> {
         let model = case.flow_model().map_err(|error| located(error.into()))?;
         let (verdict, _) =
             Workspace::default().decide(&model, &flow).map_err(|error| located(error.into()))?;
-        let mut system = LinearisedSystem::default();
-        model.symbol(&flow, &mut system);
+        let mean = MeanFlow::new(case, model, &flow);
         let gradient = flow.velocity_gradient.map(|row| row.map(|entry| entry.value));
-        Ok(Self { case, flow, system, gradient, verdict })
+        Ok(Self { case, flow, mean, gradient, verdict })
     }
 
     fn evolution(&self, wave: [f64; 2], rate: [f64; 2]) -> Result<Evolution, Error> {
-        Evolution::new(&self.system, wave, rate).ok_or_else(|| undetermined(self.case))
+        Evolution::new(self.mean.system(), wave, rate).ok_or_else(|| undetermined(self.case))
     }
 
     /// Evolution along k(t), at its beginning.
@@ -284,11 +305,15 @@ impl<'a> Background<'a> {
     fn fastest_growth(&self, lengths: [f64; 2], time: f64) -> Result<f64, Error> {
         let [most, across] = greatest_modes([POINTS; 2]).map(|greatest| greatest as i32);
         let mut fastest = 0.0f64;
+        let system = self.mean.system_at(time).ok_or_else(|| undetermined(self.case))?;
         for first in 0..=most {
             for second in (-across..=across).filter(|second| [first, *second] > [0, 0]) {
                 let mode = [f64::from(first), f64::from(second)];
                 let start = [0, 1].map(|axis| TAU * mode[axis] / lengths[axis]);
-                let modes = self.moving(wave_vector(self.gradient, start, time))?.modes();
+                let wave = wave_vector(self.gradient, start, time);
+                let rate = wave_vector_rate(self.gradient, wave);
+                let evolution = Evolution::new(&system, wave, rate);
+                let modes = evolution.ok_or_else(|| undetermined(self.case))?.modes();
                 fastest = modes.iter().fold(fastest, |sum, own| sum.max(own.0.re));
             }
         }
@@ -304,7 +329,14 @@ impl<'a> Background<'a> {
         duration: f64,
     ) -> Result<Vec<[Complex64; 2]>, Error> {
         let start = self.unknowns(wave, start, count);
-        let all = course(&self.system, self.gradient, wave, &start, duration, [TIMES, COURSE]);
+        let all = course(
+            &|time| self.mean.system_at(time),
+            self.gradient,
+            wave,
+            &start,
+            duration,
+            [TIMES, COURSE],
+        );
         let all = all.ok_or_else(|| undetermined(self.case))?;
         let time = |index: usize| duration * index as f64 / TIMES as f64;
         let of = |(index, own): (usize, &Vec<Complex64>)| {
@@ -439,15 +471,26 @@ fn rows(background: &Background, wave: Wave) -> Result<Vec<Row>, Error> {
         let sent = |steps: usize, stages: usize| {
             measured(background, &problem, mode, start, [steps, stages], duration)
         };
-        let (_, stages) = sent(STEPS, 0)?;
-        let measured = [1, 2, 4]
-            .map(|times| {
-                let steps = STEPS * times;
-                Ok((steps * TIMES, of_rate(&sent(steps, stages)?.0)))
-            })
-            .into_iter()
-            .collect::<Result<Vec<_>, Error>>()?;
-        let (limit, error) = in_the_limit(&measured);
+        let sequences = |steps: usize| -> Result<Result<Vec<_>, String>, Error> {
+            let stages = match sent(steps, 0)? {
+                Ok((_, stages)) => stages,
+                Err(reason) => return Ok(Err(reason)),
+            };
+            [1, 2, 4]
+                .map(|times| {
+                    let found = sent(steps * times, stages)?;
+                    Ok(found.map(|own| (steps * times * TIMES, of_rate(&own.0))))
+                })
+                .into_iter()
+                .collect()
+        };
+        let [mut steps, most] = STEPS;
+        let sequences = loop {
+            match sequences(steps)? {
+                Err(_) if steps < most => steps *= 2,
+                found => break found,
+            }
+        };
         // Fields are rounded as parts of the background, which weighs more next to the bound; what a wave
         // makes of itself is of third order.
         let inverse = 1.0 / (2.0 * background.flow.noncoaxiality).cos().abs();
@@ -455,16 +498,13 @@ fn rows(background: &Background, wave: Wave) -> Result<Vec<Row>, Error> {
         let least = amplitude_of_course.iter().map(|own| own[leading].norm() / unit);
         let least = least.fold(AMPLITUDE, f64::min);
         let noise = inverse * (64.0 * f64::EPSILON / least + (AMPLITUDE * inverse).powi(2));
-        Ok(Row {
-            wave,
-            mode: index + 1,
-            duration,
-            predicted,
-            frozen: nearest(&frozen, *eigenvalue),
-            measured,
-            limit,
-            tolerance: error + error_of_rate(noise, duration),
-        })
+        let measured = sequences.map(|sequences| {
+            let (limit, error) = in_the_limit(&sequences);
+            let tolerance = error + error_of_rate(noise, duration);
+            Measured { sequences, limit, tolerance }
+        });
+        let frozen = nearest(&frozen, *eigenvalue);
+        Ok(Row { wave, mode: index + 1, duration, predicted, frozen, measured })
     };
     modes.iter().enumerate().map(of).collect()
 }
@@ -476,8 +516,11 @@ fn nearest(frozen: &[(Complex64, Vec<Complex64>)], rate: Complex64) -> Rate {
     nearest.map_or(Rate::default(), |own| Rate { frequency: -own.0.im, growth: own.0.re })
 }
 
+/// Amplitudes of a wave in the solver.
+type Amplitudes = Vec<[Complex64; 2]>;
+
 /// Amplitudes of a wave in the solver, in so many steps between two of them and at least so many stages; and
-/// the greatest number of stages.
+/// the greatest number of stages. Or why the solver does not come to the end.
 fn measured(
     background: &Background,
     problem: &Problem,
@@ -485,7 +528,7 @@ fn measured(
     start: [Complex64; 2],
     [steps, least_stages]: [usize; 2],
     duration: f64,
-) -> Result<(Vec<[Complex64; 2]>, usize), Error> {
+) -> Result<Result<(Amplitudes, usize), String>, Error> {
     let case = background.case;
     let mut solver = Solver::new(problem).map_err(|error| refused(case, error))?;
     let [k1, k2] = solver.wave_vector(mode);
@@ -509,16 +552,15 @@ fn measured(
     let (mut all, mut stages) = (vec![amplitudes(&solver, mode)], least_stages);
     for _ in 0..TIMES {
         for _ in 0..steps {
-            if solver.advance_by(step, least_stages).is_err() {
-                // So small a wave does not leave the region, says the analysis: no rate agrees with that.
-                all.resize(TIMES + 1, [Complex64::new(f64::NAN, f64::NAN); 2]);
-                return Ok((all, stages));
+            if let Err(error) = solver.advance_by(step, least_stages) {
+                return Ok(Err(format!("the solver stops at {:.3e} s: {error}", error.time)));
             }
             stages = stages.max(solver.stages());
         }
         all.push(amplitudes(&solver, mode));
     }
-    Ok((all, stages))
+    let is_sound = all.iter().flatten().all(|own| own.is_finite());
+    Ok(if is_sound { Ok((all, stages)) } else { Err("amplitudes that are not finite".to_owned()) })
 }
 
 /// Rates of three numbers of steps in the limit, errors being of second and third order in the step; and by
@@ -670,13 +712,14 @@ impl Checked {
                 "duration": row.duration,
                 "predicted": rate_json(row.predicted),
                 "frozen": rate_json(row.frozen),
-                "measured": row.measured.iter().map(|(steps, rate)| {
+                "measured": row.measured.iter().flat_map(|own| &own.sequences).map(|(steps, rate)| {
                     let mut own = rate_json(*rate);
                     own["steps"] = json!(steps);
                     own
                 }).collect::<Vec<_>>(),
-                "limit": rate_json(row.limit),
-                "tolerance": row.tolerance,
+                "limit": row.measured.as_ref().ok().map(|own| rate_json(own.limit)),
+                "tolerance": row.measured.as_ref().ok().map(|own| own.tolerance),
+                "not_measurable": row.measured.as_ref().err(),
                 "order": row.order(),
                 "agrees": row.agrees(),
             })
@@ -732,9 +775,17 @@ impl Checked {
                 let _ = writeln!(text, "k = {k} 1/m at {along}°");
                 last = Some(row.wave);
             }
-            let difference = row.limit.less(row.predicted);
             let scale = row.scale(self.shear_rate);
-            let (predicted, limit) = (row.predicted, row.limit);
+            let predicted = row.predicted;
+            let Measured { limit, tolerance, .. } = match &row.measured {
+                Ok(own) => own,
+                Err(reason) => {
+                    let (name, growth) = (row.name(), digits(predicted.growth));
+                    let _ = writeln!(text, "  {name:<22}{growth:>13}  not measurable: {reason}");
+                    continue;
+                }
+            };
+            let difference = limit.less(predicted);
             let _ = writeln!(
                 text,
                 "  {:<22}{:>13}{:>13}{:>10}{:>10}{:>7}{:>15}  {}",
@@ -742,10 +793,10 @@ impl Checked {
                 digits(predicted.growth),
                 digits(limit.growth),
                 signed(difference.growth / scale),
-                exponent(row.tolerance / scale),
+                exponent(tolerance / scale),
                 row.order().map_or("–".into(), |order| format!("{order:.2}")),
                 format!("{:+.3}", row.frozen.less(predicted).growth / self.shear_rate),
-                verdict(row.agrees()),
+                verdict(row.agrees() == Some(true)),
             );
         }
         for own in &self.refinements {
@@ -786,11 +837,13 @@ impl Checked {
             };
         }
         let [all, failed] = self.counts();
-        let found = match failed {
-            0 => "all agree".to_owned(),
-            some => format!("{some} of {all} DISAGREE"),
+        let found = match (failed, self.agrees()) {
+            (_, None) => "nothing measured".to_owned(),
+            (0, _) => "all agree".to_owned(),
+            (some, _) => format!("{some} of {all} DISAGREE"),
         };
-        let _ = writeln!(text, "\n{} off at most: {found}", exponent(self.worst()));
+        let left = unmeasured_words(self.unmeasured().map_or(0, |own| own.0));
+        let _ = writeln!(text, "\n{} off at most: {found}{left}", exponent(self.worst()));
         text
     }
 
@@ -833,15 +886,19 @@ impl Checked {
                     label: format!("at {}°: {sign}", short(direction_deg)),
                     points: (0..=80).map(point).collect::<Result<_, Error>>()?,
                 });
-                rings
-                    .push(own(mode).map(|row| [row.wave.number, row.limit.growth.abs()]).collect());
+                let ring = |row: &Row| {
+                    let own = row.measured.as_ref().ok()?;
+                    Some([row.wave.number, own.limit.growth.abs()])
+                };
+                rings.push(own(mode).filter_map(ring).collect());
             }
         }
         Ok(SpectrumFigure {
             title: case_title(case),
             subtitle: format!(
-                "{}: curves from the analysis, rings from the solver",
-                case.medium().title()
+                "{}: curves from the analysis, rings from the solver{}",
+                case.medium().title(),
+                unmeasured_words(self.unmeasured().map_or(0, |own| own.0)),
             ),
             x_label: "wave number k at the beginning, 1/m".to_owned(),
             y_label: "growth or decay rate |γ|, 1/s".to_owned(),

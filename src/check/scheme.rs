@@ -41,7 +41,7 @@ pub struct Equations<const D: usize> {
     q: DMatrix<f64>,
     /// Π.
     tangent: DMatrix<f64>,
-    /// L⁻¹n by active condition.
+    /// L⁻¹n/|L⁻¹n| by active condition.
     normals: Vec<DVector<f64>>,
 }
 
@@ -50,10 +50,14 @@ impl<const D: usize> Equations<D> {
     /// energy is not positive or the gradients depend on each other.
     pub fn new(form: &SymmetricForm<D>, normals: &[DVector<f64>]) -> Option<Self> {
         let lower = form.a.clone().cholesky()?.l();
-        let inverse = lower.clone().try_inverse()?;
+        // By substitution: no pivots, whose choice would depend on the units.
+        let inverse =
+            lower.solve_lower_triangular(&DMatrix::identity(lower.nrows(), lower.nrows()))?;
         let scaled = |m: &DMatrix<f64>| &inverse * m * inverse.transpose();
         let size = lower.nrows();
-        let normals: Vec<DVector<f64>> = normals.iter().map(|normal| &inverse * normal).collect();
+        // Of unit length: conditions on stresses and on couple stresses have values of different units.
+        let unit = |normal: &DVector<f64>| (&inverse * normal).try_normalize(0.0);
+        let normals: Vec<DVector<f64>> = normals.iter().map(unit).collect::<Option<_>>()?;
         let mut tangent = DMatrix::identity(size, size);
         if !normals.is_empty() {
             let all = DMatrix::from_columns(&normals);
@@ -97,14 +101,14 @@ impl<const D: usize> Equations<D> {
         waves
     }
 
-    /// By active condition the most that a wave of that amplitude can do: the greatest value it may have in
-    /// it, and the greatest rate of that if the solid stayed elastic (Cauchy & Schwarz).
-    pub fn most(&self, wave: [f64; D], amplitude: &DVector<Complex64>) -> Vec<[f64; 2]> {
-        let rate = (self.symbol(wave) * amplitude).norm();
-        self.normals.iter().map(|n| [n.norm() * amplitude.norm(), n.norm() * rate]).collect()
+    /// Bounds on the value of an active condition, in units of energy, in a wave of that amplitude, and on the
+    /// rate of that value if the solid stayed elastic (Cauchy & Schwarz; normals have unit length).
+    pub fn most(&self, wave: [f64; D], amplitude: &DVector<Complex64>) -> [f64; 2] {
+        [amplitude.norm(), (self.symbol(wave) * amplitude).norm()]
     }
 
-    /// The stress across the yield surface, as unknowns, in which every condition has the value one.
+    /// The stress across the yield surface, as unknowns, in which every condition has the value one in units
+    /// of energy: its distance from the surface.
     pub fn outward(&self) -> Option<DVector<f64>> {
         let all = DMatrix::from_columns(&self.normals);
         let share = (all.transpose() * &all).try_inverse()?

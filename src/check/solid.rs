@@ -245,10 +245,10 @@ struct Check<'a, const D: usize> {
 /// The uniform state that waves run through.
 struct Background {
     stress: Stress,
-    /// By unknown: the stress in which every active condition has the value one.
+    /// By unknown: the stress in which every active condition has the value one in units of energy.
     outward: DVector<f64>,
     is_curved: bool,
-    /// Greatest component of the stress, Pa.
+    /// Norm of the stress in units of energy, √(J/m³).
     size: f64,
 }
 
@@ -266,8 +266,8 @@ struct Branch<'a, const D: usize> {
     /// In units of energy.
     amplitude: Option<DVector<Complex64>>,
     equations: &'a Equations<D>,
-    /// By active condition, as [`Equations::most`] gives it.
-    loads: Vec<[f64; 2]>,
+    /// As [`Equations::most`] gives them; 0 where nothing yields.
+    loads: [f64; 2],
 }
 
 impl<const D: usize> Check<'_, D> {
@@ -404,8 +404,15 @@ impl<const D: usize> Check<'_, D> {
             }
             (None, YieldSet::Mises(_)) => Stress::default(),
         };
-        let size = [stress.force, stress.couple].concat().concat();
-        let size = size.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let size = {
+            let velocities = self.velocities();
+            let stresses: Vec<Component> = self.solid.carried_stresses::<D>();
+            let mut unknowns = DVector::zeros(velocities + stresses.len());
+            for (place, own) in stresses.iter().enumerate() {
+                unknowns[velocities + place] = own.of(&stress);
+            }
+            (&yielding.into_energy * unknowns).norm()
+        };
         if plastic.set.active(&stress, 1e-9) != plastic.active || size == 0.0 {
             let found = "active conditions that no stress meets alone";
             let allowed = "positive strengths, or a section [stress] that decides";
@@ -478,9 +485,9 @@ impl<const D: usize> Check<'_, D> {
             None => (1.0, 0.0),
             Some(own) => {
                 let part = if own.is_curved { f64::EPSILON.sqrt() } else { ON_FLAT };
-                let wave = &branch.equations.from_energy.map(Complex64::from) * amplitude;
-                let stress = wave.iter().skip(self.velocities()).map(|own| own.norm());
-                let size = part * own.size / stress.fold(0.0, f64::max);
+                // In units of energy: components of stress and of couple stress differ in unit.
+                let stress = amplitude.rows_range(self.velocities()..).norm();
+                let size = part * own.size / stress;
                 // The rates of flow add up over a period; a turn of the normal counts twice.
                 let turned = if own.is_curved { 4.0 * PI * MARGIN * part } else { 0.0 };
                 let rounded = count as f64 * f64::EPSILON / part;
@@ -633,7 +640,7 @@ impl<const D: usize> Run<'_, D> {
         problem.initial_stress = Some((0, vec![background.stress; self.grid.cells[0]]));
         if self.branch.response == Response::Loading {
             // A stress source relieves its amplitude times its signal: here −t.
-            let rate = MARGIN * amplitude.norm() * self.greatest_load(1);
+            let rate = MARGIN * amplitude.norm() * self.branch.loads[1];
             let volume = self.grid.volume() * count as f64;
             let amplitudes = self.check.medium.fields.iter().filter_map(|&field| {
                 let name = unknown_name(field);
@@ -650,15 +657,10 @@ impl<const D: usize> Run<'_, D> {
         problem
     }
 
-    /// The most that the wave can do to an active condition, per unit of amplitude.
-    fn greatest_load(&self, which: usize) -> f64 {
-        self.branch.loads.iter().map(|own| own[which]).fold(0.0, f64::max)
-    }
-
     /// How far inside its yield surface an unloading background stands, by unknown.
     fn offset(&self, amplitude: &DVector<Complex64>) -> Option<DVector<f64>> {
         let background = self.background?;
         (self.branch.response == Response::Unloading)
-            .then(|| &background.outward * (-MARGIN * amplitude.norm() * self.greatest_load(0)))
+            .then(|| &background.outward * (-MARGIN * amplitude.norm() * self.branch.loads[0]))
     }
 }

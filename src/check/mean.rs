@@ -1,0 +1,139 @@
+//! The uniform mean flow of a check while it goes on. In v = Γx with constant Γ the angle ψ of the greater
+//! principal stress stays where it is, but for
+//!
+//! - double shearing, ψ̇ = s₂₁ + Q_D sin 2(ψ − ψ_D)/sin φ (Spencer 1964; ν = 0). With θ = ψ − ψ_D and
+//!   tan θ = y/x that is linear, ẋ = −bx − sy, ẏ = sx + by, where b = Q_D/sin φ and s = s₂₁;
+//! - Harris & Grekova with DΩ/Dt ≠ 0: sin 2(ψ − ψ_D) = sin φ (Ω(t) − s₂₁)/Q_D (2005, eq. 42).
+
+use crate::case::{Case, Kind};
+use models::LinearisedSystem;
+use models::granular_flow::state::{Background, Flow, State};
+use models::granular_flow::{self, Model};
+use nalgebra::{Matrix2, Vector2};
+
+/// A uniform mean flow at any time.
+pub(super) struct MeanFlow {
+    model: Model,
+    /// At the beginning.
+    state: State,
+    /// At the beginning.
+    flow: Flow,
+    system: LinearisedSystem<2>,
+    sin_phi: f64,
+    law: Law,
+}
+
+/// How ψ − ψ_D changes.
+enum Law {
+    Constant,
+    /// Double shearing.
+    DoubleShearing,
+    /// By the spin, whose rate is this, rad/s².
+    Spin(f64),
+}
+
+impl MeanFlow {
+    pub(super) fn new(case: &Case, model: Model, flow: &Flow) -> Self {
+        let acceleration = case.numbers.background.spin_acceleration;
+        let law = match case.kind {
+            Kind::Flow(granular_flow::Kind::DoubleShearing) => Law::DoubleShearing,
+            Kind::Flow(granular_flow::Kind::HarrisGrekova) if acceleration != 0.0 => {
+                Law::Spin(acceleration)
+            }
+            _ => Law::Constant,
+        };
+        let mut system = LinearisedSystem::default();
+        model.symbol(flow, &mut system);
+        let sin_phi = case.parameters().friction_angle.sin();
+        Self { model, state: case.state(), flow: flow.clone(), system, sin_phi, law }
+    }
+
+    /// At the beginning.
+    pub(super) fn system(&self) -> &LinearisedSystem<2> {
+        &self.system
+    }
+
+    /// ψ − ψ_D after a time, s, up to half turns; `None` where there is no stress angle any more.
+    pub(super) fn angle(&self, time: f64) -> Option<f64> {
+        let (rate, vorticity) = (self.flow.shear_rate, self.flow.half_vorticity);
+        let start = -self.flow.noncoaxiality;
+        match self.law {
+            Law::Constant => Some(start),
+            Law::DoubleShearing => {
+                let b = rate / self.sin_phi;
+                let matrix = Matrix2::new(-b, -vorticity, vorticity, b) * time;
+                let [x, y]: [f64; 2] =
+                    (matrix.exp() * Vector2::new(start.cos(), start.sin())).into();
+                Some(y.atan2(x))
+            }
+            Law::Spin(acceleration) => {
+                let spin = self.flow.spin?.value + acceleration * time;
+                let sine = self.sin_phi * (spin - vorticity) / rate;
+                let half = 0.5 * sine.asin();
+                let is_coaxial = (2.0 * start).cos() > 0.0;
+                let angle = if is_coaxial { half } else { std::f64::consts::FRAC_PI_2 - half };
+                (sine.abs() < 1.0).then_some(angle)
+            }
+        }
+    }
+
+    /// The linearised equations after a time, s; `None` where the mean flow is no longer fully deforming.
+    pub(super) fn system_at(&self, time: f64) -> Option<LinearisedSystem<2>> {
+        if matches!(self.law, Law::Constant) {
+            return Some(self.system.clone());
+        }
+        let angle = self.angle(time)?;
+        let along = self.flow.stress.angle + self.flow.noncoaxiality;
+        let state = State {
+            stress_angle: along + angle,
+            noncoaxiality: Some(-angle),
+            spin: None,
+            stress_angle_rate: None,
+            rotational_stress: self.flow.spin.map(|_| self.flow.stress.rotational),
+            acceleration: None,
+            body_moment: None,
+            velocity_gradient: None,
+            ..self.state
+        };
+        let Background::FullyDeforming(flow) = self.model.background(&state).ok()? else {
+            return None;
+        };
+        let mut system = LinearisedSystem::default();
+        self.model.symbol(&flow, &mut system);
+        Some(system)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mean(text: &str, sets: &[&str]) -> MeanFlow {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(text);
+        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+        let case = Case::load(&path, &sets).expect("a case");
+        let flow = case.mean_flow().expect("a flow");
+        MeanFlow::new(&case, case.flow_model().expect("a model"), &flow)
+    }
+
+    /// Against the equation of ψ by the classical method of Runge and Kutta.
+    #[test]
+    fn the_stress_axes_turn_as_their_equation_says() {
+        let set = "background.half_vorticity=-9";
+        let own = mean("flow/double-shearing.toml", &[set, "background.noncoaxiality_deg=16"]);
+        let (rate, vorticity) = (own.flow.shear_rate, own.flow.half_vorticity);
+        let slope = |angle: f64| vorticity + rate * (2.0 * angle).sin() / own.sin_phi;
+        let (mut angle, step) = (-own.flow.noncoaxiality, 1e-3 / rate);
+        for index in 1..=400 {
+            let one = slope(angle);
+            let two = slope(angle + 0.5 * step * one);
+            let three = slope(angle + 0.5 * step * two);
+            let four = slope(angle + step * three);
+            angle += step / 6.0 * (one + 2.0 * (two + three) + four);
+            let found = own.angle(f64::from(index) * step).expect("an angle");
+            assert!((found - angle).sin().abs() < 1e-9, "{index}: {found} for {angle}");
+        }
+        let first = own.system_at(0.0).expect("equations");
+        assert_eq!(first.unknowns, own.system().unknowns);
+    }
+}
