@@ -86,14 +86,29 @@ fn write(
     Ok(folder.write(&format!("{name}.svg"), &draw(figures::Format::Svg)?)?)
 }
 
+/// Receivers that a picture names: of many some, evenly spread from the first to the last.
+fn some_of(count: usize) -> impl Iterator<Item = usize> {
+    /// As many as a legend tells apart.
+    const MOST: usize = 8;
+    let named = count.min(MOST);
+    (0..named).map(move |index| index * (count - 1) / (named - 1).max(1))
+}
+
 /// What the receivers saw: a panel for each quantity that one of them recorded.
 fn seismograms(case: &Case, folder: &ResultFolder) -> Result<(), Error> {
     /// Panels of a page; of more quantities the first.
     const MOST: usize = 8;
     let columns = table(folder, Growing::Receivers)?;
+    let mut receivers: Vec<&str> =
+        columns.iter().filter_map(|own| Some(own.0.rsplit_once('.')?.0)).collect();
+    receivers.dedup();
+    let drawn: Vec<&str> = some_of(receivers.len()).map(|index| receivers[index]).collect();
     let mut panels: Vec<(String, Vec<Trace>)> = Vec::new();
     for (column, values) in columns.iter().skip(1) {
         let Some((receiver, name)) = column.rsplit_once('.') else { continue };
+        if !drawn.contains(&receiver) {
+            continue;
+        }
         let trace = Trace { name: receiver.to_owned(), values: values.clone() };
         match panels.iter_mut().find(|panel| panel.0 == name) {
             Some(panel) => panel.1.push(trace),
@@ -104,9 +119,15 @@ fn seismograms(case: &Case, folder: &ResultFolder) -> Result<(), Error> {
     panels.truncate(MOST);
     let figure = SeismogramFigure {
         title: case_title(case),
-        subtitle: match all > MOST {
-            true => format!("the first {MOST} of {all} quantities in receivers.csv"),
-            false => String::new(),
+        subtitle: match (all > MOST, receivers.len() > drawn.len()) {
+            (true, false) => format!("the first {MOST} of {all} quantities in receivers.csv"),
+            (false, true) => format!("{} of {} receivers", drawn.len(), receivers.len()),
+            (true, true) => format!(
+                "the first {MOST} of {all} quantities in receivers.csv, {} of {} receivers",
+                drawn.len(),
+                receivers.len()
+            ),
+            (false, false) => String::new(),
         },
         time_label: "time t, s".to_owned(),
         panels: panels
@@ -375,7 +396,12 @@ impl<'a> Section<'a> {
             let at = self.axes.map(|axis| at[axis]);
             is_near.then(|| FieldMark { at, name: name.to_owned(), kind })
         };
-        let receivers = dynamics.receivers.iter();
+        let named: Vec<usize> = some_of(dynamics.receivers.len()).collect();
+        let name = |index: usize| match named.contains(&index) {
+            true => dynamics.receivers[index].name.as_str(),
+            false => "",
+        };
+        let receivers = dynamics.receivers.iter().enumerate();
         let sources = dynamics.sources.iter();
         FieldFigure {
             title: case_title(case),
@@ -397,7 +423,7 @@ impl<'a> Section<'a> {
             outlines: Vec::new(),
             plastic: Vec::new(),
             marks: receivers
-                .filter_map(|own| mark(&own.at, &own.name, FieldMarkKind::Receiver))
+                .filter_map(|(index, own)| mark(&own.at, name(index), FieldMarkKind::Receiver))
                 .chain(
                     sources
                         .filter_map(|own| mark(&own.at, own.action.name(), FieldMarkKind::Source)),

@@ -8,8 +8,10 @@ mod checkpoint;
 mod control;
 mod files;
 mod flow;
+mod interpolation;
 mod march;
 mod setup;
+mod snapshots;
 mod solid;
 
 use crate::case::{Case, CaseError, InTime};

@@ -124,6 +124,32 @@ impl Medium {
             }
         }
     }
+
+    /// Projects the stress of a state onto the yield set; values in the order of [`fields`](Self::fields),
+    /// stresses with the initial one. Whatever follows them stays.
+    pub fn make_admissible(&self, values: &mut [f64]) {
+        if self.yields.is_none() {
+            return;
+        }
+        let mut stress = Stress::default();
+        for (&field, &value) in self.fields.iter().zip(values.iter()) {
+            match field {
+                Field::Stress(i, j) => {
+                    stress.force[i][j] = value;
+                    // One field stands for both in classical solids.
+                    if self.rotation.is_none() {
+                        stress.force[j][i] = value;
+                    }
+                }
+                Field::Couple(k, j) => stress.couple[k][j] = value,
+                Field::Velocity(_) | Field::Spin(_) => {}
+            }
+        }
+        let stress = self.project(&stress).stress;
+        for (&field, value) in self.fields.iter().zip(values) {
+            *value = component(field, &stress).unwrap_or(*value);
+        }
+    }
 }
 
 /// The projection of the stresses in the plane.

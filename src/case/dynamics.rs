@@ -199,6 +199,16 @@ words! {
     }
 }
 
+words! {
+    /// How the record of a receiver comes from cells.
+    Interpolation {
+        /// Polynomials of degree 3 along each axis through cells of the medium at the receiver.
+        Cubic = "cubic",
+        /// The cell, or of a flow the point of the grid, that is nearest.
+        Nearest = "none"
+    }
+}
+
 /// A part of the grid with its own medium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
@@ -556,6 +566,8 @@ pub struct Receiver<F = Recorded> {
     pub name: String,
     /// Where, m; inside the grid.
     pub at: Vec<f64>,
+    /// How cells make up the record.
+    pub interpolation: Interpolation,
     /// What is recorded.
     pub fields: Vec<F>,
 }

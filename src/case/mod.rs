@@ -9,6 +9,7 @@ mod keys;
 mod kind;
 mod place;
 mod read;
+mod receivers;
 mod section;
 mod value;
 

@@ -283,6 +283,28 @@ pub(super) fn spacing(length: usize) -> impl Fn(&Node) -> Option<Vec<f64>> {
     }
 }
 
+/// A point of so many coordinates, or a list of such points.
+pub(super) fn list_of_points(dimensions: usize) -> impl Fn(&Node) -> Option<Vec<Vec<f64>>> {
+    move |node| {
+        let value = node.value()?;
+        if let Some(point) = list(value, dimensions, value::number) {
+            return Some(vec![point]);
+        }
+        let points = list(value, value.as_array()?.len(), |point| {
+            list(point, dimensions, value::number)
+        })?;
+        (!points.is_empty() && points.len() <= dimensions).then_some(points)
+    }
+}
+
+/// So many whole numbers of at least 2; one alone needs no brackets.
+pub(super) fn any_counts(length: usize) -> impl Fn(&Node) -> Option<Vec<usize>> {
+    move |node| {
+        let all = list(node.value()?, length, value::count)?;
+        all.iter().all(|count| *count >= 2).then_some(all)
+    }
+}
+
 /// A square matrix by rows.
 pub(super) fn matrix(size: usize) -> impl Fn(&Node) -> Option<Vec<Vec<f64>>> {
     move |node| list(node.value()?, size, |row| list(row, size, value::number))

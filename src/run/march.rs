@@ -3,7 +3,9 @@
 use super::checkpoint::Checkpoint;
 use super::control::{Keeper, computed, listen};
 use super::files::{Files, Table, check_snapshots, columns};
+use super::interpolation::{Stencil, interpolated, stencil};
 use super::setup::{Setup, Steps, cell_at, centre};
+use super::snapshots::{Schedule, Snapshot, between};
 use super::solid::{Found, Job, Line, shown};
 use super::{Run, Stopped};
 use crate::Error;
@@ -61,6 +63,7 @@ impl Job<'_> {
         progress.tick(march.done as u64);
         while march.done < count && stopped.is_none() {
             let next = march.to_next_look();
+            march.keep_state_before_snapshot();
             march.split.advance(next);
             let now = march.line(march.done + next);
             if !is_sound(&now) {
@@ -87,8 +90,10 @@ struct Start<'a, const D: usize> {
     parts: usize,
     /// Names of what is shown of a cell.
     names: Vec<String>,
-    /// The cells of the receivers.
+    /// The cells that receivers need, ascending.
     watched: Vec<usize>,
+    /// By receiver: places among these and weights, and the cell that holds it.
+    stencils: Vec<(Stencil, usize)>,
 }
 
 impl<'a, const D: usize> Start<'a, D> {
@@ -100,9 +105,19 @@ impl<'a, const D: usize> Start<'a, D> {
             std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
         });
         let parts = threads.clamp(1, (problem.grid.cells[D - 1] / HALO).max(1));
-        let receivers = dynamics.receivers.iter();
-        let watched = receivers.map(|receiver| cell_at(dynamics, &receiver.at)).collect();
-        Ok(Self { job, problem, steps, initial, parts, names, watched })
+        let mut stencils: Vec<(Stencil, usize)> = dynamics
+            .receivers
+            .iter()
+            .map(|own| (stencil(dynamics, &problem.of_cell, own), cell_at(dynamics, &own.at)))
+            .collect();
+        let cells = stencils.iter().flat_map(|(stencil, _)| stencil);
+        let mut watched: Vec<usize> = cells.map(|(cell, _)| *cell).collect();
+        watched.sort_unstable();
+        watched.dedup();
+        for (cell, _) in stencils.iter_mut().flat_map(|(stencil, _)| stencil) {
+            *cell = watched.partition_point(|own| own < cell);
+        }
+        Ok(Self { job, problem, steps, initial, parts, names, watched, stencils })
     }
 
     /// The state at the beginning.
@@ -117,6 +132,9 @@ impl<'a, const D: usize> Start<'a, D> {
     }
 }
 
+/// All that is shown of a state, by quantity and cell; the plastic dissipation last, where anything yields.
+type Shown = Vec<Vec<f64>>;
+
 /// A run on its way.
 struct March<'a, T: Real, const D: usize> {
     start: Start<'a, D>,
@@ -127,8 +145,10 @@ struct March<'a, T: Real, const D: usize> {
     columns: Vec<usize>,
     /// Steps between two lines of the ledger.
     lines: usize,
-    /// Steps between two snapshots, if there are to be any.
-    snapshots: Option<usize>,
+    /// When there are snapshots, if there are to be any.
+    snapshots: Option<Schedule>,
+    /// What is shown before a step within which a snapshot is due.
+    before: Option<Shown>,
     /// Steps done.
     done: usize,
     /// The ledger after these.
@@ -166,11 +186,11 @@ impl<'a, T: Real, const D: usize> March<'a, T, D> {
         };
         let snapshots = match dynamics.output.snapshot_interval {
             0.0 => None,
-            seconds => Some(interval(seconds, steps.step)),
+            seconds => Some(Schedule::new(seconds, dynamics.time.duration, steps.count)),
         };
         let done = from.map_or(0, |from| from.steps);
-        if let (Some(_), Some(every)) = (from, snapshots) {
-            check_snapshots(run.folder, (0..=done).step_by(every).map(snapshot_name))?;
+        if let (Some(_), Some(snapshots)) = (from, snapshots) {
+            check_snapshots(run.folder, snapshots.until(done).map(|own| own.name("vti")))?;
         }
         let last = line(&split, steps.time(done));
         let energy_at_start = from.map_or(last.energy.total(), |from| from.start);
@@ -183,6 +203,7 @@ impl<'a, T: Real, const D: usize> March<'a, T, D> {
             columns,
             lines,
             snapshots,
+            before: None,
             done,
             last,
             energy_at_start,
@@ -201,14 +222,28 @@ impl<'a, T: Real, const D: usize> March<'a, T, D> {
         self.split.record();
         self.write_receivers(0)?;
         self.write_line(&self.last.clone())?;
-        self.snapshot_if(self.snapshots.is_some())
+        self.write_snapshots()
     }
 
-    /// Steps to the next line or snapshot, or to the next look whether all values are finite.
+    /// Steps to the next line, or state that a snapshot needs, or to the next look whether all values are
+    /// finite.
     fn to_next_look(&self) -> usize {
         let to_next = |every: usize| every - self.done % every;
-        let next = to_next(self.lines).min(to_next(self.snapshots.unwrap_or(LOOK))).min(LOOK);
+        let snapshot = self.snapshots.and_then(|own| own.to_next(self.done)).unwrap_or(LOOK);
+        let next = to_next(self.lines).min(snapshot).min(LOOK);
         next.min(self.start.steps.count - self.done)
+    }
+
+    /// Keeps what is shown now if a snapshot is due before the next step ends.
+    fn keep_state_before_snapshot(&mut self) {
+        let is_needed = self.snapshots.is_some_and(|own| own.is_between(self.done));
+        self.before = is_needed.then(|| self.shown());
+    }
+
+    fn shown(&self) -> Shown {
+        let mut shown = self.split.shown();
+        shown.extend(Some(self.split.dissipated()).filter(|own| !own.is_empty()));
+        shown
     }
 
     /// Records the steps just made, which ended in `now`.
@@ -220,15 +255,27 @@ impl<'a, T: Real, const D: usize> March<'a, T, D> {
         if is_last || self.done.is_multiple_of(self.lines) {
             self.write_line(&now)?;
         }
-        let is_due = |every: usize| is_last || self.done.is_multiple_of(every);
-        self.snapshot_if(self.snapshots.is_some_and(is_due))
+        self.write_snapshots()
     }
 
-    fn snapshot_if(&self, is_due: bool) -> Result<(), Error> {
-        if !is_due {
+    /// Writes the snapshots that are due.
+    fn write_snapshots(&mut self) -> Result<(), Error> {
+        let Some(schedule) = self.snapshots else { return Ok(()) };
+        let due: Vec<Snapshot> = schedule.due_at(self.done).collect();
+        if due.is_empty() {
             return Ok(());
         }
-        self.files.snapshot(&self.image()?, &self.snapshots_so_far())
+        let now = self.shown();
+        for own in &due {
+            let image = match self.before.as_ref().filter(|_| own.part > 0.0) {
+                Some(before) => self.image(&between(before, &now, own.part), own.time)?,
+                None => self.image(&now, own.time)?,
+            };
+            let so_far = schedule.until(self.done).take(own.index + 1);
+            let list: Vec<(f64, String)> = so_far.map(|own| (own.time, own.name("vti"))).collect();
+            self.files.snapshot(&image, &list)?;
+        }
+        Ok(())
     }
 
     /// The same bits again as far as they were sound, then step by step up to the last sound state.
@@ -288,12 +335,24 @@ impl<'a, T: Real, const D: usize> March<'a, T, D> {
 
     /// Adds what was recorded of steps, of which the first is `step`.
     fn write_receivers(&mut self, step: usize) -> Result<(), Error> {
-        let width = self.start.watched.len() * self.start.names.len();
+        let names = self.start.names.len();
+        let width = self.start.watched.len() * names;
         if width == 0 {
             return Ok(());
         }
         let mut row = Vec::with_capacity(self.columns.len() + 1);
-        for (index, state) in self.split.records().chunks_exact(width).enumerate() {
+        let mut state = Vec::with_capacity(self.start.stencils.len() * names);
+        let Problem { media, of_cell, .. } = &self.start.problem;
+        for (index, cells) in self.split.records().chunks_exact(width).enumerate() {
+            state.clear();
+            for (stencil, home) in &self.start.stencils {
+                let first = state.len();
+                let value = |name| interpolated(stencil, |place| cells[place * names + name]);
+                state.extend((0..names).map(value));
+                if stencil.len() > 1 {
+                    media[usize::from(of_cell[*home])].make_admissible(&mut state[first..]);
+                }
+            }
             row.clear();
             row.push(self.start.steps.time(step + index));
             row.extend(self.columns.iter().map(|column| state[*column]));
@@ -313,8 +372,8 @@ impl<'a, T: Real, const D: usize> March<'a, T, D> {
         self.files.write(Growing::Ledger, &row)
     }
 
-    /// The state for ParaView.
-    fn image(&self) -> Result<ImageData, Error> {
+    /// What is shown at a time (s), for ParaView.
+    fn image(&self, shown: &Shown, time: f64) -> Result<ImageData, Error> {
         let dynamics = self.start.job.dynamics;
         let own = &dynamics.grid;
         let grid = Grid {
@@ -323,18 +382,18 @@ impl<'a, T: Real, const D: usize> March<'a, T, D> {
             spacing: own.spacing.clone(),
         };
         let mut image = ImageData::new(grid, Storage::Plain)?;
-        image.set_time(self.start.steps.time(self.done))?;
-        let (names, values) = (&self.start.names, self.split.shown());
+        image.set_time(time)?;
+        let (values, dissipated) = shown.split_at(self.start.names.len());
+        let names = &self.start.names;
         let is_velocity = |name: &str| name.starts_with('v');
-        let of_velocity = names.iter().zip(&values).filter(|(name, _)| is_velocity(name));
+        let of_velocity = names.iter().zip(values).filter(|(name, _)| is_velocity(name));
         let axes: Vec<&[f64]> = of_velocity.map(|(_, values)| values.as_slice()).collect();
         image.add_vector("velocity [m/s]", &axes)?;
-        for (name, values) in names.iter().zip(&values).filter(|(name, _)| !is_velocity(name)) {
+        for (name, values) in names.iter().zip(values).filter(|(name, _)| !is_velocity(name)) {
             image.add(&format!("{name} [{}]", unit_of(name)), 1, values)?;
         }
-        let dissipated = self.split.dissipated();
-        if !dissipated.is_empty() {
-            image.add("dissipation [J/m3]", 1, &dissipated)?;
+        if let [dissipated] = dissipated {
+            image.add("dissipation [J/m3]", 1, dissipated)?;
         }
         if !dynamics.regions.is_empty() {
             let of_cell = &self.start.problem.of_cell;
@@ -342,16 +401,6 @@ impl<'a, T: Real, const D: usize> March<'a, T, D> {
             image.add("region", 1, &regions)?;
         }
         Ok(image)
-    }
-
-    /// All snapshots that an uninterrupted run would have written by now, with their times.
-    fn snapshots_so_far(&self) -> Vec<(f64, String)> {
-        let (step, every) = (self.done, self.snapshots.unwrap_or(1));
-        let mut list: Vec<usize> = (0..=step / every).map(|index| index * every).collect();
-        if !step.is_multiple_of(every) {
-            list.push(step);
-        }
-        list.into_iter().map(|step| (self.start.steps.time(step), snapshot_name(step))).collect()
     }
 
     /// What came out.
@@ -390,11 +439,6 @@ fn check_yield<T: Real, const D: usize>(job: &Job, split: &Split<T, D>) -> Resul
     let found = format!("a stress beyond yield in the cell at {:?}", centre(job.dynamics, cell));
     let allowed = "initial stresses, and those of [initial_stress] with them, within the yield set";
     Err(job.dynamics.locate("initial", found, allowed))
-}
-
-/// The name of a snapshot.
-fn snapshot_name(step: usize) -> String {
-    format!("snapshot-{step:08}.vti")
 }
 
 fn ledger_header(job: &Job) -> Vec<&'static str> {

@@ -273,10 +273,8 @@ fn bell(distance: f64, radius: f64) -> f64 {
 
 /// The distance along an axis; round the grid where that is periodic and shorter.
 fn along(dynamics: &Dynamics, axis: usize, a: f64, b: f64) -> f64 {
-    let is_periodic = whole_side(dynamics, Side { axis, is_upper: false })
-        .is_some_and(|entry| entry.condition == SideKind::Periodic);
     let [first, last] = dynamics.grid.extent(axis);
-    match is_periodic {
+    match is_periodic(dynamics, axis) {
         true => (a - b) - ((a - b) / (last - first)).round() * (last - first),
         false => a - b,
     }
@@ -285,6 +283,12 @@ fn along(dynamics: &Dynamics, axis: usize, a: f64, b: f64) -> f64 {
 fn distance(dynamics: &Dynamics, axes: &[usize], a: &[f64], b: &[f64]) -> f64 {
     let parts = axes.iter().zip(a.iter().zip(b));
     parts.fold(0.0, |sum, (axis, (a, b))| f64::hypot(sum, along(dynamics, *axis, *a, *b)))
+}
+
+/// Whether the grid comes round along an axis.
+pub(super) fn is_periodic(dynamics: &Dynamics, axis: usize) -> bool {
+    whole_side(dynamics, Side { axis, is_upper: false })
+        .is_some_and(|entry| entry.condition == SideKind::Periodic)
 }
 
 /// The last entry of a whole side.

@@ -72,7 +72,10 @@ fn needed(dynamics: &Dynamics, media: &[Medium]) -> f64 {
         Precision::F64 => memory::<f64>(&dynamics.grid.cells, fields),
         Precision::F32 => memory::<f32>(&dynamics.grid.cells, fields),
     };
-    let copies = 2 * fields + dynamics.initial.len() + 2 * dynamics.output.integrals.len() + 1;
+    // A snapshot between two steps needs both.
+    let has_snapshots = dynamics.output.snapshot_interval > 0.0;
+    let snapshot = if has_snapshots { fields + dynamics.output.integrals.len() + 1 } else { 0 };
+    let copies = snapshot + 2 * fields + dynamics.initial.len() + 2 * dynamics.output.integrals.len() + 1;
     own + dynamics.grid.count() as f64 * (copies * size_of::<f64>()) as f64
 }
 
@@ -188,6 +191,7 @@ impl Job<'_> {
                 "name": receiver.name,
                 "at": receiver.at,
                 "cell": centre(dynamics, cell_at(dynamics, &receiver.at)),
+                "interpolation": receiver.interpolation.name(),
             })).collect::<Vec<_>>(),
             "stopped": found.stopped.as_ref().map(ToString::to_string),
         })

@@ -10,6 +10,7 @@ use crate::case::error::{CaseError, Place, shown};
 use crate::case::keys::{Key, Value};
 use crate::case::place::Places;
 use crate::case::read::Entries;
+use crate::case::receivers::{Domain, receivers};
 use crate::case::section::{
     Node, Section, any_numbers, cells, count, joined, matrix, not_negative, number, numbers,
     positive, rows, spacing, text, texts, truth,
@@ -17,8 +18,6 @@ use crate::case::section::{
 use crate::case::{Case, Kind, Solid};
 use models::cosserat::parameters::Theory;
 use models::cosserat::waves::Field;
-use std::collections::BTreeMap;
-use std::fmt::Display;
 use std::io::Read;
 use std::path::Path;
 
@@ -257,7 +256,7 @@ impl Reader<'_> {
         axes: &[usize],
     ) -> Result<(), CaseError> {
         let extents: Vec<[f64; 2]> = axes.iter().map(|&axis| self.grid.extent(axis)).collect();
-        check_inside(section, position, axes, &extents, "grid")
+        check_inside(section, "at", position, axes, &extents, "grid")
     }
 
     /// An axis by its number in the file; from 0.
@@ -673,7 +672,8 @@ impl Reader<'_> {
             let integral = || all.iter().copied().find(|own| own.to_string() == name);
             component.map(Recorded::Component).or_else(integral)
         };
-        receivers(root, &all, find, |section| self.point_inside(section, "a point of the grid"))
+        let extents: Vec<[f64; 2]> = (0..self.dimensions()).map(|a| self.grid.extent(a)).collect();
+        receivers(root, &all, find, &Domain { extents, whole: "grid", interpolates: true })
     }
 
     /// What is recorded and drawn, of media of which one `yields` or none.
@@ -799,9 +799,11 @@ impl Reader<'_> {
     }
 }
 
-/// That a position along some axes is between first and last coordinates, those of the grid or box.
+/// That a position along some axes, the value of a key, is between first and last coordinates, those of the
+/// grid or box.
 pub(in crate::case) fn check_inside(
     section: &Section,
+    key: &str,
     position: &[f64],
     axes: &[usize],
     extents: &[[f64; 2]],
@@ -816,11 +818,11 @@ pub(in crate::case) fn check_inside(
         .map(|(axis, [first, last])| format!("x{} from {first:?} to {last:?} m", axis + 1))
         .collect();
     let found = format!("found {position:?}, outside the {whole}");
-    Err(section.error("at", found, format!("the {whole} has {}", words.join(", "))))
+    Err(section.error(key, found, format!("the {whole} has {}", words.join(", "))))
 }
 
 /// A list of different quantities, whose names are `among`; `None` where it is absent.
-fn different<T: PartialEq>(
+pub(in crate::case) fn different<T: PartialEq>(
     section: &mut Section,
     key: &'static str,
     among: &[String],
@@ -838,43 +840,6 @@ fn different<T: PartialEq>(
         all.push(own);
     }
     Ok(Some(all))
-}
-
-/// The receivers, which record any of the fields `all`, each of which `find` knows by its name; `point`
-/// reads where one is.
-pub(in crate::case) fn receivers<F: Clone + PartialEq + Display>(
-    root: &mut Section,
-    all: &[F],
-    find: impl Fn(&str) -> Option<F>,
-    point: impl Fn(&mut Section) -> Result<Vec<f64>, CaseError>,
-) -> Result<Vec<Receiver<F>>, CaseError> {
-    let words: Vec<String> = all.iter().map(F::to_string).collect();
-    let mut receivers = Vec::new();
-    let mut taken: BTreeMap<String, usize> = BTreeMap::new();
-    for (index, mut section) in root.tables("receiver")?.into_iter().enumerate() {
-        let is_name = |node: &Node| {
-            let stands = |c: char| c.is_alphanumeric() || "-_.".contains(c);
-            text(node).filter(|name| !name.is_empty() && name.chars().all(stands))
-        };
-        let expected = "text in quotes (letters, digits, '-', '_' and '.')";
-        let name = section.optional("name", expected, is_name)?;
-        let name = name.unwrap_or_else(|| format!("r{}", index + 1));
-        if let Some(first) = taken.insert(name.clone(), index) {
-            let place = root.place(&format!("receiver[{first}]"));
-            let found = format!("found '{name}', the name of receiver[{first}] ({place})");
-            return Err(section.error("name", found, "give each receiver its own name"));
-        }
-        let at = point(&mut section)?;
-        let fields = different(&mut section, "fields", &words, &find)?;
-        if fields.as_ref().is_some_and(Vec::is_empty) {
-            let allowed = format!("name at least one of {}", joined(&words));
-            return Err(section.error("fields", "an empty list", allowed));
-        }
-        section.finish()?;
-        let fields = fields.unwrap_or_else(|| all.to_vec());
-        receivers.push(Receiver { name, at, fields });
-    }
-    Ok(receivers)
 }
 
 /// Time between two lines of the ledger, where `zero` says what 0 means, and between two snapshots, s.

@@ -46,7 +46,10 @@ impl Dynamics {
                 .number("lateral_ratio", gravity.lateral_ratio)
                 .under("[gravity]");
         }
-        text.extend(self.receivers.iter().map(|receiver| receiver.resolved()));
+        text.extend(self.receivers.iter().map(|receiver| {
+            let resolved = receiver.resolved().text("interpolation", receiver.interpolation.name());
+            resolved.under("[[receiver]]")
+        }));
         let integrals: Vec<String> =
             self.output.integrals.iter().filter_map(|own| own.integral()).collect();
         let output = Resolved::default()
@@ -63,13 +66,12 @@ impl Dynamics {
 }
 
 impl<F: Display> Receiver<F> {
-    /// The entry as TOML.
-    pub(in crate::case) fn resolved(&self) -> String {
+    /// The entry without what only solids have.
+    pub(in crate::case) fn resolved(&self) -> Resolved {
         Resolved::default()
             .text("name", &self.name)
             .number("at", &self.at)
             .texts("fields", &self.fields)
-            .under("[[receiver]]")
     }
 }
 

@@ -4,9 +4,10 @@ use super::{
     Disturbed, FlowRun, Grid, Initial, LEAST_POINTS, MOST_POINTS, Output, Quantity, Time, Wave,
 };
 use crate::case::CaseError;
-use crate::case::dynamics::read::{check_inside, intervals, receivers};
+use crate::case::dynamics::read::{check_inside, intervals};
 use crate::case::error::shown;
 use crate::case::read::Entries;
+use crate::case::receivers::{Domain, receivers};
 use crate::case::section::{
     Node, Section, any_numbers, cells, joined, number, numbers, positive, spacing, text, whole,
     whole_pair,
@@ -34,12 +35,9 @@ pub(in crate::case) fn read(
         initial: reader.initial(&mut root)?,
         receivers: {
             let all = Quantity::all(closure);
-            receivers(
-                &mut root,
-                &all,
-                |name| named(&all, name),
-                |section| Ok(reader.at(section, "a point of the box")?.to_vec()),
-            )?
+            let extents = grid.lengths.map(|length| [0.0, length]).to_vec();
+            let domain = Domain { extents, whole: "box", interpolates: false };
+            receivers(&mut root, &all, |name| named(&all, name), &domain)?
         },
         output: reader.output(&mut root)?,
         places: entries.places.clone(),
@@ -117,7 +115,7 @@ impl Reader<'_> {
         let pair = |node: &Node| <[f64; 2]>::try_from(numbers(2)(node)?).ok();
         let at = section.required("at", &expected, pair)?;
         let extents = self.grid.lengths.map(|length| [0.0, length]);
-        check_inside(section, &at, &[0, 1], &extents, "box")?;
+        check_inside(section, "at", &at, &[0, 1], &extents, "box")?;
         Ok(at)
     }
 

@@ -3,7 +3,7 @@
 use super::super::checkpoint::Checkpoint;
 use super::super::control::{Keeper, computed, listen};
 use super::super::files::{Files, Table, check_snapshots, columns};
-use super::super::{Run, Stopped};
+use super::super::{Run, Stopped, snapshots};
 use super::{Job, Values, initial};
 use crate::Error;
 use crate::case::flow::Quantity;
@@ -262,7 +262,7 @@ impl<'a> March<'a> {
         let (now, duration) = (self.flow.time(), self.job.run.time.duration);
         let after = |time: &f64| (*time < duration).then(|| next(*time, interval, duration));
         let times = std::iter::successors(Some(0.0), after).take_while(|time| *time <= now);
-        times.enumerate().map(|(index, time)| (time, format!("snapshot-{index:08}.vts"))).collect()
+        times.enumerate().map(|(index, time)| (time, snapshots::name(index, "vts"))).collect()
     }
 
     /// The run ends here: the last line is that of the last state that had a stress everywhere.
