@@ -26,7 +26,7 @@ use spectral::Mode;
 
 /// Most stages of a step.
 const MOST_STAGES: usize = 2000;
-/// Steps, and shear of the box, after which the greatest rate is looked for again.
+/// Steps, and deformation and turn of the box, after which the greatest rate is looked for again.
 const LOOK: (usize, f64) = (25, 0.02);
 /// Successive cuts of a step, after which it cannot be made.
 const MOST_CUTS: usize = 20;
@@ -345,12 +345,12 @@ impl Flow {
         loop {
             // Before the box has sheared by much, and what is left is shared by steps of one length, lest the last
             // one is a splinter.
-            let sheared = (self.time - self.control.looked) * self.shear_rate() + SHEAR;
+            let sheared = (self.time - self.control.looked) * self.turning_rate() + SHEAR;
             let fastest = self.control.rate * (2.0 * sheared).exp();
             let longest = self
                 .control
                 .step
-                .min(SHEAR / self.shear_rate())
+                .min(SHEAR / self.turning_rate())
                 .min(0.9 * reach(MOST_STAGES) / fastest);
             let step = rest / (rest / longest).ceil().max(1.0);
             let end = if step == rest { until } else { self.time + step };
@@ -406,9 +406,10 @@ impl Flow {
         end: f64,
         least_stages: usize,
     ) -> Result<(Vec<Complex64>, Vec<Complex64>, f64), Left> {
-        // Wave vectors lengthen at the rate Q_D at most, and decay goes with their square.
+        // Decay goes with the square of wave vectors, which change at the rate |Γ| at most: it depends on their
+        // direction, too.
         let ahead = end - self.control.looked;
-        let product = step * self.control.rate * (2.0 * self.shear_rate() * ahead).exp();
+        let product = step * self.control.rate * (2.0 * self.turning_rate() * ahead).exp();
         self.stages = stages(product).max(least_stages);
         if self.stages > MOST_STAGES {
             return Err(self.stuck(&format!("a step of {step:e} s asks for too many stages")));
@@ -448,6 +449,12 @@ impl Flow {
         shear_rate_of(self.equations.problem().velocity_gradient)
     }
 
+    /// |Γ| = Q_D + |s₂₁|, the greatest rate at which wave vectors change relative to their length, 1/s.
+    fn turning_rate(&self) -> f64 {
+        let gradient = self.equations.problem().velocity_gradient;
+        self.shear_rate() + closure::Deformation::new(gradient).half_vorticity.abs()
+    }
+
     /// Root of the mean square, 1/s: of ψ in units of 1/(2Q_D).
     fn norm(&self, state: &[Complex64]) -> f64 {
         let series = &self.equations.series;
@@ -476,7 +483,7 @@ impl Flow {
     fn look(&mut self) -> Result<(), Left> {
         let Control { rate, age, looked, .. } = self.control;
         let (steps, shear) = LOOK;
-        if rate.is_nan() || age >= steps || (self.time - looked) * self.shear_rate() > shear {
+        if rate.is_nan() || age >= steps || (self.time - looked) * self.turning_rate() > shear {
             self.control.rate = self.greatest_rate()?;
         }
         Ok(())
