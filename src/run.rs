@@ -13,6 +13,7 @@ mod march;
 mod setup;
 mod snapshots;
 mod solid;
+mod spread;
 
 use crate::case::{Case, CaseError, InTime};
 use crate::output::{Growing, ResultFolder};

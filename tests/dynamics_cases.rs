@@ -3,8 +3,8 @@
 use models::cosserat::parameters::Theory;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use wellposed::case::dynamics::{
-    Action, Centre, Component, Condition, Dynamics, Initial, Picture, Recorded, Shape, Side,
-    SourceKind, TimeFunction,
+    Action, Centre, Component, Condition, Dynamics, Initial, Kernel, Picture, Recorded, Shape,
+    Side, SourceKind, TimeFunction,
 };
 use wellposed::case::{Case, Kind, Medium, Solid as SolidKind, Yield};
 use wellposed::new::{self, Purpose};
@@ -254,7 +254,10 @@ fn a_case_is_read_as_written() {
     let names = |list: &[Component]| list.iter().map(Component::to_string).collect::<Vec<_>>();
     let Condition::Mixed { held } = &dynamics.sides[1].condition else { panic!() };
     assert_eq!(names(held), ["v2", "w3"]);
-    assert_eq!(dynamics.loads[1].action, Action::Point { at: vec![0.5], radius: 0.25 });
+    assert_eq!(
+        dynamics.loads[1].action,
+        Action::Point { at: vec![0.5], kernel: Kernel::Bell { radius: 0.25 } }
+    );
     assert_eq!(dynamics.loads[1].time, TimeFunction::Ricker { frequency: 30.0, delay: 1.5 / 30.0 });
     assert_eq!(dynamics.loads[2].side, Side { axis: 0, is_upper: false });
     assert_eq!(dynamics.sources[1].action, SourceKind::Couple(vec![7.0]));

@@ -426,8 +426,8 @@ pub enum Action {
     Point {
         /// Coordinates along the other axes ascending, m.
         at: Vec<f64>,
-        /// Radius of the bell over which it is spread, m; 0: one cell.
-        radius: f64,
+        /// Over which it is spread.
+        kernel: Kernel,
     },
 }
 
@@ -438,10 +438,39 @@ pub struct Source {
     pub action: SourceKind,
     /// Where, m; inside the grid.
     pub at: Vec<f64>,
-    /// Radius of the bell over which it is spread, m; 0: one cell.
-    pub radius: f64,
+    /// Over which it is spread.
+    pub kernel: Kernel,
     /// When.
     pub time: TimeFunction,
+}
+
+/// The kernel by which what acts at a point is spread over cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Kernel {
+    /// A smooth kernel of a few cells, exact for polynomials, without the waves of two cells.
+    #[default]
+    Spline,
+    /// A bell.
+    Bell {
+        /// Its radius, m; positive.
+        radius: f64,
+    },
+    /// The cell or face nearest to the point.
+    Cell,
+}
+
+impl Kernel {
+    /// All names in case files.
+    pub const NAMES: [&str; 3] = ["spline", "bell", "cell"];
+
+    /// Name in case files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Spline => "spline",
+            Self::Bell { .. } => "bell",
+            Self::Cell => "cell",
+        }
+    }
 }
 
 /// What a source does; amplitudes are multiplied by the function of time.

@@ -45,7 +45,7 @@ impl MeanFlow {
         let mut system = LinearisedSystem::default();
         model.symbol(flow, &mut system);
         let sin_phi = case.parameters().friction_angle.sin();
-        Self { model, state: case.state(), flow: flow.clone(), system, sin_phi, law }
+        Self { model, state: case.state(), flow: *flow, system, sin_phi, law }
     }
 
     /// At the beginning.

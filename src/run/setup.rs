@@ -1,15 +1,16 @@
 //! From a case to the problem that the solver takes.
 
+use super::spread::shares;
 use crate::Error;
 use crate::case::dynamics::{
-    Action, Centre, Component, Condition as SideKind, Correction, Dynamics, Initial,
+    Action, Centre, Component, Condition as SideKind, Correction, Dynamics, Initial, Kernel,
     Ledger as LedgerKind, Load as SideLoad, Order, Side, SideCondition, Source as Inside,
     SourceKind, Splitting as Sweeps,
 };
 use crate::case::{Case, CaseError, Wave};
 use crate::solid::{Elastic, elastic_and_set, normal};
 use analysis::waves::plane_waves;
-use dynamics::boundary::{Boundary, Condition, Load, Source};
+use dynamics::boundary::{Boundary, Condition, Load, Signal, Source};
 use dynamics::line::Slopes;
 use dynamics::medium::Medium;
 use dynamics::problem::{Detail, DomainError, Grid, Placement, Problem, Scheme, Splitting};
@@ -188,7 +189,7 @@ impl<const D: usize> Setup<D> {
         }
         let mut sources = Vec::new();
         for (index, source) in dynamics.sources.iter().enumerate() {
-            sources.push(place.source(index, source)?);
+            sources.extend(place.source(index, source)?);
         }
         let (acceleration, initial_stress) = place.weight::<D>(&media, &of_cell)?;
         let initial = place.initial::<D>(case, media.len())?;
@@ -262,15 +263,6 @@ pub(super) fn cell_at(dynamics: &Dynamics, point: &[f64]) -> usize {
     cell
 }
 
-/// A bell over a radius: 1 in the middle, 0 beyond, without corners.
-fn bell(distance: f64, radius: f64) -> f64 {
-    if distance < radius {
-        0.5 + 0.5 * (std::f64::consts::PI * distance / radius).cos()
-    } else {
-        0.0
-    }
-}
-
 /// The distance along an axis; round the grid where that is periodic and shorter.
 fn along(dynamics: &Dynamics, axis: usize, a: f64, b: f64) -> f64 {
     let [first, last] = dynamics.grid.extent(axis);
@@ -294,32 +286,6 @@ pub(super) fn is_periodic(dynamics: &Dynamics, axis: usize) -> bool {
 /// The last entry of a whole side.
 fn whole_side(dynamics: &Dynamics, side: Side) -> Option<&SideCondition> {
     dynamics.sides.iter().rev().find(|entry| entry.side == side && entry.part.is_none())
-}
-
-/// Shares of the places about a point, which add up to 1; of the nearest place alone if none is within the
-/// radius.
-fn shares(
-    places: impl Iterator<Item = (usize, Vec<f64>)>,
-    distance: impl Fn(&[f64]) -> f64,
-    radius: f64,
-) -> Vec<(usize, f64)> {
-    let mut nearest = (f64::INFINITY, 0);
-    let mut within = Vec::new();
-    for (index, middle) in places {
-        let distance = distance(&middle);
-        if distance < nearest.0 {
-            nearest = (distance, index);
-        }
-        let share = bell(distance, radius);
-        if share > 0.0 {
-            within.push((index, share));
-        }
-    }
-    let sum: f64 = within.iter().map(|own| own.1).sum();
-    if within.is_empty() {
-        return vec![(nearest.1, 1.0)];
-    }
-    within.into_iter().map(|(index, share)| (index, share / sum)).collect()
 }
 
 /// What finds the places of a case in its grid.
@@ -447,11 +413,14 @@ impl Place<'_> {
                 .filter(|(_, middle)| part.contains(middle))
                 .map(|(face, _)| (face, load.amplitude))
                 .collect(),
-            Action::Point { at, radius } => {
+            Action::Point { at, kernel } => {
                 let axes = load.side.axes(self.dynamics.grid.dimensions());
                 let area: f64 = axes.iter().map(|&axis| self.dynamics.grid.spacing[axis]).product();
-                let to = |middle: &[f64]| distance(self.dynamics, &axes, middle, at);
-                let shares = shares(faces, to, *radius).into_iter();
+                let mut point = at.clone();
+                let end = self.dynamics.grid.extent(load.side.axis);
+                point.insert(load.side.axis, end[usize::from(load.side.is_upper)]);
+                let key = format!("load[{index}]");
+                let shares = self.shares(&axes, &point, *kernel, load.field.0, &key)?.into_iter();
                 shares.map(|(face, share)| (face, load.amplitude * share / area)).collect()
             }
         };
@@ -471,31 +440,26 @@ impl Place<'_> {
         })
     }
 
-    fn source(&self, index: usize, source: &Inside) -> Result<Source, Error> {
-        let grid = &self.dynamics.grid;
-        // Cells that may be near along each axis, round the grid where that is periodic.
-        let near: Vec<Vec<usize>> = (0..grid.dimensions())
-            .map(|axis| {
-                let reach = source.radius + grid.spacing[axis];
-                let is_near = |index: &usize| {
-                    along(self.dynamics, axis, grid.centre(axis, *index), source.at[axis]).abs()
-                        <= reach
-                };
-                (0..grid.cells[axis]).filter(is_near).collect()
-            })
-            .collect();
-        let mut places = vec![(0, Vec::new())];
-        for axis in (0..grid.dimensions()).rev() {
-            places = places
-                .iter()
-                .flat_map(|place| near[axis].iter().map(move |index| (place, *index)))
-                .map(|((cell, middle), index)| {
-                    let mut middle: Vec<f64> = middle.clone();
-                    middle.insert(0, grid.centre(axis, index));
-                    (cell * grid.cells[axis] + index, middle)
-                })
-                .collect();
+    /// Shares of cells or faces in what acts at a point.
+    fn shares(
+        &self,
+        axes: &[usize],
+        point: &[f64],
+        kernel: Kernel,
+        field: Field,
+        key: &str,
+    ) -> Result<Vec<(usize, f64)>, Error> {
+        let shares = shares(self.dynamics, axes, point, kernel, field);
+        if shares.iter().all(|own| own.1.abs() < 1e-12) {
+            let found = format!("what drives {} is on a plane of symmetry", Component(field));
+            let allowed = "its mirror image takes it away: leave that component out, or move it";
+            return Err(self.dynamics.locate(&format!("{key}.at"), found, allowed).into());
         }
+        Ok(shares)
+    }
+
+    /// A source, in parts whose mirror images have the same sign.
+    fn source(&self, index: usize, source: &Inside) -> Result<Vec<Source>, Error> {
         let amplitudes: Vec<(Field, f64)> = match &source.action {
             SourceKind::Force(force) => {
                 force.iter().enumerate().map(|(i, f)| (Field::Velocity(i), *f)).collect()
@@ -529,13 +493,20 @@ impl Place<'_> {
             }
         };
         let time = source.time.clone();
-        let axes: Vec<usize> = (0..grid.dimensions()).collect();
-        let to = |middle: &[f64]| distance(self.dynamics, &axes, middle, &source.at);
-        Ok(Source {
-            cells: shares(places.into_iter(), to, source.radius),
-            amplitudes: amplitudes.into_iter().filter(|(_, amplitude)| *amplitude != 0.0).collect(),
-            signal: Arc::new(move |t| time.value(t)),
-        })
+        let signal: Signal = Arc::new(move |t| time.value(t));
+        let axes: Vec<usize> = (0..self.dynamics.grid.dimensions()).collect();
+        let key = format!("source[{index}]");
+        let mut parts: Vec<Source> = Vec::new();
+        for own in amplitudes.into_iter().filter(|(_, amplitude)| *amplitude != 0.0) {
+            let cells = self.shares(&axes, &source.at, source.kernel, own.0, &key)?;
+            match parts.iter_mut().find(|part| part.cells == cells) {
+                Some(part) => part.amplitudes.push(own),
+                None => {
+                    parts.push(Source { cells, amplitudes: vec![own], signal: signal.clone() });
+                }
+            }
+        }
+        Ok(parts)
     }
 
     /// What gravity does: an acceleration, or an initial stress that balances it, to which the uniform one

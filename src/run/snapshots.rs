@@ -94,7 +94,7 @@ impl Schedule {
     }
 
     /// Steps after `done` to the next at which a state is needed, if any is.
-    pub(super) fn to_next(&self, done: usize) -> Option<usize> {
+    pub(super) fn to_next(self, done: usize) -> Option<usize> {
         let next = self.first_after(done)?;
         Some(if next.step > done { next.step - done } else { next.due() - done })
     }

@@ -5,7 +5,9 @@ use super::setup::{Setup, Steps, cell_at, centre, media, steps};
 use super::{IllPosed, Outcome, Run, Stopped, if_memory_suffices};
 use crate::Error;
 use crate::case::Case;
-use crate::case::dynamics::{Component, Dynamics, Ledger as LedgerKind, Precision, TimeFunction};
+use crate::case::dynamics::{
+    Action, Component, Dynamics, Kernel, Ledger as LedgerKind, Load, Precision, TimeFunction,
+};
 use crate::words::{case_title, short, unit_of};
 use dynamics::domain::memory;
 use dynamics::ledger::{Energy, Ledger};
@@ -131,7 +133,25 @@ impl super::Job for Job<'_> {
             let text = format!("{name}[{index}].time changes within {steps} steps");
             Some(format!("{text}: smaller cells see more of it"))
         };
-        Ok(loads.chain(sources).filter_map(warning).collect())
+        let mut warnings: Vec<String> = loads.chain(sources).filter_map(warning).collect();
+        if self.dynamics.time.courant == 1.0 {
+            let loads = self.dynamics.loads.iter().enumerate();
+            let of_load = |own: &Load| match &own.action {
+                Action::Point { kernel, .. } => *kernel == Kernel::Cell,
+                Action::Whole | Action::Part(_) => false,
+            };
+            let loads = loads.filter(|own| of_load(own.1)).map(|own| ("load", own.0));
+            let sources = self.dynamics.sources.iter().enumerate();
+            let sources =
+                sources.filter(|own| own.1.kernel == Kernel::Cell).map(|own| ("source", own.0));
+            warnings.extend(loads.chain(sources).map(|(name, index)| {
+                format!(
+                    "{name}[{index}] acts on one cell: at Courant number 1 nothing damps the \
+                     sawtooth that it makes; the kernel \"spline\" makes none"
+                )
+            }));
+        }
+        Ok(warnings)
     }
 
     fn ill_posed(&self) -> Result<Option<IllPosed>, Error> {

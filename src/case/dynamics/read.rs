@@ -1,10 +1,10 @@
 //! From the sections of a case to what it says of a run in time.
 
 use super::{
-    Action, Centre, Component, Condition, Correction, Dynamics, Gravity, Grid, Initial, Ledger,
-    Load, MOST_CELLS, MOST_REGIONS, Order, Output, Part, Picture, Precision, Receiver, Recorded,
-    Region, Samples, Scheme, Shape, Side, SideCondition, Source, SourceKind, Splitting, Time,
-    TimeFunction,
+    Action, Centre, Component, Condition, Correction, Dynamics, Gravity, Grid, Initial, Kernel,
+    Ledger, Load, MOST_CELLS, MOST_REGIONS, Order, Output, Part, Picture, Precision, Receiver,
+    Recorded, Region, Samples, Scheme, Shape, Side, SideCondition, Source, SourceKind, Splitting,
+    Time, TimeFunction,
 };
 use crate::case::error::{CaseError, Place, shown};
 use crate::case::keys::{Key, Value};
@@ -473,7 +473,7 @@ impl Reader<'_> {
         let axes = side.axes(self.dimensions());
         let expected = along(&axes, "a point of the side");
         let at = section.optional("at", &expected, numbers(axes.len()))?;
-        let radius = radius(section)?;
+        let kernel = kernel(section)?;
         match (part, at) {
             (Some(_), Some(_)) => {
                 let allowed = "give one of the two, a part or a point of the side";
@@ -485,11 +485,12 @@ impl Reader<'_> {
             }
             (None, Some(at)) => {
                 self.check_inside(section, &at, &axes)?;
-                Ok(Action::Point { at, radius: radius.unwrap_or(0.0) })
+                Ok(Action::Point { at, kernel: kernel.unwrap_or_default() })
             }
-            (_, None) if radius.is_some() => {
+            (_, None) if kernel.is_some() => {
+                let key = if section.node("radius").is_some() { "radius" } else { "kernel" };
                 let allowed = "add at, the point that it is about, or leave it out";
-                Err(section.error("radius", "found without at", allowed))
+                Err(section.error(key, "found without at", allowed))
             }
             (Some(part), None) => Ok(Action::Part(part)),
             (None, None) => Ok(Action::Whole),
@@ -501,10 +502,10 @@ impl Reader<'_> {
         for mut section in root.tables("source")? {
             let action = self.source_kind(&mut section)?;
             let at = self.point_inside(&mut section, "a point of the grid")?;
-            let radius = radius(&mut section)?.unwrap_or(0.0);
+            let kernel = kernel(&mut section)?.unwrap_or_default();
             let time = self.function(&mut section)?;
             section.finish()?;
-            sources.push(Source { action, at, radius, time });
+            sources.push(Source { action, at, kernel, time });
         }
         Ok(sources)
     }
@@ -875,9 +876,26 @@ fn along(axes: &[usize], meaning: &str) -> String {
     format!("{} in m ({meaning}, along {})", list_of(axes.len()), along.join(", "))
 }
 
-fn radius(section: &mut Section) -> Result<Option<f64>, CaseError> {
+/// The kernel of what acts at a point, if anything is said of it.
+fn kernel(section: &mut Section) -> Result<Option<Kernel>, CaseError> {
     let expected = "a number of at least 0 in m (radius of the bell; 0: one cell)";
-    section.optional("radius", expected, not_negative)
+    let radius = section.optional("radius", expected, not_negative)?;
+    let name = section.optional_choice("kernel", &Kernel::NAMES, |name| name)?;
+    match (name, radius) {
+        (None, None) => Ok(None),
+        (Some("spline"), None) => Ok(Some(Kernel::Spline)),
+        (None | Some("cell"), Some(0.0)) | (Some("cell"), None) => Ok(Some(Kernel::Cell)),
+        (None | Some("bell"), Some(radius)) if radius > 0.0 => Ok(Some(Kernel::Bell { radius })),
+        (Some("bell"), found) => {
+            let found = found.map_or("missing".to_owned(), |radius| format!("found {radius:?}"));
+            let allowed = "expected a positive number in m (radius of the bell)";
+            Err(section.error("radius", found, allowed))
+        }
+        (name, _) => {
+            let found = format!("found beside kernel = \"{}\"", name.unwrap_or_default());
+            Err(section.error("radius", found, "leave it out, or write kernel = \"bell\""))
+        }
+    }
 }
 
 fn amplitude_of_field(section: &mut Section) -> Result<f64, CaseError> {

@@ -1,8 +1,8 @@
 //! What a case says of a run in time, back as TOML: every value, defaults included.
 
 use super::{
-    Action, Centre, Component, Condition, Dynamics, Initial, Load, Part, Receiver, Region, Shape,
-    SideCondition, Source, SourceKind, TimeFunction,
+    Action, Centre, Component, Condition, Dynamics, Initial, Kernel, Load, Part, Receiver, Region,
+    Shape, SideCondition, Source, SourceKind, TimeFunction,
 };
 use crate::case::section::Resolved;
 use crate::case::{Case, NO_YIELD};
@@ -131,7 +131,7 @@ fn load(load: &Load) -> Resolved {
     let resolved = match &load.action {
         Action::Whole => resolved,
         Action::Part(own) => part(resolved, own),
-        Action::Point { at, radius } => resolved.number("at", at).number("radius", radius),
+        Action::Point { at, kernel } => spread(resolved.number("at", at), *kernel),
     };
     resolved.table("time", &function(&load.time))
 }
@@ -146,10 +146,15 @@ fn source(source: &Source) -> Resolved {
         SourceKind::Moment(amplitude) => resolved.number("amplitude", amplitude),
         SourceKind::Explosion(amplitude) => resolved.number("amplitude", amplitude),
     };
-    resolved
-        .number("at", &source.at)
-        .number("radius", source.radius)
-        .table("time", &function(&source.time))
+    spread(resolved.number("at", &source.at), source.kernel).table("time", &function(&source.time))
+}
+
+fn spread(resolved: Resolved, kernel: Kernel) -> Resolved {
+    let resolved = resolved.text("kernel", kernel.name());
+    match kernel {
+        Kernel::Bell { radius } => resolved.number("radius", radius),
+        Kernel::Spline | Kernel::Cell => resolved,
+    }
 }
 
 fn initial(initial: &Initial, dimensions: usize) -> Resolved {

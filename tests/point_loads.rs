@@ -1,0 +1,167 @@
+//! What acts at a point: against the exact wave of a plane source wherever it is in a cell, and parts of a symmetric
+//! model against the whole.
+
+use files::npz::{Values, read};
+use std::collections::HashMap;
+use std::f64::consts::PI;
+use std::fs;
+use wellposed::Options;
+use wellposed::run::{self, Control};
+
+const CONTROL: Control = Control { checkpoint_every: 1e9 };
+const MEDIUM: &str = "[model]\nkind='classical'\nlambda=1e8\nmu=1e8\ndensity=3000\n";
+/// √((λ + 2μ)/ρ), m/s.
+const SPEED: f64 = 316.227_766_016_837_94;
+
+fn arrays(case: &str, file: &str) -> HashMap<String, Vec<f64>> {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let path = folder.path().join("case.toml");
+    fs::write(&path, case).expect("a scratch file");
+    let out = folder.path().join("out");
+    let options = Options { case: path, out: Some(out.clone()), ..Options::default() };
+    run::run(&options, CONTROL, &mut Vec::new()).expect("a sound case");
+    let arrays = read(&fs::read(out.join(file)).expect("a file")).expect("arrays");
+    let numbers = arrays.into_iter().filter_map(|array| match array.values {
+        Values::F64(values) => Some((array.name, values)),
+        _ => None,
+    });
+    numbers.collect()
+}
+
+/// A force per area across a strip sends F f(t − |x − x₀|/c)/(2ρc) either way. At Courant number 1 the strip itself
+/// is exact: what is left is the error of source and receiver, of second order wherever both are in a cell, since
+/// sources act once a step; a force on one cell is off by more than twice as much.
+#[test]
+fn a_plane_source_is_where_it_is_put() {
+    let frequency = 20.0;
+    let wavelength = SPEED / frequency;
+    let error = |cells: usize, part: f64, kernel: &str| {
+        let h = wavelength / cells as f64;
+        let length = 16 * cells;
+        let (at, seen) = (7.0 * wavelength + part * h, 9.0 * wavelength + 0.71 * part * h);
+        let case = format!(
+            "{MEDIUM}[grid]\ncells=[{length}, 1]\nspacing={h:?}\n[time]\nduration={:?}\ncourant=1\n\
+             [[side]]\nside='x2-'\nkind='periodic'\n[[side]]\nside='x2+'\nkind='periodic'\n\
+             [[source]]\nkind='force'\namplitude=[{:?}, 0]\nat=[{at:?}, 0]\n{kernel}\n\
+             time={{kind='ricker', frequency={frequency}}}\n\
+             [[receiver]]\nname='r'\nat=[{seen:?}, 0]\nfields=['v1']\n",
+            5.5 / frequency,
+            h * 2.0 * 3000.0 * SPEED,
+        );
+        let found = arrays(&case, "receivers.npz");
+        let ricker = |t: f64| {
+            let a = (PI * (frequency * t - 1.5)).powi(2);
+            (1.0 - 2.0 * a) * (-a).exp()
+        };
+        let exact = found["time"].iter().map(|t| {
+            let t = t - (seen - at) / SPEED;
+            if t > 0.0 { ricker(t) } else { 0.0 }
+        });
+        let (mut wrong, mut all) = (0.0, 0.0);
+        for (exact, found) in exact.zip(&found["r.v1"]) {
+            wrong += (exact - found).powi(2);
+            all += exact * exact;
+        }
+        (wrong / all).sqrt()
+    };
+    for part in [0.0, 0.3, 0.5, 0.86] {
+        let errors = [10, 20, 40].map(|cells| error(cells, part, ""));
+        println!("{part}: {errors:?}; one cell {:?}", error(20, part, "kernel='cell'"));
+        assert!((errors[1] / errors[2]).log2() > 1.8, "{part}: {errors:?}");
+    }
+    assert!(error(20, 0.86, "kernel='cell'") > 2.0 * error(20, 0.86, ""));
+}
+
+/// What acts on planes of symmetry: half a model with half the amplitude, and a quarter with a quarter, move as the
+/// whole one; likewise what acts next to a plane, with its image in the whole one.
+#[test]
+fn parts_of_a_symmetric_model_move_as_the_whole() {
+    let time = "time={kind='ricker', frequency=60}";
+    let model = |cells: [usize; 2], origin: [f64; 2], sides: &str, acting: &str| {
+        let case = format!(
+            "{MEDIUM}[grid]\ncells=[{}, {}, 6]\nspacing=0.5\norigin=[{:?}, {:?}, -3]\n\
+             [time]\nduration=0.025\n{sides}{acting}",
+            cells[0], cells[1], origin[0], origin[1]
+        );
+        arrays(&case, "fields.npz")
+    };
+    let plane = |side: &str| format!("[[side]]\nside='{side}'\nkind='symmetry'\n");
+    for kernel in ["", "radius=1.3"] {
+        let load = |at: [f64; 2], amplitude: f64| {
+            format!(
+                "[[load]]\nside='x3+'\nfield='sigma33'\namplitude={amplitude:?}\nat={at:?}\n{kernel}\n{time}\n"
+            )
+        };
+        let force = |at: [f64; 3], amplitude: [f64; 3]| {
+            format!(
+                "[[source]]\nkind='force'\namplitude={amplitude:?}\nat={at:?}\n{kernel}\n{time}\n"
+            )
+        };
+        let [x1, x2] = ["x1-", "x2-"].map(plane);
+        // On the axis a load and a force along x₃; beside it, mirrored in all quarters, an oblique force.
+        let near = [0.2, 0.6, -1.4];
+        let images = |signs: &[[f64; 2]]| -> String {
+            signs
+                .iter()
+                .map(|[a, b]| force([a * near[0], b * near[1], near[2]], [a * 2e3, b * 1e3, 5e2]))
+                .collect()
+        };
+        let whole = model(
+            [12, 12],
+            [-3.0, -3.0],
+            "",
+            &(load([0.0, 0.0], -4e3)
+                + &force([0.0, 0.0, -1.0], [0.0, 0.0, 2e3])
+                + &images(&[[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])),
+        );
+        let half = model(
+            [6, 12],
+            [0.0, -3.0],
+            &x1,
+            &(load([0.0, 0.0], -2e3)
+                + &force([0.0, 0.0, -1.0], [0.0, 0.0, 1e3])
+                + &images(&[[1.0, 1.0], [1.0, -1.0]])),
+        );
+        let quarter = model(
+            [6, 6],
+            [0.0, 0.0],
+            &(x1 + &x2),
+            &(load([0.0, 0.0], -1e3)
+                + &force([0.0, 0.0, -1.0], [0.0, 0.0, 5e2])
+                + &images(&[[1.0, 1.0]])),
+        );
+        for name in ["v1", "v2", "v3", "sigma11", "sigma12", "sigma33"] {
+            let most = whole[name].iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+            assert!(most > 0.0, "{name}");
+            for (cell, value) in whole[name].iter().enumerate() {
+                let [a, b, c] = [cell % 12, cell / 12 % 12, cell / 144];
+                if a < 6 {
+                    continue;
+                }
+                let found = half[name][(c * 12 + b) * 6 + a - 6];
+                assert!((found - value).abs() < 1e-9 * most, "{name} of the half at {a}, {b}, {c}");
+                if b >= 6 {
+                    let found = quarter[name][(c * 6 + b - 6) * 6 + a - 6];
+                    assert!((found - value).abs() < 1e-9 * most, "{name} of the quarter");
+                }
+            }
+        }
+    }
+}
+
+/// A force across a plane of symmetry has an image that takes it away.
+#[test]
+fn forces_across_a_plane_of_symmetry_are_refused() {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let path = folder.path().join("case.toml");
+    let case = format!(
+        "{MEDIUM}[grid]\ncells=[8, 8]\nspacing=1\n[time]\nduration=0.01\n[[side]]\nside='x1-'\n\
+         kind='symmetry'\n[[source]]\nkind='force'\namplitude=[1, 0]\nat=[0, 4]\n\
+         time={{kind='pulse', duration=0.01}}\n"
+    );
+    fs::write(&path, case).expect("a scratch file");
+    let out = Some(folder.path().join("out"));
+    let options = Options { case: path, out, ..Options::default() };
+    let error = run::run(&options, CONTROL, &mut Vec::new()).expect_err("nothing acts").to_string();
+    assert!(error.contains("source[0].at: what drives v1 is on a plane of symmetry"), "{error}");
+}
