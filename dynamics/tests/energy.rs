@@ -3,7 +3,7 @@
 
 mod support;
 
-use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances};
+use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
 use models::plasticity::parameters::{Mises, YieldSet};
 use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition};
