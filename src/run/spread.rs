@@ -5,12 +5,12 @@
 //! kernel is
 //!
 //! ```text
-//! K(u) = ½ (B(u − ½) + B(u + ½)),    w(u) = 1.5 K(u) − ¼ (K(u − 1) + K(u + 1)),
+//! K(u) = ¼ (B(u − 1) + 2 B(u) + B(u + 1)),    w(u) = (7/4) K(u) − ⅜ (K(u − 1) + K(u + 1)),
 //! ```
 //!
 //! u in cells, with the quadratic B-spline B. Wherever the point is in the grid the moments of w are those of the point
-//! up to the second; of waves of two cells, which nothing damps, it has none, and of waves of angle θ a cell
-//! the share 1 − sin⁴(θ/2). It reaches less than three cells.
+//! up to the second; waves of two cells, which nothing damps, are absent, wherever the point is, and those next to them are of the second
+//! order (Fourier transform of w: two zeros at π a cell). It reaches less than four cells.
 //!
 //! Beyond a side of symmetry or antisymmetry the kernel is folded back with the sign of the field's mirror image: what is
 //! left is half (a quarter) of the whole model with its images. Beyond any other side a share goes by linear
@@ -21,7 +21,7 @@ use crate::case::dynamics::{Condition, Dynamics, Kernel, Side};
 use models::cosserat::waves::Field;
 use nalgebra::{DMatrix, DVector};
 
-/// Cells within which the spline lies.
+/// Cells from that in front of the point, and one more behind it, within which the spline lies.
 const REACH: isize = 3;
 
 /// What is beyond an end of an axis.
@@ -118,8 +118,8 @@ fn quadratic(u: f64) -> f64 {
 
 /// The kernel along an axis, in cells.
 fn spline(u: f64) -> f64 {
-    let wide = |u: f64| 0.5 * (quadratic(u - 0.5) + quadratic(u + 0.5));
-    1.5 * wide(u) - 0.25 * (wide(u - 1.0) + wide(u + 1.0))
+    let wide = |u: f64| 0.25 * (quadratic(u - 1.0) + 2.0 * quadratic(u) + quadratic(u + 1.0));
+    1.75 * wide(u) - 0.375 * (wide(u - 1.0) + wide(u + 1.0))
 }
 
 /// A bell over a radius: 1 in the middle, 0 beyond, without corners.
