@@ -94,16 +94,20 @@ fn points(section: &mut Section, domain: &Domain) -> Result<Vec<(String, Vec<f64
         let allowed = "give one of the two, a point or a line or grid of points";
         return Err(section.error("at", "found beside from", allowed));
     }
-    let expected = format!("{list} (the last point of a line), or for a grid a list of such corners");
+    let expected =
+        format!("{list} (the last point of a line), or for a grid a list of such corners");
     let to = section.required("to", &expected, list_of_points(d))?;
     let expected = match to.len() {
         1 => "a whole number of at least 2 (points of the line, both ends among them)".to_owned(),
-        n => format!("a list of {n} whole numbers of at least 2 (points along each edge of the grid)"),
+        n => format!(
+            "a list of {n} whole numbers of at least 2 (points along each edge of the grid)"
+        ),
     };
     let counts = section.required("count", &expected, any_counts(to.len()))?;
     let total = counts.iter().try_fold(1usize, |total, &count| total.checked_mul(count));
     let Some(total) = total.filter(|total| *total <= MOST_POINTS) else {
-        let found = format!("found {}", joined(&counts.iter().map(usize::to_string).collect::<Vec<_>>()));
+        let found =
+            format!("found {}", joined(&counts.iter().map(usize::to_string).collect::<Vec<_>>()));
         return Err(section.error("count", found, format!("at most {MOST_POINTS} points in all")));
     };
     let mut points = Vec::with_capacity(total);

@@ -290,9 +290,8 @@ pub(super) fn list_of_points(dimensions: usize) -> impl Fn(&Node) -> Option<Vec<
         if let Some(point) = list(value, dimensions, value::number) {
             return Some(vec![point]);
         }
-        let points = list(value, value.as_array()?.len(), |point| {
-            list(point, dimensions, value::number)
-        })?;
+        let points =
+            list(value, value.as_array()?.len(), |point| list(point, dimensions, value::number))?;
         (!points.is_empty() && points.len() <= dimensions).then_some(points)
     }
 }

@@ -51,7 +51,8 @@ fn runs(cells: usize, is_periodic: bool, home: usize, x: f64) -> Vec<Run> {
 
 /// Lagrange weights at `x` of the cells of a run.
 fn weights(run: &Run, x: f64) -> Vec<f64> {
-    let places: Vec<f64> = (0..run.count).map(|index| (run.first + index as isize) as f64).collect();
+    let places: Vec<f64> =
+        (0..run.count).map(|index| (run.first + index as isize) as f64).collect();
     if run.lacking == 0 && run.count == 1 {
         return vec![1.0];
     }

@@ -75,7 +75,8 @@ fn needed(dynamics: &Dynamics, media: &[Medium]) -> f64 {
     // A snapshot between two steps needs both.
     let has_snapshots = dynamics.output.snapshot_interval > 0.0;
     let snapshot = if has_snapshots { fields + dynamics.output.integrals.len() + 1 } else { 0 };
-    let copies = snapshot + 2 * fields + dynamics.initial.len() + 2 * dynamics.output.integrals.len() + 1;
+    let copies =
+        snapshot + 2 * fields + dynamics.initial.len() + 2 * dynamics.output.integrals.len() + 1;
     own + dynamics.grid.count() as f64 * (copies * size_of::<f64>()) as f64
 }
 

@@ -21,7 +21,9 @@ impl FlowRun {
                 &Resolved::default().number("shear_rate", self.least_shear_rate).under("[limits]");
         }
         text.extend(self.initial.iter().map(|part| initial(part).under("[[initial]]")));
-        text.extend(self.receivers.iter().map(|receiver| receiver.resolved().under("[[receiver]]")));
+        text.extend(
+            self.receivers.iter().map(|receiver| receiver.resolved().under("[[receiver]]")),
+        );
         let output = Resolved::default()
             .number("ledger_interval", self.output.ledger_interval)
             .number("snapshot_interval", self.output.snapshot_interval)
