@@ -10,6 +10,7 @@ mod files;
 mod flow;
 mod interpolation;
 mod march;
+mod pulse;
 mod setup;
 mod snapshots;
 mod solid;

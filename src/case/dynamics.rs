@@ -11,6 +11,8 @@ mod write;
 
 pub use component::Component;
 pub use function::{Samples, TimeFunction};
+pub use plane_pulse::{PlanePulse, Polarization};
+pub use profile::Profile;
 
 use super::place::Places;
 use super::{Case, CaseError};
@@ -148,6 +150,10 @@ macro_rules! words {
         }
     };
 }
+
+// After the macro that they use.
+mod plane_pulse;
+mod profile;
 
 words! {
     /// Reconstruction of waves.
@@ -411,6 +417,8 @@ pub struct Load {
     pub amplitude: f64,
     /// Where.
     pub action: Action,
+    /// By what it is multiplied along the side; not at a point.
+    pub profile: Option<Profile>,
     /// When.
     pub time: TimeFunction,
 }
@@ -528,6 +536,8 @@ pub enum Initial {
         /// Greatest velocity, m/s.
         amplitude: f64,
     },
+    /// A plane wave of finite length.
+    PlanePulse(PlanePulse),
     /// A microrotation.
     Rotation {
         /// Where.
@@ -550,13 +560,14 @@ pub enum Initial {
 
 impl Initial {
     /// All names in case files.
-    pub const NAMES: [&str; 4] = ["pulse", "plane-wave", "rotation", "uniform"];
+    pub const NAMES: [&str; 5] = ["pulse", "plane-wave", "plane-pulse", "rotation", "uniform"];
 
     /// Name in case files.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Pulse { .. } => "pulse",
             Self::PlaneWave { .. } => "plane-wave",
+            Self::PlanePulse(_) => "plane-pulse",
             Self::Rotation { .. } => "rotation",
             Self::Uniform { .. } => "uniform",
         }

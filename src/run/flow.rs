@@ -2,6 +2,7 @@
 
 mod initial;
 mod march;
+mod times;
 
 use super::checkpoint::Checkpoint;
 use super::{IllPosed, Outcome, Run, if_memory_suffices};

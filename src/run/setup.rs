@@ -1,5 +1,6 @@
 //! From a case to the problem that the solver takes.
 
+use super::pulse::Incident;
 use super::spread::shares;
 use crate::Error;
 use crate::case::dynamics::{
@@ -407,14 +408,19 @@ impl Place<'_> {
     /// The faces of a load and their amplitudes.
     fn loaded(&self, index: usize, load: &SideLoad) -> Result<Vec<(usize, f64)>, Error> {
         let faces = self.faces(load.side).into_iter().enumerate();
+        let axes = load.side.axes(self.dynamics.grid.dimensions());
+        let to = |a: &[f64], b: &[f64]| distance(self.dynamics, &axes, a, b);
+        let amplitude = |middle: &[f64]| match &load.profile {
+            Some(profile) => load.amplitude * profile.value(&axes, middle, to),
+            None => load.amplitude,
+        };
         let found: Vec<(usize, f64)> = match &load.action {
-            Action::Whole => faces.map(|(face, _)| (face, load.amplitude)).collect(),
+            Action::Whole => faces.map(|(face, middle)| (face, amplitude(&middle))).collect(),
             Action::Part(part) => faces
                 .filter(|(_, middle)| part.contains(middle))
-                .map(|(face, _)| (face, load.amplitude))
+                .map(|(face, middle)| (face, amplitude(&middle)))
                 .collect(),
             Action::Point { at, kernel } => {
-                let axes = load.side.axes(self.dynamics.grid.dimensions());
                 let area: f64 = axes.iter().map(|&axis| self.dynamics.grid.spacing[axis]).product();
                 let mut point = at.clone();
                 let end = self.dynamics.grid.extent(load.side.axis);
@@ -632,6 +638,17 @@ impl Place<'_> {
                                 true => sign * 2.0 * alpha * angle_deg.to_radians(),
                                 false => 0.0,
                             }
+                        });
+                    }
+                }
+                Initial::PlanePulse(pulse) => {
+                    let of_cell = self.dynamics.media_of_cells()?;
+                    let key = format!("initial[{index}]");
+                    let wave = Incident::new(case, self.dynamics, &of_cell, pulse, &key)?;
+                    for &field in &self.medium.fields {
+                        let mut media = of_cell.iter();
+                        add(field, &mut |x| {
+                            media.next().map_or(0.0, |medium| wave.value(field, x, *medium))
                         });
                     }
                 }

@@ -67,7 +67,7 @@ impl Samples {
     }
 
     /// On the straight line between its neighbours; at a sample exactly that.
-    fn value(&self, t: f64) -> f64 {
+    pub(super) fn value(&self, t: f64) -> f64 {
         let next = self.samples.partition_point(|[time, _]| *time <= t);
         let Some(&[before, value]) = next.checked_sub(1).and_then(|last| self.samples.get(last))
         else {

@@ -2,9 +2,9 @@
 
 use super::{
     Action, Centre, Component, Condition, Correction, Dynamics, Gravity, Grid, Initial, Kernel,
-    Ledger, Load, MOST_CELLS, MOST_REGIONS, Order, Output, Part, Picture, Precision, Receiver,
-    Recorded, Region, Samples, Scheme, Shape, Side, SideCondition, Source, SourceKind, Splitting,
-    Time, TimeFunction,
+    Ledger, Load, MOST_CELLS, MOST_REGIONS, Order, Output, Part, Picture, PlanePulse, Precision,
+    Profile, Receiver, Recorded, Region, Samples, Scheme, Shape, Side, SideCondition, Source,
+    SourceKind, Splitting, Time, TimeFunction,
 };
 use crate::case::error::{CaseError, Place, shown};
 use crate::case::keys::{Key, Value};
@@ -455,9 +455,13 @@ impl Reader<'_> {
             let expected = "a finite number in m/s, rad/s, Pa or N/m (what time is multiplied by)";
             let amplitude = section.required("amplitude", expected, number)?;
             let action = self.action(&mut section, side, field)?;
+            let profile = match action {
+                Action::Point { .. } => None,
+                _ => Profile::read(&mut section, &side.axes(self.dimensions()))?,
+            };
             let time = self.function(&mut section)?;
             section.finish()?;
-            loads.push(Load { side, field, amplitude, action, time });
+            loads.push(Load { side, field, amplitude, action, profile, time });
         }
         Ok(loads)
     }
@@ -551,6 +555,12 @@ impl Reader<'_> {
             let part = match section.choice("kind", &Initial::NAMES, |name| name)? {
                 "pulse" => self.pulse(&mut section)?,
                 "plane-wave" => self.plane_wave(&mut section)?,
+                "plane-pulse" => {
+                    let at = self.point_inside(&mut section, "a point of the grid")?;
+                    let time = self.function(&mut section)?;
+                    let d = self.dimensions();
+                    Initial::PlanePulse(PlanePulse::read(&mut section, d, at, time)?)
+                }
                 "rotation" => self.rotation(&mut section)?,
                 _ => Initial::Uniform {
                     shape: self.shape(&mut section, &Shape::Everywhere)?,
@@ -871,7 +881,7 @@ fn list_of(length: usize) -> String {
 }
 
 /// Coordinates along some axes, as they are asked for.
-fn along(axes: &[usize], meaning: &str) -> String {
+pub(super) fn along(axes: &[usize], meaning: &str) -> String {
     let along: Vec<String> = axes.iter().map(|axis| format!("x{}", axis + 1)).collect();
     format!("{} in m ({meaning}, along {})", list_of(axes.len()), along.join(", "))
 }

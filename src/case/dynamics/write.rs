@@ -31,7 +31,7 @@ impl Dynamics {
             .under("[scheme]");
         text.extend(self.regions.iter().map(|entry| region(entry, d).under("[[region]]")));
         text.extend(self.sides.iter().map(|entry| side(entry).under("[[side]]")));
-        text.extend(self.loads.iter().map(|entry| load(entry).under("[[load]]")));
+        text.extend(self.loads.iter().map(|entry| load(entry, d).under("[[load]]")));
         text.extend(self.sources.iter().map(|entry| source(entry).under("[[source]]")));
         text.extend(self.initial.iter().map(|entry| initial(entry, d).under("[[initial]]")));
         let stress = |all: Resolved, (component, value): &(Component, f64)| {
@@ -123,7 +123,7 @@ fn side(entry: &SideCondition) -> Resolved {
     }
 }
 
-fn load(load: &Load) -> Resolved {
+fn load(load: &Load, dimensions: usize) -> Resolved {
     let resolved = Resolved::default()
         .text("side", load.side.name())
         .text("field", load.field.to_string())
@@ -132,6 +132,10 @@ fn load(load: &Load) -> Resolved {
         Action::Whole => resolved,
         Action::Part(own) => part(resolved, own),
         Action::Point { at, kernel } => spread(resolved.number("at", at), *kernel),
+    };
+    let resolved = match &load.profile {
+        Some(profile) => resolved.table("profile", &profile.resolved(dimensions)),
+        None => resolved,
     };
     resolved.table("time", &function(&load.time))
 }
@@ -176,6 +180,9 @@ fn initial(initial: &Initial, dimensions: usize) -> Resolved {
             }
             .number("wavelength", wavelength)
             .number("amplitude", amplitude)
+        }
+        Initial::PlanePulse(pulse) => {
+            pulse.resolved(resolved, dimensions).table("time", &function(&pulse.time))
         }
         Initial::Rotation { shape: own, angle_deg, axis } => {
             let resolved = shape(resolved, own, dimensions).number("angle_deg", angle_deg);

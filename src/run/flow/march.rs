@@ -4,18 +4,19 @@ use super::super::checkpoint::Checkpoint;
 use super::super::control::{Keeper, computed, listen};
 use super::super::files::{Files, Table, check_snapshots, columns};
 use super::super::{Run, Stopped, snapshots};
+use super::times::Times;
 use super::{Job, Values, initial};
 use crate::Error;
 use crate::case::flow::Quantity;
-use crate::output::Growing;
+use crate::output::{Growing, ResultFolder};
 use crate::progress::Progress;
 use crate::words::{short, unit_of};
-use dynamics::flow::{Energy, Flow, Left};
+use dynamics::flow::{Energy, Flow, Left, Snapshot};
 use files::vti::{Grid, ImageData, Storage};
 use std::fs::File;
 use std::time::Instant;
 
-/// Lines of the ledger where the case does not say how many.
+/// Parts of the duration at whose ends steps end; lines of the ledger where the case does not say how many.
 const LINES: f64 = 200.0;
 /// Parts of the duration that a bar of progress tells apart.
 const PARTS: f64 = 1000.0;
@@ -49,15 +50,11 @@ impl Line {
     }
 }
 
-/// The first of the multiples of an interval that comes after a time; the last one is the duration, which
-/// stands for what is next to it.
-fn next(time: f64, interval: f64, duration: f64) -> f64 {
-    let mut count = (time / interval).floor();
-    while count * interval <= time {
-        count += 1.0;
-    }
-    let next = count * interval;
-    if next > duration - 1e-6 * interval { duration } else { next }
+/// The time of the last line of the ledger, s.
+fn last_time(folder: &ResultFolder) -> f64 {
+    let text = std::fs::read_to_string(folder.growing(Growing::Ledger)).unwrap_or_default();
+    let time = text.lines().next_back().and_then(|line| line.split(',').next()?.parse().ok());
+    time.unwrap_or(f64::NEG_INFINITY)
 }
 
 /// What happened, and at which point if it is one that has left the fully deforming region.
@@ -105,10 +102,12 @@ struct March<'a> {
     watched: Vec<usize>,
     /// Places of what the receivers record, in all quantities of their points.
     columns: Vec<usize>,
-    /// Time between two lines of the ledger, s.
-    lines: f64,
-    /// Time between two snapshots, s, if there are to be any.
-    snapshots: Option<f64>,
+    /// Times of the lines of the ledger.
+    lines: Times,
+    /// Times of snapshots, if there are to be any.
+    snapshots: Option<Times>,
+    /// Number of snapshots written.
+    written: usize,
     last: Line,
     energy_at_start: f64,
     /// When this part of the run began, and after how many steps.
@@ -156,18 +155,20 @@ impl<'a> March<'a> {
             seconds => seconds,
         };
         let energy = flow.energy();
-        // What resumes between two lines has written none of this state.
-        let time = flow.time();
-        let is_due = time >= duration || (time / lines).round() * lines == time;
-        let last = Line { time: if is_due { time } else { f64::NEG_INFINITY }, energy };
+        // What resumes may have written no line of this state.
+        let time = if from.is_some() { last_time(run.folder) } else { flow.time() };
+        let last = Line { time, energy };
+        let snapshots = Some(output.snapshot_interval).filter(|seconds| *seconds > 0.0);
+        let snapshots = snapshots.map(|seconds| Times::new(seconds, duration));
         let mut march = Self {
             job,
             files,
             keeper: Keeper::new(run),
             watched: case.receivers.iter().map(|own| case.grid.nearest(&own.at)).collect(),
             columns,
-            lines,
-            snapshots: Some(output.snapshot_interval).filter(|seconds| *seconds > 0.0),
+            lines: Times::new(lines, duration),
+            snapshots,
+            written: 0,
             last,
             energy_at_start: from.map_or(energy.kinetic, |from| from.start),
             began: (Instant::now(), flow.steps()),
@@ -175,49 +176,89 @@ impl<'a> March<'a> {
             lock,
         };
         match from {
-            None => march.record(true, march.snapshots.is_some())?,
+            None => {
+                march.write_receivers()?;
+                march.write_line(None)?;
+                march.write_snapshot(None)?;
+            }
             Some(_) => {
-                check_snapshots(run.folder, march.snapshots_so_far().into_iter().map(|own| own.1))?;
+                march.written = snapshots.map_or(0, |times| times.until(march.flow.time()));
+                let due = (0..march.written).map(|index| snapshots::name(index, "vts"));
+                check_snapshots(run.folder, due)?;
             }
         }
         Ok(march)
     }
 
-    /// One step, and what is to be recorded of where it leads.
+    /// One step, and what is to be recorded of it; no step depends on what that is.
     fn step(&mut self) -> Result<Result<(), Left>, Error> {
         let (time, duration) = (self.flow.time(), self.job.run.time.duration);
-        let line = next(time, self.lines, duration);
-        let snapshot =
-            self.snapshots.map_or(f64::INFINITY, |interval| next(time, interval, duration));
-        if let Err(left) = self.flow.advance(line.min(snapshot)) {
+        let ends = Times::new(duration / LINES, duration);
+        let before = self.flow.snapshot();
+        if let Err(left) = self.flow.advance(ends.time(ends.until(time))) {
             return Ok(Err(left));
         }
         let now = self.flow.time();
-        self.record(now >= line, now >= snapshot)?;
+        self.write_receivers()?;
+        for index in self.lines.until(time)..self.lines.until(now) {
+            match self.on_the_way(&before, self.lines.time(index))? {
+                Ok(aside) => self.write_line(aside.as_ref())?,
+                Err(left) => return Ok(Err(left)),
+            }
+        }
+        let Some(times) = self.snapshots else { return Ok(Ok(())) };
+        for index in self.written..times.until(now) {
+            match self.on_the_way(&before, times.time(index))? {
+                Ok(aside) => self.write_snapshot(aside.as_ref())?,
+                Err(left) => return Ok(Err(left)),
+            }
+        }
         Ok(Ok(()))
     }
 
-    /// What the receivers see, and where they are due a line of the ledger and a snapshot.
-    fn record(&mut self, is_line: bool, is_snapshot: bool) -> Result<(), Error> {
-        if is_snapshot || !self.watched.is_empty() {
-            let values = self.flow.values();
-            if !self.watched.is_empty() {
-                self.write_receivers(&values)?;
-            }
-            if is_snapshot {
-                self.files.snapshot(&self.image(&values)?, &self.snapshots_so_far())?;
+    /// The flow at a time during the last step, on its own way there from the state before; `None` where the step
+    /// ended then.
+    fn on_the_way(
+        &self,
+        before: &Snapshot,
+        time: f64,
+    ) -> Result<Result<Option<Flow>, Left>, Error> {
+        if self.lines.is_one(time, self.flow.time()) {
+            return Ok(Ok(None));
+        }
+        let mut aside = Flow::new(&self.job.problem)
+            .map_err(|error| self.job.run.locate("grid", error.to_string(), "see the README"))?;
+        aside.restore(before);
+        while aside.time() < time {
+            if let Err(left) = aside.advance(time) {
+                return Ok(Err(left));
             }
         }
-        if is_line { self.write_line() } else { Ok(()) }
+        Ok(Ok(Some(aside)))
     }
 
-    fn write_receivers(&mut self, values: &[Vec<f64>]) -> Result<(), Error> {
+    /// The next snapshot: of the state, or of one on the way to it.
+    fn write_snapshot(&mut self, aside: Option<&Flow>) -> Result<(), Error> {
+        let Some(times) = self.snapshots else { return Ok(()) };
+        let time = times.time(self.written);
+        let image = self.image(aside.unwrap_or(&self.flow), time)?;
+        self.written += 1;
+        let name = |index| (times.time(index), snapshots::name(index, "vts"));
+        let list: Vec<_> = (0..self.written).map(name).collect();
+        self.files.snapshot(&image, &list)
+    }
+
+    fn write_receivers(&mut self) -> Result<(), Error> {
+        if self.watched.is_empty() {
+            return Ok(());
+        }
+        let values = self.flow.values();
         let fields: Vec<Quantity> = self.flow.fields().into_iter().map(Quantity).collect();
         let state: Vec<f64> = self
             .watched
             .iter()
             .flat_map(|&point| {
-                fields.iter().zip(values).map(move |(own, values)| own.shown(values[point]))
+                fields.iter().zip(&values).map(move |(own, values)| own.shown(values[point]))
             })
             .collect();
         let own = self.columns.iter().map(|column| state[*column]);
@@ -226,49 +267,42 @@ impl<'a> March<'a> {
     }
 
     /// A line of the ledger and one of the spectrum.
-    fn write_line(&mut self) -> Result<(), Error> {
-        let line = Line { time: self.flow.time(), energy: self.flow.energy() };
+    fn write_line(&mut self, aside: Option<&Flow>) -> Result<(), Error> {
+        let flow = aside.unwrap_or(&self.flow);
+        let line = Line { time: flow.time(), energy: flow.energy() };
         self.last = line;
         let Energy { kinetic, background, stress, power } = line.energy;
         let balance = line.balance(self.energy_at_start);
         let row = [line.time, kinetic, background, stress, balance, power];
         self.files.write(Growing::Ledger, &row)?;
-        let row: Vec<f64> = [line.time].into_iter().chain(self.flow.spectrum()).collect();
+        let row: Vec<f64> = [line.time].into_iter().chain(flow.spectrum()).collect();
         self.files.write(Growing::Spectrum, &row)
     }
 
     /// The state for ParaView, where the box is.
-    fn image(&self, values: &[Vec<f64>]) -> Result<ImageData, Error> {
+    fn image(&self, flow: &Flow, time: f64) -> Result<ImageData, Error> {
         let own = &self.job.run.grid;
         let grid = Grid {
             cells: own.cells.to_vec(),
             origin: vec![0.0; 2],
             spacing: [0, 1].map(|axis| own.lengths[axis] / own.cells[axis] as f64).to_vec(),
         };
-        let mut image = ImageData::deformed(grid, self.flow.deformation(), Storage::Plain)?;
-        image.set_time(self.flow.time())?;
-        let [v1, v2, others @ ..] = values else { return Ok(image) };
+        let mut image = ImageData::deformed(grid, flow.deformation(), Storage::Plain)?;
+        image.set_time(time)?;
+        let values = flow.values();
+        let [v1, v2, others @ ..] = values.as_slice() else { return Ok(image) };
         image.add_vector("velocity [m/s]", &[v1, v2])?;
-        for (field, values) in self.flow.fields().into_iter().skip(2).zip(others) {
+        for (field, values) in flow.fields().into_iter().skip(2).zip(others) {
             let name = Quantity(field).array();
             image.add(&format!("{name} [{}]", unit_of(name)), 1, values)?;
         }
         Ok(image)
     }
 
-    /// All snapshots that an uninterrupted run would have written by now, with their times.
-    fn snapshots_so_far(&self) -> Vec<(f64, String)> {
-        let Some(interval) = self.snapshots else { return Vec::new() };
-        let (now, duration) = (self.flow.time(), self.job.run.time.duration);
-        let after = |time: &f64| (*time < duration).then(|| next(*time, interval, duration));
-        let times = std::iter::successors(Some(0.0), after).take_while(|time| *time <= now);
-        times.enumerate().map(|(index, time)| (time, snapshots::name(index, "vts"))).collect()
-    }
-
     /// The run ends here: the last line is that of the last state that had a stress everywhere.
     fn stop(&mut self, left: &Left) -> Result<Stopped, Error> {
         if self.last.time < self.flow.time() {
-            self.write_line()?;
+            self.write_line(None)?;
         }
         Ok(Stopped {
             what: told(left),
@@ -324,29 +358,5 @@ impl<'a> March<'a> {
             stopped,
             lock: self.lock,
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::next;
-
-    /// Multiples that a sum would miss come once each, the last one when the run ends.
-    #[test]
-    fn times_of_output() {
-        for (interval, duration, count) in [
-            (0.1, 1.0, 10),
-            (1e-3 / 200.0, 1e-3, 200),
-            (0.3, 1.0, 4),
-            (7.0, 1.0, 1),
-            (1e-5, 0.7, 70_000),
-        ] {
-            let mut times = vec![0.0];
-            while *times.last().unwrap() < duration {
-                times.push(next(*times.last().unwrap(), interval, duration));
-            }
-            assert_eq!((times.len() - 1, *times.last().unwrap()), (count, duration));
-            assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
-        }
     }
 }

@@ -1,0 +1,96 @@
+//! A plane wave of finite length, as an initial state.
+
+use super::TimeFunction;
+use crate::case::CaseError;
+use crate::case::section::{Resolved, Section, number, positive};
+
+words! {
+    /// Kind of a plane wave.
+    Polarization {
+        /// Longitudinal.
+        P = "P",
+        /// Transverse.
+        S = "S"
+    }
+}
+
+/// A plane P or S wave of the medium around a point, v = amplitude·a g(t − n·(x − at)/c), with its stress.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlanePulse {
+    /// P: a = n; S: a is n turned by 90° anticlockwise, in space about n by the angle below.
+    pub polarization: Polarization,
+    /// Direction of n from x₁ anticlockwise, degrees.
+    pub direction_deg: f64,
+    /// Angle of n above the plane of x₁ and x₂, degrees; 0 in plane strain.
+    pub elevation_deg: f64,
+    /// Of S waves in space: the angle from the direction of growing azimuth to that of growing elevation,
+    /// degrees; else 0.
+    pub polarization_deg: f64,
+    /// Where the velocity is amplitude·g(t) as long as nothing else arrives, m.
+    pub at: Vec<f64>,
+    /// m/s.
+    pub amplitude: f64,
+    /// Width of the full amplitude across n, m; it falls to 0 over half of it on either side. `None`: without end.
+    pub width: Option<f64>,
+    /// g.
+    pub time: TimeFunction,
+}
+
+impl PlanePulse {
+    /// The factor at a distance from the line through `at` along n, m.
+    pub fn across(&self, distance: f64) -> f64 {
+        let Some(width) = self.width else { return 1.0 };
+        match distance / width - 0.5 {
+            part if part <= 0.0 => 1.0,
+            part if part < 0.5 => 0.5 + 0.5 * (std::f64::consts::TAU * part).cos(),
+            _ => 0.0,
+        }
+    }
+
+    /// The entry, of which place and function of time are read.
+    pub(super) fn read(
+        section: &mut Section,
+        dimensions: usize,
+        at: Vec<f64>,
+        time: TimeFunction,
+    ) -> Result<Self, CaseError> {
+        let polarization = section.choice("wave", Polarization::ALL, Polarization::name)?;
+        let expected = "a finite number in degrees";
+        let direction_deg = section.optional("direction_deg", expected, number)?;
+        let (mut elevation_deg, mut polarization_deg) = (None, None);
+        if dimensions == 3 {
+            elevation_deg = section.optional("elevation_deg", expected, number)?;
+            if polarization == Polarization::S {
+                polarization_deg = section.optional("polarization_deg", expected, number)?;
+            }
+        }
+        Ok(Self {
+            polarization,
+            direction_deg: direction_deg.unwrap_or(0.0),
+            elevation_deg: elevation_deg.unwrap_or(0.0),
+            polarization_deg: polarization_deg.unwrap_or(0.0),
+            at,
+            amplitude: section.required("amplitude", "a finite number in m/s", number)?,
+            width: section.optional("width", "a positive number in m", positive)?,
+            time,
+        })
+    }
+
+    /// The entry as TOML, but for its function of time.
+    pub(super) fn resolved(&self, resolved: Resolved, dimensions: usize) -> Resolved {
+        let mut resolved = resolved
+            .text("wave", self.polarization.name())
+            .number("direction_deg", self.direction_deg);
+        if dimensions == 3 {
+            resolved = resolved.number("elevation_deg", self.elevation_deg);
+            if self.polarization == Polarization::S {
+                resolved = resolved.number("polarization_deg", self.polarization_deg);
+            }
+        }
+        let resolved = resolved.number("at", &self.at).number("amplitude", self.amplitude);
+        match self.width {
+            Some(width) => resolved.number("width", width),
+            None => resolved,
+        }
+    }
+}

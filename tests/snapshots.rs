@@ -1,0 +1,164 @@
+//! Snapshots come at the times asked for, and nothing else depends on them.
+
+use files::npz::read;
+use files::vti::{plain_time, plain_values};
+use std::fs;
+use std::path::Path;
+use wellposed::Options;
+use wellposed::run::{self, Control};
+
+const SOLID: &str = "
+[model]
+kind = 'classical'
+lambda = 1e8
+mu = 8e7
+density = 1900
+[yield]
+kind = 'von-mises'
+strength = 2e4
+[grid]
+cells = [20, 16]
+spacing = 0.5
+[time]
+duration = 0.05
+[[load]]
+side = 'x2+'
+field = 'sigma22'
+from = 2
+to = 5
+amplitude = -1e5
+time = { kind = 'pulse', duration = 0.03 }
+[output]
+integrals = ['u2']
+";
+
+const FLOW: &str = "
+[model]
+kind = 'harris-grekova'
+friction_angle_deg = 30
+moment_of_inertia = 1.25e-7
+rotational_strength = 0
+[background]
+density = 1600
+pressure = 1000
+stress_angle_deg = 45
+shear_rate = 50
+half_vorticity = -50
+noncoaxiality_deg = 20
+[grid]
+cells = [16, 16]
+length = 0.1
+[time]
+duration = 0.001
+[[initial]]
+kind = 'noise'
+field = 'v'
+from = 1
+to = 4
+amplitude = 1e-5
+seed = 3
+[output]
+";
+
+fn carried_out(folder: &Path, case: &str) {
+    let file = folder.join("case.run.toml");
+    fs::write(&file, case).expect("a scratch file");
+    let out = Some(folder.join("out"));
+    let options = Options { case: file, out, force: true, threads: Some(2), ..Options::default() };
+    run::run(&options, Control { checkpoint_every: 1e9 }, &mut Vec::new()).expect("a sound case");
+}
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a scratch folder")
+}
+
+fn snapshot(folder: &Path, index: usize, extension: &str) -> Option<Vec<u8>> {
+    fs::read(folder.join(format!("out/snapshot-{index:08}.{extension}"))).ok()
+}
+
+/// The last state of solids and flows to the last bit, however often it is looked at on the way.
+#[test]
+fn results_do_not_depend_on_the_output() {
+    for (case, extension, intervals) in [
+        (SOLID, "vti", [0.0, 2.7e-3, 5e-4, 0.05, 1.0]),
+        (FLOW, "vts", [0.0, 1.3e-4, 1e-5, 1e-3, 1.0]),
+    ] {
+        let mut first = None;
+        for interval in intervals {
+            let here = folder();
+            let keys =
+                format!("snapshot_interval = {interval}\nledger_interval = {}\n", 0.7 * interval);
+            carried_out(here.path(), &format!("{case}{keys}"));
+            let fields = fs::read(here.path().join("out/fields.npz")).expect("fields");
+            assert!(!read(&fields).expect("an archive").is_empty());
+            assert!(first.get_or_insert_with(|| fields.clone()) == &fields, "{interval}");
+            // Numbered from 0, at the times asked for, the last one at the end.
+            let mut times = Vec::new();
+            while let Some(bytes) = snapshot(here.path(), times.len(), extension) {
+                times.push(plain_time(&bytes).expect("a time"));
+            }
+            let duration = intervals[3];
+            let expected: Vec<f64> = match interval {
+                0.0 => Vec::new(),
+                _ => (0..)
+                    .map(|index| f64::from(index) * interval)
+                    .take_while(|time| *time < duration * (1.0 - 1e-9))
+                    .chain([duration])
+                    .collect(),
+            };
+            assert_eq!(times, expected, "{interval}");
+        }
+    }
+}
+
+/// Between two steps a snapshot is in straight lines between them; on a step it is the state itself.
+#[test]
+fn snapshots_between_steps() {
+    let here = folder();
+    carried_out(here.path(), SOLID);
+    let json = fs::read(here.path().join("out/run.json")).expect("a report");
+    let report: serde_json::Value = serde_json::from_slice(&json).expect("JSON");
+    let step = report["step"].as_f64().expect("a number");
+    let arrays = |interval: f64, index: usize| {
+        let here = folder();
+        carried_out(here.path(), &format!("{SOLID}snapshot_interval = {interval:?}\n"));
+        let bytes = snapshot(here.path(), index, "vti").expect("a snapshot");
+        ["sigma22 [Pa]", "velocity [m/s]", "u2 [m]", "dissipation [J/m3]"]
+            .map(|name| plain_values(&bytes, name).expect(name))
+    };
+    let [before, after] = [arrays(step, 5), arrays(step, 6)];
+    // 3 · 1.75 steps are 5.25.
+    let between = arrays(1.75 * step, 3);
+    let again = arrays(2.5 * step, 2);
+    for (((before, after), between), again) in before.iter().zip(&after).zip(&between).zip(&again) {
+        let largest = after.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        assert!(largest > 0.0 && before != after);
+        for ((before, after), between) in before.iter().zip(after).zip(between) {
+            let expected = 0.75 * before + 0.25 * after;
+            assert!((between - expected).abs() < 1e-9 * largest, "{between} {expected}");
+        }
+        assert!(before == again);
+    }
+}
+
+/// A flow's snapshot in the middle of a step is the flow there: the same as where steps end then.
+#[test]
+fn flows_are_as_accurate_between_steps() {
+    let values = |interval: f64, index: usize| {
+        let here = folder();
+        carried_out(here.path(), &format!("{FLOW}snapshot_interval = {interval:?}\n"));
+        let bytes = snapshot(here.path(), index, "vts").expect("a snapshot");
+        plain_values(&bytes, "velocity [m/s]").expect("velocities")
+    };
+    // Steps end at every two-hundredth of the duration.
+    let [before, after] = [values(5e-5, 10), values(5e-6, 101)];
+    let between = values(5.025e-5, 10);
+    let largest = after.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    let change = before.iter().zip(&after).fold(0.0, |a: f64, (b, c)| a.max((b - c).abs()));
+    assert!(change > 1e-6 * largest);
+    for ((before, after), between) in before.iter().zip(&after).zip(&between) {
+        // Straight lines are good to the square of the part that it changes by.
+        let error = between - 0.5 * (before + after);
+        assert!(error.abs() < 0.05 * change, "{error} of {change}");
+    }
+}
