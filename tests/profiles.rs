@@ -186,9 +186,9 @@ fn loads_with_profiles() {
         let factor = (std::f64::consts::TAU * (x - 0.25) / 6.0).cos();
         assert_combination(&wave[2 + 2 * index].1, &[(factor, &wave[2].1)]);
     }
-    // Σ h ½(1 + cos(πr/radius)) = radius where the cells divide it.
-    let bell = loaded(&["amplitude = 2e3\nprofile = { kind = 'bell', at = 1.3, radius = 2 }"]);
-    let force = loaded(&["amplitude = 4e3\nat = 1.3\nradius = 2"]);
+    // Σ h ½(1 + cos(πr/radius)) = radius where the cells divide it, about the middle of one.
+    let bell = loaded(&["amplitude = 2e3\nprofile = { kind = 'bell', at = 1.25, radius = 2 }"]);
+    let force = loaded(&["amplitude = 4e3\nat = 1.25\nradius = 2"]);
     for (bell, force) in bell.iter().zip(&force).skip(1) {
         assert_combination(&bell.1, &[(1.0, &force.1)]);
     }
