@@ -82,7 +82,7 @@ fn lamb_has_the_impulse_of_the_force() {
 fn lamb_at_twenty_cells_to_the_wavelength() {
     let program = Path::new(env!("CARGO_BIN_EXE_wellposed"));
     for is_vertical in [true, false] {
-        for (name, error) in lamb::errors(program, is_vertical, 20.0, Place::Cell, &[]) {
+        for (name, error) in lamb::errors(program, is_vertical, 20.0, Place::Point, &[]) {
             assert!(error.l2 < 0.05, "{name}: {error:?}");
         }
     }
