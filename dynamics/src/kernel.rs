@@ -6,7 +6,7 @@
 //! neighbours are in the next lane, moved copies stand as ghosts. Every cell sees what the plain sweep does, in
 //! the same order: the bits are the same.
 
-use crate::line::{Cell, Joint, Pieces, Slopes, State, Waves, updated};
+use crate::line::{Cell, GHOSTS, Joint, Pieces, Slopes, State, Waves, updated};
 use crate::real::{Number, Real, Vector, Work};
 use crate::row::Rows;
 use std::ops::Range;
@@ -259,11 +259,15 @@ impl<T: Real> Lines<'_, T> {
         }
     }
 
-    /// The pattern of a line that has one all the way.
+    /// The pattern of a line that has one all the way, ghosts included.
     fn own_pattern(&self, line: usize) -> Option<u32> {
         let offset = line * self.across.group;
         let pattern = |place: usize| self.patterns[self.way[place].group + offset];
         let own = pattern(0);
+        // Those at the end may be ghosts, of which `alike` knows nothing.
+        if (1..=GHOSTS).any(|behind| pattern(self.way.len() - behind) != own) {
+            return None;
+        }
         let mut place = 0;
         while place + 2 < self.way.len() {
             if pattern(place + 1) != own {
@@ -379,7 +383,9 @@ impl<T: Real> Lines<'_, T> {
             loop {
                 let ratios: [V; FOLLOWERS] = self.ratios(pattern, wave);
                 while place < steps
-                    && (!MIXED || patterns[way[place + 1].group + offset.group] == pattern)
+                    && (!MIXED
+                        || (patterns[way[place + 1].group + offset.group] == pattern
+                            && patterns[way[place + 2].group + offset.group] == pattern))
                 {
                     let stops = [way[place].data + offset.data, way[place + 2].data + offset.data];
                     let media = Media::Same(&cell, &ratios);
@@ -393,8 +399,9 @@ impl<T: Real> Lines<'_, T> {
                 let (cell_behind, pattern_behind) = (cell, pattern);
                 pattern = patterns[way[place + 1].group + offset.group];
                 cell = Cell::load(self.table.cell(pattern, wave));
-                sight = Sight::of([sight.last, sight.here], &cell, sight.carried);
-                let media = Media::Other([&cell_behind, &cell], pattern_behind, wave);
+                let next = patterns[way[place + 2].group + offset.group];
+                let next: Cell<V> = Cell::load(self.table.cell(next, wave));
+                let media = Media::Other([&cell_behind, &cell, &next], pattern_behind, wave);
                 self.step(&places, &mut sight, stops, media, slopes);
                 place += 1;
             }
@@ -432,11 +439,14 @@ impl<T: Real> Lines<'_, T> {
         let next: State<V> = self.read(places, next);
         let [cell_behind, cell] = match media {
             Media::Same(cell, _) => [cell; 2],
-            Media::Other(cells, ..) => cells,
+            Media::Other([behind, cell, _], ..) => [behind, cell],
         };
         let waves = Waves::of(next, cell);
         let after = sight.own.to(waves);
-        let pieces = Pieces::new(sight.own, [sight.before, after], cell, slopes);
+        let pieces = match media {
+            Media::Same(..) => Pieces::new(sight.own, [sight.before, after], cell, slopes),
+            Media::Other(cells, ..) => Pieces::of([sight.last, sight.here, next], cells, slopes),
+        };
         let reach = [sight.carried.to_right, pieces.to_left()];
         let [joint, beyond] = match media {
             Media::Same(..) => [Joint::between_like(reach); 2],
@@ -461,24 +471,24 @@ impl<T: Real> Lines<'_, T> {
                 (V::load(&group[place]) + ratio * change).store(&mut group[place]);
             }
         }
-        *sight = Sight {
-            carried: Carried { to_right: pieces.to_right(), joint: beyond },
-            last: sight.here,
-            here: next,
-            own: waves,
-            before: after,
+        let carried = Carried { to_right: pieces.to_right(), joint: beyond };
+        *sight = match media {
+            Media::Same(..) => {
+                Sight { carried, last: sight.here, here: next, own: waves, before: after }
+            }
+            Media::Other(..) => Sight::of([sight.here, next], cell, carried),
         };
     }
 }
 
-/// The medium of the group at hand, and that of the group behind.
+/// The medium of the group at hand, and those of the groups behind and next.
 #[derive(Clone, Copy)]
 enum Media<'a, V, const FOLLOWERS: usize> {
     /// One medium, and the ratios of followers.
     Same(&'a Cell<V>, &'a [V; FOLLOWERS]),
-    /// That of the group behind, and the one at hand; the pattern of the group behind, and the wave: ratios are
-    /// looked up when they are wanted, as registers are few.
-    Other([&'a Cell<V>; 2], u32, &'a Wave),
+    /// That of the group behind, the one at hand and the next one, not all the same; the pattern of the group behind,
+    /// and the wave: ratios are looked up when they are wanted, as registers are few.
+    Other([&'a Cell<V>; 3], u32, &'a Wave),
 }
 
 /// Places of a wave's fields behind those of a group.

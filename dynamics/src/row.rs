@@ -169,8 +169,8 @@ impl<T: Real> Rows<'_, T> {
         let mut mirror = [T::Lanes::ZERO; 5];
         let mut velocity = [T::Lanes::ZERO; GHOSTS];
         let mut stress = [T::Lanes::ZERO; GHOSTS];
-        // Any cell where there is no row.
-        let mut cell = *self.cell(rows.start, inside[0], wave);
+        // Those of the last row where there is none.
+        let mut cells = inside.map(|slot| *self.cell(rows.start, slot, wave));
         for row in rows.clone() {
             let (lane, face) = (row - rows.start, self.face + row);
             let own = self.mirror(end, pair, face / T::Lanes::COUNT);
@@ -184,10 +184,11 @@ impl<T: Real> Rows<'_, T> {
                 stress[depth].lanes_mut()[lane] = data[start + wave.stress + group].lanes()[from];
             }
         }
-        let from = inside[0].1;
-        for lane in 0..T::Lanes::COUNT {
-            let row = rows.start + lane.min(rows.len() - 1);
-            cell.set_lane(lane, &self.cell(row, inside[0], wave).lane(from));
+        for (cell, slot) in cells.iter_mut().zip(inside) {
+            for lane in 0..T::Lanes::COUNT {
+                let row = rows.start + lane.min(rows.len() - 1);
+                cell.set_lane(lane, &self.cell(row, slot, wave).lane(slot.1));
+            }
         }
         let outermost = [
             State { velocity: V::load(&velocity[0]), stress: V::load(&stress[0]) },
@@ -200,7 +201,8 @@ impl<T: Real> Rows<'_, T> {
             V::load(&mirror[3]),
             V::load(&mirror[4]),
         ];
-        let [one, two] = ghosts(outermost, mirror, end, &Cell::load(&cell));
+        let [one, two] =
+            ghosts(outermost, mirror, end, [&Cell::load(&cells[0]), &Cell::load(&cells[1])]);
         one.velocity.store(&mut velocity[0]);
         two.velocity.store(&mut velocity[1]);
         one.stress.store(&mut stress[0]);

@@ -176,7 +176,7 @@ pub(crate) fn image<N: Number>([sign, shift]: [N; 2], own: N) -> N {
 }
 
 /// The ghosts beyond an end (0 towards smaller coordinates, 1 towards greater ones), the nearest first, from the two
-/// outermost cells and what [`Mirror::face`] gives.
+/// outermost cells, their constants and what [`Mirror::face`] gives.
 ///
 /// O is the wave that arrives and I the one that leaves, with index 0 in the outermost cell and 1 behind it, C the
 /// Courant number, γ = ½(σ_s − σ_v) the coefficient of reflection: −1 for given tractions, 1 for given velocities, 0
@@ -198,8 +198,10 @@ pub(crate) fn ghosts<N: Number>(
     [own, behind]: [State<N>; 2],
     [sign_v, shift_v, sign_s, shift_s, one_sided]: [N; 5],
     end: usize,
-    cell: &Cell<N>,
+    [cell, cell_behind]: [&Cell<N>; 2],
 ) -> [State<N>; GHOSTS] {
+    // Images where the two cells are of different media: the payment is that of one.
+    let one_sided = one_sided * (N::ONE - cell.contrast(cell_behind));
     let (near, far) = (Waves::of(own, cell), Waves::of(behind, cell));
     let is_lower = end == 0;
     let (arriving, arriving_behind) =

@@ -86,8 +86,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
             }
             let outermost =
                 [0, 1].map(|depth| state(if end == 0 { depth } else { length - 1 - depth }));
-            let first = constants(if end == 0 { 0 } else { length - 1 });
-            (ghosts(outermost, numbers(mirror), end, &first)[depth], own)
+            let media =
+                [0, 1].map(|depth| constants(if end == 0 { depth } else { length - 1 - depth }));
+            (ghosts(outermost, numbers(mirror), end, media.each_ref())[depth], own)
         };
         let at = |offset: usize| {
             let place = (x + offset) as isize - GHOSTS as isize;

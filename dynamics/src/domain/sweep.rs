@@ -327,7 +327,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     lines,
                     face,
                     table: &self.table,
-                    patterns: &self.patterns[places[0][0].group..],
+                    patterns: places.map(|[own, _]| &self.patterns[own.group..]),
                 });
             }
             _ => {
@@ -446,8 +446,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
         }
         let first = [-2, self.length(bundle).0 as isize - 2][end];
         let four = [0, 1, 2, 3].map(|i| self.read(bundle, line, first + i, pair));
-        let cells = [four[1].1, four[2].1];
-        let work = line::work_between(four.map(|own| own.0), cells, self.scheme.slopes);
+        let (states, cells) = (four.map(|own| own.0), four.map(|own| own.1));
+        let work = line::work_between(states, cells, self.scheme.slopes);
         if end == 0 { -work } else { work }
     }
 
@@ -574,8 +574,8 @@ struct FillOneSided<'a, T: Real> {
     lines: usize,
     face: usize,
     table: &'a Table<T>,
-    /// From the outermost group of the first line on.
-    patterns: &'a [u32],
+    /// By depth, from the group of the first line on.
+    patterns: [&'a [u32]; GHOSTS],
 }
 
 impl<T: Real> Work<T> for FillOneSided<'_, T> {
@@ -585,12 +585,13 @@ impl<T: Real> Work<T> for FillOneSided<'_, T> {
         let [[own, ghost], [behind, farther]] = places;
         for (pair, wave) in waves.iter().enumerate() {
             for line in 0..lines {
-                let cell: Cell<V> = Cell::load(table.cell(patterns[line], wave));
+                let cell: Cell<V> = Cell::load(table.cell(patterns[0][line], wave));
+                let cell_behind: Cell<V> = Cell::load(table.cell(patterns[1][line], wave));
                 let [v, a, s, b, one_sided] = mirror.face(pair, face + line);
                 let mirror = [V::load(v), V::load(a), V::load(s), V::load(b), V::load(one_sided)];
                 let outermost =
                     [state_at(&data[own + line..], wave), state_at(&data[behind + line..], wave)];
-                let [one, two] = ghosts(outermost, mirror, end, &cell);
+                let [one, two] = ghosts(outermost, mirror, end, [&cell, &cell_behind]);
                 for (place, state) in [(ghost, one), (farther, two)] {
                     let group = &mut data[place + line..];
                     state.velocity.store(&mut group[wave.velocity]);
