@@ -14,7 +14,7 @@ use wellposed_dynamics::boundary::{Boundary, Condition, Load, Source};
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme, Splitting};
 use wellposed_dynamics::real::Real;
 
 const THEORIES: [Theory; 3] = [Theory::Classical, Theory::Reduced, Theory::Cosserat];
@@ -105,9 +105,16 @@ fn everything(theory: Theory, set: YieldSet, placement: Placement) -> Problem<2>
     }
 }
 
+/// The same with the sweeps and the Courant number that cases have by default.
+fn by_default(mut problem: Problem<2>) -> Problem<2> {
+    problem.step *= 0.9;
+    problem.scheme.splitting = Splitting::Alternating;
+    problem
+}
+
 /// What is left over after `steps` steps, over the largest energy.
-fn residual(problem: &Problem<2>, steps: usize) -> f64 {
-    let mut domain: Domain<f64, 2> = Domain::new(problem).expect("sound");
+fn residual<T: Real>(problem: &Problem<2>, steps: usize) -> f64 {
+    let mut domain: Domain<T, 2> = Domain::new(problem).expect("sound");
     let (mut greatest, mut worst) = (0.0f64, 0.0f64);
     for index in 0..steps {
         domain.advance();
@@ -118,7 +125,11 @@ fn residual(problem: &Problem<2>, steps: usize) -> f64 {
         }
     }
     let ledger = domain.ledger();
-    assert!(ledger.least_plastic >= -1e-14, "{:e}", ledger.least_plastic);
+    assert!(
+        ledger.least_plastic >= if size_of::<T>() == 8 { -1e-14 } else { -1e-5 },
+        "{:e}",
+        ledger.least_plastic
+    );
     assert!(ledger.plastic > 0.0 && ledger.sources != 0.0 && ledger.released != 0.0, "{ledger:?}");
     worst / greatest
 }
@@ -132,10 +143,26 @@ fn the_ledger_closes_over_ten_thousand_steps() {
         all.push((theory, layers(theory), Placement::Middle));
     }
     for (theory, set, placement) in all {
-        let found = residual(&everything(theory, set, placement), 10_000);
-        println!("{theory:?} {placement:?}: {found:e}");
-        assert!(found < 1e-12, "{theory:?} {placement:?}: {found:e}");
+        let problem = everything(theory, set, placement);
+        let mut problems = vec![problem.clone()];
+        if placement == Placement::Last {
+            problems.push(by_default(problem));
+        }
+        for problem in problems {
+            let found = residual::<f64>(&problem, 10_000);
+            println!("{theory:?} {:?}: {found:e}", problem.scheme);
+            assert!(found < 1e-12, "{theory:?} {:?}: {found:e}", problem.scheme);
+        }
     }
+}
+
+/// In single precision each step rounds the energy by some 1e-7 of itself, and the ledger does not see it.
+#[test]
+fn the_ledger_in_single_precision() {
+    let problem = by_default(everything(Theory::Cosserat, cone(0.0), Placement::Last));
+    let found = residual::<f32>(&problem, 10_000);
+    println!("{found:e}");
+    assert!(found < 1e-4, "{found:e}");
 }
 
 /// An impedance that is wrong by a percent opens it, and so does plastic dissipation that is left out.
@@ -147,7 +174,7 @@ fn mistakes_open_the_ledger() {
         // z = √(mM).
         wrong.media[1].pairs[axis][pair].modulus *= 1.01 * 1.01;
         wrong.step *= 0.98;
-        let found = residual(&wrong, 300);
+        let found = residual::<f64>(&wrong, 300);
         assert!(found > 1e-6, "pair {pair} along {axis}: {found:e}");
     }
     let mut domain: Domain<f64, 2> = Domain::new(&sound).expect("sound");
