@@ -29,22 +29,15 @@ pub trait Number:
     /// The least normal number.
     const LEAST: Self;
 
-    /// The greater of two numbers; the other one where neither is, as processors have it.
+    /// The greater of two numbers.
     fn greatest(self, other: Self) -> Self;
-
-    /// The smaller of two numbers; the other one where neither is.
-    fn least(self, other: Self) -> Self;
 
     /// √x.
     fn root(self) -> Self;
 
-    /// Minmod of three arguments: the one nearest to zero where all have one sign, else +0.
-    #[inline(always)]
-    fn bounded(self, one: Self, other: Self) -> Self {
-        let positive = self.least(one).least(other).greatest(Self::ZERO);
-        let negative = self.greatest(one).greatest(other).least(Self::ZERO);
-        positive + negative
-    }
+    /// Of this and two bounds the one nearest to zero, or zero where they have different signs. This is a mean
+    /// of some kind: where the bounds have one sign it has no other.
+    fn bounded(self, one: Self, other: Self) -> Self;
 
     /// The number, or zero where it is smaller in size than a limit; what is no number stays.
     fn unless_below(self, limit: Self) -> Self;
@@ -166,9 +159,9 @@ impl<T: Number, const COUNT: usize> Number for Lanes<T, COUNT> {
     }
 
     #[inline(always)]
-    fn least(mut self, other: Self) -> Self {
+    fn bounded(mut self, one: Self, other: Self) -> Self {
         for lane in 0..COUNT {
-            self.0[lane] = self.0[lane].least(other.0[lane]);
+            self.0[lane] = self.0[lane].bounded(one.0[lane], other.0[lane]);
         }
         self
     }

@@ -20,8 +20,8 @@ mod x86 {
         (
             $(#[$about:meta])*
             $name:ident, $scalar:ty, $register:ty, $count:literal of $width:literal,
-            $add:ident $sub:ident $mul:ident $div:ident $min:ident $max:ident $sqrt:ident
-            $load:ident $store:ident $exceeds:ident $kept:ident $moved:ident $with_lanes:ident
+            $add:ident $sub:ident $mul:ident $div:ident $max:ident $sqrt:ident
+            $load:ident $store:ident $exceeds:ident $bounded:ident $kept:ident $moved:ident $with_lanes:ident
         ) => {
             $(#[$about])*
             #[derive(Clone, Copy, Debug)]
@@ -67,17 +67,17 @@ mod x86 {
                 }
 
                 #[inline(always)]
-                fn least(mut self, other: Self) -> Self {
+                fn root(mut self) -> Self {
                     for i in 0..$count {
-                        self.0[i] = unsafe { $min(self.0[i], other.0[i]) };
+                        self.0[i] = unsafe { $sqrt(self.0[i]) };
                     }
                     self
                 }
 
                 #[inline(always)]
-                fn root(mut self) -> Self {
+                fn bounded(mut self, one: Self, other: Self) -> Self {
                     for i in 0..$count {
-                        self.0[i] = unsafe { $sqrt(self.0[i]) };
+                        self.0[i] = unsafe { $bounded(self.0[i], one.0[i], other.0[i]) };
                     }
                     self
                 }
@@ -265,6 +265,53 @@ mod x86 {
         unsafe { _mm512_mask_mov_ps(own, lanes, other) }
     }
 
+    // Numbers of one sign grow as their bits do, and minima of integers leave the units free that add. There
+    // is none of 64 bits among 256: there by magnitudes.
+
+    #[inline(always)]
+    unsafe fn least_double256(mean: __m256d, one: __m256d, other: __m256d) -> __m256d {
+        unsafe {
+            let sign = _mm256_set1_pd(-0.0);
+            let [mean, least, last] = [mean, one, other].map(|own| _mm256_andnot_pd(sign, own));
+            let least = _mm256_min_pd(_mm256_min_pd(mean, least), last);
+            let least = _mm256_or_pd(least, _mm256_and_pd(sign, one));
+            _mm256_blendv_pd(least, _mm256_setzero_pd(), _mm256_xor_pd(one, other))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn least_single256(mean: __m256, one: __m256, other: __m256) -> __m256 {
+        unsafe {
+            let [mean, least, last] = [mean, one, other].map(|own| _mm256_castps_si256(own));
+            let least = _mm256_min_epu32(_mm256_min_epu32(mean, least), last);
+            let differ = _mm256_xor_ps(one, other);
+            _mm256_blendv_ps(_mm256_castsi256_ps(least), _mm256_setzero_ps(), differ)
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn least_double512(mean: __m512d, one: __m512d, other: __m512d) -> __m512d {
+        unsafe {
+            let [mean, one, other] = [mean, one, other].map(|own| _mm512_castpd_si512(own));
+            let same = _mm512_movepi64_mask(_mm512_ternarylogic_epi64::<XNOR>(one, one, other));
+            let least = _mm512_min_epu64(one, other);
+            _mm512_castsi512_pd(_mm512_maskz_min_epu64(same, least, mean))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn least_single512(mean: __m512, one: __m512, other: __m512) -> __m512 {
+        unsafe {
+            let [mean, one, other] = [mean, one, other].map(|own| _mm512_castps_si512(own));
+            let same = _mm512_movepi32_mask(_mm512_ternarylogic_epi32::<XNOR>(one, one, other));
+            let least = _mm512_min_epu32(one, other);
+            _mm512_castsi512_ps(_mm512_maskz_min_epu32(same, least, mean))
+        }
+    }
+
+    /// Of bits of the second and the third number whether they are the same.
+    const XNOR: i32 = 0b1001_1001;
+
     // Numbers, or zeros where they are smaller in size than a limit; what is no number stays.
 
     #[inline(always)]
@@ -302,29 +349,29 @@ mod x86 {
     vector!(
         /// Eight numbers in two registers of four.
         Avx2Double, f64, __m256d, 2 of 4,
-        _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_min_pd _mm256_max_pd
-        _mm256_sqrt_pd _mm256_load_pd _mm256_store_pd double256 kept_double256
+        _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_max_pd
+        _mm256_sqrt_pd _mm256_load_pd _mm256_store_pd double256 least_double256 kept_double256
         moved_double256 with_lanes_double256
     );
     vector!(
         /// Sixteen numbers in two registers of eight.
         Avx2Single, f32, __m256, 2 of 8,
-        _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_min_ps _mm256_max_ps
-        _mm256_sqrt_ps _mm256_load_ps _mm256_store_ps single256 kept_single256
+        _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_max_ps
+        _mm256_sqrt_ps _mm256_load_ps _mm256_store_ps single256 least_single256 kept_single256
         moved_single256 with_lanes_single256
     );
     vector!(
         /// Eight numbers in a register.
         Avx512Double, f64, __m512d, 1 of 8,
-        _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_min_pd _mm512_max_pd
-        _mm512_sqrt_pd _mm512_load_pd _mm512_store_pd double512 kept_double512
+        _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_max_pd
+        _mm512_sqrt_pd _mm512_load_pd _mm512_store_pd double512 least_double512 kept_double512
         moved_double512 with_lanes_double512
     );
     vector!(
         /// Sixteen numbers in a register.
         Avx512Single, f32, __m512, 1 of 16,
-        _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_min_ps _mm512_max_ps
-        _mm512_sqrt_ps _mm512_load_ps _mm512_store_ps single512 kept_single512
+        _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_max_ps
+        _mm512_sqrt_ps _mm512_load_ps _mm512_store_ps single512 least_single512 kept_single512
         moved_single512 with_lanes_single512
     );
 }
@@ -386,13 +433,16 @@ macro_rules! real {
             }
 
             #[inline(always)]
-            fn least(self, other: Self) -> Self {
-                if self < other { self } else { other }
+            fn root(self) -> Self {
+                self.sqrt()
             }
 
             #[inline(always)]
-            fn root(self) -> Self {
-                self.sqrt()
+            fn bounded(self, one: Self, other: Self) -> Self {
+                let smaller = |one: Self, other: Self| if one < other { one } else { other };
+                let least = smaller(smaller(self.abs(), one.abs()), other.abs());
+                let differ = one.is_sign_negative() != other.is_sign_negative();
+                if differ { 0.0 } else { least.copysign(one) }
             }
 
             #[inline(always)]
@@ -509,9 +559,8 @@ mod tests {
             for (place, case) in cases.iter().enumerate() {
                 let [mean, one, other] = case.map(|value| T::of(value).wide());
                 let differ = one.is_sign_negative() != other.is_sign_negative();
-                let least = mean.abs().min(one.abs()).min(other.abs());
-                // Zeros have no sign.
-                let expected = if differ || least == 0.0 { 0.0 } else { least.copysign(one) };
+                let least = mean.abs().min(one.abs()).min(other.abs()).copysign(one);
+                let expected = if differ { 0.0 } else { least };
                 let found = found[place / lanes].lanes()[place % lanes].wide();
                 assert_eq!(found.to_bits(), expected.to_bits(), "{set:?} {case:?}");
             }
