@@ -87,7 +87,7 @@ pub(crate) struct Table<T: Real> {
 impl<T: Real> Table<T> {
     /// Whether all groups have the same media, as where there is one.
     #[inline(always)]
-    fn is_of_one_pattern(&self) -> bool {
+    pub(crate) fn is_of_one_pattern(&self) -> bool {
         self.cells.len() == self.waves
     }
 
@@ -392,7 +392,8 @@ impl<T: Real> Lines<'_, T> {
                     self.step(&places, &mut sight, stops, media, slopes);
                     place += 1;
                 }
-                if place == steps {
+                // Nothing of what follows is compiled for lines of one pattern.
+                if !MIXED || place == steps {
                     break;
                 }
                 let stops = [way[place].data + offset.data, way[place + 2].data + offset.data];

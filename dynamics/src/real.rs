@@ -32,6 +32,12 @@ pub trait Number:
     /// The greater of two numbers.
     fn greatest(self, other: Self) -> Self;
 
+    /// The smaller of two numbers.
+    #[inline(always)]
+    fn least(self, other: Self) -> Self {
+        -(-self).greatest(-other)
+    }
+
     /// √x.
     fn root(self) -> Self;
 

@@ -184,10 +184,13 @@ impl<T: Real> Rows<'_, T> {
                 stress[depth].lanes_mut()[lane] = data[start + wave.stress + group].lanes()[from];
             }
         }
-        for (cell, slot) in cells.iter_mut().zip(inside) {
-            for lane in 0..T::Lanes::COUNT {
-                let row = rows.start + lane.min(rows.len() - 1);
-                cell.set_lane(lane, &self.cell(row, slot, wave).lane(slot.1));
+        // Of one medium all lanes have the same constants.
+        if !self.table.is_of_one_pattern() {
+            for (cell, slot) in cells.iter_mut().zip(inside) {
+                for lane in 0..T::Lanes::COUNT {
+                    let row = rows.start + lane.min(rows.len() - 1);
+                    cell.set_lane(lane, &self.cell(row, slot, wave).lane(slot.1));
+                }
             }
         }
         let outermost = [

@@ -233,7 +233,7 @@ pub(crate) fn ghosts<N: Number>(
     let needed = (courant * (steep * steep)).greatest(N::LEAST);
     // 4 would be all that is paid.
     let most = (N::ONE + N::ONE) + (N::ONE + N::ONE) - N::QUARTER;
-    let share = least(most * budget.greatest(N::ZERO) / needed, N::ONE);
+    let share = (most * budget.greatest(N::ZERO) / needed).least(N::ONE);
     let root = (passed * passed - courant * (staying * passed)).root();
     let unpaid = cell.half_courant / (passed + root);
     let x = steep * (N::HALF - unpaid * (N::ONE - share));
@@ -258,12 +258,6 @@ pub(crate) fn ghosts<N: Number>(
         },
     );
     [chosen(one_sided, nearest, images.0), chosen(one_sided, farther, images.1)]
-}
-
-/// The lesser of two numbers.
-#[inline(always)]
-fn least<N: Number>(one: N, other: N) -> N {
-    -(-one).greatest(-other)
 }
 
 /// The state of an arriving and a leaving wave.

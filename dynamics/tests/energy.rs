@@ -189,7 +189,8 @@ fn never_grows<T: Real, const D: usize>(
             );
             assert!(now <= most, "{words}: {now:e} of {most:e} in step {step}");
             before = now;
-            if now == 0.0 {
+            // What is left is rounded to whole least numbers.
+            if now < f64::MIN_POSITIVE / growth {
                 break;
             }
         }
