@@ -1,8 +1,12 @@
 //! Errors of runs with default settings against exact solutions, as tables in Markdown.
 //!
 //! `cargo bench --bench accuracy -- [PROBLEM …] [--before] [--program PATH] [--cells N,N,…] [--receivers cell|point]
-//! [--up AXIS] [--set key=value] [--spread]`. Problems: those of `tests/reference`; none: all. `--before`: the scheme of
-//! version 0.1, sweeps two-cyclic at Courant number 1, and forces of one cell.
+//! [--up AXIS] [--set key=value] [--spread]`. Problems: those of `tests/reference`; none: all.
+//!
+//! `--before`: sweeps two-cyclic at Courant number 1, and forces and sources of one cell; sides are treated as they are by
+//! default. For older programs, which know no receivers at points, `--program PATH --receivers cell`.
+//! `--up`: the axis across the surface. `--spread`: Lamb's problem against the exact field of the force spread over the
+//! default kernel.
 
 #[path = "../tests/reference/mod.rs"]
 mod reference;

@@ -49,7 +49,7 @@ pub fn rows(settings: &Settings) -> Vec<Row> {
         RICKER.frequency
     );
     let receivers = RECEIVERS.map(|(name, at)| {
-        Receiver::new(name, &at, at[0].hypot(at[1] + DEPTH), wavelength, settings)
+        Receiver::new(name, &at, at[0].hypot(at[1] + DEPTH), wavelength, (settings, &[shift, 0.0]))
     });
     compare(settings, frame, case, &receivers, |receiver, time| {
         let at = [receiver.at[0], -receiver.at[1]];

@@ -49,7 +49,7 @@ pub fn rows(settings: &Settings, is_explosion: bool) -> Vec<Row> {
     let receivers = RECEIVERS.map(|(name, distance, direction)| {
         let (sin, cos) = f64::to_radians(direction).sin_cos();
         let at = [distance * cos, distance * sin];
-        Receiver { name, at: at.map(|x| x * wavelength).to_vec(), distance, until: f64::INFINITY }
+        Receiver::new(name, &at, distance, wavelength, (settings, &source))
     });
     compare(settings, frame, case, &receivers, |receiver, time| {
         let at = [receiver.at[0], receiver.at[1]];

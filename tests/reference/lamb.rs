@@ -55,8 +55,15 @@ pub fn rows(settings: &Settings, is_vertical: bool) -> Vec<Row> {
         settings.kernel(),
         RICKER.frequency
     );
-    let receivers = RECEIVERS
-        .map(|(name, at)| Receiver::new(name, &at, at[0].hypot(at[1]), wavelength, settings));
+    let receivers = RECEIVERS.map(|(name, at)| {
+        Receiver::new(
+            name,
+            &at,
+            at[0].hypot(at[1]),
+            wavelength,
+            (settings, &[settings.shift(), 0.0]),
+        )
+    });
     // A positive stress of the upper side pulls upwards; depths are downwards.
     let force = if is_vertical { [0.0, -FORCE] } else { [FORCE, 0.0] };
     compare(settings, frame, case, &receivers, |receiver, time| {

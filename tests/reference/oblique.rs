@@ -79,10 +79,10 @@ pub fn rows(settings: &Settings, incident: Wave) -> Vec<Row> {
     let on_side =
         |at: [f64; 2]| -> &[Plane] { if at[1] >= 0.0 { &waves.above } else { &waves.below } };
     let receivers = RECEIVERS.map(|(name, at)| {
-        let point = at.map(|x| x * wavelength);
+        let own = Receiver::new(name, &at, at[1].abs(), wavelength, (settings, &[0.0; 2]));
+        let point = [own.at[0], own.at[1]];
         let last = on_side(point).iter().map(|wave| wave.arrival(point)).fold(0.0, f64::max);
-        let until = last + (travel + PERIODS) / RICKER.frequency;
-        Receiver { name, at: point.to_vec(), distance: at[1].abs(), until }
+        Receiver { until: last + (travel + PERIODS) / RICKER.frequency, ..own }
     });
     let centred = |t: f64| Ricker::real(&RICKER, t + 1.5 / RICKER.frequency, 0);
     compare(settings, frame, case, &receivers, |receiver, time| {

@@ -41,7 +41,10 @@ pub fn rows(settings: &Settings) -> Vec<Row> {
     );
     let receivers = RECEIVERS.map(|(name, at)| {
         let distance = at.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
-        Receiver::new(name, &at, distance, wavelength, settings)
+        let mut own = Receiver::new(name, &at, distance, wavelength, (settings, &[0.0; 3]));
+        // Cells on the other side of a plane of symmetry are mirror images.
+        own.at[..2].iter_mut().for_each(|x| *x = x.abs());
+        own
     });
     compare(settings, frame, case, &receivers, |receiver, time| {
         let [x, y, up] = [receiver.at[0], receiver.at[1], receiver.at[2]];

@@ -40,9 +40,10 @@ impl<'a> Settings<'a> {
         Self { program, cells, place: Place::Point, up: None, kernel: None, sets, is_spread: false }
     }
 
-    /// By which part of a cell the grid is shifted so that the source is in the middle of one.
+    /// By which part of a cell the grid is shifted so that the source is in the middle of one, where it acts on one cell
+    /// or may do so (older programs, whose receivers are compared in cells).
     pub fn shift(&self) -> f64 {
-        if self.kernel == Some("cell") { 0.5 } else { 0.0 }
+        if self.kernel == Some("cell") || self.place == Place::Cell { 0.5 } else { 0.0 }
     }
 
     /// The key that says the kernel, if it is not the default.
@@ -146,31 +147,22 @@ pub struct Receiver {
 }
 
 impl Receiver {
-    /// At coordinates in wavelengths; with [`Place::Cell`] at the centre of the cell that holds the point, in a grid of
-    /// which a corner of cells is at 0, but for a shift of its horizontal coordinates.
+    /// At coordinates in wavelengths; with [`Place::Cell`] at the centre of the cell that holds the point, of two the one of
+    /// lesser coordinates. The grid has a corner of cells at −`offset`, in cells.
     pub fn new(
         name: &'static str,
         at: &[f64],
         distance: f64,
         wavelength: f64,
-        settings: &Settings,
+        (settings, offset): (&Settings, &[f64]),
     ) -> Self {
         let h = wavelength / settings.cells;
-        let up = at.len() - 1;
-        let centre = |(index, x): (usize, &f64)| {
-            let cell = x * settings.cells;
-            match settings.place {
-                Place::Point => x * wavelength,
-                Place::Cell if index == up => ((cell + 1e-6).ceil() - 0.5).min(-0.5) * h,
-                Place::Cell => ((cell + settings.shift()).floor() + 0.5 - settings.shift()) * h,
-            }
+        let place = |(x, offset): (&f64, &f64)| match settings.place {
+            Place::Point => x * wavelength,
+            Place::Cell => ((x * settings.cells + offset - 1e-6).floor() + 0.5 - offset) * h,
         };
-        Self {
-            name,
-            at: at.iter().enumerate().map(centre).collect(),
-            distance,
-            until: f64::INFINITY,
-        }
+        let at = at.iter().zip(offset).map(place).collect();
+        Self { name, at, distance, until: f64::INFINITY }
     }
 }
 
