@@ -1,25 +1,40 @@
-//! Errors of runs with default settings against exact solutions.
+//! Errors of runs with default settings against exact solutions, as tables in Markdown.
 //!
-//! `cargo bench --bench accuracy -- [PROBLEM] [--program PATH] [--receivers cell|point]
-//! [--set key=value]`. Problems: `lamb-vertical`, `lamb-horizontal`; none: all.
+//! `cargo bench --bench accuracy -- [PROBLEM …] [--before] [--program PATH] [--cells N,N,…] [--receivers cell|point]
+//! [--up AXIS] [--set key=value] [--spread]`. Problems: those of `tests/reference`; none: all.
+//!
+//! `--before`: sweeps two-cyclic at Courant number 1, and forces and sources of one cell; sides are treated as they are by
+//! default. For older programs, which know no receivers at points, `--program PATH --receivers cell`.
+//! `--up`: the axis across the surface. `--spread`: Lamb's problem against the exact field of the force spread over the
+//! default kernel.
 
-#[path = "../tests/reference/lamb.rs"]
-mod lamb;
 #[path = "../tests/reference/mod.rs"]
 mod reference;
 
-use lamb::Place;
+use reference::run::{Place, Settings};
+use reference::{PROBLEMS, Problem, Row};
 use std::path::PathBuf;
 
 fn main() {
     let mut program = PathBuf::from(env!("CARGO_BIN_EXE_wellposed"));
     let (mut place, mut sets, mut problems) = (Place::Point, Vec::new(), Vec::new());
+    let (mut up, mut kernel, mut is_spread, mut cells) = (None, None, false, Vec::new());
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let mut value = || arguments.next().unwrap_or_else(|| panic!("{argument} needs a value"));
         match argument.as_str() {
             "--program" => program = value().into(),
             "--set" => sets.push(value()),
+            "--up" => up = Some(value().parse::<usize>().expect("an axis from 1") - 1),
+            "--cells" => {
+                let numbers = value();
+                cells = numbers.split(',').map(|n| n.parse().expect("a number")).collect();
+            }
+            "--before" => {
+                sets.extend(["scheme.splitting=two-cyclic", "time.courant=1"].map(str::to_owned));
+                kernel = Some("cell");
+            }
+            "--spread" => is_spread = true,
             "--receivers" => {
                 place = match value().as_str() {
                     "cell" => Place::Cell,
@@ -28,23 +43,61 @@ fn main() {
                 }
             }
             "--bench" => {}
-            "lamb-vertical" | "lamb-horizontal" => problems.push(argument),
-            other => panic!("{other}: no such problem; there are lamb-vertical, lamb-horizontal"),
+            name => match PROBLEMS.iter().find(|problem| problem.name == name) {
+                Some(problem) => problems.push(*problem),
+                None => {
+                    let names = PROBLEMS.map(|problem| problem.name).join(", ");
+                    panic!("{name}: no such problem or option; problems are {names}");
+                }
+            },
         }
     }
     if problems.is_empty() {
-        problems = ["lamb-vertical", "lamb-horizontal"].map(str::to_owned).to_vec();
+        problems = PROBLEMS.to_vec();
     }
     for problem in problems {
-        let tables = [10.0, 20.0, 40.0]
-            .map(|n| lamb::errors(&program, problem == "lamb-vertical", n, place, &sets));
-        println!("\n| {problem}, L2 (max), % | 10 | 20 | 40 | order |\n|---|---|---|---|---|");
-        for (index, (name, at_10)) in tables[0].iter().enumerate() {
-            let [at_20, at_40] = [tables[1][index].1, tables[2][index].1];
-            let cells = [*at_10, at_20, at_40]
-                .map(|e| format!("{:.2} ({:.2})", 100.0 * e.l2, 100.0 * e.max));
-            let order = (at_20.l2 / at_40.l2).log2();
-            println!("| {name} | {} | {order:.2} |", cells.join(" | "));
+        let cells = match (cells.as_slice(), problem.dimensions) {
+            ([], 3) => vec![10.0, 20.0],
+            ([], _) => vec![10.0, 20.0, 40.0],
+            (cells, _) => cells.to_vec(),
+        };
+        let run = |cells| {
+            let settings =
+                Settings { program: &program, cells, place, up, kernel, sets: &sets, is_spread };
+            (problem.rows)(&settings)
+        };
+        let tables: Vec<Vec<Row>> = cells.iter().map(|cells| run(*cells)).collect();
+        print(&problem, &cells, &tables);
+    }
+}
+
+/// A table of a problem: L2 and maximum errors by receiver and component on each grid, and the order between the last two
+/// grids, grouped by distance.
+fn print(problem: &Problem, cells: &[f64], tables: &[Vec<Row>]) {
+    let header = cells.iter().map(|cells| format!(" {cells} |")).collect::<String>();
+    println!("\n| {}: L2 (max), % | wavelengths |{header} order |", problem.name);
+    println!("|---|---|{}---|", "---|".repeat(cells.len()));
+    for group in [0.0, 1.0, 2.0] {
+        let own = |row: &&Row| row.distance > group + 1e-9 || (group == 0.0);
+        let own = |row: &&Row| own(row) && row.distance <= group + 1.0 + 1e-9;
+        for row in tables[0].iter().filter(own) {
+            let errors: Vec<_> = tables
+                .iter()
+                .map(|table| {
+                    table.iter().find(|other| other.name == row.name).expect("a row").error
+                })
+                .collect();
+            let numbers: String = errors
+                .iter()
+                .map(|e| format!(" {:.2} ({:.2}) |", 100.0 * e.l2, 100.0 * e.max))
+                .collect();
+            let order = match (cells, errors.as_slice()) {
+                ([.., coarse, fine], [.., a, b]) => {
+                    format!("{:.2}", (a.l2 / b.l2).ln() / (fine / coarse).ln())
+                }
+                _ => String::new(),
+            };
+            println!("| {} | {:.2} |{numbers} {order} |", row.name, row.distance);
         }
     }
 }

@@ -1,9 +1,22 @@
-//! Exact solutions against which runs are measured.
+//! Exact solutions, and the problems in which runs with default settings are compared with them.
+
+#![allow(dead_code, reason = "each test and benchmark uses a part")]
+
+pub mod full_plane;
+pub mod garvin;
+pub mod half_plane;
+pub mod half_space;
+pub mod inside;
+pub mod interface;
+pub mod lamb;
+pub mod oblique;
+pub mod pekeris;
+pub mod run;
 
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Ricker function of time with its peak at 1.5/frequency: the default delay of cases.
+/// Ricker function of time, (1 − 2x²) exp(−x²) with x = π·frequency·(t − 1.5/frequency): the default delay of cases.
 #[derive(Clone, Copy, Debug)]
 pub struct Ricker {
     /// Peak frequency, Hz.
@@ -11,7 +24,7 @@ pub struct Ricker {
 }
 
 impl Ricker {
-    /// Its `derivative`-th derivative (0 or 1), 1/s^derivative, at a complex time (s): it is entire.
+    /// Its `derivative`-th derivative (0 to 3), 1/s^derivative, at a complex time (s): it is entire.
     pub fn value(&self, t: Complex64, derivative: usize) -> Complex64 {
         let rate = PI * self.frequency;
         let x = (t - 1.5 / self.frequency) * rate;
@@ -19,16 +32,30 @@ impl Ricker {
         if a.re > 700.0 {
             return Complex64::ZERO;
         }
-        match derivative {
-            0 => (1.0 - 2.0 * a) * (-a).exp(),
-            _ => rate * x * (4.0 * a - 6.0) * (-a).exp(),
-        }
+        let polynomial = match derivative {
+            0 => 1.0 - 2.0 * a,
+            1 => rate * x * (4.0 * a - 6.0),
+            2 => rate * rate * (24.0 * a - 6.0 - 8.0 * a * a),
+            3 => rate.powi(3) * x * (60.0 - 80.0 * a + 16.0 * a * a),
+            _ => unreachable!("derivatives up to the third"),
+        };
+        polynomial * (-a).exp()
+    }
+
+    /// The same at a real time.
+    pub fn real(&self, t: f64, derivative: usize) -> f64 {
+        self.value(t.into(), derivative).re
+    }
+
+    /// When it is over, s: 10⁻⁶ of its peak is left.
+    pub fn end(&self) -> f64 {
+        1.5 / self.frequency + 1.35 / self.frequency
     }
 }
 
-/// An elastic half-plane z ≥ 0 (z: depth) in plane strain, free but for a line force at x = z = 0.
+/// An isotropic elastic solid.
 #[derive(Clone, Copy, Debug)]
-pub struct HalfPlane {
+pub struct Solid {
     /// First Lamé modulus, Pa.
     pub lambda: f64,
     /// Shear modulus, Pa.
@@ -37,7 +64,13 @@ pub struct HalfPlane {
     pub density: f64,
 }
 
-impl HalfPlane {
+/// The solid of the problems: Poisson's ratio ¼.
+pub const SOLID: Solid = Solid { lambda: 8e7, mu: 8e7, density: 2000.0 };
+
+/// The function of time of all sources.
+pub const RICKER: Ricker = Ricker { frequency: 20.0 };
+
+impl Solid {
     /// Speed of pressure waves, m/s.
     pub fn pressure_speed(&self) -> f64 {
         ((self.lambda + 2.0 * self.mu) / self.density).sqrt()
@@ -62,74 +95,51 @@ impl HalfPlane {
         }
         below
     }
-
-    /// Displacement (m; derivative 0) or velocity (m/s; derivative 1) along x and z at the times
-    /// given (s), at (x, z) with x ≥ 0, z ≥ 0, x + z > 0, under the line force (F_x, F_z), N/m,
-    /// times the Ricker function.
-    ///
-    /// Cagniard & de Hoop: u = Im ∫ E(p) f(t − τ(p)) dp / πμ with τ = px + az for pressure and
-    /// px + bz for shear waves, a² = 1/c_p² − p², b² = 1/c_s² − p². As f is entire the path need not
-    /// keep τ real: both integrals follow p = (x cosh θ + iz′ sinh θ)/(c_p √(x² + z′²)) with
-    /// z′ = max(z, x/10), which starts below 1/c_p, where the integrand is real, and stays clear of
-    /// the branch points and of the Rayleigh pole. The integrand is even and analytic in θ: the
-    /// trapezoidal rule converges exponentially.
-    pub fn lamb(
-        &self,
-        force: [f64; 2],
-        [x, z]: [f64; 2],
-        time: &[f64],
-        ricker: Ricker,
-        derivative: usize,
-    ) -> [Vec<f64>; 2] {
-        let [slow_p, slow_s] = [1.0 / self.pressure_speed(), 1.0 / self.shear_speed()];
-        let path_z = z.max(0.1 * x);
-        let r = x.hypot(path_z);
-        let last = time.iter().fold(0f64, |last, t| last.max(*t)) + 2.0 / ricker.frequency;
-        let end = 1.2 * (last / (r * slow_p)).max(1.5).acosh() + 1.0;
-        let count = 3000;
-        let step = end / f64::from(count);
-        let mut sums = [vec![0.0; time.len()], vec![0.0; time.len()]];
-        for index in 0..=count {
-            let theta = f64::from(index) * step;
-            let weight = if index == 0 { 0.5 } else { 1.0 } * step / (PI * self.mu);
-            let p = Complex64::new(x * theta.cosh(), path_z * theta.sinh()) * slow_p / r;
-            let dp = Complex64::new(x * theta.sinh(), path_z * theta.cosh()) * slow_p / r;
-            let [a, b] = [slow_p, slow_s].map(|slow| {
-                let root = (slow * slow - p * p).sqrt();
-                if root.re < 0.0 { -root } else { root }
-            });
-            let g = slow_s * slow_s - 2.0 * p * p;
-            let rayleigh = g * g + 4.0 * p * p * a * b;
-            let [of_p, of_s] = [
-                (force[1] * g + 2.0 * force[0] * p * b) / rayleigh,
-                (force[0] * g - 2.0 * force[1] * p * a) / rayleigh,
-            ];
-            let factors = [[p * of_p, b * of_s], [a * of_p, -p * of_s]]
-                .map(|row| row.map(|factor| factor * dp * weight));
-            let arrivals = [p * x + a * z, p * x + b * z];
-            for (index, t) in time.iter().enumerate() {
-                let waves = arrivals.map(|tau| ricker.value(*t - tau, derivative));
-                for (sum, row) in sums.iter_mut().zip(&factors) {
-                    sum[index] += (row[0] * waves[0] + row[1] * waves[1]).im;
-                }
-            }
-        }
-        sums
-    }
 }
 
-#[allow(dead_code, reason = "tests and benchmarks use a part each")]
-/// A difference as a part of the exact record: by L2 norms over the record, and by greatest values.
+/// A difference relative to the exact record: by L2 norms over the record, and by maximum norms.
 #[derive(Clone, Copy, Debug)]
 pub struct Error {
     pub l2: f64,
     pub max: f64,
 }
 
-/// How far a record is from the exact one.
+/// Difference of a record from the exact one.
 pub fn error(record: &[f64], exact: &[f64]) -> Error {
+    assert_eq!(record.len(), exact.len());
     let difference: Vec<f64> = record.iter().zip(exact).map(|(a, b)| a - b).collect();
     let l2 = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>().sqrt();
     let max = |values: &[f64]| values.iter().fold(0f64, |max, v| max.max(v.abs()));
     Error { l2: l2(&difference) / l2(exact), max: max(&difference) / max(exact) }
 }
+
+/// The error of a component of the velocity at a receiver.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Receiver and component, as in `surface.v2`.
+    pub name: String,
+    /// Distance from the source, in wavelengths.
+    pub distance: f64,
+    pub error: Error,
+}
+
+/// A problem with an exact solution.
+#[derive(Clone, Copy, Debug)]
+pub struct Problem {
+    pub name: &'static str,
+    pub dimensions: usize,
+    /// Runs it and compares.
+    pub rows: fn(&run::Settings) -> Vec<Row>,
+}
+
+/// All problems.
+pub const PROBLEMS: [Problem; 8] = [
+    Problem { name: "lamb-vertical", dimensions: 2, rows: |s| lamb::rows(s, true) },
+    Problem { name: "lamb-horizontal", dimensions: 2, rows: |s| lamb::rows(s, false) },
+    Problem { name: "garvin", dimensions: 2, rows: garvin::rows },
+    Problem { name: "inside-force", dimensions: 2, rows: |s| inside::rows(s, false) },
+    Problem { name: "inside-explosion", dimensions: 2, rows: |s| inside::rows(s, true) },
+    Problem { name: "oblique-p", dimensions: 2, rows: |s| oblique::rows(s, interface::Wave::P) },
+    Problem { name: "oblique-s", dimensions: 2, rows: |s| oblique::rows(s, interface::Wave::S) },
+    Problem { name: "pekeris", dimensions: 3, rows: pekeris::rows },
+];

@@ -1,0 +1,127 @@
+//! The elastic half-plane z ≥ 0 (z: depth) in plane strain, with a line force on its surface (Lamb) or a line explosion
+//! inside (Garvin), by the method of Cagniard and de Hoop.
+//!
+//! With the Laplace transform in time (variable s) every wave is Im ∫ A(p) exp(−sτ(p)) dp along p from 0 to i∞, with
+//! τ = px + (sum of depths times a or b), a² = 1/c_p² − p², b² = 1/c_s² − p². In time exp(−sτ) times the transform of the
+//! source becomes f(t − τ). As f is entire the path need not keep τ real; see [`path`].
+
+use super::full_plane;
+use super::{Ricker, Solid};
+use num_complex::Complex64;
+use std::f64::consts::PI;
+
+/// Nodes p of the path p = (x cosh θ + iz′ sinh θ)·slowness/√(x² + z′²), z′ = max(z, x/10), θ ≥ 0, with dp/dθ times their
+/// weights.
+///
+/// It starts below `slowness`, where the integrands are real up to a factor, and stays clear of the branch points and of
+/// the Rayleigh pole. Integrands are even and analytic in θ, so that the trapezoidal rule converges exponentially. It
+/// ends where waves arrive after `last` (s).
+pub fn path(
+    [x, z]: [f64; 2],
+    slowness: f64,
+    last: f64,
+    count: usize,
+) -> impl Iterator<Item = [Complex64; 2]> {
+    let z = z.max(0.1 * x);
+    let r = x.hypot(z);
+    let end = 1.2 * (last / (r * slowness)).max(1.5).acosh() + 1.0;
+    let step = end / count as f64;
+    (0..=count).map(move |index| {
+        let theta = index as f64 * step;
+        let weight = if index == 0 { 0.5 } else { 1.0 } * step * slowness / r;
+        let p = Complex64::new(x * theta.cosh(), z * theta.sinh()) * slowness / r;
+        let dp = Complex64::new(x * theta.sinh(), z * theta.cosh()) * weight;
+        [p, dp]
+    })
+}
+
+/// √(slowness² − p²) with a real part that is not negative.
+pub fn root(square: Complex64) -> Complex64 {
+    let root = square.sqrt();
+    if root.re < 0.0 { -root } else { root }
+}
+
+/// Adds Im(factor · f(t − τ)) of each wave (τ, factors along x and z) to sums at the times given.
+pub fn add_waves(
+    sums: &mut [Vec<f64>; 2],
+    time: &[f64],
+    waves: &[(Complex64, [Complex64; 2])],
+    ricker: Ricker,
+    derivative: usize,
+) {
+    for (index, t) in time.iter().enumerate() {
+        for (tau, factors) in waves {
+            let value = ricker.value(*t - tau, derivative);
+            if value != Complex64::ZERO {
+                for (sum, factor) in sums.iter_mut().zip(factors) {
+                    sum[index] += (factor * value).im;
+                }
+            }
+        }
+    }
+}
+
+/// The last time of a record and the length of the function of time, s.
+pub fn last(time: &[f64], ricker: Ricker) -> f64 {
+    time.iter().fold(0f64, |last, t| last.max(*t)) + 2.0 / ricker.frequency
+}
+
+/// Lamb's problem: displacement (m; derivative 0) or velocity (m/s; derivative 1) along x and z at (x, z), x ≥ 0, z ≥ 0,
+/// x + z > 0, under the line force (F_x, F_z), N/m, at x = z = 0 times the Ricker function.
+///
+/// u = Im ∫ e(p) f(t − τ) dp / πμ with τ = px + az for pressure and px + bz for shear waves.
+pub fn lamb(
+    solid: &Solid,
+    force: [f64; 2],
+    [x, z]: [f64; 2],
+    time: &[f64],
+    ricker: Ricker,
+    derivative: usize,
+) -> [Vec<f64>; 2] {
+    let [slow_p, slow_s] = [1.0 / solid.pressure_speed(), 1.0 / solid.shear_speed()];
+    let mut sums = [vec![0.0; time.len()], vec![0.0; time.len()]];
+    for [p, dp] in path([x, z], slow_p, last(time, ricker), 3000) {
+        let [a, b] = [slow_p, slow_s].map(|slow| root(slow * slow - p * p));
+        let g = slow_s * slow_s - 2.0 * p * p;
+        let scale = dp / ((g * g + 4.0 * p * p * a * b) * PI * solid.mu);
+        let of_p = (force[1] * g + 2.0 * force[0] * p * b) * scale;
+        let of_s = (force[0] * g - 2.0 * force[1] * p * a) * scale;
+        let waves = [(p * x + a * z, [p * of_p, a * of_p]), (p * x + b * z, [b * of_s, -p * of_s])];
+        add_waves(&mut sums, time, &waves, ricker, derivative);
+    }
+    sums
+}
+
+/// Garvin's problem: displacement (m; derivative 0) or velocity (m/s; derivative 1) along x and z at (x, z), x ≥ 0, z ≥ 0,
+/// of a line explosion at (0, `depth`): an isotropic moment (N·m/m) times the Ricker function, the body force −M f ∇δ.
+///
+/// To the field in the full plane, of the potential A exp(−s(px + a|depth − z|)) with A = −M/(2πρc_p²a), the surface adds
+/// φ = R_p A exp(−s(px + a(depth + z))) and ψ = R_s A exp(−s(px + a depth + bz)) with
+/// R_p = (4p²ab − g²)/(4p²ab + g²), R_s = −4pag/(4p²ab + g²), g = 1/c_s² − 2p²; u = ∇φ + (−∂ψ/∂z, ∂ψ/∂x).
+pub fn garvin(
+    solid: &Solid,
+    moment: f64,
+    depth: f64,
+    [x, z]: [f64; 2],
+    time: &[f64],
+    ricker: Ricker,
+    derivative: usize,
+) -> [Vec<f64>; 2] {
+    let [slow_p, slow_s] = [1.0 / solid.pressure_speed(), 1.0 / solid.shear_speed()];
+    let mut sums = full_plane::explosion(solid, moment, [x, z - depth], time, ricker, derivative);
+    let scale = -moment * slow_p * slow_p / (2.0 * PI * solid.density);
+    for [p, dp] in path([x, z + depth], slow_p, last(time, ricker), 3000) {
+        let [a, b] = [slow_p, slow_s].map(|slow| root(slow * slow - p * p));
+        let g = slow_s * slow_s - 2.0 * p * p;
+        let product = 4.0 * p * p * a * b;
+        let potential = scale * dp / (a * (product + g * g));
+        let of_p = (product - g * g) * potential;
+        let of_s = -4.0 * p * a * g * potential;
+        let waves = [
+            (p * x + a * (depth + z), [-p * of_p, -a * of_p]),
+            (p * x + a * depth + b * z, [b * of_s, -p * of_s]),
+        ];
+        add_waves(&mut sums, time, &waves, ricker, derivative + 1);
+    }
+    sums
+}

@@ -1,0 +1,135 @@
+//! A plane wave on the plane interface x₂ = 0 of two solids: amplitudes of the reflected and transmitted waves after
+//! Knott and Zoeppritz.
+
+use super::Solid;
+
+/// Kind of a plane wave.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wave {
+    P,
+    S,
+}
+
+/// A plane wave v = amplitude · a g(t − n·x/c).
+#[derive(Clone, Copy, Debug)]
+pub struct Plane {
+    /// Direction n.
+    pub direction: [f64; 2],
+    /// Polarisation a: n for P; n turned by 90° anticlockwise for S.
+    pub polarisation: [f64; 2],
+    /// Speed c, m/s.
+    pub speed: f64,
+    /// Amplitude relative to that of the incident wave.
+    pub amplitude: f64,
+    solid: Solid,
+}
+
+impl Plane {
+    /// A wave of amplitude 1 with the slowness p (s/m) along x₁, upwards or downwards; `None` if there is none, beyond the
+    /// critical angle.
+    fn new(wave: Wave, solid: &Solid, p: f64, is_upward: bool) -> Option<Self> {
+        let speed = match wave {
+            Wave::P => solid.pressure_speed(),
+            Wave::S => solid.shear_speed(),
+        };
+        let sin = p * speed;
+        let cos = (1.0 - sin * sin).sqrt();
+        let direction = [sin, if is_upward { cos } else { -cos }];
+        let polarisation = match wave {
+            Wave::P => direction,
+            Wave::S => [-direction[1], direction[0]],
+        };
+        (sin.abs() < 1.0).then_some(Self {
+            direction,
+            polarisation,
+            speed,
+            amplitude: 1.0,
+            solid: *solid,
+        })
+    }
+
+    /// What is continuous at the interface, of a unit of g: v₁, v₂ and the tractions σ₁₂, σ₂₂, from
+    /// σ = −(λ(a·n) + μ(a nᵀ + n aᵀ)) amplitude g/c.
+    pub fn at_interface(&self) -> [f64; 4] {
+        let ([a1, a2], [n1, n2]) = (self.polarisation, self.direction);
+        let (lambda, mu) = (self.solid.lambda, self.solid.mu);
+        let shear = -mu * (a1 * n2 + a2 * n1) / self.speed;
+        let normal = -(lambda * (a1 * n1 + a2 * n2) + 2.0 * mu * a2 * n2) / self.speed;
+        [a1, a2, shear, normal].map(|value| self.amplitude * value)
+    }
+
+    /// Flux of energy through the interface along x₂, of a unit of g².
+    pub fn flux(&self) -> f64 {
+        self.solid.density * self.speed * self.direction[1] * self.amplitude.powi(2)
+    }
+
+    /// When it passes a point, s, if the incident wave passes x = 0 at the time 0.
+    pub fn arrival(&self, x: [f64; 2]) -> f64 {
+        (self.direction[0] * x[0] + self.direction[1] * x[1]) / self.speed
+    }
+
+    /// Velocity (m/s over that of the incident wave) at a point and a time, if g is given and the incident wave passes
+    /// x = 0 at the time 0.
+    pub fn velocity(&self, x: [f64; 2], t: f64, g: impl Fn(f64) -> f64) -> [f64; 2] {
+        let value = self.amplitude * g(t - self.arrival(x));
+        self.polarisation.map(|a| a * value)
+    }
+}
+
+/// The waves on both sides: incident from above, reflected P and S; transmitted P and S.
+#[derive(Clone, Copy, Debug)]
+pub struct Waves {
+    pub above: [Plane; 3],
+    pub below: [Plane; 2],
+}
+
+/// The waves that a wave from above makes, with an angle between its direction and the normal; `None` beyond a critical
+/// angle.
+pub fn waves(above: &Solid, below: &Solid, incident: Wave, angle: f64) -> Option<Waves> {
+    let speed = match incident {
+        Wave::P => above.pressure_speed(),
+        Wave::S => above.shear_speed(),
+    };
+    let p = angle.sin() / speed;
+    let incident = Plane::new(incident, above, p, false)?;
+    let mut others = [
+        Plane::new(Wave::P, above, p, true)?,
+        Plane::new(Wave::S, above, p, true)?,
+        Plane::new(Wave::P, below, p, false)?,
+        Plane::new(Wave::S, below, p, false)?,
+    ];
+    // Reflected − transmitted = −incident, tractions in units of an impedance.
+    let units = [1.0, 1.0, above.density * speed, above.density * speed];
+    let columns = others.map(|wave| wave.at_interface());
+    let right = incident.at_interface();
+    let mut rows: [[f64; 5]; 4] = std::array::from_fn(|i| {
+        let sign = |j: usize| if j < 2 { 1.0 } else { -1.0 };
+        std::array::from_fn(|j| match j {
+            4 => -right[i] / units[i],
+            _ => sign(j) * columns[j][i] / units[i],
+        })
+    });
+    let amplitudes = solve(&mut rows);
+    for (wave, amplitude) in others.iter_mut().zip(amplitudes) {
+        wave.amplitude = amplitude;
+    }
+    Some(Waves { above: [incident, others[0], others[1]], below: [others[2], others[3]] })
+}
+
+/// Solves four linear equations by Gauss–Jordan elimination with pivots by column.
+fn solve(rows: &mut [[f64; 5]; 4]) -> [f64; 4] {
+    for column in 0..4 {
+        let pivot =
+            (column..4).max_by(|a, b| rows[*a][column].abs().total_cmp(&rows[*b][column].abs()));
+        rows.swap(column, pivot.expect("rows"));
+        let own = rows[column].map(|value| value / rows[column][column]);
+        rows[column] = own;
+        for (index, row) in rows.iter_mut().enumerate() {
+            if index != column {
+                let factor = row[column];
+                row.iter_mut().zip(own).for_each(|(value, own)| *value -= factor * own);
+            }
+        }
+    }
+    rows.map(|row| row[4])
+}

@@ -1,0 +1,58 @@
+//! Lamb's problem in space: a vertical point force on the surface of a half-space, Poisson's ratio ¼ (Pekeris 1955). A
+//! quarter is run, between two planes of symmetry.
+
+use super::run::{Frame, Receiver, Settings, compare};
+use super::{RICKER, Row, SOLID, half_space};
+
+const FORCE: f64 = 1e6;
+
+/// Name and place (horizontal, upwards) of receivers, in wavelengths of the Rayleigh wave.
+const RECEIVERS: [(&str, [f64; 3]); 6] = [
+    ("surface1", [1.0, 0.0, 0.0]),
+    ("diagonal2", [1.4, 1.4, 0.0]),
+    ("surface3", [3.0, 0.0, 0.0]),
+    ("oblique1", [0.6, 0.0, -0.8]),
+    ("oblique2", [1.0, 1.0, -1.4]),
+    ("shallow3", [2.8, 0.6, -0.6]),
+];
+
+/// Errors.
+pub fn rows(settings: &Settings) -> Vec<Row> {
+    let wavelength = SOLID.rayleigh_speed() / RICKER.frequency;
+    let h = wavelength / settings.cells;
+    let frame = Frame::new(3, settings);
+    // Until the Rayleigh wave has passed the farthest receiver; nothing comes back from the sides until then.
+    let duration = 6.0 / RICKER.frequency;
+    let reach = SOLID.pressure_speed() * duration / wavelength;
+    let width = (0.5 * (reach + 3.0) * settings.cells).ceil();
+    let depth = (0.5 * (reach + 1.5) * settings.cells).ceil();
+    let mut case = frame.begin(&SOLID, h, &[width, width, depth], &[0.0, 0.0, -depth], duration);
+    case += &frame.sides("symmetry", &[(0, false), (1, false)]);
+    case += &frame.sides("non-reflecting", &[(0, true), (1, true), (2, false)]);
+    // A quarter of the force acts on a quarter of the half-space.
+    case += &format!(
+        "[[load]]\nside = \"{}\"\nfield = \"{}\"\nat = [0, 0]\namplitude = {}\n{}\
+         time = {{ kind = \"ricker\", frequency = {} }}\n",
+        frame.side(2, true),
+        frame.traction(2),
+        -0.25 * FORCE,
+        settings.kernel(),
+        RICKER.frequency
+    );
+    let receivers = RECEIVERS.map(|(name, at)| {
+        let distance = at.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
+        let mut own = Receiver::new(name, &at, distance, wavelength, (settings, &[0.0; 3]));
+        // Cells on the other side of a plane of symmetry are mirror images.
+        own.at[..2].iter_mut().for_each(|x| *x = x.abs());
+        own
+    });
+    compare(settings, frame, case, &receivers, |receiver, time| {
+        let [x, y, up] = [receiver.at[0], receiver.at[1], receiver.at[2]];
+        let r = x.hypot(y);
+        let at = [r, -up];
+        let [radial, down] =
+            half_space::vertical_force(&SOLID, FORCE, at, time, (RICKER, 1), [80, 400]);
+        let along = |x: f64| radial.iter().map(|v| v * x / r).collect();
+        vec![along(x), along(y), down.iter().map(|v| -v).collect()]
+    })
+}

@@ -1,0 +1,342 @@
+//! The exact solutions of `tests/reference` against what is independent of them: equations of motion and free surfaces by
+//! finite differences, balances of momentum and of energy, reciprocity, closed forms.
+
+mod reference;
+
+use reference::interface::{self, Wave};
+use reference::oblique::BELOW;
+use reference::{RICKER, SOLID, Solid, full_plane, half_plane, half_space, lamb};
+use std::f64::consts::PI;
+
+/// Displacement in the plane at a point and a time.
+type Field<'a> = &'a dyn Fn([f64; 2], f64) -> [f64; 2];
+
+fn first(values: [Vec<f64>; 2]) -> [f64; 2] {
+    values.map(|values| values[0])
+}
+
+/// ∫₀ᵗ of the Ricker function, s: (t − delay) e⁻ᵃ, but for e⁻²².
+fn impulse(t: f64) -> f64 {
+    let since = t - 1.5 / RICKER.frequency;
+    since * (-(PI * RICKER.frequency * since).powi(2)).exp()
+}
+
+#[test]
+fn derivatives_of_the_ricker_function() {
+    let step = 1e-6;
+    for n in 0..3 {
+        for t in [0.05, 0.07, 0.083, 0.11] {
+            let [after, before] = [t + step, t - step].map(|t| RICKER.real(t, n));
+            let exact = RICKER.real(t, n + 1);
+            let error = ((after - before) / (2.0 * step) - exact).abs();
+            assert!(error < 1e-6 * (PI * RICKER.frequency).powi(n as i32 + 1), "{n} {t}");
+        }
+    }
+}
+
+#[test]
+fn the_rayleigh_speed_at_a_quarter() {
+    let ratio = SOLID.rayleigh_speed() / SOLID.shear_speed();
+    assert!((ratio - 0.919402).abs() < 1e-6, "{ratio}");
+}
+
+/// The shares of the default kernel have the moments of the point.
+#[test]
+fn moments_of_the_kernel() {
+    for (power, exact) in [(0, 1.0), (1, 0.0), (2, 0.0)] {
+        let found: f64 = lamb::kernel().map(|(u, share)| share * u.powi(power)).sum();
+        assert!((found - exact).abs() < 1e-14, "{found} of power {power}");
+    }
+}
+
+/// ρü = (λ + μ)∇∇·u + μΔu by central differences.
+fn assert_motion(u: Field, [x, z]: [f64; 2], t: f64) {
+    let (h, dt) = (0.02, 2e-4);
+    let at = |i: f64, j: f64| u([x + i * h, z + j * h], t);
+    let c = at(0.0, 0.0);
+    let [e, w, s, n] = [at(1., 0.), at(-1., 0.), at(0., 1.), at(0., -1.)];
+    let [es, wn, en, ws] = [at(1., 1.), at(-1., -1.), at(1., -1.), at(-1., 1.)];
+    let [after, before] = [t + dt, t - dt].map(|t| u([x, z], t));
+    for k in 0..2 {
+        let second = |a: [f64; 2], b: [f64; 2]| (a[k] - 2.0 * c[k] + b[k]) / (h * h);
+        let along = [second(e, w), second(s, n)];
+        let mixed = (es[1 - k] + wn[1 - k] - en[1 - k] - ws[1 - k]) / (4.0 * h * h);
+        let elastic =
+            SOLID.mu * (along[0] + along[1]) + (SOLID.lambda + SOLID.mu) * (along[k] + mixed);
+        let inertia = SOLID.density * (after[k] - 2.0 * c[k] + before[k]) / (dt * dt);
+        let size = SOLID.mu * (along[0].abs() + along[1].abs()) + inertia.abs();
+        assert!((elastic - inertia).abs() < 1e-3 * size, "{k}: {elastic} {inertia} of {size}");
+    }
+}
+
+/// σ_xz = σ_zz = 0 at z = 0, by one-sided differences.
+fn assert_free(u: Field, x: f64, t: f64) {
+    let h = 0.02;
+    let at = |i: f64, j: f64| u([x + i * h, j * h], t);
+    let [e, w, c, one, two] = [at(1., 0.), at(-1., 0.), at(0., 0.), at(0., 1.), at(0., 2.)];
+    let dx = [0, 1].map(|k| (e[k] - w[k]) / (2.0 * h));
+    let dz = [0, 1].map(|k| (4.0 * one[k] - 3.0 * c[k] - two[k]) / (2.0 * h));
+    let Solid { lambda, mu, .. } = SOLID;
+    let stress = [mu * (dz[0] + dx[1]), lambda * dx[0] + (lambda + 2.0 * mu) * dz[1]];
+    let size = mu * dx.iter().chain(&dz).map(|d| d.abs()).sum::<f64>();
+    assert!(stress.iter().all(|s| s.abs() < 1e-3 * size), "{stress:?} of {size}");
+}
+
+#[test]
+fn fields_in_the_plane_obey_the_equations_and_surfaces_are_free() {
+    for t in [0.1, 0.14, 0.17] {
+        for force in [[1e5, 0.0], [0.0, 1e5]] {
+            let on_surface =
+                |at: [f64; 2], t: f64| first(half_plane::lamb(&SOLID, force, at, &[t], RICKER, 0));
+            assert_motion(&on_surface, [12.0, 4.0], t);
+            assert_free(&on_surface, 12.0, t);
+            let inside =
+                |at: [f64; 2], t: f64| first(full_plane::force(&SOLID, force, at, &[t], RICKER, 0));
+            assert_motion(&inside, [9.0, -7.0], t);
+        }
+        let garvin =
+            |at: [f64; 2], t: f64| first(half_plane::garvin(&SOLID, 1e5, 5.0, at, &[t], RICKER, 0));
+        assert_motion(&garvin, [12.0, 4.0], t);
+        assert_motion(&garvin, [3.0, 11.0], t);
+        assert_free(&garvin, 12.0, t);
+        let explosion =
+            |at: [f64; 2], t: f64| first(full_plane::explosion(&SOLID, 1e5, at, &[t], RICKER, 0));
+        assert_motion(&explosion, [9.0, -7.0], t);
+    }
+}
+
+/// The momentum is the impulse of the force, on the half-plane and on the plane; ∫ ρ x·v over the plane is that of an
+/// isotropic moment, 2M ∫ f dt.
+#[test]
+fn fields_in_the_plane_have_the_impulse_of_their_source() {
+    let t = 1.55 / RICKER.frequency;
+    let h = 0.4;
+    let sum = |value: &dyn Fn([f64; 2]) -> f64| {
+        let places = (0..70).flat_map(|i| (0..70).map(move |j| [i, j]));
+        let centres = places.map(|place| place.map(|i| (f64::from(i) + 0.5) * h));
+        centres.map(|at| h * h * SOLID.density * value(at)).sum::<f64>() / impulse(t)
+    };
+    for k in 0..2 {
+        let force = if k == 0 { [1.0, 0.0] } else { [0.0, 1.0] };
+        let half = 2.0 * sum(&|at| half_plane::lamb(&SOLID, force, at, &[t], RICKER, 1)[k][0]);
+        assert!((half - 1.0).abs() < 0.02, "{half}");
+        let whole = 4.0 * sum(&|at| full_plane::force(&SOLID, force, at, &[t], RICKER, 1)[k][0]);
+        assert!((whole - 1.0).abs() < 0.02, "{whole}");
+    }
+    let moment = 4.0
+        * sum(&|at| {
+            let v = first(full_plane::explosion(&SOLID, 1.0, at, &[t], RICKER, 1));
+            at[0] * v[0] + at[1] * v[1]
+        });
+    assert!((moment - 2.0).abs() < 0.04, "{moment}");
+}
+
+/// What an explosion moves at a point along a direction is the divergence that a force there makes at the explosion:
+/// Garvin's problem against Lamb's, and both in the plane without end.
+#[test]
+fn explosions_and_forces_are_reciprocal() {
+    let (h, depth) = (0.01, 5.0);
+    for t in [0.08, 0.11, 0.15, 0.19] {
+        for (k, force) in [[1.0, 0.0], [0.0, 1.0]].into_iter().enumerate() {
+            for x in [4.0, 12.0] {
+                // The divergence and the size of its parts.
+                let divergence = |u: Field, [x, z]: [f64; 2]| {
+                    let along = (u([x + h, z], t)[0] - u([x - h, z], t)[0]) / (2.0 * h);
+                    let across = (u([x, z + h], t)[1] - u([x, z - h], t)[1]) / (2.0 * h);
+                    [along + across, along.abs() + across.abs()]
+                };
+                // The force is at the origin, the explosion at −x; mirrored, and with it the force along x.
+                let mirror = [-1.0, 1.0][k];
+                let on_surface = |at: [f64; 2], t: f64| {
+                    first(half_plane::lamb(&SOLID, force, at, &[t], RICKER, 0))
+                };
+                let [expected, size] = divergence(&on_surface, [x, depth]);
+                let expected = mirror * expected;
+                let garvin =
+                    half_plane::garvin(&SOLID, 1.0, depth, [x, 0.0], &[t], RICKER, 0)[k][0];
+                assert!((garvin - expected).abs() < 1e-4 * size, "{garvin} {expected}");
+                let inside = |at: [f64; 2], t: f64| {
+                    first(full_plane::force(&SOLID, force, at, &[t], RICKER, 0))
+                };
+                let [expected, size] = divergence(&inside, [-x, depth]);
+                let found = full_plane::explosion(&SOLID, 1.0, [x, -depth], &[t], RICKER, 0)[k][0];
+                assert!((found - expected).abs() < 1e-4 * size, "{found} {expected}");
+            }
+        }
+    }
+}
+
+const NODES: [usize; 2] = [80, 400];
+
+/// Displacement in space under the vertical force 1 at (x, y, depth z).
+fn in_space([x, y, z]: [f64; 3], t: f64, nodes: [usize; 2]) -> [f64; 3] {
+    let r = x.hypot(y);
+    let field = half_space::vertical_force(&SOLID, 1.0, [r, z], &[t], (RICKER, 0), nodes);
+    let [radial, down] = first(field);
+    [radial * x / r, radial * y / r, down]
+}
+
+#[test]
+fn the_field_in_space_obeys_the_equations_and_the_surface_is_free() {
+    let (h, dt) = (0.02, 2e-4);
+    for t in [0.1, 0.14, 0.17] {
+        let at = |by: [f64; 3], t: f64| {
+            let start = [8.0, 5.0, 4.0];
+            in_space(std::array::from_fn(|i| start[i] + h * by[i]), t, NODES)
+        };
+        let unit = |axis: usize, by: f64| std::array::from_fn(|i| if i == axis { by } else { 0.0 });
+        let c = at([0.0; 3], t);
+        let [after, before] = [t + dt, t - dt].map(|t| at([0.0; 3], t));
+        for k in 0..3 {
+            let second = |axis: usize| {
+                let [up, down] = [1.0, -1.0].map(|by| at(unit(axis, by), t)[k]);
+                (up - 2.0 * c[k] + down) / (h * h)
+            };
+            let mut gradient = second(k);
+            for axis in (0..3).filter(|axis| *axis != k) {
+                let corner = |a: f64, b: f64| {
+                    let mut by = unit(axis, a);
+                    by[k] = b;
+                    at(by, t)[axis]
+                };
+                let sum = corner(1., 1.) + corner(-1., -1.) - corner(1., -1.) - corner(-1., 1.);
+                gradient += sum / (4.0 * h * h);
+            }
+            let along = [0, 1, 2].map(second);
+            let elastic =
+                SOLID.mu * along.iter().sum::<f64>() + (SOLID.lambda + SOLID.mu) * gradient;
+            let inertia = SOLID.density * (after[k] - 2.0 * c[k] + before[k]) / (dt * dt);
+            let size = SOLID.mu * along.iter().map(|d| d.abs()).sum::<f64>() + inertia.abs();
+            assert!((elastic - inertia).abs() < 2e-3 * size, "{k}: {elastic} {inertia} of {size}");
+        }
+        // Along y = 0 the radius is x: ∇·u has u_r/r besides.
+        let u = |x: f64, z: f64| in_space([x, 0.0, z], t, NODES);
+        let x = 9.0;
+        let [e, w, c] = [u(x + h, 0.0), u(x - h, 0.0), u(x, 0.0)];
+        let [one, two] = [u(x, h), u(x, 2.0 * h)];
+        let dx = [0, 2].map(|k| (e[k] - w[k]) / (2.0 * h));
+        let dz = [0, 2].map(|k| (4.0 * one[k] - 3.0 * c[k] - two[k]) / (2.0 * h));
+        let normal = SOLID.lambda * (dx[0] + c[0] / x) + (SOLID.lambda + 2.0 * SOLID.mu) * dz[1];
+        let stress = [SOLID.mu * (dz[0] + dx[1]), normal];
+        let size = SOLID.mu * dx.iter().chain(&dz).map(|d| d.abs()).sum::<f64>();
+        assert!(stress.iter().all(|s| s.abs() < 2e-3 * size), "{stress:?} of {size}");
+    }
+}
+
+/// The vertical displacement on the surface is that of Pekeris (1955), whose last branch is the static 3F/8πμr; quadrature
+/// has converged, inside, too.
+#[test]
+fn the_field_in_space_on_the_surface_is_that_of_pekeris() {
+    let greatest = 1.0 / (SOLID.mu * 9.0);
+    for r in [9.0, 27.0] {
+        for step in 0..12 {
+            let t = 0.07 + 0.012 * f64::from(step) + r / 400.0;
+            let exact = half_space::pekeris(&SOLID, 1.0, r, t, RICKER);
+            let found = in_space([r, 0.0, 0.0], t, NODES)[2];
+            assert!((found - exact).abs() < 1e-4 * greatest * 9.0 / r, "{r} {t}: {found} {exact}");
+        }
+        for t in [0.1, 0.15, 0.21] {
+            for z in [0.0, 5.0] {
+                let [coarse, fine] =
+                    [NODES, [160, 900]].map(|nodes| in_space([r, 0.0, z], t, nodes));
+                for (coarse, fine) in coarse.iter().zip(fine) {
+                    assert!((coarse - fine).abs() < 1e-6 * greatest, "{r} {z} {t}");
+                }
+            }
+        }
+    }
+}
+
+/// The momentum of the half-space is the impulse of the force.
+#[test]
+fn the_field_in_space_has_the_impulse_of_its_force() {
+    let t = 1.55 / RICKER.frequency;
+    let h = 0.4;
+    let mut momentum = 0.0;
+    for i in 0..70 {
+        for j in 0..70 {
+            let [r, z] = [i, j].map(|i| (f64::from(i) + 0.5) * h);
+            let field =
+                half_space::vertical_force(&SOLID, 1.0, [r, z], &[t], (RICKER, 1), [40, 150]);
+            momentum += 2.0 * PI * r * h * h * SOLID.density * field[1][0];
+        }
+    }
+    let ratio = momentum / impulse(t);
+    assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
+}
+
+/// As much energy leaves the interface as arrives; velocities and tractions are continuous; at normal incidence amplitudes
+/// are those of impedances; on next to nothing they are those at a free surface; none beyond a critical angle.
+#[test]
+fn waves_at_an_interface() {
+    for (incident, critical) in [(Wave::P, 43.8f64), (Wave::S, 23.5)] {
+        for degrees in [0.0, 7.0, 15.0, 22.0] {
+            let waves = interface::waves(&SOLID, &BELOW, incident, f64::to_radians(degrees))
+                .expect("a subcritical angle");
+            let above: f64 = waves.above.iter().map(|wave| wave.flux()).sum();
+            let below: f64 = waves.below.iter().map(|wave| wave.flux()).sum();
+            assert!((above - below).abs() < 1e-12 * below.abs(), "{degrees}: {above} {below}");
+            for i in 0..4 {
+                let above: f64 = waves.above.iter().map(|wave| wave.at_interface()[i]).sum();
+                let below: f64 = waves.below.iter().map(|wave| wave.at_interface()[i]).sum();
+                assert!((above - below).abs() < 1e-12 * above.abs().max(1e-3), "{degrees}: {i}");
+            }
+        }
+        let beyond = |degrees: f64| {
+            interface::waves(&SOLID, &BELOW, incident, degrees.to_radians()).is_none()
+        };
+        assert!(!beyond(critical - 0.1) && beyond(critical + 0.1));
+    }
+    let waves = interface::waves(&SOLID, &BELOW, Wave::P, 0.0).expect("a subcritical angle");
+    let [one, other] = [&SOLID, &BELOW].map(|solid| solid.density * solid.pressure_speed());
+    // A reflected P wave of a positive amplitude moves against the incident one.
+    let found = [waves.above[1].amplitude, waves.above[2].amplitude, waves.below[0].amplitude];
+    let expected = [(other - one) / (one + other), 0.0, 2.0 * one / (one + other)];
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+    }
+    let nothing = Solid { lambda: 1e-3, mu: 1e-3, density: 1e-8 };
+    let angle = f64::to_radians(20.0);
+    let waves = interface::waves(&SOLID, &nothing, Wave::P, angle).expect("a subcritical angle");
+    let [slow_p, slow_s] = [SOLID.pressure_speed(), SOLID.shear_speed()].map(|c| 1.0 / c);
+    let p = angle.sin() * slow_p;
+    let [a, b] = [slow_p, slow_s].map(|slow| (slow * slow - p * p).sqrt());
+    let (g, product) = (slow_s * slow_s - 2.0 * p * p, 4.0 * p * p * a * b);
+    let expected = (product - g * g) / (product + g * g);
+    let found = waves.above[1].amplitude;
+    assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+}
+
+/// The exact field of an oblique pulse is continuous at the interface, as its traction is by differences of displacements.
+#[test]
+fn an_oblique_pulse_is_continuous_at_the_interface() {
+    for incident in [Wave::P, Wave::S] {
+        let waves = interface::waves(&SOLID, &BELOW, incident, 0.2).expect("a subcritical angle");
+        let g = |t: f64| RICKER.real(t, 0);
+        let velocity = |planes: &[interface::Plane], x: [f64; 2], t: f64| {
+            planes.iter().fold([0.0; 2], |sum, wave| {
+                let v = wave.velocity(x, t, g);
+                [sum[0] + v[0], sum[1] + v[1]]
+            })
+        };
+        // The rate of the traction, by differences of velocities.
+        let rate = |planes: &[interface::Plane], solid: &Solid, x: f64, t: f64| {
+            let h = 1e-3;
+            let at = |dx: f64, dy: f64| velocity(planes, [x + dx, dy], t);
+            let dx = [0, 1].map(|k| (at(h, 0.0)[k] - at(-h, 0.0)[k]) / (2.0 * h));
+            let dy = [0, 1].map(|k| (at(0.0, h)[k] - at(0.0, -h)[k]) / (2.0 * h));
+            let normal = solid.lambda * dx[0] + (solid.lambda + 2.0 * solid.mu) * dy[1];
+            [solid.mu * (dy[0] + dx[1]), normal]
+        };
+        for (x, t) in [(0.0, 0.07), (3.0, 0.08), (-5.0, 0.075)] {
+            let [above, below] =
+                [&waves.above[..], &waves.below[..]].map(|planes| velocity(planes, [x, 0.0], t));
+            let size = above[0].abs() + above[1].abs();
+            assert!(above.iter().zip(below).all(|(a, b)| (a - b).abs() < 1e-12 * size));
+            let above = rate(&waves.above, &SOLID, x, t);
+            let below = rate(&waves.below, &BELOW, x, t);
+            let size = above[0].abs() + above[1].abs();
+            assert!(above.iter().zip(below).all(|(a, b)| (a - b).abs() < 1e-6 * size), "{above:?}");
+        }
+    }
+}
