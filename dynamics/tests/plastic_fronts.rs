@@ -342,14 +342,13 @@ fn simple_waves_obey_the_law() {
     for prestress in [0.0, 0.3 * STRENGTH, 0.6 * STRENGTH] {
         let impact = impact(prestress, 1.2);
         let waves = impact.waves();
-        let stress = |state: simple_waves::State| {
-            let mut stress = Stress::default();
-            stress.force = [
+        let stress = |state: simple_waves::State| Stress {
+            force: [
                 [state.normal, state.shear, 0.0],
                 [state.shear, state.across, 0.0],
                 [0.0, 0.0, state.across],
-            ];
-            stress
+            ],
+            ..Stress::default()
         };
         for points in waves.simple.iter().map(|range| &waves.points[range.clone()]) {
             for pair in points.windows(2) {
