@@ -8,7 +8,7 @@
 //!
 //! ```text
 //! g = 1 − C (1 − e^(−iθ)) (1 + ½(1 − C) i sin θ)      (Fromm 1968),
-//! G = X Y Z e^(½Q̂Δt) (2Π − I) e^(½Q̂Δt) Z Y X          (elastic: Π = I).
+//! G = Π X Y Z e^(½Q̂Δt) (2Π − I) e^(½Q̂Δt) Z Y X        (elastic: Π = I).
 //! ```
 //!
 //! Knows nothing of the solver but this.
@@ -124,7 +124,8 @@ impl<const D: usize> Equations<D> {
         let mirror = complex(&(&self.tangent * 2.0 - DMatrix::identity(size, size)));
         let sweeps: Vec<Matrix> = (0..D).map(|axis| self.sweep(axis, wave[axis], grid)).collect();
         let middle = &half * mirror * &half;
-        sweeps.iter().rev().fold(middle, |inner, sweep| sweep * inner * sweep)
+        complex(&self.tangent)
+            * sweeps.iter().rev().fold(middle, |inner, sweep| sweep * inner * sweep)
     }
 
     fn sweep(&self, axis: usize, k: f64, grid: &Steps<D>) -> Matrix {

@@ -1,0 +1,336 @@
+//! Exact waves of an elastic–perfectly plastic bar in uniaxial strain, by front tracking.
+//!
+//! Mises' set in uniaxial strain: with the longitudinal stress σ, the transverse stress σ₂ and φ = σ − σ₂,
+//!
+//! ```text
+//! ρ v̇ = ∂σ,   σ̇ = M ∂v,  φ̇ = 2μ ∂v  while |φ| < Y,   σ̇ = K ∂v,  φ̇ = 0  while φ = ±Y goes on to be loaded,
+//! ```
+//!
+//! M = λ + 2μ, K = λ + 2μ/3, Y = √3 k (Wood 1952). Stress and strain follow straight lines of two slopes, so that every
+//! Riemann problem is solved by fronts of the speeds ±√(M/ρ) and ±√(K/ρ), the elastic one ahead, and by a contact at
+//! rest across which φ jumps. Piecewise constant states stay so: fronts are moved to their next encounter, and there the
+//! Riemann problem between the outer states is solved.
+
+use models::cosserat::parameters::Isotropic;
+
+/// Fronts with jumps below this part of the elastic limit are dropped: encounters make ever more and ever smaller ones.
+const LEAST_JUMP: f64 = 1e-9;
+
+/// The constants of a bar.
+#[derive(Clone, Copy, Debug)]
+pub struct Bar {
+    /// ρ, kg/m³.
+    pub density: f64,
+    /// M, Pa.
+    pub elastic_modulus: f64,
+    /// K, Pa.
+    pub plastic_modulus: f64,
+    /// μ, Pa.
+    pub shear_modulus: f64,
+    /// Y, Pa.
+    pub yield_stress: f64,
+    /// From x = 0, m.
+    pub length: f64,
+}
+
+/// The state of a piece of the bar.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    /// v, m/s.
+    pub velocity: f64,
+    /// σ, tension positive, Pa.
+    pub stress: f64,
+    /// φ = σ − σ₂, Pa.
+    pub difference: f64,
+}
+
+/// What holds at an end of the bar from a time on, s.
+#[derive(Clone, Copy, Debug)]
+pub enum End {
+    /// σ, Pa.
+    Stress(f64),
+    /// v, m/s.
+    Velocity(f64),
+}
+
+/// A front between two states.
+#[derive(Clone, Copy, Debug)]
+pub struct Front {
+    /// Where it is, m.
+    pub place: f64,
+    /// dx/dt, m/s; 0: a contact.
+    pub speed: f64,
+}
+
+/// The bar at a time: states from x = 0 on, and the fronts between them.
+#[derive(Clone, Debug)]
+pub struct Profile {
+    pub time: f64,
+    pub states: Vec<State>,
+    pub fronts: Vec<Front>,
+}
+
+impl Bar {
+    pub fn new(solid: &Isotropic, strength: f64, length: f64) -> Self {
+        Self {
+            density: solid.density,
+            elastic_modulus: solid.lambda + 2.0 * solid.mu,
+            plastic_modulus: solid.lambda + 2.0 / 3.0 * solid.mu,
+            shear_modulus: solid.mu,
+            yield_stress: 3f64.sqrt() * strength,
+            length,
+        }
+    }
+
+    /// √(M/ρ) and √(K/ρ), m/s.
+    pub fn speeds(&self) -> [f64; 2] {
+        [self.elastic_modulus, self.plastic_modulus].map(|modulus| (modulus / self.density).sqrt())
+    }
+
+    /// Elastic limit in uniaxial strain: |σ| = Y M/2μ (Hugoniot elastic limit), Pa.
+    pub fn elastic_limit(&self) -> f64 {
+        self.yield_stress * self.elastic_modulus / (2.0 * self.shear_modulus)
+    }
+
+    /// The states that a stress brings a state to: the one behind the elastic front, with the speed of that, and the
+    /// one behind the plastic one. Waves run to greater x (direction 1) or to smaller x (−1).
+    fn wave(&self, ahead: State, stress: f64, direction: f64) -> Vec<(State, f64)> {
+        let [elastic, plastic] = self.speeds();
+        let per_stress = 2.0 * self.shear_modulus / self.elastic_modulus;
+        let limit = self.yield_stress.copysign(stress - ahead.stress);
+        let room = (limit - ahead.difference) / per_stress;
+        let change = stress - ahead.stress;
+        let first = if change.abs() <= room.abs() { change } else { room };
+        let behind = |ahead: State, change: f64, difference: f64, speed: f64| State {
+            velocity: ahead.velocity - direction * change / (self.density * speed),
+            stress: ahead.stress + change,
+            difference,
+        };
+        let is_plastic = change.abs() > room.abs();
+        let difference = if is_plastic { limit } else { ahead.difference + per_stress * change };
+        let yielded = behind(ahead, first, difference, elastic);
+        let mut fronts = vec![(yielded, direction * elastic)];
+        if is_plastic {
+            fronts.push((behind(yielded, change - first, limit, plastic), direction * plastic));
+        }
+        fronts
+    }
+
+    /// The velocity behind.
+    fn velocity(&self, ahead: State, stress: f64, direction: f64) -> f64 {
+        self.wave(ahead, stress, direction).last().map_or(ahead.velocity, |last| last.0.velocity)
+    }
+
+    /// The stress at which a growing piecewise linear function with such kinks vanishes.
+    fn zero(&self, mut kinks: Vec<f64>, value: impl Fn(f64) -> f64) -> f64 {
+        kinks.sort_by(f64::total_cmp);
+        let scale = self.elastic_limit();
+        kinks.insert(0, kinks[0] - scale);
+        kinks.push(kinks[kinks.len() - 1] + scale);
+        let last = kinks.len() - 2;
+        let segment = (0..last).find(|&i| value(kinks[i + 1]) >= 0.0).unwrap_or(last);
+        let [a, b] = [kinks[segment], kinks[segment + 1]];
+        let [at_a, at_b] = [value(a), value(b)];
+        if at_a == at_b { a } else { a - at_a * (b - a) / (at_b - at_a) }
+    }
+
+    /// Stresses at which the response of a state has kinks.
+    fn kinks(&self, state: State) -> [f64; 3] {
+        let per_stress = 2.0 * self.shear_modulus / self.elastic_modulus;
+        [-self.yield_stress, state.difference, self.yield_stress]
+            .map(|difference| state.stress + (difference - state.difference) / per_stress)
+    }
+
+    /// The stress between two states that meet.
+    fn stress_between(&self, left: State, right: State) -> f64 {
+        let kinks = [self.kinks(left), self.kinks(right)].concat();
+        self.zero(kinks, |stress| {
+            self.velocity(left, stress, -1.0) - self.velocity(right, stress, 1.0)
+        })
+    }
+
+    /// The stress at an end whose wave runs in a direction into a state.
+    fn stress_at(&self, end: End, state: State, direction: f64) -> f64 {
+        match end {
+            End::Stress(stress) => stress,
+            End::Velocity(velocity) => self.zero(self.kinks(state).to_vec(), |stress| {
+                direction * (velocity - self.velocity(state, stress, direction))
+            }),
+        }
+    }
+
+    /// The profile at the end of a time, s, from an initial one; `ends` by end: times from which a condition holds, in
+    /// order, the first 0.
+    pub fn advance(&self, initial: &Profile, ends: &[Vec<(f64, End)>; 2], until: f64) -> Profile {
+        let mut profile = initial.clone();
+        let close = 1e-11 * self.length;
+        let condition = |end: usize, time: f64| {
+            let own = ends[end].iter().rev().find(|(from, _)| *from <= time);
+            own.map_or(End::Stress(0.0), |own| own.1)
+        };
+        // All initial jumps, and the ends, come apart at once.
+        self.resolve(&mut profile, [0, 1].map(|end| Some(condition(end, 0.0))), close, true);
+        loop {
+            let now = profile.time;
+            let mut next = until;
+            for &(from, _) in ends.iter().flatten() {
+                if from > now {
+                    next = next.min(from);
+                }
+            }
+            let fronts = &profile.fronts;
+            for pair in fronts.windows(2) {
+                let closing = pair[0].speed - pair[1].speed;
+                if closing > 0.0 {
+                    next = next.min(now + (pair[1].place - pair[0].place).max(0.0) / closing);
+                }
+            }
+            for front in fronts {
+                if front.speed < 0.0 {
+                    next = next.min(now - front.place.max(0.0) / front.speed);
+                } else if front.speed > 0.0 {
+                    next = next.min(now + (self.length - front.place).max(0.0) / front.speed);
+                }
+            }
+            for front in &mut profile.fronts {
+                front.place += front.speed * (next - now);
+            }
+            profile.time = next;
+            if next >= until {
+                return profile;
+            }
+            let reached = [0, 1].map(|end| {
+                let at = [0.0, self.length][end];
+                let own = if end == 0 { profile.fronts.first() } else { profile.fronts.last() };
+                let is_there = own.is_some_and(|front| {
+                    (front.place - at).abs() < close && front.speed * (at - 0.5 * self.length) > 0.0
+                });
+                let changes = ends[end].iter().any(|(from, _)| *from == next);
+                (changes || is_there).then(|| condition(end, next))
+            });
+            self.resolve(&mut profile, reached, close, false);
+        }
+    }
+
+    /// Solves the Riemann problems where fronts meet, and at ends that are given; `all`: of all fronts.
+    fn resolve(&self, profile: &mut Profile, ends: [Option<End>; 2], close: f64, all: bool) {
+        let (mut states, mut fronts) = (Vec::new(), Vec::new());
+        let add = |states: &mut Vec<State>, fronts: &mut Vec<Front>, place, (speed, state)| {
+            if states.last() != Some(&state) {
+                fronts.push(Front { place, speed });
+                states.push(state);
+            }
+        };
+        let old = &profile.fronts;
+        let (mut first, mut last) = (0, old.len());
+        if let Some(end) = ends[0] {
+            while old.get(first).is_some_and(|front| front.place < close) {
+                first += 1;
+            }
+            let ahead = profile.states[first];
+            let wave = self.wave(ahead, self.stress_at(end, ahead, 1.0), 1.0);
+            states.push(wave.last().map_or(ahead, |own| own.0));
+            // From the plastic front to the elastic one, each with the state ahead of it.
+            for index in (0..wave.len()).rev() {
+                let state = if index > 0 { wave[index - 1].0 } else { ahead };
+                add(&mut states, &mut fronts, 0.0, (wave[index].1, state));
+            }
+        } else {
+            states.push(profile.states[0]);
+        }
+        if ends[1].is_some() {
+            while last > first && old[last - 1].place > self.length - close {
+                last -= 1;
+            }
+        }
+        let mut at = first;
+        while at < last {
+            let mut end = at + 1;
+            while end < last && old[end].place - old[at].place < close {
+                end += 1;
+            }
+            let place = old[at].place;
+            if end == at + 1 && !all {
+                add(&mut states, &mut fronts, place, (old[at].speed, profile.states[end]));
+                at = end;
+                continue;
+            }
+            let (left, right) = (profile.states[at], profile.states[end]);
+            let stress = self.stress_between(left, right);
+            let [to_left, to_right] =
+                [self.wave(left, stress, -1.0), self.wave(right, stress, 1.0)];
+            for &(state, speed) in &to_left {
+                add(&mut states, &mut fronts, place, (speed, state));
+            }
+            // The contact: both sides have one velocity and stress, but for rounding, and their own difference.
+            let inner = to_right.last().map_or(right, |own| own.0);
+            let scale = LEAST_JUMP * self.elastic_limit();
+            let is_contact =
+                states.last().is_some_and(|own| (own.difference - inner.difference).abs() > scale);
+            if is_contact {
+                add(&mut states, &mut fronts, place, (0.0, inner));
+            }
+            for index in (0..to_right.len()).rev() {
+                let state = if index > 0 { to_right[index - 1].0 } else { right };
+                add(&mut states, &mut fronts, place, (to_right[index].1, state));
+            }
+            at = end;
+        }
+        if let Some(end) = ends[1] {
+            let ahead = profile.states[last];
+            for (state, speed) in self.wave(ahead, self.stress_at(end, ahead, -1.0), -1.0) {
+                add(&mut states, &mut fronts, self.length, (speed, state));
+            }
+        }
+        (profile.states, profile.fronts) = (states, fronts);
+        self.drop_least(profile);
+    }
+
+    /// Drops fronts with jumps below [`LEAST_JUMP`].
+    fn drop_least(&self, profile: &mut Profile) {
+        let scale = LEAST_JUMP * self.elastic_limit();
+        let impedance = (self.density * self.elastic_modulus).sqrt();
+        let mut index = 0;
+        while index < profile.fronts.len() {
+            let [a, b] = [profile.states[index], profile.states[index + 1]];
+            let jumps = [
+                a.stress - b.stress,
+                a.difference - b.difference,
+                impedance * (a.velocity - b.velocity),
+            ];
+            if jumps.iter().all(|jump| jump.abs() < scale) {
+                profile.fronts.remove(index);
+                profile.states.remove(index + 1);
+            } else {
+                index += 1;
+            }
+        }
+    }
+}
+
+impl Profile {
+    /// Pieces of constant velocity, at rest of stress.
+    pub fn moving(velocities: &[f64], places: &[f64]) -> Self {
+        let state = |&velocity: &f64| State { velocity, stress: 0.0, difference: 0.0 };
+        Self {
+            time: 0.0,
+            states: velocities.iter().map(state).collect(),
+            fronts: places.iter().map(|&place| Front { place, speed: 0.0 }).collect(),
+        }
+    }
+
+    /// The mean of the states from one place to another.
+    pub fn mean(&self, from: f64, to: f64) -> State {
+        let mut sum = [0.0; 3];
+        for (index, state) in self.states.iter().enumerate() {
+            let start = if index == 0 { f64::MIN } else { self.fronts[index - 1].place };
+            let end = self.fronts.get(index).map_or(f64::MAX, |front| front.place);
+            let share = (to.min(end) - from.max(start)).max(0.0) / (to - from);
+            let values = [state.velocity, state.stress, state.difference];
+            for (sum, value) in sum.iter_mut().zip(values) {
+                *sum += share * value;
+            }
+        }
+        State { velocity: sum[0], stress: sum[1], difference: sum[2] }
+    }
+}
