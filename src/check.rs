@@ -8,22 +8,22 @@
 mod fit;
 pub mod flow;
 mod mean;
+mod report;
 mod scheme;
 pub mod solid;
 
 pub use fit::Rate;
 
+use crate::case::dynamics::Scheme;
 use crate::case::{Case, CaseError, Check, Kind, Parameter, Wave};
-use crate::dispersion::{Kind as Waves, kinds};
 use crate::output::{self, OutputError, ResultFolder};
 use crate::solid::Solid;
-use crate::words::{case_title, short};
+use crate::words::case_title;
 use crate::{Error, Format, Options};
-use figures::{Band, Branch, DispersionFigure};
+use figures::NoteFigure;
 use models::granular_flow::InputError;
 use serde_json::{Value, json};
-use solid::{Gap, OnGrid, Plan, Response, Row};
-use std::fmt::Write as _;
+use solid::{Gap, Plan, Row};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -55,9 +55,20 @@ struct Checked {
 }
 
 impl Checked {
-    fn agrees(&self) -> bool {
-        self.rows.iter().all(Row::agrees) && self.gaps.iter().all(|gap| gap.agrees)
+    /// Whether everything that was measured agrees; `None` where nothing was.
+    fn agrees(&self) -> Option<bool> {
+        let all: Vec<bool> = self.rows.iter().filter_map(Row::agrees).collect();
+        let gaps = self.gaps.iter().all(|gap| gap.agrees);
+        (!all.is_empty()).then(|| gaps && all.into_iter().all(|own| own))
     }
+}
+
+/// What the verb finds of a case, as it stands in `check.json`.
+///
+/// # Errors
+/// The case is wrong, or no solver takes its state.
+pub fn report(case: &Case, extent: Extent) -> Result<Value, Error> {
+    Ok(Subject::of(case, extent)?.check(case, extent)?.report(case))
 }
 
 /// Runs the verb on a case, or on all cases in a folder.
@@ -85,8 +96,7 @@ fn of_case(
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     if options.dry_run {
         writeln!(stdout, "would {}", subject.plan())?;
-        let is_drawn = !matches!(subject, Subject::Nothing(_));
-        for name in output::CHECK[..4].iter().filter(|name| is_drawn || !is_picture(name)) {
+        for name in &output::CHECK[..4] {
             writeln!(stdout, "would write {}", folder.path().join(name).display())?;
         }
         return Ok(());
@@ -104,9 +114,7 @@ fn of_case(
         Format::Json => stdout.write_all(json.as_bytes())?,
         Format::Text => {
             stdout.write_all(words.as_bytes())?;
-            if !matches!(found, Found::Nothing(_)) {
-                writeln!(stdout, "picture: {}", folder.path().join("check.png").display())?;
-            }
+            writeln!(stdout, "picture: {}", folder.path().join("check.png").display())?;
         }
     }
     let [all, failed] = found.counts();
@@ -138,13 +146,13 @@ impl Subject {
     /// # Errors
     /// The case is wrong.
     fn of(case: &Case, extent: Extent) -> Result<Self, Error> {
+        in_range(case)?;
         let Kind::Flow(_) = case.kind else {
             return Ok(match media(case).map_err(|error| case.locate(error))? {
                 Ok(media) => Self::Solid(media),
                 Err(error) => Self::Nothing(reason(case.locate(error))),
             });
         };
-        in_range(case)?;
         case.model()?.background(&case.state()).map_err(|error| case.locate(error))?;
         if let Err(error) = case.closure().and(case.mean_flow()) {
             return Ok(Self::Nothing(reason(error)));
@@ -216,7 +224,7 @@ impl Subject {
 
     fn check(self, case: &Case, extent: Extent) -> Result<Found, Error> {
         Ok(match self {
-            Self::Solid(media) => Found::Solid(check(media, extent)?),
+            Self::Solid(media) => Found::Solid(check(case, media, extent)?),
             Self::Flow { waves, grids } => Found::Flow(flow::check(case, &waves, &grids)?),
             Self::Nothing(reason) => Found::Nothing(reason),
         })
@@ -232,7 +240,7 @@ impl Found {
             Self::Solid(all) => {
                 let rows = || all.iter().flat_map(|own| &own.rows);
                 let gaps = || all.iter().flat_map(|own| &own.gaps);
-                let failed = rows().filter(|row| !row.agrees()).count()
+                let failed = rows().filter(|row| row.agrees() == Some(false)).count()
                     + gaps().filter(|gap| !gap.agrees).count();
                 [rows().count() + gaps().count(), failed]
             }
@@ -243,16 +251,17 @@ impl Found {
     fn unmeasured(&self) -> usize {
         match self {
             Self::Flow(own) => own.unmeasured().map_or(0, |found| found.0),
-            Self::Solid(_) | Self::Nothing(_) => 0,
+            Self::Solid(all) => all.iter().map(|own| unmeasured(&own.rows)).sum(),
+            Self::Nothing(_) => 0,
         }
     }
 
-    /// The greatest difference of all waves, as part of the rate.
-    fn worst(&self) -> f64 {
+    /// The greatest difference of the measured waves, as part of the rate; `None` where nothing was measured.
+    fn worst(&self) -> Option<f64> {
         match self {
-            Self::Nothing(_) => 0.0,
+            Self::Nothing(_) => None,
             Self::Flow(own) => own.worst(),
-            Self::Solid(all) => worst(&all.iter().flat_map(|own| &own.rows).collect::<Vec<_>>()),
+            Self::Solid(all) => worst(all.iter().flat_map(|own| &own.rows)),
         }
     }
 
@@ -262,7 +271,7 @@ impl Found {
                 "model": case.medium().title(), "agrees": null, "not_measurable": reason,
             }),
             Self::Flow(own) => own.report(case),
-            Self::Solid(all) => report(case, all),
+            Self::Solid(all) => report::report(case, all),
         }
     }
 
@@ -273,7 +282,7 @@ impl Found {
                 format!("{title}\n{medium}\n\nnot measurable: {reason}\n")
             }
             Self::Flow(own) => own.words(case),
-            Self::Solid(all) => words(case, all),
+            Self::Solid(all) => report::words(case, all),
         }
     }
 
@@ -282,9 +291,15 @@ impl Found {
         use figures::Format::{Png, Svg};
         let mut all = Vec::new();
         match self {
-            Self::Nothing(_) => {}
+            Self::Nothing(reason) => {
+                let (title, subtitle) = (case_title(case), case.medium().title().to_owned());
+                let text = format!("not measurable: {reason}");
+                let figure = NoteFigure { title, subtitle, text };
+                all.push(("check.png", figure.draw(Png)?));
+                all.push(("check.svg", figure.draw(Svg)?));
+            }
             Self::Solid(checked) => {
-                let figure = figure(case, &checked[0])?;
+                let figure = report::figure(case, &checked[0])?;
                 all.push(("check.png", figure.draw(Png)?));
                 all.push(("check.svg", figure.draw(Svg)?));
             }
@@ -352,14 +367,18 @@ fn of_folder(
         all += 1;
         failed += usize::from(!is_well);
         if options.format == Format::Text {
-            let verdict = if is_well { "agrees" } else { "DISAGREES" };
-            let (worst, left) = (exponent(worst), unmeasured_words(found.unmeasured()));
-            writeln!(stdout, "{name:<56} {rows:>3} waves, {worst} off: {verdict}{left}")?;
+            let left = unmeasured_words(found.unmeasured());
+            let verdict = match (worst, is_well) {
+                (None, _) => "nothing measured".to_owned(),
+                (Some(worst), true) => format!("{} off: agrees", exponent(worst)),
+                (Some(worst), false) => format!("{} off: DISAGREES", exponent(worst)),
+            };
+            writeln!(stdout, "{name:<56} {rows:>3} waves, {verdict}{left}")?;
             stdout.flush()?;
         }
         list.push(json!({
             "case": name,
-            "agrees": is_well,
+            "agrees": worst.map(|_| is_well),
             "waves": rows,
             "waves_not_measurable": found.unmeasured(),
             "greatest_difference": worst,
@@ -448,13 +467,13 @@ fn in_range(case: &Case) -> Result<(), CaseError> {
     }
 }
 
-/// Whether a result is a picture.
-fn is_picture(name: &str) -> bool {
-    name.ends_with(".png") || name.ends_with(".svg")
+/// The waves of a solid of one medium, the grids and the scheme.
+pub fn plan(case: &Case, extent: Extent) -> Plan {
+    plan_of(case, case, extent)
 }
 
-/// The waves of a medium and the grids.
-pub fn plan(case: &Case, extent: Extent) -> Plan {
+/// The same for one of the media of a case.
+fn plan_of(whole: &Case, case: &Case, extent: Extent) -> Plan {
     let wave = case.numbers.wave;
     let solid = Solid::of(case);
     let own = solid.as_ref().ok().and_then(|solid| solid.elastic.own_wave_number());
@@ -494,18 +513,22 @@ pub fn plan(case: &Case, extent: Extent) -> Plan {
         })
     });
     let default = if dimensions == 2 { vec![20, 30, 40] } else { vec![20, 25, 30] };
-    let time = case.dynamics.as_ref().map(|dynamics| &dynamics.time);
+    let time = whole.dynamics.as_ref().map(|dynamics| &dynamics.time);
+    let scheme = whole.dynamics.as_ref().map_or_else(Scheme::default, |dynamics| dynamics.scheme);
     Plan {
         waves: waves.collect(),
         cells: cells.unwrap_or(default),
         courant: time.map_or(crate::case::dynamics::COURANT, |time| time.courant),
         rotation: time.map_or(30.0, |time| time.rotation_deg).to_radians(),
+        correction: scheme.correction,
+        splitting: scheme.splitting,
     }
 }
 
-fn check(media: Vec<(String, Case)>, extent: Extent) -> Result<Vec<Checked>, Error> {
+fn check(whole: &Case, media: Media, extent: Extent) -> Result<Vec<Checked>, Error> {
     let checked = media.into_iter().map(|(place, case)| {
-        let rows = solid::rows(&case, &case, &plan(&case, extent))?;
+        let plan = plan_of(whole, &case, extent);
+        let rows = solid::rows(&case, &case, &plan)?;
         let gaps = solid::gaps(&case, &rows)?;
         Ok(Checked { place, case, rows, gaps })
     });
@@ -513,13 +536,23 @@ fn check(media: Vec<(String, Case)>, extent: Extent) -> Result<Vec<Checked>, Err
 }
 
 /// The greatest difference of all rows in the limit of small cells, as part of the frequency.
-fn worst(rows: &[&Row]) -> f64 {
-    greatest(rows.iter().map(|row| row.difference().size()))
+fn worst<'a>(rows: impl Iterator<Item = &'a Row>) -> Option<f64> {
+    greatest(rows.filter_map(|row| Some(row.difference()?.size())))
+}
+
+/// Rows without a measurement.
+fn unmeasured(rows: &[Row]) -> usize {
+    rows.iter().filter(|row| row.measured.is_err()).count()
 }
 
 /// The greatest of some sizes; what is not a number is the greatest.
-fn greatest(sizes: impl Iterator<Item = f64>) -> f64 {
-    sizes.fold(0.0, |sum, own| if own <= sum { sum } else { own })
+fn greatest(sizes: impl Iterator<Item = f64>) -> Option<f64> {
+    sizes.reduce(|sum, own| if own <= sum || sum.is_nan() { sum } else { own })
+}
+
+/// How far the measured waves are off, if there are any.
+fn worst_words(worst: Option<f64>) -> String {
+    worst.map_or("nothing measured".to_owned(), |own| format!("{} off at most", exponent(own)))
 }
 
 /// Says how many waves have no measurement, if there are any.
@@ -532,150 +565,6 @@ fn exponent(x: f64) -> String {
     if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
 }
 
-fn grid_json(row: &Row, grid: &OnGrid) -> Value {
-    json!({
-        "cells": grid.cells,
-        "frequency": grid.measured.frequency,
-        "growth_rate": grid.measured.growth,
-        "expected_frequency": grid.expected.frequency,
-        "expected_growth_rate": grid.expected.growth,
-        "difference": row.part(grid.measured).frequency,
-        "tolerance": grid.tolerance,
-        "agrees": grid.agrees(),
-    })
-}
-
-fn report(case: &Case, checked: &[Checked]) -> Value {
-    let row = |row: &Row| {
-        let mut limit = grid_json(row, &row.limit);
-        limit["cells"] = Value::Null;
-        json!({
-            "response": row.response.name(),
-            "branch": row.branch,
-            "wave": {
-                "number": row.wave.number,
-                "direction_deg": row.wave.direction_deg,
-                "elevation_deg": row.wave.elevation_deg,
-            },
-            "predicted": { "frequency": row.predicted, "growth_rate": 0.0 },
-            "limit": limit,
-            "grids": row.grids.iter().map(|grid| grid_json(row, grid)).collect::<Vec<_>>(),
-            "order": row.order(),
-            "agrees": row.agrees(),
-        })
-    };
-    let gap = |gap: &Gap| {
-        json!({
-            "polarisation": gap.polarisation,
-            "from": gap.from,
-            "to": gap.to,
-            "nearest": gap.nearest,
-            "agrees": gap.agrees,
-        })
-    };
-    json!({
-        "model": case.medium().title(),
-        "agrees": checked.iter().all(Checked::agrees),
-        "media": checked.iter().map(|own| json!({
-            "place": own.place,
-            "model": own.case.medium().title(),
-            "agrees": own.agrees(),
-            "rows": own.rows.iter().map(row).collect::<Vec<_>>(),
-            "forbidden_bands": own.gaps.iter().map(gap).collect::<Vec<_>>(),
-        })).collect::<Vec<_>>(),
-        "units": { "frequency": "rad/s", "growth_rate": "1/s", "tolerance": "rad/s", "number": "1/m" },
-    })
-}
-
-fn words(case: &Case, checked: &[Checked]) -> String {
-    let mut text = format!("{}\n", case_title(case));
-    for own in checked {
-        let place = if own.place.is_empty() { String::new() } else { format!("{}: ", own.place) };
-        let _ = writeln!(text, "{place}{}", own.case.medium().title());
-        let Some(first) = own.rows.first() else { continue };
-        let cells: Vec<String> = first.grids.iter().map(|grid| grid.cells.to_string()).collect();
-        let coarse = &cells[0];
-        let _ = writeln!(
-            text,
-            "frequencies ω in rad/s; differences and growth rates γ as parts of ω; {} cells to a period \
-             along each axis\n",
-            cells.join(", ")
-        );
-        let _ = writeln!(
-            text,
-            "{:<42}{:>12}{:>12}{:>10}{:>10}{:>10}{:>10}{:>10}{:>6}",
-            "",
-            "predicted",
-            "measured",
-            "differs",
-            "expected",
-            "growth",
-            "within",
-            format!("at {coarse}"),
-            "order",
-        );
-        let mut last: Option<Wave> = None;
-        for row in &own.rows {
-            let wave = row.wave;
-            if last != Some(wave) {
-                let up = match wave.elevation_deg {
-                    0.0 => String::new(),
-                    up => format!(", {}° above the plane", short(up)),
-                };
-                let (k, along) = (short(wave.number), short(wave.direction_deg));
-                let _ = writeln!(text, "k = {k} 1/m at {along}°{up}");
-                last = Some(wave);
-            }
-            let name = match row.response {
-                Response::Elastic => row.branch.clone(),
-                other => format!("{}: {}", other.name(), row.branch),
-            };
-            let (found, expected) = (row.difference(), row.expected_difference());
-            let signed = |x: f64| if x == 0.0 { "0".into() } else { format!("{x:+.1e}") };
-            let _ = writeln!(
-                text,
-                "  {:<40}{:>12}{:>12}{:>10}{:>10}{:>10}{:>10}{:>10}{:>6}  {}",
-                name,
-                digits(row.predicted),
-                digits(row.limit.measured.frequency),
-                signed(found.frequency),
-                signed(expected.frequency),
-                signed(found.growth),
-                exponent(row.limit.tolerance / row.predicted),
-                signed(row.part(row.grids[0].measured).frequency),
-                row.order().map_or("–".into(), |order| format!("{order:.2}")),
-                if row.agrees() { "agrees" } else { "DISAGREES" },
-            );
-        }
-        for gap in &own.gaps {
-            let at = |own: Option<f64>| own.map_or("none".to_owned(), digits);
-            let _ = writeln!(
-                text,
-                "\nno {} waves between {} and {} rad/s: measured next to it {} and {}  {}",
-                gap.polarisation,
-                digits(gap.from),
-                digits(gap.to),
-                at(gap.nearest[0]),
-                at(gap.nearest[1]),
-                if gap.agrees { "agrees" } else { "DISAGREES" },
-            );
-        }
-        let rows: Vec<&Row> = own.rows.iter().collect();
-        let failed = rows.iter().filter(|row| !row.agrees()).count();
-        let verdict = match failed {
-            0 => "all agree".to_owned(),
-            some => format!("{some} DISAGREE"),
-        };
-        let _ = writeln!(
-            text,
-            "\n{} waves, {} off at most: {verdict}",
-            rows.len(),
-            exponent(worst(&rows))
-        );
-    }
-    text
-}
-
 /// A frequency with seven digits.
 fn digits(x: f64) -> String {
     match x.abs() {
@@ -686,80 +575,4 @@ fn digits(x: f64) -> String {
         }
         _ => format!("{x:.5e}"),
     }
-}
-
-/// Phase speeds below this part of the greatest are zero: what stands still is not drawn.
-const STILL: f64 = 1e-6;
-
-/// Measured points on predicted curves: elastic ones of all directions, which are alike, where the solid is
-/// isotropic; else of the first direction.
-fn figure(case: &Case, checked: &Checked) -> Result<DispersionFigure, Error> {
-    let own = &checked.case;
-    let solid = Solid::of(own).map_err(|error| own.locate(error))?;
-    let wave = checked.rows.first().map_or(own.numbers.wave, |row| row.wave);
-    let greatest = checked.rows.iter().map(|row| row.wave.number).fold(0.0, f64::max);
-    let speeds = checked.rows.iter().map(|row| row.predicted / row.wave.number);
-    let greatest_speed = speeds.fold(0.0, f64::max);
-    let is_isotropic = matches!(solid.elastic, crate::solid::Elastic::Isotropic(_));
-    let responses: &[(Response, bool)] = match solid.plastic {
-        None => &[(Response::Elastic, true)],
-        Some(_) => &[(Response::Unloading, true), (Response::Loading, false)],
-    };
-    let (mut branches, mut bands) = (Vec::new(), Vec::new());
-    for &(response, stays_elastic) in responses {
-        let all: Vec<Waves> =
-            kinds(&solid, &wave, greatest, stays_elastic).map_err(|error| error.locate(own))?;
-        for kind in &all {
-            for (index, curve) in kind.curves(1.05 * greatest).into_iter().enumerate() {
-                let label = kind.label(index);
-                let is_own = |row: &&Row| {
-                    let is_along = (row.wave.direction_deg, row.wave.elevation_deg)
-                        == (wave.direction_deg, wave.elevation_deg);
-                    row.response == response
-                        && row.branch == label
-                        && (is_along || (is_isotropic && response != Response::Loading))
-                };
-                let measured = checked.rows.iter().filter(is_own);
-                if curve.iter().all(|p| p.frequency <= STILL * p.number * greatest_speed) {
-                    continue;
-                }
-                branches.push(Branch {
-                    measured: measured
-                        .map(|row| [row.wave.number, row.limit.measured.frequency])
-                        .collect(),
-                    label: match response {
-                        Response::Elastic => label,
-                        other => format!("{}: {label}", other.name()),
-                    },
-                    frequency: curve.iter().map(|p| [p.number, p.frequency]).collect(),
-                    group_speed: Vec::new(),
-                    growth: Vec::new(),
-                });
-            }
-            let inner = kind.bands.iter().filter(|band| band.from > 0.0 && band.to.is_finite());
-            bands.extend(inner.map(|band| Band {
-                label: format!("no {} waves", kind.family.polarisation.name()),
-                from: band.from,
-                to: band.to,
-            }));
-        }
-    }
-    Ok(DispersionFigure {
-        title: case_title(case),
-        subtitle: format!(
-            "{}: curves from the analysis, rings from the solver{}",
-            own.medium().title(),
-            if is_isotropic && solid.plastic.is_none() { ", all directions" } else { "" },
-        ),
-        k_label: "wave number k (1/m)".into(),
-        frequency_label: "angular frequency ω (rad/s)".into(),
-        speed_label: "phase speed ω/k (m/s)".into(),
-        growth_label: String::new(),
-        k_log: false,
-        frequency_log: false,
-        branches,
-        bands,
-        cutoffs: Vec::new(),
-        speed_limits: Vec::new(),
-    })
 }

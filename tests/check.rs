@@ -3,8 +3,9 @@
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use wellposed::case::{Case, Parameter};
-use wellposed::check::solid::rows;
+use wellposed::case::dynamics::{Correction, Splitting};
+use wellposed::case::{Case, Kind, Parameter};
+use wellposed::check::solid::{Plan, Row, rows};
 use wellposed::check::{self, Extent, plan};
 use wellposed::{Error, Format, Options};
 
@@ -33,6 +34,11 @@ fn checked(file: PathBuf, sets: &[&str]) -> (Value, Result<(), Error>) {
     (report, ended)
 }
 
+/// How far a measured wave is off, as part of the frequency.
+fn off(row: &Row) -> f64 {
+    row.difference().expect("a measurement").size()
+}
+
 /// All branches of every theory: 10⁻⁴ of the frequency in the limit of small cells, 1 % at 20 cells to a
 /// period, and errors that fall as the scheme's do.
 #[test]
@@ -48,18 +54,21 @@ fn elastic_waves_are_as_predicted() {
     ];
     for (name, branches) in cases {
         let case = Case::load(&bundled(name), &[]).expect("a case");
-        let plan = plan(&case, Extent::Short);
-        let rows = rows(&case, &case, &plan).expect("a solver");
-        assert_eq!(rows.len(), branches * plan.waves.len(), "{name}");
-        for row in rows {
+        let own = plan(&case, Extent::Short);
+        assert_eq!((own.splitting, own.courant), (Splitting::Alternating, 0.9), "{name}");
+        let two_cyclic = Plan { splitting: Splitting::TwoCyclic, courant: 1.0, ..own.clone() };
+        let of = |plan| rows(&case, &case, plan).expect("a solver");
+        let (first, second) = (of(&own), of(&two_cyclic));
+        assert_eq!(first.len(), branches * own.waves.len(), "{name}");
+        for row in first.into_iter().chain(second) {
             let of = format!("{name} {} at {:?}", row.branch, row.wave);
-            assert!(row.agrees(), "{of}: {row:?}");
-            assert!(row.difference().size() < 1e-4, "{of}: {:?}", row.difference());
-            assert!(row.part(row.grids[0].measured).size() < 1e-2, "{of}");
+            assert_eq!(row.agrees(), Some(true), "{of}: {row:?}");
+            assert!(off(&row) < 1e-4, "{of}: {:?}", row.difference());
+            let own = row.measured.as_ref().expect("a measurement");
+            assert!(row.part(own.grids[0].measured).size() < 1e-2, "{of}");
             // Errors of the phase go like h², of the amplitude like h³; what only turns, torsion without
             // couple stress along an axis, has none but rounding.
-            let is_exact =
-                row.branch.starts_with("torsion") && row.part(row.limit.measured).size() < 1e-12;
+            let is_exact = row.branch.starts_with("torsion") && off(&row) < 1e-12;
             let order = row.order();
             assert!(order.map_or(is_exact, |own| (1.8..3.2).contains(&own)), "{of}: {order:?}");
         }
@@ -72,11 +81,17 @@ fn loading_and_unloading_waves_are_as_predicted() {
         ["check/slipping-layers.toml", "check/yielding-cone.toml", "check/yielding-plane.toml"]
     {
         let case = Case::load(&bundled(name), &[]).expect("a case");
-        let rows = rows(&case, &case, &plan(&case, Extent::Short)).expect("a solver");
-        for row in &rows {
-            assert!(row.agrees(), "{name}: {row:?}");
-            assert!(row.difference().size() < 1e-3, "{name}: {row:?}");
+        let own = plan(&case, Extent::Short);
+        // In the limit the correction that is of first order leaves more.
+        let two_cyclic = Plan { splitting: Splitting::TwoCyclic, ..own.clone() };
+        let second = Plan { correction: Correction::SecondOrder, ..two_cyclic.clone() };
+        for (plan, most) in [(&own, 1e-2), (&two_cyclic, 1e-2), (&second, 1e-3)] {
+            for row in rows(&case, &case, plan).expect("a solver") {
+                assert_eq!(row.agrees(), Some(true), "{name}: {row:?}");
+                assert!(off(&row) < most, "{name}: {row:?}");
+            }
         }
+        let rows = rows(&case, &case, &own).expect("a solver");
         // Speeds of a loading solid interlace with the elastic ones below them.
         let of = |name: &str| -> f64 {
             rows.iter().filter(|row| row.response.name() == name).map(|row| row.predicted).sum()
@@ -96,7 +111,8 @@ fn speeds_of_a_yielding_metal() {
             .iter()
             .find(|row| row.response.name() == response && row.wave.direction_deg == 0.0)
             .expect("a pressure wave");
-        let measured = row.limit.measured.frequency / row.wave.number;
+        let limit = row.measured.as_ref().expect("a measurement").limit;
+        let measured = limit.measured.frequency / row.wave.number;
         assert!((measured / speed - 1.0).abs() < 1e-6, "{response}: {measured} for {speed}");
     }
 }
@@ -111,8 +127,8 @@ fn a_wrong_modulus_is_caught() {
         let mut other = case.clone();
         other.set(parameter, parameter.get(&case.numbers).expect("a number") * (1.0 + 1e-9));
         let rows = rows(&case, &other, &plan).expect("a solver");
-        assert!(rows.iter().any(|row| !row.agrees()), "{name}");
-        assert!(rows.iter().all(|row| row.difference().size() < 1e-4), "{name}");
+        assert!(rows.iter().any(|row| row.agrees() == Some(false)), "{name}");
+        assert!(rows.iter().all(|row| off(row) < 1e-4), "{name}");
     }
 }
 
@@ -125,9 +141,9 @@ fn a_wrong_yield_set_is_caught() {
     let other = Case::load(&file, &sets).expect("a case");
     let rows = rows(&case, &other, &plan(&case, Extent::Short)).expect("a solver");
     for row in rows.iter().filter(|row| row.response.name() == "unloading") {
-        assert!(row.agrees(), "{row:?}");
+        assert_eq!(row.agrees(), Some(true), "{row:?}");
     }
-    assert!(rows.iter().any(|row| !row.agrees()));
+    assert!(rows.iter().any(|row| row.agrees() == Some(false)));
 }
 
 #[test]
@@ -174,6 +190,8 @@ fn what_has_no_solver_is_not_measurable() {
         let reason = report["not_measurable"].as_str().expect("a reason");
         assert!(reason.contains(key) && reason.contains("analysis alone"), "{reason}");
         assert!(report["agrees"].is_null());
+        let drawn = fs::read_to_string(out.join("check.svg")).expect("a picture");
+        assert!(drawn.contains("not measurable: ") && out.join("check.png").is_file(), "{name}");
         let words = fs::read_to_string(out.join("check.txt")).expect("words");
         assert!(words.contains(&format!("not measurable: {reason}")), "{words}");
     }
@@ -296,65 +314,143 @@ fn dimensions(unit: &str) -> Option<[i32; 3]> {
     Some(sum)
 }
 
-/// Mass, length and time in other units: the numbers of a solid's rows that have none are the same bits.
-#[test]
-fn units_change_no_row() {
-    for name in [
-        "check/slipping-layers.toml",
-        "check/yielding-cone.toml",
-        "check/yielding-plane.toml",
-        "check/cubic-plane.toml",
-        "cosserat/forbidden-band.toml",
-        "dynamics/surface-pulse.toml",
-        "dynamics/foundation.toml",
-    ] {
-        let case = Case::load(&bundled(name), &[]).expect("a case");
-        let case = case
-            .dynamics
-            .as_ref()
-            .map_or(&case, |own| own.regions.first().map_or(&case, |region| &region.case));
-        let own = |case: &Case| {
-            let plan = plan(case, Extent::Short);
-            rows(case, case, &plan).unwrap_or_else(|error| panic!("{name}: {error}"))
+/// The case in units that are 2^−powers of those of mass, length and time.
+fn in_other_units(case: &Case, powers: [i32; 3]) -> Case {
+    let mut scaled = case.clone();
+    for parameter in Parameter::all() {
+        let Some(value) = parameter.get(&case.numbers).filter(|own| *own != 0.0) else {
+            continue;
         };
-        let first = own(case);
-        // Powers whose products' roots are powers of two again.
-        for powers in
-            [[0, 0, 20], [0, -20, 0], [0, 40, 0], [0, -40, 0], [40, 40, -40], [-40, -20, 40]]
-        {
-            let mut scaled = case.clone();
-            for parameter in Parameter::all() {
-                let Some(value) = parameter.get(&case.numbers).filter(|own| *own != 0.0) else {
-                    continue;
-                };
-                let unit = dimensions(parameter.unit())
-                    .unwrap_or_else(|| panic!("{}: {}", parameter.name(), parameter.unit()));
-                let power: i32 = unit.iter().zip(powers).map(|(a, b)| a * b).sum();
-                scaled.set(parameter, value * 2f64.powi(power));
-            }
-            if let Some(numbers) = scaled.check.as_mut().and_then(|own| own.numbers.as_mut()) {
-                numbers.iter_mut().for_each(|own| *own *= 2f64.powi(-powers[1]));
-            }
-            let found = own(&scaled);
-            assert_eq!(found.len(), first.len(), "{name} {powers:?}");
-            for (found, first) in found.iter().zip(&first) {
-                let of = format!("{name} {powers:?} {}", first.branch);
-                assert!(found.agrees(), "{of}: {found:?}");
-                assert_eq!(found.branch, first.branch, "{of}");
-                let numbers = |row: &wellposed::check::solid::Row| {
-                    let parts = [row.difference(), row.expected_difference()];
-                    let tolerance = row.limit.tolerance / row.predicted;
-                    parts
-                        .map(|own| [own.frequency, own.growth])
-                        .concat()
-                        .into_iter()
-                        .chain([tolerance])
-                        .collect::<Vec<_>>()
-                };
-                assert_eq!(numbers(found), numbers(first), "{of}");
-            }
+        let unit = dimensions(parameter.unit())
+            .unwrap_or_else(|| panic!("{}: {}", parameter.name(), parameter.unit()));
+        let power: i32 = unit.iter().zip(powers).map(|(a, b)| a * b).sum();
+        scaled.set(parameter, value * 2f64.powi(power));
+    }
+    if let Some(numbers) = scaled.check.as_mut().and_then(|own| own.numbers.as_mut()) {
+        numbers.iter_mut().for_each(|own| *own *= 2f64.powi(-powers[1]));
+    }
+    if let Some(dynamics) = &mut scaled.dynamics {
+        for region in &mut dynamics.regions {
+            region.case = in_other_units(&region.case, powers);
         }
     }
+    scaled
+}
+
+/// All rows of a report.
+fn rows_of(report: &Value) -> Vec<&Value> {
+    let media = report["media"].as_array().into_iter().flatten();
+    let all = media.chain([report]).filter_map(|own| own["rows"].as_array());
+    all.flatten().collect()
+}
+
+/// Holds a case in other units against its report in its own: the same rows, verdicts and words; rates with all digits
+/// that are printed. Solids keep their bits where the powers are even, and roots of products are powers of two again.
+fn compare(name: &str, case: &Case, first: &Value, extent: Extent, powers: [i32; 3]) {
+    let of = format!("{name} {powers:?}");
+    let scaled = in_other_units(case, powers);
+    let found = check::report(&scaled, extent).unwrap_or_else(|error| panic!("{of}: {error}"));
+    assert_eq!(found["agrees"], first["agrees"], "{of}: {found:#}");
+    assert_eq!(found["not_measurable"].is_string(), first["not_measurable"].is_string(), "{of}");
+    let (all, own) = (rows_of(&found), rows_of(first));
+    assert_eq!(all.len(), own.len(), "{of}");
+    let is_solid = matches!(case.kind, Kind::Solid(_));
+    let is_exact = is_solid && powers.iter().all(|own| own % 2 == 0);
+    let to_rate = 2f64.powi(powers[2]);
+    let least = case.get("background.shear_rate").unwrap_or(0.0);
+    for (found, first) in all.into_iter().zip(own) {
+        for key in ["branch", "response", "mode", "agrees"] {
+            assert_eq!(found[key], first[key], "{of} {key}: {found:#} for {first:#}");
+        }
+        assert_eq!(found["not_measurable"].is_string(), first["not_measurable"].is_string());
+        let pair = |key: &str, part: &str| {
+            let value = |own: &Value| own[key][part].as_f64();
+            (value(found).map(|own| own * to_rate), value(first))
+        };
+        let parts = ["frequency", "growth_rate"];
+        let scale = parts
+            .iter()
+            .filter_map(|part| pair("predicted", part).1)
+            .fold(least, |sum, own| sum.max(own.abs()));
+        for (key, part) in
+            ["predicted", "limit", "frozen"].iter().flat_map(|key| parts.map(|part| (key, part)))
+        {
+            let (found, first) = pair(key, part);
+            if is_exact {
+                assert_eq!(found, first, "{of} {key} {part}");
+            } else if let (Some(found), Some(first)) = (found, first) {
+                let off = (found - first).abs();
+                assert!(off <= 1e-8 * scale, "{of} {key} {part}: {found} for {first}");
+            }
+        }
+        let (found, first) = pair("limit", "tolerance");
+        if is_solid {
+            let (found, first) = (found.expect("a number"), first.expect("a number"));
+            assert!((found / first - 1.0).abs() <= if is_exact { 0.0 } else { 1e-6 }, "{of}");
+        }
+    }
+}
+
+/// Mass, length and time in other units change no row of any bundled case, and no verdict.
+fn units_change_nothing(extent: Extent, powers: &[[i32; 3]]) {
+    let mut files = Vec::new();
+    for folder in ["check", "cosserat", "dynamics", "flow", "granular-flow"] {
+        let entries = fs::read_dir(bundled(folder)).expect("a folder");
+        files.extend(entries.map(|entry| entry.expect("an entry").path()));
+    }
+    files.retain(|file| file.extension().is_some_and(|own| own == "toml"));
+    files.sort();
+    assert!(files.len() >= 29);
+    for (index, file) in files.iter().enumerate() {
+        let name = file.file_name().expect("a name").to_string_lossy();
+        let mut case = Case::load(file, &[]).expect("a case");
+        let is_flow = matches!(case.kind, Kind::Flow(_));
+        let mut asked = case.check.clone().unwrap_or_default();
+        if is_flow {
+            // Boxes of perturbations are no numbers of a case: their units stay.
+            asked.cells = None;
+        }
+        if extent == Extent::Short {
+            // Coarser grids and fewer waves: a unit is in all of them.
+            let is_plane = case.get("model.dimensions").is_none_or(|own| own == 2.0);
+            let cells = if is_plane { vec![12, 16] } else { vec![8, 10] };
+            asked.cells = (!is_flow).then_some(cells);
+            asked.directions_deg = Some(vec![30.0]);
+        }
+        case.check = Some(asked);
+        let first = check::report(&case, extent).unwrap_or_else(|error| panic!("{name}: {error}"));
+        // In short two after the other for each case.
+        let count = if extent == Extent::Short { 2 } else { powers.len() };
+        for powers in powers.iter().cycle().skip(2 * index).take(count) {
+            compare(&name, &case, &first, extent, *powers);
+        }
+    }
+}
+
+/// Even powers and odd ones.
+const POWERS: [[i32; 3]; 10] = [
+    [0, 40, 0],
+    [1, 0, 0],
+    [0, -40, 0],
+    [0, -3, 0],
+    [40, 40, -40],
+    [0, 0, 39],
+    [-40, -20, 40],
+    [-39, 37, -35],
+    [40, -40, -40],
+    [-33, -1, 40],
+];
+
+#[test]
+fn units_change_no_row() {
+    units_change_nothing(Extent::Short, &POWERS);
+}
+
+/// The long form of the same: by hand.
+#[test]
+#[ignore = "takes long"]
+fn units_change_no_row_of_the_long_form() {
+    units_change_nothing(Extent::Full, &POWERS);
 }
 
 #[test]

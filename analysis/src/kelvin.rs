@@ -104,7 +104,7 @@ impl Evolution {
     /// Rates of [`reduced`](Self::reduced), 1/s, and the admissible waves that have them, of unit length; the
     /// fastest growing one first. Empty if the iteration does not converge.
     pub fn modes(&self) -> Vec<(Complex64, Vec<Complex64>)> {
-        let reduced = self.reduced();
+        let (reduced, scales, unit) = balanced(self.reduced());
         let size = reduced.nrows();
         let mut rates = crate::dense::eigenvalues(reduced.clone()).unwrap_or_default();
         rates.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
@@ -113,8 +113,10 @@ impl Evolution {
             let shifted = &reduced - DMatrix::identity(size, size) * rate;
             let decomposition = shifted.svd(false, true);
             let least = decomposition.singular_values.imin();
-            let vector = decomposition.v_t?.row(least).adjoint();
-            Some((rate, (&self.admissible * vector).iter().copied().collect()))
+            let mut vector = decomposition.v_t?.row(least).adjoint();
+            vector.iter_mut().zip(&scales).for_each(|(own, scale)| *own *= *scale);
+            let vector = (&self.admissible * vector).normalize();
+            Some((rate * unit, vector.iter().copied().collect()))
         };
         rates.into_iter().filter_map(vector).collect()
     }
@@ -165,6 +167,47 @@ pub fn course(
         }
     }
     Some(all)
+}
+
+/// A square matrix A as D⁻¹AD/u with powers of two on the diagonal of D and for u, such that rows and columns of the
+/// result are of comparable size (Parlett & Reinsch 1969) and its greatest entry is about one; D and u. What A maps may
+/// have components of different units, which decide over no bit of the result.
+fn balanced(mut matrix: DMatrix<Complex64>) -> (DMatrix<Complex64>, Vec<f64>, f64) {
+    const ROUNDS: usize = 100;
+    let size = matrix.nrows();
+    let mut scales = vec![1.0; size];
+    for _ in 0..ROUNDS {
+        let mut is_settled = true;
+        for i in 0..size {
+            let others = || (0..size).filter(|j| *j != i);
+            let column = others().map(|j| matrix[(j, i)].norm()).fold(0.0, f64::max);
+            let row = others().map(|j| matrix[(i, j)].norm()).fold(0.0, f64::max);
+            // Where one of them is zero, the other becomes as great as the diagonal.
+            let diagonal = (0..size).map(|j| matrix[(j, j)].norm()).fold(0.0, f64::max).log2();
+            let power = match (row.log2(), column.log2()) {
+                (row, f64::NEG_INFINITY) => row - diagonal,
+                (f64::NEG_INFINITY, column) => diagonal - column,
+                (row, column) => 0.5 * (row - column),
+            };
+            let power = power.round();
+            if !power.is_finite() || power == 0.0 {
+                continue;
+            }
+            let factor = power.exp2();
+            scales[i] *= factor;
+            for j in others().collect::<Vec<_>>() {
+                matrix[(j, i)] *= factor;
+                matrix[(i, j)] /= factor;
+            }
+            is_settled = false;
+        }
+        if is_settled {
+            break;
+        }
+    }
+    let greatest = matrix.iter().map(|entry| entry.norm()).fold(0.0, f64::max);
+    let unit = if greatest > 0.0 { greatest.log2().round().exp2() } else { 1.0 };
+    (matrix.unscale(unit), scales, unit)
 }
 
 /// Orthonormal columns orthogonal to rows (Gram and Schmidt, twice), if there are any.

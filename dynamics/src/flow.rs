@@ -71,7 +71,7 @@ pub struct Problem {
     pub spin: f64,
     /// DΩ/Dt, rad/s²: Harris–Grekova alone.
     pub spin_acceleration: f64,
-    /// Points along each axis of the box; even, at least 8.
+    /// Points along each axis of the box; even, at least 4.
     pub points: [usize; 2],
     /// Edges of the box at the beginning, along x₁ and x₂, m.
     pub lengths: [f64; 2],
@@ -87,7 +87,7 @@ pub struct Problem {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FlowError {
     /// Too few points, or an odd number of them.
-    #[error("{0:?} points: an even number of at least 8 is needed along each axis")]
+    #[error("{0:?} points: an even number of at least 4 is needed along each axis")]
     Points([usize; 2]),
     /// A number out of its range.
     #[error("{name} cannot be {value}")]
@@ -106,7 +106,7 @@ impl Problem {
     /// # Errors
     /// The first number that cannot be.
     fn check(&self) -> Result<(), FlowError> {
-        if self.points.iter().any(|points| *points < 8 || points % 2 == 1) {
+        if self.points.iter().any(|points| *points < 4 || points % 2 == 1) {
             return Err(FlowError::Points(self.points));
         }
         let positive = [

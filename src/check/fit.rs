@@ -1,5 +1,6 @@
-//! Fits to what was measured: polynomials in centred, scaled abscissae.
+//! Fits to what was measured.
 
+use nalgebra::DMatrix;
 use num_complex::Complex64;
 
 /// A complex frequency: exp((γ − iω)t).
@@ -23,30 +24,14 @@ impl Rate {
     }
 }
 
-/// A polynomial of that degree through or between points, at `place`; with `slope` its slope there. Not a
+/// The slope of the line that fits values at places best, centred and scaled for the fit; not a
 /// number where there is none.
-fn polynomial(places: &[f64], values: &[f64], degree: usize, place: f64, slope: bool) -> f64 {
+pub fn slope(places: &[f64], values: &[f64]) -> f64 {
     let low = places.iter().copied().fold(f64::INFINITY, f64::min);
     let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
     let scaled: Vec<f64> = places.iter().map(|x| (x - centre) / half).collect();
-    let Ok(found) = polyfit_rs::polyfit_rs::polyfit(&scaled, values, degree) else {
-        return f64::NAN;
-    };
-    let x = (place - centre) / half;
-    // Horner's scheme.
-    match slope {
-        false => found.iter().rev().fold(0.0, |sum, own| sum * x + own),
-        true => {
-            let terms = found.iter().enumerate().skip(1).rev();
-            terms.fold(0.0, |sum, (power, own)| sum * x + power as f64 * own) / half
-        }
-    }
-}
-
-/// The slope of the line that fits values at places best.
-pub fn slope(places: &[f64], values: &[f64]) -> f64 {
-    polynomial(places, values, 1, 0.0, true)
+    polyfit_rs::polyfit_rs::polyfit(&scaled, values, 1).map_or(f64::NAN, |found| found[1] / half)
 }
 
 /// The complex frequency of an amplitude: slopes of its phase and of the logarithm of its modulus. From one
@@ -58,7 +43,9 @@ pub fn rate(times: &[f64], amplitudes: &[Complex64]) -> Rate {
         phase += (pair[1] / pair[0]).arg();
         phases.push(phase);
     }
-    let logarithms: Vec<f64> = amplitudes.iter().map(|a| a.norm().ln()).collect();
+    // Relative to the first one: the same in all units.
+    let first = amplitudes.first().map_or(1.0, |own| own.norm());
+    let logarithms: Vec<f64> = amplitudes.iter().map(|a| (a.norm() / first).ln()).collect();
     Rate { frequency: -slope(times, &phases), growth: slope(times, &logarithms) }
 }
 
@@ -68,34 +55,59 @@ pub fn error_of_rate(error: f64, duration: f64) -> f64 {
     3.0 * error / duration
 }
 
-/// Rates on cells of edges that go like 1/n, n as in `cells`, in the limit of small cells. Of the scheme's
-/// errors the even powers of h turn the phase, h² and h⁴, and the odd ones lower the amplitude, h³ above all.
-pub fn extrapolated(cells: &[usize], rates: &[Rate]) -> Rate {
-    let powers =
-        |power: i32| cells.iter().map(|&n| (cells[0] as f64 / n as f64).powi(power)).collect();
-    let (squares, cubes): (Vec<f64>, Vec<f64>) = (powers(2), powers(3));
-    let of = |part: &dyn Fn(&Rate) -> f64| rates.iter().map(part).collect::<Vec<f64>>();
-    let degree = (cells.len() - 1).min(2);
+/// Powers of the cell's edge h in the errors of a scheme that is of second order; of two grids the first alone counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Powers {
+    /// Of the frequency.
+    pub frequency: &'static [i32],
+    /// Of the growth.
+    pub growth: &'static [i32],
+}
+
+impl Powers {
+    /// A step that is the same backwards: even powers turn the phase, and odd ones lower the amplitude.
+    pub const SYMMETRIC: Self = Self { frequency: &[2, 4], growth: &[3] };
+
+    /// Sweeps that alternate: the first and the last one, each half as long, are off by h³ once.
+    pub const ALTERNATING: Self = Self { frequency: &[2, 3], growth: &[3] };
+
+    /// Steps that end with a projection: Π exp(Δt A) Π lowers the amplitude by ½Δt²|(1 − Π)A y|² more than
+    /// exp(Δt ΠAΠ) does, A being antisymmetric.
+    pub const PROJECTED: Self = Self { frequency: &[2, 3], growth: &[1, 2] };
+}
+
+/// What each of some values in h = 1/n, n as in `cells`, weighs in the limit h → 0 of 1, h^p, h^q … fitted to them.
+fn weights(cells: &[usize], powers: &[i32]) -> Vec<f64> {
+    let powers = &powers[..powers.len().min(cells.len() - 1)];
+    let edge = |row: usize| cells[0] as f64 / cells[row] as f64;
+    let matrix = DMatrix::from_fn(cells.len(), 1 + powers.len(), |row, column| match column {
+        0 => 1.0,
+        _ => edge(row).powi(powers[column - 1]),
+    });
+    let (normal, transposed) = (matrix.transpose() * &matrix, matrix.transpose());
+    match normal.lu().solve(&transposed) {
+        Some(all) => all.row(0).iter().copied().collect(),
+        None => vec![f64::NAN; cells.len()],
+    }
+}
+
+/// Rates on cells of edges that go like 1/n, n as in `cells`, in the limit of small cells.
+pub fn extrapolated(cells: &[usize], rates: &[Rate], powers: Powers) -> Rate {
+    let sum = |powers: &[i32], part: fn(&Rate) -> f64| -> f64 {
+        weights(cells, powers).iter().zip(rates).map(|(weight, rate)| weight * part(rate)).sum()
+    };
     Rate {
-        frequency: polynomial(&squares, &of(&|r| r.frequency), degree, 0.0, false),
-        growth: polynomial(&cubes, &of(&|r| r.growth), degree.min(1), 0.0, false),
+        frequency: sum(powers.frequency, |rate| rate.frequency),
+        growth: sum(powers.growth, |rate| rate.growth),
     }
 }
 
 /// The greatest error of [`extrapolated`] if rates on these grids are off by at most `errors`: it is linear.
-pub fn error_of_extrapolated(cells: &[usize], errors: &[f64]) -> f64 {
-    let sum = |part: fn(&Rate) -> f64| -> f64 {
-        (0..cells.len())
-            .map(|own| {
-                let unit = |index: usize| f64::from(u8::from(index == own));
-                let rates: Vec<Rate> = (0..cells.len())
-                    .map(|index| Rate { frequency: unit(index), growth: unit(index) })
-                    .collect();
-                (part(&extrapolated(cells, &rates)) * errors[own]).abs()
-            })
-            .sum()
+pub fn error_of_extrapolated(cells: &[usize], errors: &[f64], powers: Powers) -> f64 {
+    let sum = |powers: &[i32]| -> f64 {
+        weights(cells, powers).iter().zip(errors).map(|(own, error)| own.abs() * error).sum()
     };
-    sum(|rate| rate.frequency).max(sum(|rate| rate.growth))
+    sum(powers.frequency).max(sum(powers.growth))
 }
 
 #[cfg(test)]
@@ -113,13 +125,22 @@ mod tests {
 
     #[test]
     fn powers_of_the_cell_are_taken_away() {
-        let cells = [20, 30, 40];
-        let rates = cells.map(|n| {
-            let h = 1.0 / n as f64;
-            Rate { frequency: 7.0 + 3.0 * h * h - 50.0 * h.powi(4), growth: 0.1 - 9.0 * h.powi(3) }
-        });
-        let found = extrapolated(&cells, &rates);
-        assert!(found.less(Rate { frequency: 7.0, growth: 0.1 }).size() < 1e-12, "{found:?}");
-        assert!(error_of_extrapolated(&cells, &[1.0; 3]) > 1.0);
+        for powers in [Powers::SYMMETRIC, Powers::ALTERNATING, Powers::PROJECTED] {
+            let cells = [20, 30, 40];
+            let rates = cells.map(|n| {
+                let sum = |factors: [f64; 2], powers: &[i32]| -> f64 {
+                    let terms = factors.iter().zip(powers);
+                    terms.map(|(factor, power)| factor * (n as f64).powi(-power)).sum()
+                };
+                Rate {
+                    frequency: 7.0 + sum([3.0, -50.0], powers.frequency),
+                    growth: 0.1 + sum([-9.0, 20.0], powers.growth),
+                }
+            });
+            let found = extrapolated(&cells, &rates, powers);
+            let off = found.less(Rate { frequency: 7.0, growth: 0.1 }).size();
+            assert!(off < 1e-11, "{powers:?}: {found:?}");
+            assert!(error_of_extrapolated(&cells, &[1.0; 3], powers) > 1.0);
+        }
     }
 }

@@ -7,12 +7,23 @@
 //! the right with Courant number C = |c|Δt/2hᵢ
 //!
 //! ```text
-//! g = 1 − C (1 − e^(−iθ)) (1 + ½(1 − C) i sin θ)      (Fromm 1968),
-//! G = Π X Y Z e^(½Q̂Δt) (2Π − I) e^(½Q̂Δt) Z Y X        (elastic: Π = I).
+//! g = 1 − C (1 − e^(−iθ)) (1 + ½(1 − C) i sin θ)      (Fromm 1968).
 //! ```
+//!
+//! With X, Y, Z these sweeps, x a quarter sweep (Δt/4) along the first axis, R = e^(½Q̂Δt) and Π = I where nothing
+//! yields, n steps make of a wave
+//!
+//! ```text
+//! two-cyclic, second-order correction    Gⁿ, G = Π X Y Z R (2Π − I) R Z Y X,
+//! two-cyclic, first-order correction     Gⁿ, G = Π X Y Z R R Z Y X,
+//! alternating                            x (M X)ⁿ⁻¹ M x, M = Π Y Z R X R Z Y,
+//! ```
+//!
+//! the last x being the one by which the solver completes the state that it shows.
 //!
 //! Knows nothing of the solver but this.
 
+use crate::case::dynamics::{Correction, Splitting};
 use models::rates::SymmetricForm;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use num_complex::Complex64;
@@ -26,6 +37,36 @@ pub struct Steps<const D: usize> {
     pub spacing: [f64; D],
     /// Δt, s.
     pub step: f64,
+}
+
+/// What steps make of a plane wave, in units of energy.
+#[derive(Clone, Debug)]
+pub struct Propagator {
+    first: Matrix,
+    step: Matrix,
+    shown: Matrix,
+}
+
+impl Propagator {
+    /// The part of a wave of unit size that is left of it in what is shown after none, `every`, 2 `every` … steps.
+    pub fn amplitudes(
+        &self,
+        wave: &DVector<Complex64>,
+        every: usize,
+        count: usize,
+    ) -> Vec<Complex64> {
+        let mut state = &self.first * wave;
+        let mut amplitudes = vec![wave.dotc(wave)];
+        for index in 1..=every * count {
+            if index > 1 {
+                state = &self.step * state;
+            }
+            if index % every == 0 {
+                amplitudes.push(wave.dotc(&(&self.shown * &state)));
+            }
+        }
+        amplitudes
+    }
 }
 
 /// The equations in units of energy, while some conditions of yielding stay active or none.
@@ -98,6 +139,20 @@ impl<const D: usize> Equations<D> {
             .map(|i| (eigen.eigenvalues[i], eigen.eigenvectors.column(i).into_owned()))
             .collect();
         waves.sort_by(|a, b| b.0.total_cmp(&a.0));
+        // Waves of one frequency have no polarisations of their own, and the scheme is not isotropic.
+        let mut first = 0;
+        while first < waves.len() {
+            let is_other = |own: &(f64, _)| waves[first].0 - own.0 > STILL * greatest;
+            let end = waves.iter().position(is_other).unwrap_or(waves.len());
+            if end > first + 1 {
+                let vectors: Vec<_> = waves[first..end].iter().map(|own| own.1.clone()).collect();
+                let chosen = along_axes(&DMatrix::from_columns(&vectors));
+                for (own, vector) in waves[first..end].iter_mut().zip(chosen) {
+                    own.1 = vector;
+                }
+            }
+            first = end;
+        }
         waves
     }
 
@@ -117,22 +172,50 @@ impl<const D: usize> Equations<D> {
         share.iter().all(|own| *own > 0.0).then(|| &self.from_energy * all * share)
     }
 
-    /// G for the wave vector κ, 1/m.
-    pub fn step(&self, wave: [f64; D], grid: &Steps<D>) -> Matrix {
-        let half = self.rotation(0.5 * grid.step);
+    /// What steps make of the wave vector κ, 1/m. The correction in the middle has sweeps in two cycles.
+    pub fn propagator(
+        &self,
+        wave: [f64; D],
+        grid: &Steps<D>,
+        correction: Correction,
+        splitting: Splitting,
+    ) -> Propagator {
         let size = self.q.nrows();
-        let mirror = complex(&(&self.tangent * 2.0 - DMatrix::identity(size, size)));
-        let sweeps: Vec<Matrix> = (0..D).map(|axis| self.sweep(axis, wave[axis], grid)).collect();
-        let middle = &half * mirror * &half;
-        complex(&self.tangent)
-            * sweeps.iter().rev().fold(middle, |inner, sweep| sweep * inner * sweep)
+        let half = self.rotation(0.5 * grid.step);
+        let tangent = complex(&self.tangent);
+        let sweeps: Vec<Matrix> =
+            (0..D).map(|axis| self.sweep(axis, wave[axis], grid, 0.5)).collect();
+        // The last axis stands innermost.
+        let around = |sweeps: &[Matrix], inner: Matrix| {
+            sweeps.iter().rev().fold(inner, |inner, sweep| sweep * inner * sweep)
+        };
+        let two_cyclic = |step: Matrix| Propagator {
+            first: step.clone(),
+            step,
+            shown: Matrix::identity(size, size),
+        };
+        match (correction, splitting) {
+            (Correction::SecondOrder, _) => {
+                let mirror = complex(&(&self.tangent * 2.0 - DMatrix::identity(size, size)));
+                two_cyclic(tangent * around(&sweeps, &half * mirror * &half))
+            }
+            (Correction::FirstOrder, Splitting::TwoCyclic) => {
+                two_cyclic(tangent * around(&sweeps, &half * &half))
+            }
+            (Correction::FirstOrder, Splitting::Alternating) => {
+                let quarter = self.sweep(0, wave[0], grid, 0.25);
+                let rest = tangent * around(&sweeps[1..], &half * &sweeps[0] * &half);
+                Propagator { first: &rest * &quarter, step: rest * &sweeps[0], shown: quarter }
+            }
+        }
     }
 
-    fn sweep(&self, axis: usize, k: f64, grid: &Steps<D>) -> Matrix {
+    /// A sweep by a part of a step.
+    fn sweep(&self, axis: usize, k: f64, grid: &Steps<D>, part: f64) -> Matrix {
         let h = grid.spacing[axis];
         let (sin, cos) = (k * h).sin_cos();
         let factor = |speed: f64| {
-            let courant = 0.5 * speed.abs() * grid.step / h;
+            let courant = part * speed.abs() * grid.step / h;
             let rise = 0.5 * (1.0 - courant) * sin;
             let to_right =
                 1.0 - courant * Complex64::new(1.0 - cos, sin) * Complex64::new(1.0, rise);
@@ -151,6 +234,30 @@ impl<const D: usize> Equations<D> {
         let turn = eigen.eigenvalues.map(|frequency| Complex64::cis(-frequency * time));
         &eigen.eigenvectors * Matrix::from_diagonal(&turn) * eigen.eigenvectors.adjoint()
     }
+}
+
+/// Of the space that orthonormal columns span an orthonormal basis that depends on the space alone: projections of the
+/// axes onto it, one after the other (Gram & Schmidt).
+fn along_axes(columns: &Matrix) -> Vec<DVector<Complex64>> {
+    /// The longest projection onto what is left of the space is longer: of 24 axes at most, 1/√24.
+    const LEAST: f64 = 0.1;
+    let (size, count) = columns.shape();
+    let mut chosen: Vec<DVector<Complex64>> = Vec::new();
+    for axis in 0..size {
+        // P e = V (Vᵀ e)
+        let mut vector: DVector<Complex64> = columns * columns.row(axis).adjoint();
+        for _ in 0..2 {
+            for own in &chosen {
+                let part = own.dotc(&vector);
+                vector -= own * part;
+            }
+        }
+        let norm = vector.norm();
+        if norm > LEAST && chosen.len() < count {
+            chosen.push(vector.unscale(norm));
+        }
+    }
+    chosen
 }
 
 fn complex(matrix: &DMatrix<f64>) -> Matrix {

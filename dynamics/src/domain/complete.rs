@@ -18,6 +18,18 @@ impl<T: Real, const D: usize> Domain<T, D> {
         sides
     }
 
+    /// All fields of own cells at the time of the domain, cell by cell: the deviation from the initial stress, and not
+    /// taken into the yield set as what [`Self::show`] gives is.
+    pub fn deviations(&self, cells: &[usize]) -> Vec<f64> {
+        let sides = self.sides_now();
+        let (first, count) = (self.own_cells().start, self.fields().len());
+        let of_cell = |cell: &usize| {
+            let own = self.completed(first + cell, &sides);
+            own[..count].iter().map(|value| value.wide()).collect::<Vec<f64>>()
+        };
+        cells.iter().flat_map(of_cell).collect()
+    }
+
     /// The state of a cell among all at the time of the domain: a copy goes along the first axis by a quarter of a
     /// step.
     pub(super) fn completed(&self, cell: usize, sides: &[Side<T>; 2]) -> [T; MOST_FIELDS] {

@@ -37,7 +37,7 @@ pub fn greatest_modes(points: [usize; 2]) -> [usize; 2] {
 }
 
 impl Series {
-    /// Series on so many points along each axis: even numbers of at least 8.
+    /// Series on so many points along each axis: even numbers of at least 4.
     pub fn new(points: [usize; 2]) -> Self {
         let mut real = RealFftPlanner::new();
         let mut complex = FftPlanner::new();
