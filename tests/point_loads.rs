@@ -72,8 +72,8 @@ fn a_plane_source_is_where_it_is_put() {
     assert!(error(20, 0.86, "kernel='cell'") > 2.0 * error(20, 0.86, ""));
 }
 
-/// What acts on planes of symmetry: half a model with half the amplitude, and a quarter with a quarter, move as the
-/// whole one; likewise what acts next to a plane, with its image in the whole one.
+/// What acts on planes of symmetry: half a model and a quarter move as the whole one, by the same words; likewise what
+/// acts next to a plane, with its image in the whole one.
 #[test]
 fn parts_of_a_symmetric_model_move_as_the_whole() {
     let time = "time={kind='ricker', frequency=60}";
@@ -118,16 +118,16 @@ fn parts_of_a_symmetric_model_move_as_the_whole() {
             [6, 12],
             [0.0, -3.0],
             &x1,
-            &(load([0.0, 0.0], -2e3)
-                + &force([0.0, 0.0, -1.0], [0.0, 0.0, 1e3])
+            &(load([0.0, 0.0], -4e3)
+                + &force([0.0, 0.0, -1.0], [0.0, 0.0, 2e3])
                 + &images(&[[1.0, 1.0], [1.0, -1.0]])),
         );
         let quarter = model(
             [6, 6],
             [0.0, 0.0],
             &(x1 + &x2),
-            &(load([0.0, 0.0], -1e3)
-                + &force([0.0, 0.0, -1.0], [0.0, 0.0, 5e2])
+            &(load([0.0, 0.0], -4e3)
+                + &force([0.0, 0.0, -1.0], [0.0, 0.0, 2e3])
                 + &images(&[[1.0, 1.0]])),
         );
         for name in ["v1", "v2", "v3", "sigma11", "sigma12", "sigma33"] {
@@ -144,6 +144,59 @@ fn parts_of_a_symmetric_model_move_as_the_whole() {
                     let found = quarter[name][(c * 6 + b - 6) * 6 + a - 6];
                     assert!((found - value).abs() < 1e-9 * most, "{name} of the quarter");
                 }
+            }
+        }
+    }
+}
+
+/// At the corner of all planes: a quarter in the plane and an eighth in space, with the words of the whole model. Forces need a
+/// plane of antisymmetry across them.
+#[test]
+fn corners_of_planes_of_symmetry_take_their_part() {
+    let time = "time={kind='ricker', frequency=60}";
+    let explosion =
+        |at: &[f64]| format!("[[source]]\nkind='explosion'\namplitude=3e4\nat={at:?}\n{time}\n");
+    let force = |at: &[f64]| {
+        let mut amplitude = vec![0.0; at.len()];
+        amplitude[0] = 2e3;
+        format!("[[source]]\nkind='force'\namplitude={amplitude:?}\nat={at:?}\n{time}\n")
+    };
+    let solids = [
+        "kind='classical'\nlambda=1e8\nmu=1e8\ndensity=3000",
+        "kind='cosserat'\nlambda=1e8\nmu=1e8\nalpha=3e7\nbeta=0\ngamma=2e7\neta=1e7\ndensity=3000\ninertia=200",
+    ];
+    for (medium, dimensions, is_force) in
+        [(0, 2, false), (0, 2, true), (1, 2, false), (0, 3, false), (0, 3, true), (1, 3, true)]
+    {
+        let model = |is_part: bool| {
+            let mut case = format!(
+                "[model]\n{}\n[grid]\ncells={:?}\nspacing=0.5\norigin={:?}\n[time]\nduration=0.02\n",
+                solids[medium],
+                vec![if is_part { 6 } else { 12 }; dimensions],
+                vec![if is_part { 0.0 } else { -3.0 }; dimensions],
+            );
+            for axis in (1..=dimensions).filter(|_| is_part) {
+                let kind = if is_force && axis == 1 { "antisymmetry" } else { "symmetry" };
+                case += &format!("[[side]]\nside='x{axis}-'\nkind='{kind}'\n");
+            }
+            let at = vec![0.0; dimensions];
+            case += &if is_force { force(&at) } else { explosion(&at) };
+            arrays(&case, "fields.npz")
+        };
+        let (whole, part) = (model(false), model(true));
+        for name in ["v1", "v2", "sigma11", "sigma12", "sigma22"] {
+            let most = whole[name].iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+            assert!(most > 0.0, "{name}");
+            for (cell, found) in part[name].iter().enumerate() {
+                let (mut rest, mut place, mut stride) = (cell, 0, 1);
+                for _ in 0..dimensions {
+                    place += (rest % 6 + 6) * stride;
+                    rest /= 6;
+                    stride *= 12;
+                }
+                let value = whole[name][place];
+                let case = (solids[medium], dimensions, is_force);
+                assert!((found - value).abs() < 1e-9 * most, "{case:?}, {name}: {found}, {value}");
             }
         }
     }

@@ -13,8 +13,10 @@
 //! order (Fourier transform of w: two zeros at π a cell). It reaches less than four cells.
 //!
 //! Beyond a side of symmetry or antisymmetry the kernel is folded back with the sign of the field's mirror image: what is
-//! left is half (a quarter) of the whole model with its images. Beyond any other side a share goes by linear
-//! extrapolation to the two cells at the side, which keeps the sum and the first moments. A bell is cut off there.
+//! left is half (a quarter, an eighth) of the whole model with its images. Amplitudes are those of the whole model: a point
+//! on such a plane is its own image, and half of what acts there acts on either side of it. Beyond any other side a
+//! share goes by linear extrapolation to the two cells at the side, which keeps the sum and the first moments. A bell
+//! is cut off there.
 
 use super::setup::is_periodic;
 use crate::case::dynamics::{Condition, Dynamics, Kernel, Side};
@@ -23,6 +25,9 @@ use nalgebra::{DMatrix, DVector};
 
 /// Cells from that in front of the point, and one more behind it, within which the spline lies.
 const REACH: isize = 3;
+
+/// A point so near to a plane, in cells, is on it.
+const ON_A_PLANE: f64 = 1e-6;
 
 /// What is beyond an end of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,6 +77,16 @@ impl Axis {
             };
         }
         Some((place as usize, factor))
+    }
+
+    /// The part of what acts at the point that acts on the grid's side of planes of symmetry through the point: ½ for
+    /// each.
+    fn part(&self) -> f64 {
+        let planes = [-0.5, self.cells as f64 - 0.5].into_iter().zip(self.ends);
+        let is_on = |&(plane, end): &(f64, End)| {
+            matches!(end, End::Mirror(_)) && (self.x - plane).abs() <= ON_A_PLANE
+        };
+        0.5f64.powi(planes.filter(is_on).count() as i32)
     }
 
     /// Adds the share of a place to those of the cells.
@@ -163,7 +178,8 @@ fn end(dynamics: &Dynamics, side: Side, point: &[f64], field: Field) -> End {
 }
 
 /// Shares of cells in a field's source at a point of the grid, or, where `axes` leaves one out, of faces of a side;
-/// by index, the first of the axes fastest. They add up to 1 but for odd mirror images.
+/// by index, the first of the axes fastest. They add up to 1 but for odd mirror images, and to half of that for each
+/// plane of symmetry through the point.
 pub(super) fn shares(
     dynamics: &Dynamics,
     axes: &[usize],
@@ -182,11 +198,14 @@ pub(super) fn shares(
         })
         .collect();
     let spacing: Vec<f64> = axes.iter().map(|&axis| grid.spacing[axis]).collect();
-    match kernel {
+    let mut shares = match kernel {
         Kernel::Spline => product(&along),
         Kernel::Bell { radius } => within(&along, &spacing, radius),
         Kernel::Cell => vec![(nearest(&along), 1.0)],
-    }
+    };
+    let part: f64 = along.iter().map(Axis::part).product();
+    shares.iter_mut().for_each(|own| own.1 *= part);
+    shares
 }
 
 /// The cell that holds the point.
