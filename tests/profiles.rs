@@ -214,4 +214,22 @@ fn loads_with_profiles() {
     let wrong = case.replace("axis = 3", "axis = 2");
     let error = Case::parse(&wrong, "case.run.toml", &[]).expect_err("a wrong case").to_string();
     assert!(error.contains("load[0].profile.axis: found the integer 2"), "{error}");
+    for (keys, words) in [
+        (
+            "profile = { kind = 'bell', at = 30, radius = 2 }",
+            "load[0].profile: 0 in the middle of every face that the load is on; one that is not 0",
+        ),
+        (
+            "at = 1\nprofile = { kind = 'cos', wavelength = 2 }",
+            "load[0].profile: found beside at; leave it out: what acts at a point has a kernel",
+        ),
+        ("profile = { kind = 'bell', at = 0, radius = 0 }", "load[0].profile.radius: found"),
+    ] {
+        let case = format!(
+            "{SOLID}[grid]\ncells = [24, 16]\nspacing = 0.5\n[time]\nduration = 0.02\n[[load]]\n\
+             side = 'x2+'\nfield = 'sigma22'\namplitude = 1\ntime = {{ kind = 'step' }}\n{keys}\n"
+        );
+        let error = carried_out(&case).expect_err("a wrong case").to_string();
+        assert!(error.contains(words), "{error}");
+    }
 }

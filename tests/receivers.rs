@@ -208,7 +208,22 @@ fn lines_and_grids() {
     assert_eq!(receivers[3].at, [2.4, 2.4]);
     assert_eq!(receivers[9].at, [2.4, 2.4]);
     assert_eq!(receivers[5].at, [1.2, 0.0]);
+    // 100 × 0.29 is less than 29, and the last point of this side all the same.
+    let wide =
+        grid.replace("cells=[8, 8]", "cells=[100, 4]").replace("spacing=0.3", "spacing=0.29");
+    let case = wellposed::case::Case::parse(
+        &format!("{wide}[[receiver]]\nat=[29, 1.16]\n[[load]]\nside='x2+'\nfield='sigma22'\nat=29\namplitude=1\n\
+                  time={{kind='step'}}\n"),
+        "case.run.toml",
+        &[],
+    )
+    .expect("a sound case");
+    assert_eq!(case.dynamics.expect("a run").receivers[0].at[0], 0.29 * 100.0);
     for (text, words) in [
+        (
+            "[[receiver]]\nat=[2.5, 0]\n",
+            "receiver[0].at: found [2.5, 0.0], outside the grid; the grid has x1 from 0.0 to 2.4 m",
+        ),
         ("[[receiver]]\nto=[1, 1]\n", "receiver[0].to: found without from; add from"),
         (
             "[[receiver]]\nat=[1, 1]\nfrom=[0, 0]\n",

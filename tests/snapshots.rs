@@ -28,6 +28,8 @@ from = 2
 to = 5
 amplitude = -1e5
 time = { kind = 'pulse', duration = 0.03 }
+[[receiver]]
+at = [3, 8]
 [output]
 integrals = ['u2']
 ";
@@ -57,6 +59,8 @@ from = 1
 to = 4
 amplitude = 1e-5
 seed = 3
+[[receiver]]
+at = [0.02, 0.03]
 [output]
 ";
 
@@ -76,7 +80,7 @@ fn snapshot(folder: &Path, index: usize, extension: &str) -> Option<Vec<u8>> {
     fs::read(folder.join(format!("out/snapshot-{index:08}.{extension}"))).ok()
 }
 
-/// The last state of solids and flows to the last bit, however often it is looked at on the way.
+/// The last state of solids and flows, and what receivers saw, to the last bit, however often it is looked at on the way.
 #[test]
 fn results_do_not_depend_on_the_output() {
     for (case, extension, intervals) in [
@@ -89,9 +93,10 @@ fn results_do_not_depend_on_the_output() {
             let keys =
                 format!("snapshot_interval = {interval}\nledger_interval = {}\n", 0.7 * interval);
             carried_out(here.path(), &format!("{case}{keys}"));
-            let fields = fs::read(here.path().join("out/fields.npz")).expect("fields");
-            assert!(!read(&fields).expect("an archive").is_empty());
-            assert!(first.get_or_insert_with(|| fields.clone()) == &fields, "{interval}");
+            let files = ["fields.npz", "receivers.npz"]
+                .map(|name| fs::read(here.path().join("out").join(name)).expect(name));
+            assert!(files.iter().all(|file| !read(file).expect("an archive").is_empty()));
+            assert!(first.get_or_insert_with(|| files.clone()) == &files, "{interval}");
             // Numbered from 0, at the times asked for, the last one at the end.
             let mut times = Vec::new();
             while let Some(bytes) = snapshot(here.path(), times.len(), extension) {

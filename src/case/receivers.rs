@@ -69,6 +69,11 @@ pub(super) fn receivers<F: Clone + PartialEq + Display>(
     Ok(receivers)
 }
 
+/// Takes a point that misses a side by rounding onto it.
+fn onto_the_grid(at: &mut [f64], extents: &[[f64; 2]]) {
+    at.iter_mut().zip(extents).for_each(|(x, [first, last])| *x = x.clamp(*first, *last));
+}
+
 /// The points of an entry, with what they add to its name.
 fn points(section: &mut Section, domain: &Domain) -> Result<Vec<(String, Vec<f64>)>, CaseError> {
     let d = domain.extents.len();
@@ -86,8 +91,9 @@ fn points(section: &mut Section, domain: &Domain) -> Result<Vec<(String, Vec<f64
                 return Err(section.error(key, "found without from", allowed));
             }
         }
-        let at = section.required("at", &expected, numbers(d))?;
+        let mut at = section.required("at", &expected, numbers(d))?;
         is_inside(section, "at", &at)?;
+        onto_the_grid(&mut at, &domain.extents);
         return Ok(vec![(String::new(), at)]);
     };
     if section.get("at").is_some() {
@@ -125,15 +131,9 @@ fn points(section: &mut Section, domain: &Domain) -> Result<Vec<(String, Vec<f64
                 };
             }
         }
-        // A sum may miss a side by rounding.
-        for (x, [first, last]) in at.iter_mut().zip(&domain.extents) {
-            let slack = 1e-12 * (last - first);
-            if (first - slack..=last + slack).contains(x) {
-                *x = x.clamp(*first, *last);
-            }
-        }
         let key = if index == 0 { "from" } else { "to" };
         is_inside(section, key, &at)?;
+        onto_the_grid(&mut at, &domain.extents);
         points.push((suffix, at));
     }
     Ok(points)

@@ -431,6 +431,13 @@ impl Place<'_> {
             }
         };
         self.refuse_empty(found.is_empty(), &format!("load[{index}]"))?;
+        if load.amplitude != 0.0 && load.profile.is_some() && found.iter().all(|own| own.1 == 0.0) {
+            let key = format!("load[{index}].profile");
+            let found = "0 in the middle of every face that the load is on";
+            let allowed =
+                "one that is not 0 there: move it onto the side, or make it wider than a cell";
+            return Err(self.dynamics.locate(&key, found, allowed).into());
+        }
         Ok(found)
     }
 

@@ -456,6 +456,11 @@ impl Reader<'_> {
             let amplitude = section.required("amplitude", expected, number)?;
             let action = self.action(&mut section, side, field)?;
             let profile = match action {
+                Action::Point { .. } if section.get("profile").is_some() => {
+                    let allowed = "leave it out: what acts at a point has a kernel; a profile goes \
+                                   with from and to, or with all of the side";
+                    return Err(section.error("profile", "found beside at", allowed));
+                }
                 Action::Point { .. } => None,
                 _ => Profile::read(&mut section, &side.axes(self.dimensions()))?,
             };
@@ -810,6 +815,10 @@ impl Reader<'_> {
     }
 }
 
+/// What a coordinate may lie beyond a side, over the length of the grid: cells × spacing + origin misses the decimal that
+/// is meant by rounding (100 × 0.29 is less than 29).
+pub(in crate::case) const SLACK: f64 = 1e-12;
+
 /// That a position along some axes, the value of a key, is between first and last coordinates, those of the
 /// grid or box.
 pub(in crate::case) fn check_inside(
@@ -820,13 +829,25 @@ pub(in crate::case) fn check_inside(
     extents: &[[f64; 2]],
     whole: &str,
 ) -> Result<(), CaseError> {
-    if position.iter().zip(extents).all(|(x, [first, last])| (first..=last).contains(&x)) {
+    let is_inside = |(x, [first, last]): (&f64, &[f64; 2])| {
+        let slack = SLACK * (last - first);
+        (first - slack..=last + slack).contains(x)
+    };
+    if position.iter().zip(extents).all(is_inside) {
         return Ok(());
     }
+    // Without what rounding left.
+    let tidy = |x: f64, length: f64| match x.abs() < SLACK * length {
+        true => 0.0,
+        false => format!("{x:.11e}").parse().unwrap_or(x),
+    };
     let words: Vec<String> = axes
         .iter()
         .zip(extents)
-        .map(|(axis, [first, last])| format!("x{} from {first:?} to {last:?} m", axis + 1))
+        .map(|(axis, [first, last])| {
+            let [from, to] = [first, last].map(|x| tidy(*x, last - first));
+            format!("x{} from {from:?} to {to:?} m", axis + 1)
+        })
         .collect();
     let found = format!("found {position:?}, outside the {whole}");
     Err(section.error(key, found, format!("the {whole} has {}", words.join(", "))))
