@@ -29,13 +29,12 @@ pub fn rows(settings: &Settings) -> Vec<Row> {
     let mut case = frame.begin(&SOLID, h, &[width, width, depth], &[0.0, 0.0, -depth], duration);
     case += &frame.sides("symmetry", &[(0, false), (1, false)]);
     case += &frame.sides("non-reflecting", &[(0, true), (1, true), (2, false)]);
-    // A quarter of the force acts on a quarter of the half-space.
     case += &format!(
         "[[load]]\nside = \"{}\"\nfield = \"{}\"\nat = [0, 0]\namplitude = {}\n{}\
          time = {{ kind = \"ricker\", frequency = {} }}\n",
         frame.side(2, true),
         frame.traction(2),
-        -0.25 * FORCE,
+        -FORCE,
         settings.kernel(),
         RICKER.frequency
     );
