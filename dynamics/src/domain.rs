@@ -12,7 +12,7 @@
 //! c(Δt/2)/h ≤ 1, and so does the step. Given values of sides are those in the middle of each half. Where
 //! stresses yield, with the projection P onto the yield set in the norm of the energy, the correction stands
 //! either last, or in the middle between two halves of Q as the reflection 2P − I, which no more than P
-//! makes a state longer; at the end of the step stresses then come back to their sets ([`Placement`]).
+//! makes a state longer ([`Placement`]).
 //!
 //! Fields are those of the deviation from an initial stress that rests in itself: it moves nothing, and
 //! yield conditions see the sum.
@@ -265,8 +265,6 @@ pub struct Domain<T: Real, const D: usize> {
     sets: Option<Sets<T>>,
     /// Plastic dissipation by group and lane, J/m³; empty where nothing yields.
     dissipated: Vec<f64>,
-    /// Where the correction is a reflection.
-    overshoot: Option<Overshoot<T>>,
     /// Places of velocities and spins, and Δt times the sum of their values, the first one halved, by cell.
     integrals: Vec<(usize, Vec<f64>)>,
     /// Steps done.
@@ -286,17 +284,6 @@ pub struct Domain<T: Real, const D: usize> {
     /// Of all steps before, by own layers.
     totals: Vec<Total>,
     buffer: Buffer<T>,
-}
-
-/// How far beyond their sets stresses were in the middle of a step.
-#[derive(Clone)]
-struct Overshoot<T: Real> {
-    /// By group: whether any was.
-    flows: Vec<bool>,
-    /// By row, stress and group; of groups where none was anything.
-    values: Vec<T::Lanes>,
-    /// The first stress among the fields, which follow it to the last.
-    first_stress: usize,
 }
 
 /// Terms of the energy density: places of two fields, by medium or pattern a coefficient. Kinetic terms
@@ -656,12 +643,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
             }
             for layer in layers[2].clone() {
                 self.sweep_layer(layer, &rows, second);
-                // Row by row, as sums are the same however many have come in.
-                for row in rows[2].clone() {
-                    let tile = Tile { row, groups: 0..self.groups };
-                    match self.scheme.placement {
-                        Placement::Last => self.correct(&(layer..layer + 1), &tile, second, false),
-                        Placement::Middle => self.settle(&(layer..layer + 1), &tile, second),
+                if self.scheme.placement == Placement::Last {
+                    // Row by row, as sums are the same however many have come in.
+                    for row in rows[2].clone() {
+                        let tile = Tile { row, groups: 0..self.groups };
+                        self.correct(&(layer..layer + 1), &tile, second, false);
                     }
                 }
                 self.forget_traces(layer, &rows[2], steps_done);

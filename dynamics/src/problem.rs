@@ -39,11 +39,10 @@ pub enum Placement {
     /// ends are as sharp as the sweeps make them.
     #[default]
     Last,
-    /// The reflection 2P − I between the halves of the elastic step, as if flow went on through the second half as it did
-    /// through the first, and at the end what it took too much or too little is made good: second order while the same
-    /// conditions stay active, and the state is in its set after each step. Where stresses are beyond their sets by more
-    /// than a hundredth of the strength, in fronts, less than 2P − I is reflected. Sharper fronts than with
-    /// [`Placement::Last`], and half of its mean error behind them.
+    /// 2P − I between the halves of the elastic step: second order while the same conditions stay active. Where
+    /// flow ends at once, behind a shock, what the last reflection went beyond stays as an error of the size
+    /// of a step's plastic strain.
+    /// The state is in its set in the middle of steps; [`Domain::admissible`](crate::domain::Domain::admissible) is what to look at.
     Middle,
 }
 

@@ -14,7 +14,7 @@
 //! yields, n steps make of a wave
 //!
 //! ```text
-//! two-cyclic, second-order correction    Gⁿ, G = Π X Y Z R (2Π − I) R Z Y X,
+//! two-cyclic, second-order correction    Gⁿ, G = X Y Z R (2Π − I) R Z Y X,
 //! two-cyclic, first-order correction     Gⁿ, G = Π X Y Z R R Z Y X,
 //! alternating                            x (M X)ⁿ⁻¹ M x, M = Π Y Z R X R Z Y,
 //! ```
@@ -197,7 +197,7 @@ impl<const D: usize> Equations<D> {
         match (correction, splitting) {
             (Correction::SecondOrder, _) => {
                 let mirror = complex(&(&self.tangent * 2.0 - DMatrix::identity(size, size)));
-                two_cyclic(tangent * around(&sweeps, &half * mirror * &half))
+                two_cyclic(around(&sweeps, &half * mirror * &half))
             }
             (Correction::FirstOrder, Splitting::TwoCyclic) => {
                 two_cyclic(tangent * around(&sweeps, &half * &half))

@@ -1,7 +1,7 @@
 //! What a domain needs of a problem, and the order in which it needs it.
 
 use super::plastic::Sets;
-use super::{AtATime, Buffer, CHUNK, Domain, EnergyTerms, Kick, Overshoot, RowEnds, groups, pitch};
+use super::{AtATime, Buffer, CHUNK, Domain, EnergyTerms, Kick, RowEnds, groups, pitch};
 use crate::boundary::{Boundary, Load};
 use crate::kernel::{Carried, Instructions, Table, Wave};
 use crate::ledger::{Ledger, Total};
@@ -308,13 +308,6 @@ impl<T: Real, const D: usize> Domain<T, D> {
         };
         let mut grid = whole;
         grid.cells[D - 1] = own.len();
-        let first_stress = fields.iter().position(|own| matches!(own, Field::Stress(..)));
-        let reflects = is_plastic && problem.scheme.placement == Placement::Middle;
-        let overshoot = first_stress.filter(|_| reflects).map(|first_stress| Overshoot {
-            flows: vec![false; own_groups],
-            values: zeros(own_groups * (fields.len() - first_stress)),
-            first_stress,
-        });
         let mut domain = Self {
             grid,
             halo,
@@ -352,7 +345,6 @@ impl<T: Real, const D: usize> Domain<T, D> {
             initial_stress,
             sets: None,
             dissipated: zeros(if is_plastic { own_groups * T::Lanes::COUNT } else { 0 }),
-            overshoot,
             integrals: integrals.map(|place| (place, vec![0.0; cells])).collect(),
             steps: 0,
             watched: Vec::new(),

@@ -4,10 +4,9 @@ use super::plastic::Correct;
 use super::{Domain, MOST_FIELDS, Tile, Turn};
 use crate::ledger::Energy;
 use crate::medium::component;
-use crate::real::{Group, MOST_LANES, Number, Real, Vector, Work};
+use crate::real::{Group, MOST_LANES, Real, Vector, Work};
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
-use models::plasticity::parameters::{YieldSet, contract};
 use std::ops::Range;
 
 /// Steps from one time when traces are forgotten to the next: few, so that little decays past the least normal number in
@@ -134,8 +133,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         combined(&self.stress(cell), &self.initial_stress(cell), 1.0)
     }
 
-    /// P, or with `reflects` P + θ(P − I), in a half step of the pass: θ is 1 but where stresses are far beyond their
-    /// sets, see [`reflected_share`]. Reflections note θ(I − P), see [`Self::settle`].
+    /// P, or with `reflects` 2P − I, in a half step of the pass.
     pub(super) fn correct(
         &mut self,
         layers: &Range<usize>,
@@ -151,7 +149,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             let (first, groups) = self.groups_of(layer, tile);
             left.clear();
             match &self.sets {
-                Some(sets) if self.initial_stress.is_none() => {
+                Some(sets) if !reflects && self.initial_stress.is_none() => {
                     let lanes = T::Lanes::COUNT;
                     let mut sum = 0.0;
                     self.instructions.run::<T>(Correct {
@@ -161,15 +159,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
                         yields: &self.yields,
                         dissipated: &mut self.dissipated[groups.start * lanes..groups.end * lanes],
                         sum: &mut sum,
-                        looks: reflects,
                         left: &mut left,
                     });
                     self.ledgers[half][layer].plastic += self.grid.volume() * sum;
                 }
                 _ => left.extend(0..groups.len()),
-            }
-            if let (true, Some(overshoot)) = (reflects, &mut self.overshoot) {
-                overshoot.flows[groups.clone()].fill(false);
             }
             for group in left.iter().map(|index| groups.start + index) {
                 if !self.yields[self.patterns[group] as usize] {
@@ -196,19 +190,12 @@ impl<T: Real, const D: usize> Domain<T, D> {
         if corrected.stress == trial {
             return;
         }
-        let volume = self.grid.volume();
-        let share = match (reflects, &medium.yields) {
-            (true, Some(set)) => reflected_share(excess(set, &trial, &corrected.stress)),
-            _ => 0.0,
-        };
-        let times = 1.0 + share;
+        let (volume, times) = (self.grid.volume(), if reflects { 2.0 } else { 1.0 });
         let plastic = combined(&trial, &corrected.stress, -1.0);
         let energy = |stress: &Stress| medium.stored_energy(stress);
-        // ½|s̄|² − ½|s − θ(s̄ − s)|² = (1 + θ)(½|s̄|² − ½|s|² − θ ½|s̄ − s|²).
-        let beyond = if reflects { share * energy(&plastic) } else { 0.0 };
+        // ½|s̄|² − ½|2s − s̄|² = 2(½|s̄|² − ½|s|² − ½|s̄ − s|²).
+        let beyond = if reflects { energy(&plastic) } else { 0.0 };
         let loss = times * (corrected.energy_lost - beyond);
-        // What the flow of the second half is expected to be.
-        let ahead = combined(&Stress::default(), &plastic, share);
         let released = match &self.initial_stress {
             // The product of both in the energy.
             Some(_) => {
@@ -217,123 +204,23 @@ impl<T: Real, const D: usize> Domain<T, D> {
             }
             None => 0.0,
         };
-        let lost = loss / energy(&trial).max(f64::MIN_POSITIVE);
-        debug_assert!(lost >= -1e-14, "the correction adds energy: {lost:e} of what is there");
+        let share = loss / energy(&trial).max(f64::MIN_POSITIVE);
+        debug_assert!(share >= -1e-14, "the correction adds energy: {share:e} of what is there");
         let ledger = &mut self.ledgers[half][layer];
         ledger.plastic += volume * loss;
         ledger.released += volume * released;
-        ledger.least_plastic = ledger.least_plastic.min(lost);
+        ledger.least_plastic = ledger.least_plastic.min(share);
         let lane = self.lane_of(cell);
         self.dissipated[lane] += loss;
-        if reflects {
-            self.note_overshoot(cell, &ahead);
-        }
         let (fields, pitch) = (self.media[0].fields.len(), self.pitch);
         for index in 0..fields {
             let of = |stress: &Stress| component(self.fields()[index], stress);
-            let (Some(own), Some(ahead)) = (of(&corrected.stress), of(&ahead)) else {
+            let (Some(own), Some(plastic)) = (of(&corrected.stress), of(&plastic)) else {
                 continue;
             };
-            let moved = own - ahead;
+            let moved = if reflects { own - plastic } else { own };
             let moved = moved - of(&initial).unwrap_or(0.0);
             *self.at_mut(cell, index * pitch) = T::of(moved);
-        }
-    }
-
-    /// Notes by how much the reflection went beyond the projection.
-    fn note_overshoot(&mut self, cell: usize, ahead: &Stress) {
-        let (stop, lane) = self.slot(cell);
-        let Some(overshoot) = &mut self.overshoot else { return };
-        let (groups, first) = (self.groups, overshoot.first_stress);
-        let stresses = &self.media[0].fields[first..];
-        let own = stop.group / groups * groups * stresses.len() + stop.group % groups;
-        let own = own..own + (stresses.len() - 1) * groups + 1;
-        let values = overshoot.values[own].iter_mut().step_by(groups);
-        let is_first = !std::mem::replace(&mut overshoot.flows[stop.group], true);
-        for (value, &field) in values.zip(stresses) {
-            if is_first {
-                *value = T::Lanes::ZERO;
-            }
-            value.lanes_mut()[lane] = T::of(component(field, ahead).unwrap_or(0.0));
-        }
-    }
-
-    /// What a reflection noted of a cell, if anything.
-    fn overshoot_of(&self, cell: usize) -> Option<Stress> {
-        let (stop, lane) = self.slot(cell);
-        let overshoot = self.overshoot.as_ref().filter(|own| own.flows[stop.group])?;
-        let (groups, first) = (self.groups, overshoot.first_stress);
-        let mut values = [T::ZERO; MOST_FIELDS];
-        let row = stop.group / groups * groups * (self.fields().len() - first);
-        for (index, value) in values[first..self.fields().len()].iter_mut().enumerate() {
-            *value = overshoot.values[row + index * groups + stop.group % groups].lanes()[lane];
-        }
-        let own = self.stress_of(&values);
-        (own != Stress::default()).then_some(own)
-    }
-
-    /// The end of a step with a reflection in its middle.
-    ///
-    /// With U_m = P U* and r = θ(U* − U_m) the reflection left U_m − r, as if flow went on through the second half of the
-    /// step as it did through the first, and the state is now Z. Beyond its set F it is projected onto it. Within it, flow
-    /// was less than expected: as much of r as the set has room for is given back,
-    ///
-    /// ```text
-    /// U = Z + s r,   s = max { s ≤ 1 : Z + s r ∈ F },
-    /// ```
-    ///
-    /// so that no plastic strain is left which did not happen, and U ∈ F. Energy does not grow over the step: r is normal
-    /// to F in U_m, hence r·A(Z + U) ≤ 2 r·A U_m, and what comes back, ½U·AU − ½Z·AZ = ½ s r·A(Z + U), is at most
-    /// r·A U_m, half of the least that P and the reflection took together.
-    pub(super) fn settle(&mut self, layers: &Range<usize>, tile: &Tile, half: usize) {
-        if self.dissipated.is_empty() {
-            return;
-        }
-        for layer in layers.clone() {
-            let groups = self.groups_of(layer, tile).1;
-            for group in groups {
-                if !self.overshoot.as_ref().is_some_and(|own| own.flows[group]) {
-                    continue;
-                }
-                for lane in 0..T::Lanes::COUNT {
-                    if let Some(cell) = self.cell_of(group, lane) {
-                        self.give_back(cell, (half, layer));
-                    }
-                }
-            }
-        }
-        self.correct(layers, tile, half, false);
-    }
-
-    fn give_back(&mut self, cell: usize, (half, layer): (usize, usize)) {
-        let medium = &self.media[usize::from(self.of_cell[cell])];
-        let (Some(set), Some(overshoot)) = (medium.yields, self.overshoot_of(cell)) else { return };
-        let initial = self.initial_stress(cell);
-        let stress = combined(&self.stress(cell), &initial, 1.0);
-        let share = share_within(|share| set.value(&combined(&stress, &overshoot, share)));
-        if share == 0.0 {
-            return;
-        }
-        let settled = combined(&stress, &overshoot, share);
-        let energy = |stress: &Stress| medium.stored_energy(stress);
-        let volume = self.grid.volume();
-        let gain = energy(&settled) - energy(&stress);
-        let ledger = &mut self.ledgers[half][layer];
-        ledger.plastic -= volume * gain;
-        if self.initial_stress.is_some() {
-            // The product of both in the energy.
-            let both = combined(&overshoot, &initial, 1.0);
-            ledger.released -=
-                volume * share * (energy(&both) - energy(&overshoot) - energy(&initial));
-        }
-        let lane = self.lane_of(cell);
-        self.dissipated[lane] -= gain;
-        let (fields, pitch) = (self.media[0].fields.len(), self.pitch);
-        for index in 0..fields {
-            let field = self.fields()[index];
-            let Some(change) = component(field, &overshoot) else { continue };
-            let value = self.at_mut(cell, index * pitch);
-            *value = T::of(value.wide() + share * change);
         }
     }
 
@@ -380,71 +267,6 @@ fn push<T: Real>(value: &mut T, change: f64) -> f64 {
     *value = T::of(before + change);
     let after = value.wide();
     (after - before) * 0.5 * (after + before)
-}
-
-/// By how much a trial stress is beyond its yield set, over the shear (or couple) that the set bears at the corrected
-/// stress: (τ̄ − k)/k for von Mises' set.
-fn excess(set: &YieldSet, trial: &Stress, corrected: &Stress) -> f64 {
-    match set {
-        YieldSet::Mises(own) => set.value(trial) / own.equivalent_shear(corrected),
-        YieldSet::Interlayer(own) => own
-            .half_spaces()
-            .map(|(condition, strength)| {
-                let value = contract(&condition.normal, trial) - strength;
-                let pressed = |i: usize| condition.normal.force[i][i] * corrected.force[i][i];
-                let bears = strength - (0..3).map(pressed).sum::<f64>();
-                if value > 0.0 { value / bears.max(0.0) } else { 0.0 }
-            })
-            .fold(0.0, f64::max),
-    }
-}
-
-/// θ by the excess: 1 up to a hundredth, beyond that 1/(1 + 5 (excess − 0.01)).
-///
-/// Smooth flow is beyond the set by O(Δt): θ = 1 there when steps are short, and 1 − θ = O(Δt) before, which keeps the
-/// order. In a front the excess is a part of the strength on every grid, and the flow of the first half of a step tells
-/// little about the second. Both numbers by measurement of fronts (BENCHMARKS.md): they change little from 2 to 10 and
-/// from 0 to 0.02.
-fn reflected_share(excess: f64) -> f64 {
-    const SMOOTH: f64 = 0.01;
-    const DAMPING: f64 = 5.0;
-    1.0 / (1.0 + DAMPING * (excess - SMOOTH).max(0.0))
-}
-
-/// The greatest s in [0, 1] with f(s) ≤ 0 for a convex f; 0 where f(0) > 0. Regula falsi with the rule of Illinois: of
-/// the last bracket the end where f ≤ 0 is taken.
-fn share_within(value: impl Fn(f64) -> f64) -> f64 {
-    const MOST_STEPS: usize = 40;
-    let [mut within, mut beyond] = [0.0, 1.0];
-    let [mut at_within, mut at_beyond] = [value(within), value(beyond)];
-    if at_within >= 0.0 || at_beyond.is_nan() {
-        return 0.0;
-    }
-    if at_beyond <= 0.0 {
-        return 1.0;
-    }
-    let mut last_was_within = None;
-    for _ in 0..MOST_STEPS {
-        let share = (within * at_beyond - beyond * at_within) / (at_beyond - at_within);
-        if share <= within || share >= beyond {
-            break;
-        }
-        let at_share = value(share);
-        let is_within = at_share <= 0.0;
-        let is_again = last_was_within == Some(is_within);
-        if is_within {
-            (within, at_within) = (share, at_share);
-            at_beyond *= if is_again { 0.5 } else { 1.0 };
-        } else {
-            (beyond, at_beyond) = (share, at_share);
-            at_within *= if is_again { 0.5 } else { 1.0 };
-        }
-        if at_share == 0.0 || beyond - within < 1e-15 {
-            break;
-        }
-        last_was_within = Some(is_within);
-    }
-    within
 }
 
 /// a + factor·b.
@@ -536,53 +358,5 @@ impl<T: Real, const D: usize> Work<T> for Energies<'_, T, D> {
             let [kinetic, stored] = sums.map(|lanes| volume * lanes.iter().sum::<f64>());
             *energy = Energy { kinetic, stored };
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{excess, reflected_share, share_within};
-    use models::cosserat::stress::Stress;
-    use models::plasticity::parameters::{Interlayer, Mises, YieldSet};
-
-    #[test]
-    fn shares_end_within_the_set() {
-        assert_eq!(share_within(|s| s - 2.0), 1.0);
-        assert_eq!(share_within(|s| s + 0.1), 0.0);
-        assert_eq!(share_within(|_| f64::NAN), 0.0);
-        for root in [1e-12, 1e-3, 0.5, 0.9, 1.0 - 1e-9] {
-            let convex: [&dyn Fn(f64) -> f64; 4] = [
-                &|s| s - root,
-                &|s| s * s - root * root,
-                &|s| (4.0 * s).exp() - (4.0 * root).exp(),
-                &|s| (s - root).max(10.0 * (s - root)),
-            ];
-            for value in convex {
-                let share = share_within(value);
-                assert!(value(share) <= 0.0 && (share - root).abs() < 1e-9, "{share} {root}");
-            }
-        }
-    }
-
-    #[test]
-    fn excess_is_a_part_of_the_strength() {
-        let mut stresses = [Stress::default(); 2];
-        for (stress, shear) in stresses.iter_mut().zip([1.3, 1.0]) {
-            (stress.force[0][1], stress.force[1][0]) = (shear, shear);
-            (0..3).for_each(|i| stress.force[i][i] = -2.0);
-        }
-        let [trial, corrected] = stresses;
-        let layers = Interlayer {
-            shear_strength: 0.2,
-            shear_friction: 0.4,
-            shear_dilatancy: 0.4,
-            couple: None,
-        };
-        for set in [YieldSet::Mises(Mises::von_mises(1.0)), YieldSet::Interlayer(layers)] {
-            let found = excess(&set, &trial, &corrected);
-            assert!((found - 0.3).abs() < 1e-14, "{set:?} {found}");
-        }
-        assert_eq!(reflected_share(0.01), 1.0);
-        assert!((reflected_share(0.21) - 0.5).abs() < 1e-15);
     }
 }

@@ -1,9 +1,8 @@
 //! The correction of stresses beyond their yield set, many at once: Mises' set in all its forms, and what
 //! it costs. Its terms are those of [`Mises::project`](models::plasticity::parameters::Mises::project),
 //! where they are derived; what is rare, the apex and the half-line before it, is left to that. Of the other
-//! sets all conditions are looked at together, and what is beyond one is corrected alone. So is what is beyond its set
-//! where there is a reflection instead of the projection, and everything where there is an initial stress or sets of both
-//! kinds.
+//! sets all conditions are looked at together, and what is beyond one is corrected alone. So is everything
+//! where there is an initial stress, a reflection instead of the projection, or sets of both kinds.
 //!
 //! A stress just on the surface may move by rounding if one in another lane of its group yields.
 
@@ -256,8 +255,6 @@ pub(super) struct Correct<'a, T: Real> {
     pub(super) dissipated: &'a mut [f64],
     /// Its sum over these groups, J/m³: of each lane first.
     pub(super) sum: &'a mut f64,
-    /// Whether nothing is corrected: all groups with stresses beyond their sets are left.
-    pub(super) looks: bool,
     /// Groups that have stresses which are left.
     pub(super) left: &'a mut Vec<usize>,
 }
@@ -295,7 +292,7 @@ impl<T: Real> Correct<'_, T> {
             }
             let own = &strengths.by_pattern[pattern as usize];
             let mut lost = T::Lanes::ZERO;
-            match correct::<T, V, DEVIATOR>(group, own, strengths, self.looks, &mut lost) {
+            match correct::<T, V, DEVIATOR>(group, own, strengths, &mut lost) {
                 Done::Nothing => {}
                 Done::All => {
                     let dissipated = &mut self.dissipated[index * lanes..][..lanes];
@@ -393,7 +390,6 @@ fn correct<T: Real, V: Vector<T>, const DEVIATOR: bool>(
     group: &mut [T::Lanes],
     own: &Strength<T::Lanes>,
     strengths: &Strengths<T>,
-    looks: bool,
     lost: &mut T::Lanes,
 ) -> Done {
     let Strengths { force, couple, seen, .. } = strengths;
@@ -422,7 +418,7 @@ fn correct<T: Real, V: Vector<T>, const DEVIATOR: bool>(
         return Done::Nothing;
     }
     // Where the mean alone is beyond.
-    if is_apart || looks {
+    if is_apart {
         return Done::NotAll;
     }
     let (shares, multiplier, parts_lost) = if DEVIATOR {
