@@ -6,16 +6,16 @@ use reference::PROBLEMS;
 use reference::run::Settings;
 use std::path::Path;
 
-/// Greatest L2 error of a component up to three wavelengths away, by problem: bounds on gross faults. `benches/accuracy.rs`
+/// Greatest L2 error of a component up to three wavelengths away, by problem: a tenth above today's errors. `benches/accuracy.rs`
 /// prints all errors on three grids, and those in space.
 const BOUNDS: [(&str, f64); 7] = [
-    ("lamb-vertical", 0.30),
-    ("lamb-horizontal", 0.30),
-    ("garvin", 0.20),
-    ("inside-force", 0.20),
-    ("inside-explosion", 0.10),
-    ("oblique-p", 0.15),
-    ("oblique-s", 0.30),
+    ("lamb-vertical", 0.22),
+    ("lamb-horizontal", 0.22),
+    ("garvin", 0.13),
+    ("inside-force", 0.13),
+    ("inside-explosion", 0.07),
+    ("oblique-p", 0.13),
+    ("oblique-s", 0.23),
 ];
 
 /// Runs a problem and compares all its components.

@@ -482,13 +482,13 @@ impl<T: Real> Lines<'_, T> {
     }
 }
 
-/// The medium of the group at hand, and those of the groups behind and next.
+/// Materials of the stencil: the current group, the previous and the next one along the line.
 #[derive(Clone, Copy)]
 enum Media<'a, V, const FOLLOWERS: usize> {
     /// One medium, and the ratios of followers.
     Same(&'a Cell<V>, &'a [V; FOLLOWERS]),
-    /// That of the group behind, the one at hand and the next one, not all the same; the pattern of the group behind,
-    /// and the wave: ratios are looked up when they are wanted, as registers are few.
+    /// Constants of the previous, the current and the next group, which are not all the same material. Coupling ratios are
+    /// loaded on demand from the pattern of the previous group and the wave, to save registers.
     Other([&'a Cell<V>; 3], u32, &'a Wave),
 }
 

@@ -189,7 +189,7 @@ fn never_grows<T: Real, const D: usize>(
             );
             assert!(now <= most, "{words}: {now:e} of {most:e} in step {step}");
             before = now;
-            // What is left is rounded to whole least numbers.
+            // Below this the energy is subnormal and its rounding error exceeds the bound.
             if now < f64::MIN_POSITIVE / growth {
                 break;
             }

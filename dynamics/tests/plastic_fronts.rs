@@ -236,7 +236,7 @@ fn errors_of_both_corrections() {
             assert!(placement == Placement::Middle || order > 0.3, "{}: {all:?}", case.name);
             all
         });
-        // In fronts the reflection spreads less; behind them it leaves what it went beyond the set.
+        // The midpoint reflection smears fronts less, but leaves residual stress behind them.
         assert!(tables[1][3][0] < tables[0][3][0], "{}: {tables:?}", case.name);
         assert!(tables[0][3][1] < 0.03, "{}: {tables:?}", case.name);
     }
