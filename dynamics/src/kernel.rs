@@ -6,7 +6,7 @@
 //! neighbours are in the next lane, moved copies stand as ghosts. Every cell sees what the plain sweep does, in
 //! the same order: the bits are the same.
 
-use crate::line::{Cell, GHOSTS, Joint, Pieces, Slopes, State, Waves, updated};
+use crate::line::{Cell, GHOSTS, Joint, Slopes, State, Waves, updated};
 use crate::real::{Number, Real, Vector, Work};
 use crate::row::Rows;
 use std::ops::Range;
@@ -128,8 +128,8 @@ fn prefetch<N>(from: &[N], distance: usize, soon: bool) {
 /// What a walk along a line carries from a group to the next, by wave.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Carried<N> {
-    /// What leaves the group behind towards the one at hand.
-    to_right: N,
+    /// What the next face wants to know of the groups behind; see [`Slopes::reach`].
+    known: Waves<N>,
     /// The joint in front of the group behind, as that sees it.
     joint: Joint<N>,
 }
@@ -137,7 +137,7 @@ pub(crate) struct Carried<N> {
 impl<V: Number> Carried<V> {
     /// Nothing.
     pub(crate) fn empty() -> Self {
-        Self { to_right: V::ZERO, joint: Joint::between_like([V::ZERO, V::ZERO]) }
+        Self { known: Waves::ZERO, joint: Joint::between_like([V::ZERO, V::ZERO]) }
     }
 
     #[inline(always)]
@@ -145,7 +145,7 @@ impl<V: Number> Carried<V> {
     where
         V: Vector<T>,
     {
-        Self { to_right: V::load(&from.to_right), joint: Joint::load(&from.joint) }
+        Self { known: Waves::load(&from.known), joint: Joint::load(&from.joint) }
     }
 
     #[inline(always)]
@@ -153,7 +153,7 @@ impl<V: Number> Carried<V> {
     where
         V: Vector<T>,
     {
-        self.to_right.store(&mut to.to_right);
+        self.known.store(&mut to.known);
         self.joint.store(&mut to.joint);
     }
 }
@@ -195,6 +195,8 @@ pub(crate) struct Lines<'a, T: Real> {
     /// the other, while the one before is written and the one after is read. Those of the other lines follow
     /// each of them.
     pub(crate) way: &'a [Stop],
+    /// The group of the first line in front of those, or the first of them where there is none.
+    pub(crate) in_front: Stop,
     /// From a line to the next.
     pub(crate) across: Stop,
     /// Whether the way begins with the ghosts in front, where nothing is carried yet. They are written like all
@@ -228,7 +230,9 @@ impl<T: Real, const MIXED: bool> Work<T> for Advance<'_, '_, T, MIXED> {
         match all.slopes {
             Slopes::Godunov => all.advance_lines::<V, MIXED>(lines, pattern, Slopes::Godunov),
             Slopes::Limited => all.advance_lines::<V, MIXED>(lines, pattern, Slopes::Limited),
-            Slopes::Unlimited => all.advance_lines::<V, MIXED>(lines, pattern, Slopes::Unlimited),
+            Slopes::FourthOrder => {
+                all.advance_lines::<V, MIXED>(lines, pattern, Slopes::FourthOrder);
+            }
         }
     }
 }
@@ -264,6 +268,9 @@ impl<T: Real> Lines<'_, T> {
         let offset = line * self.across.group;
         let pattern = |place: usize| self.patterns[self.way[place].group + offset];
         let own = pattern(0);
+        if self.patterns[self.in_front.group + offset] != own {
+            return None;
+        }
         // Those at the end may be ghosts, of which `alike` knows nothing.
         if (1..=GHOSTS).any(|behind| pattern(self.way.len() - behind) != own) {
             return None;
@@ -368,7 +375,9 @@ impl<T: Real> Lines<'_, T> {
                 prefetch(group, self.next + places.velocity, true);
                 prefetch(group, self.next + places.stress, true);
             }
+            let mut farther = pattern;
             if MIXED {
+                farther = patterns[self.in_front.group + offset.group];
                 pattern = patterns[way[0].group + offset.group];
                 cell = Cell::load(self.table.cell(pattern, wave));
             }
@@ -384,7 +393,8 @@ impl<T: Real> Lines<'_, T> {
                 let ratios: [V; FOLLOWERS] = self.ratios(pattern, wave);
                 while place < steps
                     && (!MIXED
-                        || (patterns[way[place + 1].group + offset.group] == pattern
+                        || (farther == pattern
+                            && patterns[way[place + 1].group + offset.group] == pattern
                             && patterns[way[place + 2].group + offset.group] == pattern))
                 {
                     let stops = [way[place].data + offset.data, way[place + 2].data + offset.data];
@@ -397,12 +407,15 @@ impl<T: Real> Lines<'_, T> {
                     break;
                 }
                 let stops = [way[place].data + offset.data, way[place + 2].data + offset.data];
+                let first: Cell<V> = Cell::load(self.table.cell(farther, wave));
                 let (cell_behind, pattern_behind) = (cell, pattern);
+                farther = pattern;
                 pattern = patterns[way[place + 1].group + offset.group];
                 cell = Cell::load(self.table.cell(pattern, wave));
                 let next = patterns[way[place + 2].group + offset.group];
                 let next: Cell<V> = Cell::load(self.table.cell(next, wave));
-                let media = Media::Other([&cell_behind, &cell, &next], pattern_behind, wave);
+                let media =
+                    Media::Other([&first, &cell_behind, &cell, &next], pattern_behind, wave);
                 self.step(&places, &mut sight, stops, media, slopes);
                 place += 1;
             }
@@ -440,20 +453,22 @@ impl<T: Real> Lines<'_, T> {
         let next: State<V> = self.read(places, next);
         let [cell_behind, cell] = match media {
             Media::Same(cell, _) => [cell; 2],
-            Media::Other([behind, cell, _], ..) => [behind, cell],
+            Media::Other([_, behind, cell, _], ..) => [behind, cell],
         };
         let waves = Waves::of(next, cell);
         let after = sight.own.to(waves);
-        let pieces = match media {
-            Media::Same(..) => Pieces::new(sight.own, [sight.before, after], cell, slopes),
-            Media::Other(cells, ..) => Pieces::of([sight.last, sight.here, next], cells, slopes),
+        let Sight { carried, last, here, own, before } = *sight;
+        let (reach, known) = match media {
+            Media::Same(..) => slopes.reach(carried.known, last, own, [before, after], cell),
+            Media::Other(cells, ..) => {
+                slopes.reach_between_media(carried.known, [last, here, next], cells)
+            }
         };
-        let reach = [sight.carried.to_right, pieces.to_left()];
         let [joint, beyond] = match media {
             Media::Same(..) => [Joint::between_like(reach); 2],
             Media::Other(..) => Joint::between([cell_behind.impedance, cell.impedance], reach),
         };
-        let moved = updated(sight.last, [sight.carried.joint, joint], cell_behind);
+        let moved = updated(last, [carried.joint, joint], cell_behind);
         let group = &mut self.data[behind..][..extent];
         for place in followers {
             prefetch(group, self.next + place, true);
@@ -461,7 +476,7 @@ impl<T: Real> Lines<'_, T> {
         moved.velocity.store(&mut group[velocity]);
         moved.stress.store(&mut group[stress]);
         if FOLLOWERS > 0 {
-            let change = moved.stress - sight.last.stress;
+            let change = moved.stress - last.stress;
             for (follower, place) in followers.into_iter().enumerate() {
                 let ratio = match media {
                     Media::Same(_, ratios) => ratios[follower],
@@ -472,12 +487,10 @@ impl<T: Real> Lines<'_, T> {
                 (V::load(&group[place]) + ratio * change).store(&mut group[place]);
             }
         }
-        let carried = Carried { to_right: pieces.to_right(), joint: beyond };
+        let carried = Carried { known, joint: beyond };
         *sight = match media {
-            Media::Same(..) => {
-                Sight { carried, last: sight.here, here: next, own: waves, before: after }
-            }
-            Media::Other(..) => Sight::of([sight.here, next], cell, carried),
+            Media::Same(..) => Sight { carried, last: here, here: next, own: waves, before: after },
+            Media::Other(..) => Sight::of([here, next], cell, carried),
         };
     }
 }
@@ -487,9 +500,9 @@ impl<T: Real> Lines<'_, T> {
 enum Media<'a, V, const FOLLOWERS: usize> {
     /// One medium, and the ratios of followers.
     Same(&'a Cell<V>, &'a [V; FOLLOWERS]),
-    /// Constants of the previous, the current and the next group, which are not all the same material. Coupling ratios are
+    /// Constants of the two previous groups, the current and the next one, which are not all the same material. Coupling ratios are
     /// loaded on demand from the pattern of the previous group and the wave, to save registers.
-    Other([&'a Cell<V>; 3], u32, &'a Wave),
+    Other([&'a Cell<V>; 4], u32, &'a Wave),
 }
 
 /// Places of a wave's fields behind those of a group.

@@ -1,8 +1,5 @@
 //! The energy there is, and what steps did to it.
 
-#[cfg(doc)]
-use crate::line::Account;
-
 /// What steps do to the energy, J (in plane strain of a slice of unit thickness).
 ///
 /// Energy after − energy before = inflow + sources + released − plastic − numerical: none is what the
@@ -17,34 +14,27 @@ pub struct Ledger {
     pub released: f64,
     /// Plastic dissipation.
     pub plastic: f64,
-    /// Variance that reconstruction adds; see [`Account`]. Zero where the ledger is light.
-    pub gained: f64,
-    /// Variance that averaging takes; see [`Account`]. Zero where the ledger is light.
-    pub lost: f64,
+    /// What the scheme itself dissipates; see [`Account`](crate::line::Account). Zero where the ledger is light.
+    pub numerical: f64,
     /// The least plastic dissipation of a cell in a step, over the energy stored there, where it is negative:
     /// by rounding alone.
     pub least_plastic: f64,
 }
 
 impl Ledger {
-    /// Energy that the scheme itself dissipates.
-    pub fn numerical(&self) -> f64 {
-        self.lost - self.gained
-    }
-
     /// What all terms together do to the energy.
     pub fn change(&self) -> f64 {
-        self.inflow + self.sources + self.released - self.plastic - self.numerical()
+        self.inflow + self.sources + self.released - self.plastic - self.numerical
     }
 
-    fn numbers(self) -> [f64; 7] {
-        let Self { inflow, sources, released, plastic, gained, lost, least_plastic } = self;
-        [inflow, sources, released, plastic, gained, lost, least_plastic]
+    fn numbers(self) -> [f64; 6] {
+        let Self { inflow, sources, released, plastic, numerical, least_plastic } = self;
+        [inflow, sources, released, plastic, numerical, least_plastic]
     }
 
-    fn from_numbers(numbers: [f64; 7]) -> Self {
-        let [inflow, sources, released, plastic, gained, lost, least_plastic] = numbers;
-        Self { inflow, sources, released, plastic, gained, lost, least_plastic }
+    fn from_numbers(numbers: [f64; 6]) -> Self {
+        let [inflow, sources, released, plastic, numerical, least_plastic] = numbers;
+        Self { inflow, sources, released, plastic, numerical, least_plastic }
     }
 
     /// Each term of both.
@@ -54,8 +44,7 @@ impl Ledger {
             sources: term(self.sources, other.sources),
             released: term(self.released, other.released),
             plastic: term(self.plastic, other.plastic),
-            gained: term(self.gained, other.gained),
-            lost: term(self.lost, other.lost),
+            numerical: term(self.numerical, other.numerical),
             least_plastic: self.least_plastic.min(other.least_plastic),
         }
     }
@@ -71,15 +60,15 @@ pub(crate) struct Total {
 
 impl Total {
     /// As numbers.
-    pub(crate) fn numbers(&self) -> [f64; 14] {
+    pub(crate) fn numbers(&self) -> [f64; 12] {
         let [sum, rest] = [self.sum, self.rest].map(Ledger::numbers);
-        std::array::from_fn(|i| if i < 7 { sum[i] } else { rest[i - 7] })
+        std::array::from_fn(|i| if i < 6 { sum[i] } else { rest[i - 6] })
     }
 
     /// From the same numbers.
-    pub(crate) fn from_numbers(numbers: [f64; 14]) -> Self {
+    pub(crate) fn from_numbers(numbers: [f64; 12]) -> Self {
         let of = |first: usize| Ledger::from_numbers(std::array::from_fn(|i| numbers[first + i]));
-        Self { sum: of(0), rest: of(7) }
+        Self { sum: of(0), rest: of(6) }
     }
 
     pub(crate) fn add(&mut self, step: Ledger) {

@@ -13,6 +13,8 @@
 #![deny(missing_docs)]
 
 pub mod boundary;
+#[cfg(test)]
+mod contraction;
 pub mod domain;
 pub mod flow;
 pub mod kernel;

@@ -29,6 +29,9 @@ pub trait Number:
     /// The least normal number.
     const LEAST: Self;
 
+    /// The nearest number to a constant.
+    fn constant(value: f64) -> Self;
+
     /// The greater of two numbers.
     fn greatest(self, other: Self) -> Self;
 
@@ -147,6 +150,11 @@ impl<T: Number, const COUNT: usize> Number for Lanes<T, COUNT> {
     const THIRD: Self = Self([T::THIRD; COUNT]);
     const QUARTER: Self = Self([T::QUARTER; COUNT]);
     const LEAST: Self = Self([T::LEAST; COUNT]);
+
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        Self([T::constant(value); COUNT])
+    }
 
     #[inline(always)]
     fn greatest(mut self, other: Self) -> Self {

@@ -3,7 +3,7 @@
 use crate::kernel::{Table, Wave};
 use crate::line::{Cell, GHOSTS, State};
 use crate::real::{Group, Number, Real, Vector};
-use crate::side::{Side, Slot, ghosts, image};
+use crate::side::{BESIDE, Closure, Side, Slot, ghosts, image};
 use std::ops::Range;
 
 /// Where the ends of a row stand in it.
@@ -12,9 +12,11 @@ pub(crate) struct RowEnds<T: Real> {
     /// Groups of a row.
     groups: usize,
     /// What ghosts see of both ends, the outermost first; rows shorter than the ghosts repeat themselves.
-    inside: [[Slot; GHOSTS]; 2],
+    inside: [[Slot; BESIDE]; 2],
     /// Whether a row is a single cell.
     is_single: bool,
+    /// Whether a row has fewer cells than the ghosts beside a side depend on.
+    is_short: bool,
     /// Where ghosts stand behind the last cell.
     behind: [Slot; GHOSTS],
     /// Of each of the first groups the lanes where those stand, by bits.
@@ -38,6 +40,7 @@ impl<T: Real> RowEnds<T> {
                 std::array::from_fn(|depth| slot(length - 1 - depth % length)),
             ],
             is_single: length < GHOSTS,
+            is_short: length < BESIDE,
             behind,
             in_first: std::array::from_fn(|first| {
                 behind.map(|(group, lane)| if group == first { 1 << lane } else { 0 })
@@ -93,8 +96,8 @@ impl<T: Real> Rows<'_, T> {
             Side::Mirror(_) => [first, last],
             Side::Periodic | Side::Cut => [last, first],
         };
-        if !self.ends.is_single && (self.is_one_sided(0) || self.is_one_sided(1)) {
-            return self.fill_one_sided::<V>(data, wave, pair, rows);
+        if let (false, Some(closure)) = (self.ends.is_short, self.closure()) {
+            return self.fill_one_sided::<V>(closure, data, wave, pair, rows);
         }
         for row in rows {
             let (group, lane) =
@@ -125,6 +128,7 @@ impl<T: Real> Rows<'_, T> {
     #[inline(always)]
     fn fill_one_sided<V: Vector<T>>(
         &self,
+        closure: Closure,
         data: &mut [T::Lanes],
         wave: &Wave,
         pair: usize,
@@ -134,8 +138,8 @@ impl<T: Real> Rows<'_, T> {
         while start < rows.end {
             let end = rows.end.min(start + T::Lanes::COUNT);
             let [front, back] = [
-                self.one_sided::<V>(data, wave, pair, start..end, 0),
-                self.one_sided::<V>(data, wave, pair, start..end, 1),
+                self.one_sided::<V>(closure, data, wave, pair, (start..end, 0)),
+                self.one_sided::<V>(closure, data, wave, pair, (start..end, 1)),
             ];
             for row in start..end {
                 let lane = row - start;
@@ -159,16 +163,16 @@ impl<T: Real> Rows<'_, T> {
     #[inline(always)]
     fn one_sided<V: Vector<T>>(
         &self,
+        closure: Closure,
         data: &[T::Lanes],
         wave: &Wave,
         pair: usize,
-        rows: Range<usize>,
-        end: usize,
+        (rows, end): (Range<usize>, usize),
     ) -> [[T::Lanes; GHOSTS]; 2] {
         let inside = self.ends.inside[end];
         let mut mirror = [T::Lanes::ZERO; 5];
-        let mut velocity = [T::Lanes::ZERO; GHOSTS];
-        let mut stress = [T::Lanes::ZERO; GHOSTS];
+        let mut velocity = [T::Lanes::ZERO; BESIDE];
+        let mut stress = [T::Lanes::ZERO; BESIDE];
         // Those of the last row where there is none.
         let mut cells = inside.map(|slot| *self.cell(rows.start, slot, wave));
         for row in rows.clone() {
@@ -193,10 +197,12 @@ impl<T: Real> Rows<'_, T> {
                 }
             }
         }
-        let outermost = [
+        let beside = [
             State { velocity: V::load(&velocity[0]), stress: V::load(&stress[0]) },
             State { velocity: V::load(&velocity[1]), stress: V::load(&stress[1]) },
+            State { velocity: V::load(&velocity[2]), stress: V::load(&stress[2]) },
         ];
+        let cells = [&Cell::load(&cells[0]), &Cell::load(&cells[1]), &Cell::load(&cells[2])];
         let mirror = [
             V::load(&mirror[0]),
             V::load(&mirror[1]),
@@ -204,17 +210,21 @@ impl<T: Real> Rows<'_, T> {
             V::load(&mirror[3]),
             V::load(&mirror[4]),
         ];
-        let [one, two] =
-            ghosts(outermost, mirror, end, [&Cell::load(&cells[0]), &Cell::load(&cells[1])]);
-        one.velocity.store(&mut velocity[0]);
-        two.velocity.store(&mut velocity[1]);
-        one.stress.store(&mut stress[0]);
-        two.stress.store(&mut stress[1]);
-        [velocity, stress]
+        let [one, two] = ghosts(closure, beside, mirror, end, cells);
+        let mut made = [[T::Lanes::ZERO; GHOSTS]; 2];
+        one.velocity.store(&mut made[0][0]);
+        two.velocity.store(&mut made[0][1]);
+        one.stress.store(&mut made[1][0]);
+        two.stress.store(&mut made[1][1]);
+        made
     }
 
-    fn is_one_sided(&self, end: usize) -> bool {
-        matches!(&self.sides[end], Side::Mirror(mirror) if mirror.is_one_sided)
+    /// How waves are reconstructed beside the ends, if not by images at both of them.
+    fn closure(&self) -> Option<Closure> {
+        let mirrors = || self.sides.iter().filter_map(Side::mirror);
+        let closure = mirrors().find(|mirror| mirror.is_one_sided)?.closure();
+        let is_open = mirrors().any(|mirror| mirror.closure().is_open);
+        Some(Closure { is_open, ..closure })
     }
 
     /// The constants of the group of a row where a cell is.

@@ -3,8 +3,8 @@
 //! Across a plane of symmetry they are mirror images, which is exact. Elsewhere the normal derivative of the velocity
 //! on a free side, or of the stress on a fixed one, is not zero, and an image would have a kink there that makes the
 //! limiter flatten the wave that arrives: the error of the face state would be of first order. Here that wave is
-//! reconstructed from its own side ([`ghosts`]), the condition gives the wave that leaves, and both are put into
-//! ghosts from which the sweeps make just these face states.
+//! reconstructed from its own side, the condition gives the wave that leaves, and both are put into ghosts from which the
+//! sweeps make just these face states: [`limited`] and [`fourth_order`].
 
 use crate::boundary::{Boundary, Condition, Load, Signal};
 use crate::line::{Cell, GHOSTS, Slopes, State, Waves};
@@ -54,8 +54,18 @@ pub(crate) struct Mirror<T: Real> {
     loads: Vec<SideLoad>,
     /// Whether any wave is reconstructed from its own side.
     pub(crate) is_one_sided: bool,
+    /// How.
+    closure: Closure,
     /// Whether work may be done here.
     pub(crate) works: bool,
+}
+
+/// How waves are reconstructed beside a side.
+#[derive(Clone, Copy)]
+pub(crate) struct Closure {
+    pub(crate) slopes: Slopes,
+    /// Whether any face is open.
+    pub(crate) is_open: bool,
 }
 
 #[derive(Clone)]
@@ -99,23 +109,26 @@ impl<T: Real> Mirror<T> {
         if let Some(entries) = alike {
             let works = entries.iter().any(|own| own[0] == 0.0);
             let is_one_sided = entries.iter().any(|own| own[4] != 0.0);
+            let closure = Closure { slopes, is_open: works };
             let lanes = |own: [f64; 5]| own.map(|value| T::Lanes::all(T::of(value)));
             let by_face = entries.into_iter().map(lanes).collect();
-            return Self { by_face, groups: 1, loads: Vec::new(), is_one_sided, works };
+            return Self { by_face, groups: 1, loads: Vec::new(), is_one_sided, closure, works };
         }
         let mut by_face = vec![[T::Lanes::ZERO; 5]; pairs * groups];
-        let (mut works, mut is_one_sided) = (false, false);
+        let (mut works, mut is_one_sided, mut is_open) = (false, false, false);
         for pair in 0..pairs {
             for &(face, (group, lane)) in faces {
                 let entry = entry(boundary.condition(pair, face));
                 works |= entry[0] == 0.0 || entry[1] != 0.0 || entry[3] != 0.0;
                 is_one_sided |= entry[4] != 0.0;
+                is_open |= entry[0] == 0.0;
                 for (lanes, value) in by_face[pair * groups + group].iter_mut().zip(entry) {
                     lanes.lanes_mut()[lane] = T::of(value);
                 }
             }
         }
-        Self { by_face, groups, loads: Vec::new(), is_one_sided, works }
+        let closure = Closure { slopes, is_open };
+        Self { by_face, groups, loads: Vec::new(), is_one_sided, closure, works }
     }
 
     /// Adds a load; on faces of open sides there is nothing to be given.
@@ -162,6 +175,11 @@ impl<T: Real> Mirror<T> {
         self.works && (sign == T::ZERO || velocity != T::ZERO || stress != T::ZERO)
     }
 
+    /// How waves are reconstructed beside it.
+    pub(crate) fn closure(&self) -> Closure {
+        self.closure
+    }
+
     /// Sign of v, shift of v, sign of s, shift of s, and whether the arriving wave is reconstructed from its own side.
     #[inline(always)]
     pub(crate) fn face(&self, pair: usize, group: usize) -> &[T::Lanes; 5] {
@@ -175,8 +193,186 @@ pub(crate) fn image<N: Number>([sign, shift]: [N; 2], own: N) -> N {
     sign * own + shift
 }
 
-/// The ghosts beyond an end (0 towards smaller coordinates, 1 towards greater ones), the nearest first, from the two
+/// Cells beside a side that its ghosts depend on.
+pub(crate) const BESIDE: usize = 3;
+
+/// The ghosts beyond an end (0 towards smaller coordinates, 1 towards greater ones), the nearest first, from the
 /// outermost cells, their constants and what [`Mirror::face`] gives.
+#[inline(always)]
+pub(crate) fn ghosts<N: Number>(
+    closure: Closure,
+    beside: [State<N>; BESIDE],
+    mirror: [N; 5],
+    end: usize,
+    cells: [&Cell<N>; BESIDE],
+) -> [State<N>; GHOSTS] {
+    let [sign_v, shift_v, sign_s, shift_s, _] = mirror;
+    let image_of = |own: State<N>| State {
+        velocity: image([sign_v, shift_v], own.velocity),
+        stress: image([sign_s, shift_s], own.stress),
+    };
+    let images = [image_of(beside[0]), image_of(beside[1])];
+    match closure.slopes {
+        Slopes::Godunov => images,
+        Slopes::Limited => {
+            limited([beside[0], beside[1]], images, mirror, end, [cells[0], cells[1]])
+        }
+        Slopes::FourthOrder => fourth_order(closure.is_open, beside, images, mirror, end, cells),
+    }
+}
+
+/// The wave that arrives at an end and the one that leaves it.
+#[inline(always)]
+fn by_way<N: Number>(end: usize, state: State<N>, cell: &Cell<N>) -> [N; 2] {
+    let Waves { right, left } = Waves::of(state, cell);
+    if end == 0 { [left, right] } else { [right, left] }
+}
+
+/// Beside a free or fixed side the corrections of three fluxes, over 1 − C, by powers of C, of the differences between
+/// the arriving wave in the two outermost cells and in their images, from inside to outside.
+const REFLECTING: [[[f64; 3]; 4]; 3] = [
+    [
+        [-0.01799, -0.08238, 0.06408],
+        [-0.01172, -0.40421, 0.471],
+        [-1.33967, 2.33621, -1.61453],
+        [1.02849, -1.29341, 1.11262],
+    ],
+    [
+        [0.14181, -0.0494, -0.11275],
+        [0.06945, 0.25891, -0.09309],
+        [1.5953, -3.05567, 1.26389],
+        [-1.98838, 3.05873, -1.07016],
+    ],
+    [
+        [-0.07053, 0.12333, -0.00233],
+        [0.35371, -0.94098, -0.18475],
+        [-3.34806, 6.1725, -0.56495],
+        [4.25052, -7.15159, 0.6911],
+    ],
+];
+
+/// Beside an open side what leads over 1 − C, by powers of C: of the arriving wave at the face between the two
+/// outermost cells and at the side, of the leaving one between those cells, of the differences between the three
+/// outermost cells in the direction of the wave.
+const OPEN: [[[f64; 2]; 3]; 3] = [
+    [[1.0 / 12.0, 0.33211 + 1.0 / 12.0], [0.25089, -0.24095], [-0.0514, 0.02737]],
+    [[0.0, 0.40692], [-0.25572, 0.25506], [0.24459, -0.22165]],
+    [[0.5, -1.0 / 12.0], [0.12798, -0.15611], [-0.02068, 0.03919]],
+];
+
+/// A linear form of differences whose coefficients are polynomials of C.
+#[inline(always)]
+fn form<N: Number, const POWERS: usize, const COUNT: usize>(
+    coefficients: &[[f64; COUNT]; POWERS],
+    differences: [N; COUNT],
+    courant: N,
+) -> N {
+    let mut sum = N::ZERO;
+    for power in coefficients.iter().rev() {
+        sum = sum * courant;
+        for (coefficient, difference) in power.iter().zip(differences) {
+            sum = sum + N::constant(*coefficient) * difference;
+        }
+    }
+    sum
+}
+
+/// The ghosts of [`Slopes::FourthOrder`]: a linear closure that lets no energy grow.
+///
+/// Beside a free or fixed side the arriving wave goes on as the leaving one, unfolded W = (O₁, O₀ | I₀′, I₁′) with the
+/// arriving wave O in the two outermost cells and in their images. These alone conserve as the interior does, but ∂W
+/// has a kink at the side, and the errors beside it are of first order. No closure that is exact on straight waves
+/// keeps the energy: with slopes a before the side and b after it a sweep would change the energy by
+/// C(1 − C²)/12 (a² − b²). [`REFLECTING`] is the correction of the fluxes at the side and at the faces next to it,
+/// there of the arriving wave as well as of the leaving one, that makes the leading error of a straight wave least while
+/// the sweep stays a contraction (singular values of all lines: `no_line_gains_energy`). At an open side nothing comes
+/// in, and the wave that goes out is reconstructed from its own side: [`OPEN`]. Where the three outermost cells are
+/// not of one medium the ghosts are images; an open side's repeat the outermost arriving wave.
+#[inline(always)]
+fn fourth_order<N: Number>(
+    is_open: bool,
+    beside: [State<N>; BESIDE],
+    images: [State<N>; GHOSTS],
+    [sign_v, _, sign_s, _, one_sided]: [N; 5],
+    end: usize,
+    cells: [&Cell<N>; BESIDE],
+) -> [State<N>; GHOSTS] {
+    let cell = cells[0];
+    let two_alike = N::ONE - cell.contrast(cells[1]);
+    let of_one = two_alike * (N::ONE - cells[1].contrast(cells[2]));
+    let staying = cell.staying();
+    let courant = N::ONE - staying;
+    // At Courant number 1 waves move by a cell, and nothing is to be corrected.
+    let moving = (staying - N::constant(1e-6)).greatest(N::ZERO);
+    let corrected = one_sided * of_one * (moving * (N::ONE / N::LEAST)).least(N::ONE);
+    let per_staying = N::ONE / staying.greatest(N::constant(1e-6));
+    let reflection = N::HALF * (sign_s - sign_v);
+    // Weights of the fourth order over 1 − C.
+    let twelfth = N::constant(1.0 / 12.0);
+    let upwind = N::HALF * twelfth * (N::ONE + courant) * (N::ONE + N::ONE + courant);
+    let central = N::HALF - twelfth * courant * (N::ONE + courant);
+    let downwind = -(N::HALF * twelfth * (N::ONE + courant) * (N::ONE + N::ONE - courant));
+    let (per_upwind, per_downwind) = (N::ONE / upwind, N::ONE / downwind);
+
+    let [out, own_in] = by_way(end, beside[0], cell);
+    let [out_behind, in_behind] = by_way(end, beside[1], cell);
+    let [image_out, image_in] = by_way(end, images[0], cell);
+    let [image_out_behind, image_in_behind] = by_way(end, images[1], cell);
+
+    let unfolded = [out - out_behind, image_out - out, image_out_behind - image_out];
+    let [inside, at_side, outside] = [
+        form(&REFLECTING[0], unfolded, courant),
+        form(&REFLECTING[1], unfolded, courant),
+        form(&REFLECTING[2], unfolded, courant),
+    ];
+    // The arriving wave sees ghosts downwind, the leaving one upwind.
+    let shift_out = inside * per_downwind;
+    let shift_out_behind = shift_out + (at_side - central * shift_out) * per_downwind;
+    let shift_in = -(reflection * outside * per_upwind);
+    let passed = N::ONE + cell.upwind - cell.central;
+    let shift_in_behind = (passed * shift_in * per_staying - reflection * at_side) * per_upwind;
+    let mut nearest = [image_out + corrected * shift_out, image_in + corrected * shift_in];
+    let mut farther = [
+        image_out_behind + corrected * shift_out_behind,
+        image_in_behind + corrected * shift_in_behind,
+    ];
+
+    if is_open {
+        let third = by_way(end, beside[2], cell);
+        let (before, last) = (out_behind - third[0], out - out_behind);
+        let face = form(&OPEN[0], [before, last], courant) - upwind * before - central * last;
+        let next_out = out + face * per_downwind;
+        let side =
+            form(&OPEN[1], [before, last], courant) - upwind * last - central * (next_out - out);
+        let farther_out = next_out + side * per_downwind;
+        let (first, second) = (in_behind - own_in, third[1] - in_behind);
+        let face = form(&OPEN[2], [first, second], courant) - central * first - downwind * second;
+        let next_in = own_in - face * per_upwind;
+        let carried = next_in + cell.central * (own_in - next_in) + cell.downwind * first;
+        let farther_in = next_in + carried * per_staying * per_upwind;
+        let open = N::ONE - reflection * reflection;
+        let plain = open * one_sided * (N::ONE - corrected);
+        let open = open * corrected;
+        let held = N::ONE - open - plain;
+        nearest =
+            [held * nearest[0] + open * next_out + plain * out, held * nearest[1] + open * next_in];
+        farther = [
+            held * farther[0]
+                + open * farther_out
+                + plain * (out - two_alike * (upwind * last * per_downwind)),
+            held * farther[1] + open * farther_in,
+        ];
+    }
+    let half_admittance = N::HALF / cell.impedance;
+    let one_sided = one_sided * if is_open { N::ONE } else { of_one };
+    let made = [
+        state_of(end == 0, nearest, half_admittance),
+        state_of(end == 0, farther, half_admittance),
+    ];
+    [chosen(one_sided, made[0], images[0]), chosen(one_sided, made[1], images[1])]
+}
+
+/// The ghosts of [`Slopes::Limited`].
 ///
 /// O is the wave that arrives and I the one that leaves, with index 0 in the outermost cell and 1 behind it, C the
 /// Courant number, γ = ½(σ_s − σ_v) the coefficient of reflection: −1 for given tractions, 1 for given velocities, 0
@@ -194,20 +390,18 @@ pub(crate) fn image<N: Number>([sign, shift]: [N; 2], own: N) -> N {
 /// No state is known in which a sweep increases the energy (`tests/energy.rs` looks for one). The nearest ghost has the
 /// O that makes this lead in the outermost cell, 4x − a beyond O₀, and the I of a straight wave through I* and I₀.
 #[inline(always)]
-pub(crate) fn ghosts<N: Number>(
+fn limited<N: Number>(
     [own, behind]: [State<N>; 2],
+    images: [State<N>; GHOSTS],
     [sign_v, shift_v, sign_s, shift_s, one_sided]: [N; 5],
     end: usize,
     [cell, cell_behind]: [&Cell<N>; 2],
 ) -> [State<N>; GHOSTS] {
     // Images where the two cells are of different media: the payment is that of one.
     let one_sided = one_sided * (N::ONE - cell.contrast(cell_behind));
-    let (near, far) = (Waves::of(own, cell), Waves::of(behind, cell));
     let is_lower = end == 0;
-    let (arriving, arriving_behind) =
-        if is_lower { (near.left, far.left) } else { (near.right, far.right) };
-    let (leaving, leaving_behind) =
-        if is_lower { (near.right, far.right) } else { (near.left, far.left) };
+    let [arriving, leaving] = by_way(end, own, cell);
+    let [arriving_behind, leaving_behind] = by_way(end, behind, cell);
     let given = cell.impedance * shift_v;
     let given = if is_lower { shift_s - given } else { shift_s + given };
     let reflection = N::HALF * (sign_s - sign_v);
@@ -247,17 +441,7 @@ pub(crate) fn ghosts<N: Number>(
     let half_admittance = N::HALF / cell.impedance;
     let nearest = state_of(is_lower, nearest, half_admittance);
     let farther = state_of(is_lower, farther, half_admittance);
-    let images = (
-        State {
-            velocity: image([sign_v, shift_v], own.velocity),
-            stress: image([sign_s, shift_s], own.stress),
-        },
-        State {
-            velocity: image([sign_v, shift_v], behind.velocity),
-            stress: image([sign_s, shift_s], behind.stress),
-        },
-    );
-    [chosen(one_sided, nearest, images.0), chosen(one_sided, farther, images.1)]
+    [chosen(one_sided, nearest, images[0]), chosen(one_sided, farther, images[1])]
 }
 
 /// The state of an arriving and a leaving wave.

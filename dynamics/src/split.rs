@@ -99,7 +99,7 @@ pub struct Snapshot<T> {
     /// Values by field, then by cell, the first axis running fastest.
     pub fields: Vec<Vec<T>>,
     /// The ledger by layer across the last axis.
-    pub totals: Vec<[f64; 14]>,
+    pub totals: Vec<[f64; 12]>,
     /// Plastic dissipation by cell, where anything yields, J/m³; then the sums of the problem's integrals.
     pub sums: Vec<Vec<f64>>,
 }

@@ -59,6 +59,12 @@ mod x86 {
                 const LEAST: Self = Self::all(<$scalar>::MIN_POSITIVE);
 
                 #[inline(always)]
+                #[allow(clippy::unnecessary_cast, reason = "it is one for f32")]
+                fn constant(value: f64) -> Self {
+                    Self::all(value as $scalar)
+                }
+
+                #[inline(always)]
                 fn greatest(mut self, other: Self) -> Self {
                     for i in 0..$count {
                         self.0[i] = unsafe { $max(self.0[i], other.0[i]) };
@@ -426,6 +432,12 @@ macro_rules! real {
             const THIRD: Self = 1.0 / 3.0;
             const QUARTER: Self = 0.25;
             const LEAST: Self = Self::MIN_POSITIVE;
+
+            #[inline(always)]
+            #[allow(clippy::unnecessary_cast, reason = "it is one for f32")]
+            fn constant(value: f64) -> Self {
+                value as Self
+            }
 
             #[inline(always)]
             fn greatest(self, other: Self) -> Self {

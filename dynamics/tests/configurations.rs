@@ -180,7 +180,7 @@ fn problem<const D: usize>(chance: &mut Chance) -> Problem<D> {
     let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
     let step = chance.one_of(&[2.0, 1.9, 0.7]) * 0.1 / speed;
     let slopes =
-        chance.one_of(&[Slopes::Godunov, Slopes::Limited, Slopes::Limited, Slopes::Unlimited]);
+        chance.one_of(&[Slopes::Godunov, Slopes::Limited, Slopes::Limited, Slopes::FourthOrder]);
     let scheme = Scheme {
         splitting: chance.one_of(&[Splitting::TwoCyclic, Splitting::Alternating]),
         ..Scheme::new(slopes, chance.one_of(&[Placement::Last, Placement::Middle]))

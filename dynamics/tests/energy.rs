@@ -142,7 +142,7 @@ fn rough<T: Real, const D: usize>(number: usize) -> (Domain<T, D>, String) {
     let scheme = Scheme {
         splitting: [Splitting::TwoCyclic, Splitting::Alternating][chance.below(2)],
         ..Scheme::new(
-            [Slopes::Godunov, Slopes::Limited, Slopes::Limited][chance.below(3)],
+            [Slopes::Godunov, Slopes::Limited, Slopes::FourthOrder][chance.below(3)],
             [Placement::Last, Placement::Middle][chance.below(2)],
         )
     };

@@ -4,7 +4,7 @@ use models::cosserat::parameters::Isotropic;
 use std::f64::consts::PI;
 use wellposed_dynamics::line::{Account, Cell, GHOSTS, Slopes, energy, sweep};
 
-const ALL: [Slopes; 3] = [Slopes::Godunov, Slopes::Limited, Slopes::Unlimited];
+const ALL: [Slopes; 3] = [Slopes::Godunov, Slopes::Limited, Slopes::FourthOrder];
 
 /// Numbers that look random, the same on every machine.
 struct Random(u64);
@@ -128,12 +128,44 @@ fn error(count: usize, slopes: Slopes) -> f64 {
 #[test]
 fn orders() {
     for (slopes, least, most) in
-        [(Slopes::Godunov, 0.9, 1.1), (Slopes::Limited, 1.95, 2.6), (Slopes::Unlimited, 1.95, 2.3)]
+        [(Slopes::Godunov, 0.9, 1.1), (Slopes::Limited, 1.95, 2.6), (Slopes::FourthOrder, 3.9, 4.1)]
     {
         let errors: Vec<f64> = [64, 128, 256, 512].map(|n| error(n, slopes)).to_vec();
         let orders: Vec<f64> = errors.windows(2).map(|e| (e[0] / e[1]).log2()).collect();
         println!("{slopes:?}: errors {errors:?}, orders {orders:.3?}");
         assert!((least..most).contains(&orders[2]), "{slopes:?} {orders:?}");
+    }
+}
+
+/// Means over cells of a cubic move as the cubic does.
+#[test]
+fn to_fourth_order_cubics_move_exactly() {
+    let mut random = Random(6);
+    for _ in 0..100 {
+        let (z, courant) = (random.within(0.1, 5.0), random.within(0.0, 1.0));
+        let powers: [f64; 4] = std::array::from_fn(|_| random.within(-1.0, 1.0));
+        // Integrals from one edge of a cell to the other.
+        let mean = |i: f64| -> f64 {
+            let integral = |x: f64| -> f64 {
+                (0..4i32).map(|n| powers[n as usize] * x.powi(n + 1) / f64::from(n + 1)).sum()
+            };
+            integral(i + 1.0) - integral(i)
+        };
+        for sign in [-1.0, 1.0] {
+            let mut line = Line::new(9, |_| (0.0, 0.0, Cell::new(z, courant)));
+            for i in 0..line.cells.len() {
+                // s − zv where the sign is −1, s + zv where it is 1.
+                let wave = mean(i as f64 - 6.0);
+                line.stress[i] = 0.5 * wave;
+                line.velocity[i] = sign * 0.5 * wave / z;
+            }
+            line.step(Slopes::FourthOrder, None);
+            for i in line.inner() {
+                let expected = mean(i as f64 - 6.0 + sign * courant);
+                let found = line.stress[i] + sign * z * line.velocity[i];
+                assert!((found - expected).abs() < 1e-12, "{courant} {found} {expected}");
+            }
+        }
     }
 }
 
@@ -200,11 +232,8 @@ fn the_account_closes() {
             let mut account = Account::default();
             line.step(slopes, Some(&mut account));
             let change = line.energy() - before;
-            let residual = change - account.inflow + account.dissipated();
+            let residual = change - account.inflow + account.dissipated;
             worst = worst.max((residual / before).abs());
-            if slopes == Slopes::Godunov {
-                assert_eq!(account.gained, 0.0);
-            }
         }
         println!("{slopes:?} {worst:e}");
         assert!(worst < 1e-14);
@@ -223,7 +252,7 @@ fn a_wrong_impedance_opens_the_account() {
     let mut account = Account::default();
     line.step(Slopes::Limited, Some(&mut account));
     line.cells = right;
-    let residual = line.energy() - before - account.inflow + account.dissipated();
+    let residual = line.energy() - before - account.inflow + account.dissipated;
     assert!((residual / before).abs() > 1e-6);
 }
 
@@ -231,7 +260,7 @@ fn a_wrong_impedance_opens_the_account() {
 #[test]
 fn energy_does_not_grow() {
     let mut random = Random(5);
-    for slopes in [Slopes::Godunov, Slopes::Limited] {
+    for slopes in ALL {
         for _ in 0..200 {
             let mut line = random_line(&mut random, 40);
             let start = line.energy();
@@ -265,7 +294,7 @@ fn nothing_new_stands_out() {
         let mut line = Line::new(40, |i| (-0.5 * w[i] / z, 0.5 * w[i], Cell::new(z, courant)));
         let mut plain = line.clone();
         line.step(Slopes::Limited, None);
-        plain.step(Slopes::Unlimited, None);
+        plain.step(Slopes::FourthOrder, None);
         for (i, place) in line.inner().enumerate() {
             let wave = |line: &Line| line.stress[place] - z * line.velocity[place];
             let (own, upwind) = (w[i], w[(i + 39) % 40]);

@@ -156,7 +156,7 @@ fn slipping(count: usize, placement: Placement, strength: f64) -> Vec<Vec<f64>> 
         vec![0; count],
         std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]),
         time / steps,
-        Scheme::new(Slopes::Unlimited, placement),
+        Scheme::new(Slopes::FourthOrder, placement),
     ))
     .expect("a sound domain");
     // All layers slip all the time: a shear stress that grows everywhere under pressure waves.

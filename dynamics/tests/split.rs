@@ -105,7 +105,7 @@ fn same_of<T: Real, const D: usize>(
             assert_eq!(*light_totals.get_or_insert(totals.clone()), totals);
         } else {
             assert!((found.inflow - expected.inflow).abs() <= 1e-13 * start);
-            assert!(found.numerical() > 0.0);
+            assert!(found.numerical > 0.0);
             assert_eq!(*full_ledger.get_or_insert(found), found);
         }
     }

@@ -158,7 +158,9 @@ mod profile;
 words! {
     /// Reconstruction of waves.
     Order {
-        /// Second order, without oscillations.
+        /// Fourth order, linear: for waves that are smooth on the grid.
+        FourthOrder = "fourth-order",
+        /// Second order, limited: for fronts.
         Eno2 = "eno2",
         /// First order.
         Godunov = "godunov"

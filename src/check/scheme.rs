@@ -7,7 +7,8 @@
 //! the right with Courant number C = |c|Δt/2hᵢ
 //!
 //! ```text
-//! g = 1 − C (1 − e^(−iθ)) (1 + ½(1 − C) i sin θ)      (Fromm 1968).
+//! g = 1 − C (1 − e^(−iθ)) f,  f = 1 + (1 − e^(−iθ)) (α + β e^(iθ) + γ e^(2iθ)),
+//! α = (1 − C²)(2 + C)/24,  β = (1 − C)/2 − C(1 − C²)/12,  γ = −(1 − C²)(2 − C)/24.
 //! ```
 //!
 //! With X, Y, Z these sweeps, x a quarter sweep (Δt/4) along the first axis, R = e^(½Q̂Δt) and Π = I where nothing
@@ -216,9 +217,16 @@ impl<const D: usize> Equations<D> {
         let (sin, cos) = (k * h).sin_cos();
         let factor = |speed: f64| {
             let courant = part * speed.abs() * grid.step / h;
-            let rise = 0.5 * (1.0 - courant) * sin;
-            let to_right =
-                1.0 - courant * Complex64::new(1.0 - cos, sin) * Complex64::new(1.0, rise);
+            let (staying, both) = (1.0 - courant, 1.0 - courant * courant);
+            let weights = [
+                both * (2.0 + courant) / 24.0,
+                0.5 * staying - courant * both / 12.0,
+                -both * (2.0 - courant) / 24.0,
+            ];
+            let difference = Complex64::new(1.0 - cos, sin);
+            let next = Complex64::new(cos, sin);
+            let lead = weights[0] + next * (weights[1] + next * weights[2]);
+            let to_right = 1.0 - courant * difference * (1.0 + difference * lead);
             // ẇ = c∂w runs to the left for c > 0.
             if speed > 0.0 { to_right.conj() } else { to_right }
         };

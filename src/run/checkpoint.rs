@@ -76,7 +76,7 @@ impl Checkpoint {
     /// The state of a solid; `None` where the numbers are not of this kind.
     pub(super) fn solid<T: Real>(&self) -> Option<Snapshot<T>> {
         let totals = doubles(self.state.get("totals")?)?;
-        let (totals, []) = totals.as_chunks::<14>() else { return None };
+        let (totals, []) = totals.as_chunks::<12>() else { return None };
         Some(Snapshot {
             steps: self.steps,
             fields: self.parts("field").map(|field| T::from_bytes(field)).collect::<Option<_>>()?,

@@ -366,7 +366,7 @@ impl<'a, T: Real, const D: usize> March<'a, T, D> {
         let Energy { kinetic, stored } = line.energy;
         let mut row = vec![line.time, kinetic, stored, inflow, sources, released, plastic];
         if self.start.job.dynamics.scheme.ledger == LedgerKind::Full {
-            row.push(line.ledger.numerical());
+            row.push(line.ledger.numerical);
         }
         row.push(line.balance(self.energy_at_start));
         self.files.write(Growing::Ledger, &row)

@@ -158,6 +158,7 @@ impl<const D: usize> Setup<D> {
         let of_cell = dynamics.media_of_cells()?;
         let scheme = Scheme {
             slopes: match dynamics.scheme.order {
+                Order::FourthOrder => Slopes::FourthOrder,
                 Order::Eno2 => Slopes::Limited,
                 Order::Godunov => Slopes::Godunov,
             },

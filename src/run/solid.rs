@@ -195,7 +195,7 @@ impl Job<'_> {
             "plastic": last.ledger.plastic,
         });
         if is_full {
-            ledger["numerical"] = json!(last.ledger.numerical());
+            ledger["numerical"] = json!(last.ledger.numerical);
         }
         ledger[if is_full { "residual" } else { "balance" }] = json!(last.balance(found.start));
         json!({
@@ -271,7 +271,7 @@ fn words(case: &Case, dynamics: &Dynamics, found: &Found) -> String {
     line("plastic dissipation", last.ledger.plastic);
     match dynamics.scheme.ledger {
         LedgerKind::Full => {
-            line("dissipation of the scheme", last.ledger.numerical());
+            line("dissipation of the scheme", last.ledger.numerical);
             line("left over (rounding)", last.balance(found.start));
         }
         LedgerKind::Light => line("balance (the scheme's, not counted)", last.balance(found.start)),

@@ -138,7 +138,10 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 .map(|medium| {
                     let own = &medium.pairs[axis][pair];
                     let courant = own.speed() * (sweep * problem.step / whole.spacing[axis]);
-                    Cell::new(own.impedance(), courant.min(1.0))
+                    match media.len() {
+                        1 => Cell::new(own.impedance(), courant.min(1.0)),
+                        _ => Cell::among_others(own.impedance(), courant.min(1.0)),
+                    }
                 })
                 .collect();
             let of_followers = followers.iter().map(|&index| {
@@ -383,6 +386,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     to_velocity: own(|cell| cell.to_velocity),
                     mean_slope: own(|cell| cell.mean_slope),
                     steepest: own(|cell| cell.steepest),
+                    upwind: own(|cell| cell.upwind),
+                    central: own(|cell| cell.central),
+                    downwind: own(|cell| cell.downwind),
                 }
             }));
             let lanes = |ratio: &Vec<f64>| {

@@ -3,7 +3,7 @@
 use super::{Domain, MOST_FIELDS};
 use crate::line::{Cell, GHOSTS, State, sweep};
 use crate::real::{Group, Real};
-use crate::side::{Side, ghosts, image, set_time};
+use crate::side::{BESIDE, Side, ghosts, image, set_time};
 
 /// Cells that a sweep of one cell reads.
 const WINDOW: usize = 2 * GHOSTS + 1;
@@ -88,7 +88,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 velocity: image([v, a], seen.velocity),
                 stress: image([s, b], seen.stress),
             };
-            if length < GHOSTS {
+            if length < BESIDE || !mirror.is_one_sided {
                 // A single cell is seen through the other mirror.
                 let mut seen = state(own);
                 if let (Side::Mirror(other), true) = (&sides[1 - end], depth >= length) {
@@ -96,11 +96,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 }
                 return (imaged(numbers(mirror), seen), own);
             }
-            let outermost =
-                [0, 1].map(|depth| state(if end == 0 { depth } else { length - 1 - depth }));
-            let media =
-                [0, 1].map(|depth| constants(if end == 0 { depth } else { length - 1 - depth }));
-            (ghosts(outermost, numbers(mirror), end, media.each_ref())[depth], own)
+            let inside =
+                std::array::from_fn(|depth| if end == 0 { depth } else { length - 1 - depth });
+            let (beside, media) = (inside.map(state), inside.map(constants));
+            let made = ghosts(mirror.closure(), beside, numbers(mirror), end, media.each_ref());
+            (made[depth], own)
         };
         let at = |offset: usize| {
             let place = (x + offset) as isize - GHOSTS as isize;

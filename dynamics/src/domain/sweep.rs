@@ -6,7 +6,7 @@ use crate::line::{self, Account, Cell, GHOSTS, State};
 use crate::problem::Detail;
 use crate::real::{Group, Real, Vector, Work};
 use crate::row::Rows;
-use crate::side::{Mirror, Side, ghosts, image};
+use crate::side::{BESIDE, Mirror, Side, ghosts, image};
 use std::ops::Range;
 
 /// Lines that are called for ahead of the one at hand, by axis; along rows the next row is.
@@ -206,6 +206,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let mut way = std::mem::take(&mut self.buffer.way);
         way.clear();
         let (first, end, count) = (places.start - 1, places.end + 1, bundle.count as isize);
+        let in_front = self.stop_at(bundle, 0, (first - 1).max(-(GHOSTS as isize)));
         way.extend((first..0).map(|place| self.stop_at(bundle, 0, place)));
         way.extend((first.max(0)..end.min(count)).map(|place| bundle.stop(place as usize)));
         way.extend((first.max(count)..end).map(|place| self.stop_at(bundle, 0, place)));
@@ -226,6 +227,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             patterns: &self.patterns,
             alike: &self.alike[axis],
             way: &way,
+            in_front,
             across: bundle.across,
             begins: places.start < 0,
             next,
@@ -317,17 +319,22 @@ impl<T: Real, const D: usize> Domain<T, D> {
             }
         }
         match sides[end].mirror() {
-            Some(mirror) if mirror.is_one_sided && count >= GHOSTS => {
+            Some(mirror) if mirror.is_one_sided && count >= BESIDE => {
+                let beside: [Stop; BESIDE] = std::array::from_fn(|depth| {
+                    let place = [depth, count - 1 - depth][end];
+                    bundle.stop(place)
+                });
                 self.instructions.run::<T>(FillOneSided {
                     data: &mut data,
                     waves: &self.waves[axis],
                     mirror,
                     end,
-                    places: places.map(|[own, ghost]| [own.data, ghost.data]),
+                    beside: beside.map(|stop| stop.data),
+                    ghosts: places.map(|[_, ghost]| ghost.data),
                     lines,
                     face,
                     table: &self.table,
-                    patterns: places.map(|[own, _]| &self.patterns[own.group..]),
+                    patterns: beside.map(|stop| &self.patterns[stop.group..]),
                 });
             }
             _ => {
@@ -495,17 +502,12 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     *value = *value + ratio * change;
                 }
                 let account = self.buffer.accounts[i];
-                // What crosses a cut, or comes round, stays inside. At a side the work is that of the means; what the
-                // change of the waves during the step does to the energy beside it is the scheme's.
+                // What crosses a cut, or comes round, stays inside.
                 let ends = [i == 0, i + 1 == length];
-                let is_edge = (0..2)
-                    .any(|end| ends[end] && matches!(self.sides[half][axis][end], Side::Mirror(_)));
                 let ledger = &mut self.ledgers[half][layer];
                 let work: f64 = (0..2).filter(|end| ends[*end]).map(|end| works[end]).sum();
-                let beside = if is_edge { account.inflow - work } else { 0.0 };
                 ledger.inflow += unit * work;
-                ledger.gained += unit * account.gained;
-                ledger.lost += unit * (account.lost - beside);
+                ledger.numerical += unit * account.dissipated;
             }
         }
     }
@@ -568,31 +570,40 @@ struct FillOneSided<'a, T: Real> {
     waves: &'a [Wave],
     mirror: &'a Mirror<T>,
     end: usize,
-    /// By depth where the fields of the first line's cell begin, and those of its ghost; the other lines follow group
-    /// by group.
-    places: [[usize; 2]; GHOSTS],
+    /// By depth where the fields of the first line's cell begin; the other lines follow group by group.
+    beside: [usize; BESIDE],
+    /// The same of its ghosts.
+    ghosts: [usize; GHOSTS],
     lines: usize,
     face: usize,
     table: &'a Table<T>,
     /// By depth, from the group of the first line on.
-    patterns: [&'a [u32]; GHOSTS],
+    patterns: [&'a [u32]; BESIDE],
 }
 
 impl<T: Real> Work<T> for FillOneSided<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
-        let Self { data, waves, mirror, end, places, lines, face, table, patterns } = self;
-        let [[own, ghost], [behind, farther]] = places;
+        let Self { data, waves, mirror, end, lines, face, table, .. } = self;
+        let closure = mirror.closure();
         for (pair, wave) in waves.iter().enumerate() {
             for line in 0..lines {
-                let cell: Cell<V> = Cell::load(table.cell(patterns[0][line], wave));
-                let cell_behind: Cell<V> = Cell::load(table.cell(patterns[1][line], wave));
+                let [first, second, third] = self.patterns;
+                let cells: [Cell<V>; BESIDE] = [
+                    Cell::load(table.cell(first[line], wave)),
+                    Cell::load(table.cell(second[line], wave)),
+                    Cell::load(table.cell(third[line], wave)),
+                ];
                 let [v, a, s, b, one_sided] = mirror.face(pair, face + line);
                 let mirror = [V::load(v), V::load(a), V::load(s), V::load(b), V::load(one_sided)];
-                let outermost =
-                    [state_at(&data[own + line..], wave), state_at(&data[behind + line..], wave)];
-                let [one, two] = ghosts(outermost, mirror, end, [&cell, &cell_behind]);
-                for (place, state) in [(ghost, one), (farther, two)] {
+                let [first, second, third] = self.beside;
+                let beside = [
+                    state_at(&data[first + line..], wave),
+                    state_at(&data[second + line..], wave),
+                    state_at(&data[third + line..], wave),
+                ];
+                let made = ghosts(closure, beside, mirror, end, [&cells[0], &cells[1], &cells[2]]);
+                for (place, state) in self.ghosts.into_iter().zip(made) {
                     let group = &mut data[place + line..];
                     state.velocity.store(&mut group[wave.velocity]);
                     state.stress.store(&mut group[wave.stress]);

@@ -130,7 +130,7 @@ pub(in crate::case) fn read(
     let output = reader.output(&mut root, yields)?;
     let time = time(&mut root)?;
     let dynamics = Dynamics {
-        scheme: scheme(&mut root, time.courant)?,
+        scheme: scheme(&mut root, time.courant, yields)?,
         time,
         regions,
         sides,
@@ -166,16 +166,17 @@ fn time(root: &mut Section) -> Result<Time, CaseError> {
 /// than 15 % more.
 pub(crate) const COURANT: f64 = 0.9;
 
-/// By default sweeps alternate, but where waves are to move by whole cells exactly, or a correction in the middle of
-/// the step needs one.
-fn scheme(root: &mut Section, courant: f64) -> Result<Scheme, CaseError> {
+/// By default waves are reconstructed to fourth order, but where something yields, as plastic fronts are steps. Sweeps
+/// alternate, but where waves are to move by whole cells exactly, or a correction in the middle of the step needs one.
+fn scheme(root: &mut Section, courant: f64, yields: bool) -> Result<Scheme, CaseError> {
+    let order = if yields { Order::Eno2 } else { Order::FourthOrder };
     let default = |correction: Correction| match correction {
         Correction::FirstOrder if courant < 1.0 => Splitting::Alternating,
         _ => Splitting::TwoCyclic,
     };
     let Some(mut section) = root.table("scheme")? else {
         let splitting = default(Correction::default());
-        return Ok(Scheme { splitting, ..Scheme::default() });
+        return Ok(Scheme { order, splitting, ..Scheme::default() });
     };
     let correction = section
         .optional_choice("correction", Correction::ALL, Correction::name)?
@@ -185,7 +186,7 @@ fn scheme(root: &mut Section, courant: f64) -> Result<Scheme, CaseError> {
         Correction::SecondOrder => &[Splitting::TwoCyclic],
     };
     let scheme = Scheme {
-        order: section.optional_choice("order", Order::ALL, Order::name)?.unwrap_or_default(),
+        order: section.optional_choice("order", Order::ALL, Order::name)?.unwrap_or(order),
         correction,
         splitting: section
             .optional_choice("splitting", splittings, Splitting::name)?

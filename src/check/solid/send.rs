@@ -514,7 +514,7 @@ impl<const D: usize> Run<'_, D> {
                     Splitting::Alternating => problem::Splitting::Alternating,
                     Splitting::TwoCyclic => problem::Splitting::TwoCyclic,
                 },
-                ..Scheme::new(Slopes::Unlimited, Placement::Last)
+                ..Scheme::new(Slopes::FourthOrder, Placement::Last)
             },
         );
         let Some(background) = self.background else { return problem };
