@@ -53,6 +53,7 @@
 
 mod build;
 mod complete;
+mod fill;
 mod local;
 mod plastic;
 mod sweep;

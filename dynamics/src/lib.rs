@@ -13,6 +13,7 @@
 #![deny(missing_docs)]
 
 pub mod boundary;
+mod cell;
 #[cfg(test)]
 mod contraction;
 pub mod domain;

@@ -1,0 +1,113 @@
+//! Ghosts at the ends of lines, in the instructions that the processor has.
+
+use crate::kernel::{Table, Wave};
+use crate::line::{Cell, GHOSTS, State};
+use crate::real::{Real, Vector, Work};
+use crate::row::Rows;
+use crate::side::{BESIDE, Mirror, ghosts, image};
+
+/// The ghosts of all waves along rows: for those who look at them before the sweep.
+pub(super) struct Fill<'a, T: Real> {
+    pub(super) data: &'a mut [T::Lanes],
+    pub(super) waves: &'a [Wave],
+    pub(super) rows: Rows<'a, T>,
+    pub(super) count: usize,
+}
+
+impl<T: Real> Work<T> for Fill<'_, T> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        for (pair, wave) in self.waves.iter().enumerate() {
+            self.rows.fill::<V>(self.data, wave, pair, 0..self.count);
+        }
+    }
+}
+
+/// The ghosts at a depth beyond an end of lines that lie side by side, group by group.
+pub(super) struct FillEnd<'a, T: Real> {
+    pub(super) data: &'a mut [T::Lanes],
+    pub(super) waves: &'a [Wave],
+    /// The mirrors through which it is seen, in this order.
+    pub(super) mirrors: [Option<&'a Mirror<T>>; 2],
+    /// Where the fields of what the first line shows begin, and those of its ghost; the other lines follow group by group.
+    pub(super) places: [usize; 2],
+    pub(super) lines: usize,
+    pub(super) face: usize,
+}
+
+impl<T: Real> Work<T> for FillEnd<'_, T> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let Self { data, waves, mirrors, places: [own, ghost], lines, face } = self;
+        for (pair, &Wave { velocity, stress, .. }) in waves.iter().enumerate() {
+            for line in 0..lines {
+                let group = &data[own + line..];
+                let mut seen =
+                    State { velocity: V::load(&group[velocity]), stress: V::load(&group[stress]) };
+                for mirror in mirrors.into_iter().flatten() {
+                    let [v, a, s, b, _] = mirror.face(pair, face + line);
+                    seen.velocity = image([V::load(v), V::load(a)], seen.velocity);
+                    seen.stress = image([V::load(s), V::load(b)], seen.stress);
+                }
+                let group = &mut data[ghost + line..];
+                seen.velocity.store(&mut group[velocity]);
+                seen.stress.store(&mut group[stress]);
+            }
+        }
+    }
+}
+
+/// The ghosts beyond an end of lines that lie side by side, where some wave is reconstructed from its own side.
+pub(super) struct FillOneSided<'a, T: Real> {
+    pub(super) data: &'a mut [T::Lanes],
+    pub(super) waves: &'a [Wave],
+    pub(super) mirror: &'a Mirror<T>,
+    pub(super) end: usize,
+    /// By depth where the fields of the first line's cell begin; the other lines follow group by group.
+    pub(super) beside: [usize; BESIDE],
+    /// The same of its ghosts.
+    pub(super) ghosts: [usize; GHOSTS],
+    pub(super) lines: usize,
+    pub(super) face: usize,
+    pub(super) table: &'a Table<T>,
+    /// By depth, from the group of the first line on.
+    pub(super) patterns: [&'a [u32]; BESIDE],
+}
+
+impl<T: Real> Work<T> for FillOneSided<'_, T> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let Self { data, waves, mirror, end, lines, face, table, .. } = self;
+        let closure = mirror.closure();
+        for (pair, wave) in waves.iter().enumerate() {
+            for line in 0..lines {
+                let [first, second, third] = self.patterns;
+                let cells: [Cell<V>; BESIDE] = [
+                    Cell::load(table.cell(first[line], wave)),
+                    Cell::load(table.cell(second[line], wave)),
+                    Cell::load(table.cell(third[line], wave)),
+                ];
+                let [v, a, s, b, one_sided] = mirror.face(pair, face + line);
+                let mirror = [V::load(v), V::load(a), V::load(s), V::load(b), V::load(one_sided)];
+                let [first, second, third] = self.beside;
+                let beside = [
+                    state_at(&data[first + line..], wave),
+                    state_at(&data[second + line..], wave),
+                    state_at(&data[third + line..], wave),
+                ];
+                let made = ghosts(closure, beside, mirror, end, [&cells[0], &cells[1], &cells[2]]);
+                for (place, state) in self.ghosts.into_iter().zip(made) {
+                    let group = &mut data[place + line..];
+                    state.velocity.store(&mut group[wave.velocity]);
+                    state.stress.store(&mut group[wave.stress]);
+                }
+            }
+        }
+    }
+}
+
+/// The velocity and the stress of a wave in a group.
+#[inline(always)]
+fn state_at<T: Real, V: Vector<T>>(group: &[T::Lanes], wave: &Wave) -> State<V> {
+    State { velocity: V::load(&group[wave.velocity]), stress: V::load(&group[wave.stress]) }
+}
