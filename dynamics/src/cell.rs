@@ -36,6 +36,11 @@ impl<T: Real> Cell<T> {
         Self::reconstructed_as(courant.max(0.02), impedance, courant)
     }
 
+    /// The same with waves constant in the cell, whichever [`Slopes`](crate::line::Slopes): as at Courant number 1 nothing leads.
+    pub(crate) fn constant(impedance: f64, courant: f64) -> Self {
+        Self { steepest: T::ZERO, ..Self::reconstructed_as(1.0, impedance, courant) }
+    }
+
     fn reconstructed_as(seen: f64, impedance: f64, courant: f64) -> Self {
         Self {
             impedance: T::of(impedance),

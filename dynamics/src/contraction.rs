@@ -24,12 +24,7 @@ const KINDS: [Condition; 5] =
     [FREE, FIXED, Condition::NonReflecting, Condition::OddVelocity, Condition::OddStress];
 
 /// A step of a line between two sides.
-fn step<T: Real>(
-    velocity: &mut Vec<T>,
-    stress: &mut Vec<T>,
-    cells: &[Cell<T>],
-    sides: [Condition; 2],
-) {
+fn step<T: Real>(velocity: &mut [T], stress: &mut [T], cells: &[Cell<T>], sides: [Condition; 2]) {
     let count = cells.len();
     let state = |i: usize| State { velocity: velocity[i], stress: stress[i] };
     let made = [0, 1].map(|end| {

@@ -58,6 +58,8 @@ mod local;
 mod plastic;
 mod sweep;
 
+pub(crate) use fill::{Fill, FillEnd, FillOneSided};
+
 use crate::boundary::Signal;
 use crate::kernel::{Carried, Instructions, Stop, Table, Wave};
 use crate::ledger::{Energy, Ledger, Total};

@@ -6,6 +6,7 @@
 //! neighbours are in the next lane, moved copies stand as ghosts. Every cell sees what the plain sweep does, in
 //! the same order: the bits are the same.
 
+use crate::domain::{Fill, FillEnd, FillOneSided};
 use crate::line::{Cell, GHOSTS, Joint, Slopes, State, Waves, updated};
 use crate::real::{Number, Real, Vector, Work};
 use crate::row::Rows;
@@ -60,6 +61,55 @@ impl Instructions {
         }
     }
 }
+
+/// Work on lines, compiled in this crate once for each kind of number, and not anew in every crate that uses it.
+#[doc(hidden)]
+#[allow(private_interfaces, reason = "nobody else implements or calls it")]
+pub trait Compiled: Sized {
+    fn walk(lines: Lines<'_, Self>, instructions: Instructions)
+    where
+        Self: Real;
+    fn fill(work: Fill<'_, Self>, instructions: Instructions)
+    where
+        Self: Real;
+    fn fill_end(work: FillEnd<'_, Self>, instructions: Instructions)
+    where
+        Self: Real;
+    fn fill_one_sided(work: FillOneSided<'_, Self>, instructions: Instructions)
+    where
+        Self: Real;
+}
+
+macro_rules! compiled {
+    ($kind:ident $(, $parameter:ident)?) => {
+        #[allow(private_interfaces, reason = "nobody else implements or calls it")]
+        impl$(<$parameter: Real>)? Compiled for $kind {
+            fn walk(lines: Lines<'_, Self>, instructions: Instructions) {
+                lines.walk(instructions);
+            }
+
+            fn fill(work: Fill<'_, Self>, instructions: Instructions) {
+                instructions.run::<Self>(work);
+            }
+
+            fn fill_end(work: FillEnd<'_, Self>, instructions: Instructions) {
+                instructions.run::<Self>(work);
+            }
+
+            fn fill_one_sided(work: FillOneSided<'_, Self>, instructions: Instructions) {
+                instructions.run::<Self>(work);
+            }
+        }
+    };
+}
+
+#[cfg(not(test))]
+compiled!(f32);
+#[cfg(not(test))]
+compiled!(f64);
+// Tests of this crate use little of it.
+#[cfg(test)]
+compiled!(T, T);
 
 /// Places of the fields of a pair of waves in a row, and of its constants in the table.
 #[derive(Clone, Debug)]
@@ -228,9 +278,9 @@ impl<T: Real, const MIXED: bool> Work<T> for Advance<'_, '_, T, MIXED> {
     fn run<V: Vector<T>>(self) {
         let Self { all, lines, pattern } = self;
         match all.slopes {
-            Slopes::Godunov => all.advance_lines::<V, MIXED>(lines, pattern, Slopes::Godunov),
             Slopes::Limited => all.advance_lines::<V, MIXED>(lines, pattern, Slopes::Limited),
-            Slopes::FourthOrder => {
+            // Constant pieces are those of cells that have no weights.
+            Slopes::Godunov | Slopes::FourthOrder => {
                 all.advance_lines::<V, MIXED>(lines, pattern, Slopes::FourthOrder);
             }
         }
@@ -239,7 +289,7 @@ impl<T: Real, const MIXED: bool> Work<T> for Advance<'_, '_, T, MIXED> {
 
 impl<T: Real> Lines<'_, T> {
     /// Goes the way in such instructions: lines of one pattern together, and together those that go through several.
-    pub(crate) fn walk(mut self, instructions: Instructions) {
+    fn walk(mut self, instructions: Instructions) {
         let lines = self.carried.len() / self.waves.len().max(1);
         // Where there is one, nobody looks: patterns would have to come from the memory, too.
         let own = |lines: &Self, line: usize| match lines.table.is_of_one_pattern() {

@@ -1,5 +1,6 @@
 //! What sweeps compute with: floating-point numbers, and groups of them side by side.
 
+use crate::kernel::Compiled;
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -56,7 +57,7 @@ pub trait Number:
 }
 
 /// `f32` or `f64`.
-pub trait Real: Number + PartialOrd {
+pub trait Real: Number + PartialOrd + Compiled {
     /// As many numbers as fill a line of the cache.
     type Lanes: Group<Self> + Vector<Self>;
 

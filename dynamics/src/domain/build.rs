@@ -5,9 +5,9 @@ use super::{AtATime, Buffer, CHUNK, Domain, EnergyTerms, Kick, RowEnds, groups, 
 use crate::boundary::{Boundary, Load};
 use crate::kernel::{Carried, Instructions, Table, Wave};
 use crate::ledger::{Ledger, Total};
-use crate::line::{Account, Cell, GHOSTS, HALO};
+use crate::line::{Account, Cell, GHOSTS, HALO, Slopes};
 use crate::medium::{Medium, energy_terms};
-use crate::problem::{Detail, Placement, Problem};
+use crate::problem::{Detail, Placement, Problem, Scheme};
 use crate::real::{Group, Number, Real};
 use crate::side::{Mirror, Side, Slot};
 use models::cosserat::waves::Field;
@@ -125,6 +125,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let of_cell: Vec<u16> =
             layers.iter().flat_map(|&index| &problem.of_cell[of_layer(index)]).copied().collect();
 
+        let slopes = problem.scheme.slopes;
         let mut constants = Vec::new();
         let mut ratios = Vec::new();
         let mut wave = |axis: usize, pair: usize, sweep: f64| {
@@ -138,9 +139,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 .map(|medium| {
                     let own = &medium.pairs[axis][pair];
                     let courant = own.speed() * (sweep * problem.step / whole.spacing[axis]);
-                    match media.len() {
-                        1 => Cell::new(own.impedance(), courant.min(1.0)),
-                        _ => Cell::among_others(own.impedance(), courant.min(1.0)),
+                    let (impedance, courant) = (own.impedance(), courant.min(1.0));
+                    match (slopes, media.len()) {
+                        (Slopes::Godunov, _) => Cell::constant(impedance, courant),
+                        (_, 1) => Cell::new(impedance, courant),
+                        _ => Cell::among_others(impedance, courant),
                     }
                 })
                 .collect();
@@ -212,7 +215,6 @@ impl<T: Real, const D: usize> Domain<T, D> {
             let loads: Vec<&Load> = problem.loads.iter().filter(own).collect();
             let pairs = media[0].pairs[axis].len();
             let is_loaded = !loads.is_empty();
-            let slopes = problem.scheme.slopes;
             let mut mirror = Mirror::new(boundary, pairs, (&faces, groups), is_loaded, slopes);
             loads.into_iter().for_each(|load| mirror.add(load, &faces));
             Side::Mirror(mirror)
@@ -319,7 +321,11 @@ impl<T: Real, const D: usize> Domain<T, D> {
             step: problem.step,
             most_steps,
             pass_steps: 0,
-            scheme: problem.scheme,
+            scheme: match slopes {
+                // Of their cells the weights are zero.
+                Slopes::Godunov => Scheme { slopes: Slopes::FourthOrder, ..problem.scheme },
+                _ => problem.scheme,
+            },
             instructions: Instructions::best(),
             waves,
             quarter_waves,

@@ -7,11 +7,11 @@ use crate::row::Rows;
 use crate::side::{BESIDE, Mirror, ghosts, image};
 
 /// The ghosts of all waves along rows: for those who look at them before the sweep.
-pub(super) struct Fill<'a, T: Real> {
-    pub(super) data: &'a mut [T::Lanes],
-    pub(super) waves: &'a [Wave],
-    pub(super) rows: Rows<'a, T>,
-    pub(super) count: usize,
+pub(crate) struct Fill<'a, T: Real> {
+    pub(crate) data: &'a mut [T::Lanes],
+    pub(crate) waves: &'a [Wave],
+    pub(crate) rows: Rows<'a, T>,
+    pub(crate) count: usize,
 }
 
 impl<T: Real> Work<T> for Fill<'_, T> {
@@ -24,15 +24,15 @@ impl<T: Real> Work<T> for Fill<'_, T> {
 }
 
 /// The ghosts at a depth beyond an end of lines that lie side by side, group by group.
-pub(super) struct FillEnd<'a, T: Real> {
-    pub(super) data: &'a mut [T::Lanes],
-    pub(super) waves: &'a [Wave],
+pub(crate) struct FillEnd<'a, T: Real> {
+    pub(crate) data: &'a mut [T::Lanes],
+    pub(crate) waves: &'a [Wave],
     /// The mirrors through which it is seen, in this order.
-    pub(super) mirrors: [Option<&'a Mirror<T>>; 2],
+    pub(crate) mirrors: [Option<&'a Mirror<T>>; 2],
     /// Where the fields of what the first line shows begin, and those of its ghost; the other lines follow group by group.
-    pub(super) places: [usize; 2],
-    pub(super) lines: usize,
-    pub(super) face: usize,
+    pub(crate) places: [usize; 2],
+    pub(crate) lines: usize,
+    pub(crate) face: usize,
 }
 
 impl<T: Real> Work<T> for FillEnd<'_, T> {
@@ -58,20 +58,20 @@ impl<T: Real> Work<T> for FillEnd<'_, T> {
 }
 
 /// The ghosts beyond an end of lines that lie side by side, where some wave is reconstructed from its own side.
-pub(super) struct FillOneSided<'a, T: Real> {
-    pub(super) data: &'a mut [T::Lanes],
-    pub(super) waves: &'a [Wave],
-    pub(super) mirror: &'a Mirror<T>,
-    pub(super) end: usize,
+pub(crate) struct FillOneSided<'a, T: Real> {
+    pub(crate) data: &'a mut [T::Lanes],
+    pub(crate) waves: &'a [Wave],
+    pub(crate) mirror: &'a Mirror<T>,
+    pub(crate) end: usize,
     /// By depth where the fields of the first line's cell begin; the other lines follow group by group.
-    pub(super) beside: [usize; BESIDE],
+    pub(crate) beside: [usize; BESIDE],
     /// The same of its ghosts.
-    pub(super) ghosts: [usize; GHOSTS],
-    pub(super) lines: usize,
-    pub(super) face: usize,
-    pub(super) table: &'a Table<T>,
+    pub(crate) ghosts: [usize; GHOSTS],
+    pub(crate) lines: usize,
+    pub(crate) face: usize,
+    pub(crate) table: &'a Table<T>,
     /// By depth, from the group of the first line on.
-    pub(super) patterns: [&'a [u32]; BESIDE],
+    pub(crate) patterns: [&'a [u32]; BESIDE],
 }
 
 impl<T: Real> Work<T> for FillOneSided<'_, T> {

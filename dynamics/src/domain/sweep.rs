@@ -150,7 +150,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let mut data = std::mem::take(&mut self.data);
         let (waves, rows) = (self.waves_of(0, bundle.half), self.rows_of(bundle));
         let fill = Fill { data: &mut data, waves, rows, count: bundle.lines };
-        self.instructions.run::<T>(fill);
+        T::fill(fill, self.instructions);
         self.data = data;
     }
 
@@ -236,7 +236,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             carried: &mut carried[before..before + lines * waves.len()],
             rows: (axis == 0).then(|| self.rows_of(bundle)),
         };
-        lines.walk(self.instructions);
+        T::walk(lines, self.instructions);
         self.data = data;
         self.buffer.carried[axis][half] = carried;
         self.buffer.way = way;
@@ -325,7 +325,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     let place = [depth, count - 1 - depth][end];
                     bundle.stop(place)
                 });
-                self.instructions.run::<T>(FillOneSided {
+                let fill = FillOneSided {
                     data: &mut data,
                     waves: &self.waves[axis],
                     mirror,
@@ -336,21 +336,23 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     face,
                     table: &self.table,
                     patterns: beside.map(|stop| &self.patterns[stop.group..]),
-                });
+                };
+                T::fill_one_sided(fill, self.instructions);
             }
             _ => {
                 for (depth, [own, ghost]) in places.into_iter().enumerate() {
                     // A single cell is seen through the other mirror.
                     let through =
                         if depth < count { [None, Some(end)] } else { [Some(1 - end), Some(end)] };
-                    self.instructions.run::<T>(FillEnd {
+                    let fill = FillEnd {
                         data: &mut data,
                         waves: &self.waves[axis],
                         mirrors: through.map(|end| sides[end?].mirror()),
                         places: [own.data, ghost.data],
                         lines,
                         face,
-                    });
+                    };
+                    T::fill_end(fill, self.instructions);
                 }
             }
         }
