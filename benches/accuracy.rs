@@ -3,7 +3,7 @@
 //! `cargo bench --bench accuracy -- [PROBLEM …] [--before] [--program PATH] [--cells N,N,…] [--receivers cell|point]
 //! [--up AXIS] [--set key=value] [--spread]`. Problems: those of `tests/reference`; none: all.
 //!
-//! `--before`: sweeps two-cyclic at Courant number 1, and forces and sources of one cell; sides are treated as they are by
+//! `--before`: limited slopes, sweeps two-cyclic at Courant number 1, and forces and sources of one cell; sides are treated as they are by
 //! default. For older programs, which know no receivers at points, `--program PATH --receivers cell`.
 //! `--up`: the axis across the surface. `--spread`: Lamb's problem against the exact field of the force spread over the
 //! default kernel.
@@ -31,7 +31,8 @@ fn main() {
                 cells = numbers.split(',').map(|n| n.parse().expect("a number")).collect();
             }
             "--before" => {
-                sets.extend(["scheme.splitting=two-cyclic", "time.courant=1"].map(str::to_owned));
+                let before = ["scheme.order=eno2", "scheme.splitting=two-cyclic", "time.courant=1"];
+                sets.extend(before.map(str::to_owned));
                 kernel = Some("cell");
             }
             "--spread" => is_spread = true,
