@@ -180,9 +180,12 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// Goes on with half a step across the rows: some of them are ready that were not before.
     fn sweep_on(&mut self, bundle: Bundle, ready: Range<usize>) {
-        if ready.is_empty() {
+        // The ghosts in front depend on so many cells. Until these are ready the walk would write ghosts alone.
+        if ready.is_empty() || ready.end < BESIDE.min(bundle.count) {
             return;
         }
+        let start = if ready.start < BESIDE { 0 } else { ready.start };
+        let ready = start..ready.end;
         let is_full = self.scheme.detail == Detail::Full;
         let ends = [ready.start == 0, ready.end == bundle.count];
         // Where there is a single row its work at one end needs the ghosts at the other.
