@@ -144,10 +144,12 @@ fn measure<T: Real, const D: usize>(row: &Row) -> Measured {
     let count = of_cell.len();
     let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
     // The defaults of cases.
+    let is_elastic = media.iter().all(|medium| medium.yields.is_none());
+    let slopes = if is_elastic { Slopes::FourthOrder } else { Slopes::Limited };
     let scheme = Scheme {
         detail: row.detail,
         splitting: Splitting::Alternating,
-        ..Scheme::new(Slopes::Limited, Placement::Last)
+        ..Scheme::new(slopes, Placement::Last)
     };
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let grid = Grid { cells: [row.count; D], spacing: [0.1; D] };

@@ -29,9 +29,10 @@ impl<T: Real> Cell<T> {
         Self::reconstructed_as(courant, impedance, courant)
     }
 
-    /// The same of one among several media. Beside interfaces no wave gains energy at Courant numbers from 0.02 on.
-    /// Slower waves are reconstructed as at 0.02: then neither do they, as with the same fluxes a smaller Courant number
-    /// leaves less energy; they lose 2 % at most of what they would to first order.
+    /// The same in a run of several media, for [`Slopes::FourthOrder`](crate::line::Slopes::FourthOrder): beside
+    /// interfaces no wave gains energy at Courant numbers from 0.02 on. Slower waves are reconstructed as at 0.02: then
+    /// neither do they, as with the same fluxes a smaller Courant number leaves less energy; they lose 2 % at most of
+    /// what they would to first order.
     pub fn among_others(impedance: f64, courant: f64) -> Self {
         Self::reconstructed_as(courant.max(0.02), impedance, courant)
     }
@@ -84,9 +85,9 @@ impl<V: Number> Cell<V> {
         half + half
     }
 
-    /// What leads to fourth order: the weights of the differences around a face downwind of the cell, from that upwind of
-    /// it on in the direction of the wave, and of the scattered one across that face. By which cells are alike: that
-    /// upwind and this one, this one and that downwind, and the next two.
+    /// To fourth order, the weights of what the face value downwind of the cell adds to the cell's mean: of the three
+    /// differences upwind, across and downwind of the face, and of the scattered difference across it. Arguments: 1 or 0,
+    /// whether the cell upwind is like this one, this one like that downwind, and that like the next.
     ///
     /// Beside interfaces these are fits to the most accurate linear closure by which no wave gains energy; leads that
     /// are exact on straight waves would let some.

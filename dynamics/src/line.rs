@@ -458,14 +458,14 @@ fn dissipated<T: Real>(
 ) -> f64 {
     let z = cell.impedance.wide();
     // s − zv with sign −1, s + zv with sign 1.
-    let lost = |sign: f64| {
+    let by_wave = |sign: f64| {
         let wave = |own: State<T>| own.stress.wide() + sign * z * own.velocity.wide();
         let flux = |joint: &Joint<T>| 0.5 * (joint.sum.wide() + sign * joint.difference.wide());
         let (left, right) = (flux(left), flux(right));
         let outflow = -sign * (right - left);
         outflow * ((wave(states[0]) + wave(states[1])) - (left + right))
     };
-    (lost(-1.0) + lost(1.0)) / (4.0 * z)
+    (by_wave(-1.0) + by_wave(1.0)) / (4.0 * z)
 }
 
 /// The energy of the cells of a line without its ghosts, in the unit of the [`Account`].

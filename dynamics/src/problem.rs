@@ -67,7 +67,7 @@ pub enum Detail {
     /// All but the dissipation of the scheme.
     #[default]
     Light,
-    /// That of the scheme as well, from the pieces in every cell and sweep: many times slower.
+    /// That of the scheme as well, from the fluxes of every cell and sweep: many times slower.
     Full,
 }
 

@@ -283,9 +283,8 @@ fn form<N: Number, const POWERS: usize, const COUNT: usize>(
 /// arriving wave O in the two outermost cells and in their images. These alone conserve as the interior does, but ∂W
 /// has a kink at the side, and the errors beside it are of first order. No closure that is exact on straight waves
 /// keeps the energy: with slopes a before the side and b after it a sweep would change the energy by
-/// C(1 − C²)/12 (a² − b²). [`REFLECTING`] is the correction of the fluxes at the side and at the faces next to it,
-/// there of the arriving wave as well as of the leaving one, that makes the leading error of a straight wave least while
-/// the sweep stays a contraction (singular values of all lines: `no_line_gains_energy`). At an open side nothing comes
+/// C(1 − C²)/12 (a² − b²). [`REFLECTING`] corrects the fluxes at the side, and both the arriving and the leaving one at
+/// the next face. It is a mean of two closures, one fitted to pulses and one to the kink, and the sweep stays a contraction (singular values of all lines: `no_line_gains_energy`). At an open side nothing comes
 /// in, and the wave that goes out is reconstructed from its own side: [`OPEN`]. Where the three outermost cells are
 /// not of one medium the ghosts are images; an open side's repeat the outermost arriving wave.
 #[inline(always)]

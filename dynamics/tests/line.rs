@@ -234,7 +234,7 @@ fn random_line(random: &mut Random, count: usize) -> Line {
     Line::new(count, |i| data[i])
 }
 
-/// What the pieces lose and gain is what the means do: with a different medium in every cell, and work at
+/// What the fluxes dissipate is what the means lose: with a different medium in every cell, and work at
 /// both ends.
 #[test]
 fn the_account_closes() {

@@ -142,8 +142,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     let (impedance, courant) = (own.impedance(), courant.min(1.0));
                     match (slopes, media.len()) {
                         (Slopes::Godunov, _) => Cell::constant(impedance, courant),
-                        (_, 1) => Cell::new(impedance, courant),
-                        _ => Cell::among_others(impedance, courant),
+                        (Slopes::FourthOrder, 2..) => Cell::among_others(impedance, courant),
+                        _ => Cell::new(impedance, courant),
                     }
                 })
                 .collect();
