@@ -253,6 +253,40 @@ fn a_hundred_thousand_steps_are_stable() {
     stable(100);
 }
 
+/// Beside a medium a hundred times as fast waves have Courant numbers below those that reconstruction beside interfaces
+/// is made for: whatever the reconstruction, free and fixed sides do no work.
+#[test]
+fn sides_of_slow_media_do_no_work() {
+    let [slow, fast] = [1.0, 1e4].map(|factor| {
+        let solid = Isotropic::new(1.4 * factor, 0.9 * factor, 1.2, None).expect("sound moduli");
+        Medium::isotropic(&solid, 2)
+    });
+    let step = 0.9 * 2.0 * 0.1 / fast.greatest_speed();
+    for slopes in [Slopes::Godunov, Slopes::Limited, Slopes::FourthOrder] {
+        let scheme = Scheme {
+            detail: Detail::Full,
+            splitting: Splitting::Alternating,
+            ..Scheme::new(slopes, Placement::Last)
+        };
+        let grid = Grid { cells: [8, 12], spacing: [0.1, 0.1] };
+        let of_cell = (0..96).map(|cell| u16::from(cell / 8 > 6)).collect();
+        let sides = [[Boundary::Free, Boundary::Fixed], [Boundary::Free, Boundary::Fixed]];
+        let media = vec![slow.clone(), fast.clone()];
+        let problem = Problem::new(grid, media, of_cell, sides, step, scheme);
+        let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
+        fill(&mut domain, 1.0);
+        let start = domain.energy().total();
+        for _ in 0..2000 {
+            domain.advance();
+        }
+        let ledger = domain.ledger();
+        let rest = domain.energy().total() - start - ledger.change();
+        println!("{slopes:?}: {:e} of {start:e} lost, {rest:e} left over", ledger.numerical);
+        assert_eq!(ledger.inflow, 0.0);
+        assert!(ledger.numerical > 0.0 && rest.abs() < 1e-12 * start, "{slopes:?}: {rest:e}");
+    }
+}
+
 /// The energy that the domain tells is that of the laws, and that of the pairs: ½ρv², ½s²/M.
 #[test]
 fn energies_are_those_of_the_laws() {
