@@ -1,10 +1,10 @@
 //! Sides as sweeps see them: ghost states beyond them.
 //!
 //! Across a plane of symmetry they are mirror images, which is exact. Elsewhere the normal derivative of the velocity
-//! on a free side, or of the stress on a fixed one, is not zero, and an image would have a kink there that makes the
-//! limiter flatten the wave that arrives: the error of the face state would be of first order. Here that wave is
-//! reconstructed from its own side, the condition gives the wave that leaves, and both are put into ghosts from which the
-//! sweeps make just these face states: [`limited`] and [`fourth_order`].
+//! on a free side, or of the stress on a fixed one, is not zero. An image then has a kink at the side, which limiters and
+//! linear reconstructions alike take for a crest, and the error of the face state is of first order. Ghosts are
+//! therefore such that the sweeps, which know nothing of sides, make better face states from them: [`limited`] and
+//! [`fourth_order`].
 
 use crate::boundary::{Boundary, Condition, Load, Signal};
 use crate::line::{Cell, GHOSTS, Slopes, State, Waves};
