@@ -46,8 +46,8 @@ pub enum Slopes {
 }
 
 impl Slopes {
-    /// Of straight pieces: how much what leaves a cell during the step is beyond its mean, in the direction of its way: 1 − C times
-    /// half the slope, by the differences from the cell upwind and to the one downwind.
+    /// Of a piecewise linear reconstruction: the face value downwind less the cell mean, averaged over the step, (1 − C)
+    /// times half the limited slope. Arguments: the differences upwind and downwind.
     ///
     /// With leads l a wave w in cell i becomes w − C(w + l − w′ − l′), w′ and l′ being those of the cell upwind. Of
     /// one sign with d = w − w′ and within l ≤ d(1 − C)/C and l′ ≤ d, the leads make that a mean of w and w′ with
@@ -83,12 +83,12 @@ impl Slopes {
         }
     }
 
-    /// What reaches the face between the cell behind and the cell at hand from the left and from the right, means over
-    /// the step of s − zv and s + zv, in one medium; and what the next face wants to know of these cells.
+    /// The left and the right face value of the Riemann problem between the cell behind and the cell at hand, in one
+    /// medium: s − zv and s + zv, averaged over the step. And what the next face needs of these cells, `known` there.
     ///
-    /// By the waves in the cell at hand, their differences to those in the cell behind and in the one after it, the
-    /// state in the cell behind, and what was wanted of the cells before: to fourth order the differences between them,
-    /// else what runs to the right.
+    /// `known`: to fourth order the differences between the two cells behind, else the left face value. `behind`: the state
+    /// in the cell behind; `own`: the waves in the cell at hand; `before`, `after`: their differences from that cell and to
+    /// the next.
     #[inline(always)]
     pub(crate) fn reach<N: Number>(
         self,

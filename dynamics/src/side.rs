@@ -284,9 +284,10 @@ fn form<N: Number, const POWERS: usize, const COUNT: usize>(
 /// has a kink at the side, and the errors beside it are of first order. No closure that is exact on straight waves
 /// keeps the energy: with slopes a before the side and b after it a sweep would change the energy by
 /// C(1 − C²)/12 (a² − b²). [`REFLECTING`] corrects the fluxes at the side, and both the arriving and the leaving one at
-/// the next face. It is a mean of two closures, one fitted to pulses and one to the kink, and the sweep stays a contraction (singular values of all lines: `no_line_gains_energy`). At an open side nothing comes
-/// in, and the wave that goes out is reconstructed from its own side: [`OPEN`]. Where the three outermost cells are
-/// not of one medium the ghosts are images; an open side's repeat the outermost arriving wave.
+/// the next face. It is a mean of two closures, one fitted to pulses and one to the kink; the sweep stays a
+/// contraction (singular values of lines: `no_line_gains_energy`). At an open side nothing comes in, and the outgoing wave
+/// is reconstructed from its own side: [`OPEN`]. Where the three outermost cells are not of one medium the ghosts are
+/// images; on an open side the face value of the outgoing wave is then its value in the outermost cell.
 #[inline(always)]
 fn fourth_order<N: Number>(
     is_open: bool,
