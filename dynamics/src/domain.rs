@@ -69,6 +69,7 @@ use crate::problem::{DomainError, Grid, Placement, Problem, Scheme};
 use crate::real::{Group, Number, Real};
 use crate::row::RowEnds;
 use crate::side::{Side, set_time};
+use complete::ClosingSides;
 use local::combined;
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
@@ -259,9 +260,8 @@ pub struct Domain<T: Real, const D: usize> {
     data: Vec<T::Lanes>,
     /// As they are in the half steps of a pass.
     sides: Vec<[[Side<T>; 2]; D]>,
-    /// Where sweeps alternate those of the first axis, as they are in the quarter step that completes each step of a
-    /// pass.
-    closing_sides: Vec<[Side<T>; 2]>,
+    /// Where sweeps alternate those of the first axis, as they are when each step of a pass is completed.
+    closing_sides: Vec<ClosingSides<T>>,
     kicks: Vec<Kick>,
     acceleration: [f64; D],
     initial_stress: Option<(usize, Vec<Stress>)>,
@@ -588,7 +588,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 };
                 set_time(&mut self.sides[half][0], time);
                 if half % 2 == 1 {
-                    set_time(&mut self.closing_sides[half / 2], end - 0.125 * self.step);
+                    self.closing_sides[half / 2].set_time(end, self.step);
                 }
             }
             for kick in &mut self.kicks {
@@ -858,7 +858,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let first = self.own_cells().start;
         let [from, to] = [layers.start, layers.end]
             .map(|layer| self.watched.partition_point(|cell| first + cell < layer * self.layer()));
-        let sides = self.closing_sides.get(step).unwrap_or(&self.sides[0][0]);
+        let now = (self.closing_sides.is_empty()).then(|| self.sides_now());
+        let sides = now.as_ref().unwrap_or_else(|| &self.closing_sides[step]);
         for &cell in &self.watched[from..to] {
             self.show_between(cell, sides, &mut records);
         }
@@ -877,7 +878,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
     }
 
     /// The same with the sides that [`Self::sides_now`] gives, for many cells.
-    pub(crate) fn show_between(&self, cell: usize, sides: &[Side<T>; 2], values: &mut Vec<f64>) {
+    pub(crate) fn show_between(&self, cell: usize, sides: &ClosingSides<T>, values: &mut Vec<f64>) {
         let own = self.completed(cell + self.own_cells().start, sides);
         let stress = self.stress_of(&own);
         let whole = combined(&stress, &self.initial_stress(cell + self.own_cells().start), 1.0);

@@ -7,10 +7,11 @@ use super::{RICKER, Row, SOLID, half_space};
 const FORCE: f64 = 1e6;
 
 /// Name and place (horizontal, upwards) of receivers, in wavelengths of the Rayleigh wave.
-const RECEIVERS: [(&str, [f64; 3]); 6] = [
+const RECEIVERS: [(&str, [f64; 3]); 7] = [
     ("surface1", [1.0, 0.0, 0.0]),
     ("diagonal2", [1.4, 1.4, 0.0]),
     ("surface3", [3.0, 0.0, 0.0]),
+    ("across3", [0.0, 3.0, 0.0]),
     ("oblique1", [0.6, 0.0, -0.8]),
     ("oblique2", [1.0, 1.0, -1.4]),
     ("shallow3", [2.8, 0.6, -0.6]),

@@ -1,5 +1,6 @@
 //! What a domain needs of a problem, and the order in which it needs it.
 
+use super::complete::ClosingSides;
 use super::plastic::Sets;
 use super::{AtATime, Buffer, CHUNK, Domain, EnergyTerms, Kick, RowEnds, groups, pitch};
 use crate::boundary::{Boundary, Load};
@@ -347,7 +348,10 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 1 => Vec::new(),
                 _ => rows.iter().map(|row| row.1).collect(),
             },
-            closing_sides: vec![sides[0].clone(); if alternates { most_steps } else { 0 }],
+            closing_sides: vec![
+                ClosingSides::new(&sides[0]);
+                if alternates { most_steps } else { 0 }
+            ],
             sides: vec![sides; halves],
             kicks: kicks.collect(),
             acceleration: problem.acceleration,
