@@ -22,6 +22,13 @@ pub enum Condition {
     OddStress,
 }
 
+impl Condition {
+    /// Whether the side reflects, and is not a plane of symmetry.
+    pub(crate) fn reflects(&self) -> bool {
+        matches!(self, Self::Velocity(_) | Self::Traction(_))
+    }
+}
+
 /// What lies beyond a side.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Boundary {

@@ -28,7 +28,7 @@
 //! ```
 //!
 //! with x by a quarter of a step at the very beginning. With X = x² this is (√x … x … √x)ⁿ but for the last √x, which
-//! `complete` adds to what is shown of cells. Every factor keeps or lowers the energy here, too.
+//! `complete` adds to what is shown of cells, or the mean of the states before and after X beside sides. Every factor keeps or lowers the energy here, too.
 //!
 //! A row along the first axis is folded into as many lanes as fill a line of the cache: of G groups the cell
 //! x is in group x mod G and lane x div G, so that cells follow each other lane by lane. A row holds its fields one

@@ -22,6 +22,7 @@ pub mod kernel;
 pub mod ledger;
 pub mod line;
 pub mod medium;
+mod order;
 pub mod problem;
 pub mod real;
 mod row;

@@ -10,6 +10,7 @@ use crate::domain::{Domain, Halo, most_steps};
 use crate::kernel::Instructions;
 use crate::ledger::{Energy, Ledger, Total};
 use crate::line::HALO;
+use crate::order::Order;
 use crate::problem::{DomainError, Problem};
 use crate::real::Real;
 use models::cosserat::waves::Field;
@@ -96,9 +97,9 @@ impl<T: Real, const D: usize> Part<T, D> {
 pub struct Snapshot<T> {
     /// Steps done.
     pub steps: usize,
-    /// Values by field, then by cell, the first axis running fastest.
+    /// Values by field, then by cell, the axis of the first sweeps running fastest.
     pub fields: Vec<Vec<T>>,
-    /// The ledger by layer across the last axis.
+    /// The ledger by layer across the axis along which the domain is cut.
     pub totals: Vec<[f64; 12]>,
     /// Plastic dissipation by cell, where anything yields, J/m³; then the sums of the problem's integrals.
     pub sums: Vec<Vec<f64>>,
@@ -107,6 +108,8 @@ pub struct Snapshot<T> {
 /// A domain in parts.
 pub struct Split<T: Real, const D: usize> {
     parts: Vec<Part<T, D>>,
+    /// How the axes and cells of the parts are those of the problem.
+    order: Order<D>,
     /// Number of watched cells.
     watched: usize,
 }
@@ -117,7 +120,28 @@ impl<T: Real, const D: usize> Split<T, D> {
     /// # Errors
     /// See [`DomainError`].
     pub fn new(problem: &Problem<D>, count: usize) -> Result<Self, DomainError> {
+        Self::sweeping_first(0, problem, count)
+    }
+
+    /// How many parts a domain may be cut into.
+    pub fn most_parts(first_axis: usize, problem: &Problem<D>) -> usize {
+        let order = Order::with_first(first_axis, &problem.grid);
+        (order.grid(&problem.grid).cells[D - 1] / HALO).max(1)
+    }
+
+    /// The same with the sweeps along an axis in the place of those along the first one. The order of the sweeps along
+    /// the others stays; the domain is cut along the last of them.
+    ///
+    /// # Errors
+    /// See [`DomainError`].
+    pub fn sweeping_first(
+        axis: usize,
+        problem: &Problem<D>,
+        count: usize,
+    ) -> Result<Self, DomainError> {
         problem.check()?;
+        let order = Order::with_first(axis, &problem.grid);
+        let problem = &order.problem(problem);
         let layers = problem.grid.cells[D - 1];
         if count == 0 || (count > 1 && layers / count < HALO) {
             return Err(DomainError::Parts { found: count, cells: layers });
@@ -150,7 +174,7 @@ impl<T: Real, const D: usize> Split<T, D> {
             parts[index].halo.neighbours[1] = neighbour(forth, from_ahead);
             parts[next].halo.neighbours[0] = neighbour(back, from_behind);
         }
-        Ok(Self { parts, watched: 0 })
+        Ok(Self { parts, order, watched: 0 })
     }
 
     /// Uses other instructions than the best; results do not depend on them.
@@ -203,6 +227,7 @@ impl<T: Real, const D: usize> Split<T, D> {
             let own = part.first..part.first + part.domain.grid().count();
             part.watched = cells
                 .iter()
+                .map(|cell| self.order.inner(*cell))
                 .enumerate()
                 .filter(|(_, cell)| own.contains(cell))
                 .map(|(place, cell)| (place, cell - part.first))
@@ -242,7 +267,7 @@ impl<T: Real, const D: usize> Split<T, D> {
         let totals = self.parts.iter().flat_map(|part| part.domain.totals());
         Snapshot {
             steps: self.parts.first().map_or(0, |part| part.domain.steps()),
-            fields: fields.into_iter().filter_map(|field| self.values(field)).collect(),
+            fields: fields.into_iter().filter_map(|field| self.inner_values(field)).collect(),
             totals: totals.map(Total::numbers).collect(),
             sums: self.sums(),
         }
@@ -264,7 +289,7 @@ impl<T: Real, const D: usize> Split<T, D> {
             part.domain.clear();
         }
         for (field, values) in fields.into_iter().zip(&snapshot.fields) {
-            self.set(field, values);
+            self.set_inner(field, values);
         }
         let mut totals = snapshot.totals.iter().map(|numbers| Total::from_numbers(*numbers));
         for part in &mut self.parts {
@@ -277,7 +302,7 @@ impl<T: Real, const D: usize> Split<T, D> {
 
     /// Plastic dissipation by cell, J/m³; empty where nothing yields.
     pub fn dissipated(&self) -> Vec<f64> {
-        self.sums().swap_remove(0)
+        self.order.restored(self.sums().swap_remove(0))
     }
 
     fn sums(&self) -> Vec<Vec<f64>> {
@@ -315,7 +340,8 @@ impl<T: Real, const D: usize> Split<T, D> {
     /// The first value that is not finite: its field and its cell.
     pub fn first_non_finite(&self) -> Option<(Field, usize)> {
         let own = |part: &Part<T, D>| {
-            part.domain.first_non_finite().map(|(field, cell)| (field, part.first + cell))
+            let (field, cell) = part.domain.first_non_finite()?;
+            Some((field, self.order.outer(part.first + cell)))
         };
         self.parts.iter().find_map(own)
     }
@@ -333,7 +359,7 @@ impl<T: Real, const D: usize> Split<T, D> {
     /// The first cell whose stress is not in its yield set.
     pub fn first_beyond_yield(&self) -> Option<usize> {
         let own = |part: &Part<T, D>| Some(part.first + part.domain.first_beyond_yield()?);
-        self.parts.iter().find_map(own)
+        self.parts.iter().find_map(own).map(|cell| self.order.outer(cell))
     }
 
     /// The values of all fields, the first axis running fastest, as [`Domain::show`] gives them.
@@ -350,12 +376,17 @@ impl<T: Real, const D: usize> Split<T, D> {
                 }
             }
         }
-        fields
+        fields.into_iter().map(|values| self.order.restored(values)).collect()
     }
 
     /// The values of a field as they are computed with, the first axis running fastest; `None` if there is
     /// no such field.
     pub fn values(&self, field: Field) -> Option<Vec<T>> {
+        self.inner_values(field).map(|values| self.order.restored(values))
+    }
+
+    /// By cell of the parts.
+    fn inner_values(&self, field: Field) -> Option<Vec<T>> {
         self.parts
             .iter()
             .map(|part| part.domain.values(field))
@@ -363,8 +394,12 @@ impl<T: Real, const D: usize> Split<T, D> {
             .map(|all| all.concat())
     }
 
-    /// Sets the values of a field; of those beyond the end of either nothing happens.
+    /// Sets the values of a field, the first axis running fastest: as many as there are cells.
     pub fn set(&mut self, field: Field, values: &[T]) {
+        self.set_inner(field, &self.order.arranged(values));
+    }
+
+    fn set_inner(&mut self, field: Field, values: &[T]) {
         for part in &mut self.parts {
             part.domain.set(field, values.get(part.first..).unwrap_or(&[]));
         }

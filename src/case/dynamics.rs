@@ -170,7 +170,7 @@ words! {
 words! {
     /// Order of the sweeps of a step.
     Splitting {
-        /// Those along the first axis alternate with the others.
+        /// Those along one axis alternate with the others.
         Alternating = "alternating",
         /// Forth and back through all axes.
         TwoCyclic = "two-cyclic"

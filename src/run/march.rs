@@ -15,7 +15,6 @@ use crate::output::Growing;
 use crate::progress::Progress;
 use crate::words::{short, unit_of};
 use dynamics::ledger::{Energy, Ledger};
-use dynamics::line::HALO;
 use dynamics::medium::Medium;
 use dynamics::problem::Problem;
 use dynamics::real::Real;
@@ -104,7 +103,8 @@ impl<'a, const D: usize> Start<'a, D> {
         let threads = threads.unwrap_or_else(|| {
             std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
         });
-        let parts = threads.clamp(1, (problem.grid.cells[D - 1] / HALO).max(1));
+        let most = Split::<f64, D>::most_parts(problem.first_axis(), &problem);
+        let parts = threads.clamp(1, most);
         let mut stencils: Vec<(Stencil, usize)> = dynamics
             .receivers
             .iter()
@@ -122,7 +122,9 @@ impl<'a, const D: usize> Start<'a, D> {
 
     /// The state at the beginning.
     fn split<T: Real>(&self) -> Result<Split<T, D>, Error> {
-        let mut split = Split::new(&self.problem, self.parts).map_err(|error| {
+        let first = self.problem.first_axis();
+        let split = Split::sweeping_first(first, &self.problem, self.parts);
+        let mut split = split.map_err(|error| {
             self.job.dynamics.locate("grid", error.to_string(), "see the README")
         })?;
         for (field, values) in &self.initial {
