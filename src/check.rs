@@ -21,6 +21,7 @@ use crate::solid::Solid;
 use crate::words::case_title;
 use crate::{Error, Format, Options};
 use figures::NoteFigure;
+use models::elementary::Elementary;
 use models::granular_flow::InputError;
 use serde_json::{Value, json};
 use solid::{Gap, Plan, Row};
@@ -570,7 +571,7 @@ fn digits(x: f64) -> String {
     match x.abs() {
         0.0 => "0".into(),
         size if (1e-3..1e6).contains(&size) => {
-            let after = (6 - size.log10().floor() as i32).clamp(0, 9) as usize;
+            let after = (6 - size.cr_log10().floor() as i32).clamp(0, 9) as usize;
             format!("{x:.after$}")
         }
         _ => format!("{x:.5e}"),

@@ -7,6 +7,7 @@ use analysis::growth::{Assessment, Growth, Verdict};
 use analysis::newton::Order;
 use analysis::sphere::{self, Extremes, Flutter, RankOne, Slowest, Sphere, SphereError};
 use analysis::waves::squared_speeds;
+use models::elementary::Elementary;
 use models::plasticity::symbol::NoResponse;
 use models::rates::RateEquations;
 use std::collections::VecDeque;
@@ -176,7 +177,7 @@ impl<'a> Judge<'a> {
         };
         let extremes = Circle::new(&rates).search(worst.as_slice());
         let hyperbolicity = Hyperbolicity::of(&extremes);
-        let mut normal = worst.map(|angle| [angle.cos(), angle.sin(), 0.0]);
+        let mut normal = worst.map(|angle| [angle.cr_cos(), angle.cr_sin(), 0.0]);
         // What the polynomial leaves open in one direction is decided by complex or imaginary speeds in
         // another: no growth is of higher order than k.
         let is_open = matches!(assessment.verdict, Verdict::Marginal { .. });

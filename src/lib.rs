@@ -5,6 +5,7 @@
 //! [`case`] reads case files; [`output`] keeps folders of results. No physics here, and no numerics but where
 //! [`check`] holds the two halves against each other.
 #![deny(missing_docs)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod case;
 pub mod cases;

@@ -13,6 +13,7 @@ use crate::{Error, Format, Options};
 use analysis::bound;
 use analysis::growth::Verdict;
 use figures::{Axis, Category, Curve, Look, VerdictMap};
+use models::elementary::Elementary;
 use models::granular_flow::state::Background;
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -725,7 +726,7 @@ fn figure(case: &Case, map: &Map, points: &[Point]) -> VerdictMap {
         }
         _ => {
             let label = format!("leading growth rate at k = {} 1/m (1/s)", short(wave_number));
-            (label, |p, k| p.coefficient * k.powf(p.order))
+            (label, |p, k| p.coefficient * k.cr_powf(p.order))
         }
     };
     VerdictMap {

@@ -13,6 +13,7 @@ use figures::{
 };
 use files::npz::{Array, Values, read};
 use models::cosserat::waves::Field;
+use models::elementary::Elementary;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::Path;
@@ -304,7 +305,7 @@ impl Fields {
         };
         let values = section.cells().map(|cell| match picture {
             Picture::Speed => (1..=grid.dimensions())
-                .fold(0.0, |sum, i| f64::hypot(sum, of(&format!("v{i}"), cell))),
+                .fold(0.0, |sum, i| Elementary::root_sum_square(sum, of(&format!("v{i}"), cell))),
             other => of(&other.name(), cell),
         });
         let mut figure = section.figure(case, dynamics, picture, time, values.collect());
@@ -363,9 +364,9 @@ impl<'a> Section<'a> {
         };
         let all = array(bytes, &name, self.dynamics.grid.count())?;
         let of = |cell: usize| match picture {
-            Picture::Speed => {
-                all[3 * cell..3 * cell + 3].iter().fold(0.0, |s, v| f64::hypot(s, *v))
-            }
+            Picture::Speed => all[3 * cell..3 * cell + 3]
+                .iter()
+                .fold(0.0, |s, v| Elementary::root_sum_square(s, *v)),
             Picture::Component(Component(Field::Velocity(i))) => all[3 * cell + i],
             _ => all[cell],
         };

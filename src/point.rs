@@ -20,6 +20,7 @@ use figures::{
     Style,
 };
 use models::Rounded;
+use models::elementary::Elementary;
 use models::granular_flow::state::{Background, Flow};
 use models::granular_flow::{InputError, Model};
 use serde_json::{Value, json};
@@ -619,7 +620,7 @@ fn growth_figure(case: &Case, shown: &[&Analysed]) -> GrowthFigure {
         let Verdict::IllPosed { growth: Some(growth), .. } = &a.regular()?.verdict else {
             return None;
         };
-        let asymptote = |k: f64| growth.coefficient * k.powf(growth.order.value());
+        let asymptote = |k: f64| growth.coefficient * k.cr_powf(growth.order.value());
         let points = a.by_wave_number.iter().map(|at| [at.number, asymptote(at.number)]);
         Some(Line {
             label: "exact asymptote: coefficient · k^order".into(),
@@ -722,7 +723,7 @@ fn directions_figure(case: &Case, of: &Analysed) -> DirectionsFigure {
         ));
         if flow.velocity != [0.0; 2] {
             let [v1, v2] = flow.velocity;
-            directions.push(axis("velocity", v2.atan2(v1), Style::Velocity));
+            directions.push(axis("velocity", v2.cr_atan2(v1), Style::Velocity));
         }
     }
     let kind = of

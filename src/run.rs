@@ -25,6 +25,7 @@ use ::files::npz::Npz;
 use analysis::growth::Growth;
 use checkpoint::Checkpoint;
 pub(crate) use flow::{flow_problem, perturbation};
+use models::elementary::Elementary;
 pub(crate) use setup::{medium, unknown_name};
 use std::fmt;
 use std::fs::File;
@@ -67,7 +68,7 @@ impl fmt::Display for IllPosed {
             return write!(formatter, "waves at {direction}° grow at unbounded rates");
         };
         let order = order.value();
-        let tenfold = 10f64.ln() / (coefficient * self.number.powf(order));
+        let tenfold = 10f64.cr_ln() / (coefficient * self.number.cr_powf(order));
         write!(
             formatter,
             "short waves grow at the rate {} k{} 1/s, fastest at {direction}°; those of the grid, \
@@ -238,8 +239,8 @@ fn if_memory_suffices(
 
 fn bytes(bytes: f64) -> String {
     const UNITS: [&str; 4] = ["KiB", "MiB", "GiB", "TiB"];
-    let power = (bytes.max(1.0).log2() / 10.0).floor().clamp(1.0, 4.0);
-    format!("{:.1} {}", bytes / 1024f64.powf(power), UNITS[power as usize - 1])
+    let power = (bytes.max(1.0).cr_log2() / 10.0).floor().clamp(1.0, 4.0);
+    format!("{:.1} {}", bytes / 1024f64.cr_powf(power), UNITS[power as usize - 1])
 }
 
 /// Memory that the system can give, bytes, where it says so.

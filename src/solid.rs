@@ -9,6 +9,7 @@ use models::Rounded;
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances};
 use models::cosserat::stress::{Component, Stress};
 use models::cosserat::symbol::Layout;
+use models::elementary::Elementary;
 use models::granular_flow::InputError;
 use models::plasticity::parameters::{
     ActiveCondition, Interlayer, InterlayerCouple, Mises, YieldSet, contract, mean,
@@ -206,8 +207,8 @@ pub fn elastic_and_set(case: &Case) -> Result<(Elastic, Option<YieldSet>), Input
 
 /// Unit vector along a wave.
 pub fn normal(wave: &Wave) -> [f64; 3] {
-    let (sin, cos) = radians(wave.direction_deg).sin_cos();
-    let (up, along) = radians(wave.elevation_deg).sin_cos();
+    let (sin, cos) = radians(wave.direction_deg).cr_sin_cos();
+    let (up, along) = radians(wave.elevation_deg).cr_sin_cos();
     [along * cos, along * sin, up]
 }
 
@@ -217,8 +218,8 @@ pub fn angles_deg([x, y, z]: [f64; 3]) -> [f64; 2] {
     // Where a direction was found by search its last digits are noise.
     const NOISE: f64 = 1e-7;
     let clean = |degrees: f64| if degrees.abs() < NOISE { 0.0 } else { degrees };
-    let elevation = clean(z.atan2(x.hypot(y)).to_degrees());
-    let direction = clean(y.atan2(x).to_degrees());
+    let elevation = clean(z.cr_atan2(x.root_sum_square(y)).to_degrees());
+    let direction = clean(y.cr_atan2(x).to_degrees());
     // Half a turn in the plane goes with the opposite elevation.
     match direction {
         d if d < 0.0 => [clean(d + 180.0), -elevation + 0.0],
@@ -408,7 +409,7 @@ fn yield_set(case: &Case, kind: Yield) -> Result<YieldSet, InputError> {
 /// The stress of a case: its pressure, and the rest multiplied until it yields.
 fn on_yield(set: &YieldSet, case: &Case) -> Result<Stress, InputError> {
     let given = case.numbers.stress;
-    let (sin, cos) = (2.0 * radians(given.stress_angle_deg)).sin_cos();
+    let (sin, cos) = (2.0 * radians(given.stress_angle_deg)).cr_sin_cos();
     let [q, r] = [given.deviatoric_stress, given.rotational_stress];
     let mut pressure = Stress::default();
     for i in 0..3 {

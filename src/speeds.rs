@@ -10,6 +10,7 @@ use crate::{Error, Format, Options};
 use analysis::circle::Circle;
 use analysis::waves::squared_speeds;
 use figures::{Response, SpeedCurve, SpeedsFigure, SphereFigure, SphereMark, Vanishing};
+use models::elementary::Elementary;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -170,7 +171,7 @@ fn find(case: &Case, solid: Solid) -> Result<Found, Error> {
 fn standstill(solid: &Solid, angle: f64) -> &'static str {
     const NEAR: f64 = 1e-5; // a zero that is touched is known to the square root of the rounding
     let active = solid.plastic.iter().flat_map(|plastic| &plastic.active);
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = angle.cr_sin_cos();
     let slips = |normal: &models::cosserat::stress::Stress| {
         // The layers normal to x₁ slip where σ₂₁ is limited, those normal to x₂ where σ₁₂ is.
         let sheared = |i: usize, j: usize| normal.force[i][j] != 0.0 || normal.couple[2][j] != 0.0;
@@ -192,11 +193,11 @@ fn hemisphere(rates: &models::rates::RateEquations<3>) -> Vec<f64> {
     polar
         .par_iter()
         .flat_map_iter(|&polar| {
-            let (sin, cos) = polar.to_radians().sin_cos();
+            let (sin, cos) = polar.to_radians().cr_sin_cos();
             let row: Vec<f64> = azimuth
                 .iter()
                 .map(|azimuth| {
-                    let (y, x) = azimuth.to_radians().sin_cos();
+                    let (y, x) = azimuth.to_radians().cr_sin_cos();
                     slowest(&squared_speeds(rates, [sin * x, sin * y, cos]))
                 })
                 .collect();

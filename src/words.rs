@@ -1,6 +1,7 @@
 //! Numbers, units and orders as words for a reader.
 
 use crate::case::Case;
+use models::elementary::Elementary;
 
 /// How verdicts come about that a formula of the model decides.
 pub const CLOSED_FORM: &str = "closed form of the model's growth rate, where its sign and ten digits of it stand out of rounding";
@@ -25,7 +26,7 @@ pub fn short(x: f64) -> String {
     if !(1e-3..1e5).contains(&x.abs()) {
         return format!("{x:.3e}");
     }
-    let digits = (3 - x.abs().log10().floor() as i32).max(0) as usize;
+    let digits = (3 - x.abs().cr_log10().floor() as i32).max(0) as usize;
     let text = format!("{x:.digits$}");
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()

@@ -2,8 +2,8 @@
 
 mod reference;
 
-use reference::PROBLEMS;
 use reference::run::Settings;
+use reference::{PROBLEMS, Row};
 use std::path::Path;
 
 /// Greatest L2 error of a component up to three wavelengths away, by problem: a tenth above today's errors. `benches/accuracy.rs`
@@ -18,15 +18,26 @@ const BOUNDS: [(&str, f64); 7] = [
     ("oblique-s", 0.137),
 ];
 
+fn program() -> &'static Path {
+    Path::new(env!("CARGO_BIN_EXE_wellposed"))
+}
+
+fn rows(name: &str, settings: &Settings) -> Vec<Row> {
+    let problem = PROBLEMS.iter().find(|problem| problem.name == name).expect("a problem");
+    (problem.rows)(settings)
+}
+
 /// Runs a problem and compares all its components.
 fn check(name: &str) {
-    let program = Path::new(env!("CARGO_BIN_EXE_wellposed"));
-    let problem = PROBLEMS.iter().find(|problem| problem.name == name).expect("a problem");
     let (_, bound) = BOUNDS.iter().find(|own| own.0 == name).expect("a bound");
+    check_within(name, *bound, &Settings::new(program(), 20.0));
+}
+
+fn check_within(name: &str, bound: f64, settings: &Settings) {
     let mut faults = Vec::new();
-    for row in (problem.rows)(&Settings::new(program, 20.0)) {
+    for row in rows(name, settings) {
         println!("{name} {} at {:.2}: {:?}", row.name, row.distance, row.error);
-        if row.error.l2.is_nan() || row.error.l2 > *bound {
+        if row.error.l2.is_nan() || row.error.l2 > bound {
             faults.push(format!("{}: {:?}", row.name, row.error));
         }
     }
@@ -36,6 +47,30 @@ fn check(name: &str) {
 #[test]
 fn lamb_vertical() {
     check("lamb-vertical");
+}
+
+/// Sweeps along the first axis end on the surface; what is shown is completed by half of one.
+#[test]
+fn lamb_vertical_across_the_first_axis() {
+    check_within(
+        "lamb-vertical",
+        0.076,
+        &Settings { up: Some(0), ..Settings::new(program(), 20.0) },
+    );
+}
+
+/// The sweeps across the surface alternate with those along both other axes, which then are alike.
+#[test]
+fn directions_on_a_surface_in_space_are_alike() {
+    let rows = rows("pekeris", &Settings::new(program(), 10.0));
+    let error = |name: &str| {
+        rows.iter().find(|row| row.name == name).expect("a receiver and a component").error.l2
+    };
+    for [one, other] in [["surface3.v1", "across3.v2"], ["surface3.v3", "across3.v3"]] {
+        let (one, other) = (error(one), error(other));
+        assert!((one - other).abs() < 0.01 * one, "{one} and {other}");
+        assert!(one < 0.6, "{one}");
+    }
 }
 
 #[test]

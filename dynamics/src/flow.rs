@@ -20,6 +20,7 @@ pub mod spectral;
 use chebyshev::{reach, scheme, stages};
 pub use closure::Closure;
 use equations::{Equations, exponential};
+use models::elementary::{Elementary, cr_cis};
 use num_complex::Complex64;
 use pressure::combine;
 use spectral::Mode;
@@ -117,7 +118,7 @@ impl Problem {
             ("the tolerance", self.tolerance),
             ("the tolerance of the pressure", self.pressure_tolerance),
             ("the deviatoric stress", self.deviator()),
-            ("the cosine of the friction angle", self.friction_angle.cos()),
+            ("the cosine of the friction angle", self.friction_angle.cr_cos()),
         ];
         let finite = [
             ("the cohesion", self.cohesion),
@@ -141,7 +142,7 @@ impl Problem {
 
     /// q of the background, Pa.
     fn deviator(&self) -> f64 {
-        self.pressure * self.friction_angle.sin() + self.cohesion * self.friction_angle.cos()
+        self.pressure * self.friction_angle.cr_sin() + self.cohesion * self.friction_angle.cr_cos()
     }
 }
 
@@ -346,7 +347,7 @@ impl Flow {
             // Before the box has sheared by much, and what is left is shared by steps of one length, lest the last
             // one is a splinter.
             let sheared = (self.time - self.control.looked) * self.turning_rate() + SHEAR;
-            let fastest = self.control.rate * (2.0 * sheared).exp();
+            let fastest = self.control.rate * (2.0 * sheared).cr_exp();
             let longest = self
                 .control
                 .step
@@ -362,8 +363,8 @@ impl Flow {
             match self.tried(step, end, 0) {
                 Ok((state, rates, error)) if error <= 1.0 => {
                     let factor = 0.8
-                        * error.max(1e-6).powf(-1.0 / 3.0)
-                        * (self.control.error.max(1e-3) / error.max(1e-3)).powf(0.1);
+                        * error.max(1e-6).cr_powf(-1.0 / 3.0)
+                        * (self.control.error.max(1e-3) / error.max(1e-3)).cr_powf(0.1);
                     // A step cut short by `until` says nothing against a longer one.
                     let next = step * factor.clamp(0.1, 5.0);
                     self.control.step = if step < longest { next.max(longest) } else { next };
@@ -372,7 +373,7 @@ impl Flow {
                     return Ok(());
                 }
                 Ok((.., error)) if error.is_finite() => {
-                    self.control.step = step * (0.8 * error.powf(-1.0 / 3.0)).clamp(0.1, 0.8);
+                    self.control.step = step * (0.8 * error.cr_powf(-1.0 / 3.0)).clamp(0.1, 0.8);
                 }
                 Ok(_) if cuts >= MOST_CUTS => return Err(self.stuck("no step has finite values")),
                 Err(left) if cuts >= MOST_CUTS => return Err(left),
@@ -409,7 +410,7 @@ impl Flow {
         // Decay goes with the square of wave vectors, which change at the rate |Γ| at most: it depends on their
         // direction, too.
         let ahead = end - self.control.looked;
-        let product = step * self.control.rate * (2.0 * self.turning_rate() * ahead).exp();
+        let product = step * self.control.rate * (2.0 * self.turning_rate() * ahead).cr_exp();
         self.stages = stages(product).max(least_stages);
         if self.stages > MOST_STAGES {
             return Err(self.stuck(&format!("a step of {step:e} s asks for too many stages")));
@@ -498,7 +499,7 @@ impl Flow {
         if self.control.direction.is_empty() {
             // All modes alike, with phases that favour none.
             self.control.direction = (0..self.state.len() as u64)
-                .map(|index| Complex64::cis((index * index % 1_000_003) as f64))
+                .map(|index| cr_cis((index * index % 1_000_003) as f64))
                 .collect();
         }
         let mut direction = std::mem::take(&mut self.control.direction);
@@ -596,7 +597,7 @@ impl Flow {
             }
             Field::StressAngle => {
                 let [cos, sin] = &points.direction;
-                cos.iter().zip(sin).map(|(cos, sin)| 0.5 * sin.atan2(*cos)).collect()
+                cos.iter().zip(sin).map(|(cos, sin)| 0.5 * sin.cr_atan2(*cos)).collect()
             }
             Field::Pressure => {
                 points.pressure.iter().map(|p| self.equations.problem().pressure + p).collect()
@@ -633,7 +634,7 @@ impl Flow {
                     share * self.equations.problem().density * self.state[index].norm_sqr() / square
                 }
             };
-            (first.hypot(second), energy)
+            (first.root_sum_square(second), energy)
         };
         (0..series.count()).map(of_mode).collect()
     }

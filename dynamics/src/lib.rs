@@ -11,6 +11,7 @@
 //! - [`real`]: floating-point numbers, and groups of them;
 //! - [`flow`]: granular flow in a box that moves with it, by Fourier series.
 #![deny(missing_docs)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod boundary;
 mod cell;

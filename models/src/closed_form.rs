@@ -6,6 +6,7 @@
 //! the range of doubles, the formula says nothing and the linearised equations have to be looked
 //! at. So a formula never says *marginal*, and never decides beside a boundary.
 
+use crate::elementary::Elementary;
 use crate::granular_flow::state::Flow;
 use crate::rounding::Rounded;
 use std::f64::consts::PI;
@@ -82,7 +83,7 @@ pub(crate) fn clear_sign(x: Rounded) -> Option<i8> {
 
 /// Whether an angle of friction or dilatancy (rad) is clear of a right angle.
 pub(crate) fn is_below_right_angle(angle: f64) -> bool {
-    angle.cos() >= LEAST_COSINE
+    angle.cr_cos() >= LEAST_COSINE
 }
 
 /// Whether all numbers of a flow are zero or of a size of which products can be formed.

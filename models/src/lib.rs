@@ -10,12 +10,15 @@
 //! Conventions: SI units, radians, tension-positive stress whose second index is the face normal,
 //! compression-positive pressure, angles and spins anticlockwise, `(∇v)ᵢⱼ = ∂ⱼvᵢ`.
 #![deny(missing_docs)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod closed_form;
 pub mod cosserat;
+pub mod elementary;
 pub mod granular_flow;
 mod input;
 pub mod plasticity;
+pub mod product;
 pub mod rates;
 pub mod rounding;
 pub mod system;

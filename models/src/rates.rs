@@ -11,6 +11,7 @@
 //! is the conservation of energy. D is the tangent stiffness. R is what plastic flow of the background
 //! adds: with the stress the direction of flow turns on a curved yield surface.
 
+use crate::product::triple_product;
 use crate::rounding::Rounded;
 use crate::system::{LinearisedSystem, Matrix, Unknown};
 use nalgebra::DMatrix;
@@ -132,7 +133,7 @@ impl<const D: usize> SymmetricForm<D> {
     /// tangent of a yield surface (Sadovskii & Sadovskaya 2019, "Elastic-plastic Cosserat
     /// continuum"). Still symmetric-hyperbolic.
     pub fn restricted(&self, basis: &DMatrix<f64>) -> Self {
-        let restrict = |m: &DMatrix<f64>| basis.transpose() * m * basis;
+        let restrict = |m: &DMatrix<f64>| triple_product(&basis.transpose(), m, basis);
         Self {
             a: restrict(&self.a),
             b: std::array::from_fn(|axis| restrict(&self.b[axis])),

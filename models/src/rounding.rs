@@ -5,6 +5,7 @@
 //! (Wilkinson's running error analysis). A value whose bound is zero is exact; a structural zero
 //! stays one.
 
+use crate::elementary::Elementary;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 /// Half a unit in the last place of 1: the relative error of one rounding.
@@ -63,25 +64,25 @@ impl Rounded {
         }
     }
 
-    /// Sine; the library function is taken to be right to one unit in the last place.
+    /// Sine; the function is taken to be right to one unit in the last place.
     pub fn sin(self) -> Self {
         if self.is_structural_zero() {
             return Self::ZERO;
         }
-        let value = self.value.sin();
+        let value = self.value.cr_sin();
         Self::after_rounding(value, self.bound + UNIT_ROUNDOFF * value.abs())
     }
 
-    /// Cosine; the library function is taken to be right to one unit in the last place.
+    /// Cosine; the function is taken to be right to one unit in the last place.
     pub fn cos(self) -> Self {
-        let value = self.value.cos();
+        let value = self.value.cr_cos();
         Self::after_rounding(value, self.bound + UNIT_ROUNDOFF * value.abs())
     }
 
     /// Arc sine of a number whose exact value lies in [−1, 1]; the bound is the distance to the
     /// arc sines of the ends of the interval that the argument may lie in.
     pub fn asin(self) -> Self {
-        let at = |x: f64| x.clamp(-1.0, 1.0).asin();
+        let at = |x: f64| x.clamp(-1.0, 1.0).cr_asin();
         let value = at(self.value);
         let (low, high) = (at(self.value - self.bound), at(self.value + self.bound));
         let spread = (value - low).max(high - value);

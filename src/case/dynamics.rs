@@ -16,6 +16,7 @@ pub use profile::Profile;
 
 use super::place::Places;
 use super::{Case, CaseError};
+use models::elementary::Elementary;
 use std::fmt;
 
 /// Most cells of a grid.
@@ -288,7 +289,8 @@ impl Shape {
                 x.iter().zip(from.iter().zip(to)).all(|(x, (from, to))| (from..to).contains(&x))
             }
             Self::Ball { center, radius } => {
-                let distance = x.iter().zip(center).fold(0f64, |sum, (x, c)| sum.hypot(x - c));
+                let distance =
+                    x.iter().zip(center).fold(0f64, |sum, (x, c)| sum.root_sum_square(x - c));
                 distance < *radius
             }
             Self::Layer { axis, from, to } => x.get(*axis).is_some_and(|x| (from..to).contains(&x)),

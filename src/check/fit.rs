@@ -1,5 +1,6 @@
 //! Fits to what was measured.
 
+use models::elementary::{Elementary, cr_arg};
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 
@@ -40,12 +41,12 @@ pub fn rate(times: &[f64], amplitudes: &[Complex64]) -> Rate {
     let mut phase = 0.0;
     let mut phases = vec![0.0];
     for pair in amplitudes.windows(2) {
-        phase += (pair[1] / pair[0]).arg();
+        phase += cr_arg(pair[1] / pair[0]);
         phases.push(phase);
     }
     // Relative to the first one: the same in all units.
     let first = amplitudes.first().map_or(1.0, |own| own.norm());
-    let logarithms: Vec<f64> = amplitudes.iter().map(|a| (a.norm() / first).ln()).collect();
+    let logarithms: Vec<f64> = amplitudes.iter().map(|a| (a.norm() / first).cr_ln()).collect();
     Rate { frequency: -slope(times, &phases), growth: slope(times, &logarithms) }
 }
 

@@ -14,6 +14,7 @@ use crate::progress::Progress;
 use analysis::growth::Verdict;
 use background::Background;
 use dynamics::flow::spectral::Mode;
+use models::elementary::Elementary;
 use models::granular_flow::InputError;
 use rayon::prelude::*;
 use refinement::refinement;
@@ -32,7 +33,7 @@ pub struct Wave {
 impl Wave {
     fn vector(&self) -> [f64; 2] {
         let angle = crate::case::radians(self.direction_deg);
-        [self.number * angle.cos(), self.number * angle.sin()]
+        [self.number * angle.cr_cos(), self.number * angle.cr_sin()]
     }
 
     /// A box of one wave, and the mode that it is there.
@@ -98,7 +99,8 @@ impl Row {
         let own = self.measured.as_ref().ok()?;
         let [(few, coarse), .., (many, fine)] = own.sequences.as_slice() else { return None };
         let [first, last] = [coarse, fine].map(|own| own.less(self.predicted).size());
-        (last > own.tolerance).then(|| (first / last).ln() / (*many as f64 / *few as f64).ln())
+        (last > own.tolerance)
+            .then(|| (first / last).cr_ln() / (*many as f64 / *few as f64).cr_ln())
     }
 }
 
@@ -153,9 +155,9 @@ impl Refinement {
         if self.grids.len() < 2 || !self.grids.iter().all(grows) {
             return None;
         }
-        let points: Vec<f64> = self.grids.iter().map(|own| own.number.ln()).collect();
+        let points: Vec<f64> = self.grids.iter().map(|own| own.number.cr_ln()).collect();
         let slope = |value: fn(&Fastest) -> f64| {
-            let values: Vec<f64> = self.grids.iter().map(|own| value(own).ln()).collect();
+            let values: Vec<f64> = self.grids.iter().map(|own| value(own).cr_ln()).collect();
             super::fit::slope(&points, &values)
         };
         Some([slope(|own| own.predicted), slope(|own| own.measured)])

@@ -7,6 +7,7 @@
 
 use crate::case::{Case, Kind};
 use models::LinearisedSystem;
+use models::elementary::Elementary;
 use models::granular_flow::state::{Background, Flow, State};
 use models::granular_flow::{self, Model};
 use nalgebra::{Matrix2, Vector2};
@@ -44,7 +45,7 @@ impl MeanFlow {
         };
         let mut system = LinearisedSystem::default();
         model.symbol(flow, &mut system);
-        let sin_phi = case.parameters().friction_angle.sin();
+        let sin_phi = case.parameters().friction_angle.cr_sin();
         Self { model, state: case.state(), flow: *flow, system, sin_phi, law }
     }
 
@@ -63,14 +64,14 @@ impl MeanFlow {
                 let b = rate / self.sin_phi;
                 let matrix = Matrix2::new(-b, -vorticity, vorticity, b) * time;
                 let [x, y]: [f64; 2] =
-                    (matrix.exp() * Vector2::new(start.cos(), start.sin())).into();
-                Some(y.atan2(x))
+                    (matrix.exp() * Vector2::new(start.cr_cos(), start.cr_sin())).into();
+                Some(y.cr_atan2(x))
             }
             Law::Spin(acceleration) => {
                 let spin = self.flow.spin?.value + acceleration * time;
                 let sine = self.sin_phi * (spin - vorticity) / rate;
-                let half = 0.5 * sine.asin();
-                let is_coaxial = (2.0 * start).cos() > 0.0;
+                let half = 0.5 * sine.cr_asin();
+                let is_coaxial = (2.0 * start).cr_cos() > 0.0;
                 let angle = if is_coaxial { half } else { std::f64::consts::FRAC_PI_2 - half };
                 (sine.abs() < 1.0).then_some(angle)
             }

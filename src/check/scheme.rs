@@ -25,6 +25,8 @@
 //! Knows nothing of the solver but this.
 
 use crate::case::dynamics::{Correction, Splitting};
+use models::elementary::{Elementary, cr_cis};
+use models::product::triple_product;
 use models::rates::SymmetricForm;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use num_complex::Complex64;
@@ -95,7 +97,7 @@ impl<const D: usize> Equations<D> {
         // By substitution: no pivots, whose choice would depend on the units.
         let inverse =
             lower.solve_lower_triangular(&DMatrix::identity(lower.nrows(), lower.nrows()))?;
-        let scaled = |m: &DMatrix<f64>| &inverse * m * inverse.transpose();
+        let scaled = |m: &DMatrix<f64>| triple_product(&inverse, m, &inverse.transpose());
         let size = lower.nrows();
         // Of unit length: conditions on stresses and on couple stresses have values of different units.
         let unit = |normal: &DVector<f64>| (&inverse * normal).try_normalize(0.0);
@@ -214,7 +216,7 @@ impl<const D: usize> Equations<D> {
     /// A sweep by a part of a step.
     fn sweep(&self, axis: usize, k: f64, grid: &Steps<D>, part: f64) -> Matrix {
         let h = grid.spacing[axis];
-        let (sin, cos) = (k * h).sin_cos();
+        let (sin, cos) = (k * h).cr_sin_cos();
         let factor = |speed: f64| {
             let courant = part * speed.abs() * grid.step / h;
             let (staying, both) = (1.0 - courant, 1.0 - courant * courant);
@@ -239,7 +241,7 @@ impl<const D: usize> Equations<D> {
     fn rotation(&self, time: f64) -> Matrix {
         let symbol = self.q.map(|x| Complex64::new(0.0, x));
         let eigen = ((&symbol + symbol.adjoint()) * Complex64::from(0.5)).symmetric_eigen();
-        let turn = eigen.eigenvalues.map(|frequency| Complex64::cis(-frequency * time));
+        let turn = eigen.eigenvalues.map(|frequency| cr_cis(-frequency * time));
         &eigen.eigenvectors * Matrix::from_diagonal(&turn) * eigen.eigenvectors.adjoint()
     }
 }

@@ -10,6 +10,7 @@ use crate::case::dynamics::{Correction, Splitting};
 use crate::case::{Case, Wave};
 use crate::dispersion::kinds;
 use crate::solid::Solid;
+use models::elementary::Elementary;
 
 /// What a solid does under a wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,7 +132,7 @@ impl Row {
             error(grid) * self.predicted > 10.0 * grid.tolerance && error(grid) > 0.0
         };
         (is_known(first) && is_known(last)).then(|| {
-            (error(first) / error(last)).ln() / (last.cells as f64 / first.cells as f64).ln()
+            (error(first) / error(last)).cr_ln() / (last.cells as f64 / first.cells as f64).cr_ln()
         })
     }
 }

@@ -8,6 +8,7 @@ use crate::output::{Growing, ResultFolder};
 use crate::words::{case_title, short, unit_of};
 use dynamics::flow::Field;
 use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind, Line, SpectrumFigure};
+use models::elementary::Elementary;
 
 /// Draws all pictures of a run.
 pub(super) fn draw(
@@ -18,7 +19,7 @@ pub(super) fn draw(
 ) -> Result<(), Error> {
     let of = |name: &str| fields.of(name).map(<[f64]>::to_vec).unwrap_or_default();
     let values = match run.output.picture {
-        None => of("v1").iter().zip(of("v2")).map(|(v1, v2)| v1.hypot(v2)).collect(),
+        None => of("v1").iter().zip(of("v2")).map(|(v1, v2)| v1.root_sum_square(v2)).collect(),
         Some(own) => of(own.array()).iter().map(|value| own.shown(*value)).collect(),
     };
     let figure = figure(case, run, fields.time(), values);
@@ -48,7 +49,7 @@ fn of_snapshot(bytes: &[u8], run: &FlowRun) -> Result<Vec<f64>, String> {
     let count = run.grid.count();
     let velocity = || array(bytes, "velocity [m/s]", 3 * count);
     let values: Vec<f64> = match run.output.picture {
-        None => velocity()?.chunks_exact(3).map(|v| v[0].hypot(v[1])).collect(),
+        None => velocity()?.chunks_exact(3).map(|v| v[0].root_sum_square(v[1])).collect(),
         Some(Quantity(Field::Velocity(i))) => velocity()?.chunks_exact(3).map(|v| v[i]).collect(),
         Some(own) => {
             let name = format!("{} [{}]", own.array(), unit_of(own.array()));

@@ -2,6 +2,7 @@
 
 use crate::frozen::Workspace;
 use analysis::growth::{Assessment, Verdict};
+use models::elementary::Elementary;
 use std::f64::consts::PI;
 
 /// Samples of the growth rate over directions, two per degree; layers around the degenerate ones are
@@ -72,7 +73,7 @@ pub fn decades(workspace: &Workspace, assessment: &Assessment, number: f64) -> i
     let is_seen = |decades: &i32| {
         let k = number * 10f64.powi(decades - FITTED_DECADES);
         let [rate, _] = greatest(|direction| rate(workspace, k, direction), &directions);
-        let asymptote = growth.coefficient * k.powf(growth.order.value());
+        let asymptote = growth.coefficient * k.cr_powf(growth.order.value());
         (rate / asymptote - 1.0).abs() < ON_ASYMPTOTE
     };
     let reached =
@@ -97,7 +98,7 @@ pub fn by_wave_number(
     };
     (-DECADES * PER_DECADE..=decades * PER_DECADE)
         .map(|step| {
-            let number = number * 10f64.powf(f64::from(step) / f64::from(PER_DECADE));
+            let number = number * 10f64.cr_powf(f64::from(step) / f64::from(PER_DECADE));
             let [greatest, worst] = match unbounded {
                 Some(direction) => [f64::INFINITY, direction],
                 None => greatest(|direction| rate(workspace, number, direction), &directions),
@@ -144,7 +145,7 @@ fn directions(assessment: &Assessment) -> Vec<f64> {
 
 /// A direction and others on both sides of it at distances of equal ratio.
 fn around(centre: f64, (first, step, number): (f64, f64, usize)) -> impl Iterator<Item = f64> {
-    let offsets = (0..number).map(move |i| 10f64.powf(first + step * i as f64));
+    let offsets = (0..number).map(move |i| 10f64.cr_powf(first + step * i as f64));
     offsets.flat_map(move |offset| [centre - offset, centre + offset]).chain([centre])
 }
 
@@ -199,12 +200,12 @@ pub fn fitted_order(curve: &[AtWaveNumber]) -> Option<FittedOrder> {
     }
     let numbers = [fitted.first()?.number, last];
     let logarithms = |f: fn(&AtWaveNumber) -> f64| -> Vec<f64> {
-        fitted.iter().map(|at| f(at).log10()).collect()
+        fitted.iter().map(|at| f(at).cr_log10()).collect()
     };
     let mut abscissae = logarithms(|at| at.number);
     let ordinates = logarithms(|at| at.greatest);
     // Centred and scaled to [−1, 1]: the fit is by monomials as they stand.
-    let [low, high] = numbers.map(f64::log10);
+    let [low, high] = numbers.map(Elementary::cr_log10);
     let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
     if half <= 0.0 {
         return None;

@@ -11,6 +11,7 @@ use analysis::energy::{self, Energy};
 use analysis::growth::Verdict;
 use analysis::waves::Waves;
 use figures::{GrowthFigure, Line, Mark, Panel};
+use models::elementary::Elementary;
 use num_complex::Complex64;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -97,7 +98,7 @@ fn analyse(case: &Case) -> Result<Analysed, Error> {
     let along = |wave: Wave| {
         (-DECADES * PER_DECADE..=DECADES * PER_DECADE)
             .map(|step| {
-                let number = wave.number * 10f64.powf(f64::from(step) / f64::from(PER_DECADE));
+                let number = wave.number * 10f64.cr_powf(f64::from(step) / f64::from(PER_DECADE));
                 Ok([number, rate(Wave { number, ..wave })?])
             })
             .collect::<Result<Vec<_>, Error>>()
@@ -358,7 +359,7 @@ fn figure(case: &Case, of: &Analysed) -> GrowthFigure {
             points: of.in_worst_direction.clone(),
         });
         if let Verdict::IllPosed { growth: Some(growth), .. } = of.judged.verdict {
-            let asymptote = |k: f64| growth.coefficient * k.powf(growth.order.value());
+            let asymptote = |k: f64| growth.coefficient * k.cr_powf(growth.order.value());
             guides.push(Line {
                 label: "exact asymptote: coefficient · k^order".into(),
                 points: of.in_worst_direction.iter().map(|&[k, _]| [k, asymptote(k)]).collect(),

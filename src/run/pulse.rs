@@ -6,6 +6,7 @@ use crate::case::dynamics::{Dynamics, PlanePulse, Polarization};
 use crate::case::{Case, Wave};
 use crate::solid::{Elastic, elastic_and_set, normal};
 use models::cosserat::waves::Field;
+use models::elementary::Elementary;
 
 /// Greatest part of the amplitude that may lie in other media.
 const OUTSIDE: f64 = 1e-6;
@@ -59,11 +60,11 @@ impl<'a> Incident<'a> {
         let (modulus, a) = match pulse.polarization {
             Polarization::P => (solid.lambda + 2.0 * solid.mu, n),
             Polarization::S => {
-                let (sin, cos) = pulse.polarization_deg.to_radians().sin_cos();
+                let (sin, cos) = pulse.polarization_deg.to_radians().cr_sin_cos();
                 // Of growing azimuth and of growing elevation.
-                let across = [-azimuth.sin(), azimuth.cos(), 0.0];
-                let (up, out) = elevation.sin_cos();
-                let above = [-up * azimuth.cos(), -up * azimuth.sin(), out];
+                let across = [-azimuth.cr_sin(), azimuth.cr_cos(), 0.0];
+                let (up, out) = elevation.cr_sin_cos();
+                let above = [-up * azimuth.cr_cos(), -up * azimuth.cr_sin(), out];
                 (solid.mu, std::array::from_fn(|i| cos * across[i] + sin * above[i]))
             }
         };
@@ -86,7 +87,8 @@ impl<'a> Incident<'a> {
     fn shape(&self, x: &[f64]) -> f64 {
         let from: Vec<f64> = x.iter().zip(&self.pulse.at).map(|(x, at)| x - at).collect();
         let along: f64 = from.iter().zip(self.n).map(|(x, n)| x * n).sum();
-        let aside = from.iter().zip(self.n).fold(0.0, |r: f64, (x, n)| r.hypot(x - along * n));
+        let aside =
+            from.iter().zip(self.n).fold(0.0, |r: f64, (x, n)| r.root_sum_square(x - along * n));
         self.pulse.time.value(-along / self.speed) * self.pulse.across(aside)
     }
 

@@ -17,6 +17,7 @@ use dynamics::medium::Medium;
 use dynamics::problem::{Detail, DomainError, Grid, Placement, Problem, Scheme, Splitting};
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
+use models::elementary::{Elementary, cr_cis};
 use models::granular_flow::InputError;
 use models::plasticity::parameters::YieldSet;
 use num_complex::Complex64;
@@ -276,7 +277,9 @@ fn along(dynamics: &Dynamics, axis: usize, a: f64, b: f64) -> f64 {
 
 fn distance(dynamics: &Dynamics, axes: &[usize], a: &[f64], b: &[f64]) -> f64 {
     let parts = axes.iter().zip(a.iter().zip(b));
-    parts.fold(0.0, |sum, (axis, (a, b))| f64::hypot(sum, along(dynamics, *axis, *a, *b)))
+    parts.fold(0.0, |sum, (axis, (a, b))| {
+        Elementary::root_sum_square(sum, along(dynamics, *axis, *a, *b))
+    })
 }
 
 /// Whether the grid comes round along an axis.
@@ -626,7 +629,7 @@ impl Place<'_> {
                                 along(self.dynamics, *axis, x[*axis], *at)
                             }
                         };
-                        amplitude * (-(r / radius).powi(2)).exp()
+                        amplitude * (-(r / radius).powi(2)).cr_exp()
                     });
                 }
                 Initial::Uniform { shape, field, amplitude } => {
@@ -683,7 +686,7 @@ impl Place<'_> {
                         let direction = normal(&wave);
                         add(field, &mut |x| {
                             let along: f64 = x.iter().zip(direction).map(|(x, n)| x * n).sum();
-                            (amplitude * factor * Complex64::cis(wave.number * along)).re
+                            (amplitude * factor * cr_cis(wave.number * along)).re
                         });
                     }
                 }

@@ -21,6 +21,7 @@
 use super::setup::is_periodic;
 use crate::case::dynamics::{Condition, Dynamics, Kernel, Side};
 use models::cosserat::waves::Field;
+use models::elementary::Elementary;
 use nalgebra::{DMatrix, DVector};
 
 /// Cells from that in front of the point, and one more behind it, within which the spline lies.
@@ -140,7 +141,7 @@ fn spline(u: f64) -> f64 {
 /// A bell over a radius: 1 in the middle, 0 beyond, without corners.
 fn bell(distance: f64, radius: f64) -> f64 {
     if distance < radius {
-        0.5 + 0.5 * (std::f64::consts::PI * distance / radius).cos()
+        0.5 + 0.5 * (std::f64::consts::PI * distance / radius).cr_cos()
     } else {
         0.0
     }
@@ -254,7 +255,7 @@ fn within(along: &[Axis], spacing: &[f64], radius: f64) -> Vec<(usize, f64)> {
     let mut is_whole = true;
     let mut all: Vec<(Vec<f64>, usize, f64, f64)> = Vec::new();
     for (offsets, cell) in places {
-        let share = bell(offsets.iter().fold(0.0, |sum: f64, x| sum.hypot(*x)), radius);
+        let share = bell(offsets.iter().fold(0.0, |sum: f64, x| sum.root_sum_square(*x)), radius);
         match cell {
             Some((cell, factor)) if share > 0.0 => all.push((offsets, cell, factor, share)),
             None if share > 0.0 => is_whole = false,

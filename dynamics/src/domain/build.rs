@@ -12,6 +12,7 @@ use crate::problem::{Detail, Placement, Problem, Scheme};
 use crate::real::{Group, Number, Real};
 use crate::side::{Mirror, Side, Slot};
 use models::cosserat::waves::Field;
+use models::elementary::Elementary;
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
@@ -413,7 +414,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                         let Some(rotation) = medium.rotation else {
                             return [1.0, 0.0, 0.0][which];
                         };
-                        let (sin, cos) = (rotation.frequency * part * self.step).sin_cos();
+                        let (sin, cos) = (rotation.frequency * part * self.step).cr_sin_cos();
                         [cos, rotation.ratio * sin, sin / rotation.ratio][which]
                     })
                 })

@@ -13,6 +13,7 @@ use super::closure::{Closure, Deformation, double_shearing, harris_grekova, plas
 use super::pressure::{Equation, Solved, Solver, right_hand_side};
 use super::spectral::{Series, Wave, Waves};
 use super::{Left, Problem};
+use models::elementary::Elementary;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -30,9 +31,9 @@ pub(super) fn exponential(gradient: [[f64; 2]; 2], time: f64) -> [[f64; 2]; 2] {
         let z = square * time * time;
         (1.0 + z / 2.0, time * (1.0 + z / 6.0))
     } else if square > 0.0 {
-        (turn.cosh(), turn.sinh() / turn * time)
+        (turn.cr_cosh(), turn.cr_sinh() / turn * time)
     } else {
-        (turn.cos(), turn.sin() / turn * time)
+        (turn.cr_cos(), turn.cr_sin() / turn * time)
     };
     [[even + odd * a, odd * b], [odd * c, even + odd * d]]
 }
@@ -71,8 +72,8 @@ impl Points {
         let [one, other] = background.deviator;
         let inner = if problem.closure.inner().is_some() { values() } else { Vec::new() };
         Self {
-            sin_phi: problem.friction_angle.sin(),
-            cohesion: problem.cohesion * problem.friction_angle.cos(),
+            sin_phi: problem.friction_angle.cr_sin(),
+            cohesion: problem.cohesion * problem.friction_angle.cr_cos(),
             branch: (one * cos + other * sin).signum(),
             least: problem.least_shear_rate * background.shear_rate(),
             velocity: [values(), values()],
@@ -433,6 +434,6 @@ impl Equations {
 /// cos 2ψ and sin 2ψ.
 #[inline(always)]
 pub(super) fn cos_sin(angle: f64) -> [f64; 2] {
-    let (sin, cos) = (2.0 * angle).sin_cos();
+    let (sin, cos) = (2.0 * angle).cr_sin_cos();
     [cos, sin]
 }

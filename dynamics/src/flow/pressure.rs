@@ -15,6 +15,7 @@
 //! equation says 0 = 0, and P₀ takes its place, as a bordered system would have it.
 
 use super::spectral::{Series, Wave, Waves};
+use models::elementary::Elementary;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -146,7 +147,7 @@ impl Solver {
                     (column[i], column[i + 1]) =
                         (cos * upper + sin * lower, cos * lower - sin * upper);
                 }
-                let length = column[last].hypot(norm);
+                let length = column[last].root_sum_square(norm);
                 let [cos, sin] = [column[last] / length, norm / length];
                 column[last] = length;
                 rotations.push([cos, sin]);

@@ -13,6 +13,7 @@
 //! Independent of [`symbol`](super::symbol), which says the same as matrices; a test holds them together.
 
 use super::parameters::{Isotropic, PlaneCompliances, Theory};
+use crate::elementary::Elementary;
 
 /// A component of the state; axes from 0. The second index of a stress is the face normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -75,7 +76,7 @@ impl Rotation {
 
     /// ω and a after the time `duration` (s), exactly.
     pub fn turn(&self, [spin, stress]: [f64; 2], duration: f64) -> [f64; 2] {
-        let (sin, cos) = (self.frequency * duration).sin_cos();
+        let (sin, cos) = (self.frequency * duration).cr_sin_cos();
         [spin * cos - stress / self.ratio * sin, stress * cos + self.ratio * spin * sin]
     }
 }

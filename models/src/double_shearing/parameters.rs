@@ -1,5 +1,6 @@
 //! Constants of the double-shearing model and what is known of it in closed form.
 
+use crate::elementary::Elementary;
 use crate::granular_flow::state::{Coulomb, FlowRule, check_dilatancy};
 use crate::input::InputError;
 
@@ -36,8 +37,8 @@ impl DoubleShearing {
     ///
     /// `deviator` q in Pa, `density` in kg/m³.
     pub fn leading_coefficient(&self, deviator: f64, density: f64, beta: f64) -> f64 {
-        let sin_phi = self.coulomb.friction_angle.sin();
-        (beta.cos() - sin_phi).abs()
-            * (deviator / (density * sin_phi * (1.0 - sin_phi * beta.cos()))).sqrt()
+        let sin_phi = self.coulomb.friction_angle.cr_sin();
+        (beta.cr_cos() - sin_phi).abs()
+            * (deviator / (density * sin_phi * (1.0 - sin_phi * beta.cr_cos()))).sqrt()
     }
 }

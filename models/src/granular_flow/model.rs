@@ -3,6 +3,7 @@
 use super::state::{self, Background, Coulomb, Flow, FlowRule, Rotation, State};
 use crate::closed_form::ClosedForm;
 use crate::double_shearing::{self, parameters::DoubleShearing};
+use crate::elementary::Elementary;
 use crate::free_rotating;
 use crate::harris_grekova::{self, parameters::HarrisGrekova};
 use crate::input::InputError;
@@ -184,13 +185,13 @@ impl Model {
     /// The greatest wave number on which the background itself varies, 1/m: frozen coefficients
     /// say something of waves much shorter than that. 0 for a uniform background.
     pub fn gradient_wave_number(&self, flow: &Flow) -> f64 {
-        let size = |g: [f64; 2]| g[0].hypot(g[1]);
+        let size = |g: [f64; 2]| g[0].root_sum_square(g[1]);
         let inertia = match self {
             Self::HarrisGrekova(m) => size(flow.inertia_gradient) / m.moment_of_inertia,
             _ => 0.0,
         };
         [
-            size(flow.pressure_gradient) * self.coulomb().friction_angle.sin()
+            size(flow.pressure_gradient) * self.coulomb().friction_angle.cr_sin()
                 / flow.stress.deviator.value,
             size(flow.stress_angle_gradient),
             size(flow.density_gradient) / flow.density,

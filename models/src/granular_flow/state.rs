@@ -1,5 +1,6 @@
 //! The state of a granular flow at a point, and all that flow rule and balance laws make of it.
 
+use crate::elementary::Elementary;
 use crate::input::{InputError, degrees, ensure};
 use crate::rounding::Rounded;
 
@@ -202,7 +203,7 @@ impl Stress {
     /// eq. 6) becomes the order used throughout: the transpose.
     pub fn tensor(&self) -> [[f64; 2]; 2] {
         let (p, q, r) = (self.pressure, self.deviator.value, self.rotational);
-        let (sin, cos) = (2.0 * self.angle).sin_cos();
+        let (sin, cos) = (2.0 * self.angle).cr_sin_cos();
         [[-p + q * cos, q * sin - r], [q * sin + r, -p - q * cos]]
     }
 }
@@ -441,7 +442,7 @@ fn check_ranges(
         state.pressure,
         format_args!(
             "the pressure must exceed −c cot φ = {} Pa, where the material has no strength left",
-            -coulomb.cohesion / coulomb.friction_angle.tan()
+            -coulomb.cohesion / coulomb.friction_angle.cr_tan()
         ),
     )?;
     ensure(
@@ -472,7 +473,7 @@ fn noncoaxiality(rule: &FlowRule, state: &State) -> Result<Rounded, InputError> 
     let factor = rule.rotation / rule.shear / Rounded::given(state.shear_rate);
     let sine = (Rounded::given(state.half_vorticity) - Rounded::given(spin)) * factor;
     if state.noncoaxiality.is_some() {
-        let residual = sine.value - (2.0 * given.value).sin();
+        let residual = sine.value - (2.0 * given.value).cr_sin();
         let size = 1.0f64.max((spin.abs() + state.half_vorticity.abs()) * factor.value);
         return ensure(
             residual.abs() <= AGREEMENT * size,

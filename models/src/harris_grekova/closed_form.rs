@@ -2,6 +2,7 @@
 
 use super::parameters::HarrisGrekova;
 use crate::closed_form::{ClosedForm, clear_sign, is_below_right_angle, is_of_moderate_size};
+use crate::elementary::Elementary;
 use crate::granular_flow::state::Flow;
 use crate::rounding::Rounded;
 use std::f64::consts::PI;
@@ -87,8 +88,8 @@ fn with_dilatancy(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
     let a = (along * (cos_e + sin_nu * sin_phi)).value;
     let b = (along * (cos_e * sin_phi + sin_nu)).value;
     let d = (across * cos_phi).value;
-    let (shift, half_angle) = (d.atan2(b), (a / b.hypot(d)).acos());
-    let distance = |beta: f64| (beta.cos() - sin_phi.value).abs();
+    let (shift, half_angle) = (d.cr_atan2(b), (a / b.root_sum_square(d)).cr_acos());
+    let distance = |beta: f64| (beta.cr_cos() - sin_phi.value).abs();
     let (first, second) = (half_angle - shift, -half_angle - shift);
     let beta = if distance(first) >= distance(second) { first } else { second };
     Some(ClosedForm::unbounded(flow, beta))

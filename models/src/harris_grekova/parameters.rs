@@ -1,5 +1,6 @@
 //! Constants of the Harris–Grekova model and what is known of it in closed form.
 
+use crate::elementary::Elementary;
 use crate::granular_flow::state::{Coulomb, FlowRule, check_dilatancy};
 use crate::input::{InputError, ensure};
 
@@ -67,8 +68,8 @@ impl HarrisGrekova {
     /// order 3, with a gradient of the stress angle); above, of order 2.
     pub fn noncoaxiality_bound(&self) -> f64 {
         let (phi, nu) = (self.coulomb.friction_angle, self.dilatancy_angle);
-        let opposite = (phi.cos() * (phi - 2.0 * nu).cos()).sqrt() * nu.cos();
-        0.5 * opposite.atan2(nu.sin() * (phi - nu).cos())
+        let opposite = (phi.cr_cos() * (phi - 2.0 * nu).cr_cos()).sqrt() * nu.cr_cos();
+        0.5 * opposite.cr_atan2(nu.cr_sin() * (phi - nu).cr_cos())
     }
 
     /// Leading growth rate over k² for ν = 0, `lim ς/k²` as k → ∞, m²/s (eq. 149 with the printed
@@ -87,13 +88,13 @@ impl HarrisGrekova {
         noncoaxiality: f64,
         beta: f64,
     ) -> f64 {
-        let sin_phi = self.coulomb.friction_angle.sin();
-        let gap = beta.cos() - sin_phi;
+        let sin_phi = self.coulomb.friction_angle.cr_sin();
+        let gap = beta.cr_cos() - sin_phi;
         -deviator * gap * gap
             / (2.0
                 * density
                 * shear_rate
-                * (2.0 * noncoaxiality).cos()
-                * (1.0 - sin_phi * beta.cos()))
+                * (2.0 * noncoaxiality).cr_cos()
+                * (1.0 - sin_phi * beta.cr_cos()))
     }
 }

@@ -2,6 +2,7 @@
 
 use super::parameters::PlasticPotential;
 use crate::closed_form::{ClosedForm, is_below_right_angle, is_of_moderate_size};
+use crate::elementary::Elementary;
 use crate::granular_flow::state::Flow;
 use crate::rounding::Rounded;
 
@@ -29,6 +30,6 @@ pub fn closed_form(model: &PlasticPotential, flow: &Flow) -> Option<ClosedForm> 
     let tangent = half_difference.sin() / half_difference.cos();
     let coefficient = flow.stress.deviator * tangent * tangent
         / (2.0 * Rounded::given(flow.density) * Rounded::given(flow.shear_rate));
-    let beta = (phi.cos() * nu.cos()).sqrt().atan2((0.5 * (phi + nu)).sin());
+    let beta = (phi.cr_cos() * nu.cr_cos()).sqrt().cr_atan2((0.5 * (phi + nu)).cr_sin());
     ClosedForm::grows(2, coefficient, flow, beta)
 }

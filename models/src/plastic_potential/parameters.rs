@@ -1,5 +1,6 @@
 //! Constants of the plastic-potential model and what is known of it in closed form.
 
+use crate::elementary::Elementary;
 use crate::granular_flow::state::{Coulomb, FlowRule, check_dilatancy};
 use crate::input::InputError;
 use crate::rounding::Rounded;
@@ -58,8 +59,9 @@ impl PlasticPotential {
         shear_rate: f64,
         beta: f64,
     ) -> f64 {
-        let (sin_phi, sin_nu) = (self.coulomb.friction_angle.sin(), self.dilatancy_angle.sin());
-        let cos = beta.cos();
+        let (sin_phi, sin_nu) =
+            (self.coulomb.friction_angle.cr_sin(), self.dilatancy_angle.cr_sin());
+        let cos = beta.cr_cos();
         -deviator * (cos - sin_nu) * (cos - sin_phi)
             / (2.0 * density * shear_rate * (1.0 + sin_nu * sin_phi - (sin_nu + sin_phi) * cos))
     }
@@ -76,7 +78,7 @@ impl PlasticPotential {
     pub fn worst(&self, deviator: f64, density: f64, shear_rate: f64) -> (f64, f64) {
         let half_difference = 0.5 * (self.coulomb.friction_angle - self.dilatancy_angle);
         let half_sum = 0.5 * (self.coulomb.friction_angle + self.dilatancy_angle);
-        let rate = deviator * half_difference.tan().powi(2) / (2.0 * density * shear_rate);
-        (rate, half_sum.sin() / half_difference.cos())
+        let rate = deviator * half_difference.cr_tan().powi(2) / (2.0 * density * shear_rate);
+        (rate, half_sum.cr_sin() / half_difference.cr_cos())
     }
 }

@@ -21,6 +21,7 @@ use super::parameters::{Interlayer, Mises};
 use crate::cosserat::parameters::{Isotropic, PlaneCompliances, Theory};
 use crate::cosserat::stress::{Stress, split, square};
 use crate::cosserat::symbol::plane;
+use crate::elementary::Elementary;
 
 /// A stress in F, and what the way there cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -268,8 +269,8 @@ impl PlaneMetric {
     /// √D of one component: the norm of its row of L.
     fn row_norm(&self, component: usize) -> f64 {
         match component {
-            0 | 1 => self.normal[0].hypot(self.normal[1]),
-            2 | 3 => self.shear[0].hypot(self.shear[1]),
+            0 | 1 => self.normal[0].root_sum_square(self.normal[1]),
+            2 | 3 => self.shear[0].root_sum_square(self.shear[1]),
             _ => self.couple,
         }
     }

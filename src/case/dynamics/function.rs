@@ -1,5 +1,6 @@
 //! Functions of time by which loads are multiplied.
 
+use models::elementary::Elementary;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -109,15 +110,15 @@ impl TimeFunction {
                 inside(start, duration).map_or(0.0, |part| 1.0 - (2.0 * part - 1.0).abs())
             }
             Self::Pulse { start, duration } => {
-                inside(start, duration).map_or(0.0, |part| (PI * part).sin().powi(2))
+                inside(start, duration).map_or(0.0, |part| (PI * part).cr_sin().powi(2))
             }
             Self::Ricker { frequency, delay } => {
                 let a = (PI * frequency * (t - delay)).powi(2);
                 // Far away the product of what overflows and 0 would be no number.
-                if a < 700.0 { (1.0 - 2.0 * a) * (-a).exp() } else { 0.0 }
+                if a < 700.0 { (1.0 - 2.0 * a) * (-a).cr_exp() } else { 0.0 }
             }
             Self::Sine { frequency, start } if t >= start => {
-                (2.0 * PI * frequency * (t - start)).sin()
+                (2.0 * PI * frequency * (t - start)).cr_sin()
             }
             Self::Sine { .. } => 0.0,
             Self::Table(ref samples) => samples.value(t),

@@ -3,6 +3,7 @@
 use super::TimeFunction;
 use crate::case::CaseError;
 use crate::case::section::{Resolved, Section, number, positive};
+use models::elementary::Elementary;
 
 words! {
     /// Kind of a plane wave.
@@ -42,7 +43,7 @@ impl PlanePulse {
         let Some(width) = self.width else { return 1.0 };
         match distance / width - 0.5 {
             part if part <= 0.0 => 1.0,
-            part if part < 0.5 => 0.5 + 0.5 * (std::f64::consts::TAU * part).cos(),
+            part if part < 0.5 => 0.5 + 0.5 * (std::f64::consts::TAU * part).cr_cos(),
             _ => 0.0,
         }
     }

@@ -4,6 +4,7 @@ use super::Samples;
 use super::read::along;
 use crate::case::CaseError;
 use crate::case::section::{Node, Resolved, Section, count, number, numbers, positive, rows};
+use models::elementary::Elementary;
 use std::f64::consts::{PI, TAU};
 
 /// A factor of a load, by the position on its side.
@@ -50,10 +51,10 @@ impl Profile {
         };
         match self {
             Self::Cos { axis, wavelength, phase_deg } => {
-                (TAU * coordinate(axis) / wavelength + phase_deg.to_radians()).cos()
+                (TAU * coordinate(axis) / wavelength + phase_deg.to_radians()).cr_cos()
             }
             Self::Bell { at, radius } => match distance(position, at) / radius {
-                part if part < 1.0 => 0.5 + 0.5 * (PI * part).cos(),
+                part if part < 1.0 => 0.5 + 0.5 * (PI * part).cr_cos(),
                 _ => 0.0,
             },
             Self::Table { axis, samples } => samples.value(coordinate(axis)),

@@ -8,6 +8,7 @@ use crate::frozen::{StateError, Workspace};
 use analysis::growth::Verdict;
 use analysis::kelvin::{Evolution, course, wave_vector, wave_vector_rate};
 use dynamics::flow::spectral::greatest_modes;
+use models::elementary::Elementary;
 use models::granular_flow::InputError;
 use models::granular_flow::state::Flow;
 use num_complex::Complex64;
@@ -50,14 +51,14 @@ impl<'a> Background<'a> {
         [across, inner]: [Complex64; 2],
         count: usize,
     ) -> Vec<Complex64> {
-        let number = wave[0].hypot(wave[1]);
+        let number = wave[0].root_sum_square(wave[1]);
         let all = [-across * (wave[1] / number), across * (wave[0] / number), inner];
         all[..count].to_vec()
     }
 
     /// The other way.
     pub(super) fn across(&self, wave: [f64; 2], unknowns: &[Complex64]) -> [Complex64; 2] {
-        let number = wave[0].hypot(wave[1]);
+        let number = wave[0].root_sum_square(wave[1]);
         let across = (unknowns[1] * wave[0] - unknowns[0] * wave[1]) / number;
         [across, unknowns.get(2).copied().unwrap_or_default()]
     }
@@ -82,7 +83,7 @@ impl<'a> Background<'a> {
     /// q/(ρ(Q_D/k)²): of what a wave takes of the mean flow's velocity gradient its pressure takes as much less of q.
     pub(super) fn inertial_part(&self, number: f64) -> f64 {
         let (parameters, velocity) = (self.case.parameters(), self.flow.shear_rate / number);
-        let (sin, cos) = parameters.friction_angle.sin_cos();
+        let (sin, cos) = parameters.friction_angle.cr_sin_cos();
         let deviator = self.flow.stress.pressure * sin + parameters.cohesion * cos;
         deviator / self.flow.density / velocity / velocity
     }

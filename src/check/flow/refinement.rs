@@ -13,6 +13,7 @@ use analysis::growth::Verdict;
 use analysis::newton::Order;
 use dynamics::flow::spectral::Mode;
 use dynamics::flow::{Closure, Flow as Solver, Problem};
+use models::elementary::Elementary;
 use models::granular_flow::InputError;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -116,7 +117,7 @@ fn fastest(background: &Background, run: &FlowRun, points: [usize; 2]) -> Result
     Ok(Fastest {
         points,
         mode: *mode,
-        number: wave[0].hypot(wave[1]),
+        number: wave[0].root_sum_square(wave[1]),
         predicted: of_rate(&predicted),
         measured: of_rate(&measured),
     })

@@ -8,6 +8,7 @@ use crate::check::fit::Rate;
 use crate::check::{digits, exponent, unmeasured_words, worst_words};
 use crate::words::{case_title, coaxial_words, order_words, short};
 use figures::{Line, SpectrumFigure};
+use models::elementary::Elementary;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -205,7 +206,7 @@ impl Checked {
                 }
                 let sign = if first.predicted.growth > 0.0 { "grows" } else { "decays" };
                 let point = |index: u32| {
-                    let number = least * (most / least).powf(f64::from(index) / 80.0);
+                    let number = least * (most / least).cr_powf(f64::from(index) / 80.0);
                     let modes = background.moving(Wave { number, direction_deg }.vector())?.modes();
                     Ok([number, modes.get(mode - 1).map_or(f64::NAN, |own| own.0.re.abs())])
                 };

@@ -7,6 +7,7 @@ use crate::check::fit::{Rate, error_of_rate, rate};
 use crate::run::flow_problem;
 use dynamics::flow::spectral::Mode;
 use dynamics::flow::{Flow as Solver, Problem};
+use models::elementary::{Elementary, cr_cis};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -31,7 +32,7 @@ pub(super) fn amplitudes(solver: &Solver, mode: Mode) -> [Complex64; 2] {
     let [k1, k2] = solver.wave_vector(mode);
     let [[vorticity, inner], _] = solver.mode(mode).unwrap_or_default();
     // ζ = ikV
-    [vorticity / (Complex64::I * k1.hypot(k2)), inner]
+    [vorticity / (Complex64::I * k1.root_sum_square(k2)), inner]
 }
 
 /// Times at which amplitudes are taken.
@@ -111,7 +112,7 @@ pub(super) fn rows(background: &Background, wave: Wave) -> Result<Vec<Row>, Erro
         };
         // Fields are rounded as parts of the background, which weighs more next to the bound; what a wave
         // makes of itself is of third order.
-        let inverse = 1.0 / (2.0 * background.flow.noncoaxiality).cos().abs();
+        let inverse = 1.0 / (2.0 * background.flow.noncoaxiality).cr_cos().abs();
         let unit = background.unit(wave.number, leading);
         let least = amplitude_of_course.iter().map(|own| own[leading].norm() / unit);
         let least = least.fold(amplitude, f64::min);
@@ -149,14 +150,14 @@ fn measured(
     let refused = |error| format!("the solver does not take it: {error}");
     let mut solver = Solver::new(problem).map_err(refused)?;
     let [k1, k2] = solver.wave_vector(mode);
-    let number = k1.hypot(k2);
+    let number = k1.root_sum_square(k2);
     // Re z exp(ik·y), counted from the first point: of it the mode is a half.
     let value = |z: Complex64| -> Vec<f64> {
         (0..POINTS * POINTS)
             .map(|point| {
                 let [i, j] = [point % POINTS, point / POINTS].map(|index| index as f64);
                 let turns = (f64::from(mode[0]) * i + f64::from(mode[1]) * j) / POINTS as f64;
-                2.0 * (z * Complex64::cis(TAU * turns)).re
+                2.0 * (z * cr_cis(TAU * turns)).re
             })
             .collect()
     };

@@ -17,6 +17,7 @@ use dynamics::medium::Medium;
 use dynamics::problem::{self, Grid, Placement, Problem, Scheme};
 use models::cosserat::stress::{Component, Stress};
 use models::cosserat::waves::Field;
+use models::elementary::cr_cis;
 use models::granular_flow::InputError;
 use models::plasticity::parameters::{ActiveCondition, YieldSet};
 use nalgebra::DVector;
@@ -440,7 +441,7 @@ impl<const D: usize> Run<'_, D> {
         };
         let places: Vec<Option<usize>> = fields.iter().map(place).collect();
         let waves: Vec<Complex64> =
-            (0..self.grid.count()).map(|cell| Complex64::cis(self.phase(cell))).collect();
+            (0..self.grid.count()).map(|cell| cr_cis(self.phase(cell))).collect();
         let wave = equations.from_energy.map(Complex64::from) * amplitude;
         let offset = self.offset(amplitude);
         for (&field, place) in fields.iter().zip(&places) {

@@ -4,6 +4,7 @@ use crate::case::flow::{Disturbed, FlowRun, Grid, Initial, Wave};
 use crate::case::{CaseError, radians};
 use dynamics::flow::{Closure, Problem};
 use files::npz::{Values, read};
+use models::elementary::{Elementary, cr_cis, cr_from_polar};
 use num_complex::Complex64;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -62,7 +63,7 @@ type Mode = ([i64; 2], Complex64);
 
 fn of_wave(wave: &Wave) -> Mode {
     let amplitude = in_si(wave.field, wave.amplitude);
-    (wave.mode, Complex64::from_polar(amplitude, radians(wave.phase_deg)))
+    (wave.mode, cr_from_polar(amplitude, radians(wave.phase_deg)))
 }
 
 /// All modes of a band, one of each pair of opposite ones, of a root mean square. The phase of a mode
@@ -82,7 +83,7 @@ fn noise(from: f64, to: f64, amplitude: f64, seed: u64) -> Vec<Mode> {
         let hash = mode.iter().fold(mix(seed), |hash, m| mix(hash ^ m.cast_unsigned()));
         2.0 * PI * (hash >> 11) as f64 / (1u64 << 53) as f64
     };
-    modes.into_iter().map(|mode| (mode, Complex64::from_polar(each, phase(mode)))).collect()
+    modes.into_iter().map(|mode| (mode, cr_from_polar(each, phase(mode)))).collect()
 }
 
 /// A step of SplitMix64 (Steele, Lea & Flood 2014).
@@ -95,7 +96,7 @@ fn mix(state: u64) -> u64 {
 
 /// exp(iπh/n) for all h of a turn.
 fn turn(points: usize) -> Vec<Complex64> {
-    (0..2 * points).map(|half| Complex64::cis(PI * half as f64 / points as f64)).collect()
+    (0..2 * points).map(|half| cr_cis(PI * half as f64 / points as f64)).collect()
 }
 
 /// exp(2πimy/L) at the points of an axis, from a turn. Whole turns are taken off in whole numbers.
@@ -135,7 +136,7 @@ fn bell(grid: &Grid, at: [f64; 2], radius: f64) -> Vec<f64> {
             let distance = (grid.position(axis, i) - at[axis]).abs();
             distance.min(length - distance)
         };
-        (0..grid.cells[axis]).map(|i| (-(distance(i) / radius).powi(2)).exp()).collect()
+        (0..grid.cells[axis]).map(|i| (-(distance(i) / radius).powi(2)).cr_exp()).collect()
     });
     second.iter().flat_map(|b| first.iter().map(move |a| a * b)).collect()
 }
@@ -168,7 +169,7 @@ impl Fields {
         // ξ⊥ = (−k₂, k₁)/|k|.
         let across = |mode: [i64; 2], axis: usize| {
             let k = [0, 1].map(|axis| mode[axis] as f64 / grid.lengths[axis]);
-            [-k[1], k[0]][axis] / k[0].hypot(k[1])
+            [-k[1], k[0]][axis] / k[0].root_sum_square(k[1])
         };
         for (axis, own) in self.velocity.iter_mut().enumerate() {
             let modes = modes.iter().map(|(mode, c)| (*mode, c * across(*mode, axis)));

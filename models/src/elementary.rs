@@ -1,0 +1,152 @@
+//! Elementary functions whose results have the same bits on every platform.
+//!
+//! The standard library takes sin, cos, exp, … from the platform: glibc, musl and macOS differ in the last bit, and
+//! glibc chooses code by whether the processor has fused multiply-add. A correctly rounded function has one
+//! result only. Those here are of the crate `pxfm`, which computes in double, then in 128 bits where the first does not
+//! decide the rounding (Ziv 1991); it uses fused multiply-add where there is one, and
+//! the same bits come out without it (`tests/elementary.rs`). Names follow C23, which reserves `cr_` for
+//! functions that are correctly rounded (ISO/IEC TS 18661-4).
+//!
+//! `+ − × ÷ √` are correctly rounded everywhere, and so is all that is made of them the same everywhere.
+
+use nalgebra::Complex;
+
+/// Elementary functions of a double, the same on every platform; the results of those named `cr_` are the nearest
+/// doubles. Angles in rad.
+pub trait Elementary: Sized {
+    /// sin x.
+    fn cr_sin(self) -> Self;
+    /// cos x.
+    fn cr_cos(self) -> Self;
+    /// (sin x, cos x).
+    fn cr_sin_cos(self) -> (Self, Self);
+    /// tan x.
+    fn cr_tan(self) -> Self;
+    /// arcsin x in [−π/2, π/2].
+    fn cr_asin(self) -> Self;
+    /// arccos x in [0, π].
+    fn cr_acos(self) -> Self;
+    /// arctan x in (−π/2, π/2).
+    fn cr_atan(self) -> Self;
+    /// The angle in (−π, π] of the point (x, self).
+    fn cr_atan2(self, x: Self) -> Self;
+    /// sinh x.
+    fn cr_sinh(self) -> Self;
+    /// cosh x.
+    fn cr_cosh(self) -> Self;
+    /// eˣ.
+    fn cr_exp(self) -> Self;
+    /// 2ˣ.
+    fn cr_exp2(self) -> Self;
+    /// The natural logarithm.
+    fn cr_ln(self) -> Self;
+    /// The logarithm to the base 2.
+    fn cr_log2(self) -> Self;
+    /// The logarithm to the base 10.
+    fn cr_log10(self) -> Self;
+    /// selfᵖ.
+    fn cr_powf(self, power: Self) -> Self;
+    /// √(self² + other²) to one unit in the last place, without overflow and underflow on the way.
+    fn root_sum_square(self, other: Self) -> Self;
+}
+
+impl Elementary for f64 {
+    fn cr_sin(self) -> Self {
+        pxfm::f_sin(self)
+    }
+
+    fn cr_cos(self) -> Self {
+        pxfm::f_cos(self)
+    }
+
+    fn cr_sin_cos(self) -> (Self, Self) {
+        pxfm::f_sincos(self)
+    }
+
+    fn cr_tan(self) -> Self {
+        pxfm::f_tan(self)
+    }
+
+    fn cr_asin(self) -> Self {
+        pxfm::f_asin(self)
+    }
+
+    fn cr_acos(self) -> Self {
+        pxfm::f_acos(self)
+    }
+
+    fn cr_atan(self) -> Self {
+        pxfm::f_atan(self)
+    }
+
+    fn cr_atan2(self, x: Self) -> Self {
+        pxfm::f_atan2(self, x)
+    }
+
+    fn cr_sinh(self) -> Self {
+        pxfm::f_sinh(self)
+    }
+
+    fn cr_cosh(self) -> Self {
+        pxfm::f_cosh(self)
+    }
+
+    fn cr_exp(self) -> Self {
+        pxfm::f_exp(self)
+    }
+
+    fn cr_exp2(self) -> Self {
+        pxfm::f_exp2(self)
+    }
+
+    fn cr_ln(self) -> Self {
+        pxfm::f_log(self)
+    }
+
+    fn cr_log2(self) -> Self {
+        pxfm::f_log2(self)
+    }
+
+    fn cr_log10(self) -> Self {
+        pxfm::f_log10(self)
+    }
+
+    fn cr_powf(self, power: Self) -> Self {
+        pxfm::f_pow(self, power)
+    }
+
+    // `pxfm::f_hypot` (0.1.30) is not correctly rounded.
+    fn root_sum_square(self, other: Self) -> Self {
+        /// Squares of numbers between these are normal, and so is their sum.
+        const SOUND: std::ops::Range<f64> = 1e-140..1e140;
+        /// 2⁶⁰⁰, which takes all numbers outside into that range, and is exact.
+        const SCALE: f64 = f64::from_bits((1023 + 600) << 52);
+        let greatest = self.abs().max(other.abs());
+        let root = |x: f64, y: f64| (x * x + y * y).sqrt();
+        if self.is_infinite() || other.is_infinite() {
+            f64::INFINITY
+        } else if SOUND.contains(&greatest) || greatest == 0.0 {
+            root(self, other)
+        } else if greatest < 1.0 {
+            root(self * SCALE, other * SCALE) / SCALE
+        } else {
+            root(self / SCALE, other / SCALE) * SCALE
+        }
+    }
+}
+
+/// e^(i angle).
+pub fn cr_cis(angle: f64) -> Complex<f64> {
+    let (sin, cos) = angle.cr_sin_cos();
+    Complex::new(cos, sin)
+}
+
+/// The angle of a complex number in (−π, π].
+pub fn cr_arg(z: Complex<f64>) -> f64 {
+    z.im.cr_atan2(z.re)
+}
+
+/// size · e^(i angle).
+pub fn cr_from_polar(size: f64, angle: f64) -> Complex<f64> {
+    cr_cis(angle) * size
+}

@@ -1,0 +1,39 @@
+//! Products of real matrices whose bits do not depend on the processor.
+//!
+//! `nalgebra` hands products of real matrices with more than five rows and columns to `matrixmultiply`, which
+//! uses fused multiply-add where the processor has it. Products of complex matrices, of matrices and vectors, and
+//! decompositions do not go there.
+
+use nalgebra::{DMatrix, Dim, Matrix, Storage};
+
+/// AB, column by column: the terms of each entry are added in the order of their index, each product rounded.
+pub fn product<R1, C1, S1, R2, C2, S2>(
+    a: &Matrix<f64, R1, C1, S1>,
+    b: &Matrix<f64, R2, C2, S2>,
+) -> DMatrix<f64>
+where
+    R1: Dim,
+    C1: Dim,
+    S1: Storage<f64, R1, C1>,
+    R2: Dim,
+    C2: Dim,
+    S2: Storage<f64, R2, C2>,
+{
+    assert_eq!(a.ncols(), b.nrows(), "sizes that do not match");
+    let mut result = DMatrix::zeros(a.nrows(), b.ncols());
+    for (j, mut column) in result.column_iter_mut().enumerate() {
+        for k in 0..a.ncols() {
+            let factor = b[(k, j)];
+            column
+                .iter_mut()
+                .zip(a.column(k).iter())
+                .for_each(|(sum, entry)| *sum += entry * factor);
+        }
+    }
+    result
+}
+
+/// ABC.
+pub fn triple_product(a: &DMatrix<f64>, b: &DMatrix<f64>, c: &DMatrix<f64>) -> DMatrix<f64> {
+    product(&product(a, b), c)
+}
