@@ -72,6 +72,22 @@ impl<V: Number> Cell<V> {
         (size * (V::ONE / V::LEAST)).least(V::ONE)
     }
 
+    /// Of the wave that this cell and another one have in the face between them, the part that comes back:
+    /// (y − z)/(y + z), y being the impedance of the other one.
+    #[inline(always)]
+    pub(crate) fn reflection(&self, other: &Self) -> V {
+        (other.impedance - self.impedance) / (other.impedance + self.impedance)
+    }
+
+    /// To fourth order, the mean over the step of a wave at the face between the second and the third of four cells of
+    /// this kind, in the direction of its way. Of their values, not their differences: those take more additions.
+    #[inline(always)]
+    pub(crate) fn face_value(&self, [first, second, third, fourth]: [V; 4]) -> V {
+        let own = V::ONE + self.upwind - self.central;
+        let next = self.central - self.downwind;
+        own * second - self.upwind * first + (next * third + self.downwind * fourth)
+    }
+
     /// Which of four cells are like the one after them, 1 or 0.
     #[inline(always)]
     pub(crate) fn alike([one, two, three, four]: [&Self; 4]) -> [V; 3] {
@@ -85,17 +101,16 @@ impl<V: Number> Cell<V> {
         half + half
     }
 
-    /// To fourth order, the weights of what the face value downwind of the cell adds to the cell's mean: of the three
-    /// differences upwind, across and downwind of the face, and of the scattered difference across it. Arguments: 1 or 0,
+    /// To fourth order beside interfaces, the weights of what the face value downwind of the cell adds to the cell's mean:
+    /// of the three differences upwind, across and downwind of the face, and of the scattered difference across it. Arguments: 1 or 0,
     /// whether the cell upwind is like this one, this one like that downwind, and that like the next.
     ///
-    /// Beside interfaces these are fits to the most accurate linear closure by which no wave gains energy; leads that
+    /// These are fits to the most accurate linear closure by which no wave gains energy; leads that
     /// are exact on straight waves would let some.
     #[inline(always)]
     pub(crate) fn weights(&self, [upwind, downwind, beyond]: [V; 3]) -> ([V; 3], V) {
         let staying = self.staying();
         let courant = V::ONE - staying;
-        let all = upwind * downwind * beyond;
         let before = staying * (upwind * downwind * (V::ONE - beyond));
         let at_face = staying * (upwind * (V::ONE - downwind));
         let behind = staying * ((V::ONE - upwind) * downwind * beyond);
@@ -103,17 +118,15 @@ impl<V: Number> Cell<V> {
         let of_two = staying * ((V::ONE - upwind) * downwind * (V::ONE - beyond));
         let of_one = staying * ((V::ONE - upwind) * (V::ONE - downwind));
         let weights = [
-            all * self.upwind
-                + before * fit(courant, 0.0820, 0.1723)
+            before * fit(courant, 0.0820, 0.1723)
                 + at_face * fit(courant, 0.3974, 0.0477)
                 + behind * fit(courant, 0.1002, 0.0749)
                 + of_two * V::constant(0.1)
                 + of_one * V::constant(0.2),
-            all * self.central
-                + before * fit(courant, 0.3837, -0.1727)
+            before * fit(courant, 0.3837, -0.1727)
                 + behind * fit(courant, 0.4666, 0.0192)
                 + of_two * V::constant(0.2),
-            all * self.downwind - behind * fit(courant, 0.0842, 0.0737),
+            -(behind * fit(courant, 0.0842, 0.0737)),
         ];
         (weights, at_face * fit(courant, 0.0903, 0.0039) + of_one * V::constant(0.09))
     }

@@ -622,23 +622,28 @@ impl<T: Real, const D: usize> Domain<T, D> {
                     self.sweep_layer(layer, &rows, first);
                 }
             }
-            // Parts of a row that are as long as each other.
+            // Parts of a row that are as long as each other. Rows that are swept along the first axis in between go
+            // through the middle together: their ghosts are made in lanes.
             let length = self.groups.div_ceil(self.groups.div_ceil(TILE));
-            for row in rows[1].clone() {
-                let tiles = (0..self.groups).step_by(length);
-                let all = self.groups;
-                let tiles = tiles.map(|start| Tile { row, groups: start..all.min(start + length) });
-                if self.scheme.alternates() {
-                    for tile in tiles.clone() {
+            let all = self.groups;
+            let tiles = |row: usize| {
+                let starts = (0..all).step_by(length);
+                starts.map(move |start| Tile { row, groups: start..all.min(start + length) })
+            };
+            let rows_of_middle = rows[1].clone();
+            if self.scheme.alternates() {
+                for start in rows_of_middle.clone().step_by(CHUNK) {
+                    let together = start..rows_of_middle.end.min(start + CHUNK);
+                    for tile in together.clone().flat_map(tiles) {
                         self.sweep_last(&layers[0], &ends[0], &tile, first);
                     }
-                    self.sweep_middle(&layers[1], row, first);
-                    for tile in tiles {
+                    self.sweep_middle(&layers[1], &together, first);
+                    for tile in together.flat_map(tiles) {
                         self.sweep_last(&layers[1], &ends[1], &tile, second);
                     }
-                    continue;
                 }
-                for tile in tiles {
+            } else {
+                for tile in rows_of_middle.flat_map(tiles) {
                     self.sweep_last(&layers[0], &ends[0], &tile, first);
                     self.turn_and_kick(&layers[1], &tile, first);
                     self.sweep_last(&layers[1], &ends[1], &tile, second);
@@ -683,26 +688,31 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.kick(layers, tile, first + 1);
     }
 
-    /// Where sweeps alternate, what stands between both sweeps along the last axis: K, half of Q, the sweep along a row,
+    /// Where sweeps alternate, what stands between both sweeps along the last axis: K, half of Q, the sweep along rows,
     /// half of Q, K. Integrals in time take the mean of the states before and after it, which is second order in the
     /// middle of the step.
-    fn sweep_middle(&mut self, layers: &Range<usize>, row: usize, first: usize) {
-        let tile = Tile { row, groups: 0..self.groups };
-        self.kick(layers, &tile, first);
-        self.rotate(layers, &tile, 1);
-        self.integrate_row(layers, row);
+    fn sweep_middle(&mut self, layers: &Range<usize>, rows: &Range<usize>, first: usize) {
+        let groups = 0..self.groups;
+        let tiles = rows.clone().map(|row| Tile { row, groups: groups.clone() });
+        for tile in tiles.clone() {
+            self.kick(layers, &tile, first);
+            self.rotate(layers, &tile, 1);
+            self.integrate_row(layers, tile.row);
+        }
         if D == 2 {
             // Layers are rows here.
             self.sweep_rows_of(layers.clone(), first + 1);
         } else {
             for layer in layers.clone() {
-                let row = layer * self.rows + row;
-                self.sweep_rows_of(row..row + 1, first + 1);
+                let start = layer * self.rows;
+                self.sweep_rows_of(start + rows.start..start + rows.end, first + 1);
             }
         }
-        self.integrate_row(layers, row);
-        self.rotate(layers, &tile, 1);
-        self.kick(layers, &tile, first + 1);
+        for tile in tiles {
+            self.integrate_row(layers, tile.row);
+            self.rotate(layers, &tile, 1);
+            self.kick(layers, &tile, first + 1);
+        }
     }
 
     /// Half a step of the integrals in time in a row of some layers.
@@ -858,8 +868,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let first = self.own_cells().start;
         let [from, to] = [layers.start, layers.end]
             .map(|layer| self.watched.partition_point(|cell| first + cell < layer * self.layer()));
-        let now = (self.closing_sides.is_empty()).then(|| self.sides_now());
-        let sides = now.as_ref().unwrap_or_else(|| &self.closing_sides[step]);
+        let sides = self.closing_sides.get(step);
         for &cell in &self.watched[from..to] {
             self.show_between(cell, sides, &mut records);
         }
@@ -874,11 +883,16 @@ impl<T: Real, const D: usize> Domain<T, D> {
     /// Appends all fields of a cell as they are shown: the whole stress, the initial one included, in its
     /// yield set. Behind them the integrals of the problem.
     pub fn show(&self, cell: usize, values: &mut Vec<f64>) {
-        self.show_between(cell, &self.sides_now(), values);
+        self.show_between(cell, self.sides_now().as_ref(), values);
     }
 
     /// The same with the sides that [`Self::sides_now`] gives, for many cells.
-    pub(crate) fn show_between(&self, cell: usize, sides: &ClosingSides<T>, values: &mut Vec<f64>) {
+    pub(crate) fn show_between(
+        &self,
+        cell: usize,
+        sides: Option<&ClosingSides<T>>,
+        values: &mut Vec<f64>,
+    ) {
         let own = self.completed(cell + self.own_cells().start, sides);
         let stress = self.stress_of(&own);
         let whole = combined(&stress, &self.initial_stress(cell + self.own_cells().start), 1.0);

@@ -10,6 +10,7 @@ use crate::domain::{Fill, FillEnd, FillOneSided};
 use crate::line::{Cell, GHOSTS, Joint, Slopes, State, Waves, updated};
 use crate::real::{Number, Real, Vector, Work};
 use crate::row::Rows;
+use crate::side::Corrections;
 use std::ops::Range;
 
 /// Sets of instructions that a processor may have. Results do not depend on them.
@@ -132,6 +133,8 @@ pub(crate) struct Table<T: Real> {
     pub(crate) ratios: Vec<T::Lanes>,
     /// Ratios of a pattern, shared likewise.
     pub(crate) followers: usize,
+    /// By wave, what is made at sides; of one pattern alone: of more it takes less to make it anew than to keep it.
+    pub(crate) corrections: Vec<Corrections<T::Lanes>>,
 }
 
 impl<T: Real> Table<T> {
@@ -437,7 +440,7 @@ impl<T: Real> Lines<'_, T> {
                 true => Carried::empty(),
                 false => Carried::load(&self.carried[slot]),
             };
-            let mut sight = Sight::of([last, here], &cell, carried);
+            let mut sight = Sight::of([last, here], &cell, carried, slopes);
             let mut place = 0;
             loop {
                 let ratios: [V; FOLLOWERS] = self.ratios(pattern, wave);
@@ -506,10 +509,10 @@ impl<T: Real> Lines<'_, T> {
             Media::Other([_, behind, cell, _], ..) => [behind, cell],
         };
         let waves = Waves::of(next, cell);
-        let after = sight.own.to(waves);
-        let Sight { carried, last, here, own, before } = *sight;
+        let Sight { carried, last, here, own, behind: waves_behind } = *sight;
+        let ahead = slopes.ahead(own, waves);
         let (reach, known) = match media {
-            Media::Same(..) => slopes.reach(carried.known, last, own, [before, after], cell),
+            Media::Same(..) => slopes.reach(carried.known, own, [waves_behind, ahead], cell),
             Media::Other(cells, ..) => {
                 slopes.reach_between_media(carried.known, [last, here, next], cells)
             }
@@ -539,8 +542,11 @@ impl<T: Real> Lines<'_, T> {
         }
         let carried = Carried { known, joint: beyond };
         *sight = match media {
-            Media::Same(..) => Sight { carried, last: here, here: next, own: waves, before: after },
-            Media::Other(..) => Sight::of([here, next], cell, carried),
+            Media::Same(..) => {
+                let behind = slopes.behind(own, waves);
+                Sight { carried, last: here, here: next, own: waves, behind }
+            }
+            Media::Other(..) => Sight::of([here, next], cell, carried, slopes),
         };
     }
 }
@@ -574,15 +580,20 @@ struct Sight<V> {
     here: State<V>,
     /// The waves in the group at hand.
     own: Waves<V>,
-    /// Their difference from those in the group behind.
-    before: Waves<V>,
+    /// What is looked at of the group behind: see [`Slopes::behind`].
+    behind: Waves<V>,
 }
 
 impl<V: Number> Sight<V> {
     #[inline(always)]
-    fn of([last, here]: [State<V>; 2], cell: &Cell<V>, carried: Carried<V>) -> Self {
+    fn of(
+        [last, here]: [State<V>; 2],
+        cell: &Cell<V>,
+        carried: Carried<V>,
+        slopes: Slopes,
+    ) -> Self {
         let own = Waves::of(here, cell);
-        let before = Waves::of(last, cell).to(own);
-        Self { carried, last, here, own, before }
+        let behind = slopes.behind(Waves::of(last, cell), own);
+        Self { carried, last, here, own, behind }
     }
 }

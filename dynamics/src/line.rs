@@ -83,33 +83,45 @@ impl Slopes {
         }
     }
 
+    /// What is looked at of the cell after the one at hand: to fourth order its waves, else their differences.
+    #[inline(always)]
+    pub(crate) fn ahead<N: Number>(self, own: Waves<N>, next: Waves<N>) -> Waves<N> {
+        match self {
+            Self::FourthOrder => next,
+            Self::Godunov | Self::Limited => own.to(next),
+        }
+    }
+
+    /// The same of the cell before the one at hand.
+    #[inline(always)]
+    pub(crate) fn behind<N: Number>(self, last: Waves<N>, own: Waves<N>) -> Waves<N> {
+        match self {
+            Self::FourthOrder => last,
+            Self::Godunov | Self::Limited => last.to(own),
+        }
+    }
+
     /// The left and the right face value of the Riemann problem between the cell behind and the cell at hand, in one
     /// medium: s − zv and s + zv, averaged over the step. And what the next face needs of these cells, `known` there.
     ///
-    /// `known`: to fourth order the differences between the two cells behind, else the left face value. `behind`: the state
-    /// in the cell behind; `own`: the waves in the cell at hand; `before`, `after`: their differences from that cell and to
-    /// the next.
+    /// `known`: to fourth order the waves in the cell before the one behind, else the left face value. `own`: the waves in
+    /// the cell at hand; `behind`, `ahead`: what [`Self::behind`] and [`Self::ahead`] give.
     #[inline(always)]
     pub(crate) fn reach<N: Number>(
         self,
         known: Waves<N>,
-        behind: State<N>,
         own: Waves<N>,
-        [before, after]: [Waves<N>; 2],
+        [behind, ahead]: [Waves<N>; 2],
         cell: &Cell<N>,
     ) -> ([N; 2], Waves<N>) {
         match self {
             Self::FourthOrder => {
-                let weights = [cell.upwind, cell.central, cell.downwind];
-                let right = Waves::of(behind, cell).right;
-                let right = led(right, weights, [known.right, before.right, after.right]);
-                (
-                    [right, led_left(own.left, weights, [after.left, before.left, known.left])],
-                    before,
-                )
+                let right = cell.face_value([known.right, behind.right, own.right, ahead.right]);
+                let left = cell.face_value([ahead.left, own.left, behind.left, known.left]);
+                ([right, left], behind)
             }
             Self::Godunov | Self::Limited => {
-                let pieces = Pieces::new(own, [before, after], cell, self);
+                let pieces = Pieces::new(own, [behind, ahead], cell, self);
                 ([known.right, pieces.to_left()], pieces.known())
             }
         }
@@ -124,31 +136,41 @@ impl Slopes {
         cells: [&Cell<N>; 4],
     ) -> ([N; 2], Waves<N>) {
         let [behind, here, next] = states;
-        let [_, cell_behind, cell, cell_after] = cells;
+        let [cell_before, cell_behind, cell, cell_after] = cells;
         match self {
             Self::FourthOrder => {
                 let (own_behind, own) = (Waves::of(behind, cell_behind), Waves::of(here, cell));
-                let before = own.continued(cell, behind, cell_behind).to(own);
-                let after = own.to(own.continued(cell, next, cell_after));
+                let next = Waves::of(next, cell_after);
+                let reflection = cell_behind.reflection(cell);
+                let first =
+                    own_behind.continued(known, cell_behind.reflection(cell_before)).to(own_behind);
+                let before = own.continued(own_behind, -reflection).to(own);
+                let after = own.to(own.continued(next, cell.reflection(cell_after)));
                 // Across an interface at the face what leaves it differs from what scattering makes of the waves that
                 // arrive; scattered back this is a difference of those.
-                let beyond = own_behind.continued(cell_behind, here, cell);
+                let beyond = own_behind.continued(own, reflection);
                 let right = cell.staying() * before.right;
                 let left = cell_behind.staying() * (own_behind.left - beyond.left);
-                let reflection = (cell.impedance - cell_behind.impedance)
-                    / (cell.impedance + cell_behind.impedance);
                 let across = Waves {
                     right: right + reflection * (left - right),
                     left: left + reflection * (left - right),
                 };
-                let [first, middle, last] = Cell::alike(cells);
-                let (weights, weight) = cell_behind.weights([first, middle, last]);
+                let alike = Cell::alike(cells);
+                let [to_first, to_middle, to_last] = alike;
+                let (weights, weight) = cell_behind.weights(alike);
                 let right = own_behind.right + weight * across.right;
-                let right = led(right, weights, [known.right, before.right, after.right]);
-                let (weights, weight) = cell.weights([last, middle, first]);
+                let right = led(right, weights, [first.right, before.right, after.right]);
+                let (weights, weight) = cell.weights([to_last, to_middle, to_first]);
                 let left = own.left + weight * across.left;
-                let left = led_left(left, weights, [after.left, before.left, known.left]);
-                ([right, left], before)
+                let left = led_left(left, weights, [after.left, before.left, first.left]);
+                // In one medium to the bit as there, signs of zeros included: what is subtracted then is +0.
+                let of_one = to_first * to_middle * to_last;
+                let rest = N::ONE - of_one;
+                let to_right = [known.right, own_behind.right, own.right, next.right];
+                let to_left = [next.left, own.left, own_behind.left, known.left];
+                let right = of_one * cell_behind.face_value(to_right) - (N::ZERO - rest * right);
+                let left = of_one * cell.face_value(to_left) - (N::ZERO - rest * left);
+                ([right, left], own_behind)
             }
             Self::Godunov | Self::Limited => {
                 let pieces = Pieces::of(states, [cell_behind, cell, cell_after], self);
@@ -160,10 +182,7 @@ impl Slopes {
     /// What [`Self::reach_between_media`] wants to know of the first two of three cells and the one after them.
     fn known<N: Number>(self, states: [State<N>; 3], cells: [&Cell<N>; 3]) -> Waves<N> {
         match self {
-            Self::FourthOrder => {
-                let own = Waves::of(states[1], cells[1]);
-                own.continued(cells[1], states[0], cells[0]).to(own)
-            }
+            Self::FourthOrder => Waves::of(states[0], cells[0]),
             Self::Godunov | Self::Limited => Pieces::of(states, cells, self).known(),
         }
     }
@@ -229,17 +248,15 @@ impl<N: Number> Waves<N> {
     }
 
     /// The waves of a neighbour, continued across the interface with it as what scattering there makes of them, with
-    /// the coefficient of reflection ρ = (y − z)/(y + z): the wave that comes from there is joined by the reflection
+    /// the coefficient of reflection ρ = (y − z)/(y + z), y being the impedance of the neighbour: the wave that comes from there is joined by the reflection
     /// of the own one that runs there, w = (1 − ρ) w′ + ρ ŵ; the one that runs there has the waves that leave the
     /// interface before it, reversed in time, which is the same formula. Unfolded like this a line has no interface:
     /// scattering keeps energy.
     #[inline(always)]
-    fn continued(self, cell: &Cell<N>, neighbour: State<N>, its: &Cell<N>) -> Self {
-        let reflection = (its.impedance - cell.impedance) / (its.impedance + cell.impedance);
-        let waves = Self::of(neighbour, its);
+    fn continued(self, neighbour: Self, reflection: N) -> Self {
         Self {
-            right: waves.right + reflection * (self.left - waves.right),
-            left: waves.left + reflection * (self.right - waves.left),
+            right: neighbour.right + reflection * (self.left - neighbour.right),
+            left: neighbour.left + reflection * (self.right - neighbour.left),
         }
     }
 
@@ -294,8 +311,9 @@ impl<N: Number> Pieces<N> {
         slopes: Slopes,
     ) -> Self {
         let mean = Waves::of(own, cell);
-        let before = mean.continued(cell, before, cell_before).to(mean);
-        let after = mean.to(mean.continued(cell, after, cell_after));
+        let (before, after) = (Waves::of(before, cell_before), Waves::of(after, cell_after));
+        let before = mean.continued(before, cell.reflection(cell_before)).to(mean);
+        let after = mean.to(mean.continued(after, cell.reflection(cell_after)));
         let contrast = cell.contrast(cell_before).greatest(cell.contrast(cell_after));
         let lead = Waves {
             right: slopes.lead_at_contrast([before.right, after.right], cell, contrast),

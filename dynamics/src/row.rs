@@ -3,7 +3,7 @@
 use crate::kernel::{Table, Wave};
 use crate::line::{Cell, GHOSTS, State};
 use crate::real::{Group, Number, Real, Vector};
-use crate::side::{BESIDE, Closure, Side, Slot, ghosts, image};
+use crate::side::{BESIDE, Closure, Corrections, Side, Slot, ghosts, image};
 use std::ops::Range;
 
 /// Where the ends of a row stand in it.
@@ -170,31 +170,46 @@ impl<T: Real> Rows<'_, T> {
         (rows, end): (Range<usize>, usize),
     ) -> [[T::Lanes; GHOSTS]; 2] {
         let inside = self.ends.inside[end];
-        let mut mirror = [T::Lanes::ZERO; 5];
+        // The third cell matters to open sides alone.
+        let depths = if closure.is_open { BESIDE } else { GHOSTS };
         let mut velocity = [T::Lanes::ZERO; BESIDE];
         let mut stress = [T::Lanes::ZERO; BESIDE];
-        // Those of the last row where there is none.
-        let mut cells = inside.map(|slot| *self.cell(rows.start, slot, wave));
         for row in rows.clone() {
-            let (lane, face) = (row - rows.start, self.face + row);
-            let own = self.mirror(end, pair, face / T::Lanes::COUNT);
-            for (to, from) in mirror.iter_mut().zip(own) {
-                to.lanes_mut()[lane] = from.lanes()[face % T::Lanes::COUNT];
-            }
+            let lane = row - rows.start;
             let start = self.first + row * self.size;
-            for (depth, &(group, from)) in inside.iter().enumerate() {
+            for depth in 0..depths {
+                let (group, from) = inside[depth];
                 velocity[depth].lanes_mut()[lane] =
                     data[start + wave.velocity + group].lanes()[from];
                 stress[depth].lanes_mut()[lane] = data[start + wave.stress + group].lanes()[from];
             }
         }
-        // Of one medium all lanes have the same constants.
+        // By row, unless all faces or all cells are alike.
+        let mut by_row = *self.mirror(end, pair, self.face / T::Lanes::COUNT);
+        if !self.is_uniform(end) {
+            for row in rows.clone() {
+                let (lane, face) = (row - rows.start, self.face + row);
+                let own = self.mirror(end, pair, face / T::Lanes::COUNT);
+                for (to, from) in by_row.iter_mut().zip(own) {
+                    to.lanes_mut()[lane] = from.lanes()[face % T::Lanes::COUNT];
+                }
+            }
+        }
+        let mirror = [
+            V::load(&by_row[0]),
+            V::load(&by_row[1]),
+            V::load(&by_row[2]),
+            V::load(&by_row[3]),
+            V::load(&by_row[4]),
+        ];
+        let mut cells = [
+            Cell::load(self.cell(rows.start, inside[0], wave)),
+            Cell::load(self.cell(rows.start, inside[1], wave)),
+            Cell::load(self.cell(rows.start, inside[2], wave)),
+        ];
         if !self.table.is_of_one_pattern() {
             for (cell, slot) in cells.iter_mut().zip(inside) {
-                for lane in 0..T::Lanes::COUNT {
-                    let row = rows.start + lane.min(rows.len() - 1);
-                    cell.set_lane(lane, &self.cell(row, slot, wave).lane(slot.1));
-                }
+                *cell = self.cells_of(&rows, slot, wave);
             }
         }
         let beside = [
@@ -202,15 +217,17 @@ impl<T: Real> Rows<'_, T> {
             State { velocity: V::load(&velocity[1]), stress: V::load(&stress[1]) },
             State { velocity: V::load(&velocity[2]), stress: V::load(&stress[2]) },
         ];
-        let cells = [&Cell::load(&cells[0]), &Cell::load(&cells[1]), &Cell::load(&cells[2])];
-        let mirror = [
-            V::load(&mirror[0]),
-            V::load(&mirror[1]),
-            V::load(&mirror[2]),
-            V::load(&mirror[3]),
-            V::load(&mirror[4]),
-        ];
-        let [one, two] = ghosts(closure, beside, mirror, end, cells);
+        let made_anew;
+        let corrections = match self.table.corrections.get(wave.constants) {
+            Some(own) => own,
+            None => {
+                made_anew = Corrections::of(&cells[0]).stored();
+                &made_anew
+            }
+        };
+        let corrections = Corrections::load(corrections);
+        let cells = [&cells[0], &cells[1], &cells[2]];
+        let [one, two] = ghosts(closure, beside, mirror, end, cells, &corrections);
         let mut made = [[T::Lanes::ZERO; GHOSTS]; 2];
         one.velocity.store(&mut made[0][0]);
         two.velocity.store(&mut made[0][1]);
@@ -227,6 +244,17 @@ impl<T: Real> Rows<'_, T> {
         Some(Closure { is_open, ..closure })
     }
 
+    /// The constants of a cell of some rows, a lane each; where there is no row those of the last one.
+    #[inline(always)]
+    fn cells_of<V: Vector<T>>(&self, rows: &Range<usize>, slot: Slot, wave: &Wave) -> Cell<V> {
+        let mut cells = *self.cell(rows.start, slot, wave);
+        for lane in 0..T::Lanes::COUNT {
+            let row = rows.start + lane.min(rows.len() - 1);
+            cells.set_lane(lane, &self.cell(row, slot, wave).lane(slot.1));
+        }
+        Cell::load(&cells)
+    }
+
     /// The constants of the group of a row where a cell is.
     #[inline(always)]
     fn cell(&self, row: usize, (group, _): Slot, wave: &Wave) -> &Cell<T::Lanes> {
@@ -241,6 +269,12 @@ impl<T: Real> Rows<'_, T> {
         for &(group, lane) in &self.ends.empty {
             field[group].lanes_mut()[lane] = T::ZERO;
         }
+    }
+
+    /// Whether that is the same at all faces.
+    #[inline(always)]
+    fn is_uniform(&self, end: usize) -> bool {
+        self.sides[end].mirror().is_none_or(|mirror| mirror.is_uniform)
     }
 
     /// What lies beyond an end, by face: see [`Mirror::face`](crate::side::Mirror::face).

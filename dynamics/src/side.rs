@@ -8,7 +8,7 @@
 
 use crate::boundary::{Boundary, Condition, Load, Signal};
 use crate::line::{Cell, GHOSTS, Slopes, State, Waves};
-use crate::real::{Group, Number, Real};
+use crate::real::{self, Group, Number, Real};
 
 /// What lies beyond a side, ready for the sweeps.
 #[derive(Clone)]
@@ -51,6 +51,8 @@ pub(crate) struct Mirror<T: Real> {
     by_face: Vec<[T::Lanes; 5]>,
     /// Groups of faces of a pair; one stands for all where they are alike.
     groups: usize,
+    /// Whether all faces are alike, as most are.
+    pub(crate) is_uniform: bool,
     loads: Vec<SideLoad>,
     /// Whether any wave is reconstructed from its own side.
     pub(crate) is_one_sided: bool,
@@ -112,7 +114,15 @@ impl<T: Real> Mirror<T> {
             let closure = Closure { slopes, is_open: works };
             let lanes = |own: [f64; 5]| own.map(|value| T::Lanes::all(T::of(value)));
             let by_face = entries.into_iter().map(lanes).collect();
-            return Self { by_face, groups: 1, loads: Vec::new(), is_one_sided, closure, works };
+            return Self {
+                by_face,
+                groups: 1,
+                is_uniform: true,
+                loads: Vec::new(),
+                is_one_sided,
+                closure,
+                works,
+            };
         }
         let mut by_face = vec![[T::Lanes::ZERO; 5]; pairs * groups];
         let (mut works, mut is_one_sided, mut is_open) = (false, false, false);
@@ -128,7 +138,7 @@ impl<T: Real> Mirror<T> {
             }
         }
         let closure = Closure { slopes, is_open };
-        Self { by_face, groups, loads: Vec::new(), is_one_sided, closure, works }
+        Self { by_face, groups, is_uniform: false, loads: Vec::new(), is_one_sided, closure, works }
     }
 
     /// Adds a load; on faces of open sides there is nothing to be given.
@@ -197,7 +207,7 @@ pub(crate) fn image<N: Number>([sign, shift]: [N; 2], own: N) -> N {
 pub(crate) const BESIDE: usize = 3;
 
 /// The ghosts beyond an end (0 towards smaller coordinates, 1 towards greater ones), the nearest first, from the
-/// outermost cells, their constants and what [`Mirror::face`] gives.
+/// outermost cells, their constants, the [`Corrections`] of the outermost one and what [`Mirror::face`] gives.
 #[inline(always)]
 pub(crate) fn ghosts<N: Number>(
     closure: Closure,
@@ -205,6 +215,7 @@ pub(crate) fn ghosts<N: Number>(
     mirror: [N; 5],
     end: usize,
     cells: [&Cell<N>; BESIDE],
+    corrections: &Corrections<N>,
 ) -> [State<N>; GHOSTS] {
     let [sign_v, shift_v, sign_s, shift_s, _] = mirror;
     let image_of = |own: State<N>| State {
@@ -217,7 +228,9 @@ pub(crate) fn ghosts<N: Number>(
         Slopes::Limited => {
             limited([beside[0], beside[1]], images, mirror, end, [cells[0], cells[1]])
         }
-        Slopes::FourthOrder => fourth_order(closure.is_open, beside, images, mirror, end, cells),
+        Slopes::FourthOrder => {
+            fourth_order(closure.is_open, (beside, images), mirror, end, cells, corrections)
+        }
     }
 }
 
@@ -260,21 +273,141 @@ const OPEN: [[[f64; 2]; 3]; 3] = [
     [[0.5, -1.0 / 12.0], [0.12798, -0.15611], [-0.02068, 0.03919]],
 ];
 
-/// A linear form of differences whose coefficients are polynomials of C.
+/// Polynomials of C.
 #[inline(always)]
-fn form<N: Number, const POWERS: usize, const COUNT: usize>(
+fn polynomials<N: Number, const POWERS: usize, const COUNT: usize>(
     coefficients: &[[f64; COUNT]; POWERS],
-    differences: [N; COUNT],
     courant: N,
-) -> N {
-    let mut sum = N::ZERO;
+) -> [N; COUNT] {
+    let mut values = [N::ZERO; COUNT];
     for power in coefficients.iter().rev() {
-        sum = sum * courant;
-        for (coefficient, difference) in power.iter().zip(differences) {
-            sum = sum + N::constant(*coefficient) * difference;
+        for (value, coefficient) in values.iter_mut().zip(power) {
+            *value = *value * courant + N::constant(*coefficient);
         }
     }
-    sum
+    values
+}
+
+/// The sum of products.
+#[inline(always)]
+fn total<N: Number>([a, b, c]: [N; 3], [one, two, three]: [N; 3]) -> N {
+    a * one + b * two + c * three
+}
+
+/// What [`fourth_order`] makes of the differences beside a side: numbers of the outermost cell alone.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Corrections<N> {
+    /// 0 at Courant number 1, where waves move by a cell and nothing is to be corrected; else 1.
+    moves: N,
+    /// Beside a free or fixed side: of the arriving wave in the nearest and in the farther ghost, and of the leaving wave
+    /// there by the coefficient of reflection.
+    reflecting: [[N; 3]; 4],
+    /// Beside an open side: of the arriving wave in both ghosts and of the leaving one in the nearest, by two differences
+    /// each; of the leaving one in the farther ghost, by what it is in the nearest one and in the outermost cell and by
+    /// its difference there.
+    open: [[N; 3]; 4],
+    /// The difference that gives the farther ghost no upwind difference at an open side of one or two cells.
+    plain: N,
+}
+
+impl<N: Number> Corrections<N> {
+    #[inline(always)]
+    pub(crate) fn of(cell: &Cell<N>) -> Self {
+        let staying = cell.staying();
+        let courant = N::ONE - staying;
+        let moving = (staying - N::constant(1e-6)).greatest(N::ZERO);
+        let per_staying = N::ONE / staying.greatest(N::constant(1e-6));
+        // Weights of the fourth order over 1 − C.
+        let twelfth = N::constant(1.0 / 12.0);
+        let upwind = N::HALF * twelfth * (N::ONE + courant) * (N::ONE + N::ONE + courant);
+        let central = N::HALF - twelfth * courant * (N::ONE + courant);
+        let downwind = -(N::HALF * twelfth * (N::ONE + courant) * (N::ONE + N::ONE - courant));
+        let (per_upwind, per_downwind) = (N::ONE / upwind, N::ONE / downwind);
+        let passed = N::ONE + cell.upwind - cell.central;
+
+        // The arriving wave sees ghosts downwind, the leaving one upwind.
+        let [inside, at_side, outside] = [
+            polynomials(&REFLECTING[0], courant),
+            polynomials(&REFLECTING[1], courant),
+            polynomials(&REFLECTING[2], courant),
+        ];
+        let mut reflecting = [[N::ZERO; 3]; 4];
+        for i in 0..3 {
+            let out = inside[i] * per_downwind;
+            let back = -(outside[i] * per_upwind);
+            reflecting[0][i] = out;
+            reflecting[1][i] = out + (at_side[i] - central * out) * per_downwind;
+            reflecting[2][i] = back;
+            reflecting[3][i] = (passed * back * per_staying - at_side[i]) * per_upwind;
+        }
+
+        let [face, side, back] = [
+            polynomials(&OPEN[0], courant),
+            polynomials(&OPEN[1], courant),
+            polynomials(&OPEN[2], courant),
+        ];
+        let next = [(face[0] - upwind) * per_downwind, (face[1] - central) * per_downwind, N::ZERO];
+        let farther = [
+            next[0] + (side[0] - central * next[0]) * per_downwind,
+            next[1] + (side[1] - upwind - central * next[1]) * per_downwind,
+            N::ZERO,
+        ];
+        let back = [(central - back[0]) * per_upwind, (downwind - back[1]) * per_upwind, N::ZERO];
+        let carried = per_staying * per_upwind;
+        let from_next = [
+            N::ONE + carried * (N::ONE - cell.central),
+            carried * cell.central,
+            carried * cell.downwind,
+        ];
+        Self {
+            moves: (moving * (N::ONE / N::LEAST)).least(N::ONE),
+            reflecting,
+            open: [next, farther, back, from_next],
+            plain: upwind * per_downwind,
+        }
+    }
+
+    const NONE: Self = Self {
+        moves: N::ZERO,
+        plain: N::ZERO,
+        reflecting: [[N::ZERO; 3]; 4],
+        open: [[N::ZERO; 3]; 4],
+    };
+
+    /// Those of a group.
+    #[inline(always)]
+    pub(crate) fn load<T: Real>(from: &Corrections<T::Lanes>) -> Self
+    where
+        N: real::Vector<T>,
+    {
+        let mut own =
+            Self { moves: N::load(&from.moves), plain: N::load(&from.plain), ..Self::NONE };
+        for form in 0..4 {
+            for i in 0..3 {
+                own.reflecting[form][i] = N::load(&from.reflecting[form][i]);
+                own.open[form][i] = N::load(&from.open[form][i]);
+            }
+        }
+        own
+    }
+
+    /// The same as a group.
+    #[inline(always)]
+    pub(crate) fn stored<T: Real>(&self) -> Corrections<T::Lanes>
+    where
+        N: real::Vector<T>,
+    {
+        let mut group = Corrections::NONE;
+        self.moves.store(&mut group.moves);
+        self.plain.store(&mut group.plain);
+        for form in 0..4 {
+            for i in 0..3 {
+                self.reflecting[form][i].store(&mut group.reflecting[form][i]);
+                self.open[form][i].store(&mut group.open[form][i]);
+            }
+        }
+        group
+    }
 }
 
 /// The ghosts of [`Slopes::FourthOrder`]: a linear closure that lets no energy grow.
@@ -291,28 +424,17 @@ fn form<N: Number, const POWERS: usize, const COUNT: usize>(
 #[inline(always)]
 fn fourth_order<N: Number>(
     is_open: bool,
-    beside: [State<N>; BESIDE],
-    images: [State<N>; GHOSTS],
+    (beside, images): ([State<N>; BESIDE], [State<N>; GHOSTS]),
     [sign_v, _, sign_s, _, one_sided]: [N; 5],
     end: usize,
     cells: [&Cell<N>; BESIDE],
+    corrections: &Corrections<N>,
 ) -> [State<N>; GHOSTS] {
     let cell = cells[0];
     let two_alike = N::ONE - cell.contrast(cells[1]);
     let of_one = two_alike * (N::ONE - cells[1].contrast(cells[2]));
-    let staying = cell.staying();
-    let courant = N::ONE - staying;
-    // At Courant number 1 waves move by a cell, and nothing is to be corrected.
-    let moving = (staying - N::constant(1e-6)).greatest(N::ZERO);
-    let corrected = one_sided * of_one * (moving * (N::ONE / N::LEAST)).least(N::ONE);
-    let per_staying = N::ONE / staying.greatest(N::constant(1e-6));
+    let corrected = one_sided * of_one * corrections.moves;
     let reflection = N::HALF * (sign_s - sign_v);
-    // Weights of the fourth order over 1 − C.
-    let twelfth = N::constant(1.0 / 12.0);
-    let upwind = N::HALF * twelfth * (N::ONE + courant) * (N::ONE + N::ONE + courant);
-    let central = N::HALF - twelfth * courant * (N::ONE + courant);
-    let downwind = -(N::HALF * twelfth * (N::ONE + courant) * (N::ONE + N::ONE - courant));
-    let (per_upwind, per_downwind) = (N::ONE / upwind, N::ONE / downwind);
 
     let [out, own_in] = by_way(end, beside[0], cell);
     let [out_behind, in_behind] = by_way(end, beside[1], cell);
@@ -320,36 +442,26 @@ fn fourth_order<N: Number>(
     let [image_out_behind, image_in_behind] = by_way(end, images[1], cell);
 
     let unfolded = [out - out_behind, image_out - out, image_out_behind - image_out];
-    let [inside, at_side, outside] = [
-        form(&REFLECTING[0], unfolded, courant),
-        form(&REFLECTING[1], unfolded, courant),
-        form(&REFLECTING[2], unfolded, courant),
+    let [to_out, to_out_behind, to_in, to_in_behind] = corrections.reflecting;
+    let reflected = corrected * reflection;
+    let mut nearest = [
+        image_out + corrected * total(to_out, unfolded),
+        image_in + reflected * total(to_in, unfolded),
     ];
-    // The arriving wave sees ghosts downwind, the leaving one upwind.
-    let shift_out = inside * per_downwind;
-    let shift_out_behind = shift_out + (at_side - central * shift_out) * per_downwind;
-    let shift_in = -(reflection * outside * per_upwind);
-    let passed = N::ONE + cell.upwind - cell.central;
-    let shift_in_behind = (passed * shift_in * per_staying - reflection * at_side) * per_upwind;
-    let mut nearest = [image_out + corrected * shift_out, image_in + corrected * shift_in];
     let mut farther = [
-        image_out_behind + corrected * shift_out_behind,
-        image_in_behind + corrected * shift_in_behind,
+        image_out_behind + corrected * total(to_out_behind, unfolded),
+        image_in_behind + reflected * total(to_in_behind, unfolded),
     ];
 
     if is_open {
         let third = by_way(end, beside[2], cell);
         let (before, last) = (out_behind - third[0], out - out_behind);
-        let face = form(&OPEN[0], [before, last], courant) - upwind * before - central * last;
-        let next_out = out + face * per_downwind;
-        let side =
-            form(&OPEN[1], [before, last], courant) - upwind * last - central * (next_out - out);
-        let farther_out = next_out + side * per_downwind;
+        let [to_next, to_farther, to_back, from_next] = corrections.open;
+        let next_out = out + (to_next[0] * before + to_next[1] * last);
+        let farther_out = out + (to_farther[0] * before + to_farther[1] * last);
         let (first, second) = (in_behind - own_in, third[1] - in_behind);
-        let face = form(&OPEN[2], [first, second], courant) - central * first - downwind * second;
-        let next_in = own_in - face * per_upwind;
-        let carried = next_in + cell.central * (own_in - next_in) + cell.downwind * first;
-        let farther_in = next_in + carried * per_staying * per_upwind;
+        let next_in = own_in + (to_back[0] * first + to_back[1] * second);
+        let farther_in = total(from_next, [next_in, own_in, first]);
         let open = N::ONE - reflection * reflection;
         let plain = open * one_sided * (N::ONE - corrected);
         let open = open * corrected;
@@ -359,7 +471,7 @@ fn fourth_order<N: Number>(
         farther = [
             held * farther[0]
                 + open * farther_out
-                + plain * (out - two_alike * (upwind * last * per_downwind)),
+                + plain * (out - two_alike * (corrections.plain * last)),
             held * farther[1] + open * farther_in,
         ];
     }

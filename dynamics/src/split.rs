@@ -351,7 +351,7 @@ impl<T: Real, const D: usize> Split<T, D> {
         for part in &mut self.parts {
             let sides = part.domain.sides_now();
             for &(_, cell) in &part.watched {
-                part.domain.show_between(cell, &sides, &mut part.records);
+                part.domain.show_between(cell, sides.as_ref(), &mut part.records);
             }
         }
     }
@@ -370,7 +370,7 @@ impl<T: Real, const D: usize> Split<T, D> {
             let sides = part.domain.sides_now();
             for cell in 0..part.domain.grid().count() {
                 state.clear();
-                part.domain.show_between(cell, &sides, &mut state);
+                part.domain.show_between(cell, sides.as_ref(), &mut state);
                 for (values, value) in fields.iter_mut().zip(&state) {
                     values.push(*value);
                 }

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use wellposed_dynamics::boundary::{Boundary, Load, Source};
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme, Splitting};
 use wellposed_dynamics::split::Split;
 
 struct Counting;
@@ -69,12 +69,21 @@ fn steps_allocate_nothing() {
             couple: Some(layers),
         }),
     ];
-    for (set, detail) in
-        sets.into_iter().flat_map(|set| [Detail::Light, Detail::Full].map(|detail| (set, detail)))
+    let schemes = [
+        Scheme::new(Slopes::Limited, Placement::Middle),
+        Scheme {
+            splitting: Splitting::Alternating,
+            ..Scheme::new(Slopes::FourthOrder, Placement::Last)
+        },
+    ];
+    let schemes = schemes
+        .into_iter()
+        .flat_map(|own| [Detail::Light, Detail::Full].map(|detail| Scheme { detail, ..own }));
+    for (set, scheme) in
+        sets.into_iter().flat_map(|set| schemes.clone().map(move |scheme| (set, scheme)))
     {
         let medium = Medium::isotropic(&solid, 2).yielding(set);
         let step = 2.0 * 0.1 / medium.greatest_speed();
-        let scheme = Scheme { detail, ..Scheme::new(Slopes::Limited, Placement::Middle) };
         let signal: wellposed_dynamics::boundary::Signal = Arc::new(f64::sin);
         let faces = vec![(2, 1.0)];
         let load = Load { axis: 0, end: 1, pair: 0, faces, signal: signal.clone() };

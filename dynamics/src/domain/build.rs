@@ -10,7 +10,7 @@ use crate::line::{Account, Cell, GHOSTS, HALO, Slopes};
 use crate::medium::{Medium, energy_terms};
 use crate::problem::{Detail, Placement, Problem, Scheme};
 use crate::real::{Group, Number, Real};
-use crate::side::{Mirror, Side, Slot};
+use crate::side::{Corrections, Mirror, Side, Slot};
 use models::cosserat::waves::Field;
 use models::elementary::Elementary;
 use std::collections::{BTreeMap, HashMap};
@@ -331,7 +331,13 @@ impl<T: Real, const D: usize> Domain<T, D> {
             instructions: Instructions::best(),
             waves,
             quarter_waves,
-            table: Table { cells: Vec::new(), waves: 0, ratios: Vec::new(), followers: 0 },
+            table: Table {
+                cells: Vec::new(),
+                waves: 0,
+                ratios: Vec::new(),
+                followers: 0,
+                corrections: Vec::new(),
+            },
             turns: Vec::new(),
             yields: Vec::new(),
             turning,
@@ -385,6 +391,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             followers: ratios.len(),
             cells: Vec::with_capacity(patterns.len() * constants.len()),
             ratios: Vec::with_capacity(patterns.len() * ratios.len()),
+            corrections: Vec::new(),
         };
         for pattern in patterns {
             table.cells.extend(constants.iter().map(|cells| {
@@ -406,6 +413,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 T::Lanes::by_lane(|lane| T::of(ratio[usize::from(pattern[lane])]))
             };
             table.ratios.extend(ratios.iter().map(lanes));
+        }
+        if table.is_of_one_pattern() {
+            table.corrections = table.cells.iter().map(Corrections::of).collect();
         }
         let turns = patterns.iter().map(|pattern| {
             [1.0, 0.5].map(|part| {

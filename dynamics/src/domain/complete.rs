@@ -4,7 +4,7 @@ use super::{Domain, MOST_FIELDS};
 use crate::kernel::Wave;
 use crate::line::{Cell, GHOSTS, State, sweep};
 use crate::real::{Group, Real};
-use crate::side::{BESIDE, Side, ghosts, image, set_time};
+use crate::side::{BESIDE, Corrections, Side, ghosts, image, set_time};
 
 /// Cells that a sweep of one cell reads.
 const WINDOW: usize = 2 * GHOSTS + 1;
@@ -36,13 +36,13 @@ impl<T: Real> ClosingSides<T> {
 }
 
 impl<T: Real, const D: usize> Domain<T, D> {
-    /// The sides of the first axis in the sweeps that complete the last step.
-    pub(crate) fn sides_now(&self) -> ClosingSides<T> {
-        let mut sides = ClosingSides::new(&self.sides[0][0]);
-        if self.scheme.alternates() {
+    /// The sides of the first axis in the sweeps that complete the last step; none where nothing is to be completed.
+    pub(crate) fn sides_now(&self) -> Option<ClosingSides<T>> {
+        self.scheme.alternates().then(|| {
+            let mut sides = ClosingSides::new(&self.sides[0][0]);
             sides.set_time(self.time(), self.step);
-        }
-        sides
+            sides
+        })
     }
 
     /// All fields of own cells at the time of the domain, cell by cell: the deviation from the initial stress, and not
@@ -51,7 +51,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let sides = self.sides_now();
         let (first, count) = (self.own_cells().start, self.fields().len());
         let of_cell = |cell: &usize| {
-            let own = self.completed(first + cell, &sides);
+            let own = self.completed(first + cell, sides.as_ref());
             own[..count].iter().map(|value| value.wide()).collect::<Vec<f64>>()
         };
         cells.iter().flat_map(of_cell).collect()
@@ -59,14 +59,16 @@ impl<T: Real, const D: usize> Domain<T, D> {
 
     /// The state of a cell among all at the time of the domain: a copy goes along the first axis by a quarter of a
     /// step; beside sides the mean of a copy that goes by half a step and of the state is taken.
-    pub(super) fn completed(&self, cell: usize, sides: &ClosingSides<T>) -> [T; MOST_FIELDS] {
+    pub(super) fn completed(
+        &self,
+        cell: usize,
+        sides: Option<&ClosingSides<T>>,
+    ) -> [T; MOST_FIELDS] {
         let mut values = [T::ZERO; MOST_FIELDS];
         for (value, (_, place)) in values.iter_mut().zip(self.places()) {
             *value = self.at(cell, place);
         }
-        if !self.scheme.alternates() || self.steps == 0 {
-            return values;
-        }
+        let Some(sides) = sides.filter(|_| self.steps > 0) else { return values };
         let pattern = self.patterns[self.slot(cell).0.group];
         let lane = self.slot(cell).1;
         for pair in 0..self.quarter_waves.len() {
@@ -147,7 +149,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
             let inside =
                 std::array::from_fn(|depth| if end == 0 { depth } else { length - 1 - depth });
             let (beside, media) = (inside.map(state), inside.map(constants));
-            let made = ghosts(mirror.closure(), beside, numbers(mirror), end, media.each_ref());
+            let corrections = Corrections::of(&media[0]);
+            let media = media.each_ref();
+            let made = ghosts(mirror.closure(), beside, numbers(mirror), end, media, &corrections);
             (made[depth], own)
         };
         let at = |offset: usize| {
