@@ -5,6 +5,7 @@
 
 use crate::growth::{Assessment, Verdict};
 use crate::pencil::Pencil;
+use models::elementary::Elementary;
 use std::f64::consts::PI;
 
 /// A finite supremum of the growth rate.
@@ -46,14 +47,14 @@ pub fn supremum(pencil: &Pencil, assessment: &Assessment, least: f64) -> Option<
         return None;
     }
     let unit = pencil.polynomial.wave_number;
-    let (low, high) = ((least / unit).max(LEAST).ln(), GREATEST.ln());
+    let (low, high) = ((least / unit).max(LEAST).cr_ln(), GREATEST.cr_ln());
     if low >= high {
         return None;
     }
     let rate = |log_k: f64, direction: f64| {
         pencil
             .polynomial
-            .roots(unit * log_k.exp(), direction, &[])
+            .roots(unit * log_k.cr_exp(), direction, &[])
             .iter()
             .map(|root| root.re)
             .fold(f64::NEG_INFINITY, f64::max)
@@ -65,7 +66,7 @@ pub fn supremum(pencil: &Pencil, assessment: &Assessment, least: f64) -> Option<
     for centre in centres {
         let angle = |log_k: f64, position: f64| match centre {
             None => position,
-            Some(angle) => angle + (position.sinh() / log_k.exp()).clamp(-0.5, 0.5),
+            Some(angle) => angle + (position.cr_sinh() / log_k.cr_exp()).clamp(-0.5, 0.5),
         };
         let value = |x: [f64; 2]| {
             let log_k = x[0].clamp(low, high);
@@ -98,7 +99,7 @@ pub fn supremum(pencil: &Pencil, assessment: &Assessment, least: f64) -> Option<
         } else if log_k >= high - 0.7 {
             Place::ShortWaves
         } else {
-            Place::At(unit * log_k.exp())
+            Place::At(unit * log_k.cr_exp())
         },
         direction: direction.rem_euclid(PI),
     })
@@ -114,7 +115,7 @@ fn simplex(f: impl Fn([f64; 2]) -> f64, start: [f64; 2], step: [f64; 2]) -> (f64
     ];
     for _ in 0..200 {
         s.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let spread = (s[0].1[0] - s[2].1[0]).hypot(s[0].1[1] - s[2].1[1]);
+        let spread = (s[0].1[0] - s[2].1[0]).root_sum_square(s[0].1[1] - s[2].1[1]);
         if spread < 1e-9 {
             break;
         }

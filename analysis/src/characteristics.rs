@@ -7,6 +7,7 @@
 
 use crate::form::Form;
 use crate::{polynomial, roots};
+use models::elementary::Elementary;
 use models::{LinearisedSystem, Rounded};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -235,7 +236,7 @@ fn name_streamlines(system: &LinearisedSystem<2>, real: &mut [Characteristic]) {
     if v1 == 0.0 && v2 == 0.0 {
         return;
     }
-    let stream = v2.atan2(v1).rem_euclid(PI);
+    let stream = v2.cr_atan2(v1).rem_euclid(PI);
     for c in real {
         let gap = (c.angle - stream).abs();
         if gap.min(PI - gap) <= 4.0 * (c.bound + f64::EPSILON) {

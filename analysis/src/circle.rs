@@ -13,6 +13,8 @@
 
 use crate::golden::golden_section;
 use crate::sphere::{Extremes, Flutter, Slowest};
+use models::elementary::Elementary;
+use models::product::triple_product;
 use models::rates::RateEquations;
 use nalgebra::{DMatrix, Matrix3};
 use num_complex::Complex64;
@@ -53,7 +55,7 @@ impl Circle {
             DMatrix::from_fn(equations.stresses(), moving.len(), scaled)
         });
         let between = |i: usize, j: usize| {
-            let product = strain[i].transpose() * &stiffness * &strain[j];
+            let product = triple_product(&strain[i].transpose(), &stiffness, &strain[j]);
             let entry = |a: usize, b: usize| match a.max(b) < moving.len() {
                 true => product[(a, b)],
                 false => 0.0,
@@ -75,7 +77,7 @@ impl Circle {
     }
 
     fn eigenvalues(&self, theta: f64) -> ([Complex64; 3], usize) {
-        let (sin, cos) = theta.sin_cos();
+        let (sin, cos) = theta.cr_sin_cos();
         let [first, mixed, last] = &self.terms;
         let gamma = first * (cos * cos) + mixed * (cos * sin) + last * (sin * sin);
         let pair = |a: f64, b: f64, c: f64, d: f64| {
@@ -122,7 +124,7 @@ impl Circle {
     /// The strongest flutter and the slowest wave over all directions, those in `hints` (rad) among them.
     pub fn search(&self, hints: &[f64]) -> Extremes {
         let angles: Vec<f64> = angles().chain(hints.iter().copied()).collect();
-        let normal = |theta: f64| [theta.cos(), theta.sin(), 0.0];
+        let normal = |theta: f64| [theta.cr_cos(), theta.cr_sin(), 0.0];
         let strongest = greatest(|theta| self.flutter(theta).0, &angles);
         let (growth, speed_squared) = self.flutter(strongest);
         let flutter =

@@ -6,6 +6,8 @@
 
 use crate::dense::eigenvalues;
 use models::LinearisedSystem;
+use models::elementary::Elementary;
+use models::product::{product, triple_product};
 use models::rates::RateEquations;
 use models::system::Matrix;
 use nalgebra::DMatrix;
@@ -49,10 +51,10 @@ pub fn energy<const D: usize>(
     let compliance = elastic.stiffness_values().try_inverse();
     let compliance = compliance.unwrap_or_else(|| DMatrix::from_element(ns, ns, f64::NAN));
     let symmetrised = |matrix: &Matrix| {
-        let mut product = matrix.map(|entry| entry.value);
-        let laws = &compliance * product.rows(nv, ns);
-        product.rows_mut(nv, ns).copy_from(&laws);
-        product
+        let mut values = matrix.map(|entry| entry.value);
+        let laws = product(&compliance, &values.rows(nv, ns));
+        values.rows_mut(nv, ns).copy_from(&laws);
+        values
     };
     let relative = |difference: DMatrix<f64>, of: &DMatrix<f64>| match of.amax() {
         0.0 => 0.0,
@@ -102,7 +104,7 @@ fn greatest_growth<const D: usize>(
         let rows = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| {
             -matrix[(i, j)].value / system.a[(i, i)].value
         });
-        factor * rows * &inverse
+        triple_product(factor, &rows, &inverse)
     };
     let (gradient, local) = (system.b.each_ref().map(in_units), in_units(&system.c));
     let mut worst = 0.0f64;
@@ -126,12 +128,13 @@ fn spread<const D: usize>(index: usize) -> [f64; D] {
     let share = (index as f64 + 0.5) / DIRECTIONS as f64;
     let mut normal = [0.0; D];
     if D == 2 {
-        (normal[0], normal[1]) = ((PI * share).cos(), (PI * share).sin());
+        (normal[0], normal[1]) = ((PI * share).cr_cos(), (PI * share).cr_sin());
     } else {
         // A spiral of equal areas, turning by the golden angle.
         let angle = PI * (3.0 - 5f64.sqrt()) * index as f64;
         let radius = (1.0 - share * share).sqrt();
-        (normal[0], normal[1], normal[2]) = (radius * angle.cos(), radius * angle.sin(), share);
+        (normal[0], normal[1], normal[2]) =
+            (radius * angle.cr_cos(), radius * angle.cr_sin(), share);
     }
     normal
 }

@@ -9,6 +9,7 @@ use crate::newton::gcd;
 use crate::puiseux::{Root, binomial, roots_of};
 use crate::roots;
 use crate::value::Value;
+use models::elementary::{Elementary, cr_arg, cr_from_polar};
 use num_complex::Complex64;
 use std::cell::OnceCell;
 use std::f64::consts::PI;
@@ -45,7 +46,7 @@ impl Face {
 
     /// Coefficients of the powers of c at an angle.
     pub(crate) fn at(&self, angle: f64) -> List<Value> {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = angle.cr_sin_cos();
         let evaluate = |form: &List<Value>| {
             let degree = form.len().saturating_sub(1);
             let mut sum = Value::default();
@@ -87,7 +88,7 @@ impl Face {
         roots::of(&plain)
             .into_iter()
             .filter(|t| t.im.abs() <= 1e-7 * t.norm())
-            .map(|t| t.re.atan().rem_euclid(PI))
+            .map(|t| t.re.cr_atan().rem_euclid(PI))
             .collect()
     }
 
@@ -230,7 +231,7 @@ impl Face {
 
     /// E_α/E_c at a root: minus dc/dα.
     fn slope(&self, angle: f64, c: Complex64) -> Complex64 {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = angle.cr_sin_cos();
         let (mut by_angle, mut by_root) = (Complex64::ZERO, Complex64::ZERO);
         for (i, form) in self.coefficients.iter().enumerate() {
             let degree = form.len().saturating_sub(1);
@@ -410,14 +411,14 @@ fn circle_zeros(terms: usize, f: impl Fn(f64) -> Complex64) -> List<f64> {
     let half = (terms - 1) as f64;
     let angle = |n: usize| PI * (n as f64 + OFF_AXES) / terms as f64;
     let values: List<Complex64> =
-        (0..terms).map(|n| f(angle(n)) * Complex64::from_polar(1.0, half * angle(n))).collect();
+        (0..terms).map(|n| f(angle(n)) * cr_from_polar(1.0, half * angle(n))).collect();
     let size = values.iter().map(|v| v.norm()).fold(0.0, f64::max);
     if size == 0.0 || !size.is_finite() {
         return List::new();
     }
     let mut coefficients: List<Complex64> = (0..terms)
         .map(|m| {
-            let turn = |n: usize| Complex64::from_polar(1.0, -2.0 * m as f64 * angle(n));
+            let turn = |n: usize| cr_from_polar(1.0, -2.0 * m as f64 * angle(n));
             let sum: Complex64 = values.iter().enumerate().map(|(n, v)| v * turn(n)).sum();
             sum / (terms as f64 * size)
         })
@@ -430,6 +431,6 @@ fn circle_zeros(terms: usize, f: impl Fn(f64) -> Complex64) -> List<f64> {
     roots::of(&coefficients[first.min(coefficients.len())..])
         .into_iter()
         .filter(|z| (z.norm() - 1.0).abs() < NEAR_CIRCLE)
-        .map(|z| (0.5 * z.arg()).rem_euclid(PI))
+        .map(|z| (0.5 * cr_arg(z)).rem_euclid(PI))
         .collect()
 }

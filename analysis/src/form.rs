@@ -3,6 +3,7 @@
 use crate::list::{List, list};
 use crate::roots;
 use models::Rounded;
+use models::elementary::{Elementary, cr_arg};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -122,7 +123,7 @@ impl Form {
 
     /// dF/dθ at an angle, without its rounding.
     fn derivative_at(&self, angle: f64) -> f64 {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = angle.cr_sin_cos();
         let d = self.degree() as i32;
         let term = |(l, f): (usize, &Rounded)| {
             let l = l as i32;
@@ -218,7 +219,7 @@ impl Form {
             .roots_on_the_circle()
             .filter(|z| (z.norm() - 1.0).abs() < 1e-3)
             .map(|z| {
-                let mut angle = z.arg() / 2.0;
+                let mut angle = cr_arg(z) / 2.0;
                 for _ in 0..4 {
                     let slope = curvature.at_angle(angle).value;
                     let step = derivative.at_angle(angle).value / slope;
@@ -414,7 +415,7 @@ pub fn extrema_of_ratio(a: &Form, b: &Form) -> List<f64> {
     slope
         .roots_on_the_circle()
         .filter(|z| (z.norm() - 1.0).abs() < 1e-3)
-        .map(|z| (0.5 * z.arg()).rem_euclid(PI))
+        .map(|z| (0.5 * cr_arg(z)).rem_euclid(PI))
         .collect()
 }
 

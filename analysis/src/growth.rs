@@ -20,6 +20,7 @@ use crate::puiseux::{self, Monomial};
 use crate::value::{Value, imaginary_power};
 use crate::worst::Worst;
 use models::Rounded;
+use models::elementary::{Elementary, cr_arg};
 use std::cell::OnceCell;
 use std::f64::consts::PI;
 
@@ -360,10 +361,10 @@ impl Edge<'_> {
     fn greatest_cosine(&self, sign: f64) -> f64 {
         let [(i1, j1), (i0, j0)] = self.ends();
         let r = i1 - i0;
-        let turn = (-imaginary_power(j0 as i64 - j1 as i64) * sign).arg() / r as f64;
+        let turn = cr_arg(-imaginary_power(j0 as i64 - j1 as i64) * sign) / r as f64;
         (0..r)
             .map(|n| {
-                let cosine = (turn + 2.0 * PI * n as f64 / r as f64).cos();
+                let cosine = (turn + 2.0 * PI * n as f64 / r as f64).cr_cos();
                 // Multiples of a right angle are exact here.
                 if cosine.abs() < 1e-12 { 0.0 } else { cosine }
             })
@@ -424,7 +425,7 @@ fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
             // At a common zero nothing is left of the ratio.
             let edge = (angle - left).min(right - angle) < 1e-9f64.min(1e-3 * (right - left));
             let lost = edge || lower.bound > 1e-2 * lower.value.abs();
-            if lost { 0.0 } else { (upper.value / lower.value).abs().powf(power) }
+            if lost { 0.0 } else { (upper.value / lower.value).abs().cr_powf(power) }
         };
         let middle = 0.5 * (left + right);
         let signs = [&last.form, &first.form].map(|f| f.at_angle(middle));
@@ -558,7 +559,7 @@ fn verdict(mut worst: Worst, pencil: &Pencil) -> Verdict {
         (Some((order, scaled, direction)), _) => Verdict::IllPosed {
             growth: Some(Growth {
                 order,
-                coefficient: scaled * rate / wave_number.powf(order.value()),
+                coefficient: scaled * rate / wave_number.cr_powf(order.value()),
             }),
             direction: direction.rem_euclid(PI),
         },

@@ -7,6 +7,7 @@
 //! evolution, which the frozen pencil does not see.
 
 use models::LinearisedSystem;
+use models::elementary::Elementary;
 use models::rounding::Rounded;
 use nalgebra::DMatrix;
 use num_complex::Complex64;
@@ -183,8 +184,8 @@ fn balanced(mut matrix: DMatrix<Complex64>) -> (DMatrix<Complex64>, Vec<f64>, f6
             let column = others().map(|j| matrix[(j, i)].norm()).fold(0.0, f64::max);
             let row = others().map(|j| matrix[(i, j)].norm()).fold(0.0, f64::max);
             // Where one of them is zero, the other becomes as great as the diagonal.
-            let diagonal = (0..size).map(|j| matrix[(j, j)].norm()).fold(0.0, f64::max).log2();
-            let power = match (row.log2(), column.log2()) {
+            let diagonal = (0..size).map(|j| matrix[(j, j)].norm()).fold(0.0, f64::max).cr_log2();
+            let power = match (row.cr_log2(), column.cr_log2()) {
                 (row, f64::NEG_INFINITY) => row - diagonal,
                 (f64::NEG_INFINITY, column) => diagonal - column,
                 (row, column) => 0.5 * (row - column),
@@ -193,7 +194,7 @@ fn balanced(mut matrix: DMatrix<Complex64>) -> (DMatrix<Complex64>, Vec<f64>, f6
             if !power.is_finite() || power == 0.0 {
                 continue;
             }
-            let factor = power.exp2();
+            let factor = power.cr_exp2();
             scales[i] *= factor;
             for j in others().collect::<Vec<_>>() {
                 matrix[(j, i)] *= factor;
@@ -206,7 +207,7 @@ fn balanced(mut matrix: DMatrix<Complex64>) -> (DMatrix<Complex64>, Vec<f64>, f6
         }
     }
     let greatest = matrix.iter().map(|entry| entry.norm()).fold(0.0, f64::max);
-    let unit = if greatest > 0.0 { greatest.log2().round().exp2() } else { 1.0 };
+    let unit = if greatest > 0.0 { greatest.cr_log2().round().cr_exp2() } else { 1.0 };
     (matrix.unscale(unit), scales, unit)
 }
 

@@ -15,6 +15,7 @@ use crate::puiseux::{self, DOUBTFUL, Monomial, Root, binomial, lcm};
 use crate::value::Value;
 use crate::worst::Worst;
 use models::Rounded;
+use models::elementary::Elementary;
 use num_complex::Complex64;
 use std::cell::RefCell;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -206,7 +207,7 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
     }
 
     // Offsets at which roots c vanish or become infinite; 0 and ∞ belong to neighbouring facets.
-    let inner = |angle: &f64| angle.sin().abs() > 1e-9 && (angle - FRAC_PI_2).abs() > 1e-9;
+    let inner = |angle: &f64| angle.cr_sin().abs() > 1e-9 && (angle - FRAC_PI_2).abs() > 1e-9;
     let infinite = face.zeros_of_power(face.degree());
     let vanishing = face.zeros_of_power(0);
     let mut special: List<f64> =
@@ -245,7 +246,7 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
     }
     let deeper = Place { depth: place.depth - 1, ..place };
     for angle in special.iter().copied().filter(inner) {
-        let moved = chart.moved_offset(facet.offset, angle.tan(), offset_bound(angle));
+        let moved = chart.moved_offset(facet.offset, angle.cr_tan(), offset_bound(angle));
         explore(&Chart { below: None, ..moved }, deeper, worst);
     }
     if !worst.may_improve_below(facet.order) {
@@ -259,7 +260,7 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
         .collect();
     sides.extend([0.13, 0.5, 1.1, 1.4].iter().flat_map(|a| [*a, PI - a]));
     for angle in sides {
-        let d = angle.tan();
+        let d = angle.cr_tan();
         let terms = at_offset(chart, facet.offset, d);
         let mut growth = puiseux::growth(&terms.0, terms.1, chart.below);
         // What this facet has is known better.
@@ -277,7 +278,7 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
                 worst.doubts_contact(facet.order, place.angle);
                 continue;
             }
-            let moved = chart.moved_offset(facet.offset, angle.tan(), offset_bound(angle));
+            let moved = chart.moved_offset(facet.offset, angle.cr_tan(), offset_bound(angle));
             let order = (facet.order.numerator, facet.order.denominator);
             explore(&moved.moved_root(order, facet.offset, &root), deeper, worst);
         }
@@ -305,10 +306,10 @@ fn triangle(facet: &Facet) -> Option<(Triangle, f64)> {
     };
     let normal = Triangle([quarter(p)?, quarter(q)?, quarter(r)?]);
     // x log c + y log d + log |value| is to be the same for all three.
-    let log = |p: Point| p.value.value.norm().ln();
+    let log = |p: Point| p.value.value.norm().cr_ln();
     let row = |s: Point| [s.x as f64 - p.x as f64, s.y as f64 - p.y as f64, log(p) - log(s)];
     let ([a, b, e], [c, d, f]) = (row(q), row(r));
-    Some((normal, ((e * d - b * f) / (a * d - b * c)).exp()))
+    Some((normal, ((e * d - b * f) / (a * d - b * c)).cr_exp()))
 }
 
 impl Triangle {
@@ -338,7 +339,7 @@ impl Triangle {
 }
 
 fn offset_bound(angle: f64) -> f64 {
-    1e-14 * (1.0 + angle.tan().powi(2))
+    1e-14 * (1.0 + angle.cr_tan().powi(2))
 }
 
 /// The terms at a fixed offset d k^τ.

@@ -17,6 +17,7 @@
 //! - [`kelvin`]: waves that a homogeneous flow carries along;
 //! - [`waves`]: speeds, dispersion curves and forbidden bands of solids.
 #![deny(missing_docs)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod bound;
 pub mod characteristics;

@@ -11,6 +11,7 @@ use crate::polynomial::DispersionPolynomial;
 use crate::qz::Qz;
 use crate::scaling::ScaledSystem;
 use models::LinearisedSystem;
+use models::elementary::Elementary;
 use num_complex::Complex64;
 
 /// The roots at one wave.
@@ -130,7 +131,7 @@ impl Pencil {
     ) -> &'q [Complex64] {
         self.equilibrate(qz, k, direction);
         let v = &self.scaled.system.velocity;
-        let (sin, cos) = direction.sin_cos();
+        let (sin, cos) = direction.cr_sin_cos();
         let convection = Complex64::new(0.0, -k * (v[0] * cos + v[1] * sin));
         let Some(values) = qz.solve() else { return &[] };
         for value in &mut *values {
@@ -144,7 +145,7 @@ impl Pencil {
     pub fn equilibrate(&self, qz: &mut Qz, k: f64, direction: f64) {
         let s = &self.scaled.system;
         let size = s.equations.len().min(s.unknowns.len());
-        let (sin, cos) = direction.sin_cos();
+        let (sin, cos) = direction.cr_sin_cos();
         let k_scaled = k / self.scaled.wave_number;
         let (first, second) = (k_scaled * cos, k_scaled * sin);
         qz.equilibrate(

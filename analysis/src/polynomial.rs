@@ -9,6 +9,7 @@ use crate::form::Form;
 use crate::list::List;
 use crate::scaling::ScaledSystem;
 use crate::{AnalysisError, roots};
+use models::elementary::Elementary;
 use models::system::Unknown;
 use models::{LinearisedSystem, Rounded};
 use num_complex::Complex64;
@@ -221,7 +222,7 @@ impl DispersionPolynomial {
     /// entry i belongs to ς̂ⁱ. Its degree is the number of finite roots; powers whose coefficient is
     /// zero within its rounding bound at the top are left out.
     pub fn at_wave(&self, k: f64, direction: f64) -> Vec<ExtendedComplex> {
-        let (sin, cos) = direction.sin_cos();
+        let (sin, cos) = direction.cr_sin_cos();
         let k_scaled = k / self.wave_number;
         let powers = |x: f64| {
             let mut list = vec![Extended::from(1.0)];
@@ -265,7 +266,7 @@ impl DispersionPolynomial {
     /// by simultaneous iteration on the exact polynomial from `guesses` (any number, 1/s).
     pub fn roots(&self, k: f64, direction: f64, guesses: &[Complex64]) -> Vec<Complex64> {
         let coefficients = self.at_wave(k, direction);
-        let (sin, cos) = direction.sin_cos();
+        let (sin, cos) = direction.cr_sin_cos();
         let convection =
             Complex64::new(0.0, -k * (self.velocity[0] * cos + self.velocity[1] * sin));
         let guesses: Vec<_> = guesses.iter().map(|g| (g - convection) / self.rate).collect();

@@ -80,7 +80,8 @@ pub(crate) fn roots_of(polynomial: &[Value]) -> List<Root> {
     };
     let polynomial = &polynomial[first..end];
     let plain: List<Complex64> = polynomial.iter().map(|c| c.value).collect();
-    let mut open = roots::of(&plain);
+    let all = roots::of(&plain);
+    let mut open = all.clone();
     let mut found = List::new();
     while let Some(root) = open.first().copied() {
         let mut radius = 0.03;
@@ -89,7 +90,16 @@ pub(crate) fn roots_of(polynomial: &[Value]) -> List<Root> {
             let members: List<Complex64> = open.iter().copied().filter(near).collect();
             let count = members.len().max(1);
             let mean = members.iter().sum::<Complex64>() / count as f64;
-            if let Some(root) = multiple_root(polynomial, lost, mean, count) {
+            if let Some(mut root) = multiple_root(polynomial, lost, mean, count) {
+                // |p/p′| is the distance of a root where others are far. Near others only deg p times as much is
+                // (Henrici 1974): a cluster that is neither one root nor resolved.
+                let degree = (polynomial.len() - 1) as f64;
+                let is_crowded = |other: &&Complex64| {
+                    (**other - root.value).norm() <= degree * root.bound && !near(other)
+                };
+                if all.iter().any(|other| is_crowded(&other)) {
+                    root.bound *= degree;
+                }
                 open.retain(|other| !near(other));
                 found.push(root);
                 break;

@@ -2,6 +2,7 @@
 
 use crate::extended::ExtendedComplex;
 use crate::list::{List, list};
+use models::elementary::{Elementary, cr_from_polar};
 use num_complex::Complex64;
 
 const ITERATIONS: usize = 200;
@@ -71,10 +72,10 @@ fn initial(coefficients: &[Complex64], guesses: &[Complex64]) -> List<Complex64>
         return guesses
             .iter()
             .enumerate()
-            .map(|(i, g)| g * Complex64::from_polar(1.0 + 1e-9 * i as f64, 1e-9 * i as f64))
+            .map(|(i, g)| g * cr_from_polar(1.0 + 1e-9 * i as f64, 1e-9 * i as f64))
             .collect();
     }
-    let log = |i: usize| coefficients[i].norm().max(f64::MIN_POSITIVE).log2();
+    let log = |i: usize| coefficients[i].norm().max(f64::MIN_POSITIVE).cr_log2();
     let mut hull: List<usize> = List::new();
     for i in (0..=degree).filter(|&i| coefficients[i] != Complex64::ZERO) {
         while let [.., a, b] = hull[..] {
@@ -90,11 +91,11 @@ fn initial(coefficients: &[Complex64], guesses: &[Complex64]) -> List<Complex64>
     start.resize(hull.first().copied().unwrap_or(0), Complex64::ZERO);
     for pair in hull.windows(2) {
         let count = pair[1] - pair[0];
-        let radius = ((log(pair[0]) - log(pair[1])) / count as f64).exp2();
+        let radius = ((log(pair[0]) - log(pair[1])) / count as f64).cr_exp2();
         for i in 0..count {
             // Circles of almost equal radii must not share their points.
             let angle = std::f64::consts::TAU * (i as f64 / count as f64) + 0.7 + pair[0] as f64;
-            start.push(Complex64::from_polar(radius, angle));
+            start.push(cr_from_polar(radius, angle));
         }
     }
     start
@@ -125,7 +126,7 @@ fn iterate(
             let step = newton / (1.0 - newton * others);
             if !step.is_finite() {
                 // The others cancel the correction: anywhere else is better.
-                roots[i] *= Complex64::from_polar(1.001, 0.01);
+                roots[i] *= cr_from_polar(1.001, 0.01);
                 continue;
             }
             roots[i] -= step;

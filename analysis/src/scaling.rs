@@ -7,6 +7,7 @@
 use crate::AnalysisError;
 use crate::list::List;
 use models::LinearisedSystem;
+use models::elementary::Elementary;
 use models::system::Matrix;
 use smallvec::smallvec;
 
@@ -72,7 +73,7 @@ pub(crate) fn balance(entries: &[Entry], rows: usize, columns: usize, groups: us
             }
         }
     }
-    let mut powers = logs.iter().map(|log| log.round().clamp(-1000.0, 1000.0).exp2());
+    let mut powers = logs.iter().map(|log| log.round().clamp(-1000.0, 1000.0).cr_exp2());
     Scales {
         rows: powers.by_ref().take(rows).collect(),
         columns: powers.by_ref().take(columns).collect(),
@@ -105,7 +106,12 @@ impl ScaledSystem {
                     }
                     // A coefficient that is all rounding noise says nothing of sizes.
                     if x.value.abs() > x.bound {
-                        self.entries.push(Entry { row, column, group, log: x.value.abs().log2() });
+                        self.entries.push(Entry {
+                            row,
+                            column,
+                            group,
+                            log: x.value.abs().cr_log2(),
+                        });
                     }
                 }
             }

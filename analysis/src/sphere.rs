@@ -31,6 +31,8 @@
 //! localization of plastic deformation, 14th IUTAM Congress (1976); B. Loret, J. H. Prevost &
 //! O. Harireche, Eur. J. Mech. A 9 (1990) 225–231; G. H. Golub, SIAM Review 15 (1973) 318–334.
 
+use models::elementary::cr_from_polar;
+use models::product::triple_product;
 use models::rates::RateEquations;
 use nalgebra::DMatrix;
 use num_complex::Complex64;
@@ -607,7 +609,7 @@ impl Secular {
         for (index, root) in roots.iter_mut().enumerate().take(self.count) {
             let weight = self.weight[index].abs();
             *root = Complex64::new(self.pole[index], 0.0)
-                + Complex64::from_polar(weight.max(1e-3 * size), 0.7 + 1.3 * index as f64);
+                + cr_from_polar(weight.max(1e-3 * size), 0.7 + 1.3 * index as f64);
         }
         for _ in 0..200 {
             let mut moved: f64 = 0.0;
@@ -953,7 +955,9 @@ impl Sphere {
         };
         let products = |order: &[usize]| -> [[DMatrix<f64>; 3]; 3] {
             std::array::from_fn(|i| {
-                std::array::from_fn(|j| rows(i, order) * &stiffness * rows(j, order).transpose())
+                std::array::from_fn(|j| {
+                    triple_product(&rows(i, order), &stiffness, &rows(j, order).transpose())
+                })
             })
         };
         let all = products(&moving);

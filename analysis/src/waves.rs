@@ -15,6 +15,8 @@
 use crate::dense;
 use crate::qz::Qz;
 use models::LinearisedSystem;
+use models::elementary::Elementary;
+use models::product::triple_product;
 use models::rates::RateEquations;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -149,9 +151,13 @@ impl Waves {
             &equations.inertia.iter().map(|m| m.value.sqrt().recip()).collect::<Vec<_>>().into(),
         );
         let stiffness = equations.stiffness_values();
-        let (g, z) = (gradient * &scale * &basis, &equations.rotation * &scale * &basis);
-        let between =
-            |left: &DMatrix<f64>, right: &DMatrix<f64>| left.transpose() * &stiffness * right;
+        let (g, z) = (
+            triple_product(&gradient, &scale, &basis),
+            triple_product(&equations.rotation, &scale, &basis),
+        );
+        let between = |left: &DMatrix<f64>, right: &DMatrix<f64>| {
+            triple_product(&left.transpose(), &stiffness, right)
+        };
         let real = |m: DMatrix<f64>| m.map(|x| Complex64::new(x, 0.0));
         // (−ikGᵀ + Zᵀ) D (ikG + Z)
         let cross = between(&z, &g) - between(&g, &z);
@@ -215,7 +221,7 @@ fn axes<const D: usize>(normal: [f64; D]) -> [[f64; D]; D] {
     // gives the longest.
     let least = (0..3).min_by(|&i, &j| normal[i].abs().total_cmp(&normal[j].abs())).unwrap_or(0);
     let (i, j) = ((least + 1) % 3, (least + 2) % 3);
-    let length = normal[i].hypot(normal[j]);
+    let length = normal[i].root_sum_square(normal[j]);
     axes[1][i] = -normal[j] / length;
     axes[1][j] = normal[i] / length;
     for a in 0..3 {
@@ -437,7 +443,7 @@ pub fn plane_waves<const D: usize>(
     let Some(form) = equations.symmetric() else { return Vec::new() };
     let inverse = form.a.cholesky().and_then(|factor| factor.l().try_inverse());
     let Some(inverse) = inverse else { return Vec::new() };
-    let scaled = |m: &DMatrix<f64>| &inverse * m * inverse.transpose();
+    let scaled = |m: &DMatrix<f64>| triple_product(&inverse, m, &inverse.transpose());
     let mut symbol = scaled(&form.q).map(|x| Complex64::new(0.0, x));
     for (b, k) in form.b.iter().zip(wave) {
         symbol += scaled(b).map(|x| Complex64::new(-k * x, 0.0));

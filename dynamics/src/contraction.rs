@@ -4,7 +4,7 @@
 use crate::boundary::{Boundary, Condition};
 use crate::line::{Cell, GHOSTS, Slopes, State, sweep};
 use crate::real::{Group, Real};
-use crate::side::{BESIDE, Corrections, Mirror, ghosts};
+use crate::side::{BESIDE, GhostCoefficients, Mirror, ghosts};
 use nalgebra::DMatrix;
 
 /// Numbers that look random, the same on every machine.
@@ -36,8 +36,8 @@ fn step<T: Real>(velocity: &mut [T], stress: &mut [T], cells: &[Cell<T>], sides:
         let inside: [usize; BESIDE] = std::array::from_fn(|depth| place(depth.min(count - 1)));
         let around = inside.map(|i| &cells[i]);
         if count >= BESIDE {
-            let corrections = Corrections::of(around[0]);
-            ghosts(mirror.closure(), inside.map(state), numbers, end, around, &corrections)
+            let coefficients = GhostCoefficients::new(around[0]);
+            ghosts(mirror.closure(), inside.map(state), numbers, end, around, &coefficients)
         } else {
             [0, 1].map(|depth| {
                 let own = state(place(depth));

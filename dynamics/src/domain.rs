@@ -27,8 +27,9 @@
 //! U ← x y z  then  K √Q x √Q K  then  z y,
 //! ```
 //!
-//! with x by a quarter of a step at the very beginning. With X = x² this is (√x … x … √x)ⁿ but for the last √x, which
-//! `complete` adds to what is shown of cells, or the mean of the states before and after X beside sides. Every factor keeps or lowers the energy here, too.
+//! with x by a quarter of a step at the very beginning. With X = x² this is (√x … x … √x)ⁿ without the last √x.
+//! `complete` applies it to a copy of each cell for output; next to reflecting boundaries output is the mean of the
+//! states before and after X. Every factor keeps or lowers the energy.
 //!
 //! A row along the first axis is folded into as many lanes as fill a line of the cache: of G groups the cell
 //! x is in group x mod G and lane x div G, so that cells follow each other lane by lane. A row holds its fields one
@@ -688,8 +689,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
         self.kick(layers, tile, first + 1);
     }
 
-    /// Where sweeps alternate, what stands between both sweeps along the last axis: K, half of Q, the sweep along rows,
-    /// half of Q, K. Integrals in time take the mean of the states before and after it, which is second order in the
+    /// The middle of a step with alternating sweeps, between the two sweeps along the last axis: K, half of Q, the sweep
+    /// along rows, half of Q, K. Integrals in time take the mean of the states before and after it, which is second order in the
     /// middle of the step.
     fn sweep_middle(&mut self, layers: &Range<usize>, rows: &Range<usize>, first: usize) {
         let groups = 0..self.groups;

@@ -10,7 +10,7 @@ use crate::domain::{Fill, FillEnd, FillOneSided};
 use crate::line::{Cell, GHOSTS, Joint, Slopes, State, Waves, updated};
 use crate::real::{Number, Real, Vector, Work};
 use crate::row::Rows;
-use crate::side::Corrections;
+use crate::side::GhostCoefficients;
 use std::ops::Range;
 
 /// Sets of instructions that a processor may have. Results do not depend on them.
@@ -133,8 +133,9 @@ pub(crate) struct Table<T: Real> {
     pub(crate) ratios: Vec<T::Lanes>,
     /// Ratios of a pattern, shared likewise.
     pub(crate) followers: usize,
-    /// By wave, what is made at sides; of one pattern alone: of more it takes less to make it anew than to keep it.
-    pub(crate) corrections: Vec<Corrections<T::Lanes>>,
+    /// Ghost coefficients by wave if there is one pattern; empty for more, where computing them again takes less time
+    /// than loading them.
+    pub(crate) ghost_coefficients: Vec<GhostCoefficients<T::Lanes>>,
 }
 
 impl<T: Real> Table<T> {
@@ -147,6 +148,25 @@ impl<T: Real> Table<T> {
     #[inline(always)]
     pub(crate) fn cell(&self, pattern: u32, wave: &Wave) -> &Cell<T::Lanes> {
         &self.cells[pattern as usize * self.waves + wave.constants]
+    }
+
+    /// Ghost coefficients of a wave beside this outermost cell.
+    #[inline(always)]
+    pub(crate) fn ghost_coefficients<V: Vector<T>>(
+        &self,
+        wave: &Wave,
+        outermost: &Cell<V>,
+    ) -> GhostCoefficients<V> {
+        // Both branches through memory: a branch between registers makes the compiler compute both.
+        let computed;
+        let group = match self.ghost_coefficients.get(wave.constants) {
+            Some(stored) => stored,
+            None => {
+                computed = GhostCoefficients::new(outermost).to_group();
+                &computed
+            }
+        };
+        GhostCoefficients::load(group)
     }
 
     #[inline(always)]

@@ -13,6 +13,7 @@
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod axis_permutation;
 pub mod boundary;
 mod cell;
 #[cfg(test)]
@@ -23,7 +24,6 @@ pub mod kernel;
 pub mod ledger;
 pub mod line;
 pub mod medium;
-mod order;
 pub mod problem;
 pub mod real;
 mod row;

@@ -3,7 +3,7 @@
 use crate::kernel::{Table, Wave};
 use crate::line::{Cell, GHOSTS, State};
 use crate::real::{Group, Number, Real, Vector};
-use crate::side::{BESIDE, Closure, Corrections, Side, Slot, ghosts, image};
+use crate::side::{BESIDE, Closure, Side, Slot, ghosts, image};
 use std::ops::Range;
 
 /// Where the ends of a row stand in it.
@@ -217,17 +217,9 @@ impl<T: Real> Rows<'_, T> {
             State { velocity: V::load(&velocity[1]), stress: V::load(&stress[1]) },
             State { velocity: V::load(&velocity[2]), stress: V::load(&stress[2]) },
         ];
-        let made_anew;
-        let corrections = match self.table.corrections.get(wave.constants) {
-            Some(own) => own,
-            None => {
-                made_anew = Corrections::of(&cells[0]).stored();
-                &made_anew
-            }
-        };
-        let corrections = Corrections::load(corrections);
+        let coefficients = self.table.ghost_coefficients(wave, &cells[0]);
         let cells = [&cells[0], &cells[1], &cells[2]];
-        let [one, two] = ghosts(closure, beside, mirror, end, cells, &corrections);
+        let [one, two] = ghosts(closure, beside, mirror, end, cells, &coefficients);
         let mut made = [[T::Lanes::ZERO; GHOSTS]; 2];
         one.velocity.store(&mut made[0][0]);
         two.velocity.store(&mut made[0][1]);

@@ -207,7 +207,7 @@ pub(crate) fn image<N: Number>([sign, shift]: [N; 2], own: N) -> N {
 pub(crate) const BESIDE: usize = 3;
 
 /// The ghosts beyond an end (0 towards smaller coordinates, 1 towards greater ones), the nearest first, from the
-/// outermost cells, their constants, the [`Corrections`] of the outermost one and what [`Mirror::face`] gives.
+/// outermost cells, their constants, the [`GhostCoefficients`] of the outermost one and what [`Mirror::face`] gives.
 #[inline(always)]
 pub(crate) fn ghosts<N: Number>(
     closure: Closure,
@@ -215,7 +215,7 @@ pub(crate) fn ghosts<N: Number>(
     mirror: [N; 5],
     end: usize,
     cells: [&Cell<N>; BESIDE],
-    corrections: &Corrections<N>,
+    coefficients: &GhostCoefficients<N>,
 ) -> [State<N>; GHOSTS] {
     let [sign_v, shift_v, sign_s, shift_s, _] = mirror;
     let image_of = |own: State<N>| State {
@@ -229,7 +229,7 @@ pub(crate) fn ghosts<N: Number>(
             limited([beside[0], beside[1]], images, mirror, end, [cells[0], cells[1]])
         }
         Slopes::FourthOrder => {
-            fourth_order(closure.is_open, (beside, images), mirror, end, cells, corrections)
+            fourth_order(closure.is_open, (beside, images), mirror, end, cells, coefficients)
         }
     }
 }
@@ -288,15 +288,16 @@ fn polynomials<N: Number, const POWERS: usize, const COUNT: usize>(
     values
 }
 
-/// The sum of products.
+/// The dot product.
 #[inline(always)]
-fn total<N: Number>([a, b, c]: [N; 3], [one, two, three]: [N; 3]) -> N {
+fn dot<N: Number>([a, b, c]: [N; 3], [one, two, three]: [N; 3]) -> N {
     a * one + b * two + c * three
 }
 
-/// What [`fourth_order`] makes of the differences beside a side: numbers of the outermost cell alone.
+/// The coefficients by which [`fourth_order`] makes ghost values of the differences beside a side. They depend on the
+/// Courant number of the outermost cell alone.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Corrections<N> {
+pub(crate) struct GhostCoefficients<N> {
     /// 0 at Courant number 1, where waves move by a cell and nothing is to be corrected; else 1.
     moves: N,
     /// Beside a free or fixed side: of the arriving wave in the nearest and in the farther ghost, and of the leaving wave
@@ -310,9 +311,9 @@ pub(crate) struct Corrections<N> {
     plain: N,
 }
 
-impl<N: Number> Corrections<N> {
+impl<N: Number> GhostCoefficients<N> {
     #[inline(always)]
-    pub(crate) fn of(cell: &Cell<N>) -> Self {
+    pub(crate) fn new(cell: &Cell<N>) -> Self {
         let staying = cell.staying();
         let courant = N::ONE - staying;
         let moving = (staying - N::constant(1e-6)).greatest(N::ZERO);
@@ -374,9 +375,9 @@ impl<N: Number> Corrections<N> {
         open: [[N::ZERO; 3]; 4],
     };
 
-    /// Those of a group.
+    /// Loads the coefficients of a group of lanes.
     #[inline(always)]
-    pub(crate) fn load<T: Real>(from: &Corrections<T::Lanes>) -> Self
+    pub(crate) fn load<T: Real>(from: &GhostCoefficients<T::Lanes>) -> Self
     where
         N: real::Vector<T>,
     {
@@ -391,13 +392,13 @@ impl<N: Number> Corrections<N> {
         own
     }
 
-    /// The same as a group.
+    /// Stores them as a group of lanes.
     #[inline(always)]
-    pub(crate) fn stored<T: Real>(&self) -> Corrections<T::Lanes>
+    pub(crate) fn to_group<T: Real>(&self) -> GhostCoefficients<T::Lanes>
     where
         N: real::Vector<T>,
     {
-        let mut group = Corrections::NONE;
+        let mut group = GhostCoefficients::NONE;
         self.moves.store(&mut group.moves);
         self.plain.store(&mut group.plain);
         for form in 0..4 {
@@ -428,12 +429,12 @@ fn fourth_order<N: Number>(
     [sign_v, _, sign_s, _, one_sided]: [N; 5],
     end: usize,
     cells: [&Cell<N>; BESIDE],
-    corrections: &Corrections<N>,
+    coefficients: &GhostCoefficients<N>,
 ) -> [State<N>; GHOSTS] {
     let cell = cells[0];
     let two_alike = N::ONE - cell.contrast(cells[1]);
     let of_one = two_alike * (N::ONE - cells[1].contrast(cells[2]));
-    let corrected = one_sided * of_one * corrections.moves;
+    let corrected = one_sided * of_one * coefficients.moves;
     let reflection = N::HALF * (sign_s - sign_v);
 
     let [out, own_in] = by_way(end, beside[0], cell);
@@ -442,26 +443,26 @@ fn fourth_order<N: Number>(
     let [image_out_behind, image_in_behind] = by_way(end, images[1], cell);
 
     let unfolded = [out - out_behind, image_out - out, image_out_behind - image_out];
-    let [to_out, to_out_behind, to_in, to_in_behind] = corrections.reflecting;
+    let [to_out, to_out_behind, to_in, to_in_behind] = coefficients.reflecting;
     let reflected = corrected * reflection;
     let mut nearest = [
-        image_out + corrected * total(to_out, unfolded),
-        image_in + reflected * total(to_in, unfolded),
+        image_out + corrected * dot(to_out, unfolded),
+        image_in + reflected * dot(to_in, unfolded),
     ];
     let mut farther = [
-        image_out_behind + corrected * total(to_out_behind, unfolded),
-        image_in_behind + reflected * total(to_in_behind, unfolded),
+        image_out_behind + corrected * dot(to_out_behind, unfolded),
+        image_in_behind + reflected * dot(to_in_behind, unfolded),
     ];
 
     if is_open {
         let third = by_way(end, beside[2], cell);
         let (before, last) = (out_behind - third[0], out - out_behind);
-        let [to_next, to_farther, to_back, from_next] = corrections.open;
+        let [to_next, to_farther, to_back, from_next] = coefficients.open;
         let next_out = out + (to_next[0] * before + to_next[1] * last);
         let farther_out = out + (to_farther[0] * before + to_farther[1] * last);
         let (first, second) = (in_behind - own_in, third[1] - in_behind);
         let next_in = own_in + (to_back[0] * first + to_back[1] * second);
-        let farther_in = total(from_next, [next_in, own_in, first]);
+        let farther_in = dot(from_next, [next_in, own_in, first]);
         let open = N::ONE - reflection * reflection;
         let plain = open * one_sided * (N::ONE - corrected);
         let open = open * corrected;
@@ -471,7 +472,7 @@ fn fourth_order<N: Number>(
         farther = [
             held * farther[0]
                 + open * farther_out
-                + plain * (out - two_alike * (corrections.plain * last)),
+                + plain * (out - two_alike * (coefficients.plain * last)),
             held * farther[1] + open * farther_in,
         ];
     }

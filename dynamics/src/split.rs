@@ -5,12 +5,12 @@
 //! the same bits. Layers from behind are wanted last, so that a part may be ahead of the next one by nearly a block
 //! of rows: a thread that is held up for a moment does not hold up the others.
 
+use crate::axis_permutation::AxisPermutation;
 use crate::boundary::Boundary;
 use crate::domain::{Domain, Halo, most_steps};
 use crate::kernel::Instructions;
 use crate::ledger::{Energy, Ledger, Total};
 use crate::line::HALO;
-use crate::order::Order;
 use crate::problem::{DomainError, Problem};
 use crate::real::Real;
 use models::cosserat::waves::Field;
@@ -108,8 +108,8 @@ pub struct Snapshot<T> {
 /// A domain in parts.
 pub struct Split<T: Real, const D: usize> {
     parts: Vec<Part<T, D>>,
-    /// How the axes and cells of the parts are those of the problem.
-    order: Order<D>,
+    /// From the axes and cells of the problem to those of the parts.
+    permutation: AxisPermutation<D>,
     /// Number of watched cells.
     watched: usize,
 }
@@ -120,28 +120,28 @@ impl<T: Real, const D: usize> Split<T, D> {
     /// # Errors
     /// See [`DomainError`].
     pub fn new(problem: &Problem<D>, count: usize) -> Result<Self, DomainError> {
-        Self::sweeping_first(0, problem, count)
+        Self::with_first_axis(0, problem, count)
     }
 
-    /// How many parts a domain may be cut into.
-    pub fn most_parts(first_axis: usize, problem: &Problem<D>) -> usize {
-        let order = Order::with_first(first_axis, &problem.grid);
-        (order.grid(&problem.grid).cells[D - 1] / HALO).max(1)
+    /// The largest number of parts a domain may be cut into.
+    pub fn max_parts(first_axis: usize, problem: &Problem<D>) -> usize {
+        let permutation = AxisPermutation::with_first(first_axis, &problem.grid);
+        (permutation.grid(&problem.grid).cells[D - 1] / HALO).max(1)
     }
 
-    /// The same with the sweeps along an axis in the place of those along the first one. The order of the sweeps along
-    /// the others stays; the domain is cut along the last of them.
+    /// The same with this axis swept as the first one. The others keep their order; the domain is cut along the last of
+    /// them.
     ///
     /// # Errors
     /// See [`DomainError`].
-    pub fn sweeping_first(
+    pub fn with_first_axis(
         axis: usize,
         problem: &Problem<D>,
         count: usize,
     ) -> Result<Self, DomainError> {
         problem.check()?;
-        let order = Order::with_first(axis, &problem.grid);
-        let problem = &order.problem(problem);
+        let permutation = AxisPermutation::with_first(axis, &problem.grid);
+        let problem = &permutation.problem(problem);
         let layers = problem.grid.cells[D - 1];
         if count == 0 || (count > 1 && layers / count < HALO) {
             return Err(DomainError::Parts { found: count, cells: layers });
@@ -174,7 +174,7 @@ impl<T: Real, const D: usize> Split<T, D> {
             parts[index].halo.neighbours[1] = neighbour(forth, from_ahead);
             parts[next].halo.neighbours[0] = neighbour(back, from_behind);
         }
-        Ok(Self { parts, order, watched: 0 })
+        Ok(Self { parts, permutation, watched: 0 })
     }
 
     /// Uses other instructions than the best; results do not depend on them.
@@ -227,7 +227,7 @@ impl<T: Real, const D: usize> Split<T, D> {
             let own = part.first..part.first + part.domain.grid().count();
             part.watched = cells
                 .iter()
-                .map(|cell| self.order.inner(*cell))
+                .map(|cell| self.permutation.to_permuted(*cell))
                 .enumerate()
                 .filter(|(_, cell)| own.contains(cell))
                 .map(|(place, cell)| (place, cell - part.first))
@@ -302,7 +302,7 @@ impl<T: Real, const D: usize> Split<T, D> {
 
     /// Plastic dissipation by cell, J/m³; empty where nothing yields.
     pub fn dissipated(&self) -> Vec<f64> {
-        self.order.restored(self.sums().swap_remove(0))
+        self.permutation.unpermute(self.sums().swap_remove(0))
     }
 
     fn sums(&self) -> Vec<Vec<f64>> {
@@ -341,7 +341,7 @@ impl<T: Real, const D: usize> Split<T, D> {
     pub fn first_non_finite(&self) -> Option<(Field, usize)> {
         let own = |part: &Part<T, D>| {
             let (field, cell) = part.domain.first_non_finite()?;
-            Some((field, self.order.outer(part.first + cell)))
+            Some((field, self.permutation.to_original(part.first + cell)))
         };
         self.parts.iter().find_map(own)
     }
@@ -359,7 +359,7 @@ impl<T: Real, const D: usize> Split<T, D> {
     /// The first cell whose stress is not in its yield set.
     pub fn first_beyond_yield(&self) -> Option<usize> {
         let own = |part: &Part<T, D>| Some(part.first + part.domain.first_beyond_yield()?);
-        self.parts.iter().find_map(own).map(|cell| self.order.outer(cell))
+        self.parts.iter().find_map(own).map(|cell| self.permutation.to_original(cell))
     }
 
     /// The values of all fields, the first axis running fastest, as [`Domain::show`] gives them.
@@ -376,13 +376,13 @@ impl<T: Real, const D: usize> Split<T, D> {
                 }
             }
         }
-        fields.into_iter().map(|values| self.order.restored(values)).collect()
+        fields.into_iter().map(|values| self.permutation.unpermute(values)).collect()
     }
 
     /// The values of a field as they are computed with, the first axis running fastest; `None` if there is
     /// no such field.
     pub fn values(&self, field: Field) -> Option<Vec<T>> {
-        self.inner_values(field).map(|values| self.order.restored(values))
+        self.inner_values(field).map(|values| self.permutation.unpermute(values))
     }
 
     /// By cell of the parts.
@@ -396,7 +396,7 @@ impl<T: Real, const D: usize> Split<T, D> {
 
     /// Sets the values of a field, the first axis running fastest: as many as there are cells.
     pub fn set(&mut self, field: Field, values: &[T]) {
-        self.set_inner(field, &self.order.arranged(values));
+        self.set_inner(field, &self.permutation.permute(values));
     }
 
     fn set_inner(&mut self, field: Field, values: &[T]) {

@@ -133,7 +133,7 @@ fn another_axis_first_is_the_body_rotated() {
     let watched = [[0, 0, 0], [5, 6, 7], [10, 12, 8], [3, 1, 0]];
     let run = |frame: Frame, first: usize, parts: usize| {
         let problem = problem(frame);
-        let mut split = Split::<f64, 3>::sweeping_first(first, &problem, parts).expect("sound");
+        let mut split = Split::<f64, 3>::with_first_axis(first, &problem, parts).expect("sound");
         let count: usize = CELLS.iter().product();
         // By the body's fields.
         let fields = Split::<f64, 3>::new(&self::problem(OWN), 1).expect("sound").fields().to_vec();
@@ -199,7 +199,7 @@ fn sides_that_reflect_say_which() {
     still.scheme.splitting = Splitting::TwoCyclic;
     assert_eq!(still.first_axis(), 0);
 
-    let start = || Split::<f64, 3>::sweeping_first(2, &problem, 2).expect("sound");
+    let start = || Split::<f64, 3>::with_first_axis(2, &problem, 2).expect("sound");
     let (mut whole, mut resumed) = (start(), start());
     whole.advance(7);
     resumed.advance(3);
@@ -209,6 +209,6 @@ fn sides_that_reflect_say_which() {
     resumed.advance(4);
     assert!(whole.snapshot() == resumed.snapshot());
     assert!(whole.energy().total() > 0.0);
-    assert_eq!(Split::<f64, 3>::most_parts(2, &problem), 3);
-    assert_eq!(Split::<f64, 3>::most_parts(0, &problem), 2);
+    assert_eq!(Split::<f64, 3>::max_parts(2, &problem), 3);
+    assert_eq!(Split::<f64, 3>::max_parts(0, &problem), 2);
 }

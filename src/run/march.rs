@@ -103,7 +103,7 @@ impl<'a, const D: usize> Start<'a, D> {
         let threads = threads.unwrap_or_else(|| {
             std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
         });
-        let most = Split::<f64, D>::most_parts(problem.first_axis(), &problem);
+        let most = Split::<f64, D>::max_parts(problem.first_axis(), &problem);
         let parts = threads.clamp(1, most);
         let mut stencils: Vec<(Stencil, usize)> = dynamics
             .receivers
@@ -123,7 +123,7 @@ impl<'a, const D: usize> Start<'a, D> {
     /// The state at the beginning.
     fn split<T: Real>(&self) -> Result<Split<T, D>, Error> {
         let first = self.problem.first_axis();
-        let split = Split::sweeping_first(first, &self.problem, self.parts);
+        let split = Split::with_first_axis(first, &self.problem, self.parts);
         let mut split = split.map_err(|error| {
             self.job.dynamics.locate("grid", error.to_string(), "see the README")
         })?;

@@ -10,7 +10,7 @@ use crate::line::{Account, Cell, GHOSTS, HALO, Slopes};
 use crate::medium::{Medium, energy_terms};
 use crate::problem::{Detail, Placement, Problem, Scheme};
 use crate::real::{Group, Number, Real};
-use crate::side::{Corrections, Mirror, Side, Slot};
+use crate::side::{GhostCoefficients, Mirror, Side, Slot};
 use models::cosserat::waves::Field;
 use models::elementary::Elementary;
 use std::collections::{BTreeMap, HashMap};
@@ -336,7 +336,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
                 waves: 0,
                 ratios: Vec::new(),
                 followers: 0,
-                corrections: Vec::new(),
+                ghost_coefficients: Vec::new(),
             },
             turns: Vec::new(),
             yields: Vec::new(),
@@ -391,7 +391,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             followers: ratios.len(),
             cells: Vec::with_capacity(patterns.len() * constants.len()),
             ratios: Vec::with_capacity(patterns.len() * ratios.len()),
-            corrections: Vec::new(),
+            ghost_coefficients: Vec::new(),
         };
         for pattern in patterns {
             table.cells.extend(constants.iter().map(|cells| {
@@ -415,7 +415,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
             table.ratios.extend(ratios.iter().map(lanes));
         }
         if table.is_of_one_pattern() {
-            table.corrections = table.cells.iter().map(Corrections::of).collect();
+            table.ghost_coefficients = table.cells.iter().map(GhostCoefficients::new).collect();
         }
         let turns = patterns.iter().map(|pattern| {
             [1.0, 0.5].map(|part| {

@@ -1,25 +1,27 @@
-//! The quarter of a step along the first axis by which the state is behind its time where sweeps alternate.
+//! The last quarter of a step along the first axis: with alternating sweeps the stored state lacks it, and output is
+//! made of a copy.
 
 use super::{Domain, MOST_FIELDS};
 use crate::kernel::Wave;
 use crate::line::{Cell, GHOSTS, State, sweep};
 use crate::real::{Group, Real};
-use crate::side::{BESIDE, Corrections, Side, ghosts, image, set_time};
+use crate::side::{BESIDE, GhostCoefficients, Side, ghosts, image, set_time};
 
 /// Cells that a sweep of one cell reads.
 const WINDOW: usize = 2 * GHOSTS + 1;
 
-/// Cells beside a side that reflects of which the mean of the states before and after half a step is shown. Fields have a
-/// layer there that belongs to the Courant number of the sweeps; a sweep of another one disturbs it, by several per cent
-/// of a Rayleigh wave at twenty cells to the wavelength. In the middle of a wave the mean would take (ωΔt)²/32 of it.
-const BESIDE_SIDES: usize = 4;
+/// Number of cells next to a reflecting boundary whose output is the mean of the states before and after half a step.
+/// The numerical boundary layer there depends on the Courant number of the sweeps. A sweep of a quarter of a step
+/// disturbs it, by several per cent of a Rayleigh wave at 20 cells per wavelength. Farther inside the mean would damp a
+/// wave by (ωΔt)²/32.
+const BOUNDARY_LAYER: usize = 4;
 
-/// The sides of the first axis in the sweeps that complete a step.
+/// The boundaries across the first axis for the sweeps that complete a step.
 #[derive(Clone)]
 pub(crate) struct ClosingSides<T: Real> {
-    /// In that of a quarter of a step.
+    /// For the sweep of a quarter of a step.
     quarter: [Side<T>; 2],
-    /// In that of half a step, of which the mean is shown.
+    /// For the sweep of half a step (mean output).
     half: [Side<T>; 2],
 }
 
@@ -72,7 +74,7 @@ impl<T: Real, const D: usize> Domain<T, D> {
         let pattern = self.patterns[self.slot(cell).0.group];
         let lane = self.slot(cell).1;
         for pair in 0..self.quarter_waves.len() {
-            let (wave, sides, part) = match self.is_beside_side(cell, pair) {
+            let (wave, sides, part) = match self.is_near_reflecting_side(cell, pair) {
                 true => (&self.waves[0][pair], &sides.half, T::HALF),
                 false => (&self.quarter_waves[pair], &sides.quarter, T::ONE),
             };
@@ -92,8 +94,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
         values
     }
 
-    /// Whether a cell is one of the outermost in front of a side across the first axis that reflects a pair of waves.
-    fn is_beside_side(&self, cell: usize, pair: usize) -> bool {
+    /// Whether a cell is within [`BOUNDARY_LAYER`] cells of a boundary across the first axis that reflects this pair of
+    /// waves.
+    fn is_near_reflecting_side(&self, cell: usize, pair: usize) -> bool {
         let length = self.grid.cells[0];
         let (row, depth) = (cell / length, cell % length);
         let (group, lane) = (row / T::Lanes::COUNT, row % T::Lanes::COUNT);
@@ -104,8 +107,8 @@ impl<T: Real, const D: usize> Domain<T, D> {
             })
         };
         let [lower, upper] = &self.sides[0][0];
-        (depth < BESIDE_SIDES && reflects(lower))
-            || (length - 1 - depth < BESIDE_SIDES && reflects(upper))
+        (depth < BOUNDARY_LAYER && reflects(lower))
+            || (length - 1 - depth < BOUNDARY_LAYER && reflects(upper))
     }
 
     /// Velocities, stresses and constants of a pair of waves in a cell and in those that its sweep reads.
@@ -149,9 +152,9 @@ impl<T: Real, const D: usize> Domain<T, D> {
             let inside =
                 std::array::from_fn(|depth| if end == 0 { depth } else { length - 1 - depth });
             let (beside, media) = (inside.map(state), inside.map(constants));
-            let corrections = Corrections::of(&media[0]);
+            let coefficients = GhostCoefficients::new(&media[0]);
             let media = media.each_ref();
-            let made = ghosts(mirror.closure(), beside, numbers(mirror), end, media, &corrections);
+            let made = ghosts(mirror.closure(), beside, numbers(mirror), end, media, &coefficients);
             (made[depth], own)
         };
         let at = |offset: usize| {

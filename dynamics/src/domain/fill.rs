@@ -4,7 +4,7 @@ use crate::kernel::{Table, Wave};
 use crate::line::{Cell, GHOSTS, State};
 use crate::real::{Real, Vector, Work};
 use crate::row::Rows;
-use crate::side::{BESIDE, Corrections, Mirror, ghosts, image};
+use crate::side::{BESIDE, Mirror, ghosts, image};
 
 /// The ghosts of all waves along rows: for those who look at them before the sweep.
 pub(crate) struct Fill<'a, T: Real> {
@@ -95,17 +95,9 @@ impl<T: Real> Work<T> for FillOneSided<'_, T> {
                     state_at(&data[second + line..], wave),
                     state_at(&data[third + line..], wave),
                 ];
-                let made_anew;
-                let corrections = match table.corrections.get(wave.constants) {
-                    Some(own) => own,
-                    None => {
-                        made_anew = Corrections::of(&cells[0]).stored();
-                        &made_anew
-                    }
-                };
-                let corrections = Corrections::load(corrections);
+                let coefficients = table.ghost_coefficients(wave, &cells[0]);
                 let cells = [&cells[0], &cells[1], &cells[2]];
-                let made = ghosts(closure, beside, mirror, end, cells, &corrections);
+                let made = ghosts(closure, beside, mirror, end, cells, &coefficients);
                 for (place, state) in self.ghosts.into_iter().zip(made) {
                     let group = &mut data[place + line..];
                     state.velocity.store(&mut group[wave.velocity]);

@@ -1,20 +1,22 @@
-//! The axes in another order: sweeps along the first one are in a place of their own
-//! ([`Splitting::Alternating`](crate::problem::Splitting)).
+//! Permutation of the axes: with alternating sweeps ([`Splitting::Alternating`](crate::problem::Splitting)) the
+//! first axis of a domain is swept differently from the others, and any axis of the problem can take that place.
+
+use std::borrow::Cow;
 
 use crate::boundary::{Boundary, Condition, Load, Source};
 use crate::problem::{Grid, Problem};
 
-/// Axes in the order in which a domain has them, and cells by theirs.
+/// The axes of a problem in the order in which a domain has them; cell indices are converted accordingly.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Order<const D: usize> {
-    /// By axis of the domain, that of the problem.
+pub(crate) struct AxisPermutation<const D: usize> {
+    /// Axis of the problem by axis of the domain.
     axes: [usize; D],
-    /// Cells of the problem along its axes.
+    /// Number of cells along each axis of the problem.
     cells: [usize; D],
 }
 
-impl<const D: usize> Order<D> {
-    /// One of the axes first, then the others as they are.
+impl<const D: usize> AxisPermutation<D> {
+    /// Moves one axis to the front; the others keep their order.
     pub(crate) fn with_first(axis: usize, grid: &Grid<D>) -> Self {
         let axes = std::array::from_fn(|place| match place {
             0 => axis,
@@ -24,13 +26,13 @@ impl<const D: usize> Order<D> {
         Self { axes, cells: grid.cells }
     }
 
-    /// Whether nothing moves.
+    /// Whether every axis keeps its place.
     fn is_identity(&self) -> bool {
         self.axes.is_sorted()
     }
 
-    /// Place along `from`, of which the first runs fastest, to that along `to`: the same axes in another order.
-    fn moved(&self, index: usize, from: &[usize], to: &[usize]) -> usize {
+    /// Converts a linear index over the axes `from` (the first runs fastest) to one over the same axes in the order `to`.
+    fn reindex(&self, index: usize, from: &[usize], to: &[usize]) -> usize {
         let mut along = [0; D];
         let mut rest = index;
         for &axis in from {
@@ -40,40 +42,41 @@ impl<const D: usize> Order<D> {
         to.iter().rev().fold(0, |index, &axis| index * self.cells[axis] + along[axis])
     }
 
-    /// A cell of the problem in the domain.
-    pub(crate) fn inner(&self, cell: usize) -> usize {
-        self.moved(cell, &std::array::from_fn::<_, D, _>(|axis| axis), &self.axes)
+    /// Index in the domain of a cell of the problem.
+    pub(crate) fn to_permuted(&self, cell: usize) -> usize {
+        self.reindex(cell, &std::array::from_fn::<_, D, _>(|axis| axis), &self.axes)
     }
 
-    /// A cell of the domain in the problem.
-    pub(crate) fn outer(&self, cell: usize) -> usize {
-        self.moved(cell, &self.axes, &std::array::from_fn::<_, D, _>(|axis| axis))
+    /// Index in the problem of a cell of the domain.
+    pub(crate) fn to_original(&self, cell: usize) -> usize {
+        self.reindex(cell, &self.axes, &std::array::from_fn::<_, D, _>(|axis| axis))
     }
 
-    /// A face of a side across an axis of the problem, in the domain.
-    fn inner_face(&self, axis: usize, face: usize) -> usize {
+    /// Index in the domain of a face of a boundary across an axis of the problem.
+    fn face_to_permuted(&self, axis: usize, face: usize) -> usize {
         let others = |axes: [usize; D]| axes.into_iter().filter(|own| *own != axis).collect();
         let [from, to]: [Vec<usize>; 2] = [std::array::from_fn(|own| own), self.axes].map(others);
-        self.moved(face, &from, &to)
+        self.reindex(face, &from, &to)
     }
 
-    /// Values by cell of the problem, by cell of the domain; as they are unless there are as many as cells.
-    pub(crate) fn arranged<V: Copy>(&self, values: &[V]) -> Vec<V> {
+    /// Sorts values by cell of the problem into the order of the domain's cells. A list of another length (no values,
+    /// or one for all cells) is returned unchanged.
+    pub(crate) fn permute<'a, V: Copy>(&self, values: &'a [V]) -> Cow<'a, [V]> {
         if self.is_identity() || values.len() != self.cells.iter().product() {
-            return values.to_vec();
+            return Cow::Borrowed(values);
         }
-        (0..values.len()).map(|cell| values[self.outer(cell)]).collect()
+        (0..values.len()).map(|cell| values[self.to_original(cell)]).collect()
     }
 
-    /// Values by cell of the domain, by cell of the problem.
-    pub(crate) fn restored<V: Copy>(&self, values: Vec<V>) -> Vec<V> {
+    /// Sorts values by cell of the domain into the order of the problem's cells.
+    pub(crate) fn unpermute<V: Copy>(&self, values: Vec<V>) -> Vec<V> {
         if self.is_identity() || values.len() != self.cells.iter().product() {
             return values;
         }
-        (0..values.len()).map(|cell| values[self.inner(cell)]).collect()
+        (0..values.len()).map(|cell| values[self.to_permuted(cell)]).collect()
     }
 
-    /// A grid as a domain has it.
+    /// The grid with permuted axes.
     pub(crate) fn grid(&self, own: &Grid<D>) -> Grid<D> {
         Grid {
             cells: self.axes.map(|axis| own.cells[axis]),
@@ -81,10 +84,11 @@ impl<const D: usize> Order<D> {
         }
     }
 
-    /// A sound problem as a domain has it. Fields keep their names, and accelerations are along the problem's axes.
-    pub(crate) fn problem(&self, own: &Problem<D>) -> Problem<D> {
+    /// The problem (which has passed its checks) with permuted axes. Fields keep their names, and accelerations stay
+    /// along the problem's axes.
+    pub(crate) fn problem<'a>(&self, own: &'a Problem<D>) -> Cow<'a, Problem<D>> {
         if self.is_identity() {
-            return own.clone();
+            return Cow::Borrowed(own);
         }
         let of_axis = |axis: usize| self.axes.iter().position(|own| *own == axis).unwrap_or(axis);
         let boundary = |axis: usize, own: &Boundary| {
@@ -92,7 +96,7 @@ impl<const D: usize> Order<D> {
             let by_face = |conditions: &Vec<Condition>| {
                 let mut all = conditions.clone();
                 for (face, condition) in conditions.iter().enumerate() {
-                    all[self.inner_face(axis, face)] = *condition;
+                    all[self.face_to_permuted(axis, face)] = *condition;
                 }
                 all
             };
@@ -104,18 +108,18 @@ impl<const D: usize> Order<D> {
         }
         let load = |load: &Load| {
             let faces = load.faces.iter();
-            let faces = faces.map(|&(face, share)| (self.inner_face(load.axis, face), share));
+            let faces = faces.map(|&(face, share)| (self.face_to_permuted(load.axis, face), share));
             Load { axis: of_axis(load.axis), faces: faces.collect(), ..load.clone() }
         };
         let source = |source: &Source| {
-            let cells = source.cells.iter().map(|&(cell, share)| (self.inner(cell), share));
+            let cells = source.cells.iter().map(|&(cell, share)| (self.to_permuted(cell), share));
             Source { cells: cells.collect(), ..source.clone() }
         };
         let initial_stress = own.initial_stress.clone();
-        Problem {
+        Cow::Owned(Problem {
             grid: self.grid(&own.grid),
             media,
-            of_cell: self.arranged(&own.of_cell),
+            of_cell: self.permute(&own.of_cell).into_owned(),
             boundaries: self
                 .axes
                 .map(|axis| own.boundaries[axis].each_ref().map(|side| boundary(axis, side))),
@@ -123,6 +127,6 @@ impl<const D: usize> Order<D> {
             sources: own.sources.iter().map(source).collect(),
             initial_stress: initial_stress.map(|(axis, stress)| (of_axis(axis), stress)),
             ..own.clone()
-        }
+        })
     }
 }
