@@ -43,17 +43,17 @@ impl<const D: usize> AxisPermutation<D> {
     }
 
     /// Index in the domain of a cell of the problem.
-    pub(crate) fn to_permuted(&self, cell: usize) -> usize {
+    pub(crate) fn permuted_cell(&self, cell: usize) -> usize {
         self.reindex(cell, &std::array::from_fn::<_, D, _>(|axis| axis), &self.axes)
     }
 
     /// Index in the problem of a cell of the domain.
-    pub(crate) fn to_original(&self, cell: usize) -> usize {
+    pub(crate) fn original_cell(&self, cell: usize) -> usize {
         self.reindex(cell, &self.axes, &std::array::from_fn::<_, D, _>(|axis| axis))
     }
 
     /// Index in the domain of a face of a boundary across an axis of the problem.
-    fn face_to_permuted(&self, axis: usize, face: usize) -> usize {
+    fn permuted_face(&self, axis: usize, face: usize) -> usize {
         let others = |axes: [usize; D]| axes.into_iter().filter(|own| *own != axis).collect();
         let [from, to]: [Vec<usize>; 2] = [std::array::from_fn(|own| own), self.axes].map(others);
         self.reindex(face, &from, &to)
@@ -65,7 +65,7 @@ impl<const D: usize> AxisPermutation<D> {
         if self.is_identity() || values.len() != self.cells.iter().product() {
             return Cow::Borrowed(values);
         }
-        (0..values.len()).map(|cell| values[self.to_original(cell)]).collect()
+        (0..values.len()).map(|cell| values[self.original_cell(cell)]).collect()
     }
 
     /// Sorts values by cell of the domain into the order of the problem's cells.
@@ -73,7 +73,7 @@ impl<const D: usize> AxisPermutation<D> {
         if self.is_identity() || values.len() != self.cells.iter().product() {
             return values;
         }
-        (0..values.len()).map(|cell| values[self.to_permuted(cell)]).collect()
+        (0..values.len()).map(|cell| values[self.permuted_cell(cell)]).collect()
     }
 
     /// The grid with permuted axes.
@@ -96,7 +96,7 @@ impl<const D: usize> AxisPermutation<D> {
             let by_face = |conditions: &Vec<Condition>| {
                 let mut all = conditions.clone();
                 for (face, condition) in conditions.iter().enumerate() {
-                    all[self.face_to_permuted(axis, face)] = *condition;
+                    all[self.permuted_face(axis, face)] = *condition;
                 }
                 all
             };
@@ -108,11 +108,11 @@ impl<const D: usize> AxisPermutation<D> {
         }
         let load = |load: &Load| {
             let faces = load.faces.iter();
-            let faces = faces.map(|&(face, share)| (self.face_to_permuted(load.axis, face), share));
+            let faces = faces.map(|&(face, share)| (self.permuted_face(load.axis, face), share));
             Load { axis: of_axis(load.axis), faces: faces.collect(), ..load.clone() }
         };
         let source = |source: &Source| {
-            let cells = source.cells.iter().map(|&(cell, share)| (self.to_permuted(cell), share));
+            let cells = source.cells.iter().map(|&(cell, share)| (self.permuted_cell(cell), share));
             Source { cells: cells.collect(), ..source.clone() }
         };
         let initial_stress = own.initial_stress.clone();

@@ -162,7 +162,7 @@ impl<T: Real> Table<T> {
         let group = match self.ghost_coefficients.get(wave.constants) {
             Some(stored) => stored,
             None => {
-                computed = GhostCoefficients::new(outermost).to_group();
+                computed = GhostCoefficients::new(outermost).group();
                 &computed
             }
         };

@@ -394,7 +394,7 @@ impl<N: Number> GhostCoefficients<N> {
 
     /// Stores them as a group of lanes.
     #[inline(always)]
-    pub(crate) fn to_group<T: Real>(&self) -> GhostCoefficients<T::Lanes>
+    pub(crate) fn group<T: Real>(&self) -> GhostCoefficients<T::Lanes>
     where
         N: real::Vector<T>,
     {

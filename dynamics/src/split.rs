@@ -227,7 +227,7 @@ impl<T: Real, const D: usize> Split<T, D> {
             let own = part.first..part.first + part.domain.grid().count();
             part.watched = cells
                 .iter()
-                .map(|cell| self.permutation.to_permuted(*cell))
+                .map(|cell| self.permutation.permuted_cell(*cell))
                 .enumerate()
                 .filter(|(_, cell)| own.contains(cell))
                 .map(|(place, cell)| (place, cell - part.first))
@@ -341,7 +341,7 @@ impl<T: Real, const D: usize> Split<T, D> {
     pub fn first_non_finite(&self) -> Option<(Field, usize)> {
         let own = |part: &Part<T, D>| {
             let (field, cell) = part.domain.first_non_finite()?;
-            Some((field, self.permutation.to_original(part.first + cell)))
+            Some((field, self.permutation.original_cell(part.first + cell)))
         };
         self.parts.iter().find_map(own)
     }
@@ -359,7 +359,7 @@ impl<T: Real, const D: usize> Split<T, D> {
     /// The first cell whose stress is not in its yield set.
     pub fn first_beyond_yield(&self) -> Option<usize> {
         let own = |part: &Part<T, D>| Some(part.first + part.domain.first_beyond_yield()?);
-        self.parts.iter().find_map(own).map(|cell| self.permutation.to_original(cell))
+        self.parts.iter().find_map(own).map(|cell| self.permutation.original_cell(cell))
     }
 
     /// The values of all fields, the first axis running fastest, as [`Domain::show`] gives them.
