@@ -418,7 +418,7 @@ fn media(case: &Case) -> Result<Result<Media, InputError>, InputError> {
     for (index, region) in regions.enumerate() {
         let own = &region.case;
         let is_same = |(_, other): &(String, Case)| {
-            (own.medium(), own.numbers) == (other.medium(), other.numbers)
+            (own.medium(), &own.numbers) == (other.medium(), &other.numbers)
         };
         if !media.iter().any(is_same) {
             media.push((format!("region[{index}]"), own.clone()));

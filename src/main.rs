@@ -92,7 +92,7 @@ enum Verb {
     /// Write a commented case to start from
     New {
         /// Kind of model
-        #[arg(value_parser = PossibleValuesParser::new(Kind::ALL.map(Kind::name)).try_map(kind))]
+        #[arg(value_parser = PossibleValuesParser::new(Kind::all().into_iter().map(Kind::name)).try_map(kind))]
         kind: Kind,
         /// Yield set of a solid that yields
         #[arg(long = "yield", value_name = "SET", value_parser =

@@ -14,6 +14,7 @@ use analysis::bound;
 use analysis::growth::Verdict;
 use figures::{Axis, Category, Curve, Look, VerdictMap};
 use models::elementary::Elementary;
+use models::granular_flow::Model;
 use models::granular_flow::state::Background;
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -214,12 +215,16 @@ struct Judge<'a> {
     extras: Extras,
     workspace: Workspace,
     solids: hyperbolicity::Judge<'a>,
+    /// The model of a flow, whose constants are set for each point, and the list by way of which they are.
+    model: Option<Model>,
+    constants: Vec<f64>,
 }
 
 impl<'a> Judge<'a> {
     fn new(case: &Case, map: &'a Map, extras: Extras, spheres: &'a Spheres) -> Self {
         let (workspace, solids) = (Workspace::default(), hyperbolicity::Judge::new(spheres));
-        Self { case: case.clone(), map, extras, workspace, solids }
+        let (model, constants) = (None, Vec::new());
+        Self { case: case.clone(), map, extras, workspace, solids, model, constants }
     }
 
     fn point(&mut self, x: usize, y: usize) -> Result<Point, StateError> {
@@ -268,18 +273,24 @@ impl<'a> Judge<'a> {
     }
 
     fn flow(&mut self) -> Result<Point, StateError> {
-        let Self { case, extras, workspace, .. } = self;
+        let Self { case, extras, workspace, model, constants, .. } = self;
         let mut point = Point::empty(Code::NotFullyDeforming);
-        let model = case.flow_model()?;
+        let model = match model {
+            Some(model) => {
+                case.set_constants(model, constants)?;
+                model
+            }
+            None => model.insert(case.flow_model()?),
+        };
         let Background::FullyDeforming(flow) = model.background(&case.state())? else {
             return Ok(point);
         };
         point.noncoaxiality_bound_deg =
             model.noncoaxiality_bound().map_or(f64::NAN, f64::to_degrees);
         let (verdict, route) = if extras.admits_closed_forms() {
-            workspace.decide(&model, &flow)?
+            workspace.decide(model, &flow)?
         } else {
-            let assessment = workspace.assess(&model, &flow)?;
+            let assessment = workspace.assess(model, &flow)?;
             if extras.growth_rate && !workspace.pencil.is_singular() {
                 let wave = case.numbers.wave;
                 point.growth_rate = workspace.growth(wave.number, radians(wave.direction_deg));

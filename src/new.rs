@@ -1,10 +1,10 @@
 //! `wellposed new`: a commented case to start from.
 
 use crate::case::flow::{Disturbed, Quantity, UNIFORM};
-use crate::case::{ACTIVE_NAMES, KEYS, Key, Kind, Medium, Presence, Solid, Yield};
+use crate::case::{ACTIVE_NAMES, Key, Kind, Medium, Presence, Solid, Yield, keys};
 use crate::output::{OutputError, write_file};
 use dynamics::flow::Closure;
-use models::granular_flow::Kind as Flow;
+use models::granular_flow::RotationKind;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -31,6 +31,11 @@ const CHECKED: [&str; 5] = [
     "background.body_moment",
     "background.stress_angle_rate_deg",
 ];
+
+/// Whether nothing determines the spin of a flow.
+fn is_free(kind: Kind) -> bool {
+    matches!(kind, Kind::Flow(flow) if flow.rotation() == RotationKind::Free)
+}
 
 /// The sections that say how a flow is run in time.
 fn flow_in_time(closure: Closure) -> String {
@@ -80,7 +85,7 @@ pub fn run(
             remedy: "name another file, or overwrite with --force",
         });
     }
-    if purpose == Purpose::Run && medium.kind == Kind::Flow(Flow::FreeRotating) {
+    if purpose == Purpose::Run && is_free(medium.kind) {
         return Err(OutputError {
             path,
             cause: format!("nothing determines the spin of {}", medium.kind.name()),
@@ -139,7 +144,7 @@ kind = \"{name}\"
     );
     let mut section = "model";
     let has_active = medium.yields == Some(Yield::Interlayer);
-    for key in KEYS.iter().filter(|key| key.is_used_by(medium)) {
+    for key in keys().iter().filter(|key| key.is_used_by(medium)) {
         let Some(mut value) = key.example() else { continue };
         if has_active && key.name == "model.dimensions" {
             value = "2".into();

@@ -22,7 +22,7 @@ use figures::{
 use models::Rounded;
 use models::elementary::Elementary;
 use models::granular_flow::state::{Background, Flow};
-use models::granular_flow::{InputError, Model};
+use models::granular_flow::{InputError, Model, RotationKind};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::Write;
@@ -425,7 +425,7 @@ fn words(case: &Case, of: &Analysed) -> String {
         let _ = writeln!(text, "  {name:<36}{value}");
     };
     line("deviatoric stress q", format!("{} Pa", short(flow.stress.deviator.value)));
-    if let Model::HarrisGrekova(_) = of.model {
+    if of.model.kind().rotation() == RotationKind::IntrinsicSpin {
         line("rotational stress r", format!("{} Pa", short(flow.stress.rotational)));
     }
     line(

@@ -1,6 +1,6 @@
 //! A solid: from the numbers of a case to its rate equations, elastic and yielding.
 
-use crate::case::{Case, Kind, Medium, Solid as SolidKind, Wave, Yield, radians};
+use crate::case::{Case, Kind, Medium, Solid as SolidKind, Wave, Yield, names, radians};
 use crate::frozen::StateError;
 use crate::words::short;
 use analysis::sphere::Flutter;
@@ -282,11 +282,11 @@ impl Elastic {
             .check()
             .map(Self::Compliances),
             Kind::Flow(_) => Err(InputError {
-                key: "model.kind",
+                key: "kind",
                 found: format!("{}, a flow", case.kind.name()),
                 allowed: format!(
                     "this needs a solid ({}); for flows see wellposed point and map",
-                    Kind::SOLIDS.map(Kind::name).join(", ")
+                    names(&Kind::solids())
                 ),
             }),
         }

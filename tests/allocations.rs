@@ -2,7 +2,7 @@
 
 mod states;
 
-use models::granular_flow::Kind;
+use models::registry::STANDARD_FLOWS;
 use states::{Random, Range};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -52,10 +52,12 @@ fn a_formula_needs_no_memory() {
     let mut case = Case::parse(CASE, "state.toml", &[]).expect("a case");
     let swept = Parameter::find("background.noncoaxiality_deg").expect("a parameter");
     let mut workspace = Workspace::default();
+    let (mut model, mut constants) = (case.flow_model().expect("a model"), Vec::new());
+    case.set_constants(&mut model, &mut constants).expect("in range");
     let before = ALLOCATIONS.with(Cell::get);
     for delta in 0..45 {
         case.set(swept, f64::from(delta));
-        let model = case.flow_model().expect("a model");
+        case.set_constants(&mut model, &mut constants).expect("in range");
         let background = model.background(&case.state()).expect("a state");
         let flow = background.flow().expect("on yield");
         let (_, route) = workspace.decide(&model, flow).expect("a verdict");
@@ -70,7 +72,7 @@ fn a_formula_needs_no_memory() {
 #[test]
 fn the_linearised_equations_need_no_memory() {
     const STATES: u64 = 1000;
-    for kind in Kind::ALL {
+    for kind in STANDARD_FLOWS {
         for (dilatant, gradients) in [(false, false), (false, true), (true, false), (true, true)] {
             let mut workspace = Workspace::default();
             let mut marginal = 0;

@@ -123,7 +123,7 @@ fn every_bundled_case_runs() {
 #[test]
 fn new_writes_a_case_once() {
     let here = folder("new");
-    for kind in Kind::ALL {
+    for kind in Kind::all() {
         let verbs: &[&str] = match kind {
             Kind::Flow(_) => &["point", "map"],
             Kind::Solid(_) => &["dispersion"],

@@ -124,7 +124,7 @@ fn broken_inequalities_are_refused_where_they_stand() {
     }
     let error = run(folder.path(), &CASE.replace("1.005e9", "0"), &[]).expect_err("no α");
     assert!(error.contains("solid.toml:7: model.alpha: "), "{error}");
-    let flow = wellposed::new::text(wellposed::case::Kind::FLOWS[0]);
+    let flow = wellposed::new::text(wellposed::case::Kind::flows()[0]);
     let error = run(folder.path(), &flow, &[]).expect_err("a flow");
     assert!(error.contains("harris-grekova, a flow"), "{error}");
 }

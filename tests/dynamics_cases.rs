@@ -467,7 +467,7 @@ fn options_reach_all_sections() {
         let error = parse_with(PLANE, &[set]).expect_err(set);
         assert_eq!(error, format!("--set {set}: {message}"));
     }
-    let flow = wellposed::new::text(Kind::FLOWS[0]);
+    let flow = wellposed::new::text(Kind::flows()[0]);
     let error = parse_with(&flow, &["grid.spacing=1"]).unwrap_err();
     let start = "--set grid.spacing=1: grid.spacing: found for a flow; give length, the edges of";
     assert!(error.starts_with(start), "{error}");
@@ -575,13 +575,14 @@ fn a_run_in_time_needs_a_solid_and_a_grid() {
                this one out";
     assert_eq!(error, format!("folder/x.toml:19: {end}"));
 
-    let plane = wellposed::new::text(Kind::SOLIDS[3]) + "[grid]\ncells = [2, 2, 2]\nspacing = 1\n";
+    let plane =
+        wellposed::new::text(Kind::solids()[3]) + "[grid]\ncells = [2, 2, 2]\nspacing = 1\n";
     let error = parse(&plane).unwrap_err();
     let end = "model.kind: found cosserat-compliances in a grid of 3 dimensions; it is a solid in \
                plane strain: grid.cells must have 2 entries";
     assert!(error.ends_with(end), "{error}");
 
-    let classical = wellposed::new::text(Kind::SOLIDS[0])
+    let classical = wellposed::new::text(Kind::solids()[0])
         + "[grid]\ncells = [2, 2, 2]\nspacing = 1\n[time]\nduration = 1\n";
     for (entry, end) in [
         (

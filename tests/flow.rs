@@ -7,11 +7,12 @@ use dynamics::flow::spectral::Mode;
 use dynamics::flow::{Closure, Flow, Problem};
 use models::LinearisedSystem;
 use models::granular_flow::state::{self, State};
-use models::granular_flow::{Kind, Model, Parameters};
+use models::granular_flow::{Kind, Model};
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
+use testkit::flows::Parameters;
 
-const KINDS: [Kind; 3] = [Kind::HarrisGrekova, Kind::DoubleShearing, Kind::PlasticPotential];
+const KINDS: [Kind; 3] = [Kind::HARRIS_GREKOVA, Kind::DOUBLE_SHEARING, Kind::PLASTIC_POTENTIAL];
 
 /// Random numbers that are the same in every run (SplitMix64).
 struct Random(u64);
@@ -49,15 +50,15 @@ impl Background {
             moment_of_inertia: Some(1e-7),
             rotational_strength: Some(0.0),
         };
-        let model = Model::new(kind, &parameters).expect("constants in range");
+        let model = parameters.model(kind).expect("constants in range");
         let mut state = given;
         match kind {
-            Kind::DoubleShearing => {
+            own if own == Kind::DOUBLE_SHEARING => {
                 // Dψ/Dt = 0
                 let twice = 2.0 * given.noncoaxiality.unwrap_or(0.0);
                 state.half_vorticity = given.shear_rate * twice.sin() / friction_angle.sin();
             }
-            Kind::PlasticPotential => state.noncoaxiality = Some(0.0),
+            own if own == Kind::PLASTIC_POTENTIAL => state.noncoaxiality = Some(0.0),
             _ => {}
         }
         let background = model.background(&state).expect("a state in range");
@@ -275,7 +276,7 @@ fn kelvin(
     let across = |[k1, k2]: [f64; 2]| [-k2 / k1.hypot(k2), k1 / k1.hypot(k2)];
     let [a1, a2] = across(wave);
     let mut state = vec![start[0] * a1, start[0] * a2, start[1]];
-    if background.kind == Kind::PlasticPotential {
+    if background.kind == Kind::PLASTIC_POTENTIAL {
         state.pop();
     }
     let step = time / STEPS as f64;
@@ -313,7 +314,7 @@ fn courses() {
                 half_vorticity,
                 // Double shearing in steady simple shear: sin 2Δ = sin φ s₂₁/Q_D.
                 noncoaxiality: Some(match kind {
-                    Kind::DoubleShearing => 0.5 * (0.5 * half_vorticity).asin(),
+                    own if own == Kind::DOUBLE_SHEARING => 0.5 * (0.5 * half_vorticity).asin(),
                     _ => 0.3,
                 }),
                 ..State::default()
@@ -368,7 +369,7 @@ fn homogeneous_simple_shear() {
         ..State::default()
     };
     for (kind, expected) in
-        [(Kind::DoubleShearing, rate / friction.tan()), (Kind::HarrisGrekova, 0.0)]
+        [(Kind::DOUBLE_SHEARING, rate / friction.tan()), (Kind::HARRIS_GREKOVA, 0.0)]
     {
         let background = Background::new(kind, friction, 0.0, state);
         let gradient = background.gradient();

@@ -282,13 +282,13 @@ fn wrong_cases_are_refused_with_place_and_remedy() {
         error.contains("initial[0].kind: found 'uniform' for the model plastic-potential;"),
         "{error}"
     );
-    let free = new::text(Kind::FLOWS[3]) + "[grid]\ncells = [8, 8]\nlength = 1\n";
+    let free = new::text(Kind::flows()[3]) + "[grid]\ncells = [8, 8]\nlength = 1\n";
     let error = parse(&free).unwrap_err();
     assert!(
         error.contains("grid: found for the model free-rotating, a flow; leave it out"),
         "{error}"
     );
-    let solid = new::text(Kind::SOLIDS[0]) + "[grid]\ncells = [8, 8]\nlength = 1\n";
+    let solid = new::text(Kind::solids()[0]) + "[grid]\ncells = [8, 8]\nlength = 1\n";
     let error = parse(&solid).unwrap_err();
     assert!(error.contains("grid.length: found for a solid; give spacing"), "{error}");
     let error =
@@ -361,7 +361,7 @@ fn states_that_cannot_be_run_are_refused() {
     assert!(error.starts_with(":4: model.friction_angle_deg: found 95"), "{error}");
     let error = refused(&with(FLOW, "[grid]", "spin = 1\n[grid]"));
     assert!(error.contains("background.spin"), "{error}");
-    let error = refused(&new::text(Kind::FLOWS[3]));
+    let error = refused(&new::text(Kind::flows()[3]));
     assert!(
         error
             .ends_with("nothing determines the spin of this one, so that it cannot be run in time")
@@ -428,7 +428,7 @@ fn archives_are_read_next_to_the_case() {
 #[test]
 fn new_runs_show_every_key() {
     let folder = tempfile::tempdir().unwrap();
-    for kind in &Kind::FLOWS[..3] {
+    for kind in &Kind::flows()[..3] {
         let text = new::text_for((*kind).into(), Purpose::Run);
         dry_run(folder.path(), &text).unwrap_or_else(|error| panic!("{error}\n{text}"));
         let template = &text[text.find("\n[grid]\n").unwrap()..];
@@ -481,6 +481,6 @@ fn new_runs_show_every_key() {
         }
     }
     let other = folder.path().join("other.toml");
-    let error = new::run(Kind::FLOWS[3].into(), Purpose::Run, Some(&other), false).unwrap_err();
+    let error = new::run(Kind::flows()[3].into(), Purpose::Run, Some(&other), false).unwrap_err();
     assert!(error.to_string().contains("nothing determines the spin of free-rotating"), "{error}");
 }

@@ -301,7 +301,7 @@ fn runs_that_cannot_be_are_refused() {
         // Before anything else that is missing.
         (CLASSICAL.to_owned(), ": grid: missing; add a section [grid]"),
         (
-            wellposed::new::text(wellposed::case::Kind::FLOWS[0]),
+            wellposed::new::text(wellposed::case::Kind::flows()[0]),
             ": grid: missing; add a section [grid] with cells = [64, 64] and length = 0.1",
         ),
         (

@@ -2,8 +2,9 @@
 
 use models::LinearisedSystem;
 use models::granular_flow::state::{Flow, State};
-use models::granular_flow::{Kind, Model, Parameters};
+use models::granular_flow::{Kind, Model};
 use std::f64::consts::PI;
+use testkit::flows::Parameters;
 use wellposed_analysis::bound::{Place, TOLERANCE, supremum};
 use wellposed_analysis::growth::{Verdict, assess};
 use wellposed_analysis::pencil::Pencil;
@@ -16,7 +17,7 @@ fn model(friction_angle: f64) -> Model {
         moment_of_inertia: Some(2e-6),
         rotational_strength: Some(0.0),
     };
-    Model::new(Kind::HarrisGrekova, &parameters).unwrap()
+    parameters.model(Kind::HARRIS_GREKOVA).unwrap()
 }
 
 fn pencil(model: &Model, state: &State) -> (Flow, Pencil) {

@@ -57,7 +57,7 @@ fn harris_grekova_has_the_characteristics_of_equation_70() {
     for seed in 0..400 {
         let random = &mut Random::new(0x70 + seed);
         let dilatancy = if seed.is_multiple_of(2) { Dilatancy::Zero } else { Dilatancy::Positive };
-        let sample = generic(random, Kind::HarrisGrekova, dilatancy, seed % 4 < 2);
+        let sample = generic(random, Kind::HARRIS_GREKOVA, dilatancy, seed % 4 < 2);
         let found = of(&sample);
         assert_eq!(found.kind, Some(Type::Hyperbolic));
         assert!(found.complex.is_empty() && found.arbitrary.is_empty());
@@ -79,7 +79,7 @@ fn plastic_potential_separates_stress_and_velocity() {
         let random = &mut Random::new(0x71 + seed);
         let dilatancy =
             [Dilatancy::Zero, Dilatancy::Positive, Dilatancy::Associated][(seed % 3) as usize];
-        let sample = generic(random, Kind::PlasticPotential, dilatancy, seed.is_multiple_of(2));
+        let sample = generic(random, Kind::PLASTIC_POTENTIAL, dilatancy, seed.is_multiple_of(2));
         let mut real = of(&sample).real;
         let psi = sample.state.stress_angle;
         let (phi, nu) = (sample.parameters.friction_angle, sample.parameters.dilatancy_angle);
@@ -128,10 +128,10 @@ fn double_shearing_with_inertia_against_its_quartic() {
     for seed in 0..600 {
         let random = &mut Random::new(0x72 + seed);
         let dilatancy = if seed.is_multiple_of(2) { Dilatancy::Zero } else { Dilatancy::Positive };
-        let sample = tame(random, Kind::DoubleShearing, dilatancy, seed % 4 < 2);
+        let sample = tame(random, Kind::DOUBLE_SHEARING, dilatancy, seed % 4 < 2);
         let speed = random.decades(1e-1, 10.0);
         let state = State { velocity: sample.state.velocity.map(|v| v * speed), ..sample.state };
-        let sample = Sample::new(Kind::DoubleShearing, sample.parameters, state);
+        let sample = Sample::new(Kind::DOUBLE_SHEARING, sample.parameters, state);
         let found = of(&sample);
         let wanted = steady_roots(&sample);
         assert_eq!(wanted.len(), 4);
@@ -194,12 +194,12 @@ fn at_rest_convected_fields_have_arbitrary_characteristics() {
             Sample::new(kind, sample.parameters, State { velocity: [0.0; 2], ..sample.state })
         };
         for (kind, dilatancy, arbitrary, each) in [
-            (Kind::HarrisGrekova, Dilatancy::Zero, &["spin"][..], 2),
-            (Kind::HarrisGrekova, Dilatancy::Positive, &["density", "spin"][..], 2),
-            (Kind::PlasticPotential, Dilatancy::Zero, &[][..], 1),
-            (Kind::PlasticPotential, Dilatancy::Positive, &["density"][..], 1),
-            (Kind::DoubleShearing, Dilatancy::Zero, &[][..], 2),
-            (Kind::DoubleShearing, Dilatancy::Positive, &["density"][..], 2),
+            (Kind::HARRIS_GREKOVA, Dilatancy::Zero, &["spin"][..], 2),
+            (Kind::HARRIS_GREKOVA, Dilatancy::Positive, &["density", "spin"][..], 2),
+            (Kind::PLASTIC_POTENTIAL, Dilatancy::Zero, &[][..], 1),
+            (Kind::PLASTIC_POTENTIAL, Dilatancy::Positive, &["density"][..], 1),
+            (Kind::DOUBLE_SHEARING, Dilatancy::Zero, &[][..], 2),
+            (Kind::DOUBLE_SHEARING, Dilatancy::Positive, &["density"][..], 2),
         ] {
             let sample = at_rest(random, kind, dilatancy);
             let found = of(&sample);
@@ -223,7 +223,7 @@ fn at_rest_convected_fields_have_arbitrary_characteristics() {
 #[test]
 fn free_rotating_determines_nothing() {
     for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
-        let sample = tame(&mut Random::new(0x74), Kind::FreeRotating, dilatancy, true);
+        let sample = tame(&mut Random::new(0x74), Kind::FREE_ROTATING, dilatancy, true);
         assert_eq!(characteristics(&sample.system), Err(NoCharacteristics::Indeterminate));
     }
 }

@@ -3,13 +3,14 @@
 
 mod support;
 
+use models::granular_flow::Kind;
 use models::granular_flow::state::State;
-use models::granular_flow::{Kind, Parameters};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 use support::exact::{WideSystem, matched, roots};
 use support::states::{Dilatancy, Random, Sample, VARIANTS, tame};
 use support::wide::{Wide, WideComplex};
+use testkit::flows::Parameters;
 use wellposed_analysis::growth::{Verdict, assess};
 use wellposed_analysis::pencil::{Pencil, Roots};
 
@@ -130,7 +131,7 @@ fn degenerate_directions_along_the_axes() {
                                 dilatancy_angle: nu.to_radians(),
                                 ..sample.parameters
                             };
-                            let noncoaxiality = (kind != Kind::PlasticPotential).then_some(0.2);
+                            let noncoaxiality = (kind != Kind::PLASTIC_POTENTIAL).then_some(0.2);
                             let state = State {
                                 stress_angle: (target + half + turn).to_radians(),
                                 noncoaxiality,
@@ -203,7 +204,7 @@ fn superposed_rigid_rotation() {
     for n in 0..STATES {
         let mut random = Random::new(0x5917 + n);
         let dilatancy = if n.is_multiple_of(2) { Dilatancy::Zero } else { Dilatancy::Positive };
-        let sample = tame(&mut random, Kind::HarrisGrekova, dilatancy, n % 4 < 2);
+        let sample = tame(&mut random, Kind::HARRIS_GREKOVA, dilatancy, n % 4 < 2);
         let rate = random.signed(1e-2, 10.0);
         let state = State {
             half_vorticity: sample.state.half_vorticity + rate,

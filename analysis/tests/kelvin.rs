@@ -4,13 +4,14 @@ mod support;
 
 use models::LinearisedSystem;
 use models::granular_flow::state::{Flow, State};
-use models::granular_flow::{Kind, Model, Parameters};
+use models::granular_flow::{Kind, Model};
 use num_complex::Complex64;
 use support::states::Random;
+use testkit::flows::Parameters;
 use wellposed_analysis::kelvin::{Evolution, course, wave_vector, wave_vector_rate};
 use wellposed_analysis::pencil::Pencil;
 
-const KINDS: [Kind; 3] = [Kind::HarrisGrekova, Kind::DoubleShearing, Kind::PlasticPotential];
+const KINDS: [Kind; 3] = [Kind::HARRIS_GREKOVA, Kind::DOUBLE_SHEARING, Kind::PLASTIC_POTENTIAL];
 
 /// A uniform, incompressible flow.
 fn flow(kind: Kind, random: &mut Random) -> (Model, Flow) {
@@ -21,9 +22,9 @@ fn flow(kind: Kind, random: &mut Random) -> (Model, Flow) {
         rotational_strength: Some(0.0),
         dilatancy_angle: 0.0,
     };
-    let model = Model::new(kind, &parameters).expect("constants in range");
+    let model = parameters.model(kind).expect("constants in range");
     let noncoaxiality = match kind {
-        Kind::PlasticPotential => 0.0,
+        own if own == Kind::PLASTIC_POTENTIAL => 0.0,
         _ => random.within(-1.4, 1.4),
     };
     let state = State {

@@ -4,9 +4,9 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{key}: found {found}; {allowed}")]
 pub struct InputError {
-    /// Name of the input in a case file, with its section.
+    /// Name of the input: a parameter of the model or of its yield set, or a number of the state.
     pub key: &'static str,
-    /// What was found.
+    /// What was found; angles in degrees.
     pub found: String,
     /// What is allowed, as a sentence fragment.
     pub allowed: String,

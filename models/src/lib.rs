@@ -17,9 +17,11 @@ pub mod cosserat;
 pub mod elementary;
 pub mod granular_flow;
 mod input;
+pub mod parameter;
 pub mod plasticity;
 pub mod product;
 pub mod rates;
+pub mod registry;
 pub mod rounding;
 pub mod system;
 
@@ -44,6 +46,7 @@ pub mod plastic_potential {
 /// de Josselin de Jong (1959, 1977): double sliding with free rotation.
 pub mod free_rotating {
     pub mod closed_form;
+    pub mod parameters;
     pub mod symbol;
 }
 

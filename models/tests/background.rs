@@ -5,15 +5,17 @@ mod support;
 
 use support::states::{self, Dilatancy, VARIANTS};
 use support::{Random, Real, wide};
+use testkit::flows::Parameters;
 use wellposed_models::granular_flow::state::{Background, Coulomb, Region, State, Stress};
-use wellposed_models::granular_flow::{InputError, Kind, Model, Parameters};
+use wellposed_models::granular_flow::{InputError, Kind, Model};
+use wellposed_models::registry::STANDARD_FLOWS;
 
 const STATES: usize = 250;
 
 fn harris_grekova(random: &mut Random, dilatancy: Dilatancy) -> (Parameters, Model, State) {
-    let parameters = states::random_parameters(random, Kind::HarrisGrekova, dilatancy);
-    let model = states::model(Kind::HarrisGrekova, &parameters);
-    let state = states::random_state(random, Kind::HarrisGrekova, dilatancy);
+    let parameters = states::random_parameters(random, Kind::HARRIS_GREKOVA, dilatancy);
+    let model = states::model(Kind::HARRIS_GREKOVA, &parameters);
+    let state = states::random_state(random, Kind::HARRIS_GREKOVA, dilatancy);
     (parameters, model, state)
 }
 
@@ -105,7 +107,7 @@ fn rotational_stress_decides_the_region() {
     // Without rotational strength r = 0 is the only admissible one.
     let (parameters, _, state) = harris_grekova(&mut random, Dilatancy::Zero);
     let weak = Parameters { rotational_strength: Some(0.0), ..parameters };
-    let model = states::model(Kind::HarrisGrekova, &weak);
+    let model = states::model(Kind::HARRIS_GREKOVA, &weak);
     assert_eq!(states::flow(&model, &state).stress.rotational, 0.0);
     assert_eq!(
         region(&model, &State { rotational_stress: Some(0.0), ..state }),
@@ -144,7 +146,7 @@ fn default_rotational_stress_does_positive_work() {
 /// other root is accepted as well, and a contradiction is refused by key with its residual in sin 2Δ.
 #[test]
 fn spin_instead_of_noncoaxiality() {
-    for kind in [Kind::HarrisGrekova, Kind::FreeRotating] {
+    for kind in [Kind::HARRIS_GREKOVA, Kind::FREE_ROTATING] {
         for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
             let mut random = Random::new(640);
             for _ in 0..STATES {
@@ -178,7 +180,7 @@ fn spin_instead_of_noncoaxiality() {
                 assert_eq!(region(&model, &printed), Region::FullyDeforming);
                 let wrong = delta + 1e-3 * (1.0 + random.within(0.0, 1.0));
                 let error = refusal(&model, &State { noncoaxiality: Some(wrong), ..only });
-                assert_eq!(error.key, "background.spin");
+                assert_eq!(error.key, "spin");
                 let expected = (2.0 * delta).sin() - (2.0 * wrong).sin();
                 assert!((residual(&error).abs() / expected.abs() - 1.0).abs() < 1e-6);
 
@@ -188,7 +190,7 @@ fn spin_instead_of_noncoaxiality() {
                     noncoaxiality: None,
                     ..state
                 };
-                assert_eq!(refusal(&model, &too_much).key, "background.spin");
+                assert_eq!(refusal(&model, &too_much).key, "spin");
             }
         }
     }
@@ -241,7 +243,7 @@ fn contradictions_are_refused_with_their_residual() {
                 let wrong = [0, 1]
                     .map(|i: usize| [0, 1].map(|j: usize| gradient[i][j] + step * change[i][j]));
                 let error = refusal(&model, &State { velocity_gradient: Some(wrong), ..all });
-                assert_eq!(error.key, "background.velocity_gradient");
+                assert_eq!(error.key, "velocity_gradient");
                 assert!(error.allowed.contains(part), "{}", error.allowed);
                 assert!((residual(&error) / (factor * step) - 1.0).abs() < 1e-6);
             }
@@ -250,7 +252,7 @@ fn contradictions_are_refused_with_their_residual() {
                 let mut wrong = acceleration;
                 wrong[i] += 1e-6 * size;
                 let error = refusal(&model, &State { acceleration: Some(wrong), ..all });
-                assert_eq!(error.key, "background.acceleration");
+                assert_eq!(error.key, "acceleration");
                 assert!(error.allowed.contains(["first", "second"][i]), "{}", error.allowed);
                 assert!((residual(&error) / (1e-6 * size) - 1.0).abs() < 1e-6);
             }
@@ -260,19 +262,19 @@ fn contradictions_are_refused_with_their_residual() {
                     + 2.0 * (flow.stress.rotational / state.density).abs();
                 let wrong = moment + 1e-6 * size;
                 let error = refusal(&model, &State { body_moment: Some(wrong), ..all });
-                assert_eq!(error.key, "background.body_moment");
+                assert_eq!(error.key, "body_moment");
                 assert!((residual(&error) / (1e-6 * size) - 1.0).abs() < 1e-6);
             }
             if let Some(rate) = flow.stress_angle_rate {
                 let size = rate.abs() + 2.0 * state.half_vorticity.abs();
                 let wrong = rate + 1e-6 * size;
                 let error = refusal(&model, &State { stress_angle_rate: Some(wrong), ..all });
-                assert_eq!(error.key, "background.stress_angle_rate_deg");
+                assert_eq!(error.key, "stress_angle_rate");
                 let expected = (1e-6 * size).to_degrees();
                 assert!((residual(&error) / expected - 1.0).abs() < 1e-3);
             } else {
                 let given = State { stress_angle_rate: Some(0.1), ..all };
-                assert_eq!(refusal(&model, &given).key, "background.stress_angle_rate_deg");
+                assert_eq!(refusal(&model, &given).key, "stress_angle_rate");
             }
         }
     }
@@ -294,39 +296,34 @@ fn constants_out_of_range_are_refused_by_key() {
         for &value in bad.iter().chain(&nan_inf) {
             let mut parameters = good;
             change(&mut parameters, value);
-            let error = Model::new(kind, &parameters).expect_err("out of range");
+            let error = parameters.model(kind).expect_err("out of range");
             assert_eq!(error.key, key, "{kind:?} {value}");
         }
     };
-    for kind in Kind::ALL {
-        assert!(Model::new(kind, &good).is_ok());
+    for kind in STANDARD_FLOWS {
+        assert!(good.model(kind).is_ok());
+        refused(kind, "friction_angle", &|p, x| p.friction_angle = x, &[0.0, -0.1, right, 2.0]);
+        refused(kind, "cohesion", &|p, x| p.cohesion = x, &[-1e-9]);
+        let limit = if kind == Kind::PLASTIC_POTENTIAL { right } else { good.friction_angle };
         refused(
             kind,
-            "model.friction_angle_deg",
-            &|p, x| p.friction_angle = x,
-            &[0.0, -0.1, right, 2.0],
-        );
-        refused(kind, "model.cohesion", &|p, x| p.cohesion = x, &[-1e-9]);
-        let limit = if kind == Kind::PlasticPotential { right } else { good.friction_angle };
-        refused(
-            kind,
-            "model.dilatancy_angle_deg",
+            "dilatancy_angle",
             &|p, x| p.dilatancy_angle = x,
             &[-1e-9, limit, limit + 0.1],
         );
         for nu in [0.0, limit * (1.0 - 1e-9)] {
-            assert!(Model::new(kind, &Parameters { dilatancy_angle: nu, ..good }).is_ok());
+            assert!((Parameters { dilatancy_angle: nu, ..good }).model(kind).is_ok());
         }
-        assert!(Model::new(kind, &Parameters { cohesion: 0.0, ..good }).is_ok());
+        assert!((Parameters { cohesion: 0.0, ..good }).model(kind).is_ok());
     }
-    let kind = Kind::HarrisGrekova;
-    refused(kind, "model.moment_of_inertia", &|p, x| p.moment_of_inertia = Some(x), &[0.0, -1.0]);
-    refused(kind, "model.rotational_strength", &|p, x| p.rotational_strength = Some(x), &[-1e-9]);
+    let kind = Kind::HARRIS_GREKOVA;
+    refused(kind, "moment_of_inertia", &|p, x| p.moment_of_inertia = Some(x), &[0.0, -1.0]);
+    refused(kind, "rotational_strength", &|p, x| p.rotational_strength = Some(x), &[-1e-9]);
     for (key, missing) in [
-        ("model.moment_of_inertia", Parameters { moment_of_inertia: None, ..good }),
-        ("model.rotational_strength", Parameters { rotational_strength: None, ..good }),
+        ("moment_of_inertia", Parameters { moment_of_inertia: None, ..good }),
+        ("rotational_strength", Parameters { rotational_strength: None, ..good }),
     ] {
-        assert_eq!(Model::new(kind, &missing).expect_err("missing").key, key);
+        assert_eq!(missing.model(kind).expect_err("missing").key, key);
     }
 }
 
@@ -347,27 +344,23 @@ fn states_out_of_range_are_refused_by_key() {
                 assert_eq!(refusal(&model, &wrong).key, key, "{kind:?} {value}");
             }
         };
-        refused("background.density", &|s, x| s.density = x, &[0.0, -1.0]);
-        refused("background.shear_rate", &|s, x| s.shear_rate = x, &[0.0, -1.0]);
-        refused(
-            "background.pressure",
-            &|s, x| s.pressure = x,
-            &[strength * (1.0 + 1e-9), 2.0 * strength],
-        );
-        refused("background.deviatoric_stress", &|s, x| s.deviatoric_stress = Some(x), &[-1e-9]);
+        refused("density", &|s, x| s.density = x, &[0.0, -1.0]);
+        refused("shear_rate", &|s, x| s.shear_rate = x, &[0.0, -1.0]);
+        refused("pressure", &|s, x| s.pressure = x, &[strength * (1.0 + 1e-9), 2.0 * strength]);
+        refused("deviatoric_stress", &|s, x| s.deviatoric_stress = Some(x), &[-1e-9]);
         // Tension within the cohesion is a state.
         let tension = State { pressure: 0.9 * strength, ..state };
         assert_eq!(region(&model, &tension), Region::FullyDeforming);
 
-        if kind == Kind::PlasticPotential {
+        if kind == Kind::PLASTIC_POTENTIAL {
             let turned = State { noncoaxiality: Some(0.1), ..state };
-            assert_eq!(refusal(&model, &turned).key, "background.noncoaxiality_deg");
+            assert_eq!(refusal(&model, &turned).key, "noncoaxiality");
             let coaxial = State { noncoaxiality: Some(0.0), ..state };
             assert_eq!(region(&model, &coaxial), Region::FullyDeforming);
         }
         if dilatancy == Dilatancy::Zero {
             let varying = State { density_gradient: [0.0, 1.0], ..state };
-            assert_eq!(refusal(&model, &varying).key, "background.density_gradient");
+            assert_eq!(refusal(&model, &varying).key, "density_gradient");
         }
     }
 }
@@ -508,15 +501,15 @@ fn elsewhere_there_is_no_flow() {
 /// Names lead back to their models, and a refusal reads as key, what was found, what is allowed.
 #[test]
 fn names_and_messages() {
-    for kind in Kind::ALL {
+    for kind in STANDARD_FLOWS {
         assert_eq!(Kind::from_name(kind.name()), Some(kind));
         let mut random = Random::new(770);
         let parameters = states::random_parameters(&mut random, kind, Dilatancy::Positive);
         let model = states::model(kind, &parameters);
         assert_eq!(model.kind(), kind);
         assert!(model.is_dilatant());
-        assert_eq!(model.noncoaxiality_bound().is_some(), kind == Kind::HarrisGrekova);
-        let error = Model::new(kind, &Parameters { cohesion: -2.5, ..parameters }).unwrap_err();
+        assert_eq!(model.noncoaxiality_bound().is_some(), kind == Kind::HARRIS_GREKOVA);
+        let error = (Parameters { cohesion: -2.5, ..parameters }).model(kind).unwrap_err();
         let text = error.to_string();
         assert!(text.starts_with("model.cohesion: found -2.5; "), "{text}");
         assert!(text.ends_with(&error.allowed));

@@ -6,7 +6,7 @@ mod support;
 use std::f64::consts::FRAC_PI_2;
 use support::Random;
 use support::states::{self, VARIANTS};
-use wellposed_models::granular_flow::Parameters;
+use testkit::flows::Parameters;
 use wellposed_models::granular_flow::state::State;
 use wellposed_models::{LinearisedSystem, Rounded};
 

@@ -198,12 +198,12 @@ fn constants_are_checked() {
     let sound = Mises::drucker_prager(1.0, 0.5, 0.1);
     assert!(sound.check().is_ok());
     let broken: [(&str, Mises); 6] = [
-        ("yield.strength", Mises { strength: 0.0, ..sound }),
-        ("yield.friction", Mises { friction: -0.1, ..sound }),
-        ("yield.dilatancy", Mises { dilatancy: f64::NAN, ..sound }),
-        ("yield.antisymmetric_weight", Mises { antisymmetric_weight: -1.0, ..sound }),
-        ("yield.symmetric_length", Mises { symmetric_length: Some(0.0), ..sound }),
-        ("yield.antisymmetric_length", Mises { antisymmetric_length: Some(-1.0), ..sound }),
+        ("strength", Mises { strength: 0.0, ..sound }),
+        ("friction", Mises { friction: -0.1, ..sound }),
+        ("dilatancy", Mises { dilatancy: f64::NAN, ..sound }),
+        ("antisymmetric_weight", Mises { antisymmetric_weight: -1.0, ..sound }),
+        ("symmetric_length", Mises { symmetric_length: Some(0.0), ..sound }),
+        ("antisymmetric_length", Mises { antisymmetric_length: Some(-1.0), ..sound }),
     ];
     for (key, set) in broken {
         assert_eq!(set.check().unwrap_err().key, key);
@@ -215,12 +215,12 @@ fn constants_are_checked() {
         Interlayer { couple: Some(couple), ..sound }
     };
     let broken: [(&str, Interlayer); 6] = [
-        ("yield.shear_strength", Interlayer { shear_strength: -1.0, ..sound }),
-        ("yield.shear_friction", Interlayer { shear_friction: f64::INFINITY, ..sound }),
-        ("yield.shear_dilatancy", Interlayer { shear_dilatancy: f64::NAN, ..sound }),
-        ("yield.couple_strength", with(|c| c.strength = -1.0)),
-        ("yield.couple_friction", with(|c| c.friction = -1.0)),
-        ("yield.couple_dilatancy", with(|c| c.dilatancy = f64::NAN)),
+        ("shear_strength", Interlayer { shear_strength: -1.0, ..sound }),
+        ("shear_friction", Interlayer { shear_friction: f64::INFINITY, ..sound }),
+        ("shear_dilatancy", Interlayer { shear_dilatancy: f64::NAN, ..sound }),
+        ("couple_strength", with(|c| c.strength = -1.0)),
+        ("couple_friction", with(|c| c.friction = -1.0)),
+        ("couple_dilatancy", with(|c| c.dilatancy = f64::NAN)),
     ];
     for (key, set) in broken {
         assert_eq!(set.check().unwrap_err().key, key);

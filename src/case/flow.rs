@@ -304,7 +304,7 @@ impl Case {
     /// The state is none of a uniform, fully deforming flow of constant volume in its own frame.
     pub fn mean_flow(&self) -> Result<Flow, CaseError> {
         for name in UNIFORM {
-            let Some(value) = Key::find(name).and_then(|key| key.field.load(self.numbers)) else {
+            let Some(value) = Key::find(name).and_then(|key| key.field.load(&self.numbers)) else {
                 continue;
             };
             if matches!(value, Value::Number(0.0) | Value::Pair([0.0, 0.0])) {

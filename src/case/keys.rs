@@ -1,18 +1,22 @@
 //! The one table of keys that a case file may hold.
 //!
 //! Parsing, refusal of unknown and unused keys, `--set`, the commented files of `wellposed new`
-//! and the parameters that a map can sweep all read this table. To add a key: add a field to
-//! [`Numbers`] and a row here.
+//! and the parameters that a map can sweep all read this table. Constants of flow models come from the
+//! [registry](models::registry). To add another key: add a field to [`Numbers`] and a row here.
 
 use super::kind::{Kind, Medium, Solid, Yield};
-use models::granular_flow::Kind as Flow;
+use models::granular_flow::{Kind as Flow, RotationKind};
+pub use models::parameter::Presence;
+use models::parameter::{ANGLE, Parameter as Constant};
+use models::registry;
+use std::sync::{PoisonError, RwLock};
 
 /// The numbers of a case exactly as its file states them: SI units, angles in degrees, `None`
 /// where a key without default is absent.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Numbers {
-    /// Constants of the material.
-    pub model: ModelNumbers,
+    /// Constants of flow models.
+    pub flow: Constants,
     /// Constants of a solid.
     pub solid: SolidNumbers,
     /// Constants of its yield set.
@@ -25,20 +29,41 @@ pub struct Numbers {
     pub wave: Wave,
 }
 
-/// Section `[model]`; units and meanings in [`KEYS`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[allow(missing_docs)] // one row of `KEYS` per field says it once
-pub struct ModelNumbers {
-    pub friction_angle_deg: f64,
-    pub dilatancy_angle_deg: f64,
-    pub cohesion: f64,
-    pub moment_of_inertia: Option<f64>,
-    pub rotational_strength: Option<f64>,
+/// Values of constants by name, in the units of a case file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Constants(Vec<(&'static str, f64)>);
+
+impl Constants {
+    /// The value of that name.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        self.0.iter().find(|(own, _)| *own == name).map(|(_, value)| *value)
+    }
+
+    /// Sets a value.
+    pub fn set(&mut self, name: &'static str, value: f64) {
+        match self.0.iter_mut().find(|(own, _)| *own == name) {
+            Some((_, own)) => *own = value,
+            None => self.0.push((name, value)),
+        }
+    }
+
+    /// Removes a value.
+    fn remove(&mut self, name: &str) {
+        self.0.retain(|(own, _)| *own != name);
+    }
+
+    /// The values of a model's constants, in the order in which it lists them, in SI units and rad; NaN for those
+    /// that are absent.
+    pub fn in_order(&self, parameters: &[Constant], values: &mut Vec<f64>) {
+        values.clear();
+        let value = |own: &Constant| own.to_si(self.get(own.name).unwrap_or(f64::NAN));
+        values.extend(parameters.iter().map(value));
+    }
 }
 
-/// Section `[model]` of solids; units and meanings in [`KEYS`].
+/// Section `[model]` of solids; units and meanings in [`keys`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[allow(missing_docs)] // one row of `KEYS` per field says it once
+#[allow(missing_docs)] // one row of `keys` per field says it once
 pub struct SolidNumbers {
     pub lambda: f64,
     pub mu: f64,
@@ -56,9 +81,9 @@ pub struct SolidNumbers {
     pub dimensions: usize,
 }
 
-/// Section `[yield]`; units and meanings in [`KEYS`].
+/// Section `[yield]`; units and meanings in [`keys`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[allow(missing_docs)] // one row of `KEYS` per field says it once
+#[allow(missing_docs)] // one row of `keys` per field says it once
 pub struct YieldNumbers {
     pub shear_strength: f64,
     pub shear_friction: f64,
@@ -76,9 +101,9 @@ pub struct YieldNumbers {
     pub plastic_rate: f64,
 }
 
-/// Section `[stress]`; units and meanings in [`KEYS`].
+/// Section `[stress]`; units and meanings in [`keys`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[allow(missing_docs)] // one row of `KEYS` per field says it once
+#[allow(missing_docs)] // one row of `keys` per field says it once
 pub struct StressNumbers {
     pub pressure: f64,
     pub deviatoric_stress: f64,
@@ -88,9 +113,9 @@ pub struct StressNumbers {
     pub couple_stress: [f64; 2],
 }
 
-/// Section `[background]`; units and meanings in [`KEYS`].
+/// Section `[background]`; units and meanings in [`keys`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[allow(missing_docs)] // one row of `KEYS` per field says it once
+#[allow(missing_docs)] // one row of `keys` per field says it once
 pub struct BackgroundNumbers {
     pub density: f64,
     pub pressure: f64,
@@ -129,7 +154,7 @@ pub struct Wave {
 }
 
 /// A row of the table.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Key {
     /// Section and name, as in `--set`.
     pub name: &'static str,
@@ -139,24 +164,22 @@ pub struct Key {
     pub unit: &'static str,
     /// What the quantity is and what is allowed, in one line.
     pub meaning: &'static str,
-    /// The kinds of model that use it.
-    pub kinds: &'static [Kind],
+    users: Users,
     /// The yield sets that use it; empty if it is no matter whether and how a solid yields.
-    pub sets: &'static [Yield],
+    sets: &'static [Yield],
     /// What holds where the key is absent.
     pub presence: Presence,
     pub(super) field: Field,
 }
 
-/// What holds where a key is absent.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Presence {
-    /// It must be given; `wellposed new` writes this number.
-    Required(f64),
-    /// This number stands (for each component).
-    Default(f64),
-    /// Nothing: the quantity is derived, or not asked for.
-    Optional,
+/// The kinds of model that use a key.
+#[derive(Clone, Copy, Debug)]
+enum Users {
+    All,
+    Flows(fn(Flow) -> bool),
+    Solids(&'static [Solid]),
+    /// Flows that have a constant of that name.
+    FlowsWith(&'static str),
 }
 
 /// Type of a value and, for the numbers of a case, where it is kept.
@@ -167,6 +190,8 @@ pub(super) enum Field {
     Count,
     Plain,
     Whole(fn(&mut Numbers) -> &mut usize),
+    /// A constant of a flow model, by its name.
+    Constant(&'static str),
     Number(fn(&mut Numbers) -> &mut f64),
     OptionalNumber(fn(&mut Numbers) -> &mut Option<f64>),
     Pair(fn(&mut Numbers) -> &mut [f64; 2]),
@@ -202,7 +227,9 @@ impl Field {
             Self::Text => "text in quotes",
             Self::Texts => "a list of texts in brackets",
             Self::Count | Self::Whole(_) => "a whole number of at least 1",
-            Self::Plain | Self::Number(_) | Self::OptionalNumber(_) => "a finite number",
+            Self::Plain | Self::Constant(_) | Self::Number(_) | Self::OptionalNumber(_) => {
+                "a finite number"
+            }
             Self::Pair(_) | Self::OptionalPair(_) => "a pair of finite numbers [x1, x2]",
             Self::OptionalMatrix(_) => "a matrix of finite numbers [[a11, a12], [a21, a22]]",
         }
@@ -216,21 +243,23 @@ impl Field {
     /// Number of components that a map can sweep: 0 for what is no scalar or pair.
     fn components(self) -> usize {
         match self {
-            Self::Number(_) | Self::OptionalNumber(_) => 1,
+            Self::Constant(_) | Self::Number(_) | Self::OptionalNumber(_) => 1,
             Self::Pair(_) | Self::OptionalPair(_) => 2,
             _ => 0,
         }
     }
 
     /// The value kept, if there is one.
-    pub(super) fn load(self, mut numbers: Numbers) -> Option<Value> {
+    pub(super) fn load(self, numbers: &Numbers) -> Option<Value> {
+        let numbers = &mut numbers.clone();
         match self {
-            Self::Whole(f) => Some(Value::Count(*f(&mut numbers))),
-            Self::Number(f) => Some(Value::Number(*f(&mut numbers))),
-            Self::OptionalNumber(f) => f(&mut numbers).map(Value::Number),
-            Self::Pair(f) => Some(Value::Pair(*f(&mut numbers))),
-            Self::OptionalPair(f) => f(&mut numbers).map(Value::Pair),
-            Self::OptionalMatrix(f) => f(&mut numbers).map(Value::Matrix),
+            Self::Whole(f) => Some(Value::Count(*f(numbers))),
+            Self::Constant(name) => numbers.flow.get(name).map(Value::Number),
+            Self::Number(f) => Some(Value::Number(*f(numbers))),
+            Self::OptionalNumber(f) => f(numbers).map(Value::Number),
+            Self::Pair(f) => Some(Value::Pair(*f(numbers))),
+            Self::OptionalPair(f) => f(numbers).map(Value::Pair),
+            Self::OptionalMatrix(f) => f(numbers).map(Value::Matrix),
             _ => None,
         }
     }
@@ -239,6 +268,7 @@ impl Field {
     pub(super) fn store(self, numbers: &mut Numbers, value: &Value) {
         match (self, value) {
             (Self::Whole(f), Value::Count(n)) => *f(numbers) = *n,
+            (Self::Constant(name), Value::Number(x)) => numbers.flow.set(name, *x),
             (Self::Number(f), Value::Number(x)) => *f(numbers) = *x,
             (Self::OptionalNumber(f), Value::Number(x)) => *f(numbers) = Some(*x),
             (Self::Pair(f), Value::Pair(x)) => *f(numbers) = *x,
@@ -250,9 +280,25 @@ impl Field {
 }
 
 impl Key {
+    /// The row of a constant of a flow model.
+    fn of_constant(constant: &'static Constant) -> Self {
+        let Constant { name, label, unit, meaning, presence } = *constant;
+        let suffix = if unit == ANGLE { "_deg" } else { "" };
+        Self {
+            name: format!("model.{name}{suffix}").leak(),
+            label,
+            unit,
+            meaning,
+            users: Users::FlowsWith(name),
+            sets: ANY,
+            presence,
+            field: Field::Constant(name),
+        }
+    }
+
     /// The row of that name.
     pub fn find(name: &str) -> Option<&'static Self> {
-        KEYS.iter().find(|key| key.name == name)
+        keys().iter().find(|key| key.name == name)
     }
 
     /// Section, and name inside it.
@@ -263,8 +309,31 @@ impl Key {
     /// Whether such media use the key.
     pub fn is_used_by(&self, medium: impl Into<Medium>) -> bool {
         let Medium { kind, yields } = medium.into();
-        self.kinds.contains(&kind)
+        self.is_for(kind)
             && (self.sets.is_empty() || yields.is_some_and(|set| self.sets.contains(&set)))
+    }
+
+    /// Whether such a model uses the key, if it yields as it must for that.
+    pub(super) fn is_for(&self, kind: Kind) -> bool {
+        match (self.users, kind) {
+            (Users::All, _) => true,
+            (Users::Flows(uses), Kind::Flow(flow)) => uses(flow),
+            (Users::FlowsWith(name), Kind::Flow(flow)) => {
+                flow.parameters().iter().any(|own| own.name == name)
+            }
+            (Users::Solids(solids), Kind::Solid(solid)) => solids.contains(&solid),
+            _ => false,
+        }
+    }
+
+    /// The names of the models that use the key.
+    pub(super) fn owners(&self) -> Vec<&'static str> {
+        Kind::all().into_iter().filter(|kind| self.is_for(*kind)).map(Kind::name).collect()
+    }
+
+    /// The yield sets that use it; empty if it is no matter whether and how a solid yields.
+    pub(super) fn sets(&self) -> &'static [Yield] {
+        self.sets
     }
 
     /// Takes the key back to what holds where it is absent.
@@ -275,6 +344,10 @@ impl Key {
         };
         match self.field {
             Field::Whole(f) => *f(numbers) = absent as usize,
+            Field::Constant(name) => match self.presence {
+                Presence::Default(value) => numbers.flow.set(name, value),
+                _ => numbers.flow.remove(name),
+            },
             Field::Number(f) => *f(numbers) = absent,
             Field::OptionalNumber(f) => *f(numbers) = None,
             Field::Pair(f) => *f(numbers) = [absent; 2],
@@ -293,7 +366,9 @@ impl Key {
         };
         let value = match self.field {
             Field::Whole(_) => Value::Count(number as usize),
-            Field::Number(_) | Field::OptionalNumber(_) => Value::Number(number),
+            Field::Constant(_) | Field::Number(_) | Field::OptionalNumber(_) => {
+                Value::Number(number)
+            }
             Field::Pair(_) | Field::OptionalPair(_) => Value::Pair([number; 2]),
             Field::OptionalMatrix(_) => Value::Matrix([[number; 2]; 2]),
             _ => return None,
@@ -324,7 +399,7 @@ impl Parameter {
 
     /// All parameters, in the order of the table.
     pub fn all() -> impl Iterator<Item = Self> {
-        KEYS.iter().flat_map(|key| {
+        keys().iter().flat_map(|key| {
             (0..key.field.components()).map(move |component| Self { key, component })
         })
     }
@@ -351,7 +426,7 @@ impl Parameter {
 
     /// The number, if the case has one.
     pub fn get(self, numbers: &Numbers) -> Option<f64> {
-        match self.key.field.load(*numbers)? {
+        match self.key.field.load(numbers)? {
             Value::Number(x) => Some(x),
             Value::Pair(pair) => Some(pair[self.component]),
             _ => None,
@@ -361,6 +436,7 @@ impl Parameter {
     /// Sets the number; the other component of an absent pair becomes 0.
     pub fn set(self, numbers: &mut Numbers, value: f64) {
         match self.key.field {
+            Field::Constant(name) => numbers.flow.set(name, value),
             Field::Number(f) => *f(numbers) = value,
             Field::OptionalNumber(f) => *f(numbers) = Some(value),
             Field::Pair(f) => f(numbers)[self.component] = value,
@@ -385,27 +461,24 @@ use Field::{
 };
 use Presence::{Default as Or, Optional, Required};
 
-const ALL: &[Kind] = &Kind::ALL;
-const FLOWS: &[Kind] = &Kind::FLOWS;
-const WITH_BALANCE_OF_SPIN: &[Kind] = &[Kind::Flow(Flow::HarrisGrekova)];
-const WITH_SPIN: &[Kind] = &[Kind::Flow(Flow::HarrisGrekova), Kind::Flow(Flow::FreeRotating)];
-const WITH_STRESS_ANGLE_RATE: &[Kind] = &[Kind::Flow(Flow::DoubleShearing)];
-const SOLIDS: &[Kind] = &Kind::SOLIDS;
-const ISOTROPIC: &[Kind] = &[
-    Kind::Solid(Solid::Classical),
-    Kind::Solid(Solid::ReducedCosserat),
-    Kind::Solid(Solid::Cosserat),
-];
-const WITH_ROTATION: &[Kind] = &[Kind::Solid(Solid::ReducedCosserat), Kind::Solid(Solid::Cosserat)];
-const WITH_INERTIA: &[Kind] = &[
-    Kind::Solid(Solid::ReducedCosserat),
-    Kind::Solid(Solid::Cosserat),
-    Kind::Solid(Solid::CosseratCompliances),
-];
-const MODULI_OF_COUPLES: &[Kind] = &[Kind::Solid(Solid::Cosserat)];
-const COMPLIANCES: &[Kind] = &[Kind::Solid(Solid::CosseratCompliances)];
-const WITH_COUPLES: &[Kind] =
-    &[Kind::Solid(Solid::Cosserat), Kind::Solid(Solid::CosseratCompliances)];
+const ALL: Users = Users::All;
+const FLOWS: Users = Users::Flows(|_| true);
+const WITH_BALANCE_OF_SPIN: Users =
+    Users::Flows(|flow| flow.rotation() == RotationKind::IntrinsicSpin);
+const WITH_SPIN: Users = Users::Flows(|flow| {
+    matches!(flow.rotation(), RotationKind::IntrinsicSpin | RotationKind::Free)
+});
+const WITH_STRESS_ANGLE_RATE: Users =
+    Users::Flows(|flow| flow.rotation() == RotationKind::StressAxes);
+const SOLIDS: Users = Users::Solids(&Solid::ALL);
+const ISOTROPIC: Users =
+    Users::Solids(&[Solid::Classical, Solid::ReducedCosserat, Solid::Cosserat]);
+const WITH_ROTATION: Users = Users::Solids(&[Solid::ReducedCosserat, Solid::Cosserat]);
+const WITH_INERTIA: Users =
+    Users::Solids(&[Solid::ReducedCosserat, Solid::Cosserat, Solid::CosseratCompliances]);
+const MODULI_OF_COUPLES: Users = Users::Solids(&[Solid::Cosserat]);
+const COMPLIANCES: Users = Users::Solids(&[Solid::CosseratCompliances]);
+const WITH_COUPLES: Users = Users::Solids(&[Solid::Cosserat, Solid::CosseratCompliances]);
 
 const ANY: &[Yield] = &[];
 const YIELDING: &[Yield] = &Yield::ALL;
@@ -423,7 +496,7 @@ macro_rules! keys {
             label: $label,
             unit: $unit,
             meaning: $meaning,
-            kinds: $kinds,
+            users: $kinds,
             sets: keys!(@sets $($sets)?),
             presence: $presence,
             field: $field,
@@ -435,7 +508,31 @@ macro_rules! keys {
 
 /// Every key of a case file, in the order in which files are written. Those of `[map]` and
 /// `[compare]` are required where their section stands.
-pub static KEYS: &[Key] = keys! {
+pub fn keys() -> &'static [Key] {
+    /// The number of registered flows that the table was made for, and the table.
+    static TABLE: RwLock<(usize, &[Key])> = RwLock::new((0, &[]));
+    let flows = registry::flows();
+    let (made_for, table) = *TABLE.read().unwrap_or_else(PoisonError::into_inner);
+    if made_for == flows.len() {
+        return table;
+    }
+    let mut table = HEAD.to_vec();
+    let constants = flows.iter().flat_map(|flow| flow.parameters());
+    for constant in constants {
+        let key = Key::of_constant(constant);
+        if table.iter().all(|other| other.name != key.name) {
+            table.push(key);
+        }
+    }
+    table.extend_from_slice(REST);
+    // Never freed, as entries of the registry are not: keys are handed out by reference.
+    let table: &'static [Key] = table.leak();
+    *TABLE.write().unwrap_or_else(PoisonError::into_inner) = (flows.len(), table);
+    table
+}
+
+/// The keys before the constants of flows.
+static HEAD: &[Key] = keys! {
     "title": "title" [""] "one line that says what the case is";
         ALL, Optional, Text;
     "name": "name" [""] "names the folder of results: letters, digits, '-', '_' and '.', not dots alone; absent: the name of the file";
@@ -443,17 +540,10 @@ pub static KEYS: &[Key] = keys! {
 
     "model.kind": "kind of model" [""] "harris-grekova, double-shearing, plastic-potential or free-rotating for flows; classical, reduced-cosserat, cosserat or cosserat-compliances for solids";
         ALL, Required(0.0), Text;
-    "model.friction_angle_deg": "friction angle φ" ["deg"] "angle of internal friction φ; 0 < φ < 90";
-        FLOWS, Required(30.0), Number(|n| &mut n.model.friction_angle_deg);
-    "model.dilatancy_angle_deg": "dilatancy angle ν" ["deg"] "angle of dilatancy ν; 0 ≤ ν < φ, for plastic-potential 0 ≤ ν < 90";
-        FLOWS, Or(0.0), Number(|n| &mut n.model.dilatancy_angle_deg);
-    "model.cohesion": "cohesion c" ["Pa"] "cohesion c; ≥ 0";
-        FLOWS, Or(0.0), Number(|n| &mut n.model.cohesion);
-    "model.moment_of_inertia": "moment of inertia I" ["m²"] "moment of inertia per unit mass I; > 0, for discs of diameter d it is d²/8";
-        WITH_BALANCE_OF_SPIN, Required(1.25e-7), OptionalNumber(|n| &mut n.model.moment_of_inertia);
-    "model.rotational_strength": "rotational strength m" ["Pa"] "rotational yield strength m; ≥ 0";
-        WITH_BALANCE_OF_SPIN, Required(0.0), OptionalNumber(|n| &mut n.model.rotational_strength);
+};
 
+/// The keys after them.
+static REST: &[Key] = keys! {
     "model.dimensions": "dimensions" [""] "2 for plane strain, 3 for space";
         ISOTROPIC, Required(3.0), Whole(|n| &mut n.solid.dimensions);
     "model.lambda": "Lamé modulus λ" ["Pa"] "Lamé modulus λ; 3λ + 2μ > 0";

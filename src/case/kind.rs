@@ -26,6 +26,10 @@ pub enum Solid {
 }
 
 impl Solid {
+    /// All of them, in the order in which they are listed.
+    pub const ALL: [Self; 4] =
+        [Self::Classical, Self::ReducedCosserat, Self::Cosserat, Self::CosseratCompliances];
+
     /// Whether it has a rotation of its own, and couple stress.
     pub const fn theory(self) -> Theory {
         match self {
@@ -111,7 +115,7 @@ pub struct Medium {
 impl Medium {
     /// All of them.
     pub fn all() -> impl Iterator<Item = Self> {
-        Kind::ALL.into_iter().flat_map(|kind| {
+        Kind::all().into_iter().flat_map(|kind| {
             let sets = kind.yield_sets().iter().copied().map(Some);
             [None].into_iter().chain(sets).map(move |yields| Self { kind, yields })
         })
@@ -174,29 +178,20 @@ impl Kind {
         }
     }
 
-    /// All kinds, in the order in which they are listed.
-    pub const ALL: [Self; 8] = [
-        Self::Flow(Flow::HarrisGrekova),
-        Self::Flow(Flow::DoubleShearing),
-        Self::Flow(Flow::PlasticPotential),
-        Self::Flow(Flow::FreeRotating),
-        Self::Solid(Solid::Classical),
-        Self::Solid(Solid::ReducedCosserat),
-        Self::Solid(Solid::Cosserat),
-        Self::Solid(Solid::CosseratCompliances),
-    ];
+    /// All kinds, flows first, in the order in which they are listed.
+    pub fn all() -> Vec<Self> {
+        Self::flows().into_iter().chain(Self::solids()).collect()
+    }
 
     /// The flows among them.
-    pub const FLOWS: [Self; 4] = {
-        let [a, b, c, d, ..] = Self::ALL;
-        [a, b, c, d]
-    };
+    pub fn flows() -> Vec<Self> {
+        Flow::all().into_iter().map(Self::Flow).collect()
+    }
 
     /// The solids among them.
-    pub const SOLIDS: [Self; 4] = {
-        let [.., a, b, c, d] = Self::ALL;
-        [a, b, c, d]
-    };
+    pub fn solids() -> Vec<Self> {
+        Solid::ALL.into_iter().map(Self::Solid).collect()
+    }
 
     /// Name in case files.
     pub const fn name(self) -> &'static str {
@@ -216,6 +211,11 @@ impl Kind {
 
     /// The kind of that name.
     pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
+        Self::all().into_iter().find(|kind| kind.name() == name)
     }
+}
+
+/// The names of some kinds of model, as a list for a reader.
+pub fn names(kinds: &[Kind]) -> String {
+    kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ")
 }

@@ -18,16 +18,16 @@ pub use dynamics::Dynamics;
 pub use error::{CaseError, Place};
 pub use flow::FlowRun;
 pub use keys::{
-    BackgroundNumbers, KEYS, Key, ModelNumbers, Numbers, Parameter, Presence, SolidNumbers,
-    StressNumbers, Wave, YieldNumbers,
+    BackgroundNumbers, Constants, Key, Numbers, Parameter, Presence, SolidNumbers, StressNumbers,
+    Wave, YieldNumbers, keys,
 };
-pub use kind::{Kind, Medium, NoSuchMedium, Solid, Yield};
+pub use kind::{Kind, Medium, NoSuchMedium, Solid, Yield, names};
 
 use ::dynamics::flow::Closure;
 use dynamics::{Grid, Picture};
 use keys::Value;
 use models::granular_flow::state::State;
-use models::granular_flow::{InputError, Kind as Flow, Model, Parameters};
+use models::granular_flow::{InputError, Kind as Flow, Model, RotationKind};
 use place::Places;
 use read::Entries;
 use section::Section;
@@ -302,7 +302,7 @@ impl Case {
         let mut entries = entries.of_region(region)?;
         let kind = read::kind(entries.text(KIND)?, KIND, &entries.places)?;
         let Kind::Solid(_) = kind else {
-            let allowed = format!("solids alone: {}", Kind::SOLIDS.map(Kind::name).join(", "));
+            let allowed = format!("solids alone: {}", names(&Kind::solids()));
             return Err(entries.places.error(
                 KIND,
                 format!("found {}, a flow", kind.name()),
@@ -332,7 +332,7 @@ impl Case {
         dynamics::read::check_dimensions(&entries.places, kind, numbers.solid.dimensions, grid)?;
         let active = active(&entries, medium)?;
         (numbers.stress, numbers.wave) = (self.numbers.stress, self.numbers.wave);
-        for key in KEYS.iter().filter(|key| !key.is_used_by(medium)) {
+        for key in keys().iter().filter(|key| !key.is_used_by(medium)) {
             key.clear(&mut numbers);
         }
         let (map, compare, dynamics, places) = (None, None, None, entries.places);
@@ -367,7 +367,7 @@ impl Case {
             (case.dynamics, case.flow) = (None, None);
         }
         let medium = case.medium();
-        for key in KEYS.iter().filter(|key| !key.is_used_by(medium)) {
+        for key in keys().iter().filter(|key| !key.is_used_by(medium)) {
             key.clear(&mut case.numbers);
         }
         case
@@ -383,7 +383,7 @@ impl Case {
         let mut lost_noncoaxiality_deg = None;
         let state = self.numbers.background.noncoaxiality_deg.or(noncoaxiality_deg);
         let other = &mut case.numbers.background;
-        if kind == Kind::Flow(Flow::PlasticPotential) && kind != self.kind {
+        if matches!(kind, Kind::Flow(flow) if flow.is_coaxial()) && kind != self.kind {
             // Axes have no sense: half a turn apart they are the same.
             lost_noncoaxiality_deg = state.filter(|delta| delta % 180.0 != 0.0);
             other.noncoaxiality_deg = Some(0.0);
@@ -391,18 +391,6 @@ impl Case {
             other.noncoaxiality_deg = state;
         }
         Converted { case, lost_noncoaxiality_deg }
-    }
-
-    /// Constants of the material in the units of the models.
-    pub fn parameters(&self) -> Parameters {
-        let given = &self.numbers.model;
-        Parameters {
-            friction_angle: given.friction_angle_deg.to_radians(),
-            dilatancy_angle: given.dilatancy_angle_deg.to_radians(),
-            cohesion: given.cohesion,
-            moment_of_inertia: given.moment_of_inertia,
-            rotational_strength: given.rotational_strength,
-        }
     }
 
     /// The state in the units of the models.
@@ -446,14 +434,35 @@ impl Case {
     /// # Errors
     /// The constant that is out of range, or that the case is one of a solid.
     pub fn flow_model(&self) -> Result<Model, InputError> {
+        let flow = self.flow_kind()?;
+        let mut constants = Vec::new();
+        self.numbers.flow.in_order(flow.parameters(), &mut constants);
+        Model::new(flow, &constants)
+    }
+
+    /// Gives the case's constants to a model of its kind, by way of a list that is kept; no memory is
+    /// taken.
+    ///
+    /// # Errors
+    /// The constant that is out of range.
+    pub fn set_constants(
+        &self,
+        model: &mut Model,
+        constants: &mut Vec<f64>,
+    ) -> Result<(), InputError> {
+        self.numbers.flow.in_order(model.kind().parameters(), constants);
+        model.set(constants)
+    }
+
+    fn flow_kind(&self) -> Result<Flow, InputError> {
         match self.kind {
-            Kind::Flow(flow) => Model::new(flow, &self.parameters()),
+            Kind::Flow(flow) => Ok(flow),
             Kind::Solid(_) => Err(InputError {
-                key: "model.kind",
+                key: "kind",
                 found: format!("{}, a solid", self.kind.name()),
                 allowed: format!(
                     "this needs a flow ({}); for solids see wellposed dispersion and speeds",
-                    Flow::ALL.map(Flow::name).join(", ")
+                    names(&Kind::flows())
                 ),
             }),
         }
@@ -477,18 +486,35 @@ impl Case {
 
     /// Adds the place to an error that a model found.
     pub fn locate(&self, error: InputError) -> CaseError {
-        self.places.error(error.key, format!("found {}", error.found), error.allowed)
+        let key = self.key_of(error.key);
+        self.places.error(key, format!("found {}", error.found), error.allowed)
+    }
+
+    /// The key of an input of the case's model, yield set or state; a name that is none of these
+    /// stands for itself.
+    fn key_of(&self, input: &'static str) -> &'static str {
+        const SECTIONS: [&str; 4] = ["model", "background", "yield", "stress"];
+        let medium = self.medium();
+        let is_input = |key: &&Key| {
+            let (section, name) = key.split();
+            let name = name.strip_suffix("_deg").unwrap_or(name);
+            SECTIONS.contains(&section) && name == input
+        };
+        let all = || keys().iter().filter(is_input);
+        let found = all().find(|key| key.is_used_by(medium)).or_else(|| all().next());
+        found.map_or(input, |key| key.name)
     }
 
     /// Adds the place to an error that a model found at a point of the map: a number that is swept
     /// has its value from `[map]`, not from where its key stands.
     pub fn locate_in_map(&self, error: InputError) -> CaseError {
         let axes = self.map.iter().flat_map(|map| [("map.x", &map.x), ("map.y", &map.y)]);
-        let swept = |(_, sweep): &(&str, &Sweep)| sweep.parameter.key().name == error.key;
+        let key = self.key_of(error.key);
+        let swept = |(_, sweep): &(&str, &Sweep)| sweep.parameter.key().name == key;
         match axes.into_iter().find(swept) {
             Some((axis, _)) => CaseError::Key {
                 place: self.places.of_axis(axis),
-                key: error.key.to_owned(),
+                key: key.to_owned(),
                 found: format!("found {}, a value of the sweep {axis}", error.found),
                 allowed: error.allowed,
             },
@@ -556,7 +582,7 @@ impl Case {
 
     /// The keys that the case uses and their values, without those of `[map]` and `[compare]`.
     fn values(&self) -> impl Iterator<Item = (&'static Key, Value)> {
-        KEYS.iter().filter_map(|key| {
+        keys().iter().filter_map(|key| {
             let value = match key.name {
                 "model.kind" => Some(Value::Text(self.kind.name().to_owned())),
                 "yield.kind" => self.yields.map(|set| Value::Text(set.name().to_owned())),
@@ -566,7 +592,7 @@ impl Case {
                 // Of the two ways to say what is active.
                 name if name.starts_with("stress.") && self.active.is_some() => None,
                 _ if self.media().any(|medium| key.is_used_by(medium)) => {
-                    key.field.load(self.numbers)
+                    key.field.load(&self.numbers)
                 }
                 _ => None,
             };
@@ -593,7 +619,7 @@ impl std::fmt::Display for Sweep {
 /// That a case does not say how it is run in time, and how to.
 fn no_grid(places: &Places, kind: Kind) -> CaseError {
     match kind {
-        Kind::Flow(Flow::FreeRotating) => {
+        Kind::Flow(flow) if flow.rotation() == RotationKind::Free => {
             let found = format!("found {}", kind.name());
             let allowed = "another model: nothing determines the spin of this one, so that it \
                            cannot be run in time";
@@ -712,24 +738,23 @@ fn active(entries: &Entries, medium: Medium) -> Result<Option<Vec<usize>>, CaseE
 fn numbers(entries: &Entries, media: &[Medium]) -> Result<Numbers, CaseError> {
     let is_used = |key: &Key| media.iter().any(|&medium| key.is_used_by(medium));
     // What is too much says more of a mistake than what is missing.
-    if let Some(key) = KEYS
+    if let Some(key) = keys()
         .iter()
         .find(|key| key.field.is_kept() && entries.get(key.name).is_some() && !is_used(key))
     {
-        let namesake = KEYS.iter().find(|k| is_used(k) && k.split().1 == key.split().1);
+        let namesake = keys().iter().find(|k| is_used(k) && k.split().1 == key.split().1);
         let meant = suggestion(namesake.map(|key| key.name));
-        let of_kind = media.iter().any(|medium| key.kinds.contains(&medium.kind));
+        let of_kind = media.iter().any(|medium| key.is_for(medium.kind));
         let (user, owners): (_, Vec<&str>) = match (of_kind, media[0].yields) {
             (true, None) => {
-                ("an elastic solid".into(), key.sets.iter().map(|set| set.name()).collect())
+                ("an elastic solid".into(), key.sets().iter().map(|set| set.name()).collect())
             }
             (true, Some(set)) => {
-                (format!("the set {}", set.name()), key.sets.iter().map(|s| s.name()).collect())
+                (format!("the set {}", set.name()), key.sets().iter().map(|s| s.name()).collect())
             }
             (false, _) => {
                 let names: Vec<&str> = media.iter().map(|medium| medium.kind.name()).collect();
-                let owners = key.kinds.iter().map(|kind| kind.name()).collect();
-                (format!("the model {}", names.join(", ")), owners)
+                (format!("the model {}", names.join(", ")), key.owners())
             }
         };
         return Err(entries.places.error(
@@ -739,7 +764,7 @@ fn numbers(entries: &Entries, media: &[Medium]) -> Result<Numbers, CaseError> {
         ));
     }
     let mut numbers = Numbers::default();
-    for key in KEYS.iter().filter(|key| key.field.is_kept()) {
+    for key in keys().iter().filter(|key| key.field.is_kept()) {
         key.clear(&mut numbers);
         match entries.get(key.name) {
             Some(value) => key.field.store(&mut numbers, value),
@@ -791,7 +816,7 @@ fn compare(entries: &Entries) -> Result<Option<Vec<Kind>>, CaseError> {
         for name in names {
             let kind = read::kind(name, KEY, &entries.places)?;
             if let Kind::Solid(_) = kind {
-                let allowed = format!("flows alone: {}", Flow::ALL.map(Flow::name).join(", "));
+                let allowed = format!("flows alone: {}", self::names(&Kind::flows()));
                 return Err(entries.places.error(KEY, format!("found {name}, a solid"), allowed));
             }
             if kinds.contains(&kind) {
@@ -898,7 +923,7 @@ fn no_parameter(entries: &Entries, medium: Medium, place: &str, name: &str) -> C
     let component = Parameter::find(name).map(Parameter::key);
     let mut meant = String::new();
     let found = match Key::find(name).or(component) {
-        Some(key) if !key.kinds.contains(&medium.kind) => {
+        Some(key) if !key.is_for(medium.kind) => {
             format!("'{shown}' is not used by the model {}", medium.kind.name())
         }
         Some(key) if !key.is_used_by(medium) => {

@@ -1,12 +1,12 @@
 //! From TOML text and `--set` options to values by key, each with its place.
 
 use super::error::{CaseError, Place, shown};
-use super::keys::{Field, KEYS, Key, Value};
-use super::kind::{Kind, Medium, Yield};
+use super::keys::{Field, Key, Value, keys};
+use super::kind::{Kind, Medium, Yield, names};
 use super::place::{Places, is_inside};
 use super::section::{Node, Refused, Section, Table, segment};
 use super::value::{count, describe, nearest, number, pair, suggestion, text, texts};
-use models::granular_flow::Kind as Flow;
+use models::granular_flow::RotationKind;
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
@@ -41,9 +41,9 @@ const FLOWS_IN_TIME: [(&str, bool); 6] = [
 fn sections_in_time(kind: Kind) -> &'static [(&'static str, bool)] {
     match kind {
         Kind::Solid(_) => &SOLIDS_IN_TIME,
-        Kind::Flow(Flow::PlasticPotential) => &FLOWS_IN_TIME,
-        Kind::Flow(Flow::HarrisGrekova | Flow::DoubleShearing) => &FLOWS_IN_TIME[..5],
-        Kind::Flow(Flow::FreeRotating) => &[],
+        Kind::Flow(flow) if flow.rotation() == RotationKind::Free => &[],
+        Kind::Flow(flow) if flow.is_coaxial() => &FLOWS_IN_TIME,
+        Kind::Flow(_) => &FLOWS_IN_TIME[..5],
     }
 }
 
@@ -202,13 +202,17 @@ impl<'a> Entries<'a> {
                 Kind::Flow(_) => format!("found for the model {}, a flow", kind.name()),
             };
             let allowed = match kind {
-                Kind::Flow(Flow::FreeRotating) => {
+                Kind::Flow(flow) if flow.rotation() == RotationKind::Free => {
                     "leave it out: nothing determines the spin of this model, so that it cannot be \
                      run in time"
                         .to_owned()
                 }
                 _ if foreign == "limits" => {
-                    "leave it out: it belongs to plastic-potential".to_owned()
+                    let owners = Kind::flows();
+                    let is_coaxial =
+                        |kind: &&Kind| matches!(kind, Kind::Flow(flow) if flow.is_coaxial());
+                    let owners: Vec<Kind> = owners.iter().filter(is_coaxial).copied().collect();
+                    format!("leave it out: it belongs to {}", names(&owners))
                 }
                 _ => {
                     let own: Vec<&str> = own.iter().map(|(name, _)| *name).collect();
@@ -247,7 +251,7 @@ impl<'a> Entries<'a> {
             let is_alone = kind.is_some_and(|node| {
                 super::section::text(node).as_deref() != self.get(kind_key).and_then(Value::text)
             });
-            for key in KEYS.iter().filter(|key| is_inside(key.name, section)) {
+            for key in keys().iter().filter(|key| is_inside(key.name, section)) {
                 if is_alone {
                     own.places.add_alias(key.name, region.key(key.name));
                 } else if let Some(value) = self.get(key.name) {
@@ -317,7 +321,7 @@ impl<'a> Entries<'a> {
         }
         let bare = siblings.iter().map(|sibling| sibling.trim_matches(['[', ']']));
         // The right name in the wrong section, else the nearest name in this one.
-        let misplaced = KEYS.iter().find(|key| is_usable(key) && key.split().1 == last);
+        let misplaced = keys().iter().find(|key| is_usable(key) && key.split().1 == last);
         let meant = misplaced.map(|key| key.name).or_else(|| nearest(last, bare));
         let allowed = format!("{}allowed here: {}", suggestion(meant), siblings.join(", "));
         CaseError::Key { place, key: shown(shown_as), found: "unknown key".into(), allowed }
@@ -402,13 +406,13 @@ fn collect<'d, 'a>(prefix: &str, table: &'d DeTable<'a>, found: &mut Vec<Found<'
 }
 
 fn is_section(name: &str) -> bool {
-    KEYS.iter().any(|key| is_inside(key.name, name))
+    keys().iter().any(|key| is_inside(key.name, name))
 }
 
 /// The usable names directly inside a section, and the sections among them in brackets.
 fn names_inside(section: &str, is_usable: impl Fn(&Key) -> bool) -> Vec<String> {
     let mut names = Vec::new();
-    for key in KEYS.iter().filter(|key| is_usable(key)) {
+    for key in keys().iter().filter(|key| is_usable(key)) {
         let rest = match section {
             "" => Some(key.name),
             _ => key.name.strip_prefix(section).and_then(|rest| rest.strip_prefix('.')),
@@ -429,7 +433,7 @@ fn read_value(key: &Key, value: &DeValue) -> Option<Value> {
         Field::Text => text(value).map(Value::Text),
         Field::Texts => texts(value).map(Value::Texts),
         Field::Count | Field::Whole(_) => count(value).map(Value::Count),
-        Field::Plain | Field::Number(_) | Field::OptionalNumber(_) => {
+        Field::Plain | Field::Constant(_) | Field::Number(_) | Field::OptionalNumber(_) => {
             number(value).map(Value::Number)
         }
         Field::Pair(_) | Field::OptionalPair(_) => pair(value, number).map(Value::Pair),
@@ -440,8 +444,8 @@ fn read_value(key: &Key, value: &DeValue) -> Option<Value> {
 /// The kind of model of that name, for the key that names it.
 pub(super) fn kind(name: &str, key: &str, places: &Places) -> Result<Kind, CaseError> {
     Kind::from_name(name).ok_or_else(|| {
-        let names = Kind::ALL.map(Kind::name);
-        let meant = suggestion(nearest(name, names));
+        let names: Vec<&str> = Kind::all().into_iter().map(Kind::name).collect();
+        let meant = suggestion(nearest(name, names.iter().copied()));
         let found = format!("found '{}'", shown(name));
         places.error(key, found, format!("{meant}allowed: {}", names.join(", ")))
     })

@@ -5,11 +5,11 @@
 //!   tan θ = y/x that is linear, ẋ = −bx − sy, ẏ = sx + by, where b = Q_D/sin φ and s = s₂₁;
 //! - Harris & Grekova with DΩ/Dt ≠ 0: sin 2(ψ − ψ_D) = sin φ (Ω(t) − s₂₁)/Q_D (2005, eq. 42).
 
-use crate::case::{Case, Kind};
+use crate::case::Case;
 use models::LinearisedSystem;
 use models::elementary::Elementary;
-use models::granular_flow::state::{Background, Flow, State};
-use models::granular_flow::{self, Model};
+use models::granular_flow::state::{Background, Coulomb, Flow, State};
+use models::granular_flow::{Model, RotationKind};
 use nalgebra::{Matrix2, Vector2};
 
 /// A uniform mean flow at any time.
@@ -36,17 +36,20 @@ enum Law {
 impl MeanFlow {
     pub(super) fn new(case: &Case, model: Model, flow: &Flow) -> Self {
         let acceleration = case.numbers.background.spin_acceleration;
-        let law = match case.kind {
-            Kind::Flow(granular_flow::Kind::DoubleShearing) => Law::DoubleShearing,
-            Kind::Flow(granular_flow::Kind::HarrisGrekova) if acceleration != 0.0 => {
-                Law::Spin(acceleration)
-            }
+        let law = match model.kind().rotation() {
+            RotationKind::StressAxes => Law::DoubleShearing,
+            RotationKind::IntrinsicSpin if acceleration != 0.0 => Law::Spin(acceleration),
             _ => Law::Constant,
         };
         let mut system = LinearisedSystem::default();
         model.symbol(flow, &mut system);
-        let sin_phi = case.parameters().friction_angle.cr_sin();
+        let sin_phi = model.coulomb().friction_angle.cr_sin();
         Self { model, state: case.state(), flow: *flow, system, sin_phi, law }
+    }
+
+    /// The yield condition.
+    pub(super) fn coulomb(&self) -> &Coulomb {
+        self.model.coulomb()
     }
 
     /// At the beginning.

@@ -39,13 +39,13 @@ pub(crate) fn flow_problem(
     lengths: [f64; 2],
 ) -> Result<Problem, Error> {
     let mean = case.mean_flow()?;
-    let parameters = case.parameters();
+    let coulomb = *case.model()?.coulomb();
     let closure = case.closure()?;
     Ok(Problem {
         closure,
         density: mean.density,
-        friction_angle: parameters.friction_angle,
-        cohesion: parameters.cohesion,
+        friction_angle: coulomb.friction_angle,
+        cohesion: coulomb.cohesion,
         pressure: mean.stress.pressure,
         velocity_gradient: mean.velocity_gradient.map(|row| row.map(|entry| entry.value)),
         stress_angle: mean.stress.angle,

@@ -1,7 +1,7 @@
 //! What determines the stress angle ψ at a point (ν = 0).
 
 use super::Field;
-use models::granular_flow::Kind;
+use models::granular_flow::{Kind, RotationKind};
 
 /// What determines the stress angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,11 +17,11 @@ pub enum Closure {
 impl Closure {
     /// That of a model, if it has one.
     pub fn of(kind: Kind) -> Option<Self> {
-        match kind {
-            Kind::HarrisGrekova => Some(Self::HarrisGrekova),
-            Kind::DoubleShearing => Some(Self::DoubleShearing),
-            Kind::PlasticPotential => Some(Self::PlasticPotential),
-            Kind::FreeRotating => None,
+        match kind.rotation() {
+            RotationKind::IntrinsicSpin => Some(Self::HarrisGrekova),
+            RotationKind::StressAxes => Some(Self::DoubleShearing),
+            RotationKind::None => Some(Self::PlasticPotential),
+            RotationKind::Free => None,
         }
     }
 

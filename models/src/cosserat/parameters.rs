@@ -83,24 +83,20 @@ impl Isotropic {
         microrotation: Option<Microrotation>,
     ) -> Result<Self, InputError> {
         const BULK: &str = "the energy is positive definite only for 3λ + 2μ > 0";
-        positive("model.mu", mu, "the energy is positive definite only for μ > 0, in Pa")?;
-        combined("model.lambda", 3.0 * lambda + 2.0 * mu, "3λ + 2μ", BULK)?;
-        positive("model.density", density, "the density must be positive, ρ > 0, in kg/m³")?;
+        positive("mu", mu, "the energy is positive definite only for μ > 0, in Pa")?;
+        combined("lambda", 3.0 * lambda + 2.0 * mu, "3λ + 2μ", BULK)?;
+        positive("density", density, "the density must be positive, ρ > 0, in kg/m³")?;
         if let Some(Microrotation { alpha, inertia, couple }) = microrotation {
             const ALPHA: &str = "the energy is positive definite only for α > 0, in Pa; without \
                                  microrotation the solid is classical";
-            positive("model.alpha", alpha, ALPHA)?;
-            positive("model.inertia", inertia, "the moment of inertia must be j > 0, in kg/m")?;
+            positive("alpha", alpha, ALPHA)?;
+            positive("inertia", inertia, "the moment of inertia must be j > 0, in kg/m")?;
             if let Some(CoupleModuli { beta, gamma, eta }) = couple {
                 const TORSION: &str = "the energy is positive definite only for 3β + 2γ > 0";
                 const ETA: &str = "the energy is positive definite only for η > 0, in N";
-                positive(
-                    "model.gamma",
-                    gamma,
-                    "the energy is positive definite only for γ > 0, in N",
-                )?;
-                combined("model.beta", 3.0 * beta + 2.0 * gamma, "3β + 2γ", TORSION)?;
-                positive("model.eta", eta, ETA)?;
+                positive("gamma", gamma, "the energy is positive definite only for γ > 0, in N")?;
+                combined("beta", 3.0 * beta + 2.0 * gamma, "3β + 2γ", TORSION)?;
+                positive("eta", eta, ETA)?;
             }
         }
         Ok(Self { lambda, mu, density, microrotation })
@@ -191,20 +187,20 @@ impl PlaneCompliances {
     pub fn check(self) -> Result<Self, InputError> {
         let Self { a1, b1, a2, b2, alpha2, density, inertia } = self;
         combined(
-            "model.a1",
+            "a1",
             a1 - b1.abs(),
             "a₁ − |b₁|",
             "the energy is positive definite only for a₁ > |b₁|",
         )?;
         combined(
-            "model.a2",
+            "a2",
             a2 - b2.abs(),
             "a₂ − |b₂|",
             "the energy is positive definite only for a₂ > |b₂|",
         )?;
-        positive("model.alpha2", alpha2, "the energy is positive definite only for α₂ > 0, in N")?;
-        positive("model.density", density, "the density must be positive, ρ₀ > 0, in kg/m³")?;
-        positive("model.inertia", inertia, "the moment of inertia must be J₀ > 0, in kg/m")?;
+        positive("alpha2", alpha2, "the energy is positive definite only for α₂ > 0, in N")?;
+        positive("density", density, "the density must be positive, ρ₀ > 0, in kg/m³")?;
+        positive("inertia", inertia, "the moment of inertia must be J₀ > 0, in kg/m")?;
         Ok(self)
     }
 
@@ -246,7 +242,7 @@ impl PlaneCompliances {
         let Self { a1, b1, a2, b2, .. } = *self;
         ensure(
             self.anisotropy().abs() <= 1e-12,
-            "model.a1",
+            "a1",
             format_args!("a₁ + b₁ = {}, a₂ − b₂ = {}", a1 + b1, a2 - b2),
             "λ, μ and α exist only where a₁ + b₁ = a₂ − b₂: this solid is cubic",
         )?;

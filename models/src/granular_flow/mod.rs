@@ -4,12 +4,15 @@
 //! potential and the double-sliding free-rotating model (de Josselin de Jong 1977) share the
 //! balance of momentum and of mass, the yield condition and the form of the flow rule; they differ
 //! in what they take for the rotation of the material. This module holds the shared half
-//! ([`state`], [`balance`]) and the list of models ([`Model`]); what is a model's own stands in
-//! its folder.
+//! ([`state`], [`balance`]), the entry of a model in the registry ([`FlowModel`]) and the model with checked constants
+//! ([`Model`]); what is a model's own stands in its folder.
 
 pub mod balance;
 mod model;
 pub mod state;
 
 pub use crate::input::InputError;
-pub use model::{Kind, Model, Parameters};
+pub use model::{
+    COHESION, DILATANCY_ANGLE, FAMILY, FRICTION_ANGLE, FlowLaw, FlowModel, Kind, Model,
+    RotationKind, constants,
+};

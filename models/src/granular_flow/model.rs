@@ -1,150 +1,190 @@
-//! The list of granular-flow models.
+//! A granular-flow model: its entry in the registry, and the model with checked constants.
 
 use super::state::{self, Background, Coulomb, Flow, FlowRule, Rotation, State};
 use crate::closed_form::ClosedForm;
-use crate::double_shearing::{self, parameters::DoubleShearing};
 use crate::elementary::Elementary;
-use crate::free_rotating;
-use crate::harris_grekova::{self, parameters::HarrisGrekova};
 use crate::input::InputError;
-use crate::plastic_potential::{self, parameters::PlasticPotential};
+use crate::parameter::{ANGLE, Parameter};
+use crate::registry;
 use crate::system::LinearisedSystem;
+use std::fmt;
 
-/// The granular-flow models by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
-    /// Harris & Grekova (2005).
-    HarrisGrekova,
-    /// Spencer (1964); Mehrabadi & Cowin (1978) for ν > 0.
-    DoubleShearing,
-    /// Coaxial plastic potential with its own dilatancy angle.
-    PlasticPotential,
-    /// Double-sliding free-rotating (de Josselin de Jong 1977).
-    FreeRotating,
+/// A granular-flow model as the [registry](crate::registry) lists it.
+pub struct FlowModel {
+    /// Name in case files, as in `harris-grekova`.
+    pub name: &'static str,
+    /// Name in titles and legends.
+    pub title: &'static str,
+    /// Its constants. Those named like a constant of another flow model must have the same unit.
+    pub parameters: &'static [Parameter],
+    /// What it takes for the rotation of the material.
+    pub rotation: RotationKind,
+    /// Whether stress and deformation rate are coaxial by definition.
+    pub is_coaxial: bool,
+    /// Checks the constants, which are in the order of `parameters`, in SI units and rad.
+    pub build: Build,
 }
 
+/// From a list of constants to a model that has checked them.
+pub type Build = fn(&[f64]) -> Result<Box<dyn FlowLaw>, InputError>;
+
+/// What a model takes for the rotation of the material: decides which numbers a state has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RotationKind {
+    /// An intrinsic spin with a balance of its own.
+    IntrinsicSpin,
+    /// The rotation of the principal axes of stress.
+    StressAxes,
+    /// A spin that nothing determines.
+    Free,
+    /// None.
+    None,
+}
+
+/// A granular-flow model with checked constants: what its equations are made of.
+pub trait FlowLaw: fmt::Debug + Send + Sync {
+    /// Takes other constants, as [`FlowModel::build`] does.
+    ///
+    /// # Errors
+    /// The constant that is out of range; the model stays as it was.
+    fn set(&mut self, constants: &[f64]) -> Result<(), InputError>;
+
+    /// The yield condition.
+    fn coulomb(&self) -> &Coulomb;
+
+    /// The coefficients of the flow rule.
+    fn flow_rule(&self) -> FlowRule;
+
+    /// What the model takes for the rotation of the material.
+    fn rotation(&self) -> Rotation;
+
+    /// Writes the linearised equations about `flow` into `system`.
+    fn symbol(&self, flow: &Flow, system: &mut LinearisedSystem<2>);
+
+    /// The verdict on `flow` where a formula decides it beyond doubt; `None` where only the
+    /// linearised equations can.
+    fn closed_form(&self, flow: &Flow) -> Option<ClosedForm> {
+        let _ = flow;
+        None
+    }
+
+    /// The bound on |Δ| inside which the leading growth rate is nowhere positive, rad; `None` for
+    /// a model whose verdict does not turn on the non-coaxiality.
+    fn noncoaxiality_bound(&self) -> Option<f64> {
+        None
+    }
+}
+
+/// An entry of the registry by reference; two are equal if they have the same name.
+#[derive(Clone, Copy)]
+pub struct Kind(&'static FlowModel);
+
 impl Kind {
-    /// All models, in the order in which they are listed.
-    pub const ALL: [Self; 4] =
-        [Self::HarrisGrekova, Self::DoubleShearing, Self::PlasticPotential, Self::FreeRotating];
+    /// Harris & Grekova (2005).
+    pub const HARRIS_GREKOVA: Self = Self(&crate::harris_grekova::parameters::MODEL);
+    /// Spencer (1964); Mehrabadi & Cowin (1978) for ν > 0.
+    pub const DOUBLE_SHEARING: Self = Self(&crate::double_shearing::parameters::MODEL);
+    /// Coaxial plastic potential with its own dilatancy angle.
+    pub const PLASTIC_POTENTIAL: Self = Self(&crate::plastic_potential::parameters::MODEL);
+    /// Double-sliding free-rotating (de Josselin de Jong 1977).
+    pub const FREE_ROTATING: Self = Self(&crate::free_rotating::parameters::MODEL);
+
+    /// An entry of the registry.
+    pub const fn new(model: &'static FlowModel) -> Self {
+        Self(model)
+    }
+
+    /// All registered models, in the order in which they are listed.
+    pub fn all() -> Vec<Self> {
+        registry::flows()
+    }
 
     /// Name in case files.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::HarrisGrekova => "harris-grekova",
-            Self::DoubleShearing => "double-shearing",
-            Self::PlasticPotential => "plastic-potential",
-            Self::FreeRotating => "free-rotating",
-        }
+        self.0.name
     }
 
     /// Name in titles and legends.
     pub const fn title(self) -> &'static str {
-        match self {
-            Self::HarrisGrekova => "Harris–Grekova",
-            Self::DoubleShearing => "double shearing",
-            Self::PlasticPotential => "plastic potential",
-            Self::FreeRotating => "double-sliding free-rotating",
-        }
+        self.0.title
     }
 
-    /// The model of that name.
+    /// Its constants.
+    pub const fn parameters(self) -> &'static [Parameter] {
+        self.0.parameters
+    }
+
+    /// What it takes for the rotation of the material.
+    pub const fn rotation(self) -> RotationKind {
+        self.0.rotation
+    }
+
+    /// Whether stress and deformation rate are coaxial by definition.
+    pub const fn is_coaxial(self) -> bool {
+        self.0.is_coaxial
+    }
+
+    /// The registered model of that name.
     pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
+        Self::all().into_iter().find(|kind| kind.name() == name)
     }
 }
 
-/// Material constants as a case names them; unchecked.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameters {
-    /// Angle of internal friction φ, rad; 0 < φ < π/2.
-    pub friction_angle: f64,
-    /// Angle of dilatancy ν, rad; 0 ≤ ν < φ, for the plastic potential 0 ≤ ν < π/2.
-    pub dilatancy_angle: f64,
-    /// Cohesion c, Pa; ≥ 0.
-    pub cohesion: f64,
-    /// Moment of inertia per unit mass I, m²; > 0. Harris–Grekova alone, required there.
-    pub moment_of_inertia: Option<f64>,
-    /// Rotational yield strength m, Pa; ≥ 0. Harris–Grekova alone, required there.
-    pub rotational_strength: Option<f64>,
+impl PartialEq for Kind {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl Eq for Kind {}
+
+impl std::hash::Hash for Kind {
+    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+        self.name().hash(state);
+    }
+}
+
+impl fmt::Debug for Kind {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
 }
 
 /// A granular-flow model with checked constants.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Model {
-    /// See [`harris_grekova`].
-    HarrisGrekova(HarrisGrekova),
-    /// See [`double_shearing`].
-    DoubleShearing(DoubleShearing),
-    /// See [`plastic_potential`].
-    PlasticPotential(PlasticPotential),
-    /// See [`free_rotating`]; its constants are those of double shearing.
-    FreeRotating(DoubleShearing),
+#[derive(Debug)]
+pub struct Model {
+    kind: Kind,
+    law: Box<dyn FlowLaw>,
+}
+
+impl std::ops::Deref for Model {
+    type Target = dyn FlowLaw;
+
+    fn deref(&self) -> &Self::Target {
+        &*self.law
+    }
 }
 
 impl Model {
-    /// Checks the constants.
+    /// Checks the constants, which are in the order of the kind's parameters, in SI units and rad.
     ///
     /// # Errors
-    /// The first constant out of range, or missing, by the key of the case file.
-    pub fn new(kind: Kind, given: &Parameters) -> Result<Self, InputError> {
-        let coulomb = Coulomb::new(given.friction_angle, given.cohesion)?;
-        let nu = given.dilatancy_angle;
-        match kind {
-            Kind::HarrisGrekova => HarrisGrekova::new(
-                coulomb,
-                nu,
-                required("model.moment_of_inertia", given.moment_of_inertia)?,
-                required("model.rotational_strength", given.rotational_strength)?,
-            )
-            .map(Self::HarrisGrekova),
-            Kind::DoubleShearing => DoubleShearing::new(coulomb, nu).map(Self::DoubleShearing),
-            Kind::FreeRotating => DoubleShearing::new(coulomb, nu).map(Self::FreeRotating),
-            Kind::PlasticPotential => {
-                PlasticPotential::new(coulomb, nu).map(Self::PlasticPotential)
-            }
-        }
+    /// The first constant out of range.
+    pub fn new(kind: Kind, constants: &[f64]) -> Result<Self, InputError> {
+        Ok(Self { kind, law: (kind.0.build)(constants)? })
+    }
+
+    /// Takes other constants, in the memory that it has.
+    ///
+    /// # Errors
+    /// The first constant out of range; the model stays as it was.
+    pub fn set(&mut self, constants: &[f64]) -> Result<(), InputError> {
+        self.law.set(constants)
     }
 
     /// Which model this is.
     pub fn kind(&self) -> Kind {
-        match self {
-            Self::HarrisGrekova(_) => Kind::HarrisGrekova,
-            Self::DoubleShearing(_) => Kind::DoubleShearing,
-            Self::PlasticPotential(_) => Kind::PlasticPotential,
-            Self::FreeRotating(_) => Kind::FreeRotating,
-        }
-    }
-
-    /// The yield condition.
-    pub fn coulomb(&self) -> &Coulomb {
-        match self {
-            Self::HarrisGrekova(m) => &m.coulomb,
-            Self::DoubleShearing(m) | Self::FreeRotating(m) => &m.coulomb,
-            Self::PlasticPotential(m) => &m.coulomb,
-        }
-    }
-
-    /// The coefficients of the flow rule.
-    pub fn flow_rule(&self) -> FlowRule {
-        match self {
-            Self::HarrisGrekova(m) => m.flow_rule(),
-            Self::DoubleShearing(m) | Self::FreeRotating(m) => m.flow_rule(),
-            Self::PlasticPotential(m) => m.flow_rule(),
-        }
-    }
-
-    /// What the model takes for the rotation of the material.
-    pub fn rotation(&self) -> Rotation {
-        match self {
-            Self::HarrisGrekova(m) => Rotation::IntrinsicSpin {
-                moment_of_inertia: m.moment_of_inertia,
-                strength: m.rotational_strength,
-            },
-            Self::DoubleShearing(_) => Rotation::StressAxes,
-            Self::PlasticPotential(_) => Rotation::None,
-            Self::FreeRotating(_) => Rotation::Free,
-        }
+        self.kind
     }
 
     /// Whether the density evolves: ν > 0.
@@ -161,33 +201,14 @@ impl Model {
         state::background(self.coulomb(), &self.flow_rule(), self.rotation(), state)
     }
 
-    /// Writes the linearised equations about `flow` into `system`.
-    pub fn symbol(&self, flow: &Flow, system: &mut LinearisedSystem<2>) {
-        match self {
-            Self::HarrisGrekova(m) => harris_grekova::symbol::write(m, flow, system),
-            Self::DoubleShearing(m) => double_shearing::symbol::write(m, flow, system),
-            Self::PlasticPotential(m) => plastic_potential::symbol::write(m, flow, system),
-            Self::FreeRotating(m) => free_rotating::symbol::write(m, flow, system),
-        }
-    }
-
-    /// The verdict on `flow` where a formula decides it beyond doubt; `None` where only the
-    /// linearised equations can.
-    pub fn closed_form(&self, flow: &Flow) -> Option<ClosedForm> {
-        match self {
-            Self::HarrisGrekova(m) => harris_grekova::closed_form::closed_form(m, flow),
-            Self::DoubleShearing(m) => double_shearing::closed_form::closed_form(m, flow),
-            Self::PlasticPotential(m) => plastic_potential::closed_form::closed_form(m, flow),
-            Self::FreeRotating(m) => Some(free_rotating::closed_form::closed_form(m)),
-        }
-    }
-
     /// The greatest wave number on which the background itself varies, 1/m: frozen coefficients
     /// say something of waves much shorter than that. 0 for a uniform background.
     pub fn gradient_wave_number(&self, flow: &Flow) -> f64 {
         let size = |g: [f64; 2]| g[0].root_sum_square(g[1]);
-        let inertia = match self {
-            Self::HarrisGrekova(m) => size(flow.inertia_gradient) / m.moment_of_inertia,
+        let inertia = match self.rotation() {
+            Rotation::IntrinsicSpin { moment_of_inertia, .. } => {
+                size(flow.inertia_gradient) / moment_of_inertia
+            }
             _ => 0.0,
         };
         [
@@ -201,21 +222,37 @@ impl Model {
         .into_iter()
         .fold(0.0, f64::max)
     }
-
-    /// The bound on |Δ| inside which the leading growth rate is nowhere positive, rad; `None` for
-    /// a model whose verdict does not turn on the non-coaxiality.
-    pub fn noncoaxiality_bound(&self) -> Option<f64> {
-        match self {
-            Self::HarrisGrekova(m) => Some(m.noncoaxiality_bound()),
-            _ => None,
-        }
-    }
 }
 
-fn required(key: &'static str, value: Option<f64>) -> Result<f64, InputError> {
-    value.ok_or_else(|| InputError {
-        key,
-        found: "nothing".into(),
-        allowed: "this model needs a number here".into(),
+/// Angle of internal friction, which all flow models have.
+pub const FRICTION_ANGLE: Parameter = Parameter::required(
+    ["friction_angle", "friction angle φ", ANGLE],
+    "angle of internal friction φ; 0 < φ < 90",
+    30.0,
+);
+
+/// Angle of dilatancy, which all flow models have.
+pub const DILATANCY_ANGLE: Parameter = Parameter::with_default(
+    ["dilatancy_angle", "dilatancy angle ν", ANGLE],
+    "angle of dilatancy ν; 0 ≤ ν < φ, for plastic-potential 0 ≤ ν < 90",
+    0.0,
+);
+
+/// Cohesion, which all flow models have.
+pub const COHESION: Parameter =
+    Parameter::with_default(["cohesion", "cohesion c", "Pa"], "cohesion c; ≥ 0", 0.0);
+
+/// The constants of a model that has no others.
+pub const FAMILY: &[Parameter] = &[FRICTION_ANGLE, DILATANCY_ANGLE, COHESION];
+
+/// That a model was given as many constants as it has parameters.
+///
+/// # Errors
+/// Another number of them.
+pub fn constants<const N: usize>(given: &[f64]) -> Result<[f64; N], InputError> {
+    given.try_into().map_err(|_| InputError {
+        key: "kind",
+        found: format!("{} constants", given.len()),
+        allowed: format!("this model has {N}"),
     })
 }

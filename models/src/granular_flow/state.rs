@@ -27,13 +27,13 @@ impl Coulomb {
     pub fn new(friction_angle: f64, cohesion: f64) -> Result<Self, InputError> {
         ensure(
             friction_angle > 0.0 && friction_angle < std::f64::consts::FRAC_PI_2,
-            "model.friction_angle_deg",
+            "friction_angle",
             degrees(friction_angle),
             "the friction angle must lie strictly between 0 and 90 degrees",
         )?;
         ensure(
             cohesion >= 0.0 && cohesion.is_finite(),
-            "model.cohesion",
+            "cohesion",
             cohesion,
             "the cohesion must be a finite stress of at least 0 Pa",
         )?;
@@ -49,7 +49,7 @@ impl Coulomb {
 
 /// Checks 0 ≤ ν < `limit` (the friction angle, or a right angle).
 pub(crate) fn check_dilatancy(nu: f64, limit: f64, allowed: &str) -> Result<(), InputError> {
-    ensure(nu >= 0.0 && nu < limit, "model.dilatancy_angle_deg", degrees(nu), allowed)
+    ensure(nu >= 0.0 && nu < limit, "dilatancy_angle", degrees(nu), allowed)
 }
 
 /// The flow rule of a model in the form that the family shares,
@@ -373,30 +373,30 @@ pub(super) fn background(
 /// Every number of a state, by its key.
 fn numbers(state: &State) -> impl Iterator<Item = (&'static str, f64)> {
     let pairs = [
-        ("background.velocity", Some(state.velocity)),
-        ("background.pressure_gradient", Some(state.pressure_gradient)),
-        ("background.stress_angle_gradient_deg", Some(state.stress_angle_gradient)),
-        ("background.spin_gradient", Some(state.spin_gradient)),
-        ("background.density_gradient", Some(state.density_gradient)),
-        ("background.inertia_gradient", Some(state.inertia_gradient)),
-        ("background.acceleration", state.acceleration),
-        ("background.velocity_gradient", state.velocity_gradient.map(|g| g[0])),
-        ("background.velocity_gradient", state.velocity_gradient.map(|g| g[1])),
+        ("velocity", Some(state.velocity)),
+        ("pressure_gradient", Some(state.pressure_gradient)),
+        ("stress_angle_gradient", Some(state.stress_angle_gradient)),
+        ("spin_gradient", Some(state.spin_gradient)),
+        ("density_gradient", Some(state.density_gradient)),
+        ("inertia_gradient", Some(state.inertia_gradient)),
+        ("acceleration", state.acceleration),
+        ("velocity_gradient", state.velocity_gradient.map(|g| g[0])),
+        ("velocity_gradient", state.velocity_gradient.map(|g| g[1])),
     ];
     let single = [
-        ("background.density", Some(state.density)),
-        ("background.pressure", Some(state.pressure)),
-        ("background.deviatoric_stress", state.deviatoric_stress),
-        ("background.rotational_stress", state.rotational_stress),
-        ("background.stress_angle_deg", Some(state.stress_angle)),
-        ("background.shear_rate", Some(state.shear_rate)),
-        ("background.half_vorticity", Some(state.half_vorticity)),
-        ("background.noncoaxiality_deg", state.noncoaxiality),
-        ("background.spin", state.spin),
-        ("background.spin_acceleration", Some(state.spin_acceleration)),
-        ("background.inertia_rate", Some(state.inertia_rate)),
-        ("background.body_moment", state.body_moment),
-        ("background.stress_angle_rate_deg", state.stress_angle_rate),
+        ("density", Some(state.density)),
+        ("pressure", Some(state.pressure)),
+        ("deviatoric_stress", state.deviatoric_stress),
+        ("rotational_stress", state.rotational_stress),
+        ("stress_angle", Some(state.stress_angle)),
+        ("shear_rate", Some(state.shear_rate)),
+        ("half_vorticity", Some(state.half_vorticity)),
+        ("noncoaxiality", state.noncoaxiality),
+        ("spin", state.spin),
+        ("spin_acceleration", Some(state.spin_acceleration)),
+        ("inertia_rate", Some(state.inertia_rate)),
+        ("body_moment", state.body_moment),
+        ("stress_angle_rate", state.stress_angle_rate),
     ];
     let pairs =
         pairs.into_iter().flat_map(|(key, pair)| pair.into_iter().flatten().map(move |x| (key, x)));
@@ -415,13 +415,13 @@ fn check_ranges(
     let has_balance = matches!(rotation, Rotation::IntrinsicSpin { .. });
     ensure(
         state.spin.is_none() || has_balance || rotation == Rotation::Free,
-        "background.spin",
+        "spin",
         state.spin.unwrap_or_default(),
         "this model has no spin of its own: leave the key out",
     )?;
     ensure(
         state.body_moment.is_none() || has_balance,
-        "background.body_moment",
+        "body_moment",
         state.body_moment.unwrap_or_default(),
         "this model has no balance of spin: leave the key out",
     )?;
@@ -433,12 +433,12 @@ fn check_ranges(
             format_args!("{what} must be positive"),
         )
     };
-    positive("background.density", state.density, "the density")?;
-    positive("background.shear_rate", state.shear_rate, "the shear rate Q_D")?;
+    positive("density", state.density, "the density")?;
+    positive("shear_rate", state.shear_rate, "the shear rate Q_D")?;
     let on_yield = coulomb.yield_deviator(state.pressure);
     ensure(
         on_yield.value > 0.0 && on_yield.value.is_finite(),
-        "background.pressure",
+        "pressure",
         state.pressure,
         format_args!(
             "the pressure must exceed −c cot φ = {} Pa, where the material has no strength left",
@@ -447,19 +447,19 @@ fn check_ranges(
     )?;
     ensure(
         state.noncoaxiality.is_none_or(|delta| delta == 0.0) || rotation != Rotation::None,
-        "background.noncoaxiality_deg",
+        "noncoaxiality",
         degrees(state.noncoaxiality.unwrap_or_default()),
         "the plastic potential is coaxial: leave the key out or set it to 0",
     )?;
     ensure(
         rule.dilatant || state.density_gradient == [0.0; 2],
-        "background.density_gradient",
+        "density_gradient",
         format_args!("{:?}", state.density_gradient),
         "the density is constant when the dilatancy angle is 0: leave the key out or set it to 0",
     )?;
     ensure(
         state.stress_angle_rate.is_none() || rotation == Rotation::StressAxes,
-        "background.stress_angle_rate_deg",
+        "stress_angle_rate",
         degrees(state.stress_angle_rate.unwrap_or_default()),
         "only the double-shearing model determines the rate of the stress angle: leave the key out",
     )
@@ -477,7 +477,7 @@ fn noncoaxiality(rule: &FlowRule, state: &State) -> Result<Rounded, InputError> 
         let size = 1.0f64.max((spin.abs() + state.half_vorticity.abs()) * factor.value);
         return ensure(
             residual.abs() <= AGREEMENT * size,
-            "background.spin",
+            "spin",
             spin,
             format_args!(
                 "spin and non-coaxiality contradict each other: the flow rule leaves the residual \
@@ -488,7 +488,7 @@ fn noncoaxiality(rule: &FlowRule, state: &State) -> Result<Rounded, InputError> 
     }
     ensure(
         sine.value.abs() <= 1.0,
-        "background.spin",
+        "spin",
         spin,
         format_args!(
             "the flow rule allows spins within {:e} rad/s of the half vorticity",
@@ -516,7 +516,7 @@ fn stress_and_region(
         Some(q) => {
             ensure(
                 q >= 0.0 && q.is_finite(),
-                "background.deviatoric_stress",
+                "deviatoric_stress",
                 q,
                 "the deviatoric stress q is a magnitude of at least 0 Pa",
             )?;
@@ -607,7 +607,7 @@ fn check_agreement(rotation: Rotation, state: &State, flow: &Flow) -> Result<(),
     };
     if let Some(given) = state.velocity_gradient {
         let derived = flow.velocity_gradient.map(|row| row.map(|x| x.value));
-        let key = "background.velocity_gradient";
+        let key = "velocity_gradient";
         let size = state.shear_rate + state.half_vorticity.abs();
         let parts = |g: [[f64; 2]; 2]| {
             [
@@ -634,7 +634,7 @@ fn check_agreement(rotation: Rotation, state: &State, flow: &Flow) -> Result<(),
         .into_iter()
         .zip(given.into_iter().zip(flow.acceleration))
         {
-            agree("background.acceleration", equation, given, derived.value, size)?;
+            agree("acceleration", equation, given, derived.value, size)?;
         }
     }
     if let (Some(given), Some(derived), Rotation::IntrinsicSpin { moment_of_inertia, .. }) =
@@ -644,11 +644,11 @@ fn check_agreement(rotation: Rotation, state: &State, flow: &Flow) -> Result<(),
         let size = (moment_of_inertia * state.spin_acceleration).abs()
             + (state.inertia_rate * spin).abs()
             + (2.0 * flow.stress.rotational / flow.density).abs();
-        agree("background.body_moment", "the balance of spin", given, derived, size)?;
+        agree("body_moment", "the balance of spin", given, derived, size)?;
     }
     if let (Some(given), Some(derived)) = (state.stress_angle_rate, flow.stress_angle_rate) {
         let size = flow.relative_rotation.value.abs() + state.half_vorticity.abs();
-        let key = "background.stress_angle_rate_deg";
+        let key = "stress_angle_rate";
         let equation = "the flow rule, in degrees per second,";
         agree(key, equation, degrees(given), degrees(derived), degrees(size))?;
     }

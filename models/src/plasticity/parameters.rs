@@ -94,24 +94,20 @@ impl Interlayer {
     /// The constant that is out of range.
     pub fn check(self) -> Result<Self, InputError> {
         not_negative(
-            "yield.shear_strength",
+            "shear_strength",
             self.shear_strength,
             "the shear strength must be τ₀ ≥ 0, in Pa",
         )?;
-        not_negative("yield.shear_friction", self.shear_friction, "the friction must be κ_τ ≥ 0")?;
-        finite("yield.shear_dilatancy", self.shear_dilatancy)?;
+        not_negative("shear_friction", self.shear_friction, "the friction must be κ_τ ≥ 0")?;
+        finite("shear_dilatancy", self.shear_dilatancy)?;
         if let Some(couple) = self.couple {
             not_negative(
-                "yield.couple_strength",
+                "couple_strength",
                 couple.strength,
                 "the couple strength must be μ₀ ≥ 0, in N/m",
             )?;
-            not_negative(
-                "yield.couple_friction",
-                couple.friction,
-                "the friction must be κ_μ ≥ 0, in m",
-            )?;
-            finite("yield.couple_dilatancy", couple.dilatancy)?;
+            not_negative("couple_friction", couple.friction, "the friction must be κ_μ ≥ 0, in m")?;
+            finite("couple_dilatancy", couple.dilatancy)?;
         }
         Ok(self)
     }
@@ -203,21 +199,21 @@ impl Mises {
         let positive = |key: &'static str, value: f64, allowed: &str| {
             ensure(value > 0.0 && value.is_finite(), key, value, allowed)
         };
-        positive("yield.strength", self.strength, "the strength must be k > 0, in Pa")?;
-        not_negative("yield.friction", self.friction, "the friction must be κ ≥ 0")?;
-        finite("yield.dilatancy", self.dilatancy)?;
+        positive("strength", self.strength, "the strength must be k > 0, in Pa")?;
+        not_negative("friction", self.friction, "the friction must be κ ≥ 0")?;
+        finite("dilatancy", self.dilatancy)?;
         not_negative(
-            "yield.antisymmetric_weight",
+            "antisymmetric_weight",
             self.antisymmetric_weight,
             "the weight must be h ≥ 0",
         )?;
         if let Some(length) = self.symmetric_length {
-            positive("yield.symmetric_length", length, "the length must be ℓ_s > 0, in m")?;
+            positive("symmetric_length", length, "the length must be ℓ_s > 0, in m")?;
         }
         if let Some(length) = self.antisymmetric_length {
-            positive("yield.antisymmetric_length", length, "the length must be ℓ_a > 0, in m")?;
+            positive("antisymmetric_length", length, "the length must be ℓ_a > 0, in m")?;
         }
-        finite("yield.hardening", self.hardening)?;
+        finite("hardening", self.hardening)?;
         Ok(self)
     }
 

@@ -3,8 +3,9 @@
 
 use super::equations::{self, Fields, Prescribed, Rotation};
 use super::{Complex, Polynomial, Random, Real, Wide, determinant, permanent, wide};
+use testkit::flows::Parameters;
 use wellposed_models::granular_flow::state::{Background, Flow, State};
-use wellposed_models::granular_flow::{Kind, Model, Parameters};
+use wellposed_models::granular_flow::{Kind, Model, RotationKind};
 use wellposed_models::{LinearisedSystem, Rounded};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,27 +18,27 @@ pub enum Dilatancy {
 
 /// Every model with every kind of dilatancy that it admits.
 pub const VARIANTS: [(Kind, Dilatancy); 9] = [
-    (Kind::HarrisGrekova, Dilatancy::Zero),
-    (Kind::HarrisGrekova, Dilatancy::Positive),
-    (Kind::DoubleShearing, Dilatancy::Zero),
-    (Kind::DoubleShearing, Dilatancy::Positive),
-    (Kind::PlasticPotential, Dilatancy::Zero),
-    (Kind::PlasticPotential, Dilatancy::Positive),
-    (Kind::PlasticPotential, Dilatancy::Associated),
-    (Kind::FreeRotating, Dilatancy::Zero),
-    (Kind::FreeRotating, Dilatancy::Positive),
+    (Kind::HARRIS_GREKOVA, Dilatancy::Zero),
+    (Kind::HARRIS_GREKOVA, Dilatancy::Positive),
+    (Kind::DOUBLE_SHEARING, Dilatancy::Zero),
+    (Kind::DOUBLE_SHEARING, Dilatancy::Positive),
+    (Kind::PLASTIC_POTENTIAL, Dilatancy::Zero),
+    (Kind::PLASTIC_POTENTIAL, Dilatancy::Positive),
+    (Kind::PLASTIC_POTENTIAL, Dilatancy::Associated),
+    (Kind::FREE_ROTATING, Dilatancy::Zero),
+    (Kind::FREE_ROTATING, Dilatancy::Positive),
 ];
 
 pub fn random_parameters(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> Parameters {
     let friction_angle = random.within(0.15, 1.2);
-    let cosserat = kind == Kind::HarrisGrekova;
+    let cosserat = kind == Kind::HARRIS_GREKOVA;
     Parameters {
         friction_angle,
         dilatancy_angle: match dilatancy {
             Dilatancy::Zero => 0.0,
             Dilatancy::Associated => friction_angle,
             // A plastic potential may dilate more than it rubs.
-            Dilatancy::Positive if kind == Kind::PlasticPotential => random.within(0.1, 1.3),
+            Dilatancy::Positive if kind == Kind::PLASTIC_POTENTIAL => random.within(0.1, 1.3),
             Dilatancy::Positive => friction_angle * random.within(0.1, 0.9),
         },
         cohesion: random.within(50.0, 900.0),
@@ -63,7 +64,7 @@ pub fn random_state(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> St
         shear_rate: random.within(0.2, 2.0),
         velocity,
         half_vorticity: random.generic(0.2, 2.0),
-        noncoaxiality: (kind != Kind::PlasticPotential).then(|| random.generic(0.05, 1.48)),
+        noncoaxiality: (kind != Kind::PLASTIC_POTENTIAL).then(|| random.generic(0.05, 1.48)),
         pressure_gradient,
         stress_angle_gradient,
         spin_gradient,
@@ -76,7 +77,7 @@ pub fn random_state(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> St
 }
 
 pub fn model(kind: Kind, parameters: &Parameters) -> Model {
-    Model::new(kind, parameters).expect("the constants are within their ranges")
+    parameters.model(kind).expect("the constants are within their ranges")
 }
 
 pub fn flow(model: &Model, state: &State) -> Flow {
@@ -143,10 +144,10 @@ pub fn point(
         }),
     };
     let given = Prescribed {
-        rotation: match kind {
-            Kind::HarrisGrekova | Kind::FreeRotating => Rotation::Intrinsic,
-            Kind::DoubleShearing => Rotation::StressAxes,
-            Kind::PlasticPotential => Rotation::Potential,
+        rotation: match kind.rotation() {
+            RotationKind::IntrinsicSpin | RotationKind::Free => Rotation::Intrinsic,
+            RotationKind::StressAxes => Rotation::StressAxes,
+            RotationKind::None => Rotation::Potential,
         },
         friction_angle: wide(parameters.friction_angle),
         dilatancy_angle: wide(parameters.dilatancy_angle),

@@ -82,9 +82,9 @@ impl<'a> Background<'a> {
 
     /// q/(ρ(Q_D/k)²): of what a wave takes of the mean flow's velocity gradient its pressure takes as much less of q.
     pub(super) fn inertial_part(&self, number: f64) -> f64 {
-        let (parameters, velocity) = (self.case.parameters(), self.flow.shear_rate / number);
-        let (sin, cos) = parameters.friction_angle.cr_sin_cos();
-        let deviator = self.flow.stress.pressure * sin + parameters.cohesion * cos;
+        let (coulomb, velocity) = (self.mean.coulomb(), self.flow.shear_rate / number);
+        let (sin, cos) = coulomb.friction_angle.cr_sin_cos();
+        let deviator = self.flow.stress.pressure * sin + coulomb.cohesion * cos;
         deviator / self.flow.density / velocity / velocity
     }
 

@@ -1,0 +1,47 @@
+//! Constants of the granular-flow models by name.
+
+use models::granular_flow::{InputError, Kind, Model};
+
+/// The constants that the models of `models` have among them; a model takes those that it has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// Angle of internal friction φ, rad.
+    pub friction_angle: f64,
+    /// Angle of dilatancy ν, rad.
+    pub dilatancy_angle: f64,
+    /// Cohesion c, Pa.
+    pub cohesion: f64,
+    /// Moment of inertia per unit mass I, m²; Harris–Grekova alone.
+    pub moment_of_inertia: Option<f64>,
+    /// Rotational yield strength m, Pa; Harris–Grekova alone.
+    pub rotational_strength: Option<f64>,
+}
+
+impl Parameters {
+    /// The model of that kind; a constant that it has and that is absent here is NaN.
+    ///
+    /// # Errors
+    /// The constant that is out of range.
+    ///
+    /// # Panics
+    /// The model has a constant that is not listed here.
+    pub fn model(&self, kind: Kind) -> Result<Model, InputError> {
+        Model::new(kind, &self.constants(kind))
+    }
+
+    /// The constants of a model, in its order; one that it has and that is absent here is NaN.
+    ///
+    /// # Panics
+    /// The model has a constant that is not listed here.
+    pub fn constants(&self, kind: Kind) -> Vec<f64> {
+        let value = |name| match name {
+            "friction_angle" => self.friction_angle,
+            "dilatancy_angle" => self.dilatancy_angle,
+            "cohesion" => self.cohesion,
+            "moment_of_inertia" => self.moment_of_inertia.unwrap_or(f64::NAN),
+            "rotational_strength" => self.rotational_strength.unwrap_or(f64::NAN),
+            other => panic!("no constant is called {other}"),
+        };
+        kind.parameters().iter().map(|own| value(own.name)).collect()
+    }
+}

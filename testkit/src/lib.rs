@@ -1,0 +1,4 @@
+//! What tests of several crates share.
+#![deny(missing_docs)]
+
+pub mod flows;
