@@ -10,7 +10,7 @@ mod states;
 
 use models::granular_flow::state::{Flow, State};
 use models::granular_flow::{Kind, Model};
-use models::registry::STANDARD_FLOWS;
+use models::registry;
 use rayon::prelude::*;
 use states::{Random, Range};
 use std::hint::black_box;
@@ -69,7 +69,7 @@ fn rate<W: Send>(
 }
 
 fn main() {
-    let by_model = STANDARD_FLOWS.map(|kind| (kind.name(), samples(kind)));
+    let by_model = registry::STANDARD_FLOWS.map(|kind| (kind.name(), samples(kind)));
     let mut groups: Vec<(&str, Vec<&Sample>)> =
         by_model.iter().map(|(name, samples)| (*name, samples.iter().collect())).collect();
     groups.push(("all models", by_model.iter().flat_map(|(_, samples)| samples).collect()));

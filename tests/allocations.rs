@@ -2,7 +2,7 @@
 
 mod states;
 
-use models::registry::STANDARD_FLOWS;
+use models::registry;
 use states::{Random, Range};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -72,7 +72,7 @@ fn a_formula_needs_no_memory() {
 #[test]
 fn the_linearised_equations_need_no_memory() {
     const STATES: u64 = 1000;
-    for kind in STANDARD_FLOWS {
+    for kind in registry::STANDARD_FLOWS {
         for (dilatant, gradients) in [(false, false), (false, true), (true, false), (true, true)] {
             let mut workspace = Workspace::default();
             let mut marginal = 0;

@@ -2,7 +2,7 @@
 
 mod mutation;
 
-use models::granular_flow::Kind as Flow;
+use models::registry;
 use mutation::{mutants, shrunk, without_marks};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
@@ -62,10 +62,10 @@ fn check(case: &Case) -> Result<(), String> {
 fn a_case_is_read_as_written() {
     let case = parse(CASE).unwrap();
     assert_eq!((case.name.as_str(), case.title.as_str()), ("x", "All sections"));
-    assert_eq!(case.kind, Kind::Flow(Flow::HARRIS_GREKOVA));
+    assert_eq!(case.kind, Kind::Flow(registry::HARRIS_GREKOVA));
     assert_eq!(
         case.compare,
-        Some(vec![Kind::Flow(Flow::HARRIS_GREKOVA), Kind::Flow(Flow::DOUBLE_SHEARING)])
+        Some(vec![Kind::Flow(registry::HARRIS_GREKOVA), Kind::Flow(registry::DOUBLE_SHEARING)])
     );
     for (name, expected) in [
         ("model.friction_angle_deg", Some(30.0)),
@@ -164,14 +164,14 @@ fn every_number_of_the_table_reaches_the_models() {
 #[test]
 fn another_kind_takes_what_it_uses() {
     let case = parse(CASE).unwrap();
-    let other = case.for_kind(Kind::Flow(Flow::DOUBLE_SHEARING));
-    assert_eq!(other.kind, Kind::Flow(Flow::DOUBLE_SHEARING));
+    let other = case.for_kind(Kind::Flow(registry::DOUBLE_SHEARING));
+    assert_eq!(other.kind, Kind::Flow(registry::DOUBLE_SHEARING));
     assert_eq!(other.get("background.pressure"), Some(1000.25));
     assert_eq!((other.get("background.spin"), other.get("model.moment_of_inertia")), (None, None));
     check(&other).unwrap();
     // A compared kind's keys are allowed though the case's own kind does not use them.
     let sets = ["model.kind=double-shearing", "map.x.parameter=wave.number"];
-    check(&parse_with(&sets).unwrap().for_kind(Kind::Flow(Flow::HARRIS_GREKOVA))).unwrap();
+    check(&parse_with(&sets).unwrap().for_kind(Kind::Flow(registry::HARRIS_GREKOVA))).unwrap();
 }
 
 #[test]
@@ -472,10 +472,10 @@ fn another_kind_keeps_the_noncoaxiality_that_a_spin_stands_for() {
     let delta = |case: &Case| case.numbers.background.noncoaxiality_deg;
     // Kinds with a spin take it as it is, to the last bit; others what it stands for.
     for (kind, expected, lost) in [
-        (Kind::Flow(Flow::HARRIS_GREKOVA), None, None),
-        (Kind::Flow(Flow::FREE_ROTATING), None, None),
-        (Kind::Flow(Flow::DOUBLE_SHEARING), Some(7.5), None),
-        (Kind::Flow(Flow::PLASTIC_POTENTIAL), Some(0.0), Some(7.5)),
+        (Kind::Flow(registry::HARRIS_GREKOVA), None, None),
+        (Kind::Flow(registry::FREE_ROTATING), None, None),
+        (Kind::Flow(registry::DOUBLE_SHEARING), Some(7.5), None),
+        (Kind::Flow(registry::PLASTIC_POTENTIAL), Some(0.0), Some(7.5)),
     ] {
         let converted = case.for_kind_with(kind, Some(7.5));
         assert_eq!(delta(&converted.case), expected, "{kind:?}");
@@ -485,16 +485,16 @@ fn another_kind_keeps_the_noncoaxiality_that_a_spin_stands_for() {
     }
     // A given non-coaxiality goes before.
     let given = parse(&CASE.replace("spin = -0.125", "noncoaxiality_deg = 5")).unwrap();
-    let converted = given.for_kind_with(Kind::Flow(Flow::DOUBLE_SHEARING), Some(7.5));
-    assert_eq!(converted.case, given.for_kind(Kind::Flow(Flow::DOUBLE_SHEARING)));
-    let converted = given.for_kind_with(Kind::Flow(Flow::PLASTIC_POTENTIAL), None);
+    let converted = given.for_kind_with(Kind::Flow(registry::DOUBLE_SHEARING), Some(7.5));
+    assert_eq!(converted.case, given.for_kind(Kind::Flow(registry::DOUBLE_SHEARING)));
+    let converted = given.for_kind_with(Kind::Flow(registry::PLASTIC_POTENTIAL), None);
     assert_eq!((delta(&converted.case), converted.lost_noncoaxiality_deg), (Some(0.0), Some(5.0)));
     // What is coaxial loses nothing.
     let coaxial = parse(&CASE.replace("spin = -0.125\n", "")).unwrap();
-    let converted = coaxial.for_kind_with(Kind::Flow(Flow::PLASTIC_POTENTIAL), Some(0.0));
+    let converted = coaxial.for_kind_with(Kind::Flow(registry::PLASTIC_POTENTIAL), Some(0.0));
     assert_eq!(converted.lost_noncoaxiality_deg, None);
-    let converted = coaxial.for_kind_with(Kind::Flow(Flow::DOUBLE_SHEARING), Some(0.0));
-    assert_eq!(converted.case, coaxial.for_kind(Kind::Flow(Flow::DOUBLE_SHEARING)));
+    let converted = coaxial.for_kind_with(Kind::Flow(registry::DOUBLE_SHEARING), Some(0.0));
+    assert_eq!(converted.case, coaxial.for_kind(Kind::Flow(registry::DOUBLE_SHEARING)));
 }
 
 #[test]
@@ -532,7 +532,7 @@ fn errors_in_set_name_the_option() {
     assert_eq!((case.get("background.pressure"), case.title.as_str()), (Some(2e3), "no quotes"));
     assert_eq!(case.get("background.velocity[1]"), Some(4.0));
     assert_eq!(case.map.unwrap().y.points, 2);
-    assert_eq!(case.compare, Some(vec![Kind::Flow(Flow::FREE_ROTATING)]));
+    assert_eq!(case.compare, Some(vec![Kind::Flow(registry::FREE_ROTATING)]));
 }
 
 #[test]
@@ -573,7 +573,7 @@ fn inputs_out_of_range_are_located() {
     assert!(error.starts_with("folder/x.toml:13: background.density_gradient: "), "{error}");
 
     let oblique = base.replace("noncoaxiality_deg = 0", "noncoaxiality_deg = 5");
-    let coaxial = parse(&oblique).unwrap().for_kind(Kind::Flow(Flow::PLASTIC_POTENTIAL));
+    let coaxial = parse(&oblique).unwrap().for_kind(Kind::Flow(registry::PLASTIC_POTENTIAL));
     let error = check(&coaxial).unwrap_err();
     assert!(error.starts_with("folder/x.toml:15: background.noncoaxiality_deg: "), "{error}");
 

@@ -8,11 +8,13 @@ use dynamics::flow::{Closure, Flow, Problem};
 use models::LinearisedSystem;
 use models::granular_flow::state::{self, State};
 use models::granular_flow::{Kind, Model};
+use models::registry;
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 use testkit::flows::Parameters;
 
-const KINDS: [Kind; 3] = [Kind::HARRIS_GREKOVA, Kind::DOUBLE_SHEARING, Kind::PLASTIC_POTENTIAL];
+const KINDS: [Kind; 3] =
+    [registry::HARRIS_GREKOVA, registry::DOUBLE_SHEARING, registry::PLASTIC_POTENTIAL];
 
 /// Random numbers that are the same in every run (SplitMix64).
 struct Random(u64);
@@ -53,12 +55,12 @@ impl Background {
         let model = parameters.model(kind).expect("constants in range");
         let mut state = given;
         match kind {
-            own if own == Kind::DOUBLE_SHEARING => {
+            own if own == registry::DOUBLE_SHEARING => {
                 // Dψ/Dt = 0
                 let twice = 2.0 * given.noncoaxiality.unwrap_or(0.0);
                 state.half_vorticity = given.shear_rate * twice.sin() / friction_angle.sin();
             }
-            own if own == Kind::PLASTIC_POTENTIAL => state.noncoaxiality = Some(0.0),
+            own if own == registry::PLASTIC_POTENTIAL => state.noncoaxiality = Some(0.0),
             _ => {}
         }
         let background = model.background(&state).expect("a state in range");
@@ -276,7 +278,7 @@ fn kelvin(
     let across = |[k1, k2]: [f64; 2]| [-k2 / k1.hypot(k2), k1 / k1.hypot(k2)];
     let [a1, a2] = across(wave);
     let mut state = vec![start[0] * a1, start[0] * a2, start[1]];
-    if background.kind == Kind::PLASTIC_POTENTIAL {
+    if background.kind == registry::PLASTIC_POTENTIAL {
         state.pop();
     }
     let step = time / STEPS as f64;
@@ -314,7 +316,7 @@ fn courses() {
                 half_vorticity,
                 // Double shearing in steady simple shear: sin 2Δ = sin φ s₂₁/Q_D.
                 noncoaxiality: Some(match kind {
-                    own if own == Kind::DOUBLE_SHEARING => 0.5 * (0.5 * half_vorticity).asin(),
+                    own if own == registry::DOUBLE_SHEARING => 0.5 * (0.5 * half_vorticity).asin(),
                     _ => 0.3,
                 }),
                 ..State::default()
@@ -369,7 +371,7 @@ fn homogeneous_simple_shear() {
         ..State::default()
     };
     for (kind, expected) in
-        [(Kind::DOUBLE_SHEARING, rate / friction.tan()), (Kind::HARRIS_GREKOVA, 0.0)]
+        [(registry::DOUBLE_SHEARING, rate / friction.tan()), (registry::HARRIS_GREKOVA, 0.0)]
     {
         let background = Background::new(kind, friction, 0.0, state);
         let gradient = background.gradient();

@@ -7,7 +7,7 @@ use analysis::growth::Verdict;
 use models::ClosedForm;
 use models::granular_flow::Kind;
 use models::granular_flow::state::State;
-use models::registry::STANDARD_FLOWS;
+use models::registry;
 use rayon::prelude::*;
 use states::{Random, Range};
 use std::collections::BTreeMap;
@@ -99,8 +99,8 @@ fn difference(
 fn equally_bad(kind: Kind, parameters: &Parameters, state: &State, direction: f64) -> f64 {
     let psi = state.stress_angle;
     match kind {
-        own if own == Kind::PLASTIC_POTENTIAL => 2.0 * psi - direction,
-        own if own == Kind::HARRIS_GREKOVA && parameters.dilatancy_angle > 0.0 => {
+        own if own == registry::PLASTIC_POTENTIAL => 2.0 * psi - direction,
+        own if own == registry::HARRIS_GREKOVA && parameters.dilatancy_angle > 0.0 => {
             let (phi, nu) = (parameters.friction_angle, parameters.dilatancy_angle);
             let twice_delta = 2.0 * state.noncoaxiality.unwrap_or(0.0);
             let e = phi - nu;
@@ -143,7 +143,7 @@ fn both_routes_agree_on_random_states() {
     const STATES: u64 = 100_000;
     let states = (0..STATES as usize).into_par_iter().map(|index| {
         let random = &mut Random::new(index as u64);
-        let kind = STANDARD_FLOWS[index % 4];
+        let kind = registry::STANDARD_FLOWS[index % 4];
         let (dilatant, gradients) = (index / 4 % 2 == 0, index / 8 % 2 == 0);
         let range = if index / 16 % 2 == 0 { Range::Wide } else { Range::Materials };
         let (parameters, state) = states::random(random, kind, range, dilatant, gradients);
@@ -208,7 +208,7 @@ fn agree_beside(
 fn both_routes_agree_beside_the_bound_on_noncoaxiality() {
     for gradients in [false, true] {
         for bound in [-0.25 * PI, 0.25 * PI] {
-            agree_beside(Kind::HARRIS_GREKOVA, false, gradients, |_, state, distance| {
+            agree_beside(registry::HARRIS_GREKOVA, false, gradients, |_, state, distance| {
                 state.noncoaxiality = Some(bound + distance);
             });
         }
@@ -219,9 +219,9 @@ fn both_routes_agree_beside_the_bound_on_noncoaxiality() {
 #[test]
 fn both_routes_agree_beside_the_bounds_with_dilatancy() {
     for (sign, complement) in [(1.0, false), (-1.0, false), (1.0, true), (-1.0, true)] {
-        agree_beside(Kind::HARRIS_GREKOVA, true, false, |parameters, state, distance| {
+        agree_beside(registry::HARRIS_GREKOVA, true, false, |parameters, state, distance| {
             parameters.rotational_strength = Some(0.0);
-            let model = parameters.model(Kind::HARRIS_GREKOVA).expect("within ranges");
+            let model = parameters.model(registry::HARRIS_GREKOVA).expect("within ranges");
             let bound = model.noncoaxiality_bound().expect("the model has one");
             let bound = if complement { 0.5 * PI - bound } else { bound };
             state.noncoaxiality = Some(sign * bound + distance);
@@ -236,7 +236,7 @@ fn both_routes_agree_where_zeros_of_the_highest_coefficient_and_of_growth_coinci
     for distance in [0.0, 1e-12, -1e-9, 1e-9, -1e-6, 1e-3] {
         let states = (0..400usize).into_par_iter().map(|index| {
             let random = &mut Random::new(0xc0 + index as u64);
-            let kind = Kind::HARRIS_GREKOVA;
+            let kind = registry::HARRIS_GREKOVA;
             let (parameters, mut state) =
                 states::random(random, kind, Range::Materials, true, false);
             let half = 0.5 * parameters.dilatancy_angle;
@@ -254,7 +254,7 @@ fn both_routes_agree_where_zeros_of_the_highest_coefficient_and_of_growth_coinci
 #[test]
 fn both_routes_agree_beside_the_associated_flow_rule() {
     for gradients in [false, true] {
-        agree_beside(Kind::PLASTIC_POTENTIAL, true, gradients, |parameters, _, distance| {
+        agree_beside(registry::PLASTIC_POTENTIAL, true, gradients, |parameters, _, distance| {
             parameters.dilatancy_angle = parameters.friction_angle + distance;
         });
     }
@@ -263,7 +263,7 @@ fn both_routes_agree_beside_the_associated_flow_rule() {
 /// The limits of the angles: φ → 0 and 90°, ν → 0 and φ.
 #[test]
 fn both_routes_agree_beside_the_limits_of_the_parameters() {
-    for (index, kind) in STANDARD_FLOWS.into_iter().enumerate() {
+    for (index, kind) in registry::STANDARD_FLOWS.into_iter().enumerate() {
         for limit in 0..4 {
             for distance in [1e-12, 1e-9, 1e-6, 1e-4, 1e-3, 1e-2] {
                 let states = (0..64usize).into_par_iter().map(move |seed| {

@@ -1,8 +1,9 @@
 //! The located supremum of the growth rate against what the exact relation says of it.
 
 use models::LinearisedSystem;
+use models::granular_flow::Model;
 use models::granular_flow::state::{Flow, State};
-use models::granular_flow::{Kind, Model};
+use models::registry;
 use std::f64::consts::PI;
 use testkit::flows::Parameters;
 use wellposed_analysis::bound::{Place, TOLERANCE, supremum};
@@ -17,7 +18,7 @@ fn model(friction_angle: f64) -> Model {
         moment_of_inertia: Some(2e-6),
         rotational_strength: Some(0.0),
     };
-    parameters.model(Kind::HARRIS_GREKOVA).unwrap()
+    parameters.model(registry::HARRIS_GREKOVA).unwrap()
 }
 
 fn pencil(model: &Model, state: &State) -> (Flow, Pencil) {

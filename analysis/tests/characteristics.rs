@@ -5,6 +5,7 @@ mod support;
 
 use models::granular_flow::Kind;
 use models::granular_flow::state::State;
+use models::registry;
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_4, PI};
 use support::exact::{WideSystem, roots};
@@ -57,7 +58,7 @@ fn harris_grekova_has_the_characteristics_of_equation_70() {
     for seed in 0..400 {
         let random = &mut Random::new(0x70 + seed);
         let dilatancy = if seed.is_multiple_of(2) { Dilatancy::Zero } else { Dilatancy::Positive };
-        let sample = generic(random, Kind::HARRIS_GREKOVA, dilatancy, seed % 4 < 2);
+        let sample = generic(random, registry::HARRIS_GREKOVA, dilatancy, seed % 4 < 2);
         let found = of(&sample);
         assert_eq!(found.kind, Some(Type::Hyperbolic));
         assert!(found.complex.is_empty() && found.arbitrary.is_empty());
@@ -79,7 +80,8 @@ fn plastic_potential_separates_stress_and_velocity() {
         let random = &mut Random::new(0x71 + seed);
         let dilatancy =
             [Dilatancy::Zero, Dilatancy::Positive, Dilatancy::Associated][(seed % 3) as usize];
-        let sample = generic(random, Kind::PLASTIC_POTENTIAL, dilatancy, seed.is_multiple_of(2));
+        let sample =
+            generic(random, registry::PLASTIC_POTENTIAL, dilatancy, seed.is_multiple_of(2));
         let mut real = of(&sample).real;
         let psi = sample.state.stress_angle;
         let (phi, nu) = (sample.parameters.friction_angle, sample.parameters.dilatancy_angle);
@@ -128,10 +130,10 @@ fn double_shearing_with_inertia_against_its_quartic() {
     for seed in 0..600 {
         let random = &mut Random::new(0x72 + seed);
         let dilatancy = if seed.is_multiple_of(2) { Dilatancy::Zero } else { Dilatancy::Positive };
-        let sample = tame(random, Kind::DOUBLE_SHEARING, dilatancy, seed % 4 < 2);
+        let sample = tame(random, registry::DOUBLE_SHEARING, dilatancy, seed % 4 < 2);
         let speed = random.decades(1e-1, 10.0);
         let state = State { velocity: sample.state.velocity.map(|v| v * speed), ..sample.state };
-        let sample = Sample::new(Kind::DOUBLE_SHEARING, sample.parameters, state);
+        let sample = Sample::new(registry::DOUBLE_SHEARING, sample.parameters, state);
         let found = of(&sample);
         let wanted = steady_roots(&sample);
         assert_eq!(wanted.len(), 4);
@@ -194,12 +196,12 @@ fn at_rest_convected_fields_have_arbitrary_characteristics() {
             Sample::new(kind, sample.parameters, State { velocity: [0.0; 2], ..sample.state })
         };
         for (kind, dilatancy, arbitrary, each) in [
-            (Kind::HARRIS_GREKOVA, Dilatancy::Zero, &["spin"][..], 2),
-            (Kind::HARRIS_GREKOVA, Dilatancy::Positive, &["density", "spin"][..], 2),
-            (Kind::PLASTIC_POTENTIAL, Dilatancy::Zero, &[][..], 1),
-            (Kind::PLASTIC_POTENTIAL, Dilatancy::Positive, &["density"][..], 1),
-            (Kind::DOUBLE_SHEARING, Dilatancy::Zero, &[][..], 2),
-            (Kind::DOUBLE_SHEARING, Dilatancy::Positive, &["density"][..], 2),
+            (registry::HARRIS_GREKOVA, Dilatancy::Zero, &["spin"][..], 2),
+            (registry::HARRIS_GREKOVA, Dilatancy::Positive, &["density", "spin"][..], 2),
+            (registry::PLASTIC_POTENTIAL, Dilatancy::Zero, &[][..], 1),
+            (registry::PLASTIC_POTENTIAL, Dilatancy::Positive, &["density"][..], 1),
+            (registry::DOUBLE_SHEARING, Dilatancy::Zero, &[][..], 2),
+            (registry::DOUBLE_SHEARING, Dilatancy::Positive, &["density"][..], 2),
         ] {
             let sample = at_rest(random, kind, dilatancy);
             let found = of(&sample);
@@ -223,7 +225,7 @@ fn at_rest_convected_fields_have_arbitrary_characteristics() {
 #[test]
 fn free_rotating_determines_nothing() {
     for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
-        let sample = tame(&mut Random::new(0x74), Kind::FREE_ROTATING, dilatancy, true);
+        let sample = tame(&mut Random::new(0x74), registry::FREE_ROTATING, dilatancy, true);
         assert_eq!(characteristics(&sample.system), Err(NoCharacteristics::Indeterminate));
     }
 }

@@ -5,8 +5,8 @@ mod support;
 
 use models::LinearisedSystem;
 use models::Rounded;
-use models::granular_flow::Kind;
 use models::granular_flow::state::State;
+use models::registry;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, FRAC_PI_8, PI};
@@ -106,7 +106,7 @@ struct Drawn {
 
 /// A random state: most at distances of 1e-9 to 0.3, log-uniform, some anywhere.
 fn harris_grekova(random: &mut Random, parts: Parts, zone: Zone, is_tame: bool) -> Drawn {
-    let kind = Kind::HARRIS_GREKOVA;
+    let kind = registry::HARRIS_GREKOVA;
     let base = loop {
         let base = if is_tame {
             tame(random, kind, Dilatancy::Positive, true)
@@ -524,7 +524,7 @@ fn gradients_that_balance_do_no_harm_inside() {
         .into_par_iter()
         .filter_map(|seed| {
             let random = &mut Random::new(0xb6_0000 + seed);
-            let sample = tame(random, Kind::PLASTIC_POTENTIAL, Dilatancy::Associated, true);
+            let sample = tame(random, registry::PLASTIC_POTENTIAL, Dilatancy::Associated, true);
             let (_, system, wide) = balanced(&sample);
             let verdict = judge(&system);
             let difference =
@@ -546,7 +546,7 @@ fn associated_plastic_potential_by_background() {
             .filter_map(|seed| {
                 let random = &mut Random::new(0xb7_0000 + seed);
                 let base = loop {
-                    let (kind, dilatancy) = (Kind::PLASTIC_POTENTIAL, Dilatancy::Associated);
+                    let (kind, dilatancy) = (registry::PLASTIC_POTENTIAL, Dilatancy::Associated);
                     let base = if seed % 2 == 0 {
                         tame(random, kind, dilatancy, true)
                     } else {
@@ -574,7 +574,7 @@ fn plastic_potential_beside_the_associated_flow_rule() {
     (0..1000u64).into_par_iter().for_each(|seed| {
         let random = &mut Random::new(0xb8_0000 + seed);
         let parts = [UNIFORM, ALL][seed as usize % 2];
-        let base = tame(random, Kind::PLASTIC_POTENTIAL, Dilatancy::Associated, true);
+        let base = tame(random, registry::PLASTIC_POTENTIAL, Dilatancy::Associated, true);
         let phi = base.parameters.friction_angle;
         let distance = random.decades(1e-9, 0.3);
         let sign = if random.chance(0.5) { 1.0 } else { -1.0 };
@@ -598,9 +598,9 @@ fn double_shearing_with_dilatancy() {
     (0..1000u64).into_par_iter().for_each(|seed| {
         let random = &mut Random::new(0xb9_0000 + seed);
         let base = if seed % 2 == 0 {
-            tame(random, Kind::DOUBLE_SHEARING, Dilatancy::Positive, true)
+            tame(random, registry::DOUBLE_SHEARING, Dilatancy::Positive, true)
         } else {
-            wild(random, Kind::DOUBLE_SHEARING, Dilatancy::Positive)
+            wild(random, registry::DOUBLE_SHEARING, Dilatancy::Positive)
         };
         let state = with([0, 2, 4, 6, 8, 10, 12, 14][seed as usize / 2 % 8], base.state);
         let sample = Sample::new(base.kind(), base.parameters, state);
@@ -685,8 +685,8 @@ fn brute_force_confirms_harris_grekova_with_dilatancy() {
 fn brute_force_confirms_the_other_models_with_dilatancy() {
     const STATES: u64 = 12;
     let kinds = [
-        (Kind::PLASTIC_POTENTIAL, Dilatancy::Associated, "order 1/2"),
-        (Kind::DOUBLE_SHEARING, Dilatancy::Positive, "order 1/1"),
+        (registry::PLASTIC_POTENTIAL, Dilatancy::Associated, "order 1/2"),
+        (registry::DOUBLE_SHEARING, Dilatancy::Positive, "order 1/1"),
     ];
     let mut counts = BTreeMap::<String, usize>::new();
     let found: Vec<(String, Option<String>)> = (0..2 * STATES)

@@ -3,8 +3,8 @@
 
 mod support;
 
-use models::granular_flow::Kind;
 use models::granular_flow::state::State;
+use models::registry;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 use support::exact::{WideSystem, matched, roots};
@@ -131,7 +131,8 @@ fn degenerate_directions_along_the_axes() {
                                 dilatancy_angle: nu.to_radians(),
                                 ..sample.parameters
                             };
-                            let noncoaxiality = (kind != Kind::PLASTIC_POTENTIAL).then_some(0.2);
+                            let noncoaxiality =
+                                (kind != registry::PLASTIC_POTENTIAL).then_some(0.2);
                             let state = State {
                                 stress_angle: (target + half + turn).to_radians(),
                                 noncoaxiality,
@@ -204,7 +205,7 @@ fn superposed_rigid_rotation() {
     for n in 0..STATES {
         let mut random = Random::new(0x5917 + n);
         let dilatancy = if n.is_multiple_of(2) { Dilatancy::Zero } else { Dilatancy::Positive };
-        let sample = tame(&mut random, Kind::HARRIS_GREKOVA, dilatancy, n % 4 < 2);
+        let sample = tame(&mut random, registry::HARRIS_GREKOVA, dilatancy, n % 4 < 2);
         let rate = random.signed(1e-2, 10.0);
         let state = State {
             half_vorticity: sample.state.half_vorticity + rate,

@@ -5,13 +5,15 @@ mod support;
 use models::LinearisedSystem;
 use models::granular_flow::state::{Flow, State};
 use models::granular_flow::{Kind, Model};
+use models::registry;
 use num_complex::Complex64;
 use support::states::Random;
 use testkit::flows::Parameters;
 use wellposed_analysis::kelvin::{Evolution, course, wave_vector, wave_vector_rate};
 use wellposed_analysis::pencil::Pencil;
 
-const KINDS: [Kind; 3] = [Kind::HARRIS_GREKOVA, Kind::DOUBLE_SHEARING, Kind::PLASTIC_POTENTIAL];
+const KINDS: [Kind; 3] =
+    [registry::HARRIS_GREKOVA, registry::DOUBLE_SHEARING, registry::PLASTIC_POTENTIAL];
 
 /// A uniform, incompressible flow.
 fn flow(kind: Kind, random: &mut Random) -> (Model, Flow) {
@@ -24,7 +26,7 @@ fn flow(kind: Kind, random: &mut Random) -> (Model, Flow) {
     };
     let model = parameters.model(kind).expect("constants in range");
     let noncoaxiality = match kind {
-        own if own == Kind::PLASTIC_POTENTIAL => 0.0,
+        own if own == registry::PLASTIC_POTENTIAL => 0.0,
         _ => random.within(-1.4, 1.4),
     };
     let state = State {

@@ -3,7 +3,7 @@
 
 mod support;
 
-use models::granular_flow::Kind;
+use models::registry;
 use models::{LinearisedSystem, Rounded};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -337,7 +337,7 @@ fn rounding_bounds_of_the_expansion_cover_its_errors() {
 fn no_spurious_third_root_in_degenerate_directions() {
     for seed in 0..300 {
         let random = &mut Random::new(0xdead + seed);
-        let sample: Sample = wild(random, Kind::HARRIS_GREKOVA, Dilatancy::Zero);
+        let sample: Sample = wild(random, registry::HARRIS_GREKOVA, Dilatancy::Zero);
         let half = std::f64::consts::FRAC_PI_4 - 0.5 * sample.parameters.friction_angle;
         let mut pencil = Pencil::default();
         pencil.update(&sample.system).expect("finite coefficients");

@@ -5,9 +5,9 @@ mod support;
 use models::LinearisedSystem;
 use models::double_shearing::parameters::DoubleShearing;
 use models::granular_flow::state::State;
-use models::granular_flow::Kind;
 use models::harris_grekova::parameters::HarrisGrekova;
 use models::plastic_potential::parameters::PlasticPotential;
+use models::registry;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use support::brute::{brute, degenerate_directions};
@@ -70,9 +70,9 @@ fn harris_grekova_flips_at_45_degrees() {
     for seed in 0..200 {
         let random = &mut Random::new(0x45 + seed);
         let sample = if seed.is_multiple_of(2) {
-            tame(random, Kind::HARRIS_GREKOVA, Dilatancy::Zero, seed.is_multiple_of(4))
+            tame(random, registry::HARRIS_GREKOVA, Dilatancy::Zero, seed.is_multiple_of(4))
         } else {
-            wild(random, Kind::HARRIS_GREKOVA, Dilatancy::Zero)
+            wild(random, registry::HARRIS_GREKOVA, Dilatancy::Zero)
         };
         for sign in [1.0, -1.0] {
             let at = |degrees: f64| judge(&turned(&sample, sign * degrees.to_radians()).system);
@@ -103,12 +103,12 @@ fn coefficients_and_directions_are_those_of_the_closed_forms() {
         let beta = |s: &Sample, angle: f64| 2.0 * (s.state.stress_angle - angle);
 
         // Beyond its bound, where it grows.
-        let s = sample(Kind::HARRIS_GREKOVA, Dilatancy::Zero);
+        let s = sample(registry::HARRIS_GREKOVA, Dilatancy::Zero);
         let s = turned(
             &s,
             s.flow.noncoaxiality.signum() * (FRAC_PI_2 - 0.3 * s.flow.noncoaxiality.abs()),
         );
-        let constants = s.parameters.constants(Kind::HARRIS_GREKOVA);
+        let constants = s.parameters.constants(registry::HARRIS_GREKOVA);
         let own = HarrisGrekova::from_constants(&constants).expect("in range");
         let (q, rho, rate) = (s.flow.stress.deviator.value, s.flow.density, s.flow.shear_rate);
         let exact =
@@ -127,15 +127,15 @@ fn coefficients_and_directions_are_those_of_the_closed_forms() {
         };
         check(0, 2.0, &s, &exact);
 
-        let s = sample(Kind::DOUBLE_SHEARING, Dilatancy::Zero);
-        let constants = s.parameters.constants(Kind::DOUBLE_SHEARING);
+        let s = sample(registry::DOUBLE_SHEARING, Dilatancy::Zero);
+        let constants = s.parameters.constants(registry::DOUBLE_SHEARING);
         let own = DoubleShearing::from_constants(&constants).expect("in range");
         let (q, rho) = (s.flow.stress.deviator.value, s.flow.density);
         check(1, 1.0, &s, &|a| own.leading_coefficient(q, rho, beta(&s, a)));
 
         let dilatancy = if seed.is_multiple_of(2) { Dilatancy::Zero } else { Dilatancy::Positive };
-        let s = sample(Kind::PLASTIC_POTENTIAL, dilatancy);
-        let constants = s.parameters.constants(Kind::PLASTIC_POTENTIAL);
+        let s = sample(registry::PLASTIC_POTENTIAL, dilatancy);
+        let constants = s.parameters.constants(registry::PLASTIC_POTENTIAL);
         let own = PlasticPotential::from_constants(&constants).expect("in range");
         let (q, rho, rate) = (s.flow.stress.deviator.value, s.flow.density, s.flow.shear_rate);
         let exact = |a: f64| own.leading_coefficient(q, rho, rate, beta(&s, a));
@@ -160,14 +160,14 @@ fn plastic_potential_down_to_thin_sectors() {
     let mut worst = 0.0f64;
     for seed in 0..60 {
         let random = &mut Random::new(0x55 + seed);
-        let base = tame(random, Kind::PLASTIC_POTENTIAL, Dilatancy::Associated, false);
+        let base = tame(random, registry::PLASTIC_POTENTIAL, Dilatancy::Associated, false);
         let phi = base.parameters.friction_angle;
         for gap in [1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-9, -1e-2, -1e-4, -1e-6, -1e-9] {
             let parameters = Parameters { dilatancy_angle: phi - gap, ..base.parameters };
-            let sample = Sample::new(Kind::PLASTIC_POTENTIAL, parameters, base.state);
+            let sample = Sample::new(registry::PLASTIC_POTENTIAL, parameters, base.state);
             let (order, coefficient, direction) = growth(&judge(&sample.system));
             assert_eq!(order, 2.0);
-            let constants = sample.parameters.constants(Kind::PLASTIC_POTENTIAL);
+            let constants = sample.parameters.constants(registry::PLASTIC_POTENTIAL);
             let own = PlasticPotential::from_constants(&constants).expect("in range");
             let (q, rho, rate) =
                 (sample.flow.stress.deviator.value, sample.flow.density, sample.flow.shear_rate);
@@ -194,12 +194,12 @@ fn bounds_of_the_sectors_of_growth() {
     let mut worst = 0.0f64;
     for seed in 0..200 {
         let random = &mut Random::new(0x5ec + seed);
-        let base = tame(random, Kind::PLASTIC_POTENTIAL, Dilatancy::Associated, seed % 2 == 0);
+        let base = tame(random, registry::PLASTIC_POTENTIAL, Dilatancy::Associated, seed % 2 == 0);
         let phi = base.parameters.friction_angle;
         for gap in [1e-1, 1e-3, 1e-6, -1e-2, -1e-6] {
             let parameters = Parameters { dilatancy_angle: phi - gap, ..base.parameters };
-            let sample = Sample::new(Kind::PLASTIC_POTENTIAL, parameters, base.state);
-            let constants = sample.parameters.constants(Kind::PLASTIC_POTENTIAL);
+            let sample = Sample::new(registry::PLASTIC_POTENTIAL, parameters, base.state);
+            let constants = sample.parameters.constants(registry::PLASTIC_POTENTIAL);
             let own = PlasticPotential::from_constants(&constants).expect("in range");
             let sector = own.sector();
             let inside = 0.5 * (sector[0] + sector[1]);
@@ -233,14 +233,14 @@ fn associated_uniform_is_never_ill_posed() {
     let mut counts = std::collections::BTreeMap::<&str, usize>::new();
     for seed in 0..500 {
         let random = &mut Random::new(0xa5 + seed);
-        let sample = wild(random, Kind::PLASTIC_POTENTIAL, Dilatancy::Associated);
+        let sample = wild(random, registry::PLASTIC_POTENTIAL, Dilatancy::Associated);
         let state = State {
             pressure_gradient: [0.0; 2],
             stress_angle_gradient: [0.0; 2],
             density_gradient: [0.0; 2],
             ..sample.state
         };
-        let sample = Sample::new(Kind::PLASTIC_POTENTIAL, sample.parameters, state);
+        let sample = Sample::new(registry::PLASTIC_POTENTIAL, sample.parameters, state);
         let verdict = judge(&sample.system);
         assert_ne!(verdict.name(), "ill-posed", "{verdict:?}: {sample:?}");
         *counts.entry(verdict.name()).or_default() += 1;
@@ -257,10 +257,10 @@ fn dilatant_harris_grekova_flips_at_its_bound() {
     let mut names = std::collections::BTreeMap::<&str, usize>::new();
     for seed in 0..200 {
         let random = &mut Random::new(0xd1 + seed);
-        let base = tame(random, Kind::HARRIS_GREKOVA, Dilatancy::Positive, false);
+        let base = tame(random, registry::HARRIS_GREKOVA, Dilatancy::Positive, false);
         let parameters = Parameters { rotational_strength: Some(0.0), ..base.parameters };
         let state = State { velocity: [0.0; 2], ..base.state };
-        let base = Sample::new(Kind::HARRIS_GREKOVA, parameters, state);
+        let base = Sample::new(registry::HARRIS_GREKOVA, parameters, state);
         let bound = base.model.noncoaxiality_bound().expect("this model has one");
         let (phi, nu) = (parameters.friction_angle, parameters.dilatancy_angle);
         for sign in [1.0, -1.0] {
@@ -300,7 +300,7 @@ fn free_rotating_is_indeterminate() {
     for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
         for seed in 0..100 {
             let random = &mut Random::new(0xf1 + seed);
-            let sample = wild(random, Kind::FREE_ROTATING, dilatancy);
+            let sample = wild(random, registry::FREE_ROTATING, dilatancy);
             let unknowns = sample.system.unknowns.len();
             let wanted = Verdict::Indeterminate { rank: unknowns - 1, unknowns };
             assert_eq!(judge(&sample.system), wanted, "{sample:?}");

@@ -14,41 +14,20 @@
 
 pub mod closed_form;
 pub mod cosserat;
+pub mod double_shearing;
 pub mod elementary;
+pub mod free_rotating;
 pub mod granular_flow;
+pub mod harris_grekova;
 mod input;
 pub mod parameter;
+pub mod plastic_potential;
 pub mod plasticity;
 pub mod product;
 pub mod rates;
 pub mod registry;
 pub mod rounding;
 pub mod system;
-
-/// Harris & Grekova (2005): double shearing of a reduced Cosserat continuum with intrinsic spin.
-pub mod harris_grekova {
-    pub mod closed_form;
-    pub mod parameters;
-    pub mod symbol;
-}
-/// Spencer (1964), for ν > 0 Mehrabadi & Cowin (1978): double shearing about the stress axes.
-pub mod double_shearing {
-    pub mod closed_form;
-    pub mod parameters;
-    pub mod symbol;
-}
-/// Coaxial Mohr–Coulomb plasticity with a plastic potential, associated or not.
-pub mod plastic_potential {
-    pub mod closed_form;
-    pub mod parameters;
-    pub mod symbol;
-}
-/// de Josselin de Jong (1959, 1977): double sliding with free rotation.
-pub mod free_rotating {
-    pub mod closed_form;
-    pub mod parameters;
-    pub mod symbol;
-}
 
 pub use closed_form::ClosedForm;
 pub use rounding::Rounded;

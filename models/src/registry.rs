@@ -4,11 +4,21 @@
 //! then on they can be named in case files and are treated like the others.
 
 use crate::granular_flow::{FlowModel, Kind};
+use crate::{double_shearing, free_rotating, harris_grekova, plastic_potential};
 use std::sync::{PoisonError, RwLock};
+
+/// Harris & Grekova (2005).
+pub const HARRIS_GREKOVA: Kind = Kind::new(&harris_grekova::MODEL);
+/// Spencer (1964); Mehrabadi & Cowin (1978) for ν > 0.
+pub const DOUBLE_SHEARING: Kind = Kind::new(&double_shearing::MODEL);
+/// Coaxial plastic potential with its own dilatancy angle.
+pub const PLASTIC_POTENTIAL: Kind = Kind::new(&plastic_potential::MODEL);
+/// Double-sliding free-rotating (de Josselin de Jong 1977).
+pub const FREE_ROTATING: Kind = Kind::new(&free_rotating::MODEL);
 
 /// The granular flows of this crate, in the order in which they are listed.
 pub const STANDARD_FLOWS: [Kind; 4] =
-    [Kind::HARRIS_GREKOVA, Kind::DOUBLE_SHEARING, Kind::PLASTIC_POTENTIAL, Kind::FREE_ROTATING];
+    [HARRIS_GREKOVA, DOUBLE_SHEARING, PLASTIC_POTENTIAL, FREE_ROTATING];
 
 /// Models that a program has added.
 static ADDED_FLOWS: RwLock<Vec<Kind>> = RwLock::new(Vec::new());
@@ -35,6 +45,11 @@ pub enum RegistryError {
 pub fn flows() -> Vec<Kind> {
     let added = ADDED_FLOWS.read().unwrap_or_else(PoisonError::into_inner);
     STANDARD_FLOWS.iter().chain(added.iter()).copied().collect()
+}
+
+/// The granular flow of that name.
+pub fn flow(name: &str) -> Option<Kind> {
+    flows().into_iter().find(|kind| kind.name() == name)
 }
 
 /// Adds a granular-flow model.

@@ -8,14 +8,14 @@ use support::{Random, Real, wide};
 use testkit::flows::Parameters;
 use wellposed_models::granular_flow::state::{Background, Coulomb, Region, State, Stress};
 use wellposed_models::granular_flow::{InputError, Kind, Model};
-use wellposed_models::registry::STANDARD_FLOWS;
+use wellposed_models::registry;
 
 const STATES: usize = 250;
 
 fn harris_grekova(random: &mut Random, dilatancy: Dilatancy) -> (Parameters, Model, State) {
-    let parameters = states::random_parameters(random, Kind::HARRIS_GREKOVA, dilatancy);
-    let model = states::model(Kind::HARRIS_GREKOVA, &parameters);
-    let state = states::random_state(random, Kind::HARRIS_GREKOVA, dilatancy);
+    let parameters = states::random_parameters(random, registry::HARRIS_GREKOVA, dilatancy);
+    let model = states::model(registry::HARRIS_GREKOVA, &parameters);
+    let state = states::random_state(random, registry::HARRIS_GREKOVA, dilatancy);
     (parameters, model, state)
 }
 
@@ -107,7 +107,7 @@ fn rotational_stress_decides_the_region() {
     // Without rotational strength r = 0 is the only admissible one.
     let (parameters, _, state) = harris_grekova(&mut random, Dilatancy::Zero);
     let weak = Parameters { rotational_strength: Some(0.0), ..parameters };
-    let model = states::model(Kind::HARRIS_GREKOVA, &weak);
+    let model = states::model(registry::HARRIS_GREKOVA, &weak);
     assert_eq!(states::flow(&model, &state).stress.rotational, 0.0);
     assert_eq!(
         region(&model, &State { rotational_stress: Some(0.0), ..state }),
@@ -146,7 +146,7 @@ fn default_rotational_stress_does_positive_work() {
 /// other root is accepted as well, and a contradiction is refused by key with its residual in sin 2Δ.
 #[test]
 fn spin_instead_of_noncoaxiality() {
-    for kind in [Kind::HARRIS_GREKOVA, Kind::FREE_ROTATING] {
+    for kind in [registry::HARRIS_GREKOVA, registry::FREE_ROTATING] {
         for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
             let mut random = Random::new(640);
             for _ in 0..STATES {
@@ -300,11 +300,11 @@ fn constants_out_of_range_are_refused_by_key() {
             assert_eq!(error.key, key, "{kind:?} {value}");
         }
     };
-    for kind in STANDARD_FLOWS {
+    for kind in registry::STANDARD_FLOWS {
         assert!(good.model(kind).is_ok());
         refused(kind, "friction_angle", &|p, x| p.friction_angle = x, &[0.0, -0.1, right, 2.0]);
         refused(kind, "cohesion", &|p, x| p.cohesion = x, &[-1e-9]);
-        let limit = if kind == Kind::PLASTIC_POTENTIAL { right } else { good.friction_angle };
+        let limit = if kind == registry::PLASTIC_POTENTIAL { right } else { good.friction_angle };
         refused(
             kind,
             "dilatancy_angle",
@@ -316,7 +316,7 @@ fn constants_out_of_range_are_refused_by_key() {
         }
         assert!((Parameters { cohesion: 0.0, ..good }).model(kind).is_ok());
     }
-    let kind = Kind::HARRIS_GREKOVA;
+    let kind = registry::HARRIS_GREKOVA;
     refused(kind, "moment_of_inertia", &|p, x| p.moment_of_inertia = Some(x), &[0.0, -1.0]);
     refused(kind, "rotational_strength", &|p, x| p.rotational_strength = Some(x), &[-1e-9]);
     for (key, missing) in [
@@ -352,7 +352,7 @@ fn states_out_of_range_are_refused_by_key() {
         let tension = State { pressure: 0.9 * strength, ..state };
         assert_eq!(region(&model, &tension), Region::FullyDeforming);
 
-        if kind == Kind::PLASTIC_POTENTIAL {
+        if kind == registry::PLASTIC_POTENTIAL {
             let turned = State { noncoaxiality: Some(0.1), ..state };
             assert_eq!(refusal(&model, &turned).key, "noncoaxiality");
             let coaxial = State { noncoaxiality: Some(0.0), ..state };
@@ -501,18 +501,18 @@ fn elsewhere_there_is_no_flow() {
 /// Names lead back to their models, and a refusal reads as key, what was found, what is allowed.
 #[test]
 fn names_and_messages() {
-    for kind in STANDARD_FLOWS {
-        assert_eq!(Kind::from_name(kind.name()), Some(kind));
+    for kind in registry::STANDARD_FLOWS {
+        assert_eq!(registry::flow(kind.name()), Some(kind));
         let mut random = Random::new(770);
         let parameters = states::random_parameters(&mut random, kind, Dilatancy::Positive);
         let model = states::model(kind, &parameters);
         assert_eq!(model.kind(), kind);
         assert!(model.is_dilatant());
-        assert_eq!(model.noncoaxiality_bound().is_some(), kind == Kind::HARRIS_GREKOVA);
+        assert_eq!(model.noncoaxiality_bound().is_some(), kind == registry::HARRIS_GREKOVA);
         let error = (Parameters { cohesion: -2.5, ..parameters }).model(kind).unwrap_err();
         let text = error.to_string();
         assert!(text.starts_with("model.cohesion: found -2.5; "), "{text}");
         assert!(text.ends_with(&error.allowed));
     }
-    assert_eq!(Kind::from_name("harris_grekova"), None);
+    assert_eq!(registry::flow("harris_grekova"), None);
 }

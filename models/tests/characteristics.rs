@@ -10,8 +10,8 @@ mod support;
 use support::states::{self, Dilatancy, VARIANTS};
 use support::{Complex, Random, Real, Wide, complex, number_determinant, permanent, wide};
 use wellposed_models::LinearisedSystem;
-use wellposed_models::granular_flow::Kind;
 use wellposed_models::granular_flow::state::Flow;
+use wellposed_models::registry;
 
 const STATES: usize = 300;
 const TOLERANCE: f64 = 300.0 * f64::EPSILON / 2.0;
@@ -61,7 +61,7 @@ fn quadratic_form(angle: f64, phi: f64, [x, y]: [Wide; 2]) -> Wide {
 fn steady_determinant_is_eq_70() {
     let mut worst = 0.0f64;
     for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
-        if kind == Kind::FREE_ROTATING {
+        if kind == registry::FREE_ROTATING {
             continue;
         }
         let mut random = Random::new(400 + seed as u64);
@@ -81,11 +81,11 @@ fn steady_determinant_is_eq_70() {
                 + wide(parameters.cohesion) * wide(phi).cos();
             let e = direction[0] * wide(state.velocity[0]) + direction[1] * wide(state.velocity[1]);
             let kinematic = match kind {
-                own if own == Kind::PLASTIC_POTENTIAL => form(nu),
+                own if own == registry::PLASTIC_POTENTIAL => form(nu),
                 _ => (wide(phi) - wide(nu) - wide(nu)).cos() * form(phi),
             };
             let mut expected = -(wide(2.0) * q * form(phi) * kinematic);
-            if kind == Kind::DOUBLE_SHEARING {
+            if kind == registry::DOUBLE_SHEARING {
                 // ξ − sin φ n and cos(φ − ν) ξ − sin ν n, n the reflection of ξ about Ψ.
                 let angle = wide(state.stress_angle);
                 let (s, c) = (angle + angle).sin_cos();
@@ -101,7 +101,7 @@ fn steady_determinant_is_eq_70() {
                 let rotation = wide(2.0) * (wide(phi) - wide(nu)).sin();
                 expected = expected - density * e * rotation * e * inner;
             }
-            if kind == Kind::HARRIS_GREKOVA {
+            if kind == registry::HARRIS_GREKOVA {
                 let inertia = wide(parameters.moment_of_inertia.unwrap());
                 expected = expected * density * inertia * e;
             }
@@ -127,7 +127,7 @@ fn steady_determinant_is_eq_70() {
 fn harris_grekova_characteristics_are_double() {
     let mut random = Random::new(450);
     for _ in 0..STATES {
-        let kind = Kind::HARRIS_GREKOVA;
+        let kind = registry::HARRIS_GREKOVA;
         let parameters = states::random_parameters(&mut random, kind, Dilatancy::Positive);
         let model = states::model(kind, &parameters);
         let state = states::random_state(&mut random, kind, Dilatancy::Positive);
@@ -170,7 +170,7 @@ fn dispersion_relation_for_zero_dilatancy() {
     let mut random = Random::new(460);
     let mut worst = 0.0f64;
     for _ in 0..STATES {
-        let kind = Kind::HARRIS_GREKOVA;
+        let kind = registry::HARRIS_GREKOVA;
         let parameters = states::random_parameters(&mut random, kind, Dilatancy::Zero);
         let model = states::model(kind, &parameters);
         let state = states::random_state(&mut random, kind, Dilatancy::Zero);
@@ -272,7 +272,7 @@ fn free_rotating_lacks_one_equation() {
     for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
         let mut random = Random::new(470);
         for _ in 0..STATES {
-            let kind = Kind::FREE_ROTATING;
+            let kind = registry::FREE_ROTATING;
             let parameters = states::random_parameters(&mut random, kind, dilatancy);
             let model = states::model(kind, &parameters);
             let state = states::random_state(&mut random, kind, dilatancy);

@@ -9,6 +9,7 @@ use support::{Polynomial, Random, Real, wide};
 use testkit::flows::Parameters;
 use wellposed_models::granular_flow::state::{Flow, State};
 use wellposed_models::granular_flow::{Kind, Model};
+use wellposed_models::registry;
 use wellposed_models::{ClosedForm, LinearisedSystem};
 
 /// States of each test, and directions scanned for each.
@@ -93,8 +94,8 @@ fn double_shearing_grows_with_order_1() {
     for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
         let mut random = Random::new(600);
         for _ in 0..STATES {
-            let (parameters, state) = sample(&mut random, Kind::DOUBLE_SHEARING, dilatancy);
-            let (system, _, found) = judged(Kind::DOUBLE_SHEARING, &parameters, &state);
+            let (parameters, state) = sample(&mut random, registry::DOUBLE_SHEARING, dilatancy);
+            let (system, _, found) = judged(registry::DOUBLE_SHEARING, &parameters, &state);
             check_growth(found, 1, |angle| leading_of_order_1(&system, angle));
         }
     }
@@ -105,8 +106,8 @@ fn plastic_potential_grows_with_order_2() {
     for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
         let mut random = Random::new(610);
         for _ in 0..STATES {
-            let (parameters, state) = sample(&mut random, Kind::PLASTIC_POTENTIAL, dilatancy);
-            let (system, _, found) = judged(Kind::PLASTIC_POTENTIAL, &parameters, &state);
+            let (parameters, state) = sample(&mut random, registry::PLASTIC_POTENTIAL, dilatancy);
+            let (system, _, found) = judged(registry::PLASTIC_POTENTIAL, &parameters, &state);
             if (parameters.friction_angle - parameters.dilatancy_angle).abs() > 0.05 {
                 check_growth(found, 2, |angle| leading_of_order_2(&system, angle));
             }
@@ -119,8 +120,8 @@ fn harris_grekova_without_dilatancy_turns_on_the_noncoaxiality() {
     let mut random = Random::new(620);
     let (mut well_posed, mut growing) = (0, 0);
     for _ in 0..2 * STATES {
-        let (parameters, state) = sample(&mut random, Kind::HARRIS_GREKOVA, Dilatancy::Zero);
-        let (system, _, found) = judged(Kind::HARRIS_GREKOVA, &parameters, &state);
+        let (parameters, state) = sample(&mut random, registry::HARRIS_GREKOVA, Dilatancy::Zero);
+        let (system, _, found) = judged(registry::HARRIS_GREKOVA, &parameters, &state);
         if found == Some(ClosedForm::WellPosed) {
             well_posed += 1;
             for n in 0..DIRECTIONS {
@@ -141,15 +142,15 @@ fn harris_grekova_with_dilatancy_turns_on_the_highest_coefficient() {
     let (mut well_posed, mut unbounded) = (0, 0);
     for n in 0..2 * STATES {
         let (parameters, mut state) =
-            uniform(&mut random, Kind::HARRIS_GREKOVA, Dilatancy::Positive);
+            uniform(&mut random, registry::HARRIS_GREKOVA, Dilatancy::Positive);
         if n % 4 == 0 {
             // One of the two zeros lies where 𝒜 = 0.
             let turn = if n % 8 == 0 { 0.5 } else { -0.5 } * parameters.dilatancy_angle;
             state.noncoaxiality = Some((0.25 * PI + turn) * if n % 16 < 8 { 1.0 } else { -1.0 });
         }
-        let (system, flow, found) = judged(Kind::HARRIS_GREKOVA, &parameters, &state);
+        let (system, flow, found) = judged(registry::HARRIS_GREKOVA, &parameters, &state);
         let coaxial = State { noncoaxiality: Some(0.0), ..state };
-        let (coaxial, ..) = judged(Kind::HARRIS_GREKOVA, &parameters, &coaxial);
+        let (coaxial, ..) = judged(registry::HARRIS_GREKOVA, &parameters, &coaxial);
         let highest = |system: &LinearisedSystem<2>, angle: f64| {
             dispersion(system, angle).last().expect("no determinant").re.value()
         };
@@ -174,7 +175,8 @@ fn harris_grekova_with_dilatancy_turns_on_the_highest_coefficient() {
             }
             // Either the quartic, or too near to a bound to tell.
             None => {
-                let bound = states::model(Kind::HARRIS_GREKOVA, &parameters).noncoaxiality_bound();
+                let bound =
+                    states::model(registry::HARRIS_GREKOVA, &parameters).noncoaxiality_bound();
                 let bound = bound.expect("the model has one");
                 let delta = flow.noncoaxiality.abs();
                 assert!(positive == 0 || (delta - bound).abs() < 1e-4);
@@ -191,8 +193,8 @@ fn free_rotating_lacks_one_equation() {
     for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
         let mut random = Random::new(640);
         for _ in 0..STATES {
-            let (parameters, state) = sample(&mut random, Kind::FREE_ROTATING, dilatancy);
-            let (system, _, found) = judged(Kind::FREE_ROTATING, &parameters, &state);
+            let (parameters, state) = sample(&mut random, registry::FREE_ROTATING, dilatancy);
+            let (system, _, found) = judged(registry::FREE_ROTATING, &parameters, &state);
             let (rows, columns) = system.a.shape();
             let wanted = ClosedForm::Indeterminate { rank: rows, unknowns: columns };
             assert_eq!(found, Some(wanted));
@@ -216,7 +218,7 @@ fn formulas_are_silent_where_there_is_doubt() {
         assert_eq!(found, None, "{why}");
     };
     for _ in 0..STATES {
-        let kind = Kind::HARRIS_GREKOVA;
+        let kind = registry::HARRIS_GREKOVA;
         let (parameters, state) = sample(&mut random, kind, Dilatancy::Zero);
         for distance in [0.0, 1e-15, -1e-12, 1e-9] {
             let noncoaxiality = Some(0.25 * PI + distance);
@@ -235,12 +237,12 @@ fn formulas_are_silent_where_there_is_doubt() {
         parameters.rotational_strength = Some(10.0);
         silent(kind, &parameters, &state, "dilatancy with rotational stress");
 
-        let kind = Kind::PLASTIC_POTENTIAL;
+        let kind = registry::PLASTIC_POTENTIAL;
         let (mut parameters, state) = sample(&mut random, kind, Dilatancy::Positive);
         parameters.dilatancy_angle = parameters.friction_angle + 1e-9;
         silent(kind, &parameters, &state, "nearly associated");
 
-        let kind = Kind::DOUBLE_SHEARING;
+        let kind = registry::DOUBLE_SHEARING;
         let (mut parameters, state) = sample(&mut random, kind, Dilatancy::Zero);
         parameters.friction_angle = 0.25 * TAU - 1e-3;
         silent(kind, &parameters, &state, "φ near 90°");

@@ -14,6 +14,7 @@ use wellposed_models::granular_flow::state::{Flow, State};
 use wellposed_models::granular_flow::{Kind, Model};
 use wellposed_models::harris_grekova::parameters::HarrisGrekova;
 use wellposed_models::plastic_potential::parameters::PlasticPotential;
+use wellposed_models::registry;
 
 const STATES: usize = 300;
 
@@ -67,10 +68,10 @@ fn harris_grekova_leading_coefficient() {
     let mut random = Random::new(500);
     let (mut worst, mut used) = (0.0f64, 0);
     while used < STATES {
-        let (parameters, state) = uniform(&mut random, Kind::HARRIS_GREKOVA, Dilatancy::Zero);
-        let model = states::model(Kind::HARRIS_GREKOVA, &parameters);
+        let (parameters, state) = uniform(&mut random, registry::HARRIS_GREKOVA, Dilatancy::Zero);
+        let model = states::model(registry::HARRIS_GREKOVA, &parameters);
         let flow = states::flow(&model, &state);
-        let constants = parameters.constants(Kind::HARRIS_GREKOVA);
+        let constants = parameters.constants(registry::HARRIS_GREKOVA);
         let own = HarrisGrekova::from_constants(&constants).expect("in range");
         let beta = random.generic(0.0, 3.1);
         let gap = beta.cos() - parameters.friction_angle.sin();
@@ -96,10 +97,10 @@ fn double_shearing_leading_coefficient() {
     let mut random = Random::new(510);
     let mut worst = 0.0f64;
     for _ in 0..STATES {
-        let (parameters, state) = uniform(&mut random, Kind::DOUBLE_SHEARING, Dilatancy::Zero);
-        let model = states::model(Kind::DOUBLE_SHEARING, &parameters);
+        let (parameters, state) = uniform(&mut random, registry::DOUBLE_SHEARING, Dilatancy::Zero);
+        let model = states::model(registry::DOUBLE_SHEARING, &parameters);
         let flow = states::flow(&model, &state);
-        let constants = parameters.constants(Kind::DOUBLE_SHEARING);
+        let constants = parameters.constants(registry::DOUBLE_SHEARING);
         let own = DoubleShearing::from_constants(&constants).expect("in range");
         let beta = random.generic(0.0, 3.1);
         if (beta.cos() - parameters.friction_angle.sin()).abs() < 0.05 {
@@ -124,7 +125,7 @@ fn double_shearing_leading_coefficient() {
 fn double_shearing_drifts_with_the_material() {
     let mut random = Random::new(511);
     for _ in 0..STATES {
-        let kind = Kind::DOUBLE_SHEARING;
+        let kind = registry::DOUBLE_SHEARING;
         let parameters = states::random_parameters(&mut random, kind, Dilatancy::Zero);
         let state = states::random_state(&mut random, kind, Dilatancy::Zero);
         let model = states::model(kind, &parameters);
@@ -151,10 +152,10 @@ fn plastic_potential_leading_coefficient() {
         let mut random = Random::new(520);
         let (mut worst, mut inside, mut used) = (0.0f64, 0, 0);
         while used < STATES {
-            let (parameters, state) = uniform(&mut random, Kind::PLASTIC_POTENTIAL, dilatancy);
-            let model = states::model(Kind::PLASTIC_POTENTIAL, &parameters);
+            let (parameters, state) = uniform(&mut random, registry::PLASTIC_POTENTIAL, dilatancy);
+            let model = states::model(registry::PLASTIC_POTENTIAL, &parameters);
             let flow = states::flow(&model, &state);
-            let constants = parameters.constants(Kind::PLASTIC_POTENTIAL);
+            let constants = parameters.constants(registry::PLASTIC_POTENTIAL);
             let own = PlasticPotential::from_constants(&constants).expect("in range");
             let beta = random.generic(0.0, 3.1);
             let (phi, nu) = (parameters.friction_angle.sin(), parameters.dilatancy_angle.sin());
@@ -192,15 +193,15 @@ fn plastic_potential_worst_direction() {
     let mut used = 0;
     while used < 200 {
         let (parameters, state) =
-            uniform(&mut random, Kind::PLASTIC_POTENTIAL, Dilatancy::Positive);
+            uniform(&mut random, registry::PLASTIC_POTENTIAL, Dilatancy::Positive);
         let (phi, nu) = (parameters.friction_angle, parameters.dilatancy_angle);
         if (phi - nu).abs() < 0.1 {
             continue;
         }
         used += 1;
-        let model = states::model(Kind::PLASTIC_POTENTIAL, &parameters);
+        let model = states::model(registry::PLASTIC_POTENTIAL, &parameters);
         let flow = states::flow(&model, &state);
-        let constants = parameters.constants(Kind::PLASTIC_POTENTIAL);
+        let constants = parameters.constants(registry::PLASTIC_POTENTIAL);
         let own = PlasticPotential::from_constants(&constants).expect("in range");
         let (rate, cosine) = own.worst(flow.stress.deviator.value, flow.density, flow.shear_rate);
         assert!(phi.sin().min(nu.sin()) < cosine && cosine < phi.sin().max(nu.sin()));
@@ -235,8 +236,8 @@ fn noncoaxiality_bound_is_where_the_leading_coefficient_vanishes() {
         let mut random = Random::new(540);
         let mut worst = 0.0f64;
         for _ in 0..200 {
-            let (parameters, state) = uniform(&mut random, Kind::HARRIS_GREKOVA, dilatancy);
-            let model = states::model(Kind::HARRIS_GREKOVA, &parameters);
+            let (parameters, state) = uniform(&mut random, registry::HARRIS_GREKOVA, dilatancy);
+            let model = states::model(registry::HARRIS_GREKOVA, &parameters);
             let closed = model.noncoaxiality_bound().unwrap();
             let k = 7.0;
             // Mean and amplitude of the highest coefficient over the directions.
@@ -300,8 +301,9 @@ fn noncoaxiality_bound_is_where_the_leading_coefficient_vanishes() {
 fn noncoaxiality_bound_separates_growth() {
     let mut random = Random::new(550);
     for _ in 0..200 {
-        let (parameters, state) = uniform(&mut random, Kind::HARRIS_GREKOVA, Dilatancy::Positive);
-        let model = states::model(Kind::HARRIS_GREKOVA, &parameters);
+        let (parameters, state) =
+            uniform(&mut random, registry::HARRIS_GREKOVA, Dilatancy::Positive);
+        let model = states::model(registry::HARRIS_GREKOVA, &parameters);
         let bound = model.noncoaxiality_bound().unwrap();
         let sign = random.generic(1.0, 1.1).signum();
         let greatest = |delta: f64| {

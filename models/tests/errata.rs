@@ -17,9 +17,9 @@ use support::{
     quadratic_roots, wide,
 };
 use testkit::flows::Parameters;
-use wellposed_models::granular_flow::Kind;
 use wellposed_models::granular_flow::state::{Coulomb, Flow, State};
 use wellposed_models::harris_grekova::parameters::HarrisGrekova;
+use wellposed_models::registry;
 
 const STATES: usize = 250;
 
@@ -44,14 +44,14 @@ struct Incompressible {
 
 impl Incompressible {
     fn random(random: &mut Random) -> Self {
-        let kind = Kind::HARRIS_GREKOVA;
+        let kind = registry::HARRIS_GREKOVA;
         let parameters = states::random_parameters(random, kind, Dilatancy::Zero);
         let state = states::random_state(random, kind, Dilatancy::Zero);
         Self::new(random, parameters, state)
     }
 
     fn new(random: &mut Random, parameters: Parameters, state: State) -> Self {
-        let kind = Kind::HARRIS_GREKOVA;
+        let kind = registry::HARRIS_GREKOVA;
         let model = states::model(kind, &parameters);
         let flow = states::flow(&model, &state);
         let (given, fields) = states::exact_point(random, &parameters, kind, &state, &flow);
@@ -77,7 +77,7 @@ impl Incompressible {
 
     /// The same with no gradients but the velocity's.
     fn uniform(random: &mut Random) -> Self {
-        let kind = Kind::HARRIS_GREKOVA;
+        let kind = registry::HARRIS_GREKOVA;
         let parameters = states::random_parameters(random, kind, Dilatancy::Zero);
         let state = State {
             pressure_gradient: [0.0; 2],
@@ -692,7 +692,7 @@ fn eq_121_spurious_factor() {
             assert!((q - factor * x).abs() <= 1e-20 * size, "coefficient of ς^{degree}");
         }
         // The crate's pencil has the same degree.
-        let model = states::model(Kind::HARRIS_GREKOVA, &system.parameters);
+        let model = states::model(registry::HARRIS_GREKOVA, &system.parameters);
         let own = states::symbol(&model, &system.flow);
         assert_eq!(states::dispersion(&own, wave).len(), 3);
     }
@@ -902,7 +902,7 @@ fn abstract_only_below_45_degrees() {
         }
     }
     assert!(beyond > 60 && within > 60);
-    let kind = Kind::HARRIS_GREKOVA;
+    let kind = registry::HARRIS_GREKOVA;
     let parameters = states::random_parameters(&mut random, kind, Dilatancy::Zero);
     let bound = parameters.model(kind).unwrap().noncoaxiality_bound().unwrap();
     assert!((bound - std::f64::consts::FRAC_PI_4).abs() < 1e-15);

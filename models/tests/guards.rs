@@ -5,8 +5,8 @@ mod support;
 use support::states::{self, Dilatancy};
 use support::{RIGHT_ANGLE, Random, Real, wide};
 use wellposed_models::Rounded;
-use wellposed_models::granular_flow::Kind;
 use wellposed_models::granular_flow::state::State;
+use wellposed_models::registry;
 
 /// Δ from a given spin goes through an arc sine, whose error is 1/cos 2Δ times that of its argument.
 #[test]
@@ -15,9 +15,9 @@ fn bounds_hold_where_the_spin_is_given() {
     let (mut beyond, mut worst) = (0, 0.0f64);
     for _ in 0..2000 {
         let parameters =
-            states::random_parameters(&mut random, Kind::HARRIS_GREKOVA, Dilatancy::Zero);
-        let model = states::model(Kind::HARRIS_GREKOVA, &parameters);
-        let state = states::random_state(&mut random, Kind::HARRIS_GREKOVA, Dilatancy::Zero);
+            states::random_parameters(&mut random, registry::HARRIS_GREKOVA, Dilatancy::Zero);
+        let model = states::model(registry::HARRIS_GREKOVA, &parameters);
+        let state = states::random_state(&mut random, registry::HARRIS_GREKOVA, Dilatancy::Zero);
         let delta = random.generic(0.0, 0.785);
         let turn = -state.shear_rate * (2.0 * delta).sin() / parameters.friction_angle.sin();
         let spin = state.half_vorticity + turn;
@@ -46,7 +46,7 @@ fn greatest_spin_is_marginal() {
         moment_of_inertia: Some(0.1),
         rotational_strength: Some(5.0),
     };
-    let model = states::model(Kind::HARRIS_GREKOVA, &parameters);
+    let model = states::model(registry::HARRIS_GREKOVA, &parameters);
     let greatest = 1.0 / 0.5f64.sin();
     for ulps in 0..3 {
         let spin = f64::from_bits(greatest.to_bits() - ulps);
@@ -80,7 +80,7 @@ fn converted_angles_lie_within_their_bound() {
 #[test]
 fn every_number_of_a_state_must_be_finite() {
     let mut random = Random::new(5);
-    let (kind, dilatancy) = (Kind::HARRIS_GREKOVA, Dilatancy::Positive);
+    let (kind, dilatancy) = (registry::HARRIS_GREKOVA, Dilatancy::Positive);
     let parameters = states::random_parameters(&mut random, kind, dilatancy);
     let model = states::model(kind, &parameters);
     let state = states::random_state(&mut random, kind, dilatancy);
@@ -111,7 +111,7 @@ fn every_number_of_a_state_must_be_finite() {
 /// A spin given to a model without one is refused, not a failed debug assertion.
 #[test]
 fn spin_of_a_model_without_one_is_refused() {
-    for kind in [Kind::DOUBLE_SHEARING, Kind::PLASTIC_POTENTIAL] {
+    for kind in [registry::DOUBLE_SHEARING, registry::PLASTIC_POTENTIAL] {
         let mut random = Random::new(6);
         let parameters = states::random_parameters(&mut random, kind, Dilatancy::Zero);
         let model = states::model(kind, &parameters);

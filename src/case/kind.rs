@@ -2,6 +2,7 @@
 
 use models::cosserat::parameters::Theory;
 use models::granular_flow::Kind as Flow;
+use models::registry;
 
 /// A kind of model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -185,7 +186,7 @@ impl Kind {
 
     /// The flows among them.
     pub fn flows() -> Vec<Self> {
-        Flow::all().into_iter().map(Self::Flow).collect()
+        registry::flows().into_iter().map(Self::Flow).collect()
     }
 
     /// The solids among them.

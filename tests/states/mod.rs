@@ -2,6 +2,7 @@
 
 use models::granular_flow::state::{Background, Flow, State};
 use models::granular_flow::{Kind, Model};
+use models::registry;
 use std::f64::consts::{FRAC_PI_2, PI};
 use testkit::flows::Parameters;
 
@@ -71,7 +72,7 @@ pub fn random(
         (true, x) if x < 0.2 => FRAC_PI_2 - near(random),
         (true, _) => random.within(0.01, 1.56),
     };
-    let most = if kind == Kind::PLASTIC_POTENTIAL { FRAC_PI_2 } else { friction_angle };
+    let most = if kind == registry::PLASTIC_POTENTIAL { FRAC_PI_2 } else { friction_angle };
     let dilatancy_angle = match (dilatant, wide, random.unit()) {
         (false, _, _) => 0.0,
         (true, true, x) if x < 0.1 => most * near(random),
@@ -89,7 +90,7 @@ pub fn random(
     let shear_rate = size([1e-6, 1e6], [1e-2, 1e2]);
     let inertia = size([1e-12, 1e2], [1e-9, 1e-4]);
     let length = size([1e-6, 1e6], [1e-1, 1e1]);
-    let cosserat = kind == Kind::HARRIS_GREKOVA;
+    let cosserat = kind == registry::HARRIS_GREKOVA;
     let strength = if dilatant && !gradients || random.chance(0.5) {
         0.0
     } else {
@@ -109,7 +110,7 @@ pub fn random(
         shear_rate,
         velocity: random.pair(1.0),
         half_vorticity: shear_rate * random.signed(1e-2, 1e2),
-        noncoaxiality: (kind != Kind::PLASTIC_POTENTIAL).then(|| random.within(-1.6, 1.6)),
+        noncoaxiality: (kind != registry::PLASTIC_POTENTIAL).then(|| random.within(-1.6, 1.6)),
         ..State::default()
     };
     if gradients {

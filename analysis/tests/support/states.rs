@@ -6,6 +6,7 @@ use super::wide::Wide;
 use models::LinearisedSystem;
 use models::granular_flow::state::{Background, Flow, State};
 use models::granular_flow::{Kind, Model};
+use models::registry;
 use testkit::flows::Parameters;
 
 /// A small generator with a fixed seed (splitmix64).
@@ -60,13 +61,13 @@ pub enum Dilatancy {
 }
 
 pub const VARIANTS: [(Kind, Dilatancy); 7] = [
-    (Kind::HARRIS_GREKOVA, Dilatancy::Zero),
-    (Kind::HARRIS_GREKOVA, Dilatancy::Positive),
-    (Kind::DOUBLE_SHEARING, Dilatancy::Zero),
-    (Kind::DOUBLE_SHEARING, Dilatancy::Positive),
-    (Kind::PLASTIC_POTENTIAL, Dilatancy::Zero),
-    (Kind::PLASTIC_POTENTIAL, Dilatancy::Positive),
-    (Kind::PLASTIC_POTENTIAL, Dilatancy::Associated),
+    (registry::HARRIS_GREKOVA, Dilatancy::Zero),
+    (registry::HARRIS_GREKOVA, Dilatancy::Positive),
+    (registry::DOUBLE_SHEARING, Dilatancy::Zero),
+    (registry::DOUBLE_SHEARING, Dilatancy::Positive),
+    (registry::PLASTIC_POTENTIAL, Dilatancy::Zero),
+    (registry::PLASTIC_POTENTIAL, Dilatancy::Positive),
+    (registry::PLASTIC_POTENTIAL, Dilatancy::Associated),
 ];
 
 /// A model, a state, and all that follows from them.
@@ -100,7 +101,7 @@ impl Sample {
 /// moments of inertia 1e-9…1e-2 m², all angles.
 pub fn wild(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> Sample {
     let friction_angle = random.within(0.03, 1.5);
-    let cosserat = kind == Kind::HARRIS_GREKOVA;
+    let cosserat = kind == registry::HARRIS_GREKOVA;
     let pressure = random.decades(1.0, 1e6);
     let inertia = random.decades(1e-9, 1e-2);
     let shear_rate = random.decades(1e-3, 1e3);
@@ -110,7 +111,7 @@ pub fn wild(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> Sample {
         dilatancy_angle: match dilatancy {
             Dilatancy::Zero => 0.0,
             Dilatancy::Associated => friction_angle,
-            Dilatancy::Positive if kind == Kind::PLASTIC_POTENTIAL => random.within(0.01, 1.5),
+            Dilatancy::Positive if kind == registry::PLASTIC_POTENTIAL => random.within(0.01, 1.5),
             Dilatancy::Positive => friction_angle * random.within(0.02, 0.98),
         },
         cohesion: if random.chance(0.5) { 0.0 } else { pressure * random.decades(1e-3, 10.0) },
@@ -123,7 +124,7 @@ pub fn wild(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> Sample {
         pressure,
         stress_angle: random.within(-std::f64::consts::PI, std::f64::consts::PI),
         shear_rate,
-        noncoaxiality: (kind != Kind::PLASTIC_POTENTIAL).then(|| random.within(-1.57, 1.57)),
+        noncoaxiality: (kind != registry::PLASTIC_POTENTIAL).then(|| random.within(-1.57, 1.57)),
         ..State::default()
     };
     if random.chance(0.6) {
@@ -153,13 +154,13 @@ pub fn wild(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> Sample {
 /// Constants of comparable size, so that the asymptotic behaviour shows at moderate wave numbers.
 pub fn tame(random: &mut Random, kind: Kind, dilatancy: Dilatancy, gradients: bool) -> Sample {
     let friction_angle = random.within(0.2, 1.2);
-    let cosserat = kind == Kind::HARRIS_GREKOVA;
+    let cosserat = kind == registry::HARRIS_GREKOVA;
     let parameters = Parameters {
         friction_angle,
         dilatancy_angle: match dilatancy {
             Dilatancy::Zero => 0.0,
             Dilatancy::Associated => friction_angle,
-            Dilatancy::Positive if kind == Kind::PLASTIC_POTENTIAL => random.within(0.1, 1.3),
+            Dilatancy::Positive if kind == registry::PLASTIC_POTENTIAL => random.within(0.1, 1.3),
             Dilatancy::Positive => friction_angle * random.within(0.1, 0.9),
         },
         cohesion: random.within(0.0, 1.0),
@@ -173,7 +174,7 @@ pub fn tame(random: &mut Random, kind: Kind, dilatancy: Dilatancy, gradients: bo
         stress_angle: random.within(-3.0, 3.0),
         shear_rate: random.within(0.3, 2.0),
         half_vorticity: random.within(-2.0, 2.0),
-        noncoaxiality: (kind != Kind::PLASTIC_POTENTIAL).then(|| random.within(-1.55, 1.55)),
+        noncoaxiality: (kind != registry::PLASTIC_POTENTIAL).then(|| random.within(-1.55, 1.55)),
         velocity: [random.within(-1.0, 1.0), random.within(-1.0, 1.0)],
         ..State::default()
     };
@@ -212,7 +213,7 @@ pub fn reference(sample: &Sample) -> WideSystem {
     let (sin_nu, cos_nu) = nu.sin_cos();
     let (sin_gap, cos_gap) = (phi - nu).sin_cos();
     let (e_v, s_v, e_r, c_r) = match kind {
-        own if own == Kind::PLASTIC_POTENTIAL => (one, sin_nu, zero, one),
+        own if own == registry::PLASTIC_POTENTIAL => (one, sin_nu, zero, one),
         _ => (cos_gap, sin_nu, sin_gap, cos_nu),
     };
     let q = w(state.pressure) * sin_phi + w(parameters.cohesion) * cos_phi;
@@ -274,7 +275,7 @@ pub fn reference(sample: &Sample) -> WideSystem {
     m[3][4][3] = -(s_v * shear_rate * sin_2d).shifted(2);
     m[4][4][3] = -(c_r * shear_rate * cos_2d).shifted(2);
     match kind {
-        own if own == Kind::HARRIS_GREKOVA => {
+        own if own == registry::HARRIS_GREKOVA => {
             let inertia = w(parameters.moment_of_inertia.expect("given"));
             let spin = turn - c_r * e_r.recip() * shear_rate * sin_2d;
             m[4][2][3] = e_r.shifted(1);
@@ -298,7 +299,7 @@ pub fn reference(sample: &Sample) -> WideSystem {
             );
             m[2][5][3] = rotational.shifted(1) * rho.recip();
         }
-        own if own == Kind::DOUBLE_SHEARING => {
+        own if own == registry::DOUBLE_SHEARING => {
             m[4][4][0] = e_r.shifted(1);
             for j in 0..2 {
                 m[4][j][3] = (e_r * grad_psi[j]).shifted(1);

@@ -2,7 +2,6 @@
 
 use super::parameters::DoubleShearing;
 use crate::closed_form::{ClosedForm, is_below_right_angle, is_of_moderate_size};
-use crate::granular_flow::FlowLaw;
 use crate::granular_flow::state::Flow;
 use crate::rounding::Rounded;
 

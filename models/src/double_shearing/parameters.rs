@@ -1,22 +1,9 @@
 //! Constants of the double-shearing model and what is known of it in closed form.
 
-use super::{closed_form, symbol};
-use crate::closed_form::ClosedForm;
 use crate::elementary::Elementary;
-use crate::granular_flow::state::{Coulomb, Flow, FlowRule, Rotation, check_dilatancy};
-use crate::granular_flow::{FAMILY, FlowLaw, FlowModel, RotationKind, constants};
+use crate::granular_flow::constants;
+use crate::granular_flow::state::{Coulomb, FlowRule, check_dilatancy};
 use crate::input::InputError;
-use crate::system::LinearisedSystem;
-
-/// The entry in the registry.
-pub static MODEL: FlowModel = FlowModel {
-    name: "double-shearing",
-    title: "double shearing",
-    parameters: FAMILY,
-    rotation: RotationKind::StressAxes,
-    is_coaxial: false,
-    build: |constants| Ok(Box::new(DoubleShearing::from_constants(constants)?)),
-};
 
 /// Checked constants (Spencer 1964; Mehrabadi & Cowin 1978).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +38,11 @@ impl DoubleShearing {
         Ok(Self { coulomb, dilatancy_angle })
     }
 
+    /// The flow rule.
+    pub fn flow_rule(&self) -> FlowRule {
+        FlowRule::double_shearing(self.coulomb.friction_angle, self.dilatancy_angle)
+    }
+
     /// Leading growth rate over k for ν = 0, m/s:
     /// `|cos β − sin φ| √(q / [ρ sin φ (1 − sin φ cos β)])`, β = 2(Ψ_Σ − ψ_K).
     ///
@@ -59,32 +51,5 @@ impl DoubleShearing {
         let sin_phi = self.coulomb.friction_angle.cr_sin();
         (beta.cr_cos() - sin_phi).abs()
             * (deviator / (density * sin_phi * (1.0 - sin_phi * beta.cr_cos()))).sqrt()
-    }
-}
-
-impl FlowLaw for DoubleShearing {
-    fn set(&mut self, constants: &[f64]) -> Result<(), InputError> {
-        *self = Self::from_constants(constants)?;
-        Ok(())
-    }
-
-    fn coulomb(&self) -> &Coulomb {
-        &self.coulomb
-    }
-
-    fn flow_rule(&self) -> FlowRule {
-        FlowRule::double_shearing(self.coulomb.friction_angle, self.dilatancy_angle)
-    }
-
-    fn rotation(&self) -> Rotation {
-        Rotation::StressAxes
-    }
-
-    fn symbol(&self, flow: &Flow, system: &mut LinearisedSystem<2>) {
-        symbol::write(self, flow, system);
-    }
-
-    fn closed_form(&self, flow: &Flow) -> Option<ClosedForm> {
-        closed_form::closed_form(self, flow)
     }
 }

@@ -4,7 +4,6 @@
 //! Mehrabadi & Cowin 1978 for ν > 0).
 
 use super::parameters::DoubleShearing;
-use crate::granular_flow::FlowLaw;
 use crate::granular_flow::balance::{Columns, flow_rule, mass, momentum};
 use crate::granular_flow::state::Flow;
 use crate::rounding::Rounded;

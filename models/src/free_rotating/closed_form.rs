@@ -2,7 +2,6 @@
 
 use crate::closed_form::ClosedForm;
 use crate::double_shearing::parameters::DoubleShearing;
-use crate::granular_flow::FlowLaw;
 
 /// Indeterminate in every background: one equation fewer than unknowns, and those equations are
 /// independent, being balances and flow rule of a model that is determinate once the spin is given.

@@ -2,7 +2,6 @@
 //! Jong 1977): those of Harris & Grekova without a balance of spin, so one equation too few.
 
 use crate::double_shearing::parameters::DoubleShearing;
-use crate::granular_flow::FlowLaw;
 use crate::granular_flow::balance::{Columns, SPIN_COLUMN, flow_rule, mass, momentum};
 use crate::granular_flow::state::Flow;
 use crate::system::LinearisedSystem;

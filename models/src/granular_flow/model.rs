@@ -5,7 +5,6 @@ use crate::closed_form::ClosedForm;
 use crate::elementary::Elementary;
 use crate::input::InputError;
 use crate::parameter::{ANGLE, Parameter};
-use crate::registry;
 use crate::system::LinearisedSystem;
 use std::fmt;
 
@@ -80,23 +79,9 @@ pub trait FlowLaw: fmt::Debug + Send + Sync {
 pub struct Kind(&'static FlowModel);
 
 impl Kind {
-    /// Harris & Grekova (2005).
-    pub const HARRIS_GREKOVA: Self = Self(&crate::harris_grekova::parameters::MODEL);
-    /// Spencer (1964); Mehrabadi & Cowin (1978) for ν > 0.
-    pub const DOUBLE_SHEARING: Self = Self(&crate::double_shearing::parameters::MODEL);
-    /// Coaxial plastic potential with its own dilatancy angle.
-    pub const PLASTIC_POTENTIAL: Self = Self(&crate::plastic_potential::parameters::MODEL);
-    /// Double-sliding free-rotating (de Josselin de Jong 1977).
-    pub const FREE_ROTATING: Self = Self(&crate::free_rotating::parameters::MODEL);
-
     /// An entry of the registry.
     pub const fn new(model: &'static FlowModel) -> Self {
         Self(model)
-    }
-
-    /// All registered models, in the order in which they are listed.
-    pub fn all() -> Vec<Self> {
-        registry::flows()
     }
 
     /// Name in case files.
@@ -122,11 +107,6 @@ impl Kind {
     /// Whether stress and deformation rate are coaxial by definition.
     pub const fn is_coaxial(self) -> bool {
         self.0.is_coaxial
-    }
-
-    /// The registered model of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::all().into_iter().find(|kind| kind.name() == name)
     }
 }
 

@@ -3,7 +3,6 @@
 use super::parameters::HarrisGrekova;
 use crate::closed_form::{ClosedForm, clear_sign, is_below_right_angle, is_of_moderate_size};
 use crate::elementary::Elementary;
-use crate::granular_flow::FlowLaw;
 use crate::granular_flow::state::Flow;
 use crate::rounding::Rounded;
 use std::f64::consts::PI;

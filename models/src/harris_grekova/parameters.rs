@@ -1,39 +1,9 @@
 //! Constants of the Harris–Grekova model and what is known of it in closed form.
 
-use super::{closed_form, symbol};
-use crate::closed_form::ClosedForm;
 use crate::elementary::Elementary;
-use crate::granular_flow::state::{Coulomb, Flow, FlowRule, Rotation, check_dilatancy};
-use crate::granular_flow::{
-    COHESION, DILATANCY_ANGLE, FRICTION_ANGLE, FlowLaw, FlowModel, RotationKind, constants,
-};
+use crate::granular_flow::constants;
+use crate::granular_flow::state::{Coulomb, FlowRule, check_dilatancy};
 use crate::input::{InputError, ensure};
-use crate::parameter::Parameter;
-use crate::system::LinearisedSystem;
-
-/// The entry in the registry.
-pub static MODEL: FlowModel = FlowModel {
-    name: "harris-grekova",
-    title: "Harris–Grekova",
-    parameters: &[
-        FRICTION_ANGLE,
-        DILATANCY_ANGLE,
-        COHESION,
-        Parameter::required(
-            ["moment_of_inertia", "moment of inertia I", "m²"],
-            "moment of inertia per unit mass I; > 0, for discs of diameter d it is d²/8",
-            1.25e-7,
-        ),
-        Parameter::required(
-            ["rotational_strength", "rotational strength m", "Pa"],
-            "rotational yield strength m; ≥ 0",
-            0.0,
-        ),
-    ],
-    rotation: RotationKind::IntrinsicSpin,
-    is_coaxial: false,
-    build: |constants| Ok(Box::new(HarrisGrekova::from_constants(constants)?)),
-};
 
 /// Checked constants (Harris & Grekova 2005, section 2).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,6 +62,11 @@ impl HarrisGrekova {
         Ok(Self { coulomb, dilatancy_angle, moment_of_inertia, rotational_strength })
     }
 
+    /// The flow rule (eqs 41, 42).
+    pub fn flow_rule(&self) -> FlowRule {
+        FlowRule::double_shearing(self.coulomb.friction_angle, self.dilatancy_angle)
+    }
+
     /// Bound on |Δ| inside which the leading growth rate is nowhere positive, rad.
     ///
     /// For ν = 0 it is π/4 (eq. 152). For ν > 0, with β = 2(Ψ_Σ − ψ_K) and e = φ − ν, the coefficient
@@ -135,40 +110,5 @@ impl HarrisGrekova {
                 * shear_rate
                 * (2.0 * noncoaxiality).cr_cos()
                 * (1.0 - sin_phi * beta.cr_cos()))
-    }
-}
-
-impl FlowLaw for HarrisGrekova {
-    fn set(&mut self, constants: &[f64]) -> Result<(), InputError> {
-        *self = Self::from_constants(constants)?;
-        Ok(())
-    }
-
-    fn coulomb(&self) -> &Coulomb {
-        &self.coulomb
-    }
-
-    /// Eqs 41, 42.
-    fn flow_rule(&self) -> FlowRule {
-        FlowRule::double_shearing(self.coulomb.friction_angle, self.dilatancy_angle)
-    }
-
-    fn rotation(&self) -> Rotation {
-        Rotation::IntrinsicSpin {
-            moment_of_inertia: self.moment_of_inertia,
-            strength: self.rotational_strength,
-        }
-    }
-
-    fn symbol(&self, flow: &Flow, system: &mut LinearisedSystem<2>) {
-        symbol::write(self, flow, system);
-    }
-
-    fn closed_form(&self, flow: &Flow) -> Option<ClosedForm> {
-        closed_form::closed_form(self, flow)
-    }
-
-    fn noncoaxiality_bound(&self) -> Option<f64> {
-        Some(HarrisGrekova::noncoaxiality_bound(self))
     }
 }

@@ -5,7 +5,6 @@
 //! with the density evolving for ν > 0, which the paper leaves out.
 
 use super::parameters::HarrisGrekova;
-use crate::granular_flow::FlowLaw;
 use crate::granular_flow::balance::{Columns, SPIN_COLUMN, flow_rule, mass, momentum};
 use crate::granular_flow::state::Flow;
 use crate::rounding::Rounded;

@@ -1,23 +1,10 @@
 //! Constants of the plastic-potential model and what is known of it in closed form.
 
-use super::{closed_form, symbol};
-use crate::closed_form::ClosedForm;
 use crate::elementary::Elementary;
-use crate::granular_flow::state::{Coulomb, Flow, FlowRule, Rotation, check_dilatancy};
-use crate::granular_flow::{FAMILY, FlowLaw, FlowModel, RotationKind, constants};
+use crate::granular_flow::constants;
+use crate::granular_flow::state::{Coulomb, FlowRule, check_dilatancy};
 use crate::input::InputError;
 use crate::rounding::Rounded;
-use crate::system::LinearisedSystem;
-
-/// The entry in the registry.
-pub static MODEL: FlowModel = FlowModel {
-    name: "plastic-potential",
-    title: "plastic potential",
-    parameters: FAMILY,
-    rotation: RotationKind::None,
-    is_coaxial: true,
-    build: |constants| Ok(Box::new(PlasticPotential::from_constants(constants)?)),
-};
 
 /// Checked constants; associated when ν = φ.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +37,22 @@ impl PlasticPotential {
             "the dilatancy angle of a plastic potential must be at least 0 and below 90 degrees",
         )?;
         Ok(Self { coulomb, dilatancy_angle })
+    }
+
+    /// The flow rule: tr d = 2 Q_D sin ν, coaxial.
+    pub fn flow_rule(&self) -> FlowRule {
+        let dilatant = self.dilatancy_angle > 0.0;
+        FlowRule {
+            volume: Rounded::ONE,
+            dilatancy: if dilatant {
+                Rounded::angle(self.dilatancy_angle).sin()
+            } else {
+                Rounded::ZERO
+            },
+            rotation: Rounded::ZERO,
+            shear: Rounded::ONE,
+            dilatant,
+        }
     }
 
     /// Leading growth rate over k², m²/s, in the direction with β = 2(Ψ_Σ − ψ_K):
@@ -88,44 +91,5 @@ impl PlasticPotential {
         let half_sum = 0.5 * (self.coulomb.friction_angle + self.dilatancy_angle);
         let rate = deviator * half_difference.cr_tan().powi(2) / (2.0 * density * shear_rate);
         (rate, half_sum.cr_sin() / half_difference.cr_cos())
-    }
-}
-
-impl FlowLaw for PlasticPotential {
-    fn set(&mut self, constants: &[f64]) -> Result<(), InputError> {
-        *self = Self::from_constants(constants)?;
-        Ok(())
-    }
-
-    fn coulomb(&self) -> &Coulomb {
-        &self.coulomb
-    }
-
-    /// tr d = 2 Q_D sin ν, coaxial.
-    fn flow_rule(&self) -> FlowRule {
-        let dilatant = self.dilatancy_angle > 0.0;
-        FlowRule {
-            volume: Rounded::ONE,
-            dilatancy: if dilatant {
-                Rounded::angle(self.dilatancy_angle).sin()
-            } else {
-                Rounded::ZERO
-            },
-            rotation: Rounded::ZERO,
-            shear: Rounded::ONE,
-            dilatant,
-        }
-    }
-
-    fn rotation(&self) -> Rotation {
-        Rotation::None
-    }
-
-    fn symbol(&self, flow: &Flow, system: &mut LinearisedSystem<2>) {
-        symbol::write(self, flow, system);
-    }
-
-    fn closed_form(&self, flow: &Flow) -> Option<ClosedForm> {
-        closed_form::closed_form(self, flow)
     }
 }

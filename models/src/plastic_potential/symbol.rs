@@ -2,7 +2,6 @@
 //! `tr d = sin ν [(d₁₁ − d₂₂) cos 2ψ + 2 d₁₂ sin 2ψ]`, coaxiality, and mass where ν > 0.
 
 use super::parameters::PlasticPotential;
-use crate::granular_flow::FlowLaw;
 use crate::granular_flow::balance::{Columns, flow_rule, mass, momentum};
 use crate::granular_flow::state::Flow;
 use crate::system::LinearisedSystem;

@@ -6,6 +6,7 @@ use super::{Complex, Polynomial, Random, Real, Wide, determinant, permanent, wid
 use testkit::flows::Parameters;
 use wellposed_models::granular_flow::state::{Background, Flow, State};
 use wellposed_models::granular_flow::{Kind, Model, RotationKind};
+use wellposed_models::registry;
 use wellposed_models::{LinearisedSystem, Rounded};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,27 +19,27 @@ pub enum Dilatancy {
 
 /// Every model with every kind of dilatancy that it admits.
 pub const VARIANTS: [(Kind, Dilatancy); 9] = [
-    (Kind::HARRIS_GREKOVA, Dilatancy::Zero),
-    (Kind::HARRIS_GREKOVA, Dilatancy::Positive),
-    (Kind::DOUBLE_SHEARING, Dilatancy::Zero),
-    (Kind::DOUBLE_SHEARING, Dilatancy::Positive),
-    (Kind::PLASTIC_POTENTIAL, Dilatancy::Zero),
-    (Kind::PLASTIC_POTENTIAL, Dilatancy::Positive),
-    (Kind::PLASTIC_POTENTIAL, Dilatancy::Associated),
-    (Kind::FREE_ROTATING, Dilatancy::Zero),
-    (Kind::FREE_ROTATING, Dilatancy::Positive),
+    (registry::HARRIS_GREKOVA, Dilatancy::Zero),
+    (registry::HARRIS_GREKOVA, Dilatancy::Positive),
+    (registry::DOUBLE_SHEARING, Dilatancy::Zero),
+    (registry::DOUBLE_SHEARING, Dilatancy::Positive),
+    (registry::PLASTIC_POTENTIAL, Dilatancy::Zero),
+    (registry::PLASTIC_POTENTIAL, Dilatancy::Positive),
+    (registry::PLASTIC_POTENTIAL, Dilatancy::Associated),
+    (registry::FREE_ROTATING, Dilatancy::Zero),
+    (registry::FREE_ROTATING, Dilatancy::Positive),
 ];
 
 pub fn random_parameters(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> Parameters {
     let friction_angle = random.within(0.15, 1.2);
-    let cosserat = kind == Kind::HARRIS_GREKOVA;
+    let cosserat = kind == registry::HARRIS_GREKOVA;
     Parameters {
         friction_angle,
         dilatancy_angle: match dilatancy {
             Dilatancy::Zero => 0.0,
             Dilatancy::Associated => friction_angle,
             // A plastic potential may dilate more than it rubs.
-            Dilatancy::Positive if kind == Kind::PLASTIC_POTENTIAL => random.within(0.1, 1.3),
+            Dilatancy::Positive if kind == registry::PLASTIC_POTENTIAL => random.within(0.1, 1.3),
             Dilatancy::Positive => friction_angle * random.within(0.1, 0.9),
         },
         cohesion: random.within(50.0, 900.0),
@@ -64,7 +65,7 @@ pub fn random_state(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> St
         shear_rate: random.within(0.2, 2.0),
         velocity,
         half_vorticity: random.generic(0.2, 2.0),
-        noncoaxiality: (kind != Kind::PLASTIC_POTENTIAL).then(|| random.generic(0.05, 1.48)),
+        noncoaxiality: (kind != registry::PLASTIC_POTENTIAL).then(|| random.generic(0.05, 1.48)),
         pressure_gradient,
         stress_angle_gradient,
         spin_gradient,

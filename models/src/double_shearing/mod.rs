@@ -1,0 +1,49 @@
+//! Spencer (1964), for ν > 0 Mehrabadi & Cowin (1978): double shearing about the stress axes.
+
+pub mod closed_form;
+pub mod parameters;
+pub mod symbol;
+
+use crate::closed_form::ClosedForm;
+use crate::granular_flow::state::{Coulomb, Flow, FlowRule, Rotation};
+use crate::granular_flow::{FAMILY, FlowLaw, FlowModel, RotationKind};
+use crate::input::InputError;
+use crate::system::LinearisedSystem;
+use parameters::DoubleShearing;
+
+/// The entry in the registry.
+pub static MODEL: FlowModel = FlowModel {
+    name: "double-shearing",
+    title: "double shearing",
+    parameters: FAMILY,
+    rotation: RotationKind::StressAxes,
+    is_coaxial: false,
+    build: |constants| Ok(Box::new(DoubleShearing::from_constants(constants)?)),
+};
+
+impl FlowLaw for DoubleShearing {
+    fn set(&mut self, constants: &[f64]) -> Result<(), InputError> {
+        *self = Self::from_constants(constants)?;
+        Ok(())
+    }
+
+    fn coulomb(&self) -> &Coulomb {
+        &self.coulomb
+    }
+
+    fn flow_rule(&self) -> FlowRule {
+        DoubleShearing::flow_rule(self)
+    }
+
+    fn rotation(&self) -> Rotation {
+        Rotation::StressAxes
+    }
+
+    fn symbol(&self, flow: &Flow, system: &mut LinearisedSystem<2>) {
+        symbol::write(self, flow, system);
+    }
+
+    fn closed_form(&self, flow: &Flow) -> Option<ClosedForm> {
+        closed_form::closed_form(self, flow)
+    }
+}
