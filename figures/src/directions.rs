@@ -291,6 +291,7 @@ pub(crate) fn spread(wanted: &[f64], gap: f64, bounds: [f64; 2]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::check_drawing;
 
     fn figure(angles: &[f64]) -> DirectionsFigure {
         let direction = |(index, &angle_deg): (usize, &f64)| Direction {
@@ -307,12 +308,7 @@ mod tests {
     }
 
     fn check(figure: &DirectionsFigure) {
-        figure.picture().assert_texts_are_apart();
-        let png = figure.draw(Format::Png).unwrap();
-        assert_eq!(crate::tests::png_size(&png)[0], 1600);
-        assert_eq!(png, figure.draw(Format::Png).unwrap());
-        let svg = String::from_utf8(figure.draw(Format::Svg).unwrap()).unwrap();
-        assert!(svg.trim_end().ends_with("</svg>") && !svg.contains("NaN"));
+        check_drawing(&figure.picture(), |format| figure.draw(format));
     }
 
     #[test]

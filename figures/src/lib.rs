@@ -119,6 +119,39 @@ mod tests {
         [reader.info().width, reader.info().height]
     }
 
+    /// That no texts of a picture overlap, and that its files are sound and the same each time.
+    pub(crate) fn check_drawing(
+        picture: &crate::picture::Picture,
+        draw: impl Fn(crate::Format) -> Result<Vec<u8>, crate::FigureError>,
+    ) {
+        use crate::Format::{Png, Svg};
+        picture.assert_texts_are_apart();
+        let png = draw(Png).unwrap();
+        assert_eq!(png_size(&png)[0], 1600);
+        assert_eq!(png, draw(Png).unwrap());
+        let svg = String::from_utf8(draw(Svg).unwrap()).unwrap();
+        assert!(svg.trim_end().ends_with("</svg>") && !svg.contains("NaN"));
+    }
+
+    /// Curves that any figure must be able to draw: none, single points, constants, numbers that are none, and the
+    /// ends of the range of doubles.
+    pub(crate) fn odd_curves() -> Vec<Vec<[f64; 2]>> {
+        let (nan, inf) = (f64::NAN, f64::INFINITY);
+        vec![
+            vec![],
+            vec![[1.0, 1.0]],
+            vec![[0.0, 0.0], [1.0, 0.0]],
+            vec![[0.0, 7.0], [90.0, 7.0], [180.0, 7.0]],
+            vec![[nan, nan], [1.0, nan]],
+            vec![[1.0, inf], [2.0, -inf], [inf, 1.0]],
+            vec![[1.0, -1e6], [10.0, 1e4], [100.0, 3e-7]],
+            vec![[1e-300, 1e-300], [1e300, 1e300], [f64::MAX, f64::MAX], [1.0, f64::MIN]],
+            vec![[0.0, f64::MAX], [90.0, f64::MIN], [180.0, 1e299]],
+            vec![[1.0, 5e-324], [5e-324, 1.0], [2.0, 5e-324]],
+            vec![[1000.0, 1.0], [1000.0000000001, 2.0]],
+        ]
+    }
+
     /// Width and pixels of a PNG file, three bytes each.
     pub(crate) fn pixels(bytes: &[u8]) -> (usize, Vec<u8>) {
         let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();

@@ -493,6 +493,7 @@ pub(crate) fn draw_labels(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::{check_drawing, odd_curves};
 
     fn figure(points: &[[f64; 2]], spokes: &[f64]) -> PolarFigure {
         let spoke = |(index, &angle_deg): (usize, &f64)| Spoke {
@@ -511,12 +512,7 @@ mod tests {
     }
 
     fn check(figure: &PolarFigure) {
-        figure.picture().assert_texts_are_apart();
-        let png = figure.draw(Format::Png).unwrap();
-        assert_eq!(crate::tests::png_size(&png)[0], 1600);
-        assert_eq!(png, figure.draw(Format::Png).unwrap());
-        let svg = String::from_utf8(figure.draw(Format::Svg).unwrap()).unwrap();
-        assert!(svg.trim_end().ends_with("</svg>") && !svg.contains("NaN"));
+        check_drawing(&figure.picture(), |format| figure.draw(format));
     }
 
     fn circle_of(growth: f64) -> Vec<[f64; 2]> {
@@ -525,19 +521,8 @@ mod tests {
 
     #[test]
     fn any_points_are_drawn() {
-        let (nan, inf) = (f64::NAN, f64::INFINITY);
-        let sets: [&[[f64; 2]]; 8] = [
-            &[],
-            &[[1.0, 1.0]],
-            &[[0.0, 0.0], [180.0, 0.0]],
-            &[[nan, nan], [1.0, nan]],
-            &[[1.0, inf], [2.0, -inf], [inf, 1.0]],
-            &[[1.0, -1e6], [10.0, 1e4], [100.0, 3e-7]],
-            &[[0.0, f64::MAX], [90.0, f64::MIN], [180.0, 1e300]],
-            &[[1.0, 5e-324], [2.0, 1.0]],
-        ];
-        for points in sets {
-            check(&figure(points, &[15.0, 75.0]));
+        for points in odd_curves() {
+            check(&figure(&points, &[15.0, 75.0]));
         }
     }
 

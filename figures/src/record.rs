@@ -476,15 +476,11 @@ fn draw_line(picture: &mut Picture, look: Option<Look>, parts: &[Vec<Point>], fr
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::tests::check_drawing;
 
     /// Draws a sheet and checks what holds for all.
     pub(crate) fn check(sheet: &Sheet) {
-        sheet.picture().unwrap().assert_texts_are_apart();
-        let png = sheet.draw(Format::Png).unwrap();
-        assert_eq!(crate::tests::png_size(&png)[0], 1600);
-        assert_eq!(png, sheet.draw(Format::Png).unwrap());
-        let svg = String::from_utf8(sheet.draw(Format::Svg).unwrap()).unwrap();
-        assert!(svg.trim_end().ends_with("</svg>") && !svg.contains("NaN"));
+        check_drawing(&sheet.picture().unwrap(), |format| sheet.draw(format));
     }
 
     pub(crate) fn texts(sheet: &Sheet) -> Vec<String> {

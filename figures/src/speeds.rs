@@ -375,6 +375,7 @@ fn draw_rays(picture: &mut Picture, centre: Point, radius: f64, from: f64, width
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::{check_drawing, odd_curves};
 
     fn figure(points: &[[f64; 2]], flutter: &[[f64; 2]], rays: &[f64]) -> SpeedsFigure {
         let curve = |response, multiplicity| SpeedCurve {
@@ -401,30 +402,13 @@ mod tests {
     }
 
     fn check(figure: &SpeedsFigure) {
-        figure.picture().assert_texts_are_apart();
-        let png = figure.draw(Format::Png).unwrap();
-        assert_eq!(crate::tests::png_size(&png)[0], 1600);
-        assert_eq!(png, figure.draw(Format::Png).unwrap());
-        let svg = String::from_utf8(figure.draw(Format::Svg).unwrap()).unwrap();
-        assert!(svg.trim_end().ends_with("</svg>") && !svg.contains("NaN"));
+        check_drawing(&figure.picture(), |format| figure.draw(format));
     }
 
     #[test]
     fn any_points_are_drawn() {
-        let (nan, inf) = (f64::NAN, f64::INFINITY);
-        let sets: [&[[f64; 2]]; 9] = [
-            &[],
-            &[[1.0, 1.0]],
-            &[[0.0, 0.0], [180.0, 0.0]],
-            &[[0.0, 7.0], [90.0, 7.0], [180.0, 7.0]],
-            &[[nan, nan], [1.0, nan]],
-            &[[1.0, inf], [2.0, -inf], [inf, 1.0]],
-            &[[1.0, -1e6], [10.0, 1e4], [100.0, 3e-7]],
-            &[[0.0, f64::MAX], [90.0, f64::MIN], [180.0, 1e299]],
-            &[[1.0, 5e-324], [2.0, 5e-324]],
-        ];
-        for points in sets {
-            check(&figure(points, &[[10.0, 20.0], [nan, 3.0]], &[15.0, 75.0]));
+        for points in odd_curves() {
+            check(&figure(&points, &[[10.0, 20.0], [f64::NAN, 3.0]], &[15.0, 75.0]));
         }
         let mut empty = figure(&[], &[], &[]);
         empty.curves.clear();

@@ -471,6 +471,7 @@ fn draw_graticule(picture: &mut Picture, disc: Disc) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::check_drawing;
 
     fn figure(polar: &[f64], azimuth: &[f64], values: &[f64]) -> SphereFigure {
         SphereFigure {
@@ -488,12 +489,7 @@ mod tests {
     }
 
     fn check(figure: &SphereFigure) {
-        figure.picture().unwrap().assert_texts_are_apart();
-        let png = figure.draw(Format::Png).unwrap();
-        assert_eq!(crate::tests::png_size(&png)[0], 1600);
-        assert_eq!(png, figure.draw(Format::Png).unwrap());
-        let svg = String::from_utf8(figure.draw(Format::Svg).unwrap()).unwrap();
-        assert!(svg.trim_end().ends_with("</svg>") && !svg.contains("NaN"));
+        check_drawing(&figure.picture().unwrap(), |format| figure.draw(format));
     }
 
     const POLAR: [f64; 3] = [0.0, 45.0, 90.0];

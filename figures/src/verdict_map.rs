@@ -761,6 +761,7 @@ pub(crate) fn percent(part: usize, whole: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::check_drawing;
 
     /// Half of the map well-posed, half ill-posed with a level that rises to the right.
     fn map(columns: usize, rows: usize) -> VerdictMap {
@@ -798,11 +799,7 @@ mod tests {
 
     /// Draws in both formats and checks what holds for every map.
     fn check(map: &VerdictMap) {
-        map.picture().unwrap().assert_texts_are_apart();
-        let png = map.draw(Format::Png).unwrap();
-        assert_eq!(crate::tests::png_size(&png)[0], 1600);
-        let svg = String::from_utf8(map.draw(Format::Svg).unwrap()).unwrap();
-        assert!(svg.trim_end().ends_with("</svg>") && !svg.contains("NaN"));
+        check_drawing(&map.picture().unwrap(), |format| map.draw(format));
     }
 
     #[test]
