@@ -12,7 +12,7 @@ use models::granular_flow::state::{Flow, State};
 use models::granular_flow::{Kind, Model};
 use models::registry;
 use rayon::prelude::*;
-use states::{Random, Range};
+use states::{Range, seeded};
 use std::hint::black_box;
 use std::time::Instant;
 use testkit::flows::Parameters;
@@ -34,7 +34,7 @@ struct Sample {
 fn samples(kind: Kind) -> Vec<Sample> {
     (0..STATES)
         .map(|seed| {
-            let random = &mut Random::new(seed);
+            let random = &mut seeded(seed);
             let (dilatant, gradients) = (seed % 2 == 0, seed / 2 % 2 == 0);
             let (parameters, state) =
                 states::random(random, kind, Range::Materials, dilatant, gradients);

@@ -3,7 +3,7 @@
 mod states;
 
 use models::registry;
-use states::{Random, Range};
+use states::{Range, seeded};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use wellposed::case::{Case, Parameter};
@@ -79,7 +79,7 @@ fn the_linearised_equations_need_no_memory() {
             // Blocks of every size, and layers of every kind, have been met after the first round.
             for (round, seed) in (0..2).flat_map(|round| (0..STATES).map(move |seed| (round, seed)))
             {
-                let random = &mut Random::new(seed);
+                let random = &mut seeded(seed);
                 let (parameters, state) =
                     states::random(random, kind, Range::Materials, dilatant, gradients);
                 let (model, flow) = states::flow(kind, &parameters, &state);

@@ -12,23 +12,10 @@ use models::registry;
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 use testkit::flows::Parameters;
+use testkit::random::Random;
 
 const KINDS: [Kind; 3] =
     [registry::HARRIS_GREKOVA, registry::DOUBLE_SHEARING, registry::PLASTIC_POTENTIAL];
-
-/// Random numbers that are the same in every run (SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn within(&mut self, least: f64, most: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        let unit = ((z ^ (z >> 31)) >> 11) as f64 * (-53f64).exp2();
-        least + (most - least) * unit
-    }
-}
 
 /// On one thread: boxes are so small that others would only wait.
 fn alone(work: impl FnOnce() + Send) {
@@ -201,7 +188,7 @@ fn the_right_hand_side_has_the_spectrum_of_the_waves() {
 }
 
 fn spectra() {
-    let mut random = Random(7);
+    let mut random = Random::with_salt(0, 7);
     for kind in KINDS {
         for index in 0..1000 {
             let background = Background::random(kind, &mut random);

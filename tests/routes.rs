@@ -9,7 +9,7 @@ use models::granular_flow::Kind;
 use models::granular_flow::state::State;
 use models::registry;
 use rayon::prelude::*;
-use states::{Random, Range};
+use states::{Range, seeded};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fs;
@@ -142,7 +142,7 @@ fn agree(
 fn both_routes_agree_on_random_states() {
     const STATES: u64 = 100_000;
     let states = (0..STATES as usize).into_par_iter().map(|index| {
-        let random = &mut Random::new(index as u64);
+        let random = &mut seeded(index as u64);
         let kind = registry::STANDARD_FLOWS[index % 4];
         let (dilatant, gradients) = (index / 4 % 2 == 0, index / 8 % 2 == 0);
         let range = if index / 16 % 2 == 0 { Range::Wide } else { Range::Materials };
@@ -186,7 +186,7 @@ fn agree_beside(
 ) {
     for (distance, answers) in DISTANCES {
         let states = (0..600usize).into_par_iter().map(|index| {
-            let random = &mut Random::new(0xb0 + index as u64);
+            let random = &mut seeded(0xb0 + index as u64);
             let (mut parameters, mut state) =
                 states::random(random, kind, Range::Materials, dilatant, gradients);
             let side = if index % 2 == 0 { distance } else { -distance };
@@ -235,7 +235,7 @@ fn both_routes_agree_beside_the_bounds_with_dilatancy() {
 fn both_routes_agree_where_zeros_of_the_highest_coefficient_and_of_growth_coincide() {
     for distance in [0.0, 1e-12, -1e-9, 1e-9, -1e-6, 1e-3] {
         let states = (0..400usize).into_par_iter().map(|index| {
-            let random = &mut Random::new(0xc0 + index as u64);
+            let random = &mut seeded(0xc0 + index as u64);
             let kind = registry::HARRIS_GREKOVA;
             let (parameters, mut state) =
                 states::random(random, kind, Range::Materials, true, false);
@@ -267,7 +267,7 @@ fn both_routes_agree_beside_the_limits_of_the_parameters() {
         for limit in 0..4 {
             for distance in [1e-12, 1e-9, 1e-6, 1e-4, 1e-3, 1e-2] {
                 let states = (0..64usize).into_par_iter().map(move |seed| {
-                    let random = &mut Random::new((limit * 4 + index) as u64 * 1000 + seed as u64);
+                    let random = &mut seeded((limit * 4 + index) as u64 * 1000 + seed as u64);
                     let gradients = seed % 2 == 0;
                     let (mut parameters, mut state) =
                         states::random(random, kind, Range::Materials, seed % 4 < 2, gradients);

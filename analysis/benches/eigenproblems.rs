@@ -21,7 +21,7 @@ use num_complex::Complex64;
 use std::hint::black_box;
 use std::io::{BufRead, Write};
 use std::time::Instant;
-use support::states::{Random, VARIANTS, wild};
+use support::states::{VARIANTS, seeded, wild};
 use wellposed_analysis::pencil::Pencil;
 use wellposed_analysis::qz::Qz;
 
@@ -67,7 +67,7 @@ impl Problem {
 /// The models' pencils of `size` equations at random states, waves and directions.
 fn models(size: usize) -> Vec<Problem> {
     let mut problems = Vec::new();
-    let random = &mut Random::new(size as u64);
+    let random = &mut seeded(size as u64);
     while problems.len() < PROBLEMS {
         let (kind, dilatancy) = VARIANTS[(random.unit() * VARIANTS.len() as f64) as usize];
         let sample = wild(random, kind, dilatancy);
@@ -84,7 +84,7 @@ fn models(size: usize) -> Vec<Problem> {
 
 /// Dense pencils of random entries, complex L and real R, with `rank` rows of R that are not zero.
 fn dense(size: usize, rank: usize) -> Vec<Problem> {
-    let random = &mut Random::new((100 * size + rank) as u64);
+    let random = &mut seeded((100 * size + rank) as u64);
     let problem = |_| {
         let mut part = || random.within(-1.0, 1.0);
         let left = (0..size * size).map(|_| Complex64::new(part(), part())).collect();

@@ -9,7 +9,7 @@ use models::cosserat::stress::Stress;
 use models::plasticity::parameters::Mises;
 use std::hint::black_box;
 use std::time::Instant;
-use support::states::Random;
+use support::states::seeded;
 use wellposed_analysis::sphere::{RankOne, Sphere};
 
 const POINTS: usize = 60;
@@ -33,7 +33,7 @@ fn main() {
         let setup = start.elapsed().as_secs_f64();
         let mut workspace = sphere.workspace();
         let components: Vec<_> = solid.layout::<3>().all_stresses().collect();
-        let mut random = Random::new(7);
+        let mut random = seeded(7);
         let (mut seconds, mut worst, mut flutter) = (0.0, 0.0_f64, 0);
         for point in 0..POINTS {
             let mut entry = || random.within(-1.0, 1.0);

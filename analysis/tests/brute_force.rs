@@ -4,7 +4,7 @@ mod support;
 
 use rayon::prelude::*;
 use support::brute::{Brute, brute, degenerate_directions};
-use support::states::{Random, Sample, VARIANTS, reference, tame};
+use support::states::{Sample, VARIANTS, reference, seeded, tame};
 use support::wide::Wide;
 use wellposed_analysis::growth::{Verdict, assess};
 use wellposed_analysis::pencil::Pencil;
@@ -73,7 +73,7 @@ fn verdicts_agree_with_brute_force() {
             let variant = seed as usize % VARIANTS.len();
             let (kind, dilatancy) = VARIANTS[variant];
             let gradients = !(seed as usize / VARIANTS.len()).is_multiple_of(3);
-            let sample = tame(&mut Random::new(0xb47e + seed), kind, dilatancy, gradients);
+            let sample = tame(&mut seeded(0xb47e + seed), kind, dilatancy, gradients);
             let own = verdict(&sample);
             let check = |fine| agrees(&own, &force(&sample, &[1e14, 1e20], 60, fine));
             let result = check(false).or_else(|_| check(true));
@@ -111,7 +111,7 @@ fn rare_orders_are_confirmed_over_four_decades() {
     let mut seen = std::collections::BTreeMap::<(i64, i64), usize>::new();
     for (kind, dilatancy) in VARIANTS {
         for seed in 0..60u64 {
-            let random = &mut Random::new(0x0dd + seed);
+            let random = &mut seeded(0x0dd + seed);
             let sample: Sample = tame(random, kind, dilatancy, seed % 2 == 1);
             let Verdict::IllPosed { growth: Some(growth), .. } = verdict(&sample) else { continue };
             let key = (growth.order.numerator, growth.order.denominator);

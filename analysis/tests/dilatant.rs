@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, FRAC_PI_8, PI};
 use support::brute::{brute, degenerate_directions};
 use support::exact::{DispersionReference, WideSystem};
-use support::states::{Dilatancy, Random, Sample, reference, tame, wild};
+use support::states::{Dilatancy, Random, Sample, reference, seeded, tame, wild};
 use support::wide::Wide;
 use testkit::flows::Parameters;
 use wellposed_analysis::growth::{Verdict, assess};
@@ -177,7 +177,7 @@ fn the_bound_follows_from_the_determinant() {
     let deviations: Vec<f64> = (0..STATES)
         .into_par_iter()
         .map(|seed| {
-            let random = &mut Random::new(0xb0_0000 + seed);
+            let random = &mut seeded(0xb0_0000 + seed);
             let drawn = harris_grekova(random, UNIFORM, Inside, seed % 2 == 0);
             let base = drawn.sample;
             // ν down to 0 and up to φ as well.
@@ -251,7 +251,7 @@ fn the_bound_follows_from_the_determinant() {
 #[test]
 fn the_highest_coefficient_is_that_of_the_closed_form() {
     (0..500u64).into_par_iter().for_each(|seed| {
-        let random = &mut Random::new(0xb1_0000 + seed);
+        let random = &mut seeded(0xb1_0000 + seed);
         let base = harris_grekova(random, UNIFORM, Inside, seed % 2 == 0).sample;
         let phi = Wide::from(base.parameters.friction_angle);
         let nu = Wide::from(base.parameters.dilatancy_angle);
@@ -297,7 +297,7 @@ fn harris_grekova_on_both_sides_of_its_bound() {
             let mut wrong: Vec<String> = (0..count)
                 .into_par_iter()
                 .filter_map(|seed| {
-                    let random = &mut Random::new(seed);
+                    let random = &mut seeded(seed);
                     let drawn = harris_grekova(random, parts, zone, seed % 2 == 0);
                     let found = name(&judge(&drawn.sample.system));
                     (found != wanted(parts, zone)).then(|| {
@@ -322,7 +322,7 @@ fn growth_outside_is_where_the_highest_coefficient_vanishes() {
     let worst = (0..1000u64)
         .into_par_iter()
         .map(|seed| {
-            let random = &mut Random::new(0xb2_0000 + seed);
+            let random = &mut seeded(0xb2_0000 + seed);
             let sample = harris_grekova(random, UNIFORM, Outside, seed % 2 == 0).sample;
             let Verdict::IllPosed { direction, .. } = judge(&sample.system) else {
                 panic!("seed {seed}: {sample:?}")
@@ -352,7 +352,7 @@ fn near_coincidence(parts: [Parts; 2], offsets: [f64; 2]) -> Vec<String> {
     (0..1000u64)
         .into_par_iter()
         .filter_map(|seed| {
-            let random = &mut Random::new(0xb3_0000 + seed);
+            let random = &mut seeded(0xb3_0000 + seed);
             let parts = parts[seed as usize % 2];
             let sample = harris_grekova(random, parts, Outside, seed / 2 % 2 == 0).sample;
             let bound = sample.model.noncoaxiality_bound().expect("the model has one");
@@ -431,7 +431,7 @@ fn coefficients_beyond_the_reversed_bound() {
     let worst = (0..1000u64)
         .into_par_iter()
         .map(|seed| {
-            let random = &mut Random::new(0xb4_0000 + seed);
+            let random = &mut seeded(0xb4_0000 + seed);
             let parts = if seed % 2 == 0 { UNIFORM } else { ALL };
             let sample = harris_grekova(random, parts, Reversed, true).sample;
             let p = reference(&sample).polynomial();
@@ -506,7 +506,7 @@ fn gradients_that_balance_do_no_harm_inside() {
         let wrong: Vec<String> = (0..500u64)
             .into_par_iter()
             .filter_map(|seed| {
-                let random = &mut Random::new(0xb5_0000 + seed);
+                let random = &mut seeded(0xb5_0000 + seed);
                 let drawn = harris_grekova(random, parts, zone, true);
                 let (_, system, wide) = balanced(&drawn.sample);
                 let verdict = judge(&system);
@@ -523,7 +523,7 @@ fn gradients_that_balance_do_no_harm_inside() {
     let wrong: Vec<String> = (0..500u64)
         .into_par_iter()
         .filter_map(|seed| {
-            let random = &mut Random::new(0xb6_0000 + seed);
+            let random = &mut seeded(0xb6_0000 + seed);
             let sample = tame(random, registry::PLASTIC_POTENTIAL, Dilatancy::Associated, true);
             let (_, system, wide) = balanced(&sample);
             let verdict = judge(&system);
@@ -544,7 +544,7 @@ fn associated_plastic_potential_by_background() {
         let wrong: Vec<String> = (0..300u64)
             .into_par_iter()
             .filter_map(|seed| {
-                let random = &mut Random::new(0xb7_0000 + seed);
+                let random = &mut seeded(0xb7_0000 + seed);
                 let base = loop {
                     let (kind, dilatancy) = (registry::PLASTIC_POTENTIAL, Dilatancy::Associated);
                     let base = if seed % 2 == 0 {
@@ -572,7 +572,7 @@ fn associated_plastic_potential_by_background() {
 #[test]
 fn plastic_potential_beside_the_associated_flow_rule() {
     (0..1000u64).into_par_iter().for_each(|seed| {
-        let random = &mut Random::new(0xb8_0000 + seed);
+        let random = &mut seeded(0xb8_0000 + seed);
         let parts = [UNIFORM, ALL][seed as usize % 2];
         let base = tame(random, registry::PLASTIC_POTENTIAL, Dilatancy::Associated, true);
         let phi = base.parameters.friction_angle;
@@ -596,7 +596,7 @@ fn plastic_potential_beside_the_associated_flow_rule() {
 #[test]
 fn double_shearing_with_dilatancy() {
     (0..1000u64).into_par_iter().for_each(|seed| {
-        let random = &mut Random::new(0xb9_0000 + seed);
+        let random = &mut seeded(0xb9_0000 + seed);
         let base = if seed % 2 == 0 {
             tame(random, registry::DOUBLE_SHEARING, Dilatancy::Positive, true)
         } else {
@@ -669,7 +669,7 @@ fn brute_force_confirms_harris_grekova_with_dilatancy() {
         .into_par_iter()
         .filter_map(|(parts, zone, n)| {
             let seed = 0xbf_0000 + 0x100 * u64::from(parts) + 0x10 * zone as u64 + n;
-            let drawn = harris_grekova(&mut Random::new(seed), parts, zone, true);
+            let drawn = harris_grekova(&mut seeded(seed), parts, zone, true);
             let verdict = judge(&drawn.sample.system);
             assert_eq!(name(&verdict), wanted(parts, zone));
             let polynomial = reference(&drawn.sample).polynomial();
@@ -693,7 +693,7 @@ fn brute_force_confirms_the_other_models_with_dilatancy() {
         .into_par_iter()
         .map(|index| {
             let (kind, dilatancy, wanted) = kinds[index as usize % 2];
-            let sample = tame(&mut Random::new(0xd5 + index), kind, dilatancy, true);
+            let sample = tame(&mut seeded(0xd5 + index), kind, dilatancy, true);
             let verdict = judge(&sample.system);
             assert_eq!(name(&verdict), wanted, "{kind:?}");
             let problem = differs(&reference(&sample).polynomial(), &verdict, 1.0);

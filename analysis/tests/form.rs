@@ -4,7 +4,7 @@ mod support;
 
 use models::Rounded;
 use std::f64::consts::PI;
-use support::states::Random;
+use support::states::seeded;
 use wellposed_analysis::form::Form;
 
 /// The product of factors with integer coefficients; exact while below 2⁵³.
@@ -39,7 +39,7 @@ fn angle_between(a: f64, b: f64) -> f64 {
 /// besides, each within its own bound, and that bound is small.
 #[test]
 fn simple_zeros_are_all_found_within_their_bounds() {
-    let random = &mut Random::new(21);
+    let random = &mut seeded(21);
     let (mut count, mut worst, mut greatest_bound) = (0, 0.0f64, 0.0f64);
     for _ in 0..3000 {
         let linear = (random.bits() % 6) as usize;
@@ -93,7 +93,7 @@ fn repeated_zeros_along_the_axes() {
 }
 
 fn repeated_zeros(axes: bool) {
-    let random = &mut Random::new(22);
+    let random = &mut seeded(22);
     for n in 0..1500 {
         let mut line = |axis: bool| loop {
             let mut line = [0; 2].map(|_| random.within(-20.0, 20.0).round() as i64);
@@ -129,7 +129,7 @@ fn repeated_zeros(axes: bool) {
 /// rounding, one touching zero when it is below, never nothing.
 #[test]
 fn nearly_double_zeros() {
-    let random = &mut Random::new(23);
+    let random = &mut seeded(23);
     let mut merged = Vec::new();
     for _ in 0..2000 {
         let size = random.decades(1e1, 3e7);

@@ -6,7 +6,7 @@ mod support;
 use models::LinearisedSystem;
 use rayon::prelude::*;
 use support::planted::{C, Part, T, X, Y, system};
-use support::states::Random;
+use support::states::{Random, seeded};
 use wellposed_analysis::growth::{Verdict, assess};
 use wellposed_analysis::pencil::Pencil;
 
@@ -63,7 +63,7 @@ fn symmetric_hyperbolic_systems_are_never_ill_posed() {
     for kind in 0..4 {
         let verdicts: Vec<(u64, Verdict)> = (0..SYSTEMS)
             .into_par_iter()
-            .map(|seed| (seed, judge(&random(&mut Random::new(seed), kind))))
+            .map(|seed| (seed, judge(&random(&mut seeded(seed), kind))))
             .collect();
         let marginal = verdicts.iter().filter(|(_, v)| v.name() == "marginal").count() as u64;
         let wrong: Vec<_> = verdicts

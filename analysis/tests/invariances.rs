@@ -8,7 +8,7 @@ use models::registry;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 use support::exact::{WideSystem, matched, roots};
-use support::states::{Dilatancy, Random, Sample, VARIANTS, tame};
+use support::states::{Dilatancy, Random, Sample, VARIANTS, seeded, tame};
 use support::wide::{Wide, WideComplex};
 use testkit::flows::Parameters;
 use wellposed_analysis::growth::{Verdict, assess};
@@ -18,7 +18,7 @@ const STATES: u64 = 350;
 
 fn samples(seed: u64) -> impl Iterator<Item = (u64, Random, Sample)> {
     (0..STATES).map(move |n| {
-        let mut random = Random::new(seed + n);
+        let mut random = seeded(seed + n);
         let (kind, dilatancy) = VARIANTS[n as usize % VARIANTS.len()];
         let sample =
             tame(&mut random, kind, dilatancy, (n as usize / VARIANTS.len()).is_multiple_of(2));
@@ -120,7 +120,7 @@ fn degenerate_directions_along_the_axes() {
             for target in [0.0, 45.0, 90.0, 135.0] {
                 for half in [45.0 - 0.5 * phi, 0.5 * phi - 45.0, 45.0 - 0.5 * nu, 0.0, 45.0] {
                     for gradients in [false, true] {
-                        let random = &mut Random::new(0xa115 + n as u64);
+                        let random = &mut seeded(0xa115 + n as u64);
                         let sample = tame(random, kind, dilatancy, gradients);
                         let at = |turn: f64| {
                             let (sin, cos) = turn.to_radians().sin_cos();
@@ -203,7 +203,7 @@ fn moving_observers() {
 #[test]
 fn superposed_rigid_rotation() {
     for n in 0..STATES {
-        let mut random = Random::new(0x5917 + n);
+        let mut random = seeded(0x5917 + n);
         let dilatancy = if n.is_multiple_of(2) { Dilatancy::Zero } else { Dilatancy::Positive };
         let sample = tame(&mut random, registry::HARRIS_GREKOVA, dilatancy, n % 4 < 2);
         let rate = random.signed(1e-2, 10.0);

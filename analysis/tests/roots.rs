@@ -9,7 +9,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 use support::exact::{WideSystem, evaluate, matched, roots};
 use support::planted::{C, T, X, Y, system};
-use support::states::{Dilatancy, Random, Sample, VARIANTS, reference, wild};
+use support::states::{Dilatancy, Sample, VARIANTS, reference, seeded, wild};
 use support::wide::{Wide, WideComplex};
 use wellposed_analysis::extended::ExtendedComplex;
 use wellposed_analysis::pencil::{Pencil, Roots};
@@ -61,7 +61,7 @@ struct Outcome {
 }
 
 fn compare(seed: u64) -> Outcome {
-    let random = &mut Random::new(seed);
+    let random = &mut seeded(seed);
     let variant = seed as usize % VARIANTS.len();
     let (kind, dilatancy) = VARIANTS[variant];
     let sample = wild(random, kind, dilatancy);
@@ -229,7 +229,7 @@ fn rounding_bounds_of_the_coefficients_cover_their_errors() {
         .into_par_iter()
         .map(|seed| {
             let (kind, dilatancy) = VARIANTS[seed as usize % VARIANTS.len()];
-            let sample = wild(&mut Random::new(0xc0ff + seed), kind, dilatancy);
+            let sample = wild(&mut seeded(0xc0ff + seed), kind, dilatancy);
             let exact = reference(&sample);
             let s = &sample.system;
             let mut worst = 0.0f64;
@@ -299,7 +299,7 @@ fn rounding_bounds_of_the_polynomial_cover_its_errors() {
         .into_par_iter()
         .map(|seed| {
             let (kind, dilatancy) = VARIANTS[seed as usize % VARIANTS.len()];
-            let sample = wild(&mut Random::new(0xb0b + seed), kind, dilatancy);
+            let sample = wild(&mut seeded(0xb0b + seed), kind, dilatancy);
             let mut pencil = Pencil::default();
             pencil.update(&sample.system).expect("finite coefficients");
             coefficients_within_bounds(&pencil, &reference(&sample))
@@ -313,7 +313,7 @@ fn rounding_bounds_of_the_polynomial_cover_its_errors() {
 #[test]
 fn rounding_bounds_of_the_expansion_cover_its_errors() {
     for seed in 0..500 {
-        let random = &mut Random::new(0xe4 + seed);
+        let random = &mut seeded(0xe4 + seed);
         let n = 2 + (seed % 4) as usize;
         let mut entries = Vec::new();
         for i in 0..n {
@@ -336,7 +336,7 @@ fn rounding_bounds_of_the_expansion_cover_its_errors() {
 #[test]
 fn no_spurious_third_root_in_degenerate_directions() {
     for seed in 0..300 {
-        let random = &mut Random::new(0xdead + seed);
+        let random = &mut seeded(0xdead + seed);
         let sample: Sample = wild(random, registry::HARRIS_GREKOVA, Dilatancy::Zero);
         let half = std::f64::consts::FRAC_PI_4 - 0.5 * sample.parameters.friction_angle;
         let mut pencil = Pencil::default();

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
 use support::slipping::Slipping;
-use support::states::Random;
+use support::states::{Random, seeded};
 use wellposed_analysis::energy::energy;
 use wellposed_analysis::growth::{Verdict, assess};
 use wellposed_analysis::pencil::{Pencil, Roots};
@@ -87,7 +87,7 @@ fn speeds_agree<const D: usize>(random: &mut Random, solid: &Isotropic) -> f64 {
 
 #[test]
 fn characteristic_speeds_are_the_closed_forms() {
-    let random = &mut Random::new(1);
+    let random = &mut seeded(1);
     for kind in KINDS {
         let mut worst = [0.0f64; 2];
         for _ in 0..1500 {
@@ -111,7 +111,7 @@ fn specfem() -> Isotropic {
 fn the_specfem_medium() {
     let equations = specfem().rates::<3>();
     let speeds: Vec<f64> =
-        squared_speeds(&equations, unit(&mut Random::new(2))).iter().map(|c| c.re.sqrt()).collect();
+        squared_speeds(&equations, unit(&mut seeded(2))).iter().map(|c| c.re.sqrt()).collect();
     // As published, to half a unit of the last digit given.
     let published = [3000.0, 1836.361, 1836.361, 630.990, 408.248, 408.248];
     for (found, published) in speeds.iter().zip(published) {
@@ -133,7 +133,7 @@ fn the_specfem_medium() {
 
 #[test]
 fn natural_rotation_and_the_forbidden_band_of_the_reduced_solid() {
-    let random = &mut Random::new(3);
+    let random = &mut seeded(3);
     let mut worst = 0.0f64;
     for index in 0..2000 {
         let kind = if index % 2 == 0 { Kind::Reduced } else { Kind::Cosserat };
@@ -170,7 +170,7 @@ fn natural_rotation_and_the_forbidden_band_of_the_reduced_solid() {
 /// k² = ρω²(4α − jω²)/(4αμ − (μ + α)jω²) for transverse waves of the reduced solid, exactly.
 #[test]
 fn dispersion_of_the_reduced_solid() {
-    let random = &mut Random::new(4);
+    let random = &mut seeded(4);
     for _ in 0..500 {
         let solid = solid(random, Kind::Reduced);
         let Microrotation { alpha, inertia, .. } = solid.microrotation.expect("reduced");
@@ -196,7 +196,7 @@ fn dispersion_of_the_reduced_solid() {
 
 #[test]
 fn long_waves_are_those_of_the_classical_solid() {
-    let random = &mut Random::new(5);
+    let random = &mut seeded(5);
     for kind in KINDS {
         for _ in 0..200 {
             let solid = solid(random, kind);
@@ -226,7 +226,7 @@ fn long_waves_are_those_of_the_classical_solid() {
 
 #[test]
 fn isotropic_solids_are_isotropic() {
-    let random = &mut Random::new(6);
+    let random = &mut seeded(6);
     for kind in KINDS {
         for _ in 0..300 {
             let solid = solid(random, kind);
@@ -251,7 +251,7 @@ fn isotropic_solids_are_isotropic() {
 
 #[test]
 fn group_speeds_are_slopes() {
-    let random = &mut Random::new(7);
+    let random = &mut seeded(7);
     for _ in 0..300 {
         let solid = solid(random, Kind::Cosserat);
         let k0 = solid.microrotation.expect("Cosserat").natural_frequency() / solid.speeds().shear;
@@ -272,7 +272,7 @@ fn group_speeds_are_slopes() {
 /// The plane waves, and the roots of the first-order equations by generalised eigenvalues.
 #[test]
 fn waves_agree_with_the_pencil() {
-    let random = &mut Random::new(8);
+    let random = &mut seeded(8);
     let (mut system, mut pencil) = (LinearisedSystem::default(), Pencil::default());
     for index in 0..300 {
         let solid = solid(random, KINDS[index % 3]);
@@ -424,7 +424,7 @@ fn interlaced<const D: usize>(
 
 #[test]
 fn associated_yielding_keeps_growth_at_rounding_level() {
-    let random = &mut Random::new(9);
+    let random = &mut seeded(9);
     let mut worst = [0.0f64; 2];
     let mut corners = [0usize; 5];
     for index in 0..10_000 {
@@ -590,7 +590,7 @@ fn plane_yielding(random: &mut Random, dilatancy: impl Fn(f64) -> f64) -> RateEq
 /// that are positive but otherwise arbitrary.
 #[test]
 fn forbidden_bands_hold_no_wave() {
-    let random = &mut Random::new(37);
+    let random = &mut seeded(37);
     let mut bands = 0;
     for _ in 0..400 {
         let mut equations = solid_of_order_one(random, Kind::Reduced).rates::<2>();
@@ -624,7 +624,7 @@ fn forbidden_bands_hold_no_wave() {
 /// Slopes of complex branches against differences of the roots of the first-order equations.
 #[test]
 fn slopes_of_complex_branches() {
-    let random = &mut Random::new(41);
+    let random = &mut seeded(41);
     let (mut complex, mut worst) = (0, 0.0f64);
     for _ in 0..400 {
         let equations = plane_yielding(random, |friction| friction - 0.9);
@@ -670,7 +670,7 @@ fn slopes_of_complex_branches() {
 /// some decay.
 #[test]
 fn flow_of_the_background_damps() {
-    let random = &mut Random::new(23);
+    let random = &mut seeded(23);
     let [mut greatest, mut least] = [f64::NEG_INFINITY, 0.0f64];
     for index in 0..600 {
         let solid = solid_of_order_one(random, KINDS[index % 3]);
@@ -735,7 +735,7 @@ fn solid_of_order_one(random: &mut Random, kind: Kind) -> Isotropic {
 /// takes are those of the restricted form, decay included.
 #[test]
 fn relaxation_reaches_the_linearised_system() {
-    let random = &mut Random::new(29);
+    let random = &mut seeded(29);
     let (mut system, mut pencil) = (LinearisedSystem::default(), Pencil::default());
     for index in 0..40 {
         // Five, six and eight equations: within the exact polynomial's reach.
@@ -869,7 +869,7 @@ fn a_speed_vanishes_where_the_determinant_does() {
 /// What the symmetriser shows of sound solids, and that it shows what is wrong.
 #[test]
 fn energy_tells_sound_equations_from_others() {
-    let random = &mut Random::new(43);
+    let random = &mut seeded(43);
     for index in 0..60 {
         let solid = solid_of_order_one(random, KINDS[index % 3]);
         let sound = solid.rates::<3>();

@@ -5,46 +5,15 @@ use models::granular_flow::{Kind, Model};
 use models::registry;
 use std::f64::consts::{FRAC_PI_2, PI};
 use testkit::flows::Parameters;
+pub use testkit::random::Random;
 
-/// A small generator with a fixed seed (splitmix64).
-pub struct Random(u64);
+/// The random numbers of the states.
+pub fn seeded(seed: u64) -> Random {
+    Random::with_salt(seed, 0x3c6e_f372)
+}
 
-impl Random {
-    pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x3c6e_f372)
-    }
-
-    /// Uniform in [0, 1).
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 * (-53f64).exp2()
-    }
-
-    pub fn within(&mut self, least: f64, most: f64) -> f64 {
-        least + (most - least) * self.unit()
-    }
-
-    /// Log-uniform.
-    pub fn decades(&mut self, least: f64, most: f64) -> f64 {
-        self.within(least.ln(), most.ln()).exp()
-    }
-
-    pub fn chance(&mut self, probability: f64) -> bool {
-        self.unit() < probability
-    }
-
-    /// Either sign, log-uniform modulus.
-    fn signed(&mut self, least: f64, most: f64) -> f64 {
-        let size = self.decades(least, most);
-        if self.chance(0.5) { -size } else { size }
-    }
-
-    fn pair(&mut self, size: f64) -> [f64; 2] {
-        [0; 2].map(|_| size * self.signed(1e-3, 1e3))
-    }
+fn pair(random: &mut Random, size: f64) -> [f64; 2] {
+    [0; 2].map(|_| size * random.signed(1e-3, 1e3))
 }
 
 /// How far the numbers of a state reach.
@@ -108,20 +77,20 @@ pub fn random(
         pressure,
         stress_angle: random.within(-PI, PI),
         shear_rate,
-        velocity: random.pair(1.0),
+        velocity: pair(random, 1.0),
         half_vorticity: shear_rate * random.signed(1e-2, 1e2),
         noncoaxiality: (kind != registry::PLASTIC_POTENTIAL).then(|| random.within(-1.6, 1.6)),
         ..State::default()
     };
     if gradients {
-        state.pressure_gradient = random.pair(pressure / length);
-        state.stress_angle_gradient = random.pair(1.0 / length);
+        state.pressure_gradient = pair(random, pressure / length);
+        state.stress_angle_gradient = pair(random, 1.0 / length);
         if dilatancy_angle > 0.0 {
-            state.density_gradient = random.pair(density / length);
+            state.density_gradient = pair(random, density / length);
         }
         if cosserat {
-            state.spin_gradient = random.pair(shear_rate / length);
-            state.inertia_gradient = random.pair(inertia / length);
+            state.spin_gradient = pair(random, shear_rate / length);
+            state.inertia_gradient = pair(random, inertia / length);
             state.inertia_rate = inertia * shear_rate * random.signed(1e-3, 1e3);
         }
     }

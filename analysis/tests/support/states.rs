@@ -8,48 +8,13 @@ use models::granular_flow::state::{Background, Flow, State};
 use models::granular_flow::{Kind, Model};
 use models::registry;
 use testkit::flows::Parameters;
+pub use testkit::random::Random;
 
-/// A small generator with a fixed seed (splitmix64).
-pub struct Random(u64);
-
-impl Random {
-    pub fn new(seed: u64) -> Self {
-        let mut random = Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5bf0_3635);
-        random.unit();
-        random
-    }
-
-    /// Uniform in [0, 1).
-    pub fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 * (-53f64).exp2()
-    }
-
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    pub fn within(&mut self, least: f64, most: f64) -> f64 {
-        least + (most - least) * self.unit()
-    }
-
-    /// Log-uniform.
-    pub fn decades(&mut self, least: f64, most: f64) -> f64 {
-        self.within(least.ln(), most.ln()).exp()
-    }
-
-    pub fn chance(&mut self, probability: f64) -> bool {
-        self.unit() < probability
-    }
-
-    /// Either sign, log-uniform modulus.
-    pub fn signed(&mut self, least: f64, most: f64) -> f64 {
-        let size = self.decades(least, most);
-        if self.chance(0.5) { -size } else { size }
-    }
+/// The random numbers of the tests of this crate.
+pub fn seeded(seed: u64) -> Random {
+    let mut random = Random::with_salt(seed, 0x5bf0_3635);
+    random.unit();
+    random
 }
 
 /// What a random state is to have.

@@ -7,37 +7,7 @@ pub mod states;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Random numbers that are the same in every run (SplitMix64).
-pub struct Random(u64);
-
-impl Random {
-    pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
-    }
-
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// In [from, to).
-    pub fn within(&mut self, from: f64, to: f64) -> f64 {
-        from + (to - from) * ((self.bits() >> 11) as f64 / (1u64 << 53) as f64)
-    }
-
-    /// Of either sign, magnitude in [least, most): never near zero, so that no term hides.
-    pub fn generic(&mut self, least: f64, most: f64) -> f64 {
-        let magnitude = self.within(least, most);
-        if self.bits() & (1 << 40) == 0 { magnitude } else { -magnitude }
-    }
-
-    pub fn below(&mut self, count: usize) -> usize {
-        (self.bits() >> 20) as usize % count
-    }
-}
+pub use testkit::random::Random;
 
 /// Numbers that can be differentiated.
 pub trait Real:
