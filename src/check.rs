@@ -477,7 +477,7 @@ pub fn plan(case: &Case, extent: Extent) -> Plan {
 fn plan_of(whole: &Case, case: &Case, extent: Extent) -> Plan {
     let wave = case.numbers.wave;
     let solid = Solid::of(case);
-    let own = solid.as_ref().ok().and_then(|solid| solid.elastic.own_wave_number());
+    let own = solid.as_ref().ok().and_then(|solid| solid.elastic.characteristic_wave_number());
     let dimensions = solid.as_ref().map_or(2, |solid| solid.dimensions);
     let yields = solid.is_ok_and(|solid| solid.plastic.is_some());
     let asked = case.check.clone().unwrap_or_default();

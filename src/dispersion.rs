@@ -3,12 +3,13 @@
 use crate::case::{Case, Wave};
 use crate::frozen::StateError;
 use crate::output::{self, ResultFolder};
-use crate::solid::{Elastic, Solid};
+use crate::solid::Solid;
 use crate::words::{case_title, short};
 use crate::{Error, Format, Options};
 use analysis::waves::{Family, ForbiddenBand, Mode};
 use figures::{Band, Branch, DispersionFigure, Level};
 use models::granular_flow::InputError;
+use models::solid::ElasticLaw;
 use num_complex::Complex64;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -56,7 +57,7 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     let wave = case.numbers.wave;
     let greatest = match wave.greatest_number {
-        0.0 => solid.elastic.own_wave_number().map_or(wave.number, |own| 4.0 * own),
+        0.0 => solid.elastic.characteristic_wave_number().map_or(wave.number, |own| 4.0 * own),
         given => given,
     };
     let kinds = kinds(&solid, &wave, greatest, false).map_err(|error| error.locate(&case))?;
@@ -356,7 +357,7 @@ fn figure(case: &Case, solid: &Solid, kinds: &[Kind], greatest: f64) -> Dispersi
         }
     }
     let speed_limits = match &solid.elastic {
-        Elastic::Isotropic(elastic) => {
+        ElasticLaw::Isotropic(elastic) => {
             let speeds = elastic.speeds();
             let of_elastic = if solid.plastic.is_some() { "elastic " } else { "" };
             let level =
@@ -372,7 +373,7 @@ fn figure(case: &Case, solid: &Solid, kinds: &[Kind], greatest: f64) -> Dispersi
             .flatten()
             .collect()
         }
-        Elastic::Compliances(_) => Vec::new(),
+        ElasticLaw::Compliances(_) => Vec::new(),
     };
     DispersionFigure {
         title: case_title(case),

@@ -1,7 +1,7 @@
 //! The verdict on a solid: are all speeds real, does any vanish, and is growth bounded?
 
 use crate::frozen::{self, StateError};
-use crate::solid::{Elastic, Solid, angles_deg};
+use crate::solid::{Solid, angles_deg};
 use analysis::circle::Circle;
 use analysis::growth::{Assessment, Growth, Verdict};
 use analysis::newton::Order;
@@ -10,6 +10,7 @@ use analysis::waves::squared_speeds;
 use models::elementary::Elementary;
 use models::plasticity::symbol::NoResponse;
 use models::rates::RateEquations;
+use models::solid::ElasticLaw;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -116,14 +117,18 @@ impl Judged {
 /// second each, and serve every yield set and stress.
 #[derive(Default)]
 pub struct Spheres {
-    latest: Mutex<VecDeque<(Elastic, Arc<Sphere>)>>,
+    latest: Mutex<VecDeque<(ElasticLaw, Arc<Sphere>)>>,
 }
 
 impl Spheres {
     /// How many are kept: a map that sweeps a modulus meets one after the other, some threads at once.
     const KEPT: usize = 4;
 
-    fn of(&self, elastic: Elastic, rates: &RateEquations<3>) -> Result<Arc<Sphere>, SphereError> {
+    fn of(
+        &self,
+        elastic: ElasticLaw,
+        rates: &RateEquations<3>,
+    ) -> Result<Arc<Sphere>, SphereError> {
         let lock = || self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, sphere)) = lock().iter().find(|(known, _)| *known == elastic) {
             return Ok(Arc::clone(sphere));
@@ -142,7 +147,7 @@ pub struct Judge<'a> {
     pub plane: frozen::Workspace,
     spheres: &'a Spheres,
     /// The elastic solid in space of last time.
-    space: Option<(Elastic, Arc<Sphere>, sphere::Workspace)>,
+    space: Option<(ElasticLaw, Arc<Sphere>, sphere::Workspace)>,
 }
 
 impl<'a> Judge<'a> {

@@ -8,7 +8,6 @@ use analysis::waves::{Waves, roots};
 use models::Rounded;
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances};
 use models::cosserat::stress::{Component, Stress};
-use models::cosserat::symbol::Layout;
 use models::elementary::Elementary;
 use models::granular_flow::InputError;
 use models::plasticity::parameters::{
@@ -16,7 +15,7 @@ use models::plasticity::parameters::{
 };
 use models::plasticity::symbol::tangent;
 use models::rates::RateEquations;
-use models::system::Matrix;
+use models::solid::ElasticLaw;
 use num_complex::Complex64;
 use serde_json::{Value, json};
 
@@ -28,20 +27,11 @@ const ON_YIELD: f64 = 1e-9;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solid {
     /// Its elasticity.
-    pub elastic: Elastic,
+    pub elastic: ElasticLaw,
     /// 2 for plane strain, 3 for space.
     pub dimensions: usize,
     /// What yields; `None` in an elastic solid.
     pub plastic: Option<Plastic>,
-}
-
-/// Elasticity with checked constants.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Elastic {
-    /// By its moduli.
-    Isotropic(Isotropic),
-    /// By its compliances; plane strain.
-    Compliances(PlaneCompliances),
 }
 
 /// What a solid does that yields.
@@ -63,10 +53,10 @@ impl Solid {
     /// # Errors
     /// The constant that is out of range; that the stress never yields; that the case is one of a flow.
     pub fn of(case: &Case) -> Result<Self, InputError> {
-        let elastic = Elastic::of(case)?;
+        let elastic = elastic_law(case)?;
         let dimensions = match elastic {
-            Elastic::Isotropic(_) => case.numbers.solid.dimensions,
-            Elastic::Compliances(_) => 2,
+            ElasticLaw::Isotropic(_) => case.numbers.solid.dimensions,
+            ElasticLaw::Compliances(_) => 2,
         };
         let plastic = case.yields.map(|set| Plastic::of(case, set)).transpose()?;
         Ok(Self { elastic, dimensions, plastic })
@@ -74,8 +64,7 @@ impl Solid {
 
     /// The rate equations in `D` dimensions of the solid while it stays elastic.
     pub fn elastic_rates<const D: usize>(&self) -> RateEquations<D> {
-        let (layout, stiffness) = self.elastic.law::<D>();
-        self.elastic.rates(&layout, &stiffness)
+        self.elastic.rates()
     }
 
     /// The rate equations in `D` dimensions; of a yielding solid while its active conditions stay
@@ -84,12 +73,14 @@ impl Solid {
     /// # Errors
     /// There is no rate of response.
     pub fn rates<const D: usize>(&self) -> Result<RateEquations<D>, StateError> {
-        let (layout, stiffness) = self.elastic.law::<D>();
+        let (layout, stiffness) = self.elastic.layout_and_stiffness::<D>();
         let Some(plastic) = &self.plastic else {
-            return Ok(self.elastic.rates(&layout, &stiffness));
+            return Ok(self.elastic.rates_with_stiffness(&layout, &stiffness));
         };
         let stresses: Vec<_> = layout.all_stresses().collect();
-        Ok(self.elastic.rates(&layout, &tangent(&stiffness, &stresses, &plastic.active)?))
+        Ok(self
+            .elastic
+            .rates_with_stiffness(&layout, &tangent(&stiffness, &stresses, &plastic.active)?))
     }
 
     /// The rate equations with what the flow of the background adds, carried stresses among the
@@ -103,14 +94,14 @@ impl Solid {
         else {
             return Ok(None);
         };
-        let (layout, stiffness) = self.elastic.law::<D>();
+        let (layout, stiffness) = self.elastic.layout_and_stiffness::<D>();
         let stresses: Vec<_> = layout.all_stresses().collect();
         let Some(curvature) = set.curvature(stress, &stresses).filter(|_| *rate > 0.0) else {
             return Ok(None);
         };
         let plastic = tangent(&stiffness, &stresses, active)?;
         let relaxation = (curvature * *rate).map(Rounded::given);
-        let rates = self.elastic.rates(&layout.carrying(), &plastic);
+        let rates = self.elastic.rates_with_stiffness(&layout.carrying(), &plastic);
         Ok(Some(RateEquations { relaxation, ..rates }))
     }
 
@@ -155,14 +146,14 @@ impl Solid {
         Ok(self.roots(wave)?.iter().map(|root| root.re).fold(0.0, f64::max))
     }
 
-    /// The stresses of [`Elastic::carried_rates`] in `D` dimensions.
+    /// The stresses of [`ElasticLaw::carried_rates`] in `D` dimensions.
     pub fn carried_stresses<const D: usize>(&self) -> Vec<Component> {
-        self.elastic.law::<D>().0.all_stresses().collect()
+        self.elastic.layout_and_stiffness::<D>().0.all_stresses().collect()
     }
 
     /// The stresses in the rate equations in `D` dimensions.
     pub fn stresses<const D: usize>(&self) -> &'static [Component] {
-        self.elastic.law::<D>().0.stresses
+        self.elastic.layout_and_stiffness::<D>().0.stresses
     }
 
     /// The waves along the case's wave, and those of the elastic solid if `stays_elastic`.
@@ -200,9 +191,9 @@ impl Solid {
 ///
 /// # Errors
 /// The constant that is out of range; that the case is one of a flow.
-pub fn elastic_and_set(case: &Case) -> Result<(Elastic, Option<YieldSet>), InputError> {
+pub fn elastic_and_set(case: &Case) -> Result<(ElasticLaw, Option<YieldSet>), InputError> {
     let set = case.yields.map(|set| yield_set(case, set)).transpose()?;
-    Ok((Elastic::of(case)?, set))
+    Ok((elastic_law(case)?, set))
 }
 
 /// Unit vector along a wave.
@@ -254,90 +245,40 @@ pub fn flutter_json(flutter: Option<Flutter>) -> Value {
     })
 }
 
-impl Elastic {
-    fn of(case: &Case) -> Result<Self, InputError> {
-        let given = case.numbers.solid;
-        let rotation =
-            |couple| Microrotation { alpha: given.alpha, inertia: given.inertia, couple };
-        let isotropic = |microrotation| {
-            Isotropic::new(given.lambda, given.mu, given.density, microrotation)
-                .map(Self::Isotropic)
-        };
-        match case.kind {
-            Kind::Solid(SolidKind::Classical) => isotropic(None),
-            Kind::Solid(SolidKind::ReducedCosserat) => isotropic(Some(rotation(None))),
-            Kind::Solid(SolidKind::Cosserat) => {
-                let couple = CoupleModuli { beta: given.beta, gamma: given.gamma, eta: given.eta };
-                isotropic(Some(rotation(Some(couple))))
-            }
-            Kind::Solid(SolidKind::CosseratCompliances) => PlaneCompliances {
-                a1: given.a1,
-                b1: given.b1,
-                a2: given.a2,
-                b2: given.b2,
-                alpha2: given.alpha2,
-                density: given.density,
-                inertia: given.inertia,
-            }
-            .check()
-            .map(Self::Compliances),
-            Kind::Flow(_) => Err(InputError {
-                key: "model.kind",
-                found: format!("{}, a flow", case.kind.name()),
-                allowed: format!(
-                    "this needs a solid ({}); for flows see wellposed point and map",
-                    Kind::SOLIDS.map(Kind::name).join(", ")
-                ),
-            }),
+/// The elastic law of a case.
+fn elastic_law(case: &Case) -> Result<ElasticLaw, InputError> {
+    let given = case.numbers.solid;
+    let rotation = |couple| Microrotation { alpha: given.alpha, inertia: given.inertia, couple };
+    let isotropic = |microrotation| {
+        Isotropic::new(given.lambda, given.mu, given.density, microrotation)
+            .map(ElasticLaw::Isotropic)
+    };
+    match case.kind {
+        Kind::Solid(SolidKind::Classical) => isotropic(None),
+        Kind::Solid(SolidKind::ReducedCosserat) => isotropic(Some(rotation(None))),
+        Kind::Solid(SolidKind::Cosserat) => {
+            let couple = CoupleModuli { beta: given.beta, gamma: given.gamma, eta: given.eta };
+            isotropic(Some(rotation(Some(couple))))
         }
-    }
-
-    /// The unknowns in `D` dimensions, and Hooke's law between their stresses, carried ones last.
-    fn law<const D: usize>(&self) -> (Layout, Matrix) {
-        match self {
-            Self::Isotropic(solid) => {
-                let layout = solid.layout::<D>();
-                let stiffness = solid.stiffness(layout.all_stresses());
-                (layout, stiffness)
-            }
-            Self::Compliances(solid) => (solid.layout(), solid.stiffness()),
+        Kind::Solid(SolidKind::CosseratCompliances) => PlaneCompliances {
+            a1: given.a1,
+            b1: given.b1,
+            a2: given.a2,
+            b2: given.b2,
+            alpha2: given.alpha2,
+            density: given.density,
+            inertia: given.inertia,
         }
-    }
-
-    /// The rate equations in `D` dimensions, with all stresses that come along among the unknowns.
-    pub fn carried_rates<const D: usize>(&self) -> RateEquations<D> {
-        let (layout, stiffness) = self.law::<D>();
-        match self {
-            Self::Isotropic(_) => self.rates(&layout.carrying(), &stiffness),
-            Self::Compliances(_) => self.rates(&layout, &stiffness),
-        }
-    }
-
-    fn rates<const D: usize>(&self, layout: &Layout, stiffness: &Matrix) -> RateEquations<D> {
-        let (density, inertia) = match self {
-            Self::Isotropic(solid) => {
-                (solid.density, solid.microrotation.map_or(0.0, |m| m.inertia))
-            }
-            Self::Compliances(solid) => (solid.density, solid.inertia),
-        };
-        layout.rates(stiffness, density, inertia)
-    }
-
-    /// The wave number at which shear waves have the frequency of the natural rotation, 1/m: the
-    /// inverse of the solid's own length. `None` in classical solids, which have none.
-    pub fn own_wave_number(&self) -> Option<f64> {
-        let (frequency, speed) = match self {
-            Self::Isotropic(solid) => {
-                (solid.microrotation?.natural_frequency(), solid.speeds().shear)
-            }
-            Self::Compliances(solid) => {
-                let PlaneCompliances { a2, b2, density, inertia, .. } = *solid;
-                // 4α = 2/(a₂ + b₂), μ + α = a₂/(a₂² − b₂²).
-                let frequency = (2.0 / ((a2 + b2) * inertia)).sqrt();
-                (frequency, (a2 / ((a2 - b2) * (a2 + b2) * density)).sqrt())
-            }
-        };
-        Some(frequency / speed)
+        .check()
+        .map(ElasticLaw::Compliances),
+        Kind::Flow(_) => Err(InputError {
+            key: "model.kind",
+            found: format!("{}, a flow", case.kind.name()),
+            allowed: format!(
+                "this needs a solid ({}); for flows see wellposed point and map",
+                Kind::SOLIDS.map(Kind::name).join(", ")
+            ),
+        }),
     }
 }
 

@@ -1,6 +1,7 @@
 //! What case files say of runs in time: what is read, what is refused and in which words.
 
 use models::cosserat::parameters::Theory;
+use models::solid::ElasticLaw;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use wellposed::case::dynamics::{
     Action, Centre, Component, Condition, Dynamics, Initial, Kernel, Picture, Recorded, Shape,
@@ -8,7 +9,7 @@ use wellposed::case::dynamics::{
 };
 use wellposed::case::{Case, Kind, Medium, Solid as SolidKind, Yield};
 use wellposed::new::{self, Purpose};
-use wellposed::solid::{Elastic, Solid};
+use wellposed::solid::Solid;
 use wellposed::{Options, dispersion, point};
 
 /// Plane strain with everything that it can have; tests refer to its lines.
@@ -309,8 +310,8 @@ fn regions_inherit_what_they_do_not_have() {
     let case = parse(PLANE).unwrap();
     let regions = &case.dynamics.as_ref().unwrap().regions;
     let modulus = |case: &Case| match Solid::of(case).unwrap().elastic {
-        Elastic::Isotropic(solid) => [solid.lambda, solid.mu],
-        Elastic::Compliances(_) => panic!(),
+        ElasticLaw::Isotropic(solid) => [solid.lambda, solid.mu],
+        ElasticLaw::Compliances(_) => panic!(),
     };
     assert_eq!(modulus(&regions[0].case), [2e9, 3e9]);
     assert_eq!(modulus(&regions[1].case), [2e9, 1e9]);

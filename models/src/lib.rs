@@ -21,6 +21,7 @@ pub mod plasticity;
 pub mod product;
 pub mod rates;
 pub mod rounding;
+pub mod solid;
 pub mod system;
 
 /// Harris & Grekova (2005): double shearing of a reduced Cosserat continuum with intrinsic spin.

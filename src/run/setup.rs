@@ -9,7 +9,7 @@ use crate::case::dynamics::{
     SourceKind, Splitting as Sweeps,
 };
 use crate::case::{Case, CaseError, Wave};
-use crate::solid::{Elastic, elastic_and_set, normal};
+use crate::solid::{elastic_and_set, normal};
 use analysis::waves::plane_waves;
 use dynamics::boundary::{Boundary, Condition, Load, Signal, Source};
 use dynamics::line::Slopes;
@@ -59,10 +59,7 @@ pub(super) fn media(case: &Case, dynamics: &Dynamics) -> Result<Vec<Medium>, Err
 /// flow.
 pub(crate) fn medium(case: &Case, dimensions: usize) -> Result<Medium, InputError> {
     let (elastic, set) = elastic_and_set(case)?;
-    let medium = match &elastic {
-        Elastic::Isotropic(solid) => Medium::isotropic(solid, dimensions),
-        Elastic::Compliances(solid) => Medium::compliances(solid),
-    };
+    let medium = Medium::new(elastic, dimensions);
     check_flow(set.as_ref())?;
     Ok(match set {
         Some(set) => medium.yielding(set),
@@ -699,10 +696,7 @@ impl Place<'_> {
     fn alphas(&self, case: &Case) -> Result<Vec<f64>, Error> {
         let alpha = |own: &Case| -> Result<f64, Error> {
             let (elastic, _) = elastic_and_set(own).map_err(|error| own.locate(error))?;
-            Ok(match elastic {
-                Elastic::Isotropic(solid) => solid.microrotation.map_or(0.0, |m| m.alpha),
-                Elastic::Compliances(solid) => 0.5 / (solid.a2 + solid.b2),
-            })
+            Ok(elastic.antisymmetric_modulus())
         };
         match self.dynamics.regions.as_slice() {
             [] => Ok(vec![alpha(case)?]),
