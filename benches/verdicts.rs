@@ -8,13 +8,14 @@
 #[path = "../tests/states/mod.rs"]
 mod states;
 
+use analysis::flows::Workspace;
+use analysis::growth::Verdict;
 use models::granular_flow::state::{Flow, State};
 use models::granular_flow::{Kind, Model, Parameters};
 use rayon::prelude::*;
 use states::{Random, Range};
 use std::hint::black_box;
 use std::time::Instant;
-use wellposed::frozen::{Workspace, verdict};
 
 /// Rounds of which the median is taken.
 const ROUNDS: usize = 7;
@@ -95,7 +96,7 @@ fn main() {
                 repeats,
                 || (),
                 |(), s| {
-                    black_box(s.model.closed_form(black_box(&s.flow)).map(verdict));
+                    black_box(s.model.closed_form(black_box(&s.flow)).map(Verdict::from));
                 },
             );
             let with_checks = rate(
@@ -106,7 +107,7 @@ fn main() {
                 |(), s| {
                     let (model, flow) =
                         states::flow(s.model.kind(), black_box(&s.parameters), black_box(&s.state));
-                    black_box(model.closed_form(&flow).map(verdict));
+                    black_box(model.closed_form(&flow).map(Verdict::from));
                 },
             );
             let share = 100.0 * answered.len() as f64 / samples.len() as f64;

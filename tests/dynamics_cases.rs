@@ -9,7 +9,7 @@ use wellposed::case::dynamics::{
 };
 use wellposed::case::{Case, Kind, Medium, Solid as SolidKind, Yield};
 use wellposed::new::{self, Purpose};
-use wellposed::solid::Solid;
+use wellposed::setup;
 use wellposed::{Options, dispersion, point};
 
 /// Plane strain with everything that it can have; tests refer to its lines.
@@ -309,7 +309,7 @@ fn a_case_is_read_as_written() {
 fn regions_inherit_what_they_do_not_have() {
     let case = parse(PLANE).unwrap();
     let regions = &case.dynamics.as_ref().unwrap().regions;
-    let modulus = |case: &Case| match Solid::of(case).unwrap().elastic {
+    let modulus = |case: &Case| match setup::solid::solid(case).unwrap().elastic {
         ElasticLaw::Isotropic(solid) => [solid.lambda, solid.mu],
         ElasticLaw::Compliances(_) => panic!(),
     };
@@ -339,7 +339,7 @@ fn an_error_of_a_model_names_the_line_of_the_region() {
     let located = |text: &str, sets: &[&str]| {
         let case = parse_with(text, sets).unwrap();
         let region = &case.dynamics.as_ref().unwrap().regions[0].case;
-        region.locate(Solid::of(region).unwrap_err()).to_string()
+        region.locate(setup::solid::solid(region).unwrap_err()).to_string()
     };
     let text = with(PLANE, "mu = 3e9", "mu = -3e9");
     let start = "folder/x.toml:34: region[0].model.mu: found -3000000000";

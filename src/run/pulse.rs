@@ -4,7 +4,7 @@ use super::setup::{cell_at, centre};
 use crate::Error;
 use crate::case::dynamics::{Dynamics, PlanePulse, Polarization};
 use crate::case::{Case, Wave};
-use crate::solid::{elastic_and_set, normal};
+use crate::setup::solid::{elastic_law_and_set, normal};
 use models::cosserat::waves::Field;
 use models::elementary::Elementary;
 use models::solid::ElasticLaw;
@@ -39,7 +39,7 @@ impl<'a> Incident<'a> {
     ) -> Result<Self, Error> {
         let medium = of_cell[cell_at(dynamics, &pulse.at)];
         let own = dynamics.regions.get(usize::from(medium)).map_or(case, |region| &region.case);
-        let (elastic, _) = elastic_and_set(own).map_err(|error| own.locate(error))?;
+        let (elastic, _) = elastic_law_and_set(own).map_err(|error| own.locate(error))?;
         let solid = match elastic {
             ElasticLaw::Isotropic(solid) if solid.microrotation.is_none() => solid,
             _ => {

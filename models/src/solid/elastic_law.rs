@@ -90,7 +90,7 @@ impl ElasticLaw {
 
     /// The rate equations in `D` dimensions with this stiffness between the stresses of the layout in place
     /// of the elastic one.
-    pub fn rates_with_stiffness<const D: usize>(
+    pub(super) fn rates_with_stiffness<const D: usize>(
         &self,
         layout: &Layout,
         stiffness: &Matrix,
