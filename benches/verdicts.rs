@@ -8,6 +8,8 @@
 #[path = "../tests/states/mod.rs"]
 mod states;
 
+use analysis::flows::Workspace;
+use analysis::growth::Verdict;
 use models::granular_flow::state::{Flow, State};
 use models::granular_flow::{Kind, Model};
 use models::registry;
@@ -16,7 +18,6 @@ use states::{Range, seeded};
 use std::hint::black_box;
 use std::time::Instant;
 use testkit::flows::Parameters;
-use wellposed::frozen::{Workspace, verdict};
 
 /// Rounds of which the median is taken.
 const ROUNDS: usize = 7;
@@ -97,7 +98,7 @@ fn main() {
                 repeats,
                 || (),
                 |(), s| {
-                    black_box(s.model.closed_form(black_box(&s.flow)).map(verdict));
+                    black_box(s.model.closed_form(black_box(&s.flow)).map(Verdict::from));
                 },
             );
             let with_checks = rate(
@@ -108,7 +109,7 @@ fn main() {
                 |(), s| {
                     let (model, flow) =
                         states::flow(s.model.kind(), black_box(&s.parameters), black_box(&s.state));
-                    black_box(model.closed_form(&flow).map(verdict));
+                    black_box(model.closed_form(&flow).map(Verdict::from));
                 },
             );
             let share = 100.0 * answered.len() as f64 / samples.len() as f64;

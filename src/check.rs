@@ -17,7 +17,7 @@ pub use fit::Rate;
 use crate::case::dynamics::Scheme;
 use crate::case::{Case, CaseError, Check, Kind, Parameter, Wave};
 use crate::output::{self, OutputError, ResultFolder};
-use crate::solid::Solid;
+use crate::setup;
 use crate::words::case_title;
 use crate::{Error, Format, Options};
 use figures::NoteFigure;
@@ -428,7 +428,7 @@ fn media(case: &Case) -> Result<Result<Media, InputError>, InputError> {
         media.push((String::new(), case.clone()));
     }
     for (_, own) in &media {
-        let solid = Solid::of(own)?;
+        let solid = setup::solid::solid(own)?;
         if let Err(error) = crate::run::medium(own, solid.dimensions) {
             return Ok(Err(error));
         }
@@ -476,8 +476,8 @@ pub fn plan(case: &Case, extent: Extent) -> Plan {
 /// The same for one of the media of a case.
 fn plan_of(whole: &Case, case: &Case, extent: Extent) -> Plan {
     let wave = case.numbers.wave;
-    let solid = Solid::of(case);
-    let own = solid.as_ref().ok().and_then(|solid| solid.elastic.own_wave_number());
+    let solid = setup::solid::solid(case);
+    let own = solid.as_ref().ok().and_then(|solid| solid.elastic.characteristic_wave_number());
     let dimensions = solid.as_ref().map_or(2, |solid| solid.dimensions);
     let yields = solid.is_ok_and(|solid| solid.plastic.is_some());
     let asked = case.check.clone().unwrap_or_default();

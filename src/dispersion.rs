@@ -1,14 +1,16 @@
 //! `wellposed dispersion`: frequencies and speeds of the waves of a solid against the wave number.
 
 use crate::case::{Case, Wave};
-use crate::frozen::StateError;
 use crate::output::{self, ResultFolder};
-use crate::solid::{Elastic, Solid};
+use crate::setup;
 use crate::words::{case_title, short};
 use crate::{Error, Format, Options};
+use analysis::StateError;
+use analysis::solids;
 use analysis::waves::{Family, ForbiddenBand, Mode};
 use figures::{Band, Branch, DispersionFigure, Level};
 use models::granular_flow::InputError;
+use models::solid::{ElasticLaw, Solid};
 use num_complex::Complex64;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -42,7 +44,7 @@ pub(crate) struct Point {
 /// The case is wrong, or results cannot be written.
 pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let case = Case::load(&options.case, &options.sets)?;
-    let solid = Solid::of(&case).map_err(|error| case.locate(error))?;
+    let solid = setup::solid::solid(&case).map_err(|error| case.locate(error))?;
     if solid.plastic.as_ref().is_some_and(|plastic| plastic.rate > 0.0) {
         let error = InputError {
             key: "yield.plastic_rate",
@@ -56,10 +58,11 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     let wave = case.numbers.wave;
     let greatest = match wave.greatest_number {
-        0.0 => solid.elastic.own_wave_number().map_or(wave.number, |own| 4.0 * own),
+        0.0 => solid.elastic.characteristic_wave_number().map_or(wave.number, |own| 4.0 * own),
         given => given,
     };
-    let kinds = kinds(&solid, &wave, greatest, false).map_err(|error| error.locate(&case))?;
+    let kinds =
+        kinds(&solid, &wave, greatest, false).map_err(|error| setup::locate(&case, error))?;
     let is_finite = |p: &Point| p.frequency.is_finite() && p.growth_rate.is_finite();
     let ends = [wave.number, greatest];
     if !ends.iter().all(|&k| kinds.iter().all(|kind| kind.at(k).iter().all(is_finite))) {
@@ -106,7 +109,7 @@ pub(crate) fn kinds(
     stays_elastic: bool,
 ) -> Result<Vec<Kind>, StateError> {
     let mut kinds: Vec<Kind> = Vec::new();
-    for family in solid.waves(wave, stays_elastic)?.families {
+    for family in solids::waves(solid, setup::solid::normal(wave), stays_elastic)?.families {
         let is_same = |other: &Kind| {
             let at = |f: &Family, k: f64| f.squared_frequencies(k);
             other.family.polarisation == family.polarisation
@@ -356,7 +359,7 @@ fn figure(case: &Case, solid: &Solid, kinds: &[Kind], greatest: f64) -> Dispersi
         }
     }
     let speed_limits = match &solid.elastic {
-        Elastic::Isotropic(elastic) => {
+        ElasticLaw::Isotropic(elastic) => {
             let speeds = elastic.speeds();
             let of_elastic = if solid.plastic.is_some() { "elastic " } else { "" };
             let level =
@@ -372,7 +375,7 @@ fn figure(case: &Case, solid: &Solid, kinds: &[Kind], greatest: f64) -> Dispersi
             .flatten()
             .collect()
         }
-        Elastic::Compliances(_) => Vec::new(),
+        ElasticLaw::Compliances(_) => Vec::new(),
     };
     DispersionFigure {
         title: case_title(case),

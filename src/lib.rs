@@ -2,8 +2,8 @@
 //!
 //! Describe a medium and a state in a case file; `wellposed` says whether its equations are
 //! well-posed. One file per verb ([`map`], [`point`], [`dispersion`], [`speeds`], [`run`], [`check`], [`plot`], [`cases`], [`new`]);
-//! [`case`] reads case files; [`output`] keeps folders of results. No physics here, and no numerics but where
-//! [`check`] holds the two halves against each other.
+//! [`case`] reads case files; [`setup`] makes of them what the crates below take; [`output`] keeps folders of
+//! results. No physics here, and no numerics but where [`check`] holds the two halves against each other.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
@@ -11,8 +11,6 @@ pub mod case;
 pub mod cases;
 pub mod check;
 pub mod dispersion;
-pub mod frozen;
-pub mod hyperbolicity;
 pub mod map;
 pub mod new;
 pub mod output;
@@ -20,7 +18,7 @@ pub mod plot;
 pub mod point;
 pub mod progress;
 pub mod run;
-pub mod solid;
+pub mod setup;
 pub mod speeds;
 pub mod words;
 

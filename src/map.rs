@@ -1,17 +1,21 @@
 //! `wellposed map`: the verdict over two parameters of a case.
 
 use crate::case::{ACTIVE_NAMES, Case, Kind, Map, Parameter, Sweep, radians};
-use crate::frozen::{Route, StateError, Workspace};
-use crate::hyperbolicity::{self, Hyperbolicity, PLANE_ROUTE, SPACE_ROUTE, Spheres};
 use crate::output::{self, ResultFolder};
 use crate::progress::Progress;
-use crate::solid::{Solid, angles_deg};
+use crate::setup;
+use crate::setup::solid::normal;
 use crate::words::{
     CLOSED_FORM, ROUTE, VALIDITY, case_title, coefficient_unit, short, superscript, unit,
 };
 use crate::{Error, Format, Options};
+use analysis::StateError;
 use analysis::bound;
+use analysis::flows::{Route, Workspace};
 use analysis::growth::Verdict;
+use analysis::solids::{
+    self, AcousticTensorCache, Hyperbolicity, PLANE_ROUTE, SPACE_ROUTE, SolidAssessor, angles_deg,
+};
 use figures::{Axis, Category, Curve, Look, VerdictMap};
 use models::elementary::Elementary;
 use models::granular_flow::Model;
@@ -163,8 +167,8 @@ pub fn run(options: &Options, extras: Extras, stdout: &mut dyn Write) -> Result<
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     if options.dry_run {
         // Some state of the map must make sense.
-        let spheres = Spheres::default();
-        let mut judge = Judge::new(&case, &map, Extras::default(), &spheres);
+        let cache = AcousticTensorCache::default();
+        let mut judge = Judge::new(&case, &map, Extras::default(), &cache);
         let mut first_error = None;
         let some_state = (0..map.y.points).any(|y| {
             (0..map.x.points).any(|x| match judge.point(x, y) {
@@ -176,7 +180,7 @@ pub fn run(options: &Options, extras: Extras, stdout: &mut dyn Write) -> Result<
             })
         });
         if let (false, Some(error)) = (some_state, first_error) {
-            return Err(error.locate_in_map(&case));
+            return Err(setup::locate_in_map(&case, error));
         }
         let points = map.x.points * map.y.points;
         writeln!(stdout, "would judge {points} states: {} × {}", map.x, map.y)?;
@@ -214,15 +218,15 @@ struct Judge<'a> {
     map: &'a Map,
     extras: Extras,
     workspace: Workspace,
-    solids: hyperbolicity::Judge<'a>,
+    solids: SolidAssessor<'a>,
     /// The model of a flow, whose constants are set for each point, and the list by way of which they are.
     model: Option<Model>,
     constants: Vec<f64>,
 }
 
 impl<'a> Judge<'a> {
-    fn new(case: &Case, map: &'a Map, extras: Extras, spheres: &'a Spheres) -> Self {
-        let (workspace, solids) = (Workspace::default(), hyperbolicity::Judge::new(spheres));
+    fn new(case: &Case, map: &'a Map, extras: Extras, cache: &'a AcousticTensorCache) -> Self {
+        let (workspace, solids) = (Workspace::default(), SolidAssessor::new(cache));
         let (model, constants) = (None, Vec::new());
         Self { case: case.clone(), map, extras, workspace, solids, model, constants }
     }
@@ -240,16 +244,17 @@ impl<'a> Judge<'a> {
     }
 
     fn solid(&mut self) -> Result<Point, StateError> {
-        let solid = Solid::of(&self.case)?;
-        let (judged, assessment) = self.solids.judge(&solid)?;
+        let solid = setup::solid::solid(&self.case)?;
+        let (assessment, of_polynomial) = self.solids.assess(&solid)?;
         let mut point = Point::empty(Code::WellPosed);
         if self.extras.growth_rate {
-            point.growth_rate = solid.growth_rate(&self.case.numbers.wave)?;
+            let wave = &self.case.numbers.wave;
+            point.growth_rate = solids::growth_rate(&solid, normal(wave), wave.number)?;
         }
-        if self.extras.bound && judged.verdict == Verdict::WellPosed {
-            let found = assessment
+        if self.extras.bound && assessment.verdict == Verdict::WellPosed {
+            let found = of_polynomial
                 .as_ref()
-                .and_then(|assessment| bound::supremum(&self.solids.plane.pencil, assessment, 0.0));
+                .and_then(|found| bound::supremum(&self.solids.plane.pencil, found, 0.0));
             point.bound = match found {
                 Some(supremum) => supremum.rate,
                 None if solid.keeps_energy() => 0.0,
@@ -257,16 +262,16 @@ impl<'a> Judge<'a> {
             };
         }
         point.speeds = Some(Speeds {
-            hyperbolicity: judged.hyperbolicity,
-            flutter: judged.extremes.flutter.map_or(0.0, |flutter| flutter.growth),
-            least_squared: match judged.stands_still() {
+            hyperbolicity: assessment.hyperbolicity,
+            flutter: assessment.extremes.flutter.map_or(0.0, |flutter| flutter.growth),
+            least_squared: match assessment.is_stationary() {
                 true => 0.0,
-                false => judged.extremes.slowest.speed_squared,
+                false => assessment.extremes.slowest.speed_squared,
             },
-            least_normal_deg: angles_deg(judged.extremes.slowest.normal),
+            least_normal_deg: angles_deg(assessment.extremes.slowest.normal),
         });
-        point.decide(judged.verdict.clone(), Route::ModelBlind);
-        if let Some([direction, elevation]) = judged.direction_deg() {
+        point.decide(assessment.verdict.clone(), Route::ModelBlind);
+        if let Some([direction, elevation]) = assessment.direction_deg() {
             (point.direction_deg, point.elevation_deg) = (direction, elevation);
         }
         Ok(point)
@@ -322,14 +327,14 @@ fn sweep(options: &Options, case: &Case, map: &Map, extras: Extras) -> Result<Ve
         true => [index / ny, index % ny],
         false => [index % nx, index / nx],
     };
-    let spheres = Spheres::default();
+    let cache = AcousticTensorCache::default();
     let progress = Progress::new("judging states", (nx * ny) as u64);
     let first_error = pool.install(|| {
         points
             .par_chunks_mut(64)
             .enumerate()
             .map_init(
-                || Judge::new(case, map, extras, &spheres),
+                || Judge::new(case, map, extras, &cache),
                 |judge, (chunk, block)| {
                     let mut first_error = None;
                     for (offset, point) in block.iter_mut().enumerate() {
@@ -360,7 +365,7 @@ fn sweep(options: &Options, case: &Case, map: &Map, extras: Extras) -> Result<Ve
     // A map may reach beyond the model's range; a map that lies outside altogether is a mistake.
     match first_error {
         Some((_, error)) if points.iter().all(|p| p.code == Code::OutsideModel) => {
-            Err(error.locate_in_map(case))
+            Err(setup::locate_in_map(case, error))
         }
         _ => Ok(points),
     }

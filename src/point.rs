@@ -1,20 +1,19 @@
 //! `wellposed point`: everything about one state.
 
-mod curves;
 mod solid;
 
 use crate::case::{Case, Kind, radians};
-use crate::frozen::{Frozen, Workspace};
 use crate::output::{self, ResultFolder};
 use crate::words::{
     ROUTE, VALIDITY, case_title, coaxial_words, coefficient_unit, order_words, short, superscript,
 };
-use crate::{Error, Format, Options};
+use crate::{Error, Format, Options, setup};
 use analysis::bound::{self, Place, Supremum};
 use analysis::characteristics::{self, Characteristics, Type};
+use analysis::flows::growth_curves::{self as curves, AtWaveNumber, FittedOrder};
+use analysis::flows::{FrozenState, Workspace};
 use analysis::growth::{Assessment, Verdict};
 use analysis::pencil::Roots;
-use curves::{AtWaveNumber, FittedOrder};
 use figures::{
     Direction, DirectionsFigure, GrowthFigure, Line, Mark, Panel, PolarFigure, Spoke, SpokeStyle,
     Style,
@@ -31,7 +30,7 @@ use std::io::Write;
 struct Analysed {
     kind: Kind,
     model: Model,
-    frozen: Frozen,
+    frozen: FrozenState,
     workspace: Workspace,
     /// Of no meaning unless the state flows.
     roots: Roots,
@@ -57,8 +56,8 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     // Keys that only a compared kind uses are nothing to this one.
     let mut own = analyse(&case.for_kind(case.kind))?;
     let noncoaxiality = match &own.frozen {
-        Frozen::Flowing { flow, .. } => Some(degrees(flow.noncoaxiality)),
-        Frozen::Elsewhere(_) => None,
+        FrozenState::Yielding { flow, .. } => Some(degrees(flow.noncoaxiality)),
+        FrozenState::NotYielding(_) => None,
     };
     let mut compared = Vec::new();
     for &kind in case.compare.iter().flatten() {
@@ -71,7 +70,7 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let shown: Vec<&Analysed> =
         if compared.is_empty() { vec![&own] } else { compared.iter().collect() };
     let has_curves = shown.iter().any(|a| a.regular().is_some());
-    let has_directions = matches!(own.frozen, Frozen::Flowing { .. });
+    let has_directions = matches!(own.frozen, FrozenState::Yielding { .. });
     if options.dry_run {
         writeln!(stdout, "would analyse {}", case_title(&case))?;
         let written = |name: &&&str| match **name {
@@ -131,7 +130,8 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
 
 fn analyse(case: &Case) -> Result<Analysed, Error> {
     let mut workspace = Workspace::default();
-    let (model, frozen) = workspace.judge(case).map_err(|error| error.locate(case))?;
+    let (model, frozen) =
+        setup::flow::assess(case, &mut workspace).map_err(|error| setup::locate(case, error))?;
     let mut analysed = Analysed {
         kind: case.kind,
         model,
@@ -145,7 +145,7 @@ fn analyse(case: &Case) -> Result<Analysed, Error> {
         fitted: None,
         lost_noncoaxiality_deg: None,
     };
-    let Frozen::Flowing { flow, assessment } = &analysed.frozen else { return Ok(analysed) };
+    let FrozenState::Yielding { flow, assessment } = &analysed.frozen else { return Ok(analysed) };
     let (model, workspace) = (&analysed.model, &analysed.workspace);
     let wave = case.numbers.wave;
     let direction = radians(wave.direction_deg);
@@ -193,7 +193,7 @@ impl Analysed {
     /// The assessment of a state whose equations determine their unknowns.
     fn regular(&self) -> Option<&Assessment> {
         match &self.frozen {
-            Frozen::Flowing { assessment, .. } if !self.workspace.pencil.is_singular() => {
+            FrozenState::Yielding { assessment, .. } if !self.workspace.pencil.is_singular() => {
                 Some(assessment)
             }
             _ => None,
@@ -233,8 +233,10 @@ fn degrees(x: f64) -> f64 {
 fn report(case: &Case, of: &Analysed) -> Value {
     let wave = case.numbers.wave;
     let background = match &of.frozen {
-        Frozen::Elsewhere(background) => background,
-        Frozen::Flowing { flow, assessment } => return report_flow(case, of, flow, assessment),
+        FrozenState::NotYielding(background) => background,
+        FrozenState::Yielding { flow, assessment } => {
+            return report_flow(case, of, flow, assessment);
+        }
     };
     json!({
         "model": of.kind.name(),
@@ -401,7 +403,7 @@ fn pair_of(values: [Rounded; 2]) -> String {
 fn words(case: &Case, of: &Analysed) -> String {
     let mut text = format!("{}\nmodel: {}\n", case_title(case), of.kind.title());
     let flow = match &of.frozen {
-        Frozen::Elsewhere(background) => {
+        FrozenState::NotYielding(background) => {
             let _ = writeln!(
                 text,
                 "region: {}\nThe state is not fully deforming: nothing to analyse.",
@@ -409,7 +411,7 @@ fn words(case: &Case, of: &Analysed) -> String {
             );
             return text;
         }
-        Frozen::Flowing { flow, .. } => flow,
+        FrozenState::Yielding { flow, .. } => flow,
     };
     let tensor = flow.stress.tensor();
     let gradient = flow.velocity_gradient;
@@ -512,7 +514,7 @@ fn words(case: &Case, of: &Analysed) -> String {
 }
 
 fn verdict_words(of: &Analysed) -> String {
-    let Frozen::Flowing { assessment, .. } = &of.frozen else {
+    let FrozenState::Yielding { assessment, .. } = &of.frozen else {
         return "Not fully deforming.\n".into();
     };
     let verdict = &assessment.verdict;
@@ -707,7 +709,7 @@ fn directions_figure(case: &Case, of: &Analysed) -> DirectionsFigure {
             style: Style::Characteristic,
         })
         .collect();
-    if let Frozen::Flowing { flow, .. } = &of.frozen {
+    if let FrozenState::Yielding { flow, .. } = &of.frozen {
         let axis = |label: &str, angle: f64, style| Direction {
             label: label.into(),
             angle_deg: degrees(angle).rem_euclid(180.0),

@@ -1,57 +1,37 @@
 //! `wellposed speeds`: characteristic speeds of a solid against the direction, elastic and yielding.
 
-use crate::case::{Case, Wave, Yield};
-use crate::hyperbolicity::{Judge, Judged, Spheres};
+use crate::case::{Case, Wave, Yield, radians};
 use crate::output::{self, ResultFolder};
 use crate::progress::Progress;
-use crate::solid::{Solid, angles_deg, flutter_json, normal, normal_json, normal_words as at};
-use crate::words::{case_title, short};
+use crate::setup::{self, solid::normal};
+use crate::words::{case_title, flutter_json, normal_json, normal_words as at, short};
 use crate::{Error, Format, Options};
-use analysis::circle::Circle;
-use analysis::waves::squared_speeds;
+use analysis::solids::{
+    AcousticTensorCache, DirectionalSpeeds, SolidAssessment, SolidAssessor, angles_deg,
+    slowest_speed,
+};
 use figures::{Response, SpeedCurve, SpeedsFigure, SphereFigure, SphereMark, Vanishing};
 use models::elementary::Elementary;
+use models::rates::RateEquations;
+use models::solid::Solid;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::Write;
 
-/// Directions of the curves over half a turn, both ends included.
-const DIRECTIONS: usize = 721;
 /// Degrees between the directions on the sphere.
 const SPHERE_STEP: usize = 1;
 /// Speeds that differ by less than this part of the greatest are one curve.
 const EQUAL: f64 = 1e-6;
-/// Parts of the greatest c² that count as zero: of a real part, and of an imaginary one, which a double
-/// root has by the square root of the rounding.
-const ZERO: f64 = 1e-12;
-const REAL: f64 = 1e-6;
-
-/// The squared speeds in one direction, by descending real part.
-type Speeds = Vec<Complex64>;
-
-/// Elastic speeds and those while yielding, at an angle in degrees.
-type Responses = dyn Fn(f64) -> (Speeds, Speeds);
 
 /// What was found.
 struct Found {
     solid: Solid,
-    judged: Judged,
-    /// Directions, degrees, with elastic speeds and those while yielding.
-    curves: Vec<(f64, Speeds, Speeds)>,
-    /// Sectors of flutter in the plane of the curves, degrees.
-    flutter: Vec<[f64; 2]>,
-    /// Sectors of imaginary speeds, c² < 0, likewise.
-    imaginary: Vec<[f64; 2]>,
-    /// Directions of vanishing speeds in that plane, degrees, and what they are.
-    vanishing: Vec<(f64, &'static str)>,
-    /// Whether a speed vanishes in all directions.
-    always_still: bool,
+    assessment: SolidAssessment,
+    speeds: DirectionalSpeeds,
     /// On the hemisphere, azimuth running fastest: the slowest real speed, NaN where one is complex.
     sphere: Option<Vec<f64>>,
-    /// Greatest c², m²/s².
-    largest: f64,
 }
 
 /// Runs the verb.
@@ -60,11 +40,11 @@ struct Found {
 /// The case is wrong, or results cannot be written.
 pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let case = Case::load(&options.case, &options.sets)?;
-    let solid = Solid::of(&case).map_err(|error| case.locate(error))?;
+    let solid = setup::solid::solid(&case).map_err(|error| case.locate(error))?;
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     let has_sphere = solid.dimensions == 3;
     if options.dry_run {
-        writeln!(stdout, "would find speeds in {DIRECTIONS} directions")?;
+        writeln!(stdout, "would find speeds in {} directions", DirectionalSpeeds::DIRECTIONS)?;
         for name in output::SPEEDS.iter().filter(|name| has_sphere || !name.starts_with("sphere")) {
             writeln!(stdout, "would write {}", folder.path().join(name).display())?;
         }
@@ -99,95 +79,21 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
 }
 
 fn find(case: &Case, solid: Solid) -> Result<Found, Error> {
-    let located = |error: crate::frozen::StateError| error.locate(case);
-    let wave = case.numbers.wave;
-    let spheres = Spheres::default();
-    let (judged, _) = Judge::new(&spheres).judge(&solid).map_err(located)?;
-    let directions = (0..DIRECTIONS).map(|i| 180.0 * i as f64 / (DIRECTIONS - 1) as f64);
-    // Both responses at an angle in degrees.
-    let (at, sphere, circle): (Box<Responses>, _, _) = if solid.dimensions == 2 {
-        let rates = solid.rates().map_err(located)?;
-        let (elastic, circle) = (Circle::new(&solid.elastic_rates()), Circle::new(&rates));
-        let yielding = circle.clone();
-        let at = move |degrees: f64| {
-            let angle = degrees.to_radians();
-            (elastic.squared_speeds(angle), yielding.squared_speeds(angle))
-        };
-        (Box::new(at), None, Some(circle))
-    } else {
-        let (elastic, rates) = (solid.elastic_rates::<3>(), solid.rates::<3>().map_err(located)?);
-        let sphere = hemisphere(&rates);
-        let at = move |direction_deg: f64| {
-            let normal = normal(&Wave { direction_deg, ..wave });
-            (squared_speeds(&elastic, normal), squared_speeds(&rates, normal))
-        };
-        (Box::new(at), Some(sphere), None)
+    let located = |error| setup::locate(case, error);
+    let cache = AcousticTensorCache::default();
+    let (assessment, _) = SolidAssessor::new(&cache).assess(&solid).map_err(located)?;
+    let elevation = radians(case.numbers.wave.elevation_deg);
+    let speeds =
+        DirectionalSpeeds::new(&solid, elevation).map_err(|error| located(error.into()))?;
+    let sphere = match solid.dimensions {
+        2 => None,
+        _ => Some(hemisphere(&solid.rates().map_err(|error| located(error.into()))?)),
     };
-    let curves: Vec<(f64, Speeds, Speeds)> = directions
-        .map(|degrees| {
-            let (elastic, yielding) = at(degrees);
-            (degrees, elastic, yielding)
-        })
-        .collect();
-    let largest = curves.iter().flat_map(|(_, e, _)| e).map(|c| c.re).fold(0.0, f64::max);
-    let is_complex = |c: &Complex64| c.im.abs() > REAL * largest;
-    let is_imaginary = |c: &Complex64| !is_complex(c) && c.re < -ZERO * largest;
-    let holds =
-        |is_such: &dyn Fn(&Complex64) -> bool, degrees: f64| at(degrees).1.iter().any(is_such);
-    let flutter = match &circle {
-        Some(circle) => {
-            circle.flutter_sectors().into_iter().map(|s| s.map(f64::to_degrees)).collect()
-        }
-        None => sectors(|degrees| holds(&is_complex, degrees)),
-    };
-    let imaginary = sectors(|degrees| holds(&is_imaginary, degrees));
-    let vanishing = match &circle {
-        Some(circle) => circle
-            .vanishing()
-            .into_iter()
-            .map(|angle| (angle.to_degrees(), standstill(&solid, angle)))
-            .collect(),
-        // Between real and imaginary speeds.
-        None => {
-            let ends = imaginary.iter().flatten().map(|end| end.rem_euclid(180.0));
-            ends.map(|end| (end, "stationary discontinuity")).collect()
-        }
-    };
-    let always_still = circle.is_some_and(|circle| circle.is_always_still());
-    Ok(Found {
-        solid,
-        judged,
-        curves,
-        flutter,
-        imaginary,
-        vanishing,
-        always_still,
-        sphere,
-        largest,
-    })
-}
-
-/// Why a wave stands still whose normal has that angle (rad).
-fn standstill(solid: &Solid, angle: f64) -> &'static str {
-    const NEAR: f64 = 1e-5; // a zero that is touched is known to the square root of the rounding
-    let active = solid.plastic.iter().flat_map(|plastic| &plastic.active);
-    let (sin, cos) = angle.cr_sin_cos();
-    let slips = |normal: &models::cosserat::stress::Stress| {
-        // The layers normal to x₁ slip where σ₂₁ is limited, those normal to x₂ where σ₁₂ is.
-        let sheared = |i: usize, j: usize| normal.force[i][j] != 0.0 || normal.couple[2][j] != 0.0;
-        (sin.abs() < NEAR && sheared(1, 0)) || (cos.abs() < NEAR && sheared(0, 1))
-    };
-    let is_layered = solid.plastic.as_ref().is_some_and(|plastic| {
-        matches!(plastic.set, models::plasticity::parameters::YieldSet::Interlayer(_))
-    });
-    match is_layered && active.map(|condition| &condition.normal).any(slips) {
-        true => "slip along the layer",
-        false => "stationary discontinuity",
-    }
+    Ok(Found { solid, assessment, speeds, sphere })
 }
 
 /// The slowest real speed over the hemisphere; NaN where c² is complex or negative.
-fn hemisphere(rates: &models::rates::RateEquations<3>) -> Vec<f64> {
+fn hemisphere(rates: &RateEquations<3>) -> Vec<f64> {
     let (polar, azimuth) = angles();
     let progress = Progress::new("speeds over the sphere", polar.len() as u64);
     polar
@@ -198,7 +104,7 @@ fn hemisphere(rates: &models::rates::RateEquations<3>) -> Vec<f64> {
                 .iter()
                 .map(|azimuth| {
                     let (y, x) = azimuth.to_radians().cr_sin_cos();
-                    slowest(&squared_speeds(rates, [sin * x, sin * y, cos]))
+                    slowest_speed(rates, [sin * x, sin * y, cos])
                 })
                 .collect();
             progress.tick(1);
@@ -207,53 +113,19 @@ fn hemisphere(rates: &models::rates::RateEquations<3>) -> Vec<f64> {
         .collect()
 }
 
-/// The slowest of the waves that travel; NaN where some c² is complex or negative.
-fn slowest(squares: &[Complex64]) -> f64 {
-    let largest = squares.iter().map(|c| c.norm()).fold(0.0, f64::max);
-    if squares.iter().any(|c| c.im.abs() > REAL * largest || c.re < -ZERO * largest) {
-        return f64::NAN;
-    }
-    let travelling = squares.iter().map(|c| c.re).filter(|&c| c > ZERO * largest);
-    travelling.fold(f64::INFINITY, f64::min).sqrt()
-}
-
 fn angles() -> (Vec<f64>, Vec<f64>) {
     let list = |to: usize| (0..to).step_by(SPHERE_STEP).map(|degrees| degrees as f64).collect();
     (list(91), list(360))
 }
 
-/// Sectors of directions, degrees, in which something holds; ends by halving. `[0, 180]` where it does
-/// all around.
-fn sectors(holds: impl Fn(f64) -> bool) -> Vec<[f64; 2]> {
-    let step = 180.0 / (DIRECTIONS - 1) as f64;
-    let angles = (0..DIRECTIONS - 1).map(|i| step * i as f64);
-    let is_edge = |&angle: &f64| holds(angle) != holds(angle + step);
-    let edge = |angle: f64| {
-        let (mut low, mut high) = (angle, angle + step);
-        let was = holds(low);
-        for _ in 0..45 {
-            let middle = 0.5 * (low + high);
-            if holds(middle) == was { low = middle } else { high = middle }
-        }
-        (0.5 * (low + high), !was)
-    };
-    let edges: Vec<(f64, bool)> = angles.filter(is_edge).map(edge).collect();
-    let Some(first) = edges.first() else {
-        return if holds(0.0) { vec![[0.0, 180.0]] } else { Vec::new() };
-    };
-    let after = edges.iter().skip(1).map(|edge| edge.0).chain([first.0 + 180.0]);
-    let sectors = edges.iter().zip(after).filter(|((_, begins), _)| *begins);
-    sectors.map(|(&(from, _), to)| [from, to]).collect()
-}
-
 impl Found {
     /// Whether the slowest wave is as slow in every direction, within what curves show.
     fn slowest_is_everywhere(&self) -> bool {
-        let slowest = self.judged.extremes.slowest.speed_squared.max(0.0).sqrt();
-        let is_same = |c: f64| (c - slowest).abs() <= EQUAL * self.largest.sqrt();
+        let slowest = self.assessment.extremes.slowest.speed_squared.max(0.0).sqrt();
+        let is_same = |c: f64| (c - slowest).abs() <= EQUAL * self.speeds.largest.sqrt();
         match &self.sphere {
             Some(values) => values.iter().all(|&c| is_same(c)),
-            None => self.curves.iter().all(|(_, _, yielding)| {
+            None => self.speeds.curves.iter().all(|(_, _, yielding)| {
                 let least = yielding.iter().map(|c| c.re).fold(f64::INFINITY, f64::min);
                 is_same(least.max(0.0).sqrt())
             }),
@@ -262,11 +134,11 @@ impl Found {
 }
 
 fn is_slowest_of_none(found: &Found) -> bool {
-    !found.judged.extremes.slowest.speed_squared.is_finite()
+    !found.assessment.extremes.slowest.speed_squared.is_finite()
 }
 
 fn report(case: &Case, found: &Found) -> Value {
-    let Judged { verdict, extremes, hyperbolicity, route, .. } = &found.judged;
+    let SolidAssessment { verdict, extremes, hyperbolicity, route, .. } = &found.assessment;
     json!({
         "model": case.kind.name(),
         "yield": case.yields.map(Yield::name),
@@ -282,11 +154,11 @@ fn report(case: &Case, found: &Found) -> Value {
             "rounding": extremes.slowest.rounding,
             "normal": normal_json(extremes.slowest.normal),
         },
-        "flutter_sectors_deg": found.flutter,
-        "imaginary_sectors_deg": found.imaginary,
-        "always_still": found.always_still,
-        "vanishing": found.vanishing.iter()
-            .map(|(degrees, what)| json!({ "direction_deg": degrees, "what": what }))
+        "flutter_sectors_deg": found.speeds.flutter,
+        "imaginary_sectors_deg": found.speeds.imaginary,
+        "always_still": found.speeds.is_always_stationary,
+        "vanishing": found.speeds.vanishing.iter()
+            .map(|(degrees, cause)| json!({ "direction_deg": degrees, "what": cause.name() }))
             .collect::<Vec<_>>(),
         "elevation_deg": case.numbers.wave.elevation_deg,
         "route": route,
@@ -294,8 +166,8 @@ fn report(case: &Case, found: &Found) -> Value {
 }
 
 /// Least and greatest of a speed over the directions in which it is real.
-fn range(speeds: impl Iterator<Item = Complex64>, largest: f64) -> Option<[f64; 2]> {
-    let real = speeds.filter(|c| c.im.abs() <= REAL * largest && c.re >= -ZERO * largest);
+fn range(speeds: &DirectionalSpeeds, squares: impl Iterator<Item = Complex64>) -> Option<[f64; 2]> {
+    let real = squares.filter(|c| !speeds.is_complex(c) && speeds.is_not_negative(c));
     let range = real
         .map(|c| c.re.max(0.0).sqrt())
         .fold([f64::INFINITY, 0.0], |[a, b], c| [f64::min(a, c), f64::max(b, c)]);
@@ -310,7 +182,7 @@ fn words(case: &Case, found: &Found) -> String {
         (_, up) => format!("in space; curves {}° above the plane of x₁ and x₂\n", short(up)),
     }
     .as_str();
-    let waves = found.curves[0].1.len();
+    let waves = found.speeds.curves[0].1.len();
     let mut table = |name: &str, speeds: &dyn Fn(usize) -> Option<[f64; 2]>| {
         let _ = writeln!(text, "\nspeeds {name}, over all these directions (m/s)");
         for wave in 0..waves {
@@ -326,13 +198,13 @@ fn words(case: &Case, found: &Found) -> String {
             };
         }
     };
-    let largest = found.largest;
-    table("elastic", &|i| range(found.curves.iter().map(|(_, e, _)| e[i]), largest));
+    let speeds = &found.speeds;
+    table("elastic", &|i| range(speeds, speeds.curves.iter().map(|(_, e, _)| e[i])));
     if found.solid.plastic.is_some() {
-        table("yielding", &|i| range(found.curves.iter().map(|(_, _, y)| y[i]), largest));
+        table("yielding", &|i| range(speeds, speeds.curves.iter().map(|(_, _, y)| y[i])));
     }
-    let _ = writeln!(text, "\n{}", found.judged.hyperbolicity.words());
-    for [from, to] in &found.flutter {
+    let _ = writeln!(text, "\n{}", found.assessment.hyperbolicity.words());
+    for [from, to] in &found.speeds.flutter {
         let _ = writeln!(
             text,
             "  complex speeds for normals from {}° to {}°",
@@ -340,7 +212,7 @@ fn words(case: &Case, found: &Found) -> String {
             short(*to)
         );
     }
-    for [from, to] in &found.imaginary {
+    for [from, to] in &found.speeds.imaginary {
         let _ = writeln!(
             text,
             "  imaginary speeds for normals from {}° to {}°",
@@ -348,13 +220,14 @@ fn words(case: &Case, found: &Found) -> String {
             short(*to)
         );
     }
-    if found.always_still {
+    if found.speeds.is_always_stationary {
         let _ = writeln!(text, "  a speed vanishes in all directions");
     }
-    for (degrees, what) in &found.vanishing {
-        let _ = writeln!(text, "  a speed vanishes for the normal at {}°: {what}", short(*degrees));
+    for (degrees, cause) in &found.speeds.vanishing {
+        let (degrees, cause) = (short(*degrees), cause.name());
+        let _ = writeln!(text, "  a speed vanishes for the normal at {degrees}°: {cause}");
     }
-    let extremes = &found.judged.extremes;
+    let extremes = &found.assessment.extremes;
     if let Some(flutter) = extremes.flutter {
         let _ = writeln!(
             text,
@@ -366,7 +239,7 @@ fn words(case: &Case, found: &Found) -> String {
         );
     }
     let slowest = extremes.slowest;
-    let value = match found.judged.stands_still() {
+    let value = match found.assessment.is_stationary() {
         true => "0".to_owned(),
         false => short(slowest.speed_squared),
     };
@@ -375,14 +248,14 @@ fn words(case: &Case, found: &Found) -> String {
         false => format!("normal {}", at(slowest.normal)),
     };
     let _ = writeln!(text, "  slowest wave: c² = {value} m²/s², {place}");
-    let _ = writeln!(text, "Verdict: {}", found.judged.verdict.name());
+    let _ = writeln!(text, "Verdict: {}", found.assessment.verdict.name());
     text
 }
 
 fn csv(found: &Found) -> Result<Vec<u8>, Error> {
     let header = ["direction_deg", "response", "wave", "squared_speed", "squared_speed_imaginary"];
     let is_yielding = found.solid.plastic.is_some();
-    let rows = found.curves.iter().flat_map(move |(degrees, elastic, yielding)| {
+    let rows = found.speeds.curves.iter().flat_map(move |(degrees, elastic, yielding)| {
         let of = move |name: &'static str, speeds: &[Complex64]| -> Vec<Vec<files::csv::Cell>> {
             let row = |(wave, c): (usize, &Complex64)| -> Vec<files::csv::Cell> {
                 let wave = (wave + 1) as f64;
@@ -410,14 +283,16 @@ fn sphere_csv(values: &[f64]) -> Result<Vec<u8>, Error> {
 
 /// The curves of one response, those that run together as one.
 fn curves(found: &Found, response: Response) -> Vec<SpeedCurve> {
-    let largest = found.largest;
-    let speed = |c: Complex64| match c.im.abs() > REAL * largest || c.re >= -ZERO * largest {
+    let largest = found.speeds.largest;
+    let speed = |c: Complex64| match found.speeds.is_complex(&c) || found.speeds.is_not_negative(&c)
+    {
         true => c.sqrt().re,
         false => f64::NAN,
     };
     let mut curves: Vec<SpeedCurve> = Vec::new();
-    for wave in 0..found.curves[0].1.len() {
+    for wave in 0..found.speeds.curves[0].1.len() {
         let points: Vec<[f64; 2]> = found
+            .speeds
             .curves
             .iter()
             .map(|(degrees, elastic, yielding)| match response {
@@ -472,19 +347,20 @@ fn figure(case: &Case, found: &Found) -> SpeedsFigure {
         speed_label: "characteristic speed c".into(),
         unit: "m/s".into(),
         curves: all,
-        flutter: found.flutter.clone(),
-        imaginary: found.imaginary.clone(),
+        flutter: found.speeds.flutter.clone(),
+        imaginary: found.speeds.imaginary.clone(),
         vanishing: found
+            .speeds
             .vanishing
             .iter()
-            .map(|&(angle_deg, what)| Vanishing { label: what.into(), angle_deg })
+            .map(|&(angle_deg, cause)| Vanishing { label: cause.name().into(), angle_deg })
             .collect(),
     }
 }
 
 fn sphere_figure(case: &Case, found: &Found, values: &[f64]) -> SphereFigure {
     let (polar_deg, azimuth_deg) = angles();
-    let extremes = &found.judged.extremes;
+    let extremes = &found.assessment.extremes;
     // Of two opposite normals the one whose angles are printed.
     let mark = |label: &str, of: [f64; 3]| {
         let [direction_deg, elevation_deg] = angles_deg(of);

@@ -1,7 +1,10 @@
 //! Numbers, units and orders as words for a reader.
 
 use crate::case::Case;
+use analysis::solids::angles_deg;
+use analysis::sphere::Flutter;
 use models::elementary::Elementary;
+use serde_json::{Value, json};
 
 /// How verdicts come about that a formula of the model decides.
 pub const CLOSED_FORM: &str = "closed form of the model's growth rate, where its sign and ten digits of it stand out of rounding";
@@ -108,6 +111,32 @@ pub fn superscript(order: f64) -> String {
 /// Unit of lim Re ς / k^order.
 pub fn coefficient_unit(order: f64) -> String {
     format!("m{}/s", superscript(order))
+}
+
+/// A normal for a reader: `at 30°, 12° above the plane`.
+pub fn normal_words(normal: [f64; 3]) -> String {
+    let [direction, elevation] = angles_deg(normal);
+    match elevation {
+        0.0 => format!("at {}°", short(direction)),
+        up => format!("at {}°, {}° above the plane", short(direction), short(up)),
+    }
+}
+
+/// A normal as JSON: its components and angles.
+pub fn normal_json(normal: [f64; 3]) -> Value {
+    let [direction, elevation] = angles_deg(normal);
+    json!({ "vector": normal, "direction_deg": direction, "elevation_deg": elevation })
+}
+
+/// Flutter as JSON; null without.
+pub fn flutter_json(flutter: Option<Flutter>) -> Value {
+    flutter.map_or(Value::Null, |flutter| {
+        json!({
+            "growth": flutter.growth,
+            "squared_speed": [flutter.speed_squared.re, flutter.speed_squared.im],
+            "normal": normal_json(flutter.normal),
+        })
+    })
 }
 
 #[cfg(test)]

@@ -2,12 +2,12 @@
 
 mod states;
 
+use analysis::flows::{Route, Workspace};
 use models::registry;
 use states::{Range, seeded};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use wellposed::case::{Case, Parameter};
-use wellposed::frozen::{Route, Workspace};
 
 thread_local! {
     static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };

@@ -2,6 +2,7 @@
 
 mod mutation;
 
+use analysis::flows::Workspace;
 use models::registry;
 use mutation::{mutants, shrunk, without_marks};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -9,8 +10,7 @@ use std::time::{Duration, Instant};
 use wellposed::Options;
 use wellposed::case::{Case, Kind, Medium, Parameter, Presence, Yield, keys, radians};
 use wellposed::cases::CASES;
-use wellposed::frozen::Workspace;
-use wellposed::solid::Solid;
+use wellposed::setup;
 
 /// A case with every section; tests refer to its lines.
 const CASE: &str = "\
@@ -155,7 +155,7 @@ fn every_number_of_the_table_reaches_the_models() {
             Kind::Flow(_) => {
                 constants(&changed) != constants(&case) || changed.state() != case.state()
             }
-            Kind::Solid(_) => Solid::of(&changed) != Solid::of(&case),
+            Kind::Solid(_) => setup::solid::solid(&changed) != setup::solid::solid(&case),
         };
         assert!(reaches, "{name}");
     }
@@ -207,7 +207,7 @@ fn new_cases_are_complete_and_valid() {
         let case = parse(&text).unwrap();
         assert_eq!(case.medium(), medium);
         if let Kind::Solid(_) = medium.kind {
-            Solid::of(&case).unwrap();
+            setup::solid::solid(&case).unwrap();
         } else {
             check(&case).unwrap();
             let map = case.required_map().unwrap();
@@ -242,7 +242,7 @@ fn bundled_cases_are_valid_and_have_headers() {
         let verb = if case.in_time().is_ok() {
             if path.starts_with("cases/check/") { "check" } else { "run" }
         } else if let Kind::Solid(_) = case.kind {
-            Solid::of(&case).unwrap_or_else(|error| panic!("{error}"));
+            setup::solid::solid(&case).unwrap_or_else(|error| panic!("{error}"));
             match case.map.is_some() {
                 true => "map",
                 false if path.starts_with("cases/check/") => "check",
@@ -654,7 +654,7 @@ fn ten_thousand_mutants_are_taken_or_refused() {
         let again = parse(&case.to_toml()).expect("a resolved case is a case");
         assert!(again == case, "the resolved case differs from the case");
         for kind in case.compare.iter().flatten() {
-            let _ = workspace.judge(&case.for_kind(*kind));
+            let _ = setup::flow::assess(&case.for_kind(*kind), &mut workspace);
         }
         // All corners of the map.
         for map in case.map.iter().filter(|map| map.x.points.max(map.y.points) <= 1000) {
@@ -662,7 +662,7 @@ fn ten_thousand_mutants_are_taken_or_refused() {
                 let mut case = case.clone();
                 case.set(map.x.parameter, map.x.value((corner % 2) * (map.x.points - 1)));
                 case.set(map.y.parameter, map.y.value((corner / 2) * (map.y.points - 1)));
-                let _ = workspace.judge(&case);
+                let _ = setup::flow::assess(&case, &mut workspace);
             }
         }
         // Everything that a point is asked for costs more than its verdict: every tenth.
@@ -671,7 +671,7 @@ fn ten_thousand_mutants_are_taken_or_refused() {
             let options = Options { case: file.clone(), dry_run: true, ..Options::default() };
             let _ = wellposed::point::run(&options, &mut std::io::sink());
         }
-        workspace.judge(&case).is_ok()
+        setup::flow::assess(&case, &mut workspace).is_ok()
     });
 }
 

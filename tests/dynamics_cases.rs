@@ -1,6 +1,7 @@
 //! What case files say of runs in time: what is read, what is refused and in which words.
 
 use models::cosserat::parameters::Theory;
+use models::solid::ElasticLaw;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use wellposed::case::dynamics::{
     Action, Centre, Component, Condition, Dynamics, Initial, Kernel, Picture, Recorded, Shape,
@@ -8,7 +9,7 @@ use wellposed::case::dynamics::{
 };
 use wellposed::case::{Case, Kind, Medium, Solid as SolidKind, Yield};
 use wellposed::new::{self, Purpose};
-use wellposed::solid::{Elastic, Solid};
+use wellposed::setup;
 use wellposed::{Options, dispersion, point};
 
 /// Plane strain with everything that it can have; tests refer to its lines.
@@ -308,9 +309,9 @@ fn a_case_is_read_as_written() {
 fn regions_inherit_what_they_do_not_have() {
     let case = parse(PLANE).unwrap();
     let regions = &case.dynamics.as_ref().unwrap().regions;
-    let modulus = |case: &Case| match Solid::of(case).unwrap().elastic {
-        Elastic::Isotropic(solid) => [solid.lambda, solid.mu],
-        Elastic::Compliances(_) => panic!(),
+    let modulus = |case: &Case| match setup::solid::solid(case).unwrap().elastic {
+        ElasticLaw::Isotropic(solid) => [solid.lambda, solid.mu],
+        ElasticLaw::Compliances(_) => panic!(),
     };
     assert_eq!(modulus(&regions[0].case), [2e9, 3e9]);
     assert_eq!(modulus(&regions[1].case), [2e9, 1e9]);
@@ -338,7 +339,7 @@ fn an_error_of_a_model_names_the_line_of_the_region() {
     let located = |text: &str, sets: &[&str]| {
         let case = parse_with(text, sets).unwrap();
         let region = &case.dynamics.as_ref().unwrap().regions[0].case;
-        region.locate(Solid::of(region).unwrap_err()).to_string()
+        region.locate(setup::solid::solid(region).unwrap_err()).to_string()
     };
     let text = with(PLANE, "mu = 3e9", "mu = -3e9");
     let start = "folder/x.toml:34: region[0].model.mu: found -3000000000";

@@ -3,6 +3,7 @@
 
 mod states;
 
+use analysis::flows::Workspace;
 use analysis::growth::Verdict;
 use models::ClosedForm;
 use models::granular_flow::Kind;
@@ -16,7 +17,6 @@ use std::fs;
 use std::path::Path;
 use testkit::flows::Parameters;
 use wellposed::Options;
-use wellposed::frozen::{Workspace, verdict};
 use wellposed::map::{self, Extras};
 
 /// Relative difference of two coefficients that counts as none.
@@ -39,7 +39,7 @@ impl Judged {
         let closed_form = model.closed_form(&flow);
         let assessed = workspace.assess(&model, &flow).expect("finite coefficients").verdict;
         let difference = closed_form.and_then(|own| {
-            let what = difference(&verdict(own), &assessed, |from| {
+            let what = difference(&Verdict::from(own), &assessed, |from| {
                 equally_bad(kind, parameters, state, from)
             })?;
             Some(format!(

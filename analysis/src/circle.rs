@@ -11,7 +11,7 @@
 //! circle is sampled every half degree. Sectors of flutter that are narrower are found at the directions
 //! handed over: those of the verdict, which comes from the exact polynomial.
 
-use crate::golden::golden_section;
+use crate::search::{bisect, place_of_maximum, sectors};
 use crate::sphere::{Extremes, Flutter, Slowest};
 use models::elementary::Elementary;
 use models::product::triple_product;
@@ -142,28 +142,7 @@ impl Circle {
     /// is found by halving. `[0, π]` where they are so all around.
     pub fn flutter_sectors(&self) -> Vec<[f64; 2]> {
         let is_complex = |theta: f64| self.flutter(theta).0 > 0.0;
-        let angles: Vec<f64> = angles().collect();
-        let step = PI / DIRECTIONS as f64;
-        let edge = |theta: f64| {
-            let (mut low, mut high) = (theta, theta + step);
-            let was = is_complex(low);
-            for _ in 0..STEPS {
-                let middle = 0.5 * (low + high);
-                if is_complex(middle) == was { low = middle } else { high = middle }
-            }
-            0.5 * (low + high)
-        };
-        let changes = |&theta: &f64| is_complex(theta) != is_complex(theta + step);
-        let edges: Vec<f64> = angles.iter().copied().filter(changes).map(edge).collect();
-        if edges.is_empty() {
-            return if is_complex(0.0) { vec![[0.0, PI]] } else { Vec::new() };
-        }
-        let next = |i: usize| match edges.get(i + 1) {
-            Some(&edge) => edge,
-            None => edges[0] + PI,
-        };
-        let sectors = (0..edges.len()).map(|i| [edges[i], next(i)]);
-        sectors.filter(|[from, to]| is_complex(0.5 * (from + to))).collect()
+        sectors(angles(), PI / DIRECTIONS as f64, PI, STEPS, is_complex)
     }
 
     /// Whether some c² is zero in all directions.
@@ -187,18 +166,14 @@ impl Circle {
         for &theta in &angles {
             let [before, here, after] = [theta - step, theta, theta + step].map(value);
             if (here > 0.0) != (after > 0.0) && here.is_finite() && after.is_finite() {
-                let (mut low, mut high) = (theta, theta + step);
-                for _ in 0..STEPS {
-                    let middle = 0.5 * (low + high);
-                    if (value(middle) > 0.0) == (here > 0.0) { low = middle } else { high = middle }
-                }
+                let [low, high] = bisect([theta, theta + step], STEPS, |theta| value(theta) > 0.0);
                 // A jump is where a pair becomes complex: no zero.
                 if value(low).abs().max(value(high).abs()) <= 1e3 * tolerance {
                     found.push(0.5 * (low + high));
                 }
             } else if here.abs() <= before.abs() && here.abs() <= after.abs() {
                 let touching =
-                    golden_section(|theta| -value(theta).abs(), theta - step, theta + step);
+                    place_of_maximum(|theta| -value(theta).abs(), theta - step, theta + step);
                 if value(touching).abs() <= tolerance {
                     found.push(touching);
                 }
@@ -232,6 +207,6 @@ fn greatest(value: impl Fn(f64) -> f64, angles: &[f64]) -> f64 {
             (best, at) = (here, angle);
         }
     }
-    let refined = golden_section(&value, at - step, at + step);
+    let refined = place_of_maximum(&value, at - step, at + step);
     if value(refined) > best { refined } else { at }
 }

@@ -9,7 +9,6 @@
 
 use crate::face::Face;
 use crate::form::{self, Form, Zero};
-use crate::golden::golden_section;
 use crate::layers::{Collision, along, collisions_at, search_collision, search_layer};
 use crate::leading;
 use crate::list::{List, list};
@@ -17,6 +16,7 @@ use crate::newton::{Order, corners_of, is_on};
 use crate::pencil::Pencil;
 use crate::polynomial::Term;
 use crate::puiseux::{self, Monomial};
+use crate::search::place_of_maximum;
 use crate::value::{Value, imaginary_power};
 use crate::worst::Worst;
 use models::Rounded;
@@ -520,7 +520,7 @@ fn follow_neutral_roots(terms: &[Term], zeros: &[Zero], worst: &mut Worst) {
             _ => 0.0,
         };
         let (a, b) = ((place - step).max(left), (place + step).min(right));
-        let refined = golden_section(rate, a, b);
+        let refined = place_of_maximum(rate, a, b);
         if rate(refined) > value {
             (value, place) = (rate(refined), refined);
         }

@@ -1,6 +1,6 @@
 //! From a linearised system to its roots, characteristics, growth and verdict.
 //!
-//! Everything here works on [`models::LinearisedSystem`] as data and knows no model:
+//! The engine works on [`models::LinearisedSystem`] as data and knows no model:
 //!
 //! - [`scaling`]: units in which all coefficients are of comparable size;
 //! - [`polynomial`]: the exact dispersion polynomial det(ςA + κ₁B¹ + κ₂B² + C), κ = ik;
@@ -16,6 +16,8 @@
 //! - [`energy`]: what the symmetriser of a solid's equations shows;
 //! - [`kelvin`]: waves that a homogeneous flow carries along;
 //! - [`waves`]: speeds, dispersion curves and forbidden bands of solids.
+//!
+//! On top of it stand the assessments of what [`models`] describes: [`flows`] and [`solids`].
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
@@ -26,8 +28,8 @@ mod dense;
 pub mod energy;
 pub mod extended;
 mod face;
+pub mod flows;
 pub mod form;
-mod golden;
 pub mod growth;
 pub mod kelvin;
 mod layers;
@@ -40,10 +42,16 @@ mod puiseux;
 pub mod qz;
 pub mod roots;
 pub mod scaling;
+mod search;
+pub mod solids;
 pub mod sphere;
 mod value;
 pub mod waves;
 mod worst;
+
+use models::granular_flow::InputError;
+use models::plasticity::symbol::NoResponse;
+use sphere::SphereError;
 
 /// A system that cannot be analysed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -60,4 +68,21 @@ pub enum AnalysisError {
     /// Too many equations for the exact polynomial.
     #[error("{0} equations: the exact dispersion polynomial takes at most {max}", max = polynomial::MAX_SIZE)]
     TooLarge(usize),
+}
+
+/// A state that cannot be assessed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StateError {
+    /// The model does not take it.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// Its linearised equations cannot be analysed.
+    #[error(transparent)]
+    Analysis(#[from] AnalysisError),
+    /// A yielding solid has no rate of response.
+    #[error(transparent)]
+    NoResponse(#[from] NoResponse),
+    /// A solid in space cannot be searched.
+    #[error(transparent)]
+    Sphere(#[from] SphereError),
 }

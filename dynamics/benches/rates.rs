@@ -64,7 +64,7 @@ fn medium(theory: Theory, dimensions: usize, factor: f64) -> Medium {
     let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple };
     let rotation = (theory != Theory::Classical).then_some(rotation);
     let solid = Isotropic::new(1.4 * factor, 0.9 * factor, 1.2, rotation).expect("sound moduli");
-    Medium::isotropic(&solid, dimensions)
+    Medium::new(solid, dimensions)
 }
 
 /// Numbers in [0, 1) that look random.

@@ -1,10 +1,10 @@
 //! What a solid is to the sweeps.
 
-use models::cosserat::parameters::{Isotropic, PlaneCompliances, Theory};
 use models::cosserat::stress::Stress;
-use models::cosserat::waves::{Field, Pair, Rotation, fields};
+use models::cosserat::waves::{Field, Pair, Rotation};
 use models::plasticity::parameters::{Interlayer, YieldSet};
 use models::plasticity::projection::PlaneMetric;
+use models::solid::ElasticLaw;
 
 /// A solid as pairs of waves along the axes, a rotation, and the set in which its stress stays.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,18 +16,9 @@ pub struct Medium {
     /// Coupling of spins and antisymmetric stress.
     pub rotation: Option<Rotation>,
     /// Stress and energy.
-    pub law: Law,
+    pub law: ElasticLaw,
     /// What keeps the stress in a set: associated flow. Dilatancies play no part.
     pub yields: Option<YieldSet>,
-}
-
-/// The elastic law.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Law {
-    /// By moduli.
-    Isotropic(Isotropic),
-    /// By compliances, in plane strain.
-    Compliances(PlaneCompliances),
 }
 
 /// What the projection onto a yield set does.
@@ -40,24 +31,15 @@ pub struct Corrected {
 }
 
 impl Medium {
-    /// An isotropic solid in 2 (plane strain) or 3 dimensions.
-    pub fn isotropic(solid: &Isotropic, dimensions: usize) -> Self {
+    /// An elastic solid in 2 (plane strain) or 3 dimensions. By compliances it is in plane strain, and stresses
+    /// across the plane stay zero.
+    pub fn new(law: impl Into<ElasticLaw>, dimensions: usize) -> Self {
+        let law = law.into();
         Self {
-            fields: fields(solid.theory(), dimensions),
-            pairs: (0..dimensions).map(|axis| solid.pairs(dimensions, axis)).collect(),
-            rotation: solid.rotation(),
-            law: Law::Isotropic(*solid),
-            yields: None,
-        }
-    }
-
-    /// A solid by its compliances in plane strain; stresses across the plane stay zero.
-    pub fn compliances(solid: &PlaneCompliances) -> Self {
-        Self {
-            fields: fields(Theory::Cosserat, 2),
-            pairs: (0..2).map(|axis| solid.pairs(axis)).collect(),
-            rotation: Some(solid.rotation()),
-            law: Law::Compliances(*solid),
+            fields: law.fields(dimensions),
+            pairs: (0..dimensions).map(|axis| law.pairs(dimensions, axis)).collect(),
+            rotation: law.rotation(),
+            law,
             yields: None,
         }
     }
@@ -76,33 +58,28 @@ impl Medium {
 
     /// Energy that an elastic stress stores, J/m³.
     pub fn stored_energy(&self, stress: &Stress) -> f64 {
-        match &self.law {
-            Law::Isotropic(solid) => solid.stored_energy(stress),
-            Law::Compliances(solid) => solid.stored_energy(stress),
-        }
+        self.law.stored_energy(stress)
     }
 
     /// The mass that goes with a velocity (ρ, kg/m³) or a spin (j, kg/m); 0 for stresses.
     pub fn inertia(&self, field: Field) -> f64 {
         let own = self.pairs.iter().flatten().find(|pair| pair.velocity == field);
-        match (own, field, &self.law) {
-            (Some(pair), ..) => pair.inertia,
+        match (own, field) {
+            (Some(pair), _) => pair.inertia,
             // A spin without couple stress has no pair.
-            (None, Field::Spin(_), Law::Isotropic(solid)) => {
-                solid.microrotation.map_or(0.0, |m| m.inertia)
-            }
-            _ => 0.0,
+            (None, Field::Spin(_)) => self.law.inertia(),
+            (None, _) => 0.0,
         }
     }
 
     /// The stress in the yield set next to `trial` in the norm of the energy, and the energy lost.
     pub fn project(&self, trial: &Stress) -> Corrected {
         match (&self.yields, &self.law) {
-            (Some(YieldSet::Mises(set)), Law::Isotropic(solid)) => {
+            (Some(YieldSet::Mises(set)), ElasticLaw::Isotropic(solid)) => {
                 let found = set.project(solid, trial);
                 Corrected { stress: found.stress, energy_lost: found.energy_lost }
             }
-            (Some(YieldSet::Interlayer(set)), Law::Isotropic(solid)) => {
+            (Some(YieldSet::Interlayer(set)), ElasticLaw::Isotropic(solid)) => {
                 let mut corrected = slip(set, &PlaneMetric::from(solid), trial);
                 // Across the plane as elasticity has it: nothing is strained there, nothing flows.
                 let change = |i: usize, j: usize| corrected.stress.force[i][j] - trial.force[i][j];
@@ -116,10 +93,10 @@ impl Medium {
                 }
                 corrected
             }
-            (Some(YieldSet::Interlayer(set)), Law::Compliances(solid)) => {
+            (Some(YieldSet::Interlayer(set)), ElasticLaw::Compliances(solid)) => {
                 slip(set, &PlaneMetric::from(solid), trial)
             }
-            (Some(YieldSet::Mises(_)), Law::Compliances(_)) | (None, _) => {
+            (Some(YieldSet::Mises(_)), ElasticLaw::Compliances(_)) | (None, _) => {
                 Corrected { stress: *trial, energy_lost: 0.0 }
             }
         }

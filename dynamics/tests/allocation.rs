@@ -82,7 +82,7 @@ fn steps_allocate_nothing() {
     for (set, scheme) in
         sets.into_iter().flat_map(|set| schemes.clone().map(move |scheme| (set, scheme)))
     {
-        let medium = Medium::isotropic(&solid, 2).yielding(set);
+        let medium = Medium::new(solid, 2).yielding(set);
         let step = 2.0 * 0.1 / medium.greatest_speed();
         let signal: wellposed_dynamics::boundary::Signal = Arc::new(f64::sin);
         let faces = vec![(2, 1.0)];

@@ -68,17 +68,20 @@ fn media<const D: usize>(chance: &mut Chance) -> Vec<Medium> {
     let medium = |chance: &mut Chance| {
         let factor = chance.one_of(&[1.0, 1.0, 0.3, 2.3, 40.0]);
         if D == 2 && theory == Theory::Cosserat && chance.one_in(6) {
-            return Medium::compliances(&PlaneCompliances {
-                a1: 0.5,
-                b1: -0.1,
-                a2: 0.8,
-                b2: 0.1,
-                alpha2: 0.9,
-                density: 1.1,
-                inertia: 0.4,
-            });
+            return Medium::new(
+                PlaneCompliances {
+                    a1: 0.5,
+                    b1: -0.1,
+                    a2: 0.8,
+                    b2: 0.1,
+                    alpha2: 0.9,
+                    density: 1.1,
+                    inertia: 0.4,
+                },
+                2,
+            );
         }
-        let own = Medium::isotropic(&solid(theory, factor), D);
+        let own = Medium::new(solid(theory, factor), D);
         if !yields || chance.one_in(5) {
             return own;
         }

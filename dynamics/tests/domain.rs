@@ -93,7 +93,7 @@ fn errors<const D: usize>(theory: Theory, count: usize, branch: usize, slopes: S
     let form = equations.symmetric().expect("elastic");
     let wave = wave_vector::<D>();
     let (frequency, amplitude) = modes(&form, wave).swap_remove(branch);
-    let medium = Medium::isotropic(&solid, D);
+    let medium = Medium::new(solid, D);
     let h = 1.0 / count as f64;
     // The last of several instants, none of them a period of the wave; and a Courant number that is no integer
     // for any family.
@@ -320,7 +320,7 @@ fn the_account_closes_and_energy_does_not_grow() {
             let cells = [14, 11];
             let spacing = [0.1, 0.13];
             let of_cell: Vec<u16> = (0..14 * 11).map(|i| u16::from(noise(i) > 0.3)).collect();
-            let media = [soft, stiff].map(|s| Medium::isotropic(&s, 2));
+            let media = [soft, stiff].map(|s| Medium::new(s, 2));
             let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
             let forms = [soft, stiff].map(|s| {
                 let equations = equations::<2>(&s);
@@ -365,7 +365,7 @@ fn the_account_closes_and_energy_does_not_grow() {
 
 #[test]
 fn domains_that_cannot_be_are_refused() {
-    let medium = Medium::isotropic(&solid(Theory::Classical), 2);
+    let medium = Medium::new(solid(Theory::Classical), 2);
     let grid = Grid { cells: [4, 4], spacing: [0.1, 0.1] };
     let make = |media: Vec<Medium>, of_cell: Vec<u16>, step: f64, sides: [[Boundary; 2]; 2]| {
         let scheme = Scheme::new(Slopes::Limited, Placement::Middle);
@@ -379,7 +379,7 @@ fn domains_that_cannot_be_are_refused() {
         Err(DomainError::Cells { found: 15, needed: 16 })
     );
     assert_eq!(make(Vec::new(), vec![0; 16], 1e-3, free.clone()), Err(DomainError::Media));
-    let other = Medium::isotropic(&solid(Theory::Cosserat), 2);
+    let other = Medium::new(solid(Theory::Cosserat), 2);
     assert_eq!(
         make(vec![medium.clone(), other], vec![0; 16], 1e-3, free.clone()),
         Err(DomainError::Media)
@@ -436,7 +436,7 @@ fn mirrored_halves_are_halves() {
     for theory in THEORIES {
         for is_even in [true, false] {
             let solid = solid(theory);
-            let medium = Medium::isotropic(&solid, 2);
+            let medium = Medium::new(solid, 2);
             let step = 1.9 * 0.1 / medium.greatest_speed();
             let side = match is_even {
                 true => Boundary::symmetry(&medium, 0),
@@ -497,7 +497,7 @@ fn mirrored_halves_are_halves() {
 #[test]
 fn a_pushed_bar() {
     let solid = solid(Theory::Classical);
-    let medium = Medium::isotropic(&solid, 2);
+    let medium = Medium::new(solid, 2);
     let pair = &medium.pairs[0][0];
     let (z, c) = (pair.impedance(), pair.speed());
     for (condition, velocity, stress) in
@@ -541,7 +541,7 @@ fn uniform_rotation_has_the_natural_frequency() {
     let couple = Some(CoupleModuli { beta: 7.75e8, gamma: 1.5e8, eta: 3e8 });
     let rotation = Microrotation { alpha: 1.005e9, inertia: 2700.0, couple };
     let solid = Isotropic::new(8.1e9, 8.1e9, 2700.0, Some(rotation)).expect("sound moduli");
-    let medium = Medium::isotropic(&solid, 2);
+    let medium = Medium::new(solid, 2);
     let spacing = 0.5;
     let step = 2.0 * spacing / medium.greatest_speed();
     let sides = std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]);
@@ -576,7 +576,7 @@ fn uniform_rotation_has_the_natural_frequency() {
 fn many_steps_are_stable() {
     for theory in THEORIES {
         for sides in [Boundary::Periodic, Boundary::Fixed, Boundary::Free] {
-            let medium = Medium::isotropic(&solid(theory), 2);
+            let medium = Medium::new(solid(theory), 2);
             let step = 2.0 * 0.1 / medium.greatest_speed();
             let scheme = Scheme::new(Slopes::Limited, Placement::Middle);
             let grid = Grid { cells: [7, 6], spacing: [0.1, 0.1] };

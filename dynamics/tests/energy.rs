@@ -76,20 +76,23 @@ fn interlayer() -> YieldSet {
 
 /// A solid of the plane with cubic symmetry.
 fn cubic() -> Medium {
-    Medium::compliances(&PlaneCompliances {
-        a1: 0.5,
-        b1: -0.1,
-        a2: 0.8,
-        b2: 0.1,
-        alpha2: 0.9,
-        density: 1.1,
-        inertia: 0.4,
-    })
+    Medium::new(
+        PlaneCompliances {
+            a1: 0.5,
+            b1: -0.1,
+            a2: 0.8,
+            b2: 0.1,
+            alpha2: 0.9,
+            density: 1.1,
+            inertia: 0.4,
+        },
+        2,
+    )
 }
 
 fn media(chance: &mut Chance, dimensions: usize) -> Vec<Medium> {
-    let classical = |factor| Medium::isotropic(&classical(factor), dimensions);
-    let cosserat = |factor| Medium::isotropic(&cosserat(factor), dimensions);
+    let classical = |factor| Medium::new(classical(factor), dimensions);
+    let cosserat = |factor| Medium::new(cosserat(factor), dimensions);
     let reduced = Microrotation { alpha: 0.6, inertia: 0.37, couple: None };
     let reduced = Isotropic::new(1.1, 0.8, 1.3, Some(reduced)).expect("sound moduli");
     // Cubic solids and interlayers are of the plane.
@@ -100,7 +103,7 @@ fn media(chance: &mut Chance, dimensions: usize) -> Vec<Medium> {
         3 => vec![cosserat(1.0), cosserat(0.2).yielding(cone())],
         4 => vec![classical(1.0).yielding(cone())],
         5 => vec![cosserat(1.0).yielding(cone())],
-        6 => vec![Medium::isotropic(&reduced, dimensions)],
+        6 => vec![Medium::new(reduced, dimensions)],
         7 => vec![cubic()],
         8 => vec![cubic(), cosserat(1.0).yielding(interlayer())],
         _ => vec![cosserat(1.0).yielding(interlayer())],
@@ -228,7 +231,7 @@ struct Line {
 
 impl Line {
     fn new(cells: usize, courant: f64, sides: [Boundary; 2]) -> Self {
-        let medium = Medium::isotropic(&classical(1.0), 2);
+        let medium = Medium::new(classical(1.0), 2);
         let step = 2.0 * courant * 0.1 / medium.greatest_speed();
         let grid = Grid { cells: [cells, 1], spacing: [0.1; 2] };
         let periodic = [Boundary::Periodic, Boundary::Periodic];

@@ -57,7 +57,7 @@ fn fill<T: Real, const D: usize>(domain: &mut Domain<T, D>, size: f64) {
 /// Two media, one of which yields, under an initial stress: pushed and pulled at a side that is mixed, open
 /// at another, with a force, a couple and a moment inside, and gravity.
 fn everything(theory: Theory, set: YieldSet, placement: Placement) -> Problem<2> {
-    let media = [1.0, 2.0].map(|factor| Medium::isotropic(&solid(theory, factor), 2));
+    let media = [1.0, 2.0].map(|factor| Medium::new(solid(theory, factor), 2));
     let [soft, stiff] = media;
     let media = vec![soft.yielding(set), stiff];
     let grid = Grid { cells: [12, 10], spacing: [0.1, 0.12] };
@@ -204,12 +204,10 @@ fn media() -> Vec<Medium> {
     let isotropic = Isotropic::new(1.4, 0.9, 1.2, Some(rotation)).expect("sound moduli");
     let compliances = PlaneCompliances::of(&isotropic).expect("with couple stress");
     let cubic = PlaneCompliances { a2: 1.3 * compliances.a2, ..compliances };
-    let mut all = vec![
-        Medium::compliances(&cubic),
-        Medium::compliances(&cubic).yielding(layers(Theory::Cosserat)),
-    ];
+    let mut all =
+        vec![Medium::new(cubic, 2), Medium::new(cubic, 2).yielding(layers(Theory::Cosserat))];
     for theory in THEORIES {
-        let medium = Medium::isotropic(&solid(theory, 1.0), 2);
+        let medium = Medium::new(solid(theory, 1.0), 2);
         all.extend([medium.clone(), medium.clone().yielding(cone(0.4))]);
         all.push(medium.yielding(layers(theory)));
     }
@@ -259,7 +257,7 @@ fn a_hundred_thousand_steps_are_stable() {
 fn sides_of_slow_media_do_no_work() {
     let [slow, fast] = [1.0, 1e4].map(|factor| {
         let solid = Isotropic::new(1.4 * factor, 0.9 * factor, 1.2, None).expect("sound moduli");
-        Medium::isotropic(&solid, 2)
+        Medium::new(solid, 2)
     });
     let step = 0.9 * 2.0 * 0.1 / fast.greatest_speed();
     for slopes in [Slopes::Godunov, Slopes::Limited, Slopes::FourthOrder] {

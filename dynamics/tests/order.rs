@@ -66,7 +66,7 @@ fn problem(frame: Frame) -> Problem<3> {
     });
     let media = [1.0, 2.3].map(|factor| {
         let solid = Isotropic::new(1.4 * factor, 0.9 * factor, 1.2, Some(rotation(factor)));
-        let own = Medium::isotropic(&solid.expect("sound moduli"), 3);
+        let own = Medium::new(solid.expect("sound moduli"), 3);
         if factor > 1.0 { own.yielding(set) } else { own }
     });
     let count: usize = CELLS.iter().product();

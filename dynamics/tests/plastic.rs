@@ -84,7 +84,7 @@ fn energy<const D: usize>(domain: &Domain<f64, D>, solid: &Isotropic, volume: f6
 
 fn check<const D: usize>(theory: Theory, set: YieldSet, placement: Placement) {
     let solid = solid(theory);
-    let medium = Medium::isotropic(&solid, D).yielding(set);
+    let medium = Medium::new(solid, D).yielding(set);
     let (count, h) = (9usize, 0.1);
     let step = 2.0 * h / medium.greatest_speed();
     let cells = count.pow(D as u32);
@@ -146,7 +146,7 @@ fn the_ledger_closes_while_solids_yield() {
 fn slipping(count: usize, placement: Placement, strength: f64) -> Vec<Vec<f64>> {
     let solid = solid(Theory::Reduced);
     let set = layers(Theory::Reduced, strength);
-    let medium = Medium::isotropic(&solid, 2).yielding(YieldSet::Interlayer(set));
+    let medium = Medium::new(solid, 2).yielding(YieldSet::Interlayer(set));
     let h = 1.0 / count as f64;
     let steps = (count as f64 * 0.5).round();
     let time = steps * 2.0 * 0.8 * h / medium.greatest_speed();
@@ -220,7 +220,7 @@ fn behind_a_front(count: usize, placement: Placement) -> f64 {
     let solid = Isotropic::new(1.4, 0.9, 1.2, None).expect("sound moduli");
     let strength = 0.1;
     let set = YieldSet::Mises(Mises::von_mises(strength));
-    let medium = Medium::isotropic(&solid, 2).yielding(set);
+    let medium = Medium::new(solid, 2).yielding(set);
     let h = 1.0 / count as f64;
     let speed = medium.greatest_speed();
     let steps = (0.8 / speed / (2.0 * h / speed)).round() as usize;
@@ -266,7 +266,7 @@ fn fronts_of_flow() {
 /// does not yield.
 fn at_once<const D: usize>(theory: Theory, set: YieldSet, seed: usize) {
     let solid = solid(theory);
-    let elastic = Medium::isotropic(&solid, D);
+    let elastic = Medium::new(solid, D);
     let media = vec![elastic.clone().yielding(set), elastic];
     let mut cells = [5; D];
     cells[0] = 43;

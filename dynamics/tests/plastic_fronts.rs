@@ -30,7 +30,7 @@ fn bar() -> Bar {
 }
 
 fn medium() -> Medium {
-    Medium::isotropic(&solid(), 2).yielding(YieldSet::Mises(Mises::von_mises(STRENGTH)))
+    Medium::new(solid(), 2).yielding(YieldSet::Mises(Mises::von_mises(STRENGTH)))
 }
 
 /// A plane wave problem on 0 ≤ x₁ ≤ 1 with its exact solution.

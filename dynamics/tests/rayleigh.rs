@@ -19,7 +19,7 @@ const COURANT: f64 = 0.9;
 /// A solid of Poisson's ratio ¼ with unit density and S speed.
 fn medium() -> Medium {
     let solid = Isotropic::new(1.0, 1.0, 1.0, None).expect("sound moduli");
-    Medium::isotropic(&solid, 2)
+    Medium::new(solid, 2)
 }
 
 /// The root c² of Rayleigh's equation for λ = μ, over c_s²: 2 − 2/√3 (closed form for Poisson's ratio ¼).

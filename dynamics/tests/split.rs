@@ -50,8 +50,7 @@ fn same_of<T: Real, const D: usize>(
 ) {
     // One of the two media yields.
     let set = Mises { antisymmetric_weight: 0.5, ..Mises::drucker_prager(0.3, 0.2, 0.2) };
-    let media =
-        [Medium::isotropic(&soft, D).yielding(YieldSet::Mises(set)), Medium::isotropic(&stiff, D)];
+    let media = [Medium::new(soft, D).yielding(YieldSet::Mises(set)), Medium::new(stiff, D)];
     let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
     let count: usize = cells.iter().product();
     let of_cell: Vec<u16> = (0..count).map(|i| u16::from(noise(i as u64) > 0.2)).collect();
@@ -162,7 +161,7 @@ fn so_they_have_where_layers_are_wide() {
 #[test]
 fn so_they_have_where_media_change_once() {
     fn check<const D: usize>(cells: [usize; D], odd: usize) {
-        let media = solids().map(|solid| Medium::isotropic(&solid, D));
+        let media = solids().map(|solid| Medium::new(solid, D));
         let count = cells.iter().product();
         let of_cell = (0..count).map(|cell| u16::from(cell == odd)).collect();
         let grid = Grid { cells, spacing: [0.1; D] };
@@ -210,7 +209,7 @@ fn so_they_have_in_single_precision() {
 /// Steps that go on from a snapshot, in other parts, are those that were never interrupted.
 #[test]
 fn snapshots_resume() {
-    let media = [Medium::isotropic(&solids()[0], 2)];
+    let media = [Medium::new(solids()[0], 2)];
     let set = YieldSet::Mises(Mises::drucker_prager(0.3, 0.2, 0.2));
     let media = media.map(|medium| medium.yielding(set));
     let grid = Grid { cells: [14, 33], spacing: [0.1, 0.1] };
@@ -242,7 +241,7 @@ fn snapshots_resume() {
 /// sweeps make, and sides that hold or leave alone do no work.
 #[test]
 fn single_layers() {
-    let medium = Medium::isotropic(&solids()[0], 2);
+    let medium = Medium::new(solids()[0], 2);
     for cells in [[6, 1], [1, 6], [1, 1], [2, 1]] {
         for ends in [
             [Boundary::Periodic, Boundary::Periodic],
@@ -277,7 +276,7 @@ fn single_layers() {
 /// Where a single row is between sides at which work is done, the light ledger sees what the full one does.
 #[test]
 fn work_on_single_layers() {
-    let medium = Medium::isotropic(&solids()[0], 2);
+    let medium = Medium::new(solids()[0], 2);
     for cells in [[6, 1], [1, 6], [1, 1], [9, 2]] {
         let grid = Grid { cells, spacing: [0.1; 2] };
         let (count, step) = (grid.count(), 0.2 / medium.greatest_speed());
@@ -316,7 +315,7 @@ fn passes_are_single_steps() {
 }
 
 fn single_steps<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
-    let medium = Medium::isotropic(&solids()[0], D);
+    let medium = Medium::new(solids()[0], D);
     let set = YieldSet::Mises(Mises::von_mises(0.2));
     let medium = medium.yielding(set);
     let step = 1.9 * 0.1 / medium.greatest_speed();
@@ -375,7 +374,7 @@ fn traces_are_forgotten() {
 /// Numbers of size one in a layer and some after it, and ever smaller ones from there.
 fn forget_traces<const D: usize>(cells: [usize; D], from: usize, flat: usize, last: Boundary) {
     const LIMIT: f64 = 1.29e-26;
-    let [soft, stiff] = solids().map(|solid| Medium::isotropic(&solid, D));
+    let [soft, stiff] = solids().map(|solid| Medium::new(solid, D));
     let step = 1.9 * 0.1 / stiff.greatest_speed();
     let media = vec![soft.yielding(YieldSet::Mises(Mises::von_mises(0.2))), stiff];
     let grid = Grid { cells, spacing: [0.1; D] };
@@ -443,7 +442,7 @@ fn forget_traces<const D: usize>(cells: [usize; D], from: usize, flat: usize, la
 #[test]
 #[should_panic(expected = "a scoped thread panicked")]
 fn whoever_panics_is_not_waited_for() {
-    let medium = Medium::isotropic(&solids()[0], 2);
+    let medium = Medium::new(solids()[0], 2);
     let step = 1.9 * 0.1 / medium.greatest_speed();
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let grid = Grid { cells: [9, 24], spacing: [0.1; 2] };
@@ -473,7 +472,7 @@ fn laws_of_two_kinds() {
         density: 1.1,
         inertia: 0.4,
     };
-    let media = [Medium::isotropic(&solid, 2), Medium::compliances(&other)];
+    let media = [Medium::new(solid, 2), Medium::new(other, 2)];
     let fields = [0, 1].map(|first| {
         let media = vec![media[first].clone(), media[1 - first].clone()];
         let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
@@ -495,7 +494,7 @@ fn laws_of_two_kinds() {
 
 #[test]
 fn parts_that_cannot_be_are_refused() {
-    let media = [Medium::isotropic(&solids()[0], 2)];
+    let media = [Medium::new(solids()[0], 2)];
     let grid = Grid { cells: [4, 11], spacing: [0.1, 0.1] };
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let scheme = Scheme::new(Slopes::Limited, Placement::Middle);

@@ -95,7 +95,7 @@ fn exact(solid: &Isotropic, at: [f64; 2], time: f64, is_explosion: bool, count: 
 /// Greatest error of the seismogram at an oblique receiver, over its greatest value.
 fn seismogram_error(cells_per_unit: usize, slopes: Slopes, is_explosion: bool) -> f64 {
     let solid = classical();
-    let medium = Medium::isotropic(&solid, 2);
+    let medium = Medium::new(solid, 2);
     let h = 1.0 / cells_per_unit as f64;
     // No wave comes back from the sides within the time.
     let (half, receiver, end) = (1.5, [0.5, 0.75], 1.5);
@@ -268,7 +268,7 @@ fn a_pulse_of_spin_in_a_cosserat_solid() {
     let solid = cosserat();
     let layout = solid.layout::<2>().carrying();
     let equations = layout.rates(&solid.stiffness(layout.all_stresses()), solid.density, 0.1);
-    let medium = Medium::isotropic(&solid, 2);
+    let medium = Medium::new(solid, 2);
     let spread = 0.08;
     let mut last: Option<Vec<f64>> = None;
     for refinement in [1.0, 2.0] {
@@ -379,7 +379,7 @@ fn a_wave_meets_another_medium() {
 #[test]
 fn a_traction_in_time() {
     let solid = classical();
-    let medium = Medium::isotropic(&solid, 2);
+    let medium = Medium::new(solid, 2);
     let pair = medium.pairs[0][0].clone();
     let (c, z) = (pair.speed(), pair.impedance());
     let error = |count: usize, courant: f64| {
@@ -418,7 +418,7 @@ fn a_traction_in_time() {
 #[test]
 fn gravity() {
     let solid = classical();
-    let medium = Medium::isotropic(&solid, 2);
+    let medium = Medium::new(solid, 2);
     let step = 1.9 * 0.1 / medium.greatest_speed();
     let grid = Grid { cells: [5, 6], spacing: [0.1, 0.1] };
     let free = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
@@ -442,7 +442,7 @@ fn gravity() {
 #[test]
 fn conditions_by_face() {
     let solid = classical();
-    let medium = Medium::isotropic(&solid, 2);
+    let medium = Medium::new(solid, 2);
     let grid = Grid { cells: [8, 20], spacing: [0.1, 0.1] };
     let step = 2.0 * 0.1 / medium.greatest_speed();
     let normal: Vec<Condition> = (0..20)
@@ -483,7 +483,7 @@ fn conditions_by_face() {
 fn moments_from_the_beginning() {
     let solid = classical();
     let grid = Grid { cells: [20, 20], spacing: [0.1, 0.1] };
-    let medium = Medium::isotropic(&solid, 2);
+    let medium = Medium::new(solid, 2);
     let step = 1.9 * 0.1 / medium.greatest_speed();
     let late = 0.5 * step;
     let signals: [(wellposed_dynamics::boundary::Signal, f64); 3] = [

@@ -27,6 +27,7 @@ pub mod product;
 pub mod rates;
 pub mod registry;
 pub mod rounding;
+pub mod solid;
 pub mod system;
 
 pub use closed_form::ClosedForm;

@@ -5,7 +5,7 @@ use super::{Checked, digits, exponent, unmeasured, unmeasured_words, worst, wors
 use crate::Error;
 use crate::case::{Case, Wave};
 use crate::dispersion::{Kind as Waves, kinds};
-use crate::solid::Solid;
+use crate::setup;
 use crate::words::{case_title, short};
 use figures::{Band, Branch, DispersionFigure};
 use serde_json::{Value, json};
@@ -183,20 +183,20 @@ const STILL: f64 = 1e-6;
 /// isotropic; else of the first direction.
 pub(super) fn figure(case: &Case, checked: &Checked) -> Result<DispersionFigure, Error> {
     let own = &checked.case;
-    let solid = Solid::of(own).map_err(|error| own.locate(error))?;
+    let solid = setup::solid::solid(own).map_err(|error| own.locate(error))?;
     let wave = checked.rows.first().map_or(own.numbers.wave, |row| row.wave);
     let greatest = checked.rows.iter().map(|row| row.wave.number).fold(0.0, f64::max);
     let speeds = checked.rows.iter().map(|row| row.predicted / row.wave.number);
     let greatest_speed = speeds.fold(0.0, f64::max);
-    let is_isotropic = matches!(solid.elastic, crate::solid::Elastic::Isotropic(_));
+    let is_isotropic = matches!(solid.elastic, models::solid::ElasticLaw::Isotropic(_));
     let responses: &[(Response, bool)] = match solid.plastic {
         None => &[(Response::Elastic, true)],
         Some(_) => &[(Response::Unloading, true), (Response::Loading, false)],
     };
     let (mut branches, mut bands) = (Vec::new(), Vec::new());
     for &(response, stays_elastic) in responses {
-        let all: Vec<Waves> =
-            kinds(&solid, &wave, greatest, stays_elastic).map_err(|error| error.locate(own))?;
+        let all: Vec<Waves> = kinds(&solid, &wave, greatest, stays_elastic)
+            .map_err(|error| setup::locate(own, error))?;
         for kind in &all {
             for (index, curve) in kind.curves(1.05 * greatest).into_iter().enumerate() {
                 let label = kind.label(index);

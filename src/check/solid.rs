@@ -9,7 +9,7 @@ use crate::Error;
 use crate::case::dynamics::{Correction, Splitting};
 use crate::case::{Case, Wave};
 use crate::dispersion::kinds;
-use crate::solid::Solid;
+use crate::setup;
 use models::elementary::Elementary;
 
 /// What a solid does under a wave.
@@ -157,12 +157,12 @@ pub struct Gap {
 /// # Errors
 /// The case is wrong.
 pub fn gaps(case: &Case, rows: &[Row]) -> Result<Vec<Gap>, Error> {
-    let solid = Solid::of(case).map_err(|error| case.locate(error))?;
+    let solid = setup::solid::solid(case).map_err(|error| case.locate(error))?;
     let Some(first) = rows.first().filter(|row| row.response == Response::Elastic) else {
         return Ok(Vec::new());
     };
-    let kinds =
-        kinds(&solid, &first.wave, first.wave.number, true).map_err(|error| error.locate(case))?;
+    let kinds = kinds(&solid, &first.wave, first.wave.number, true)
+        .map_err(|error| setup::locate(case, error))?;
     let bands = kinds.iter().flat_map(|kind| {
         let name = kind.family.polarisation.name();
         let inner = kind.bands.iter().filter(|band| band.from > 0.0 && band.to.is_finite());

@@ -1,17 +1,20 @@
 //! `wellposed point` on a solid.
 
 use crate::case::{Case, Kind, Solid as SolidKind, Wave};
-use crate::hyperbolicity::{Hyperbolicity, Judge, Judged, Spheres};
 use crate::output::{self, ResultFolder};
-use crate::solid::{Solid, flutter_json, normal, normal_json, normal_words as at};
-use crate::words::{VALIDITY, case_title, short};
+use crate::setup;
+use crate::setup::solid::normal;
+use crate::words::{VALIDITY, case_title, flutter_json, normal_json, normal_words as at, short};
 use crate::{Error, Format, Options};
 use analysis::bound;
 use analysis::energy::{self, Energy};
 use analysis::growth::Verdict;
+use analysis::solids::{self, AcousticTensorCache, Hyperbolicity, SolidAssessment, SolidAssessor};
 use analysis::waves::Waves;
 use figures::{GrowthFigure, Line, Mark, Panel};
 use models::elementary::Elementary;
+use models::plasticity::symbol::NoResponse;
+use models::solid::Solid;
 use num_complex::Complex64;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -26,7 +29,7 @@ const DECADES: i32 = 4;
 /// All that is known of a solid.
 struct Analysed {
     solid: Solid,
-    judged: Judged,
+    assessment: SolidAssessment,
     /// Supremum of Re ς, 1/s, where it is known to be finite.
     bound: Option<f64>,
     waves: Waves,
@@ -77,18 +80,21 @@ pub fn run(
 }
 
 fn analyse(case: &Case) -> Result<Analysed, Error> {
-    let located = |error: crate::frozen::StateError| error.locate(case);
+    let located = |error: NoResponse| setup::locate(case, error.into());
     let wave = case.numbers.wave;
-    let solid = Solid::of(case).map_err(|error| case.locate(error))?;
-    let spheres = Spheres::default();
-    let mut judge = Judge::new(&spheres);
-    let (judged, assessment) = judge.judge(&solid).map_err(located)?;
-    let supremum = assessment.and_then(|found| bound::supremum(&judge.plane.pencil, &found, 0.0));
+    let solid = setup::solid::solid(case).map_err(|error| case.locate(error))?;
+    let cache = AcousticTensorCache::default();
+    let mut assessor = SolidAssessor::new(&cache);
+    let (assessment, of_polynomial) =
+        assessor.assess(&solid).map_err(|error| setup::locate(case, error))?;
+    let supremum =
+        of_polynomial.and_then(|found| bound::supremum(&assessor.plane.pencil, &found, 0.0));
     let bound = match supremum {
         Some(supremum) => Some(supremum.rate),
         None => solid.keeps_energy().then_some(0.0),
     };
-    let rate = |wave: Wave| solid.growth_rate(&wave).map_err(located);
+    let rate =
+        |wave: Wave| solids::growth_rate(&solid, normal(&wave), wave.number).map_err(located);
     let by_direction = (0..=DIRECTIONS)
         .map(|i| {
             let direction_deg = 180.0 * i as f64 / DIRECTIONS as f64;
@@ -103,7 +109,7 @@ fn analyse(case: &Case) -> Result<Analysed, Error> {
             })
             .collect::<Result<Vec<_>, Error>>()
     };
-    let in_worst_direction = match judged.direction_deg() {
+    let in_worst_direction = match assessment.direction_deg() {
         Some([direction_deg, elevation_deg]) => {
             along(Wave { direction_deg, elevation_deg, ..wave })?
         }
@@ -122,15 +128,15 @@ fn analyse(case: &Case) -> Result<Analysed, Error> {
         ),
     };
     Ok(Analysed {
-        waves: solid.waves(&wave, false).map_err(located)?,
-        roots: solid.roots(&wave).map_err(located)?,
-        elastic: solid.waves(&wave, true).map_err(located)?,
+        waves: solids::waves(&solid, normal(&wave), false).map_err(located)?,
+        roots: solids::roots(&solid, normal(&wave), wave.number).map_err(located)?,
+        elastic: solids::waves(&solid, normal(&wave), true).map_err(located)?,
         by_wave_number: along(wave)?,
         in_worst_direction,
         by_direction,
         energy,
         solid,
-        judged,
+        assessment,
         bound,
     })
 }
@@ -151,13 +157,13 @@ fn speeds(waves: &Waves) -> Vec<Complex64> {
 
 fn report(case: &Case, of: &Analysed) -> Value {
     let wave = case.numbers.wave;
-    let Judged { verdict, extremes, hyperbolicity, route, .. } = &of.judged;
+    let SolidAssessment { verdict, extremes, hyperbolicity, route, .. } = &of.assessment;
     let growth = match verdict {
         Verdict::IllPosed { growth, .. } => *growth,
         _ => None,
     };
     let pairs = |list: Vec<Complex64>| list.iter().map(|z| json!([z.re, z.im])).collect::<Vec<_>>();
-    let normal = of.judged.direction_deg();
+    let normal = of.assessment.direction_deg();
     json!({
         "model": case.kind.name(),
         "yield": case.yields.map(|set| set.name()),
@@ -217,7 +223,7 @@ fn list(squares: &[Complex64]) -> String {
 
 fn words(case: &Case, of: &Analysed) -> String {
     let wave = case.numbers.wave;
-    let Judged { verdict, extremes, hyperbolicity, route, .. } = &of.judged;
+    let SolidAssessment { verdict, extremes, hyperbolicity, route, .. } = &of.assessment;
     let mut text = format!(
         "{}\nmodel: {}, {}\n",
         case_title(case),
@@ -272,7 +278,7 @@ fn words(case: &Case, of: &Analysed) -> String {
         );
     }
     let slowest = extremes.slowest;
-    let _ = match of.judged.stands_still() {
+    let _ = match of.assessment.is_stationary() {
         true => writeln!(
             text,
             "  slowest wave        c² = 0 {}: a stationary discontinuity{}",
@@ -320,7 +326,7 @@ fn words(case: &Case, of: &Analysed) -> String {
     let _ = writeln!(text, "\nVerdict: {}", verdict.name());
     let evidence = match verdict {
         Verdict::IllPosed { growth: Some(growth), .. } => {
-            let normal = of.judged.normal.map_or(String::new(), at);
+            let normal = of.assessment.normal.map_or(String::new(), at);
             format!("Re ς ≈ {} k^{} as k → ∞ {normal}", growth.coefficient, growth.order.value())
         }
         Verdict::WellPosed if of.solid.keeps_energy() => {
@@ -353,12 +359,12 @@ fn figure(case: &Case, of: &Analysed) -> GrowthFigure {
         points: of.by_wave_number.clone(),
     }];
     let mut guides = Vec::new();
-    if let Some(angles) = of.judged.direction_deg() {
+    if let Some(angles) = of.assessment.direction_deg() {
         curves.push(Line {
             label: format!("{}, where short waves grow fastest", along(angles)),
             points: of.in_worst_direction.clone(),
         });
-        if let Verdict::IllPosed { growth: Some(growth), .. } = of.judged.verdict {
+        if let Verdict::IllPosed { growth: Some(growth), .. } = of.assessment.verdict {
             let asymptote = |k: f64| growth.coefficient * k.cr_powf(growth.order.value());
             guides.push(Line {
                 label: "exact asymptote: coefficient · k^order".into(),

@@ -8,9 +8,10 @@ use super::checkpoint::Checkpoint;
 use super::{IllPosed, Outcome, Run, if_memory_suffices};
 use crate::case::Case;
 use crate::case::flow::{FlowRun, Grid, Quantity};
-use crate::frozen::{StateError, Workspace};
 use crate::words::{case_title, short, unit_of};
-use crate::{Error, pool};
+use crate::{Error, pool, setup};
+use analysis::StateError;
+use analysis::flows::Workspace;
 use analysis::growth::Verdict;
 use dynamics::flow::Problem;
 use files::npz::Npz;
@@ -114,7 +115,7 @@ impl super::Job for Job<'_> {
 
     fn ill_posed(&self) -> Result<Option<IllPosed>, Error> {
         let flow = self.case.mean_flow()?;
-        let located = |error: StateError| error.locate(self.case);
+        let located = |error: StateError| setup::locate(self.case, error);
         let model = self.case.flow_model().map_err(|error| located(error.into()))?;
         let judged = Workspace::default().decide(&model, &flow);
         let (verdict, _) = judged.map_err(|error| located(error.into()))?;

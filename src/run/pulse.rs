@@ -4,9 +4,10 @@ use super::setup::{cell_at, centre};
 use crate::Error;
 use crate::case::dynamics::{Dynamics, PlanePulse, Polarization};
 use crate::case::{Case, Wave};
-use crate::solid::{Elastic, elastic_and_set, normal};
+use crate::setup::solid::{elastic_law_and_set, normal};
 use models::cosserat::waves::Field;
 use models::elementary::Elementary;
+use models::solid::ElasticLaw;
 
 /// Greatest part of the amplitude that may lie in other media.
 const OUTSIDE: f64 = 1e-6;
@@ -38,9 +39,9 @@ impl<'a> Incident<'a> {
     ) -> Result<Self, Error> {
         let medium = of_cell[cell_at(dynamics, &pulse.at)];
         let own = dynamics.regions.get(usize::from(medium)).map_or(case, |region| &region.case);
-        let (elastic, _) = elastic_and_set(own).map_err(|error| own.locate(error))?;
+        let (elastic, _) = elastic_law_and_set(own).map_err(|error| own.locate(error))?;
         let solid = match elastic {
-            Elastic::Isotropic(solid) if solid.microrotation.is_none() => solid,
+            ElasticLaw::Isotropic(solid) if solid.microrotation.is_none() => solid,
             _ => {
                 let found = format!("a pulse in a solid of kind {}", own.kind.name());
                 let allowed = "the kind classical: in others waves change their shape; give pulse \

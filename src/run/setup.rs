@@ -9,7 +9,7 @@ use crate::case::dynamics::{
     SourceKind, Splitting as Sweeps,
 };
 use crate::case::{Case, CaseError, Wave};
-use crate::solid::{Elastic, elastic_and_set, normal};
+use crate::setup::solid::{elastic_law_and_set, normal};
 use analysis::waves::plane_waves;
 use dynamics::boundary::{Boundary, Condition, Load, Signal, Source};
 use dynamics::line::Slopes;
@@ -58,11 +58,8 @@ pub(super) fn media(case: &Case, dynamics: &Dynamics) -> Result<Vec<Medium>, Err
 /// The constant that is out of range; that the flow is not one that a run knows; that the case is one of a
 /// flow.
 pub(crate) fn medium(case: &Case, dimensions: usize) -> Result<Medium, InputError> {
-    let (elastic, set) = elastic_and_set(case)?;
-    let medium = match &elastic {
-        Elastic::Isotropic(solid) => Medium::isotropic(solid, dimensions),
-        Elastic::Compliances(solid) => Medium::compliances(solid),
-    };
+    let (elastic, set) = elastic_law_and_set(case)?;
+    let medium = Medium::new(elastic, dimensions);
     check_flow(set.as_ref())?;
     Ok(match set {
         Some(set) => medium.yielding(set),
@@ -698,11 +695,8 @@ impl Place<'_> {
     /// α of each medium.
     fn alphas(&self, case: &Case) -> Result<Vec<f64>, Error> {
         let alpha = |own: &Case| -> Result<f64, Error> {
-            let (elastic, _) = elastic_and_set(own).map_err(|error| own.locate(error))?;
-            Ok(match elastic {
-                Elastic::Isotropic(solid) => solid.microrotation.map_or(0.0, |m| m.alpha),
-                Elastic::Compliances(solid) => 0.5 / (solid.a2 + solid.b2),
-            })
+            let (elastic, _) = elastic_law_and_set(own).map_err(|error| own.locate(error))?;
+            Ok(elastic.antisymmetric_modulus())
         };
         match self.dynamics.regions.as_slice() {
             [] => Ok(vec![alpha(case)?]),
@@ -722,7 +716,7 @@ impl Place<'_> {
             [region] => &region.case,
             _ => case,
         };
-        let (elastic, _) = elastic_and_set(own).map_err(|error| own.locate(error))?;
+        let (elastic, _) = elastic_law_and_set(own).map_err(|error| own.locate(error))?;
         let rates = elastic.carried_rates::<D>();
         let direction = normal(wave);
         let vector = std::array::from_fn(|axis| wave.number * direction[axis]);

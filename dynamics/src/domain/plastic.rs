@@ -6,11 +6,12 @@
 //!
 //! A stress just on the surface may move by rounding if one in another lane of its group yields.
 
-use crate::medium::{Law, Medium, component};
+use crate::medium::{Medium, component};
 use crate::real::{Group, MOST_LANES, Number, Real, Vector, Work};
 use models::cosserat::parameters::Isotropic;
 use models::cosserat::waves::Field;
 use models::plasticity::parameters::{ActiveCondition, Mises, YieldSet};
+use models::solid::ElasticLaw;
 
 /// Parts of the stress on which Hooke's law acts by a number: deviator, antisymmetric stress, deviator, mean
 /// and antisymmetric part of the couple stress.
@@ -204,7 +205,7 @@ impl<T: Real> Strengths<T> {
             .iter()
             .map(|medium| match (&medium.yields, &medium.law) {
                 (None, _) => Some(Strength::none(boundless::<T>())),
-                (Some(YieldSet::Mises(set)), Law::Isotropic(solid)) => {
+                (Some(YieldSet::Mises(set)), ElasticLaw::Isotropic(solid)) => {
                     Some(Strength::new(set, solid))
                 }
                 _ => None,

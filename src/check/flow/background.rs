@@ -4,7 +4,9 @@ use super::waves::{COURSE, POINTS, TIMES};
 use crate::Error;
 use crate::case::Case;
 use crate::check::mean::MeanFlow;
-use crate::frozen::{StateError, Workspace};
+use crate::setup;
+use analysis::StateError;
+use analysis::flows::Workspace;
 use analysis::growth::Verdict;
 use analysis::kelvin::{Evolution, course, wave_vector, wave_vector_rate};
 use dynamics::flow::spectral::greatest_modes;
@@ -25,7 +27,7 @@ pub(super) struct Background<'a> {
 
 impl<'a> Background<'a> {
     pub(super) fn new(case: &'a Case) -> Result<Self, Error> {
-        let located = |error: StateError| error.locate(case);
+        let located = |error: StateError| setup::locate(case, error);
         let flow = case.mean_flow()?;
         let model = case.flow_model().map_err(|error| located(error.into()))?;
         let (verdict, _) =

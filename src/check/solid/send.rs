@@ -9,7 +9,8 @@ use crate::check::scheme::{Equations, Steps};
 use crate::dispersion::kinds;
 use crate::progress::Progress;
 use crate::run::{medium, unknown_name};
-use crate::solid::{Solid, normal};
+use crate::setup::{self, solid::normal};
+use analysis::StateError;
 use dynamics::boundary::{Boundary, Source};
 use dynamics::domain::Domain;
 use dynamics::line::Slopes;
@@ -20,6 +21,7 @@ use models::cosserat::waves::Field;
 use models::elementary::cr_cis;
 use models::granular_flow::InputError;
 use models::plasticity::parameters::{ActiveCondition, YieldSet};
+use models::solid::Solid;
 use nalgebra::DVector;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -43,7 +45,7 @@ const ON_FLAT: f64 = 1e-3;
 /// # Errors
 /// The case is wrong, or the solver does not take it.
 pub fn rows(predicted: &Case, measured: &Case, plan: &Plan) -> Result<Vec<Row>, Error> {
-    let solid = Solid::of(predicted).map_err(|error| predicted.locate(error))?;
+    let solid = setup::solid::solid(predicted).map_err(|error| predicted.locate(error))?;
     let medium = medium(measured, solid.dimensions).map_err(|error| measured.locate(error))?;
     let rows = match solid.dimensions {
         2 => Check::<2> { solid, medium, plan }.rows(),
@@ -51,14 +53,14 @@ pub fn rows(predicted: &Case, measured: &Case, plan: &Plan) -> Result<Vec<Row>, 
     };
     rows.map_err(|error| match error {
         Failed::Input(error) => predicted.locate(error).into(),
-        Failed::State(error) => error.locate(predicted),
+        Failed::State(error) => setup::locate(predicted, error),
     })
 }
 
 /// Why a check is not carried out.
 enum Failed {
     Input(InputError),
-    State(crate::frozen::StateError),
+    State(StateError),
 }
 
 impl From<InputError> for Failed {
@@ -67,8 +69,8 @@ impl From<InputError> for Failed {
     }
 }
 
-impl From<crate::frozen::StateError> for Failed {
-    fn from(error: crate::frozen::StateError) -> Self {
+impl From<StateError> for Failed {
+    fn from(error: StateError) -> Self {
         Self::State(error)
     }
 }

@@ -1,7 +1,8 @@
 //! Growth rates against direction and wave number, and the order fitted to them.
 
-use crate::frozen::Workspace;
-use analysis::growth::{Assessment, Verdict};
+use super::Workspace;
+use crate::growth::{Assessment, Verdict};
+use crate::search::golden_section;
 use models::elementary::Elementary;
 use std::f64::consts::PI;
 
@@ -164,29 +165,12 @@ fn greatest(f: impl Fn(f64) -> f64, samples: &[f64]) -> [f64; 2] {
     let refined = peaks.into_iter().flat_map(|i| {
         let before = if i == 0 { samples[count - 1] - PI } else { samples[i - 1] };
         let after = if i + 1 == count { samples[0] + PI } else { samples[i + 1] };
-        [[values[i], samples[i]], golden_section(&f, before, after)]
+        [[values[i], samples[i]], golden_section(&f, [before, after], STEPS, None).best()]
     });
     let [value, place] = refined.fold([f64::NAN, 0.0], |best: [f64; 2], found| {
         if found[0] > best[0] || best[0].is_nan() { found } else { best }
     });
     [value, place.rem_euclid(PI)]
-}
-
-/// The greatest value between two places, by golden sections, and its place.
-fn golden_section(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> [f64; 2] {
-    const RATIO: f64 = 0.618_033_988_749_894_9;
-    let at = |x: f64| [f(x), x];
-    let (mut x, mut y) = (at(b - RATIO * (b - a)), at(a + RATIO * (b - a)));
-    for _ in 0..STEPS {
-        if x[0] >= y[0] {
-            (b, y) = (y[1], x);
-            x = at(b - RATIO * (b - a));
-        } else {
-            (a, x) = (x[1], y);
-            y = at(a + RATIO * (b - a));
-        }
-    }
-    if x[0] >= y[0] { x } else { y }
 }
 
 /// The order m of Re ς ∝ k^m over the last decades of the greatest growth rate; `None` unless there

@@ -1,31 +1,33 @@
 //! The verdict on a solid: are all speeds real, does any vanish, and is growth bounded?
 
-use crate::frozen::{self, StateError};
-use crate::solid::{Elastic, Solid, angles_deg};
-use analysis::circle::Circle;
-use analysis::growth::{Assessment, Growth, Verdict};
-use analysis::newton::Order;
-use analysis::sphere::{self, Extremes, Flutter, RankOne, Slowest, Sphere, SphereError};
-use analysis::waves::squared_speeds;
+use super::angles_deg;
+use crate::StateError;
+use crate::circle::Circle;
+use crate::flows::Workspace;
+use crate::growth::{self, Assessment, Growth, Verdict};
+use crate::newton::Order;
+use crate::sphere::{self, Extremes, Flutter, RankOne, Slowest, Sphere, SphereError};
+use crate::waves::squared_speeds;
 use models::elementary::Elementary;
 use models::plasticity::symbol::NoResponse;
 use models::rates::RateEquations;
+use models::solid::{ElasticLaw, Solid};
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// How plane strain is judged.
+/// How plane strain is assessed.
 pub const PLANE_ROUTE: &str = "exact dispersion polynomial of the rate equations, all directions; \
                                speeds from the acoustic tensor every half degree, then refined";
 
-/// How space is judged.
+/// How space is assessed.
 pub const SPACE_ROUTE: &str = "acoustic tensor over the sphere, from a start fine enough for a cap \
                                of flutter of 1°, then refined by Newton's method";
 
-/// How elastic solids and those with associated flow without softening are judged.
+/// How elastic solids and those with associated flow without softening are assessed.
 pub const SYMMETRIC_ROUTE: &str =
     "symmetric tangent stiffness: the rate equations are symmetric-hyperbolic";
 
-/// What the characteristic speeds of a solid are.
+/// Type of the characteristic speeds of a solid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hyperbolicity {
     /// All real; some may be zero.
@@ -53,7 +55,7 @@ impl Hyperbolicity {
         }
     }
 
-    /// What it says.
+    /// The same in words.
     pub const fn words(self) -> &'static str {
         match self {
             Self::Hyperbolic => "real speeds in all directions",
@@ -73,7 +75,7 @@ impl Hyperbolicity {
         }
     }
 
-    fn of(extremes: &Extremes) -> Self {
+    fn from_extremes(extremes: &Extremes) -> Self {
         let Slowest { speed_squared, rounding, .. } = extremes.slowest;
         match (extremes.flutter.is_some(), speed_squared < -rounding) {
             (false, false) => Self::Hyperbolic,
@@ -84,46 +86,50 @@ impl Hyperbolicity {
     }
 }
 
-/// What was found.
+/// The verdict on a solid with what it rests on.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Judged {
+pub struct SolidAssessment {
     /// The verdict.
     pub verdict: Verdict,
     /// Normal of the waves that grow fastest where it is ill-posed.
     pub normal: Option<[f64; 3]>,
     /// Strongest flutter, slowest wave.
     pub extremes: Extremes,
-    /// What the speeds are.
+    /// Type of the speeds.
     pub hyperbolicity: Hyperbolicity,
-    /// How it came about.
+    /// The method.
     pub route: &'static str,
 }
 
-impl Judged {
+impl SolidAssessment {
     /// Directions of the fastest growth, degrees in the plane and above it.
     pub fn direction_deg(&self) -> Option<[f64; 2]> {
         self.normal.map(angles_deg)
     }
 
-    /// Whether the slowest wave stands still, as far as rounding lets tell: a stationary
-    /// discontinuity, or slip along layers.
-    pub fn stands_still(&self) -> bool {
+    /// Whether the speed of the slowest wave is zero within rounding: a stationary discontinuity, or slip
+    /// along layers.
+    pub fn is_stationary(&self) -> bool {
         self.extremes.slowest.speed_squared.abs() <= self.extremes.slowest.rounding
     }
 }
 
-/// The directions in space of the elastic solids met last, for all threads: they take a tenth of a
-/// second each, and serve every yield set and stress.
+/// The acoustic tensors over the sphere of the elastic solids met last, for all threads: they take a tenth of
+/// a second each, and serve every yield set and stress.
 #[derive(Default)]
-pub struct Spheres {
-    latest: Mutex<VecDeque<(Elastic, Arc<Sphere>)>>,
+pub struct AcousticTensorCache {
+    latest: Mutex<VecDeque<(ElasticLaw, Arc<Sphere>)>>,
 }
 
-impl Spheres {
+impl AcousticTensorCache {
     /// How many are kept: a map that sweeps a modulus meets one after the other, some threads at once.
     const KEPT: usize = 4;
 
-    fn of(&self, elastic: Elastic, rates: &RateEquations<3>) -> Result<Arc<Sphere>, SphereError> {
+    fn get(
+        &self,
+        elastic: ElasticLaw,
+        rates: &RateEquations<3>,
+    ) -> Result<Arc<Sphere>, SphereError> {
         let lock = || self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, sphere)) = lock().iter().find(|(known, _)| *known == elastic) {
             return Ok(Arc::clone(sphere));
@@ -136,47 +142,53 @@ impl Spheres {
     }
 }
 
-/// Judges one solid after another; one per thread.
-pub struct Judge<'a> {
-    /// The plane solid judged last.
-    pub plane: frozen::Workspace,
-    spheres: &'a Spheres,
+/// Assesses one solid after another; one per thread.
+pub struct SolidAssessor<'a> {
+    /// The linearised equations of the plane solid assessed last.
+    pub plane: Workspace,
+    cache: &'a AcousticTensorCache,
     /// The elastic solid in space of last time.
-    space: Option<(Elastic, Arc<Sphere>, sphere::Workspace)>,
+    space: Option<(ElasticLaw, Arc<Sphere>, sphere::Workspace)>,
 }
 
-impl<'a> Judge<'a> {
-    /// Shares the directions in space with others.
-    pub fn new(spheres: &'a Spheres) -> Self {
-        Self { plane: frozen::Workspace::default(), spheres, space: None }
+impl<'a> SolidAssessor<'a> {
+    /// Shares the acoustic tensors with others.
+    pub fn new(cache: &'a AcousticTensorCache) -> Self {
+        Self { plane: Workspace::default(), cache, space: None }
     }
 
     /// The verdict on a solid, and the assessment by its polynomial where that was what decided.
     ///
     /// # Errors
     /// No rate of response; numbers that overflow.
-    pub fn judge(&mut self, solid: &Solid) -> Result<(Judged, Option<Assessment>), StateError> {
+    pub fn assess(
+        &mut self,
+        solid: &Solid,
+    ) -> Result<(SolidAssessment, Option<Assessment>), StateError> {
         match solid.dimensions {
             2 => self.plane(solid),
             _ => Ok((self.space(solid)?, None)),
         }
     }
 
-    fn plane(&mut self, solid: &Solid) -> Result<(Judged, Option<Assessment>), StateError> {
+    fn plane(
+        &mut self,
+        solid: &Solid,
+    ) -> Result<(SolidAssessment, Option<Assessment>), StateError> {
         let rates = solid.rates::<2>()?;
         if solid.keeps_energy() {
             return Ok((energetic(Circle::new(&rates).search(&[])), None));
         }
-        let frozen::Workspace { system, pencil } = &mut self.plane;
+        let Workspace { system, pencil } = &mut self.plane;
         rates.linearise(system);
         pencil.update(system)?;
-        let mut assessment = analysis::growth::assess(pencil);
+        let mut assessment = growth::assess(pencil);
         let worst = match assessment.verdict {
             Verdict::IllPosed { direction, .. } => Some(direction),
             _ => None,
         };
         let extremes = Circle::new(&rates).search(worst.as_slice());
-        let hyperbolicity = Hyperbolicity::of(&extremes);
+        let hyperbolicity = Hyperbolicity::from_extremes(&extremes);
         let mut normal = worst.map(|angle| [angle.cr_cos(), angle.cr_sin(), 0.0]);
         // What the polynomial leaves open in one direction is decided by complex or imaginary speeds in
         // another: no growth is of higher order than k.
@@ -185,11 +197,11 @@ impl<'a> Judge<'a> {
             (assessment.verdict, normal) = grows(&extremes);
         }
         let verdict = assessment.verdict.clone();
-        let judged = Judged { verdict, normal, extremes, hyperbolicity, route: PLANE_ROUTE };
-        Ok((judged, Some(assessment)))
+        let own = SolidAssessment { verdict, normal, extremes, hyperbolicity, route: PLANE_ROUTE };
+        Ok((own, Some(assessment)))
     }
 
-    fn space(&mut self, solid: &Solid) -> Result<Judged, StateError> {
+    fn space(&mut self, solid: &Solid) -> Result<SolidAssessment, StateError> {
         let elastic = solid.elastic_rates::<3>();
         // In space every yield set has one condition.
         let active = solid.plastic.as_ref().and_then(|plastic| plastic.active.first());
@@ -213,7 +225,7 @@ impl<'a> Judge<'a> {
                 let mut own = match self.space.take() {
                     Some(own) if own.0 == solid.elastic => own,
                     _ => {
-                        let sphere = self.spheres.of(solid.elastic, &elastic)?;
+                        let sphere = self.cache.get(solid.elastic, &elastic)?;
                         let workspace = sphere.workspace();
                         (solid.elastic, sphere, workspace)
                     }
@@ -226,7 +238,7 @@ impl<'a> Judge<'a> {
         if solid.keeps_energy() {
             return Ok(energetic(extremes));
         }
-        let hyperbolicity = Hyperbolicity::of(&extremes);
+        let hyperbolicity = Hyperbolicity::from_extremes(&extremes);
         let Slowest { speed_squared, rounding, .. } = extremes.slowest;
         let (verdict, normal) = match hyperbolicity {
             Hyperbolicity::Hyperbolic if speed_squared <= rounding => {
@@ -236,7 +248,7 @@ impl<'a> Judge<'a> {
             Hyperbolicity::Hyperbolic => (Verdict::WellPosed, None),
             _ => grows(&extremes),
         };
-        Ok(Judged { verdict, normal, extremes, hyperbolicity, route: SPACE_ROUTE })
+        Ok(SolidAssessment { verdict, normal, extremes, hyperbolicity, route: SPACE_ROUTE })
     }
 }
 
@@ -253,11 +265,11 @@ fn grows(extremes: &Extremes) -> (Verdict, Option<[f64; 3]>) {
 }
 
 /// The verdict on a solid that keeps its energy.
-fn energetic(mut extremes: Extremes) -> Judged {
+fn energetic(mut extremes: Extremes) -> SolidAssessment {
     // Every c² is real and not negative: what is below zero is rounding.
     extremes.flutter = None;
     extremes.slowest.speed_squared = extremes.slowest.speed_squared.max(0.0);
-    Judged {
+    SolidAssessment {
         verdict: Verdict::WellPosed,
         normal: None,
         extremes,

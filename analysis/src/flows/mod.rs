@@ -1,0 +1,134 @@
+//! Flows: the verdict on a frozen state, and growth rates against direction and wave number.
+
+pub mod growth_curves;
+
+use crate::growth::{self, Assessment, Growth, Verdict};
+use crate::newton::Order;
+use crate::pencil::Pencil;
+use crate::{AnalysisError, StateError};
+use models::granular_flow::Model;
+use models::granular_flow::state::{Background, Flow, State};
+use models::{ClosedForm, LinearisedSystem};
+
+/// Memory for one state after another; one per thread.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    /// The linearised equations of the last state.
+    pub system: LinearisedSystem<2>,
+    /// Their pencil and dispersion polynomial.
+    pub pencil: Pencil,
+}
+
+/// The method that a verdict comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Route {
+    /// By a formula of the model.
+    ClosedForm,
+    /// From the linearised equations as data.
+    ModelBlind,
+}
+
+impl Route {
+    /// Both, in the order in which they are tried.
+    pub const ALL: [Self; 2] = [Self::ClosedForm, Self::ModelBlind];
+
+    /// Name in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ClosedForm => "closed-form",
+            Self::ModelBlind => "model-blind",
+        }
+    }
+}
+
+impl From<ClosedForm> for Verdict {
+    /// The verdict that a formula of the model gives.
+    fn from(closed_form: ClosedForm) -> Self {
+        match closed_form {
+            ClosedForm::WellPosed => Self::WellPosed,
+            ClosedForm::Grows { order, coefficient, direction } => {
+                let order = Order { numerator: order.into(), denominator: 1 };
+                Self::IllPosed { growth: Some(Growth { order, coefficient }), direction }
+            }
+            ClosedForm::UnboundedAtFiniteWaveNumber { direction } => {
+                Self::IllPosed { growth: None, direction }
+            }
+            ClosedForm::Indeterminate { rank, unknowns } => Self::Indeterminate { rank, unknowns },
+        }
+    }
+}
+
+/// A state of a flow, frozen.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "never kept in numbers")]
+pub enum FrozenState {
+    /// Fully deforming, and assessed.
+    Yielding {
+        /// The background.
+        flow: Flow,
+        /// The verdict with its evidence.
+        assessment: Assessment,
+    },
+    /// Not fully deforming: there are no equations to assess.
+    NotYielding(Background),
+}
+
+impl Workspace {
+    /// Assesses a state from its linearised equations.
+    ///
+    /// # Errors
+    /// See [`StateError`].
+    pub fn assess_state(
+        &mut self,
+        model: &Model,
+        state: &State,
+    ) -> Result<FrozenState, StateError> {
+        let background = model.background(state)?;
+        let Background::FullyDeforming(flow) = background else {
+            return Ok(FrozenState::NotYielding(background));
+        };
+        let assessment = self.assess(model, &flow)?;
+        Ok(FrozenState::Yielding { flow, assessment })
+    }
+
+    /// Assesses a flow from its linearised equations, whatever the model.
+    ///
+    /// # Errors
+    /// See [`AnalysisError`].
+    pub fn assess(&mut self, model: &Model, flow: &Flow) -> Result<Assessment, AnalysisError> {
+        model.symbol(flow, &mut self.system);
+        self.pencil.update(&self.system)?;
+        Ok(growth::assess(&self.pencil))
+    }
+
+    /// The verdict on a flow by a formula where one answers, else from the linearised equations.
+    ///
+    /// # Errors
+    /// See [`AnalysisError`].
+    pub fn decide(
+        &mut self,
+        model: &Model,
+        flow: &Flow,
+    ) -> Result<(Verdict, Route), AnalysisError> {
+        match model.closed_form(flow) {
+            Some(closed_form) => Ok((closed_form.into(), Route::ClosedForm)),
+            None => Ok((self.assess(model, flow)?.verdict, Route::ModelBlind)),
+        }
+    }
+
+    /// Whether the powers of a wave number (1/m) in the dispersion polynomial of the last state hold
+    /// in doubles with room to spare.
+    pub fn reaches(&self, k: f64) -> bool {
+        (1e-30..1e30).contains(&(k / self.pencil.polynomial.wave_number))
+    }
+
+    /// Greatest Re ς of the last state, 1/s, at the wave number `k` (1/m) and direction (rad); NaN
+    /// where there is no finite root, or where the wave is out of reach.
+    pub fn growth(&self, k: f64, direction: f64) -> f64 {
+        if !self.reaches(k) {
+            return f64::NAN;
+        }
+        let roots = self.pencil.polynomial.roots(k, direction, &[]);
+        roots.iter().map(|root| root.re).fold(f64::NAN, f64::max)
+    }
+}

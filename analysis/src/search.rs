@@ -1,0 +1,93 @@
+//! Searches over one variable: golden section, bisection, sectors.
+
+const RATIO: f64 = 0.618_033_988_749_894_9;
+
+/// An interval around a maximum, after golden sections.
+pub(crate) struct Bracket {
+    ends: [f64; 2],
+    /// The two places inside with their values: [value, place].
+    inner: [[f64; 2]; 2],
+}
+
+impl Bracket {
+    /// The middle of the interval.
+    pub(crate) fn middle(&self) -> f64 {
+        0.5 * (self.ends[0] + self.ends[1])
+    }
+
+    /// The greater of the two values inside, and its place.
+    pub(crate) fn best(&self) -> [f64; 2] {
+        let [x, y] = self.inner;
+        if x[0] >= y[0] { x } else { y }
+    }
+}
+
+/// Narrows [a, b] around the maximum of a function that has one there, at most `steps` times, and until the
+/// interval is below `tolerance` relative to its ends.
+pub(crate) fn golden_section(
+    f: impl Fn(f64) -> f64,
+    [mut a, mut b]: [f64; 2],
+    steps: usize,
+    tolerance: Option<f64>,
+) -> Bracket {
+    let at = |x: f64| [f(x), x];
+    let (mut x, mut y) = (at(b - RATIO * (b - a)), at(a + RATIO * (b - a)));
+    for _ in 0..steps {
+        if tolerance.is_some_and(|tolerance| b - a <= tolerance * (a.abs() + b.abs())) {
+            break;
+        }
+        if x[0] >= y[0] {
+            (b, y) = (y[1], x);
+            x = at(b - RATIO * (b - a));
+        } else {
+            (a, x) = (x[1], y);
+            y = at(a + RATIO * (b - a));
+        }
+    }
+    Bracket { ends: [a, b], inner: [x, y] }
+}
+
+/// The place of the maximum of a function that has one in [a, b], to rounding.
+pub(crate) fn place_of_maximum(f: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
+    /// The interval shrinks to the rounding of its ends.
+    const STEPS: usize = 60;
+    golden_section(f, [a, b], STEPS, Some(1e-12)).middle()
+}
+
+/// The interval [low, high], halved `steps` times around a place where `holds` changes.
+pub(crate) fn bisect(
+    [mut low, mut high]: [f64; 2],
+    steps: usize,
+    holds: impl Fn(f64) -> bool,
+) -> [f64; 2] {
+    let was = holds(low);
+    for _ in 0..steps {
+        let middle = 0.5 * (low + high);
+        if holds(middle) == was { low = middle } else { high = middle }
+    }
+    [low, high]
+}
+
+/// Sectors of a period in which something holds: their first and last angle, the first in the period, the
+/// ends found by bisection between the `samples` and those a `step` after. The whole period where it does
+/// all around.
+pub(crate) fn sectors(
+    samples: impl Iterator<Item = f64>,
+    step: f64,
+    period: f64,
+    bisections: usize,
+    holds: impl Fn(f64) -> bool,
+) -> Vec<[f64; 2]> {
+    let is_edge = |&angle: &f64| holds(angle) != holds(angle + step);
+    let edge = |angle: f64| {
+        let [low, high] = bisect([angle, angle + step], bisections, &holds);
+        (0.5 * (low + high), !holds(angle))
+    };
+    let edges: Vec<(f64, bool)> = samples.filter(is_edge).map(edge).collect();
+    let Some(first) = edges.first() else {
+        return if holds(0.0) { vec![[0.0, period]] } else { Vec::new() };
+    };
+    let after = edges.iter().skip(1).map(|edge| edge.0).chain([first.0 + period]);
+    let sectors = edges.iter().zip(after).filter(|((_, begins), _)| *begins);
+    sectors.map(|(&(from, _), to)| [from, to]).collect()
+}

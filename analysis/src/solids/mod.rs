@@ -1,0 +1,30 @@
+//! Solids: their plane waves, the verdict on them, and their speeds over all directions.
+
+mod assessment;
+mod plane_waves;
+mod speeds;
+
+pub use assessment::{
+    AcousticTensorCache, Hyperbolicity, PLANE_ROUTE, SPACE_ROUTE, SYMMETRIC_ROUTE, SolidAssessment,
+    SolidAssessor,
+};
+pub use plane_waves::{growth_rate, roots, waves};
+pub use speeds::{DirectionalSpeeds, ZeroSpeed, slowest_speed};
+
+use models::elementary::Elementary;
+
+/// Direction in the plane, in [0, 180), and elevation above it, of a normal; degrees. Opposite normals are
+/// the same.
+pub fn angles_deg([x, y, z]: [f64; 3]) -> [f64; 2] {
+    // Where a direction was found by search its last digits are noise.
+    const NOISE: f64 = 1e-7;
+    let clean = |degrees: f64| if degrees.abs() < NOISE { 0.0 } else { degrees };
+    let elevation = clean(z.cr_atan2(x.root_sum_square(y)).to_degrees());
+    let direction = clean(y.cr_atan2(x).to_degrees());
+    // Half a turn in the plane goes with the opposite elevation.
+    match direction {
+        d if d < 0.0 => [clean(d + 180.0), -elevation + 0.0],
+        d if d >= 180.0 - NOISE => [0.0, -elevation + 0.0],
+        d => [d, elevation],
+    }
+}

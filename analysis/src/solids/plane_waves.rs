@@ -1,0 +1,63 @@
+//! Plane waves of a solid, elastic or yielding.
+
+use crate::waves::{self, Waves};
+use models::plasticity::symbol::NoResponse;
+use models::solid::Solid;
+use num_complex::Complex64;
+
+/// The waves along the unit vector `normal`, and those of the elastic solid if `stays_elastic`.
+///
+/// # Errors
+/// There is no rate of response.
+pub fn waves(solid: &Solid, normal: [f64; 3], stays_elastic: bool) -> Result<Waves, NoResponse> {
+    if solid.dimensions == 2 {
+        let [x, y, _] = normal;
+        let rates = if stays_elastic { solid.elastic_rates() } else { solid.rates()? };
+        Ok(Waves::along::<2>(&rates, [x, y]))
+    } else {
+        let rates = if stays_elastic { solid.elastic_rates() } else { solid.rates()? };
+        Ok(Waves::along::<3>(&rates, normal))
+    }
+}
+
+/// The roots ς along the unit vector `normal` at the wave number `k` (1/m), 1/s, by descending real part;
+/// those that are always zero left out.
+///
+/// # Errors
+/// There is no rate of response.
+pub fn roots(solid: &Solid, normal: [f64; 3], k: f64) -> Result<Vec<Complex64>, NoResponse> {
+    let [x, y, _] = normal;
+    let damped = match solid.dimensions {
+        2 => solid.damped_rates::<2>()?.map(|rates| waves::roots(&rates, [x, y], k)),
+        _ => solid.damped_rates::<3>()?.map(|rates| waves::roots(&rates, normal, k)),
+    };
+    let mut all: Vec<Complex64> = match damped {
+        Some(roots) => roots,
+        None => waves(solid, normal, false)?
+            .families
+            .iter()
+            .flat_map(|family| {
+                let squares = family.squared_frequencies(k);
+                // What is below zero while energy is kept is rounding.
+                let is_kept = solid.keeps_energy();
+                squares.into_iter().map(move |square| match is_kept {
+                    true => Complex64::from(square.re.max(0.0)),
+                    false => square,
+                })
+            })
+            .map(|square| square.sqrt() * Complex64::i())
+            .flat_map(|root| [root, -root])
+            .collect(),
+    };
+    all.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+    Ok(all)
+}
+
+/// Greatest Re ς along the unit vector `normal` at the wave number `k` (1/m), 1/s; those that are always
+/// zero included.
+///
+/// # Errors
+/// There is no rate of response.
+pub fn growth_rate(solid: &Solid, normal: [f64; 3], k: f64) -> Result<f64, NoResponse> {
+    Ok(roots(solid, normal, k)?.iter().map(|root| root.re).fold(0.0, f64::max))
+}

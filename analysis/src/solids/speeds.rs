@@ -1,0 +1,178 @@
+//! Characteristic speeds of a solid against the direction in a plane, elastic and while yielding.
+
+use crate::circle::Circle;
+use crate::search::sectors;
+use crate::waves::squared_speeds;
+use models::cosserat::stress::Stress;
+use models::elementary::Elementary;
+use models::plasticity::parameters::YieldSet;
+use models::plasticity::symbol::NoResponse;
+use models::rates::RateEquations;
+use models::solid::Solid;
+use num_complex::Complex64;
+
+/// Directions over half a turn, both ends included.
+const DIRECTIONS: usize = 721;
+/// Steps of halving of the end of a sector.
+const BISECTIONS: usize = 45;
+/// Parts of the greatest c² that count as zero: of a real part, and of an imaginary one, which a double
+/// root has by the square root of the rounding.
+const ZERO: f64 = 1e-12;
+const REAL: f64 = 1e-6;
+
+/// Squared speeds in one direction, m²/s², by descending real part.
+type Speeds = Vec<Complex64>;
+
+/// Elastic squared speeds and those while yielding, at an angle in degrees.
+type Responses = dyn Fn(f64) -> (Speeds, Speeds);
+
+/// Squared characteristic speeds over half a turn in the plane of x₁ and x₂, or on a cone about x₃, and what
+/// they are.
+#[derive(Clone, Debug)]
+pub struct DirectionalSpeeds {
+    /// Directions, degrees, with the squared speeds of the elastic solid and of the yielding one, m²/s², by
+    /// descending real part.
+    pub curves: Vec<(f64, Vec<Complex64>, Vec<Complex64>)>,
+    /// Sectors of complex speeds (flutter), degrees.
+    pub flutter: Vec<[f64; 2]>,
+    /// Sectors of imaginary speeds, c² < 0, degrees.
+    pub imaginary: Vec<[f64; 2]>,
+    /// Directions in which a speed vanishes, degrees, and its cause.
+    pub vanishing: Vec<(f64, ZeroSpeed)>,
+    /// Whether a speed vanishes in all directions.
+    pub is_always_stationary: bool,
+    /// Greatest real part of the elastic c², m²/s².
+    pub largest: f64,
+}
+
+/// The cause of a vanishing speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ZeroSpeed {
+    /// The layers across the wave normal slip.
+    Slip,
+    /// The onset of a shear band.
+    StationaryDiscontinuity,
+}
+
+impl ZeroSpeed {
+    /// Name in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Slip => "slip along the layer",
+            Self::StationaryDiscontinuity => "stationary discontinuity",
+        }
+    }
+}
+
+impl DirectionalSpeeds {
+    /// The number of directions of the [`curves`](Self::curves).
+    pub const DIRECTIONS: usize = DIRECTIONS;
+
+    /// The speeds of a solid; in space those whose normals have this elevation above the plane of x₁ and x₂
+    /// (rad).
+    ///
+    /// # Errors
+    /// There is no rate of response.
+    pub fn new(solid: &Solid, elevation: f64) -> Result<Self, NoResponse> {
+        // Both responses at an angle in degrees.
+        let (at, circle): (Box<Responses>, _) = if solid.dimensions == 2 {
+            let (elastic, circle) =
+                (Circle::new(&solid.elastic_rates()), Circle::new(&solid.rates()?));
+            let yielding = circle.clone();
+            let at = move |degrees: f64| {
+                let angle = degrees.to_radians();
+                (elastic.squared_speeds(angle), yielding.squared_speeds(angle))
+            };
+            (Box::new(at), Some(circle))
+        } else {
+            let (elastic, rates) = (solid.elastic_rates::<3>(), solid.rates::<3>()?);
+            let (up, along) = elevation.cr_sin_cos();
+            let at = move |degrees: f64| {
+                let (sin, cos) = degrees.to_radians().cr_sin_cos();
+                let normal = [along * cos, along * sin, up];
+                (squared_speeds(&elastic, normal), squared_speeds(&rates, normal))
+            };
+            (Box::new(at), None)
+        };
+        let curves: Vec<(f64, Speeds, Speeds)> = (0..DIRECTIONS)
+            .map(|i| {
+                let degrees = 180.0 * i as f64 / (DIRECTIONS - 1) as f64;
+                let (elastic, yielding) = at(degrees);
+                (degrees, elastic, yielding)
+            })
+            .collect();
+        let largest = curves.iter().flat_map(|(_, e, _)| e).map(|c| c.re).fold(0.0, f64::max);
+        let step = 180.0 / (DIRECTIONS - 1) as f64;
+        let sectors = |is_such: &dyn Fn(&Complex64) -> bool| {
+            let samples = (0..DIRECTIONS - 1).map(|i| step * i as f64);
+            let holds = |degrees: f64| at(degrees).1.iter().any(is_such);
+            sectors(samples, step, 180.0, BISECTIONS, holds)
+        };
+        let flutter = match &circle {
+            Some(circle) => {
+                circle.flutter_sectors().into_iter().map(|s| s.map(f64::to_degrees)).collect()
+            }
+            None => sectors(&|c| is_complex(c, largest)),
+        };
+        let imaginary = sectors(&|c| !is_complex(c, largest) && c.re < -ZERO * largest);
+        let vanishing = match &circle {
+            Some(circle) => {
+                let angles = circle.vanishing().into_iter();
+                angles.map(|angle| (angle.to_degrees(), cause(solid, angle))).collect()
+            }
+            // Between real and imaginary speeds.
+            None => {
+                let ends = imaginary.iter().flatten().map(|end| end.rem_euclid(180.0));
+                ends.map(|end| (end, ZeroSpeed::StationaryDiscontinuity)).collect()
+            }
+        };
+        let is_always_stationary = circle.is_some_and(|circle| circle.is_always_still());
+        Ok(Self { curves, flutter, imaginary, vanishing, is_always_stationary, largest })
+    }
+
+    /// Whether a squared speed is complex: its imaginary part is not of rounding.
+    pub fn is_complex(&self, c: &Complex64) -> bool {
+        is_complex(c, self.largest)
+    }
+
+    /// Whether the real part of a squared speed is not negative but for rounding.
+    pub fn is_not_negative(&self, c: &Complex64) -> bool {
+        c.re >= -ZERO * self.largest
+    }
+}
+
+fn is_complex(c: &Complex64, largest: f64) -> bool {
+    c.im.abs() > REAL * largest
+}
+
+/// Why a speed vanishes whose normal has that angle (rad).
+fn cause(solid: &Solid, angle: f64) -> ZeroSpeed {
+    const NEAR: f64 = 1e-5; // a zero that is touched is known to the square root of the rounding
+    let active = solid.plastic.iter().flat_map(|plastic| &plastic.active);
+    let (sin, cos) = angle.cr_sin_cos();
+    let slips = |normal: &Stress| {
+        // The layers normal to x₁ slip where σ₂₁ is limited, those normal to x₂ where σ₁₂ is.
+        let sheared = |i: usize, j: usize| normal.force[i][j] != 0.0 || normal.couple[2][j] != 0.0;
+        (sin.abs() < NEAR && sheared(1, 0)) || (cos.abs() < NEAR && sheared(0, 1))
+    };
+    let is_layered = solid
+        .plastic
+        .as_ref()
+        .is_some_and(|plastic| matches!(plastic.set, YieldSet::Interlayer(_)));
+    match is_layered && active.map(|condition| &condition.normal).any(slips) {
+        true => ZeroSpeed::Slip,
+        false => ZeroSpeed::StationaryDiscontinuity,
+    }
+}
+
+/// The speed of the slowest wave that travels along the unit vector `normal`, m/s; NaN where some c² is
+/// complex or negative.
+pub fn slowest_speed(equations: &RateEquations<3>, normal: [f64; 3]) -> f64 {
+    let squares = squared_speeds(equations, normal);
+    let largest = squares.iter().map(|c| c.norm()).fold(0.0, f64::max);
+    if squares.iter().any(|c| is_complex(c, largest) || c.re < -ZERO * largest) {
+        return f64::NAN;
+    }
+    let travelling = squares.iter().map(|c| c.re).filter(|&c| c > ZERO * largest);
+    travelling.fold(f64::INFINITY, f64::min).sqrt()
+}

@@ -1,0 +1,137 @@
+//! The yield set of a solid, and the state of stress at which it yields.
+
+use crate::cosserat::stress::Stress;
+use crate::input::InputError;
+use crate::plasticity::parameters::{ActiveCondition, Interlayer, YieldSet, contract, mean};
+
+/// Conditions that the scaled stress meets to within this, relative to the terms that they compare,
+/// hold with equality.
+const ON_YIELD: f64 = 1e-9;
+
+/// A yield set and what is active of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plastic {
+    /// The yield set.
+    pub set: YieldSet,
+    /// The stress, scaled onto yield; `None` where the active conditions are given instead.
+    pub stress: Option<Stress>,
+    /// The conditions that hold with equality; at least one.
+    pub active: Vec<ActiveCondition>,
+    /// Rate Λ at which the background flows, 1/s; 0 of layers, whose conditions are not curved.
+    pub rate: f64,
+}
+
+impl Plastic {
+    /// A set that yields at the stress −p δ + s·`direction` of the greatest s, while the background flows at
+    /// the rate Λ (1/s).
+    ///
+    /// # Errors
+    /// No such stress yields (see [`scale_onto_yield`]); the rate is negative.
+    pub fn at_stress(
+        set: YieldSet,
+        pressure: f64,
+        direction: &Stress,
+        rate: f64,
+    ) -> Result<Self, InputError> {
+        let stress = scale_onto_yield(&set, pressure, direction)?;
+        let active = set.active(&stress, ON_YIELD);
+        if active.is_empty() {
+            return Err(never_yields("a stress on the axis of the cone"));
+        }
+        if rate < 0.0 {
+            return Err(InputError {
+                key: "plastic_rate",
+                found: format!("{rate:?}"),
+                allowed: "the plastic rate must be Λ ≥ 0, in 1/s".into(),
+            });
+        }
+        Ok(Self { set, stress: Some(stress), active, rate })
+    }
+
+    /// Layers whose conditions of these indices, in the order of [`Interlayer::half_spaces`], are active, at
+    /// whatever stress.
+    ///
+    /// # Errors
+    /// There is no condition of that index.
+    pub fn with_active(layers: Interlayer, active: &[usize]) -> Result<Self, InputError> {
+        let all: Vec<ActiveCondition> = layers.half_spaces().map(|(c, _)| c).collect();
+        let condition = |&index: &usize| {
+            all.get(index).copied().ok_or_else(|| InputError {
+                key: "active",
+                found: format!("condition {index}"),
+                allowed: format!("conditions 0 to {} of these layers", all.len() - 1),
+            })
+        };
+        let active = active.iter().map(condition).collect::<Result<_, _>>()?;
+        Ok(Self { set: YieldSet::Interlayer(layers), stress: None, active, rate: 0.0 })
+    }
+}
+
+/// The stress −p δ + s·`direction` with the greatest s ≥ 0 inside the yield set.
+///
+/// # Errors
+/// The set has no strength under this pressure (Pa), or does not hold it; no multiple of the direction
+/// yields.
+pub fn scale_onto_yield(
+    set: &YieldSet,
+    pressure: f64,
+    direction: &Stress,
+) -> Result<Stress, InputError> {
+    let mut stress = Stress::default();
+    for i in 0..3 {
+        stress.force[i][i] = -pressure;
+    }
+    // How far each condition lets the direction be multiplied; as linear as the set is along its rays.
+    let shear_capacity = |used: f64, strength: f64, rate: f64| match strength - used {
+        room if room > 0.0 => Ok(if rate > 0.0 { room / rate } else { f64::INFINITY }),
+        _ if used <= 0.0 => Err(InputError {
+            key: "yield",
+            found: "no strength under this pressure".into(),
+            allowed: "strength or friction that a stress can grow to; yield.active may name the \
+                      conditions instead"
+                .into(),
+        }),
+        _ => Err(InputError {
+            key: "pressure",
+            found: format!("{pressure:?}"),
+            allowed: "a pressure within the yield set: greater than −strength/friction".into(),
+        }),
+    };
+    let scale = match set {
+        YieldSet::Interlayer(layers) => {
+            let mut scale = f64::INFINITY;
+            for (condition, strength) in layers.half_spaces() {
+                let used = contract(&condition.normal, &stress);
+                let rate = contract(&condition.normal, direction);
+                scale = scale.min(shear_capacity(used, strength, rate)?);
+            }
+            scale
+        }
+        YieldSet::Mises(cone) => shear_capacity(
+            cone.friction * mean(&stress),
+            cone.strength,
+            cone.equivalent_shear(direction) + cone.friction * mean(direction),
+        )?,
+    };
+    if !scale.is_finite() {
+        return Err(never_yields("stresses that never yield, however large"));
+    }
+    let add = |sum: &mut [[f64; 3]; 3], part: &[[f64; 3]; 3]| {
+        for (sum, part) in sum.iter_mut().flatten().zip(part.iter().flatten()) {
+            *sum += scale * part;
+        }
+    };
+    add(&mut stress.force, &direction.force);
+    add(&mut stress.couple, &direction.couple);
+    Ok(stress)
+}
+
+fn never_yields(found: &str) -> InputError {
+    InputError {
+        key: "stress",
+        found: found.into(),
+        allowed: "a deviatoric, rotational or couple stress that reaches the yield set; for \
+                  interlayer, yield.active may name the conditions instead"
+            .into(),
+    }
+}

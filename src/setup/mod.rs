@@ -1,0 +1,30 @@
+//! From a case to what the crates below take, and their errors with the place in the case file.
+
+pub mod flow;
+pub mod solid;
+
+use crate::Error;
+use crate::case::{Case, Kind};
+use analysis::StateError;
+use models::granular_flow::InputError;
+
+/// The error of a case's state with its place in the case file.
+pub fn locate(case: &Case, error: StateError) -> Error {
+    case.locate(into_input(case, error)).into()
+}
+
+/// The same for a state of the case's map, whose swept numbers stand in \[map\].
+pub fn locate_in_map(case: &Case, error: StateError) -> Error {
+    case.locate_in_map(into_input(case, error)).into()
+}
+
+fn into_input(case: &Case, error: StateError) -> InputError {
+    let state = if let Kind::Solid(_) = case.kind { "model" } else { "background" };
+    let (key, allowed) = match error {
+        StateError::Input(error) => return error,
+        StateError::Analysis(error) => (state, error.to_string()),
+        StateError::NoResponse(error) => ("yield", error.to_string()),
+        StateError::Sphere(error) => ("model", error.to_string()),
+    };
+    InputError { key, found: "a state that cannot be analysed".into(), allowed }
+}
