@@ -86,9 +86,9 @@ pub const SNAPSHOTS: &str = "snapshots.pvd";
 /// What says that a run is finished.
 const FINISHED: &str = "run.json";
 
-/// A file that a run keeps open or writes again and again.
+/// A file that a run appends to, or writes again and again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Growing {
+pub enum AppendedFile {
     /// What receivers saw.
     Receivers,
     /// The ledger of energy.
@@ -103,7 +103,7 @@ pub enum Growing {
     Lock,
 }
 
-impl Growing {
+impl AppendedFile {
     const fn name(self) -> &'static str {
         match self {
             Self::Receivers => "receivers.csv",
@@ -166,7 +166,7 @@ impl OutputError {
         Self { path: path.to_owned(), cause: cause.to_string(), remedy }
     }
 
-    /// A table that grows and cannot.
+    /// A table that cannot be appended to.
     pub fn of_table(error: AppendError) -> Self {
         match error.problem {
             AppendProblem::Refused { ref source, .. } if source.kind() != ErrorKind::NotFound => {
@@ -301,7 +301,7 @@ impl ResultFolder {
             Ok(())
         } else if self.path.join(FINISHED).exists() {
             refused("the folder holds this run, finished", "compute it again with --force")
-        } else if self.growing(Growing::Checkpoint).exists() {
+        } else if self.path_of(AppendedFile::Checkpoint).exists() {
             let remedy = "go on with wellposed resume, or begin again with --force";
             refused("the folder holds this run, interrupted", remedy)
         } else {
@@ -319,8 +319,8 @@ impl ResultFolder {
         &self.undrawn
     }
 
-    /// Where a file stands that grows.
-    pub fn growing(&self, file: Growing) -> PathBuf {
+    /// Where a file stands.
+    pub fn path_of(&self, file: AppendedFile) -> PathBuf {
         self.path.join(file.name())
     }
 
@@ -328,8 +328,8 @@ impl ResultFolder {
     ///
     /// # Errors
     /// It cannot be removed.
-    pub fn remove(&self, file: Growing) -> Result<(), OutputError> {
-        remove(&self.growing(file))
+    pub fn remove(&self, file: AppendedFile) -> Result<(), OutputError> {
+        remove(&self.path_of(file))
     }
 
     /// Removes one of the [`results`], if it is there.
@@ -346,7 +346,7 @@ impl ResultFolder {
     /// Another run is in progress, or the folder takes no files.
     pub fn lock(&self) -> Result<File, OutputError> {
         fs::create_dir_all(&self.path).map_err(|error| OutputError::new(&self.path, error))?;
-        let path = self.growing(Growing::Lock);
+        let path = self.path_of(AppendedFile::Lock);
         let file = File::create(&path).map_err(|error| OutputError::new(&path, error))?;
         match file.try_lock() {
             Err(fs::TryLockError::WouldBlock) => Err(OutputError {
@@ -376,9 +376,9 @@ impl ResultFolder {
     pub fn open_run(&self) -> Result<(), OutputError> {
         self.open()?;
         let own = |name: &String| {
-            let is_kept = *name == Growing::Lock.name();
+            let is_kept = *name == AppendedFile::Lock.name();
             is_snapshot(name)
-                || *name == Growing::Log.name()
+                || *name == AppendedFile::Log.name()
                 || (!is_kept && RUN.iter().any(|own| own == name))
         };
         names(&self.path)?

@@ -5,7 +5,7 @@ mod flow;
 use crate::Error;
 use crate::case::dynamics::{Component, Dynamics, Picture};
 use crate::case::{Case, InTime};
-use crate::output::{Growing, OutputError, ResultFolder, SNAPSHOTS};
+use crate::output::{AppendedFile, OutputError, ResultFolder, SNAPSHOTS};
 use crate::words::{case_title, short, unit_of};
 use figures::{
     Animation, FieldAxis, FieldFigure, FieldMark, FieldMarkKind, FigureError, LedgerFigure,
@@ -61,7 +61,7 @@ fn draw_solid(
         _ => "balance: the scheme's, not counted",
     };
     let unit = if dynamics.grid.dimensions() == 2 { "J/m" } else { "J" };
-    ledger(case, folder, unit, table(folder, Growing::Ledger)?, words)?;
+    ledger(case, folder, unit, table(folder, AppendedFile::Ledger)?, words)?;
     if dynamics.output.snapshot_interval > 0.0 {
         let section = Section::new(dynamics);
         let picture = dynamics.output.picture;
@@ -99,7 +99,7 @@ fn some_of(count: usize) -> impl Iterator<Item = usize> {
 fn seismograms(case: &Case, folder: &ResultFolder) -> Result<(), Error> {
     /// Panels of a page; of more quantities the first.
     const MOST: usize = 8;
-    let columns = table(folder, Growing::Receivers)?;
+    let columns = table(folder, AppendedFile::Receivers)?;
     let mut receivers: Vec<&str> =
         columns.iter().filter_map(|own| Some(own.0.rsplit_once('.')?.0)).collect();
     receivers.dedup();
@@ -223,9 +223,9 @@ fn array(bytes: &[u8], name: &str, cells: usize) -> Result<Vec<f64>, String> {
 /// Columns of a table of numbers by name.
 pub(crate) fn table(
     folder: &ResultFolder,
-    file: Growing,
+    file: AppendedFile,
 ) -> Result<Vec<(String, Vec<f64>)>, Error> {
-    let path = folder.growing(file);
+    let path = folder.path_of(file);
     let text =
         std::fs::read_to_string(&path).map_err(|error| OutputError::unreadable(&path, &error))?;
     let mut lines = text.lines();

@@ -1,23 +1,22 @@
 //! `wellposed run` and `wellposed resume`: a solid or a flow in time.
 //!
-//! Tables grow line by line, snapshots come one after the other; all else is written at the end. A
-//! checkpoint holds the state and what the growing files held: what resumes from it writes the same bits
-//! as a run that was never interrupted.
+//! The loop in time is that of [`dynamics::simulation`]. Here a case becomes a simulation (`setup`, `solid`, `flow`),
+//! `recorder` writes what the loop delivers, and the rest is written at the end. Tables are appended to line by line,
+//! snapshots come one after the other. A checkpoint holds the state and what the tables held: what resumes from
+//! it writes the same bits as a run that was never interrupted.
 
 mod checkpoint;
 mod control;
 mod files;
 mod flow;
-mod interpolation;
-mod march;
 mod pulse;
+mod recorder;
 mod setup;
-mod snapshots;
 mod solid;
 mod spread;
 
 use crate::case::{Case, CaseError, InTime};
-use crate::output::{Growing, ResultFolder};
+use crate::output::{AppendedFile, ResultFolder};
 use crate::plot;
 use crate::words::{short, superscript, unit_of};
 use crate::{Error, Format, Options};
@@ -88,7 +87,7 @@ pub struct Control {
     pub checkpoint_every: f64,
 }
 
-/// What is run in time: a solid or a flow.
+/// A case that is run in time: a solid or a flow.
 trait Job {
     /// What will be computed, in words, if memory suffices.
     fn plan(&self) -> Result<String, Error>;
@@ -102,7 +101,7 @@ trait Job {
     /// What the analysis says of its equations, where that is against running them.
     fn ill_posed(&self) -> Result<Option<IllPosed>, Error>;
 
-    /// Computes it, from its beginning or from a checkpoint, and writes the files that grow.
+    /// Computes it, from its beginning or from a checkpoint, and writes the files that are appended to.
     fn compute(&self, run: &Run, from: Option<Checkpoint>) -> Result<Outcome, Error>;
 }
 
@@ -127,8 +126,8 @@ struct Outcome {
 
 fn job(case: &Case) -> Result<Box<dyn Job + '_>, Error> {
     Ok(match case.in_time()? {
-        InTime::Solid(dynamics) => Box::new(solid::Job::new(case, dynamics)?),
-        InTime::Flow(flow) => Box::new(flow::Job::new(case, flow)?),
+        InTime::Solid(dynamics) => Box::new(solid::SolidJob::new(case, dynamics)?),
+        InTime::Flow(flow) => Box::new(flow::FlowJob::new(case, flow)?),
     })
 }
 
@@ -181,7 +180,7 @@ pub fn resume(
         InTime::Solid(dynamics) => dynamics.time.duration,
         InTime::Flow(flow) => flow.time.duration,
     };
-    let start = found.as_ref().map_or(0.0, |found| found.time);
+    let start = found.as_ref().map_or(0.0, |found| found.state.time);
     let _ = writeln!(std::io::stderr(), "{plan}\nfrom {:.1} %", 100.0 * start / duration);
     let run = Run { folder: &folder, control, threads };
     carry_out(&case, &*job, &run, found, format, stdout)
@@ -206,8 +205,8 @@ fn carry_out(
     plot::draw(case, folder)?;
     // The last of all: the run is finished where it stands.
     folder.write("run.json", json.as_bytes())?;
-    folder.remove(Growing::Checkpoint)?;
-    folder.remove(Growing::Lock)?;
+    folder.remove(AppendedFile::Checkpoint)?;
+    folder.remove(AppendedFile::Lock)?;
     drop(lock);
     match format {
         Format::Json => stdout.write_all(json.as_bytes())?,
@@ -253,7 +252,7 @@ fn available_memory() -> Option<f64> {
 /// What the receivers saw, as arrays of the names of the table's columns.
 fn receivers(folder: &ResultFolder) -> Result<Vec<u8>, Error> {
     let mut archive = Npz::new();
-    let columns = plot::table(folder, Growing::Receivers)?;
+    let columns = plot::table(folder, AppendedFile::Receivers)?;
     let names: Vec<&str> = columns.iter().map(|column| column.0.as_str()).collect();
     let of = |name: &&str| name.rsplit_once('.').map_or("s", |(_, name)| unit_of(name));
     let units: Vec<&str> = names.iter().map(of).collect();

@@ -8,6 +8,8 @@
 //! - [`split`]: the same in parts, each in a thread of its own, and the halo between them;
 //! - [`mod@line`]: one pair of fields along a line of cells and joints, with its energy account;
 //! - [`kernel`]: the same on many lines at once, in the instructions that the processor has;
+//! - [`simulation`]: the loop in time, for solids and flows;
+//! - [`probe`]: points at which fields are recorded;
 //! - [`real`]: floating-point numbers, and groups of them;
 //! - [`flow`]: granular flow in a box that moves with it, by Fourier series.
 #![deny(missing_docs)]
@@ -24,9 +26,11 @@ pub mod kernel;
 pub mod ledger;
 pub mod line;
 pub mod medium;
+pub mod probe;
 pub mod problem;
 pub mod real;
 mod row;
 mod side;
+pub mod simulation;
 pub mod split;
 mod vector;

@@ -273,6 +273,18 @@ impl<T: Real, const D: usize> Split<T, D> {
         }
     }
 
+    /// Goes back to rest, before the first step.
+    pub(crate) fn reset(&mut self) {
+        let mut sums = self.sums();
+        sums.iter_mut().for_each(|own| own.fill(0.0));
+        for part in &mut self.parts {
+            part.domain.clear();
+            let layers = part.domain.totals().len();
+            part.domain.take_over(0, vec![Total::default(); layers].into_iter());
+            part.domain.set_sums(&sums, part.first);
+        }
+    }
+
     /// Goes back, or on, to a snapshot of the same problem; `false` where it is one of another.
     pub fn restore(&mut self, snapshot: &Snapshot<T>) -> bool {
         let cells: usize = self.parts.iter().map(|part| part.domain.grid().count()).sum();

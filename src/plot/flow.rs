@@ -4,7 +4,7 @@ use super::{Fields, animation, array, label, ledger, seismograms, table, write};
 use crate::Error;
 use crate::case::Case;
 use crate::case::flow::{FlowRun, Quantity};
-use crate::output::{Growing, ResultFolder};
+use crate::output::{AppendedFile, ResultFolder};
 use crate::words::{case_title, short, unit_of};
 use dynamics::flow::Field;
 use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind, Line, SpectrumFigure};
@@ -33,7 +33,7 @@ pub(super) fn draw(
         "stress" => "work of the stress",
         _ => "left over: error of the steps",
     };
-    let mut columns = table(folder, Growing::Ledger)?;
+    let mut columns = table(folder, AppendedFile::Ledger)?;
     columns.retain(|column| column.0 != "power");
     ledger(case, folder, "J/m³", columns, words)?;
     spectrum(case, folder)?;
@@ -108,7 +108,7 @@ fn figure(case: &Case, run: &FlowRun, time: f64, mut values: Vec<f64>) -> FieldF
 fn spectrum(case: &Case, folder: &ResultFolder) -> Result<(), Error> {
     /// Lines of the picture, at most.
     const MOST: usize = 6;
-    let columns = table(folder, Growing::Spectrum)?;
+    let columns = table(folder, AppendedFile::Spectrum)?;
     let Some(((_, times), shells)) = columns.split_first() else { return Ok(()) };
     let last = times.len().saturating_sub(1);
     let count = MOST.min(times.len());

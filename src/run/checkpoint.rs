@@ -1,9 +1,7 @@
-//! What a run needs to go on: state, and what its growing files held.
+//! What a run needs to go on: state, and what its tables held.
 
-use crate::output::{Growing, OutputError, ResultFolder, not_written};
-use dynamics::flow;
-use dynamics::real::Real;
-use dynamics::split::Snapshot;
+use crate::output::{AppendedFile, OutputError, ResultFolder, not_written};
+use dynamics::simulation::State;
 use files::append::Written;
 use files::sealed::{Problem, read_sealed, write_sealed};
 use serde_json::{Value, json};
@@ -12,100 +10,29 @@ use std::io::ErrorKind;
 
 /// A checkpoint of a solid or a flow.
 pub(super) struct Checkpoint {
-    pub(super) steps: usize,
-    /// The time that these led to, s.
-    pub(super) time: f64,
     /// What stands in the tables.
     pub(super) tables: Vec<Written>,
-    /// Energy at the beginning, J or J/m³.
-    pub(super) start: f64,
-    /// The state, in parts by name.
-    state: BTreeMap<String, Vec<u8>>,
-}
-
-/// The numbers of a section, if it is one of whole numbers.
-fn doubles(bytes: &[u8]) -> Option<Vec<f64>> {
-    let (numbers, []) = bytes.as_chunks() else { return None };
-    Some(numbers.iter().map(|number| f64::from_le_bytes(*number)).collect())
-}
-
-fn bytes(numbers: &[f64]) -> Vec<u8> {
-    numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
-}
-
-/// Parts under a name with their numbers.
-fn numbered(
-    name: &str,
-    parts: impl Iterator<Item = Vec<u8>>,
-) -> impl Iterator<Item = (String, Vec<u8>)> {
-    parts.enumerate().map(move |(index, part)| (format!("{name}{index}"), part))
+    /// The state.
+    pub(super) state: State,
 }
 
 impl Checkpoint {
-    /// Of a solid's state.
-    pub(super) fn of_solid<T: Real>(
-        snapshot: &Snapshot<T>,
-        time: f64,
-        tables: Vec<Written>,
-        start: f64,
-    ) -> Self {
-        let narrow = |values: &Vec<T>| values.iter().flat_map(|value| value.bytes()).collect();
-        let fields = numbered("field", snapshot.fields.iter().map(narrow));
-        let sums = numbered("sums", snapshot.sums.iter().map(|sums| bytes(sums)));
-        let totals = ("totals".to_owned(), bytes(snapshot.totals.as_flattened()));
-        let state = [totals].into_iter().chain(fields).chain(sums).collect();
-        Self { steps: snapshot.steps, time, tables, start, state }
-    }
-
-    /// Of a flow's state.
-    pub(super) fn of_flow(
-        snapshot: &flow::Snapshot,
-        time: f64,
-        tables: Vec<Written>,
-        start: f64,
-    ) -> Self {
-        let state = numbered("part", snapshot.parts.iter().map(|part| bytes(part))).collect();
-        Self { steps: snapshot.steps, time, tables, start, state }
-    }
-
-    /// The parts of that name.
-    fn parts(&self, name: &str) -> impl Iterator<Item = &Vec<u8>> {
-        (0..).map_while(move |index| self.state.get(&format!("{name}{index}")))
-    }
-
-    /// The state of a solid; `None` where the numbers are not of this kind.
-    pub(super) fn solid<T: Real>(&self) -> Option<Snapshot<T>> {
-        let totals = doubles(self.state.get("totals")?)?;
-        let (totals, []) = totals.as_chunks::<12>() else { return None };
-        Some(Snapshot {
-            steps: self.steps,
-            fields: self.parts("field").map(|field| T::from_bytes(field)).collect::<Option<_>>()?,
-            totals: totals.to_vec(),
-            sums: self.parts("sums").map(|sums| doubles(sums)).collect::<Option<_>>()?,
-        })
-    }
-
-    /// The state of a flow; `None` where the numbers are not whole.
-    pub(super) fn flow(&self) -> Option<flow::Snapshot> {
-        let parts = self.parts("part").map(|part| doubles(part)).collect::<Option<_>>()?;
-        Some(flow::Snapshot { steps: self.steps, parts })
-    }
-
     /// Writes it, whole or not at all.
     pub(super) fn write(&self, folder: &ResultFolder) -> Result<(), OutputError> {
+        let State { steps, time, initial_energy, sections: numbers } = &self.state;
         let tables: Vec<[u64; 2]> =
             self.tables.iter().map(|table| [table.length, table.checksum.into()]).collect();
         let about = json!({
-            "steps": self.steps,
-            "time": self.time.to_bits(),
+            "steps": steps,
+            "time": time.to_bits(),
             "tables": tables,
-            "start": self.start.to_bits(),
+            "start": initial_energy.to_bits(),
         })
         .to_string();
         let mut sections: Vec<(&str, &[u8])> =
             vec![("case", folder.undrawn().as_bytes()), ("about", about.as_bytes())];
-        sections.extend(self.state.iter().map(|(name, part)| (name.as_str(), part.as_slice())));
-        let path = folder.growing(Growing::Checkpoint);
+        sections.extend(numbers.iter().map(|(name, own)| (name.as_str(), own.as_slice())));
+        let path = folder.path_of(AppendedFile::Checkpoint);
         write_sealed(&path, &sections).map_err(|error| not_written(&path, &error))
     }
 
@@ -114,7 +41,7 @@ impl Checkpoint {
     /// # Errors
     /// It is damaged, or of another case.
     pub(super) fn read(folder: &ResultFolder) -> Result<Option<Self>, OutputError> {
-        let path = folder.growing(Growing::Checkpoint);
+        let path = folder.path_of(AppendedFile::Checkpoint);
         let damaged = |cause: &str| OutputError::unusable(&path, cause);
         let sections = match read_sealed(&path).map_err(|error| error.problem) {
             Err(Problem::Read(error)) if error.kind() == ErrorKind::NotFound => return Ok(None),
@@ -141,18 +68,18 @@ impl Checkpoint {
         else {
             return Err(odd());
         };
-        Ok(Some(Self {
+        let state = State {
             steps: usize::try_from(steps).map_err(|_| odd())?,
             time: f64::from_bits(time),
-            tables,
-            start: f64::from_bits(start),
-            state: sections,
-        }))
+            initial_energy: f64::from_bits(start),
+            sections,
+        };
+        Ok(Some(Self { tables, state }))
     }
 
     /// That its state is none of this run's.
     pub(super) fn refused(folder: &ResultFolder) -> OutputError {
-        let path = folder.growing(Growing::Checkpoint);
+        let path = folder.path_of(AppendedFile::Checkpoint);
         OutputError::unusable(&path, "its fields are not those of the case")
     }
 }

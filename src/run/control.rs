@@ -6,7 +6,7 @@ use super::files::Files;
 use crate::output::ResultFolder;
 use crate::words::short;
 use crate::{Error, INTERRUPTED_CODE};
-use files::append::Written;
+use dynamics::simulation::Simulation;
 use std::io::{IsTerminal, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -17,7 +17,7 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 static COMPUTED: AtomicBool = AtomicBool::new(false);
 
 /// Lets Ctrl-C end the run after a checkpoint; a second one ends it at once, and takes away what is half-written.
-pub(super) fn listen(folder: &ResultFolder) {
+pub(super) fn install_signal_handlers(folder: &ResultFolder) {
     let folder = folder.clone();
     // Where another listener stands already it will do.
     let _ = ctrlc::set_handler(move || {
@@ -42,37 +42,39 @@ pub(super) fn computed() {
 }
 
 /// Writes checkpoints when they are due.
-pub(super) struct Keeper<'a> {
+pub(super) struct CheckpointTimer<'a> {
     run: &'a Run<'a>,
     /// When the last one was written.
-    kept: Instant,
+    last: Instant,
 }
 
-impl<'a> Keeper<'a> {
+impl<'a> CheckpointTimer<'a> {
     pub(super) fn new(run: &'a Run<'a>) -> Self {
-        Self { run, kept: Instant::now() }
+        Self { run, last: Instant::now() }
     }
 
     /// Writes a checkpoint if it is time, or if somebody has asked the program to end, which it then does
     /// unless the run is at its end.
-    pub(super) fn keep(
+    ///
+    /// # Errors
+    /// The run is interrupted, or the checkpoint cannot be written.
+    pub(super) fn write_if_due(
         &mut self,
         files: &mut Files,
-        is_last: bool,
-        checkpoint: impl FnOnce(Vec<Written>) -> Checkpoint,
+        simulation: &impl Simulation,
     ) -> Result<(), Error> {
         let is_interrupted = INTERRUPTED.load(Ordering::Relaxed);
-        if !is_interrupted && self.kept.elapsed().as_secs_f64() <= self.run.control.checkpoint_every
+        if !is_interrupted && self.last.elapsed().as_secs_f64() <= self.run.control.checkpoint_every
         {
             return Ok(());
         }
-        let checkpoint = checkpoint(files.sync()?);
+        let checkpoint = Checkpoint { tables: files.sync()?, state: simulation.state() };
         checkpoint.write(self.run.folder)?;
-        files.log(&format!("checkpoint at step {}", checkpoint.steps));
-        self.kept = Instant::now();
-        if is_interrupted && !is_last {
+        files.log(&format!("checkpoint at step {}", checkpoint.state.steps));
+        self.last = Instant::now();
+        if is_interrupted && !simulation.is_finished() {
             return Err(Error::Interrupted {
-                time: short(checkpoint.time),
+                time: short(checkpoint.state.time),
                 folder: self.run.folder.path().display().to_string(),
             });
         }

@@ -1,9 +1,10 @@
-//! The files that grow during a run.
+//! The files that a run appends to.
 
 use super::checkpoint::Checkpoint;
 use crate::Error;
 use crate::case::dynamics::Receiver;
-use crate::output::{Growing, OutputError, ResultFolder, SNAPSHOTS};
+use crate::output::{AppendedFile, OutputError, ResultFolder, SNAPSHOTS};
+use dynamics::simulation::State;
 use files::append::{Appender, Written};
 use files::vti::{ImageData, collection};
 use std::fmt::Display;
@@ -11,12 +12,12 @@ use std::fs::File;
 use std::io::Write as _;
 
 /// A table and the names of its columns.
-pub(super) type Table = (Growing, Vec<String>);
+pub(super) type Table = (AppendedFile, Vec<String>);
 
 /// The tables of a run, and its snapshots.
 pub(super) struct Files<'a> {
     folder: &'a ResultFolder,
-    tables: Vec<(Growing, Appender)>,
+    tables: Vec<(AppendedFile, Appender)>,
 }
 
 impl<'a> Files<'a> {
@@ -27,7 +28,7 @@ impl<'a> Files<'a> {
         tables: &[Table],
         has_snapshots: bool,
         from: Option<&Checkpoint>,
-        restore: impl FnOnce(&Checkpoint) -> bool,
+        restore: impl FnOnce(&State) -> bool,
     ) -> Result<(Self, File), Error> {
         let lock = folder.lock()?;
         let mut open = Vec::new();
@@ -36,7 +37,7 @@ impl<'a> Files<'a> {
                 folder.open_run()?;
                 for (table, header) in tables {
                     let header: Vec<&str> = header.iter().map(String::as_str).collect();
-                    let own = Appender::create(&folder.growing(*table), &header);
+                    let own = Appender::create(&folder.path_of(*table), &header);
                     open.push((*table, own.map_err(OutputError::of_table)?));
                 }
                 if has_snapshots {
@@ -45,11 +46,11 @@ impl<'a> Files<'a> {
             }
             Some(from) => {
                 folder.sweep()?;
-                if !restore(from) || from.tables.len() != tables.len() {
+                if !restore(&from.state) || from.tables.len() != tables.len() {
                     return Err(Checkpoint::refused(folder).into());
                 }
                 for ((table, _), written) in tables.iter().zip(&from.tables) {
-                    let own = Appender::resume(&folder.growing(*table), *written);
+                    let own = Appender::resume(&folder.path_of(*table), *written);
                     open.push((*table, own.map_err(OutputError::of_table)?));
                 }
             }
@@ -58,7 +59,7 @@ impl<'a> Files<'a> {
     }
 
     /// Adds a row to a table, if there is such a one.
-    pub(super) fn write(&mut self, table: Growing, row: &[f64]) -> Result<(), Error> {
+    pub(super) fn write(&mut self, table: AppendedFile, row: &[f64]) -> Result<(), Error> {
         match self.tables.iter_mut().find(|own| own.0 == table) {
             Some((_, file)) => Ok(file.write_row(row).map_err(OutputError::of_table)?),
             None => Ok(()),
@@ -84,7 +85,7 @@ impl<'a> Files<'a> {
 
     /// Wall times and speeds, which no result holds. A log that cannot be written stops nothing.
     pub(super) fn log(&self, text: &str) {
-        let path = self.folder.growing(Growing::Log);
+        let path = self.folder.path_of(AppendedFile::Log);
         if let Ok(mut file) = std::fs::OpenOptions::new().create(true).append(true).open(path) {
             let _ = writeln!(file, "{text}");
         }
@@ -94,10 +95,10 @@ impl<'a> Files<'a> {
 /// That no snapshot of those that are due is missing.
 pub(super) fn check_snapshots(
     folder: &ResultFolder,
-    due: impl IntoIterator<Item = String>,
+    mut due: impl Iterator<Item = String>,
 ) -> Result<(), OutputError> {
-    match due.into_iter().map(|name| folder.path().join(name)).find(|path| !path.exists()) {
-        Some(path) => Err(OutputError::unusable(&path, "is missing")),
+    match due.find(|name| !folder.path().join(name).exists()) {
+        Some(name) => Err(OutputError::unusable(&folder.path().join(name), "is missing")),
         None => Ok(()),
     }
 }

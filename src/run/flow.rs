@@ -1,21 +1,24 @@
 //! A flow in time.
 
 mod initial;
-mod march;
-mod times;
 
 use super::checkpoint::Checkpoint;
-use super::{IllPosed, Outcome, Run, if_memory_suffices};
+use super::control::install_signal_handlers;
+use super::files::{Table, columns};
+use super::recorder::{Effort, Found, View, simulate};
+use super::{IllPosed, Outcome, Run, Stopped, if_memory_suffices};
 use crate::case::Case;
 use crate::case::flow::{FlowRun, Grid, Quantity};
+use crate::output::AppendedFile;
 use crate::words::{case_title, short, unit_of};
 use crate::{Error, pool, setup};
 use analysis::StateError;
 use analysis::flows::Workspace;
 use analysis::growth::Verdict;
-use dynamics::flow::Problem;
+use dynamics::flow::{Energy, Left, Problem};
+use dynamics::simulation::{FlowAccount, FlowFields, FlowSimulation, OutputTimes, RegularTimes};
 use files::npz::Npz;
-use march::Found;
+use files::vti::{Grid as ImageGrid, ImageData, Storage};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -23,11 +26,16 @@ use std::fmt::Write as _;
 /// snapshot add theirs.
 const NUMBERS: f64 = 40.0;
 
+/// Lines of the ledger where the case does not say how many.
+const LINES: f64 = 200.0;
+
 /// A flow and the problem that it comes to.
-pub(super) struct Job<'a> {
+pub(super) struct FlowJob<'a> {
     case: &'a Case,
     run: &'a FlowRun,
     problem: Problem,
+    /// The fields of this flow.
+    quantities: Vec<Quantity>,
 }
 
 /// The problem of a case in a box, with the tolerances that are the default.
@@ -73,7 +81,7 @@ pub(crate) fn perturbation(
     Ok((fields.velocity, fields.inner))
 }
 
-impl<'a> Job<'a> {
+impl<'a> FlowJob<'a> {
     pub(super) fn new(case: &'a Case, run: &'a FlowRun) -> Result<Self, Error> {
         let problem = Problem {
             tolerance: run.time.tolerance,
@@ -81,11 +89,12 @@ impl<'a> Job<'a> {
             least_shear_rate: run.least_shear_rate,
             ..flow_problem(case, run.grid.cells, run.grid.lengths)?
         };
-        Ok(Self { case, run, problem })
+        let quantities = Quantity::all(problem.closure);
+        Ok(Self { case, run, problem, quantities })
     }
 }
 
-impl super::Job for Job<'_> {
+impl super::Job for FlowJob<'_> {
     fn plan(&self) -> Result<String, Error> {
         let grid = &self.run.grid;
         let [least, greatest] = self.wave_numbers();
@@ -125,7 +134,8 @@ impl super::Job for Job<'_> {
     }
 
     fn compute(&self, run: &Run, from: Option<Checkpoint>) -> Result<Outcome, Error> {
-        let found = pool(run.threads)?.install(|| self.march(run, from.as_ref()))?;
+        install_signal_handlers(run.folder);
+        let found = pool(run.threads)?.install(|| self.simulate(run, from))?;
         Ok(Outcome {
             words: self.words(&found),
             report: self.report(&found),
@@ -137,7 +147,39 @@ impl super::Job for Job<'_> {
     }
 }
 
-impl Job<'_> {
+impl FlowJob<'_> {
+    fn simulate(
+        &self,
+        run: &Run,
+        from: Option<Checkpoint>,
+    ) -> Result<Found<FlowSimulation>, Error> {
+        let (case, duration) = (self.run, self.run.time.duration);
+        let probes = case.receivers.iter().map(|own| case.grid.nearest(&own.at)).collect();
+        let mut simulation = FlowSimulation::new(&self.problem, duration, probes)
+            .map_err(|error| case.locate("grid", error.to_string(), "see the README"))?;
+        // Left before it began: the perturbation asks for too much.
+        let too_much = |left: Left| {
+            let allowed = "a smaller perturbation, which leaves the flow deforming";
+            case.locate("initial", told(&left), allowed)
+        };
+        if from.is_none() {
+            let fields = initial::fields(case, &self.problem)?;
+            let [v1, v2] = &fields.velocity;
+            simulation.perturb([v1, v2], &fields.inner).map_err(too_much)?;
+        }
+        let lines = match case.output.ledger_interval {
+            0.0 => duration / LINES,
+            seconds => seconds,
+        };
+        let output = OutputTimes {
+            accounts: RegularTimes::new(lines, duration),
+            snapshots: Some(case.output.snapshot_interval)
+                .filter(|seconds| *seconds > 0.0)
+                .map(|seconds| RegularTimes::new(seconds, duration)),
+        };
+        simulate(self, run, simulation, &output, duration, from)
+    }
+
     /// Least and greatest wave number of the box along an axis at the beginning, 1/m.
     fn wave_numbers(&self) -> [f64; 2] {
         let grid = &self.run.grid;
@@ -147,7 +189,7 @@ impl Job<'_> {
         [least[0].min(least[1]), greatest[0].max(greatest[1])]
     }
 
-    fn report(&self, found: &Found) -> Value {
+    fn report(&self, found: &Found<FlowSimulation>) -> Value {
         let grid = &self.run.grid;
         let energy = found.last.energy;
         json!({
@@ -158,15 +200,15 @@ impl Job<'_> {
             "steps": found.steps,
             "time": found.time,
             "velocity_gradient": self.problem.velocity_gradient,
-            "deformation": found.deformation,
-            "fields": found.values.iter().map(|(own, _)| own.array()).collect::<Vec<_>>(),
+            "deformation": found.fields.deformation,
+            "fields": self.quantities.iter().map(|own| own.array()).collect::<Vec<_>>(),
             "ledger": {
                 "unit": "J/m3",
                 "kinetic": energy.kinetic,
-                "at_start": found.start,
+                "at_start": found.last.initial_energy,
                 "background": energy.background,
                 "stress": energy.stress,
-                "balance": found.last.balance(found.start),
+                "balance": found.last.balance(),
                 "power": energy.power,
             },
             "receivers": self.run.receivers.iter().map(|receiver| {
@@ -179,7 +221,7 @@ impl Job<'_> {
         })
     }
 
-    fn fields(&self, found: &Found) -> Result<Vec<u8>, Error> {
+    fn fields(&self, found: &Found<FlowSimulation>) -> Result<Vec<u8>, Error> {
         let mut archive = Npz::new();
         let grid = &self.run.grid;
         for axis in 0..2 {
@@ -187,19 +229,19 @@ impl Job<'_> {
             archive.add_f64(&format!("x{}", axis + 1), &[points.len()], &points)?;
         }
         archive.add_f64("time", &[], &[found.time])?;
-        archive.add_f64("deformation", &[2, 2], found.deformation.as_flattened())?;
-        let names: Vec<&str> = found.values.iter().map(|(own, _)| own.array()).collect();
+        archive.add_f64("deformation", &[2, 2], found.fields.deformation.as_flattened())?;
+        let names: Vec<&str> = self.quantities.iter().map(|own| own.array()).collect();
         let units: Vec<&str> = names.iter().map(|name| unit_of(name)).collect();
         archive.add_text("names", &[names.len()], &names)?;
         archive.add_text("units", &[units.len()], &units)?;
         // The first axis runs fastest.
-        for (own, values) in &found.values {
-            archive.add_f64(own.array(), &[grid.cells[1], grid.cells[0]], values)?;
+        for (name, values) in names.iter().zip(&found.fields.values) {
+            archive.add_f64(name, &[grid.cells[1], grid.cells[0]], values)?;
         }
         Ok(archive.finish()?)
     }
 
-    fn words(&self, found: &Found) -> String {
+    fn words(&self, found: &Found<FlowSimulation>) -> String {
         let mut text = String::new();
         let energy = found.last.energy;
         let _ = writeln!(text, "{}", case_title(self.case));
@@ -207,13 +249,13 @@ impl Job<'_> {
         let mut line = |name: &str, value: f64, unit: &str| {
             let _ = writeln!(text, "  {name:<34} {:>11} {unit}", short(value));
         };
-        line("kinetic energy at the start", found.start, "J/m³");
+        line("kinetic energy at the start", found.last.initial_energy, "J/m³");
         line("kinetic energy", energy.kinetic, "J/m³");
         line("given by the mean flow", energy.background, "J/m³");
         line("work of the stress", energy.stress, "J/m³");
-        line("left over (error of the steps)", found.last.balance(found.start), "J/m³");
+        line("left over (error of the steps)", found.last.balance(), "J/m³");
         line("internal power", energy.power, "W/m³");
-        for (own, values) in &found.values {
+        for (own, values) in self.quantities.iter().zip(&found.fields.values) {
             let [least, greatest] = range(values);
             let unit = unit_of(own.name());
             line(&format!("least {own}"), own.shown(least), unit);
@@ -223,12 +265,108 @@ impl Job<'_> {
     }
 }
 
+impl View<FlowSimulation> for FlowJob<'_> {
+    const EXTENSION: &'static str = "vts";
+
+    fn receivers(&self) -> Option<(Vec<String>, Vec<usize>)> {
+        let names: Vec<&str> = self.quantities.iter().map(|own| own.name()).collect();
+        let receivers = &self.run.receivers;
+        (!receivers.is_empty()).then(|| columns(receivers, &names))
+    }
+
+    fn to_display_unit(&self, place: usize, value: f64) -> f64 {
+        self.quantities[place % self.quantities.len()].shown(value)
+    }
+
+    fn tables(&self) -> Vec<Table> {
+        let header = ["time", "kinetic", "background", "stress", "balance", "power"];
+        let ledger = (AppendedFile::Ledger, header.map(str::to_owned).to_vec());
+        let [most, across] = self.run.grid.greatest_modes();
+        let shells = (1..=most.max(across)).map(|shell| shell.to_string());
+        let header = ["time".to_owned()].into_iter().chain(shells).collect();
+        vec![ledger, (AppendedFile::Spectrum, header)]
+    }
+
+    fn rows(&self, account: &FlowAccount) -> Vec<Vec<f64>> {
+        let Energy { kinetic, background, stress, power } = account.energy;
+        let ledger = vec![account.time, kinetic, background, stress, account.balance(), power];
+        let spectrum = [account.time].iter().chain(&account.spectrum).copied().collect();
+        vec![ledger, spectrum]
+    }
+
+    /// Where the box is.
+    fn image(
+        &self,
+        _simulation: &FlowSimulation,
+        fields: &FlowFields,
+        time: f64,
+    ) -> Result<ImageData, Error> {
+        let own = &self.run.grid;
+        let grid = ImageGrid {
+            cells: own.cells.to_vec(),
+            origin: vec![0.0; 2],
+            spacing: [0, 1].map(|axis| own.lengths[axis] / own.cells[axis] as f64).to_vec(),
+        };
+        let mut image = ImageData::deformed(grid, fields.deformation, Storage::Plain)?;
+        image.set_time(time)?;
+        let [v1, v2, others @ ..] = fields.values.as_slice() else { return Ok(image) };
+        image.add_vector("velocity [m/s]", &[v1, v2])?;
+        for (quantity, values) in self.quantities.iter().skip(2).zip(others) {
+            let name = quantity.array();
+            image.add(&format!("{name} [{}]", unit_of(name)), 1, values)?;
+        }
+        Ok(image)
+    }
+
+    fn note(&self, simulation: &FlowSimulation, last: &FlowAccount, _effort: Effort) -> String {
+        let flow = simulation.flow();
+        let [time, energy] = [flow.time(), last.energy.kinetic].map(short);
+        let [evaluations, iterations] = flow.effort();
+        let iterations = iterations as f64 / evaluations.max(1) as f64;
+        let (steps, stages) = (flow.steps(), flow.stages());
+        format!(
+            "t = {time} s, energy {energy}, step {steps} of {stages} stages, {iterations:.1} iterations \
+             of the pressure"
+        )
+    }
+
+    fn log(&self, _simulation: &FlowSimulation, effort: Effort) -> String {
+        format!(
+            "{} steps in {:.2} s with {} threads",
+            effort.steps,
+            effort.seconds,
+            rayon::current_num_threads(),
+        )
+    }
+
+    fn stopped(&self, left: &Left, saved: f64) -> Stopped {
+        Stopped {
+            what: told(left),
+            time: short(left.time),
+            remedy: match left.at {
+                Some(_) => "a smaller perturbation goes on for longer if the state is well-posed",
+                None => {
+                    "a smaller perturbation or greater tolerances go on for longer if the state is well-posed"
+                }
+            },
+            saved: short(saved),
+        }
+    }
+}
+
+/// What happened, and at which point if it is one that has left the fully deforming region.
+fn told(left: &Left) -> String {
+    match left.at.map(|at| at.map(short)) {
+        Some([first, second]) => {
+            format!("{} at [{first}, {second}] m in the box at the beginning", left.what)
+        }
+        None => left.what.clone(),
+    }
+}
+
 /// Least and greatest.
 fn range(values: &[f64]) -> [f64; 2] {
     values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
         [low.min(*value), high.max(*value)]
     })
 }
-
-/// Values with the quantities that they are of.
-type Values = Vec<(Quantity, Vec<f64>)>;

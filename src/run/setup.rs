@@ -4,9 +4,9 @@ use super::pulse::Incident;
 use super::spread::shares;
 use crate::Error;
 use crate::case::dynamics::{
-    Action, Centre, Component, Condition as SideKind, Correction, Dynamics, Initial, Kernel,
-    Ledger as LedgerKind, Load as SideLoad, Order, Side, SideCondition, Source as Inside,
-    SourceKind, Splitting as Sweeps,
+    Action, Centre, Component, Condition as SideKind, Correction, Dynamics, Initial, Interpolation,
+    Kernel, Ledger as LedgerKind, Load as SideLoad, Order, Receiver, Side, SideCondition,
+    Source as Inside, SourceKind, Splitting as Sweeps, Time,
 };
 use crate::case::{Case, CaseError, Wave};
 use crate::setup::solid::{elastic_law_and_set, normal};
@@ -14,7 +14,9 @@ use analysis::waves::plane_waves;
 use dynamics::boundary::{Boundary, Condition, Load, Signal, Source};
 use dynamics::line::Slopes;
 use dynamics::medium::Medium;
+use dynamics::probe::Probe;
 use dynamics::problem::{Detail, DomainError, Grid, Placement, Problem, Scheme, Splitting};
+use dynamics::simulation::TimeSteps;
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
 use models::elementary::{Elementary, cr_cis};
@@ -23,13 +25,10 @@ use models::plasticity::parameters::YieldSet;
 use num_complex::Complex64;
 use std::sync::Arc;
 
-/// Most steps of a run.
-const MOST_STEPS: f64 = 1e12;
-
 /// What a case comes to: a problem and the state at its beginning.
 pub(super) struct Setup<const D: usize> {
     pub(super) problem: Problem<D>,
-    pub(super) steps: Steps,
+    pub(super) steps: TimeSteps,
     /// Values of the fields that are not zero, by cell.
     pub(super) initial: Vec<(Field, Vec<f64>)>,
 }
@@ -100,59 +99,37 @@ fn check_flow(set: Option<&YieldSet>) -> Result<(), InputError> {
     }
 }
 
-/// The steps of a run.
-#[derive(Clone, Copy)]
-pub(super) struct Steps {
-    pub(super) count: usize,
-    /// Δt, s.
-    pub(super) step: f64,
-    /// Whether it is the natural rotation that asks for so many.
-    pub(super) by_rotation: bool,
-    /// Of all steps, s.
-    duration: f64,
-}
-
-impl Steps {
-    /// The time after so many steps, s: after the last one the duration to the last bit, which a sum of
-    /// steps misses.
-    pub(super) fn time(&self, done: usize) -> f64 {
-        done as f64 / self.count as f64 * self.duration
-    }
-}
-
 /// The longest steps that the case lets waves and the natural rotation have, shortened until they end with
 /// the run.
-pub(super) fn steps(dynamics: &Dynamics, media: &[Medium]) -> Result<Steps, CaseError> {
-    let greatest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
-    let rates = (0..dynamics.grid.dimensions()).map(|axis| {
-        let pairs = media.iter().flat_map(|m| &m.pairs[axis]);
-        greatest(&mut pairs.map(|pair| pair.speed())) / dynamics.grid.spacing[axis]
-    });
-    // A step is two sweeps along each axis.
-    let by_waves = 2.0 * dynamics.time.courant / greatest(&mut rates.into_iter());
-    let frequencies = media.iter().filter_map(|m| Some(m.rotation?.frequency));
-    let by_rotation =
-        dynamics.time.rotation_deg.to_radians() / greatest(&mut frequencies.into_iter());
-    let longest = by_waves.min(by_rotation);
-    let count = (dynamics.time.duration / longest * (1.0 - 1e-12)).ceil().max(1.0);
-    if count > MOST_STEPS {
-        let found = format!("{count:.3e} steps of {longest:.3e} s");
+pub(super) fn time_steps(dynamics: &Dynamics, media: &[Medium]) -> Result<TimeSteps, CaseError> {
+    let Time { duration, courant, rotation_deg } = dynamics.time;
+    let rotation = rotation_deg.to_radians();
+    let steps = TimeSteps::new(media, &dynamics.grid.spacing, courant, rotation, duration);
+    steps.map_err(|error| {
         let allowed = "at most 10¹² steps: give a shorter duration, or larger cells";
-        return Err(dynamics.locate("time.duration", found, allowed));
-    }
-    Ok(Steps {
-        count: count as usize,
-        step: dynamics.time.duration / count,
-        by_rotation: by_rotation < by_waves,
-        duration: dynamics.time.duration,
+        dynamics.locate("time.duration", error.to_string(), allowed)
     })
+}
+
+/// Where a receiver is in the grid; `of_cell` are the media.
+pub(super) fn probe(dynamics: &Dynamics, of_cell: &[u16], receiver: &Receiver) -> Probe {
+    let grid = &dynamics.grid;
+    let home = cell_at(dynamics, &receiver.at);
+    if receiver.interpolation == Interpolation::Nearest {
+        return Probe::nearest(home);
+    }
+    let axes = || 0..grid.dimensions();
+    let place = |axis: usize| (receiver.at[axis] - grid.origin[axis]) / grid.spacing[axis] - 0.5;
+    let at: Vec<f64> = axes().map(place).collect();
+    let is_periodic: Vec<bool> = axes().map(|axis| is_periodic(dynamics, axis)).collect();
+    Probe::interpolating(&grid.cells, &is_periodic, of_cell, home, &at)
 }
 
 impl<const D: usize> Setup<D> {
     pub(super) fn new(case: &Case, dynamics: &Dynamics, media: Vec<Medium>) -> Result<Self, Error> {
         let cells = std::array::from_fn(|axis| dynamics.grid.cells[axis]);
         let spacing = std::array::from_fn(|axis| dynamics.grid.spacing[axis]);
-        let steps = steps(dynamics, &media)?;
+        let steps = time_steps(dynamics, &media)?;
         let of_cell = dynamics.media_of_cells()?;
         let scheme = Scheme {
             slopes: match dynamics.scheme.order {

@@ -1,51 +1,57 @@
-//! Times at which a flow's output is asked for.
+//! Times at equal intervals.
 
-/// The multiples of an interval from 0 on. The last one is the duration, which stands for what is next to it.
-#[derive(Clone, Copy)]
-pub(super) struct Times {
-    /// s; positive.
+use super::Simulation;
+use std::cmp::Ordering;
+
+/// The multiples of an interval from 0 on. The last one is the duration, which stands for a multiple next to it.
+#[derive(Clone, Copy, Debug)]
+pub struct RegularTimes {
+    /// s.
     interval: f64,
-    /// s; positive.
+    /// s.
     duration: f64,
+    count: usize,
 }
 
-impl Times {
+impl RegularTimes {
     /// Both in s, and positive.
-    pub(super) fn new(interval: f64, duration: f64) -> Self {
-        Self { interval, duration }
+    pub fn new(interval: f64, duration: f64) -> Self {
+        let inside = (duration / interval - 1e-6).floor().max(0.0);
+        Self { interval, duration, count: (inside as usize).saturating_add(2) }
     }
 
-    /// A time by its number from 0 on, s.
-    pub(super) fn time(self, index: usize) -> f64 {
+    /// A time by its number from 0 on, s; `None` beyond the last one.
+    pub fn time(&self, index: usize) -> Option<f64> {
         let time = index as f64 * self.interval;
-        if time > self.duration - 1e-6 * self.interval { self.duration } else { time }
+        (index < self.count).then_some(if index + 1 == self.count { self.duration } else { time })
     }
 
-    /// Whether there is a time of that number.
-    fn has(self, index: usize) -> bool {
-        index == 0 || self.time(index - 1) < self.duration
-    }
-
-    /// Whether two times are one but for rounding.
-    pub(super) fn is_one(self, time: f64, other: f64) -> bool {
+    /// Whether two times, s, are one but for rounding.
+    pub fn is_one(&self, time: f64, other: f64) -> bool {
         (time - other).abs() <= 1e-12 * self.duration
     }
 
     /// How many come before a time, s, that one included where it is one of them but for rounding.
-    pub(super) fn until(self, time: f64) -> usize {
+    pub fn until(&self, time: f64) -> usize {
         let is_past = |own: f64| own <= time || self.is_one(own, time);
         // Counted from just below, for what rounding does to the quotient.
         let mut count = (time.min(self.duration) / self.interval).floor().max(1.0) as usize - 1;
-        while self.has(count) && is_past(self.time(count)) {
+        while self.time(count).is_some_and(is_past) {
             count += 1;
         }
         count
+    }
+
+    /// How many a simulation has come to.
+    pub fn reached(&self, simulation: &impl Simulation) -> usize {
+        let is_reached = |time: f64| simulation.compare(time) != Ordering::Greater;
+        (0..).take_while(|index| self.time(*index).is_some_and(is_reached)).count()
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Times;
+    use super::RegularTimes;
 
     /// Multiples that a sum would miss come once each, the last one when the run ends.
     #[test]
@@ -57,9 +63,8 @@ mod tests {
             (7.0, 1.0, 2),
             (1e-5, 0.7, 70_001),
         ] {
-            let times = Times::new(interval, duration);
-            let all: Vec<f64> =
-                (0..).take_while(|k| times.has(*k)).map(|k| times.time(k)).collect();
+            let times = RegularTimes::new(interval, duration);
+            let all: Vec<f64> = (0..).map_while(|k| times.time(k)).collect();
             assert_eq!((all.len(), all[0], *all.last().unwrap()), (count, 0.0, duration));
             assert!(all.windows(2).all(|pair| pair[0] < pair[1]));
             for (index, time) in all.iter().enumerate().step_by(7) {

@@ -1,0 +1,351 @@
+//! A solid as a simulation: batches of equal steps, and a look after each whether the energy is still a number.
+//!
+//! Energies tell a batch of steps in which some value has ceased to be finite, not the step. The simulation then begins
+//! again, makes the same steps as far as they were sound, and goes on one by one to the last sound state.
+//! Steps are as long as waves let them be: fields between two steps are on the straight line between the states,
+//! so that stresses stay in their convex yield sets.
+
+use super::{Simulation, State, TimeSteps, from_bytes, number, to_bytes};
+use crate::ledger::{Energy, Ledger};
+use crate::probe::Probe;
+use crate::problem::{DomainError, Problem};
+use crate::real::Real;
+use crate::split::{Snapshot, Split};
+use models::cosserat::waves::Field;
+use std::cmp::Ordering;
+
+/// Steps between two looks whether all values are finite, at most.
+const LOOK: usize = 64;
+
+/// Energy of a solid, and what steps did to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolidAccount {
+    /// s.
+    pub time: f64,
+    /// Energy there is.
+    pub energy: Energy,
+    /// What steps did to it.
+    pub ledger: Ledger,
+    /// Energy at the beginning, J.
+    pub initial_energy: f64,
+}
+
+impl SolidAccount {
+    /// Energy that no term accounts for, J: rounding in a full ledger; in a light one it is what the scheme
+    /// dissipates, with the sign turned.
+    pub fn balance(&self) -> f64 {
+        self.energy.total() - self.initial_energy - self.ledger.change()
+    }
+
+    /// Whether its energies are numbers.
+    fn is_sound(&self) -> bool {
+        self.energy.total().is_finite() && self.ledger.change().is_finite()
+    }
+}
+
+/// All that is seen of a solid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolidFields {
+    /// By quantity and cell, the first axis running fastest: all fields of the media, stresses with the initial one,
+    /// then the integrals of the problem.
+    pub values: Vec<Vec<f64>>,
+    /// Plastic dissipation by cell, J/m³; empty where nothing yields.
+    pub dissipated: Vec<f64>,
+}
+
+impl SolidFields {
+    /// On the straight line to another state, at a part of it.
+    fn towards(&self, other: &Self, part: f64) -> Self {
+        let line = |(a, b): (&f64, &f64)| (1.0 - part) * a + part * b;
+        let field = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(line).collect();
+        Self {
+            values: self.values.iter().zip(&other.values).map(field).collect(),
+            dissipated: field((&self.dissipated, &other.dissipated)),
+        }
+    }
+}
+
+/// A state whose energies are no numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolidFault {
+    /// When, s.
+    pub time: f64,
+    /// The first value that is not finite: its field and its cell; `None` where the energy alone is not.
+    pub place: Option<(Field, usize)>,
+}
+
+/// A solid in time.
+pub struct SolidSimulation<T: Real, const D: usize> {
+    problem: Problem<D>,
+    steps: TimeSteps,
+    /// Values of the fields that are not zero at the beginning, by cell.
+    initial: Vec<(Field, Vec<f64>)>,
+    /// By places among the watched cells.
+    probes: Vec<Probe>,
+    /// The cells that these need, ascending.
+    watched: Vec<usize>,
+    split: Split<T, D>,
+    /// Parts of the domain, one for each thread.
+    parts: usize,
+    /// Steps done.
+    done: usize,
+    /// The account after these.
+    account: SolidAccount,
+    /// What is seen before the last step, where it is needed after it.
+    before: Option<SolidFields>,
+    /// What was recorded of watched cells up to the present state, and has not been handed over.
+    records: Vec<f64>,
+    /// Steps done at the first of these records.
+    first_record: usize,
+}
+
+impl<T: Real, const D: usize> SolidSimulation<T, D> {
+    /// A solid at its beginning, on as many of the threads as its layers allow. `initial` are the values of fields that
+    /// are not zero, by cell.
+    ///
+    /// # Errors
+    /// See [`DomainError`].
+    pub fn new(
+        problem: Problem<D>,
+        steps: TimeSteps,
+        initial: Vec<(Field, Vec<f64>)>,
+        probes: Vec<Probe>,
+        threads: usize,
+    ) -> Result<Self, DomainError> {
+        let first = problem.first_axis();
+        let parts = threads.clamp(1, Split::<T, D>::max_parts(first, &problem));
+        let mut watched: Vec<usize> = probes.iter().flat_map(Probe::cells).collect();
+        watched.sort_unstable();
+        watched.dedup();
+        let split = Split::with_first_axis(first, &problem, parts)?;
+        let account = SolidAccount {
+            time: 0.0,
+            energy: Energy::default(),
+            ledger: Ledger::default(),
+            initial_energy: 0.0,
+        };
+        let mut own = Self {
+            probes: probes.into_iter().map(|probe| probe.among(&watched)).collect(),
+            problem,
+            steps,
+            initial,
+            watched,
+            split,
+            parts,
+            done: 0,
+            account,
+            before: None,
+            records: Vec::new(),
+            first_record: 0,
+        };
+        own.set_initial();
+        own.account = own.account_after(0);
+        own.account.initial_energy = own.account.energy.total();
+        own.split.watch(&own.watched);
+        own.split.record();
+        own.keep_records(0);
+        Ok(own)
+    }
+
+    /// Sets the fields at the beginning, where all are zero.
+    fn set_initial(&mut self) {
+        for (field, values) in &self.initial {
+            let values: Vec<T> = values.iter().map(|value| T::of(*value)).collect();
+            self.split.set(*field, &values);
+        }
+    }
+
+    /// What is solved.
+    pub fn problem(&self) -> &Problem<D> {
+        &self.problem
+    }
+
+    /// Its steps.
+    pub fn time_steps(&self) -> TimeSteps {
+        self.steps
+    }
+
+    /// Parts of the domain, each in a thread of its own.
+    pub fn parts(&self) -> usize {
+        self.parts
+    }
+
+    /// The first cell whose stress is not in its yield set.
+    pub fn first_beyond_yield(&self) -> Option<usize> {
+        self.split.first_beyond_yield()
+    }
+
+    /// The account of what is computed, which so many steps have led to.
+    fn account_after(&self, done: usize) -> SolidAccount {
+        SolidAccount {
+            time: self.steps.time(done),
+            energy: self.split.energy(),
+            ledger: self.split.ledger(),
+            ..self.account
+        }
+    }
+
+    /// Takes over what was recorded, of which the first record is that after `first` steps.
+    fn keep_records(&mut self, first: usize) {
+        if self.watched.is_empty() {
+            return;
+        }
+        if self.records.is_empty() {
+            self.first_record = first;
+            self.records = self.split.records();
+        } else {
+            self.records.extend(self.split.records());
+        }
+    }
+
+    /// What is wrong with the fields that are computed.
+    fn fault(&self) -> SolidFault {
+        SolidFault { time: self.split.time(), place: self.split.first_non_finite() }
+    }
+
+    /// The same bits again as far as they were sound, then step by step up to the last sound state.
+    fn replay_to_fault(&mut self) -> SolidFault {
+        self.split.reset();
+        self.set_initial();
+        self.split.watch(&[]);
+        self.split.advance(self.done);
+        self.split.watch(&self.watched);
+        loop {
+            let sound = self.split.snapshot();
+            self.split.advance(1);
+            let account = self.account_after(self.done + 1);
+            if !account.is_sound() || self.done == self.steps.count {
+                let fault = self.fault();
+                self.split.restore(&sound);
+                self.split.watch(&self.watched);
+                return fault;
+            }
+            self.keep_records(self.done + 1);
+            (self.done, self.account) = (self.done + 1, account);
+        }
+    }
+}
+
+impl<T: Real, const D: usize> Simulation for SolidSimulation<T, D> {
+    type Account = SolidAccount;
+    type Fields = SolidFields;
+    type Fault = SolidFault;
+
+    fn steps(&self) -> usize {
+        self.done
+    }
+
+    fn time(&self) -> f64 {
+        self.steps.time(self.done)
+    }
+
+    fn is_finished(&self) -> bool {
+        self.done == self.steps.count
+    }
+
+    fn compare(&self, time: f64) -> Ordering {
+        let (step, part) = self.steps.place(time);
+        match part > 0.0 {
+            true if step < self.done => Ordering::Less,
+            true => Ordering::Greater,
+            false => step.cmp(&self.done),
+        }
+    }
+
+    fn check(&self) -> Result<(), SolidFault> {
+        if self.account.energy.total().is_finite() { Ok(()) } else { Err(self.fault()) }
+    }
+
+    fn advance(&mut self, due: f64) -> Result<(), SolidFault> {
+        let (step, part) = self.steps.place(due);
+        let is_between = step == self.done && part > 0.0;
+        self.before = is_between.then(|| self.fields());
+        let next = step.saturating_sub(self.done).max(1);
+        let next = next.min(LOOK).min(self.steps.count - self.done);
+        self.split.advance(next);
+        let account = self.account_after(self.done + next);
+        if !account.is_sound() {
+            return Err(self.replay_to_fault());
+        }
+        self.keep_records(self.done + 1);
+        (self.done, self.account) = (self.done + next, account);
+        Ok(())
+    }
+
+    fn drain_records<E>(
+        &mut self,
+        mut deliver: impl FnMut(f64, &[f64]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let width = self.split.width();
+        let Problem { media, of_cell, .. } = &self.problem;
+        let mut state = Vec::with_capacity(self.probes.len() * width);
+        let size = (self.watched.len() * width).max(1);
+        for (index, cells) in self.records.chunks_exact(size).enumerate() {
+            state.clear();
+            for probe in &self.probes {
+                probe.append(cells, width, media, of_cell, &mut state);
+            }
+            deliver(self.steps.time(self.first_record + index), &state)?;
+        }
+        self.records.clear();
+        Ok(())
+    }
+
+    fn account(&self) -> SolidAccount {
+        self.account
+    }
+
+    /// That of the step that ended then.
+    fn account_at(&self, _time: f64) -> Result<SolidAccount, SolidFault> {
+        Ok(self.account)
+    }
+
+    fn fields(&self) -> SolidFields {
+        SolidFields { values: self.split.shown(), dissipated: self.split.dissipated() }
+    }
+
+    fn fields_at(&self, time: f64) -> Result<SolidFields, SolidFault> {
+        let (_, part) = self.steps.place(time);
+        let now = self.fields();
+        Ok(match self.before.as_ref().filter(|_| part > 0.0) {
+            Some(before) => before.towards(&now, part),
+            None => now,
+        })
+    }
+
+    fn state(&self) -> State {
+        let Snapshot { steps, fields, totals, sums } = self.split.snapshot();
+        let narrow = |values: &Vec<T>| values.iter().flat_map(|value| value.bytes()).collect();
+        let fields = number("field", fields.iter().map(narrow));
+        let sums = number("sums", sums.iter().map(|sums| to_bytes(sums)));
+        let totals = ("totals".to_owned(), to_bytes(totals.as_flattened()));
+        State {
+            steps,
+            time: self.account.time,
+            initial_energy: self.account.initial_energy,
+            sections: [totals].into_iter().chain(fields).chain(sums).collect(),
+        }
+    }
+
+    fn restore(&mut self, state: &State) -> bool {
+        let snapshot = || {
+            let totals = from_bytes(state.sections.get("totals")?)?;
+            let (totals, []) = totals.as_chunks::<12>() else { return None };
+            Some(Snapshot {
+                steps: state.steps,
+                fields: state.numbered("field").map(T::from_bytes).collect::<Option<_>>()?,
+                totals: totals.to_vec(),
+                sums: state.numbered("sums").map(from_bytes).collect::<Option<_>>()?,
+            })
+        };
+        if !snapshot().is_some_and(|snapshot| self.split.restore(&snapshot)) {
+            return false;
+        }
+        self.done = state.steps;
+        self.account.initial_energy = state.initial_energy;
+        self.account = self.account_after(self.done);
+        self.before = None;
+        self.records.clear();
+        true
+    }
+}

@@ -1,0 +1,122 @@
+//! Equal steps that end with the run, and where times lie among them.
+
+use crate::medium::Medium;
+
+/// Most steps of a run.
+const MOST_STEPS: f64 = 1e12;
+
+/// Part of a step that counts as rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// What the length of a step is limited by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StepLimit {
+    /// The Courant number of the fastest wave.
+    Wave,
+    /// The angle of the natural rotation of spins against antisymmetric stress.
+    Rotation,
+}
+
+/// Equal steps that end with the run.
+#[derive(Clone, Copy, Debug)]
+pub struct TimeSteps {
+    /// How many.
+    pub count: usize,
+    /// Δt, s.
+    pub step: f64,
+    /// What makes them as short as they are.
+    pub limit: StepLimit,
+    /// Of all steps, s.
+    duration: f64,
+}
+
+/// A run of more than 10¹² steps.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{count:.3e} steps of {longest:.3e} s")]
+pub struct TooManySteps {
+    /// How many there would be.
+    count: f64,
+    /// The longest step, s.
+    longest: f64,
+}
+
+impl TimeSteps {
+    /// The longest steps of which a sweep, half a step along an axis, has at most the Courant number `courant` and
+    /// which turn spins by at most `rotation`, rad, shortened until they end with the `duration`, s. `spacing` are
+    /// the edges of a cell, m.
+    ///
+    /// # Errors
+    /// There are too many.
+    pub fn new(
+        media: &[Medium],
+        spacing: &[f64],
+        courant: f64,
+        rotation: f64,
+        duration: f64,
+    ) -> Result<Self, TooManySteps> {
+        let greatest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+        let rates = spacing.iter().enumerate().map(|(axis, spacing)| {
+            let pairs = media.iter().flat_map(|m| &m.pairs[axis]);
+            greatest(&mut pairs.map(|pair| pair.speed())) / spacing
+        });
+        // A step is two sweeps along each axis.
+        let by_waves = 2.0 * courant / greatest(&mut { rates });
+        let frequencies = media.iter().filter_map(|m| Some(m.rotation?.frequency));
+        let by_rotation = rotation / greatest(&mut { frequencies });
+        let longest = by_waves.min(by_rotation);
+        let count = (duration / longest * (1.0 - 1e-12)).ceil().max(1.0);
+        if count > MOST_STEPS {
+            return Err(TooManySteps { count, longest });
+        }
+        let limit = if by_rotation < by_waves { StepLimit::Rotation } else { StepLimit::Wave };
+        Ok(Self { count: count as usize, step: duration / count, limit, duration })
+    }
+
+    /// The time after so many steps, s: after the last one the duration to the last bit, which a sum of
+    /// steps misses.
+    pub fn time(&self, done: usize) -> f64 {
+        done as f64 / self.count as f64 * self.duration
+    }
+
+    /// Steps that end at a time, s, or before it, and the part of the next one up to it, in [0, 1): 0 where a step ends
+    /// at that time but for rounding.
+    pub fn place(&self, time: f64) -> (usize, f64) {
+        let place = time / self.duration * self.count as f64;
+        let nearest = place.round();
+        let rounding = ROUNDING + 4.0 * f64::EPSILON * place;
+        if (place - nearest).abs() <= rounding {
+            return (nearest as usize, 0.0);
+        }
+        (place.floor() as usize, place - place.floor())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::RegularTimes;
+    use super::*;
+
+    /// Every multiple of an interval lies between the steps around it, the last one at the end.
+    #[test]
+    fn times_lie_among_steps() {
+        for (interval, duration, count) in
+            [(0.02, 0.1, 37), (0.02, 0.1, 50), (0.03, 0.1, 7), (1.0, 0.1, 3), (1e-3, 0.1, 11)]
+        {
+            let step = duration / count as f64;
+            let steps = TimeSteps { count, step, limit: StepLimit::Wave, duration };
+            let times = RegularTimes::new(interval, duration);
+            let all: Vec<f64> = (0..).map_while(|index| times.time(index)).collect();
+            assert_eq!(all.len(), ((duration / interval) * (1.0 - 1e-9)).ceil() as usize + 1);
+            for own in &all {
+                let (done, part) = steps.place(*own);
+                assert!((0.0..1.0).contains(&part) && done <= count);
+                let time = (done as f64 + part) / count as f64 * duration;
+                assert!((time - own).abs() < 1e-12 * duration);
+            }
+            assert_eq!(steps.place(*all.last().unwrap()), (count, 0.0));
+            for done in 0..=count {
+                assert_eq!(steps.place(steps.time(done)), (done, 0.0));
+            }
+        }
+    }
+}
