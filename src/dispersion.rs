@@ -9,8 +9,10 @@ use analysis::StateError;
 use analysis::solids;
 use analysis::waves::{Family, ForbiddenBand, Mode};
 use figures::{Band, Branch, DispersionFigure, Level};
+use models::cosserat::parameters::Isotropic;
+use models::elastoplastic::Solid;
 use models::granular_flow::InputError;
-use models::solid::{ElasticLaw, Solid};
+
 use num_complex::Complex64;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -48,7 +50,7 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     if solid.plastic.as_ref().is_some_and(|plastic| plastic.rate > 0.0) {
         let error = InputError {
             key: "yield.plastic_rate",
-            found: format!("{:?}", case.numbers.yields.plastic_rate),
+            found: format!("{:?}", case.numbers.plastic_rate),
             allowed: "0: branches are followed of waves that nothing damps; wellposed point has \
                       the roots of damped ones"
                 .into(),
@@ -358,8 +360,8 @@ fn figure(case: &Case, solid: &Solid, kinds: &[Kind], greatest: f64) -> Dispersi
             cutoffs.push(Level { label: format!("{} rad/s", short(cut_off)), value: cut_off });
         }
     }
-    let speed_limits = match &solid.elastic {
-        ElasticLaw::Isotropic(elastic) => {
+    let speed_limits = match solid.elastic.downcast::<Isotropic>() {
+        Some(elastic) => {
             let speeds = elastic.speeds();
             let of_elastic = if solid.plastic.is_some() { "elastic " } else { "" };
             let level =
@@ -375,7 +377,7 @@ fn figure(case: &Case, solid: &Solid, kinds: &[Kind], greatest: f64) -> Dispersi
             .flatten()
             .collect()
         }
-        ElasticLaw::Compliances(_) => Vec::new(),
+        None => Vec::new(),
     };
     DispersionFigure {
         title: case_title(case),

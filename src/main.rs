@@ -2,6 +2,7 @@
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
+use models::registry;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -96,7 +97,8 @@ enum Verb {
         kind: Kind,
         /// Yield set of a solid that yields
         #[arg(long = "yield", value_name = "SET", value_parser =
-            PossibleValuesParser::new(Yield::ALL.map(Yield::name)).try_map(yield_set))]
+            PossibleValuesParser::new(registry::yield_sets().into_iter().map(|set| set.name))
+                .try_map(yield_set))]
         yields: Option<Yield>,
         /// A solid or a flow in time, for wellposed run
         #[arg(long = "run")]
@@ -159,7 +161,7 @@ fn kind(name: String) -> Result<Kind, String> {
 }
 
 fn yield_set(name: String) -> Result<Yield, String> {
-    Yield::from_name(&name).ok_or_else(|| format!("no yield set is called {name}"))
+    registry::yield_set(&name).ok_or_else(|| format!("no yield set is called {name}"))
 }
 
 /// A time between checkpoints; 0: as often as can be.

@@ -1,6 +1,6 @@
 //! `wellposed map`: the verdict over two parameters of a case.
 
-use crate::case::{ACTIVE_NAMES, Case, Kind, Map, Parameter, Sweep, radians};
+use crate::case::{Case, Kind, Map, Parameter, Sweep, radians};
 use crate::output::{self, ResultFolder};
 use crate::progress::Progress;
 use crate::setup;
@@ -596,7 +596,7 @@ impl Summary {
                 unit(y.unit()),
             ));
         }
-        let blind = match (is_solid(case), case.numbers.solid.dimensions) {
+        let blind = match (is_solid(case), case.numbers.dimensions) {
             (false, _) => ROUTE,
             (true, 3) => SPACE_ROUTE,
             (true, _) => PLANE_ROUTE,
@@ -639,7 +639,7 @@ impl Summary {
                 .collect::<serde_json::Map<_, _>>(),
         });
         if is_solid(case) {
-            value["yield"] = case.yields.map(|set| set.name()).into();
+            value["yield"] = case.yields.map(|set| set.name).into();
             value["hyperbolicity"] = Hyperbolicity::ALL
                 .iter()
                 .zip(self.hyperbolicity)
@@ -778,13 +778,14 @@ fn subtitle(case: &Case, map: &Map) -> String {
         let value = parameter.get(&case.numbers)?;
         Some(format!("{} = {}{}", parameter.label(), short(value), unit(parameter.unit())))
     });
-    let space = match (case.kind, case.numbers.solid.dimensions) {
+    let space = match (case.kind, case.numbers.dimensions) {
         (Kind::Solid(_), 3) => Some("in space".to_owned()),
         (Kind::Solid(_), _) => Some("plane strain".to_owned()),
         _ => None,
     };
     let active = case.active.iter().map(|active| {
-        let names: Vec<&str> = active.iter().map(|&index| ACTIVE_NAMES[index]).collect();
+        let all = case.medium().condition_names();
+        let names: Vec<&str> = active.iter().map(|&index| all[index]).collect();
         format!("active {}", names.join(" "))
     });
     [case.medium().title()]

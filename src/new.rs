@@ -1,7 +1,7 @@
 //! `wellposed new`: a commented case to start from.
 
 use crate::case::flow::{Disturbed, Quantity, UNIFORM};
-use crate::case::{ACTIVE_NAMES, Key, Kind, Medium, Presence, Solid, Yield, keys};
+use crate::case::{Key, Kind, Medium, Presence, keys};
 use crate::output::{OutputError, write_file};
 use dynamics::flow::Closure;
 use models::granular_flow::RotationKind;
@@ -143,7 +143,8 @@ kind = \"{name}\"
         name = kind.name(),
     );
     let mut section = "model";
-    let has_active = medium.yields == Some(Yield::Interlayer);
+    let conditions = medium.condition_names();
+    let has_active = !conditions.is_empty();
     for key in keys().iter().filter(|key| key.is_used_by(medium)) {
         let Some(mut value) = key.example() else { continue };
         if has_active && key.name == "model.dimensions" {
@@ -178,7 +179,7 @@ kind = \"{name}\"
             let _ = write!(text, "\n[{own}]\n");
             section = own;
             if let ("yield", Some(set)) = (own, medium.yields) {
-                let _ = writeln!(text, "kind = \"{}\"", set.name());
+                let _ = writeln!(text, "kind = \"{}\"", set.name);
             }
             if own == "yield" && has_active && purpose == Purpose::State {
                 let _ = writeln!(
@@ -186,8 +187,8 @@ kind = \"{name}\"
                     "# Any of {}; or else a section [stress] with pressure, deviatoric_stress,\n\
                      # stress_angle_deg and so on, which is scaled until it yields.\n\
                      active = [\"{}\"]",
-                    ACTIVE_NAMES.join(", "),
-                    ACTIVE_NAMES[0]
+                    conditions.join(", "),
+                    conditions[0]
                 );
             }
         }
@@ -196,7 +197,7 @@ kind = \"{name}\"
     }
     let sets = kind.yield_sets();
     if medium.yields.is_none() && !sets.is_empty() {
-        let names: Vec<&str> = sets.iter().map(|set| set.name()).collect();
+        let names: Vec<&str> = sets.iter().map(|set| set.name).collect();
         let _ = write!(
             text,
             "\n# A solid that yields: wellposed new {}{} --yield SET, SET one of\n# {}.\n",
@@ -213,40 +214,53 @@ kind = \"{name}\"
             Kind::Solid(_) => text + "\n" + RUN,
         };
     }
-    let [x, y] = match (kind, medium.yields) {
-        (Kind::Flow(_), _) => [
-            ("model.dilatancy_angle_deg", "0.0", "25.0", 26),
-            ("model.friction_angle_deg", "30.0", "60.0", 31),
-        ],
-        (Kind::Solid(_), Some(Yield::Interlayer)) => [
-            ("yield.shear_dilatancy", "0.0", "1.0", 41),
-            ("yield.shear_friction", "0.0", "1.0", 41),
-        ],
-        (Kind::Solid(_), Some(Yield::VonMises)) => [
-            ("stress.out_of_plane_stress", "-1.0", "1.0", 41),
-            ("yield.hardening", "-1e9", "1e9", 41),
-        ],
-        (Kind::Solid(_), Some(_)) => {
-            [("yield.dilatancy", "0.0", "1.0", 41), ("yield.friction", "0.0", "1.0", 41)]
-        }
-        (Kind::Solid(Solid::CosseratCompliances), None) => {
-            [("model.alpha2", "1e8", "1e9", 11), ("wave.number", "0.1", "10.0", 11)]
-        }
-        (Kind::Solid(_), None) => {
-            [("model.lambda", "0.0", "2e10", 11), ("wave.number", "0.1", "10.0", 11)]
-        }
-    };
+    let [x, y] = example_map(medium);
     if let Kind::Solid(_) = kind {
         text.push_str(CHECK);
     }
     let _ = write!(text, "\n[map]\n");
-    for (axis, (name, from, to, points)) in [("x", x), ("y", y)] {
-        let _ = writeln!(
-            text,
-            "{axis} = {{ parameter = \"{name}\", from = {from}, to = {to}, points = {points} }}"
-        );
+    for (axis, own) in [("x", x), ("y", y)] {
+        let _ = writeln!(text, "{axis} = {own}");
     }
     text
+}
+
+/// The axes of a map to start from.
+fn example_map(medium: Medium) -> [String; 2] {
+    let axis = |parameter: &str, from: f64, to: f64, points: usize| {
+        format!(
+            "{{ parameter = \"{parameter}\", from = {from:?}, to = {to:?}, points = {points} }}"
+        )
+    };
+    let keys = || keys().iter().filter(move |key| key.is_used_by(medium));
+    let named =
+        |end: &str| keys().find(|key| key.name.starts_with("yield.") && key.name.ends_with(end));
+    match (medium.kind, medium.yields, named("dilatancy"), named("friction")) {
+        (Kind::Flow(_), ..) => [
+            axis("model.dilatancy_angle_deg", 0.0, 25.0, 26),
+            axis("model.friction_angle_deg", 30.0, 60.0, 31),
+        ],
+        (_, Some(_), Some(dilatancy), Some(friction)) => {
+            [axis(dilatancy.name, 0.0, 1.0, 41), axis(friction.name, 0.0, 1.0, 41)]
+        }
+        (_, Some(_), ..) => [
+            axis("stress.out_of_plane_stress", -1.0, 1.0, 41),
+            match Key::find("yield.hardening").filter(|key| key.is_used_by(medium)) {
+                Some(hardening) => axis(hardening.name, -1e9, 1e9, 41),
+                None => axis("stress.pressure", 0.0, 1e6, 41),
+            },
+        ],
+        (Kind::Solid(solid), None, ..) => {
+            // The first constant that may take any size.
+            let first = solid.parameters.first().map_or("density", |own| own.name);
+            let name = format!("model.{first}");
+            let example = Key::find(&name).map_or(1.0, |key| match key.presence {
+                Presence::Required(value) | Presence::Default(value) => value,
+                Presence::Optional => 1.0,
+            });
+            [axis(&name, 0.5 * example, 1.5 * example, 11), axis("wave.number", 0.1, 10.0, 11)]
+        }
+    }
 }
 
 fn comment(key: &Key) -> String {

@@ -1,6 +1,6 @@
 //! `wellposed speeds`: characteristic speeds of a solid against the direction, elastic and yielding.
 
-use crate::case::{Case, Wave, Yield, radians};
+use crate::case::{Case, Wave, radians};
 use crate::output::{self, ResultFolder};
 use crate::progress::Progress;
 use crate::setup::{self, solid::normal};
@@ -11,9 +11,9 @@ use analysis::solids::{
     slowest_speed,
 };
 use figures::{Response, SpeedCurve, SpeedsFigure, SphereFigure, SphereMark, Vanishing};
+use models::elastoplastic::Solid;
 use models::elementary::Elementary;
 use models::rates::RateEquations;
-use models::solid::Solid;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -141,7 +141,7 @@ fn report(case: &Case, found: &Found) -> Value {
     let SolidAssessment { verdict, extremes, hyperbolicity, route, .. } = &found.assessment;
     json!({
         "model": case.kind.name(),
-        "yield": case.yields.map(Yield::name),
+        "yield": case.yields.map(|set| set.name),
         "dimensions": found.solid.dimensions,
         "verdict": verdict.name(),
         "hyperbolicity": hyperbolicity.name(),

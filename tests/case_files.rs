@@ -8,7 +8,7 @@ use mutation::{mutants, shrunk, without_marks};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 use wellposed::Options;
-use wellposed::case::{Case, Kind, Medium, Parameter, Presence, Yield, keys, radians};
+use wellposed::case::{Case, Kind, Medium, Parameter, Presence, keys, radians};
 use wellposed::cases::CASES;
 use wellposed::setup;
 
@@ -98,7 +98,7 @@ fn a_case_is_read_as_written() {
 fn constants(case: &Case) -> Vec<f64> {
     let Kind::Flow(flow) = case.kind else { return Vec::new() };
     let mut constants = Vec::new();
-    case.numbers.flow.in_order(flow.parameters(), &mut constants);
+    case.numbers.model.in_order(flow.parameters(), &mut constants);
     constants
 }
 
@@ -221,7 +221,7 @@ fn new_cases_are_complete_and_valid() {
         // Every optional key can be taken in as it stands, and none of them is unknown.
         let full = without_marks(&text);
         parse(&full).unwrap();
-        let is_layered = medium.yields == Some(Yield::Interlayer);
+        let is_layered = medium.yields == Some(registry::INTERLAYER);
         for key in keys()
             .iter()
             .filter(|key| key.is_used_by(medium) && key.example().is_some())

@@ -1,13 +1,13 @@
 //! What case files say of runs in time: what is read, what is refused and in which words.
 
-use models::cosserat::parameters::Theory;
-use models::solid::ElasticLaw;
+use models::cosserat::parameters::{Isotropic, Theory};
+use models::registry;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use wellposed::case::dynamics::{
     Action, Centre, Component, Condition, Dynamics, Initial, Kernel, Picture, Recorded, Shape,
     Side, SourceKind, TimeFunction,
 };
-use wellposed::case::{Case, Kind, Medium, Solid as SolidKind, Yield};
+use wellposed::case::{Case, Kind, Medium, Yield};
 use wellposed::new::{self, Purpose};
 use wellposed::setup;
 use wellposed::{Options, dispersion, point};
@@ -300,7 +300,7 @@ fn a_case_is_read_as_written() {
 
     // The grid says in how many dimensions the solid is.
     let case = parse(PLANE).unwrap();
-    assert_eq!(case.numbers.solid.dimensions, 2);
+    assert_eq!(case.numbers.dimensions, 2);
     // Without sections for it a case is not run in time.
     assert_eq!(parse(&wellposed::new::text(case.medium())).unwrap().dynamics, None);
 }
@@ -309,17 +309,18 @@ fn a_case_is_read_as_written() {
 fn regions_inherit_what_they_do_not_have() {
     let case = parse(PLANE).unwrap();
     let regions = &case.dynamics.as_ref().unwrap().regions;
-    let modulus = |case: &Case| match setup::solid::solid(case).unwrap().elastic {
-        ElasticLaw::Isotropic(solid) => [solid.lambda, solid.mu],
-        ElasticLaw::Compliances(_) => panic!(),
+    let modulus = |case: &Case| {
+        let law = setup::solid::solid(case).unwrap().elastic;
+        let solid = law.downcast::<Isotropic>().unwrap();
+        [solid.lambda, solid.mu]
     };
     assert_eq!(modulus(&regions[0].case), [2e9, 3e9]);
     assert_eq!(modulus(&regions[1].case), [2e9, 1e9]);
     let sets: Vec<Option<Yield>> = regions.iter().map(|region| region.case.yields).collect();
-    assert_eq!(sets, [Some(Yield::CosseratMises), None, Some(Yield::VonMises)]);
+    assert_eq!(sets, [Some(registry::COSSERAT_MISES), None, Some(registry::VON_MISES)]);
     assert_eq!(regions[0].case.numbers.yields, case.numbers.yields);
-    let other = regions[2].case.numbers.yields;
-    assert_eq!((other.strength, other.friction), (5.0, 0.0));
+    let other = &regions[2].case.numbers.yields;
+    assert_eq!((other.get("strength"), other.get("friction")), (Some(5.0), None));
 
     // Another kind has nothing of the case's own, and its own yield set where that is possible.
     let text = with(
@@ -329,9 +330,9 @@ fn regions_inherit_what_they_do_not_have() {
          inertia = 1 }",
     );
     let other = &dynamics(&text).regions[1].case;
-    assert_eq!(other.kind, Kind::Solid(SolidKind::ReducedCosserat));
-    assert_eq!(other.yields, Some(Yield::CosseratMises));
-    assert_eq!((other.numbers.solid.dimensions, other.numbers.solid.beta), (2, 0.0));
+    assert_eq!(other.kind, Kind::Solid(registry::REDUCED_COSSERAT));
+    assert_eq!(other.yields, Some(registry::COSSERAT_MISES));
+    assert_eq!((other.numbers.dimensions, other.numbers.model.get("beta")), (2, None));
 }
 
 #[test]
@@ -418,8 +419,8 @@ fn options_reach_all_sections() {
     assert_eq!((dynamics.grid.cells, dynamics.time.duration), (vec![40, 20], 0.1));
     assert_eq!(dynamics.loads[0].amplitude, 2e6);
     assert_eq!(dynamics.loads[2].time, TimeFunction::Step { start: 4.0, duration: None });
-    assert_eq!(dynamics.regions[0].case.numbers.solid.mu, 1e9);
-    assert_eq!(dynamics.regions[1].case.numbers.yields.strength, 8.0);
+    assert_eq!(dynamics.regions[0].case.numbers.model.get("mu"), Some(1e9));
+    assert_eq!(dynamics.regions[1].case.numbers.yields.get("strength"), Some(8.0));
     assert_eq!(dynamics.output.picture, Picture::Speed);
     assert_eq!(dynamics.scheme.ledger.name(), "full");
     assert_eq!(dynamics.sides[0].condition, Condition::Free);
@@ -636,7 +637,7 @@ fn new_runs_show_every_key() {
         let text = new::text_for(medium, Purpose::Run);
         parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
     }
-    let cosserat = Medium::from(Kind::Solid(SolidKind::Cosserat));
+    let cosserat = Medium::from(Kind::Solid(registry::COSSERAT));
     let text = new::text_for(cosserat, Purpose::Run);
     let (model, template) = text.split_at(text.find("\n[grid]\n").unwrap());
     // By header, all entries: the lines to take in, and all keys.

@@ -5,11 +5,10 @@ mod support;
 use models::LinearisedSystem;
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
 use models::cosserat::stress::Stress;
-use models::plasticity::parameters::{
-    ActiveCondition, Interlayer, InterlayerCouple, Mises, YieldSet,
-};
+use models::plasticity::parameters::{ActiveCondition, Interlayer, InterlayerCouple, Mises};
 use models::plasticity::symbol::tangent;
 use models::rates::RateEquations;
+use models::yield_set::YieldSet;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 use support::slipping::Slipping;
@@ -227,7 +226,7 @@ fn a_known_set_of_conditions() {
     // Ideal von Mises yielding in pure shear: c² = 0 at ± 45° from the axes (associated: it touches).
     let mut stress = Stress::default();
     (stress.force[0][0], stress.force[1][1]) = (1.0, -1.0);
-    let set = YieldSet::Mises(Mises::von_mises(1.0));
+    let set = YieldSet::from(Mises::von_mises(1.0));
     let active = set.active(&stress, 1e-9);
     let layout = solid.layout::<2>();
     let list: Vec<_> = layout.all_stresses().collect();

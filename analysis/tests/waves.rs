@@ -6,11 +6,10 @@ mod support;
 use models::LinearisedSystem;
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
 use models::cosserat::stress::Stress;
-use models::plasticity::parameters::{
-    ActiveCondition, Interlayer, InterlayerCouple, Mises, YieldSet,
-};
+use models::plasticity::parameters::{ActiveCondition, Interlayer, InterlayerCouple, Mises};
 use models::plasticity::symbol::tangent;
 use models::rates::{RateEquations, SymmetricForm};
+use models::yield_set::YieldSet;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -280,7 +279,7 @@ fn waves_agree_with_the_pencil() {
         let list: Vec<_> = layout.all_stresses().collect();
         let elastic = solid.stiffness(layout.all_stresses());
         let friction = random.within(0.1, 0.8);
-        let set = YieldSet::Mises(Mises::drucker_prager(1.0, friction, friction));
+        let set = YieldSet::from(Mises::drucker_prager(1.0, friction, friction));
         let active = set.active(&on_yield(random, &set, false), 1e-9);
         let plastic = tangent(&elastic, &list, &active).expect("associated");
         for stiffness in [elastic, plastic] {
@@ -339,14 +338,14 @@ fn on_yield(random: &mut Random, set: &YieldSet, corners: bool) -> Stress {
             if set.value(&scaled(middle)) < 0.0 { low = middle } else { high = middle }
         }
         let mut stress = scaled(high);
-        if let (YieldSet::Interlayer(set), true) = (set, corners && random.chance(0.5)) {
+        if let (Some(set), true) = (set.downcast::<Interlayer>(), corners && random.chance(0.5)) {
             // Slip of both layers, and of what else is at hand.
             stress.force[1][0] = set.shear_strength - set.shear_friction * stress.force[0][0];
             stress.force[0][1] = set.shear_friction * stress.force[1][1] - set.shear_strength;
             if let (Some(couple), true) = (set.couple, random.chance(0.5)) {
                 stress.couple[2][0] = couple.strength - couple.friction * stress.force[0][0];
             }
-            if YieldSet::Interlayer(*set).value(&stress) > 1e-9 {
+            if YieldSet::from(*set).value(&stress) > 1e-9 {
                 continue;
             }
         }
@@ -457,22 +456,22 @@ fn associated_yielding_keeps_growth_at_rounding_level() {
                         dilatancy: friction,
                     }
                 });
-                YieldSet::Interlayer(Interlayer {
+                YieldSet::from(Interlayer {
                     shear_strength: random.within(0.1, 1.0),
                     shear_friction: friction,
                     shear_dilatancy: friction,
                     couple,
                 })
             }
-            2 => YieldSet::Mises(Mises::drucker_prager(1.0, friction, friction)),
-            _ => YieldSet::Mises(Mises {
+            2 => YieldSet::from(Mises::drucker_prager(1.0, friction, friction)),
+            _ => YieldSet::from(Mises {
                 antisymmetric_weight: random.within(0.0, 2.0),
                 symmetric_length: with_couple.then_some(1.0),
                 antisymmetric_length: with_couple.then_some(2.0),
                 ..Mises::von_mises(1.0)
             }),
         };
-        let is_interlayer = matches!(set, YieldSet::Interlayer(_));
+        let is_interlayer = set.half_spaces().is_some();
         let stress = on_yield(random, &set, true);
         let active = set.active(&stress, 1e-9);
         assert!(!active.is_empty());
@@ -577,7 +576,7 @@ fn plane_yielding(random: &mut Random, dilatancy: impl Fn(f64) -> f64) -> RateEq
             antisymmetric_length: Some(0.6),
             ..Mises::drucker_prager(1.0, friction, dilatancy(friction))
         };
-        let stress = on_yield(random, &YieldSet::Mises(set), false);
+        let stress = on_yield(random, &YieldSet::from(set), false);
         let condition = set.condition(&stress).expect("off the axis");
         let stiffness = tangent(&solid.stiffness(layout.all_stresses()), &list, &[condition]);
         if let (Ok(stiffness), Some(rotation)) = (stiffness, solid.microrotation) {
@@ -683,7 +682,7 @@ fn flow_of_the_background_damps() {
             antisymmetric_length: Some(0.6),
             ..Mises::drucker_prager(1.0, friction, friction)
         };
-        let stress = on_yield(random, &YieldSet::Mises(set), false);
+        let stress = on_yield(random, &YieldSet::from(set), false);
         let condition = set.condition(&stress).expect("off the axis");
         let form = {
             let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
@@ -743,7 +742,7 @@ fn relaxation_reaches_the_linearised_system() {
         let layout = solid.layout::<2>().carrying();
         let list: Vec<_> = layout.all_stresses().collect();
         let set = Mises { antisymmetric_weight: 0.7, ..Mises::drucker_prager(1.0, 0.4, 0.4) };
-        let stress = on_yield(random, &YieldSet::Mises(set), false);
+        let stress = on_yield(random, &YieldSet::from(set), false);
         let condition = set.condition(&stress).expect("off the axis");
         let stiffness = solid.stiffness(layout.all_stresses());
         let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);

@@ -7,7 +7,8 @@
 mod support;
 
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
-use models::plasticity::parameters::{Mises, YieldSet};
+use models::plasticity::parameters::Mises;
+use models::yield_set::YieldSet;
 use std::time::Instant;
 use wellposed_dynamics::boundary::Boundary;
 use wellposed_dynamics::kernel::Instructions;
@@ -77,7 +78,7 @@ fn media<const D: usize>(row: &Row) -> (Vec<Medium>, Vec<u16>) {
     let own = medium(row.theory, D, 1.0);
     let both = vec![own.clone(), medium(row.theory, D, 0.6)];
     let yielding =
-        |strength: f64| vec![own.clone().yielding(YieldSet::Mises(Mises::von_mises(strength)))];
+        |strength: f64| vec![own.clone().yielding(YieldSet::from(Mises::von_mises(strength)))];
     let same = vec![0; count];
     let layer = row.count.pow(D as u32 - 1);
     match row.media {

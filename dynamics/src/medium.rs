@@ -2,9 +2,9 @@
 
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::{Field, Pair, Rotation};
-use models::plasticity::parameters::{Interlayer, YieldSet};
-use models::plasticity::projection::PlaneMetric;
+use models::plasticity::projection::Projection;
 use models::solid::ElasticLaw;
+use models::yield_set::YieldSet;
 
 /// A solid as pairs of waves along the axes, a rotation, and the set in which its stress stays.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,15 +21,6 @@ pub struct Medium {
     pub yields: Option<YieldSet>,
 }
 
-/// What the projection onto a yield set does.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Corrected {
-    /// P(s̄).
-    pub stress: Stress,
-    /// Energy of s̄ less that of P(s̄), J/m³.
-    pub energy_lost: f64,
-}
-
 impl Medium {
     /// An elastic solid in 2 (plane strain) or 3 dimensions. By compliances it is in plane strain, and stresses
     /// across the plane stay zero.
@@ -44,11 +35,10 @@ impl Medium {
         }
     }
 
-    /// The same with a yield set. [`Mises`](models::plasticity::parameters::Mises) needs an isotropic law,
-    /// as does its projection; [`Interlayer`] is for plane strain.
+    /// The same with a yield set that admits the law.
     #[must_use]
-    pub fn yielding(self, set: YieldSet) -> Self {
-        Self { yields: Some(set), ..self }
+    pub fn yielding(self, set: impl Into<YieldSet>) -> Self {
+        Self { yields: Some(set.into()), ..self }
     }
 
     /// The greatest speed, m/s.
@@ -73,32 +63,10 @@ impl Medium {
     }
 
     /// The stress in the yield set next to `trial` in the norm of the energy, and the energy lost.
-    pub fn project(&self, trial: &Stress) -> Corrected {
-        match (&self.yields, &self.law) {
-            (Some(YieldSet::Mises(set)), ElasticLaw::Isotropic(solid)) => {
-                let found = set.project(solid, trial);
-                Corrected { stress: found.stress, energy_lost: found.energy_lost }
-            }
-            (Some(YieldSet::Interlayer(set)), ElasticLaw::Isotropic(solid)) => {
-                let mut corrected = slip(set, &PlaneMetric::from(solid), trial);
-                // Across the plane as elasticity has it: nothing is strained there, nothing flows.
-                let change = |i: usize, j: usize| corrected.stress.force[i][j] - trial.force[i][j];
-                let normal = change(0, 0) + change(1, 1);
-                corrected.stress.force[2][2] +=
-                    solid.lambda / (2.0 * (solid.lambda + solid.mu)) * normal;
-                let ratio = solid.couple().map_or(0.0, |m| (m.gamma - m.eta) / (m.gamma + m.eta));
-                for axis in 0..2 {
-                    let change = corrected.stress.couple[2][axis] - trial.couple[2][axis];
-                    corrected.stress.couple[axis][2] += ratio * change;
-                }
-                corrected
-            }
-            (Some(YieldSet::Interlayer(set)), ElasticLaw::Compliances(solid)) => {
-                slip(set, &PlaneMetric::from(solid), trial)
-            }
-            (Some(YieldSet::Mises(_)), ElasticLaw::Compliances(_)) | (None, _) => {
-                Corrected { stress: *trial, energy_lost: 0.0 }
-            }
+    pub fn project(&self, trial: &Stress) -> Projection<Stress> {
+        match &self.yields {
+            Some(set) => set.project(&self.law, trial),
+            None => Projection { stress: *trial, energy_lost: 0.0 },
         }
     }
 
@@ -127,19 +95,6 @@ impl Medium {
             *value = component(field, &stress).unwrap_or(*value);
         }
     }
-}
-
-/// The projection of the stresses in the plane.
-fn slip(set: &Interlayer, metric: &PlaneMetric, trial: &Stress) -> Corrected {
-    const PLACES: [(usize, usize); 4] = [(0, 0), (1, 1), (1, 0), (0, 1)];
-    let [a, b, c, d] = PLACES.map(|(i, j)| trial.force[i][j]);
-    let found = set.project(metric, &[a, b, c, d, trial.couple[2][0], trial.couple[2][1]]);
-    let mut stress = *trial;
-    for ((i, j), value) in PLACES.into_iter().zip(found.stress) {
-        stress.force[i][j] = value;
-    }
-    stress.couple[2][..2].copy_from_slice(&found.stress[4..]);
-    Corrected { stress, energy_lost: found.energy_lost }
 }
 
 /// The component of a stress that a field is.

@@ -2,7 +2,8 @@
 
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
 use models::cosserat::waves::Field;
-use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises, YieldSet};
+use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises};
+use models::yield_set::YieldSet;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::Arc;
@@ -61,8 +62,8 @@ fn steps_allocate_nothing() {
     let solid = Isotropic::new(1.4, 0.9, 1.2, Some(rotation)).expect("sound moduli");
     let layers = InterlayerCouple { strength: 0.16, friction: 0.3, dilatancy: 0.3 };
     let sets = [
-        YieldSet::Mises(Mises::drucker_prager(0.2, 0.3, 0.3)),
-        YieldSet::Interlayer(Interlayer {
+        YieldSet::from(Mises::drucker_prager(0.2, 0.3, 0.3)),
+        YieldSet::from(Interlayer {
             shear_strength: 0.2,
             shear_friction: 0.5,
             shear_dilatancy: 0.5,

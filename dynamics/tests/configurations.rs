@@ -12,7 +12,8 @@ use models::cosserat::parameters::{
 };
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
-use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises, YieldSet};
+use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises};
+use models::yield_set::YieldSet;
 use std::sync::Arc;
 use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Signal, Source};
@@ -90,7 +91,7 @@ fn media<const D: usize>(chance: &mut Chance) -> Vec<Medium> {
         let mises = Mises::drucker_prager(strength, friction, friction);
         // Interlayer sets are of the plane.
         own.yielding(match (D == 2 && chance.one_in(4), chance.one_in(2)) {
-            (true, _) => YieldSet::Interlayer(Interlayer {
+            (true, _) => YieldSet::from(Interlayer {
                 shear_strength: strength,
                 shear_friction: friction,
                 shear_dilatancy: friction,
@@ -100,8 +101,8 @@ fn media<const D: usize>(chance: &mut Chance) -> Vec<Medium> {
                     dilatancy: 0.3,
                 }),
             }),
-            (_, true) => YieldSet::Mises(mises),
-            _ => YieldSet::Mises(Mises {
+            (_, true) => YieldSet::from(mises),
+            _ => YieldSet::from(Mises {
                 antisymmetric_weight: if theory == Theory::Classical { 0.0 } else { 0.8 },
                 symmetric_length: (theory == Theory::Cosserat).then_some(0.9),
                 antisymmetric_length: (theory == Theory::Cosserat).then_some(0.7),

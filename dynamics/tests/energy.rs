@@ -6,7 +6,8 @@
 mod support;
 
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances};
-use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises, YieldSet};
+use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises};
+use models::yield_set::YieldSet;
 use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition};
 use wellposed_dynamics::domain::Domain;
@@ -53,7 +54,7 @@ fn classical(factor: f64) -> Isotropic {
 
 /// A cone that rough states of order one yield on.
 fn cone() -> YieldSet {
-    YieldSet::Mises(Mises {
+    YieldSet::from(Mises {
         strength: 0.3,
         friction: 0.2,
         dilatancy: 0.2,
@@ -66,7 +67,7 @@ fn cone() -> YieldSet {
 
 /// Layers that slip and roll on each other.
 fn interlayer() -> YieldSet {
-    YieldSet::Interlayer(Interlayer {
+    YieldSet::from(Interlayer {
         shear_strength: 0.3,
         shear_friction: 0.3,
         shear_dilatancy: 0.3,

@@ -7,7 +7,8 @@ use models::cosserat::parameters::{
 };
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
-use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises, YieldSet};
+use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises};
+use models::yield_set::YieldSet;
 use std::sync::Arc;
 use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Source};
@@ -28,7 +29,7 @@ fn solid(theory: Theory, factor: f64) -> Isotropic {
 }
 
 fn cone(friction: f64) -> YieldSet {
-    YieldSet::Mises(Mises {
+    YieldSet::from(Mises {
         antisymmetric_weight: 0.8,
         symmetric_length: Some(0.9),
         antisymmetric_length: Some(0.7),
@@ -38,7 +39,7 @@ fn cone(friction: f64) -> YieldSet {
 
 fn layers(theory: Theory) -> YieldSet {
     let couple = InterlayerCouple { strength: 0.16, friction: 0.3, dilatancy: 0.3 };
-    YieldSet::Interlayer(Interlayer {
+    YieldSet::from(Interlayer {
         shear_strength: 0.2,
         shear_friction: 0.5,
         shear_dilatancy: 0.5,

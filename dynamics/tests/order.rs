@@ -5,7 +5,8 @@ mod support;
 
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
 use models::cosserat::waves::Field;
-use models::plasticity::parameters::{Mises, YieldSet};
+use models::plasticity::parameters::Mises;
+use models::yield_set::YieldSet;
 use std::sync::Arc;
 use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Source};
@@ -60,14 +61,12 @@ fn problem(frame: Frame) -> Problem<3> {
         inertia: 0.37,
         couple: Some(CoupleModuli { beta: 0.3 * factor, gamma: 0.7 * factor, eta: 0.45 * factor }),
     };
-    let set = YieldSet::Mises(Mises {
-        antisymmetric_weight: 0.5,
-        ..Mises::drucker_prager(0.3, 0.2, 0.2)
-    });
+    let set =
+        YieldSet::from(Mises { antisymmetric_weight: 0.5, ..Mises::drucker_prager(0.3, 0.2, 0.2) });
     let media = [1.0, 2.3].map(|factor| {
         let solid = Isotropic::new(1.4 * factor, 0.9 * factor, 1.2, Some(rotation(factor)));
         let own = Medium::new(solid.expect("sound moduli"), 3);
-        if factor > 1.0 { own.yielding(set) } else { own }
+        if factor > 1.0 { own.yielding(set.clone()) } else { own }
     });
     let count: usize = CELLS.iter().product();
     let of_cell = (0..count).map(|cell| u16::from(place(cell, frame)[2] > 4)).collect();

@@ -5,7 +5,8 @@ mod support;
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
-use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises, YieldSet};
+use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises};
+use models::yield_set::YieldSet;
 use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition};
 use wellposed_dynamics::domain::Domain;
@@ -130,12 +131,12 @@ fn the_ledger_closes_while_solids_yield() {
     for placement in [Placement::Last, Placement::Middle] {
         for theory in [Theory::Classical, Theory::Reduced, Theory::Cosserat] {
             for friction in [0.0, 0.4] {
-                check::<2>(theory, YieldSet::Mises(cone(0.2, friction)), placement);
-                check::<3>(theory, YieldSet::Mises(cone(0.2, friction)), placement);
+                check::<2>(theory, YieldSet::from(cone(0.2, friction)), placement);
+                check::<3>(theory, YieldSet::from(cone(0.2, friction)), placement);
             }
-            check::<2>(theory, YieldSet::Mises(Mises::von_mises(0.2)), placement);
+            check::<2>(theory, YieldSet::from(Mises::von_mises(0.2)), placement);
             if theory != Theory::Classical {
-                check::<2>(theory, YieldSet::Interlayer(layers(theory, 0.2)), placement);
+                check::<2>(theory, YieldSet::from(layers(theory, 0.2)), placement);
             }
         }
     }
@@ -146,7 +147,7 @@ fn the_ledger_closes_while_solids_yield() {
 fn slipping(count: usize, placement: Placement, strength: f64) -> Vec<Vec<f64>> {
     let solid = solid(Theory::Reduced);
     let set = layers(Theory::Reduced, strength);
-    let medium = Medium::new(solid, 2).yielding(YieldSet::Interlayer(set));
+    let medium = Medium::new(solid, 2).yielding(YieldSet::from(set));
     let h = 1.0 / count as f64;
     let steps = (count as f64 * 0.5).round();
     let time = steps * 2.0 * 0.8 * h / medium.greatest_speed();
@@ -219,7 +220,7 @@ fn orders_of_both_placements() {
 fn behind_a_front(count: usize, placement: Placement) -> f64 {
     let solid = Isotropic::new(1.4, 0.9, 1.2, None).expect("sound moduli");
     let strength = 0.1;
-    let set = YieldSet::Mises(Mises::von_mises(strength));
+    let set = YieldSet::from(Mises::von_mises(strength));
     let medium = Medium::new(solid, 2).yielding(set);
     let h = 1.0 / count as f64;
     let speed = medium.greatest_speed();
@@ -323,7 +324,7 @@ fn corrections_at_once() {
             at_once::<3>(Theory::Cosserat, set, seed);
         }
         for theory in [Theory::Reduced, Theory::Cosserat] {
-            at_once::<2>(theory, YieldSet::Interlayer(layers(theory, 0.3)), seed);
+            at_once::<2>(theory, YieldSet::from(layers(theory, 0.3)), seed);
         }
     }
 }

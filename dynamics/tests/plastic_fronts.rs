@@ -9,7 +9,8 @@ mod uniaxial;
 use models::cosserat::parameters::Isotropic;
 use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
-use models::plasticity::parameters::{Mises, YieldSet};
+use models::plasticity::parameters::Mises;
+use models::yield_set::YieldSet;
 use simple_waves::Impact;
 use uniaxial::{Bar, End, Profile, State};
 use wellposed_dynamics::boundary::{Boundary, Condition, Load};
@@ -30,7 +31,7 @@ fn bar() -> Bar {
 }
 
 fn medium() -> Medium {
-    Medium::new(solid(), 2).yielding(YieldSet::Mises(Mises::von_mises(STRENGTH)))
+    Medium::new(solid(), 2).yielding(YieldSet::from(Mises::von_mises(STRENGTH)))
 }
 
 /// A plane wave problem on 0 ≤ x₁ ≤ 1 with its exact solution.

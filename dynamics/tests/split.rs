@@ -6,7 +6,8 @@ use models::cosserat::parameters::{
     CoupleModuli, Isotropic, Microrotation, PlaneCompliances, Theory,
 };
 use models::cosserat::waves::Field;
-use models::plasticity::parameters::{Mises, YieldSet};
+use models::plasticity::parameters::Mises;
+use models::yield_set::YieldSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use support::noise;
@@ -50,7 +51,7 @@ fn same_of<T: Real, const D: usize>(
 ) {
     // One of the two media yields.
     let set = Mises { antisymmetric_weight: 0.5, ..Mises::drucker_prager(0.3, 0.2, 0.2) };
-    let media = [Medium::new(soft, D).yielding(YieldSet::Mises(set)), Medium::new(stiff, D)];
+    let media = [Medium::new(soft, D).yielding(YieldSet::from(set)), Medium::new(stiff, D)];
     let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
     let count: usize = cells.iter().product();
     let of_cell: Vec<u16> = (0..count).map(|i| u16::from(noise(i as u64) > 0.2)).collect();
@@ -210,8 +211,8 @@ fn so_they_have_in_single_precision() {
 #[test]
 fn snapshots_resume() {
     let media = [Medium::new(solids()[0], 2)];
-    let set = YieldSet::Mises(Mises::drucker_prager(0.3, 0.2, 0.2));
-    let media = media.map(|medium| medium.yielding(set));
+    let set = YieldSet::from(Mises::drucker_prager(0.3, 0.2, 0.2));
+    let media = media.map(|medium| medium.yielding(set.clone()));
     let grid = Grid { cells: [14, 33], spacing: [0.1, 0.1] };
     let sides = std::array::from_fn(|_| [Boundary::Fixed, Boundary::NonReflecting]);
     let detail = Detail::Full;
@@ -316,7 +317,7 @@ fn passes_are_single_steps() {
 
 fn single_steps<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
     let medium = Medium::new(solids()[0], D);
-    let set = YieldSet::Mises(Mises::von_mises(0.2));
+    let set = YieldSet::from(Mises::von_mises(0.2));
     let medium = medium.yielding(set);
     let step = 1.9 * 0.1 / medium.greatest_speed();
     for last in [Boundary::Periodic, Boundary::Fixed, Boundary::Free, Boundary::NonReflecting] {
@@ -376,7 +377,7 @@ fn forget_traces<const D: usize>(cells: [usize; D], from: usize, flat: usize, la
     const LIMIT: f64 = 1.29e-26;
     let [soft, stiff] = solids().map(|solid| Medium::new(solid, D));
     let step = 1.9 * 0.1 / stiff.greatest_speed();
-    let media = vec![soft.yielding(YieldSet::Mises(Mises::von_mises(0.2))), stiff];
+    let media = vec![soft.yielding(YieldSet::from(Mises::von_mises(0.2))), stiff];
     let grid = Grid { cells, spacing: [0.1; D] };
     let of_cell = (0..grid.count()).map(|i| u16::from(noise(i as u64) > 0.2)).collect();
     let mut sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);

@@ -15,6 +15,8 @@
 pub mod closed_form;
 pub mod cosserat;
 pub mod double_shearing;
+mod dyn_eq;
+pub mod elastoplastic;
 pub mod elementary;
 pub mod free_rotating;
 pub mod granular_flow;
@@ -29,6 +31,7 @@ pub mod registry;
 pub mod rounding;
 pub mod solid;
 pub mod system;
+pub mod yield_set;
 
 pub use closed_form::ClosedForm;
 pub use rounding::Rounded;

@@ -1,5 +1,7 @@
 //! What a model says of each of its constants, for whoever reads, writes or sweeps them.
 
+use crate::input::InputError;
+
 /// A constant of a model or of a yield set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
@@ -52,4 +54,16 @@ impl Parameter {
     pub fn to_si(&self, stated: f64) -> f64 {
         if self.unit == ANGLE { stated.to_radians() } else { stated }
     }
+}
+
+/// The constants of a model that has `N` of them.
+///
+/// # Errors
+/// Another number of them.
+pub fn constants<const N: usize>(given: &[f64]) -> Result<[f64; N], InputError> {
+    given.try_into().map_err(|_| InputError {
+        key: "kind",
+        found: format!("{} constants", given.len()),
+        allowed: format!("this model has {N}"),
+    })
 }

@@ -1,9 +1,12 @@
-//! The list of models: granular flows by name.
+//! The list of models by name: granular flows, elastic solids, yield sets.
 //!
-//! [`STANDARD_FLOWS`] are those of this crate. A program adds its own with [`register_flow`]; from
-//! then on they can be named in case files and are treated like the others.
+//! The first of each list are those of this crate. A program adds its own by [`register_flow`], [`register_solid`] or
+//! [`register_yield_set`]; from then on they can be named in case files and are treated like the others.
 
 use crate::granular_flow::{FlowModel, Kind};
+use crate::parameter::Parameter;
+use crate::solid::{SolidKind, SolidModel, cubic_plane, isotropic};
+use crate::yield_set::{YieldSetKind, YieldSetModel, interlayer, mises};
 use crate::{double_shearing, free_rotating, harris_grekova, plastic_potential};
 use std::sync::{PoisonError, RwLock};
 
@@ -20,8 +23,37 @@ pub const FREE_ROTATING: Kind = Kind::new(&free_rotating::MODEL);
 pub const STANDARD_FLOWS: [Kind; 4] =
     [HARRIS_GREKOVA, DOUBLE_SHEARING, PLASTIC_POTENTIAL, FREE_ROTATING];
 
-/// Models that a program has added.
-static ADDED_FLOWS: RwLock<Vec<Kind>> = RwLock::new(Vec::new());
+/// Classical elasticity: λ, μ.
+pub const CLASSICAL: SolidKind = SolidKind::new(&isotropic::CLASSICAL);
+/// Reduced Cosserat: λ, μ, α and rotation without couple stress.
+pub const REDUCED_COSSERAT: SolidKind = SolidKind::new(&isotropic::REDUCED_COSSERAT);
+/// Cosserat: λ, μ, α, β, γ, η.
+pub const COSSERAT: SolidKind = SolidKind::new(&isotropic::COSSERAT);
+/// Cosserat in plane strain by its compliances a₁, b₁, a₂, b₂, α₂.
+pub const COSSERAT_COMPLIANCES: SolidKind = SolidKind::new(&cubic_plane::COSSERAT_COMPLIANCES);
+
+/// The elastic solids of this crate, in the order in which they are listed.
+pub const STANDARD_SOLIDS: [SolidKind; 4] =
+    [CLASSICAL, REDUCED_COSSERAT, COSSERAT, COSSERAT_COMPLIANCES];
+
+/// Slip and rolling along the layers between blocks; plane strain.
+pub const INTERLAYER: YieldSetKind = YieldSetKind::new(&interlayer::INTERLAYER);
+/// von Mises.
+pub const VON_MISES: YieldSetKind = YieldSetKind::new(&mises::VON_MISES);
+/// Drucker & Prager, which is Mises & Schleicher.
+pub const DRUCKER_PRAGER: YieldSetKind = YieldSetKind::new(&mises::DRUCKER_PRAGER);
+/// With antisymmetric stress and couple stress.
+pub const COSSERAT_MISES: YieldSetKind = YieldSetKind::new(&mises::COSSERAT_MISES);
+
+/// The yield sets of this crate, in the order in which they are listed.
+pub const STANDARD_YIELD_SETS: [YieldSetKind; 4] =
+    [INTERLAYER, VON_MISES, DRUCKER_PRAGER, COSSERAT_MISES];
+
+static FLOWS: List<Kind> = List { standard: &STANDARD_FLOWS, added: RwLock::new(Vec::new()) };
+static SOLIDS: List<SolidKind> =
+    List { standard: &STANDARD_SOLIDS, added: RwLock::new(Vec::new()) };
+static YIELD_SETS: List<YieldSetKind> =
+    List { standard: &STANDARD_YIELD_SETS, added: RwLock::new(Vec::new()) };
 
 /// A model that cannot be added.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -30,7 +62,7 @@ pub enum RegistryError {
     #[error("a model is called {0} already")]
     NameTaken(&'static str),
     /// Another model has a parameter of the same name in another unit.
-    #[error("{model}: the parameter {parameter} has the unit {unit} in other models")]
+    #[error("{model}: the parameter {parameter} has the unit '{unit}' in other models")]
     OtherUnit {
         /// The model.
         model: &'static str,
@@ -43,13 +75,32 @@ pub enum RegistryError {
 
 /// All granular flows, those of this crate first.
 pub fn flows() -> Vec<Kind> {
-    let added = ADDED_FLOWS.read().unwrap_or_else(PoisonError::into_inner);
-    STANDARD_FLOWS.iter().chain(added.iter()).copied().collect()
+    FLOWS.all()
+}
+
+/// All elastic solids, those of this crate first.
+pub fn solids() -> Vec<SolidKind> {
+    SOLIDS.all()
+}
+
+/// All yield sets, those of this crate first.
+pub fn yield_sets() -> Vec<YieldSetKind> {
+    YIELD_SETS.all()
 }
 
 /// The granular flow of that name.
 pub fn flow(name: &str) -> Option<Kind> {
-    flows().into_iter().find(|kind| kind.name() == name)
+    FLOWS.find(name)
+}
+
+/// The elastic solid of that name.
+pub fn solid(name: &str) -> Option<SolidKind> {
+    SOLIDS.find(name)
+}
+
+/// The yield set of that name.
+pub fn yield_set(name: &str) -> Option<YieldSetKind> {
+    YIELD_SETS.find(name)
 }
 
 /// Adds a granular-flow model.
@@ -57,22 +108,100 @@ pub fn flow(name: &str) -> Option<Kind> {
 /// # Errors
 /// Its name is taken, or a parameter has another unit in another model.
 pub fn register_flow(model: &'static FlowModel) -> Result<(), RegistryError> {
-    let mut added = ADDED_FLOWS.write().unwrap_or_else(PoisonError::into_inner);
-    for other in STANDARD_FLOWS.iter().chain(added.iter()) {
-        if other.name() == model.name {
-            return Err(RegistryError::NameTaken(model.name));
-        }
-        for parameter in model.parameters {
-            let same = other.parameters().iter().find(|own| own.name == parameter.name);
-            if let Some(same) = same.filter(|own| own.unit != parameter.unit) {
-                return Err(RegistryError::OtherUnit {
-                    model: model.name,
-                    parameter: parameter.name,
-                    unit: same.unit,
-                });
-            }
+    let flow = Kind::new(model);
+    solids().into_iter().try_for_each(|other| check(flow, other))?;
+    FLOWS.add(flow)
+}
+
+/// Adds an elastic solid.
+///
+/// # Errors
+/// Its name is taken, or a parameter has another unit in another model.
+pub fn register_solid(model: &'static SolidModel) -> Result<(), RegistryError> {
+    let solid = SolidKind::new(model);
+    flows().into_iter().try_for_each(|other| check(solid, other))?;
+    SOLIDS.add(solid)
+}
+
+/// Adds a yield set.
+///
+/// # Errors
+/// Its name is taken, or a parameter has another unit in another set.
+pub fn register_yield_set(model: &'static YieldSetModel) -> Result<(), RegistryError> {
+    YIELD_SETS.add(YieldSetKind::new(model))
+}
+
+/// What all entries of a list have.
+trait Entry: Copy + 'static {
+    fn name(self) -> &'static str;
+    fn parameters(self) -> Vec<&'static Parameter>;
+}
+
+impl Entry for Kind {
+    fn name(self) -> &'static str {
+        Kind::name(self)
+    }
+
+    fn parameters(self) -> Vec<&'static Parameter> {
+        Kind::parameters(self).iter().collect()
+    }
+}
+
+impl Entry for SolidKind {
+    fn name(self) -> &'static str {
+        self.name
+    }
+
+    fn parameters(self) -> Vec<&'static Parameter> {
+        self.parameters.iter().collect()
+    }
+}
+
+impl Entry for YieldSetKind {
+    fn name(self) -> &'static str {
+        self.name
+    }
+
+    fn parameters(self) -> Vec<&'static Parameter> {
+        self.parameters.iter().map(|own| &own.0).collect()
+    }
+}
+
+/// Entries of this crate, and those that a program has added.
+struct List<K: 'static> {
+    standard: &'static [K],
+    added: RwLock<Vec<K>>,
+}
+
+impl<K: Entry> List<K> {
+    fn all(&self) -> Vec<K> {
+        let added = self.added.read().unwrap_or_else(PoisonError::into_inner);
+        self.standard.iter().chain(added.iter()).copied().collect()
+    }
+
+    fn find(&self, name: &str) -> Option<K> {
+        self.all().into_iter().find(|entry| entry.name() == name)
+    }
+
+    fn add(&self, entry: K) -> Result<(), RegistryError> {
+        let mut added = self.added.write().unwrap_or_else(PoisonError::into_inner);
+        self.standard.iter().chain(added.iter()).try_for_each(|other| check(entry, *other))?;
+        added.push(entry);
+        Ok(())
+    }
+}
+
+/// That an entry can be listed beside another one.
+fn check(entry: impl Entry, other: impl Entry) -> Result<(), RegistryError> {
+    let model = entry.name();
+    if other.name() == model {
+        return Err(RegistryError::NameTaken(model));
+    }
+    for own in entry.parameters() {
+        let same = other.parameters().into_iter().find(|same| same.name == own.name);
+        if let Some(Parameter { unit, .. }) = same.filter(|same| same.unit != own.unit) {
+            return Err(RegistryError::OtherUnit { model, parameter: own.name, unit });
         }
     }
-    added.push(Kind::new(model));
     Ok(())
 }

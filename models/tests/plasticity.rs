@@ -10,11 +10,12 @@ use wellposed_models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotat
 use wellposed_models::cosserat::stress::{Component, Stress};
 use wellposed_models::cosserat::symbol::{plane, space};
 use wellposed_models::plasticity::parameters::{
-    ActiveCondition, Interlayer, InterlayerCouple, Mises, YieldSet,
+    ActiveCondition, Interlayer, InterlayerCouple, Mises,
 };
 use wellposed_models::plasticity::symbol::tangent;
 use wellposed_models::rounding::UNIT_ROUNDOFF;
 use wellposed_models::system::Matrix;
+use wellposed_models::yield_set::YieldSet;
 
 fn solid(random: &mut Random, theory: Theory) -> Isotropic {
     let mu = random.within(0.5, 2.0);
@@ -107,11 +108,11 @@ fn normals_are_gradients() {
         let set = mises(&mut random);
         let stress = random_stress(&mut random);
         let condition = set.condition(&stress).unwrap();
-        let value = |s: &Stress| YieldSet::Mises(set).value(s);
+        let value = |s: &Stress| YieldSet::from(set).value(s);
         worst = worst.max(check_gradient(value, &condition.normal, &stress));
         // The flow is that of the potential, f with the dilatancy.
         let potential = Mises { friction: set.dilatancy, ..set };
-        let value = |s: &Stress| YieldSet::Mises(potential).value(s);
+        let value = |s: &Stress| YieldSet::from(potential).value(s);
         worst = worst.max(check_gradient(value, &condition.flow, &stress));
 
         // Of eight half-spaces the one that is nearest is the value; the others are 0.01 away.
@@ -129,13 +130,13 @@ fn normals_are_gradients() {
             })
             .collect();
         let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let own = YieldSet::Interlayer(set).value(&stress);
+        let own = YieldSet::from(set).value(&stress);
         assert!((own - greatest).abs() <= 1e-15, "{own} {greatest}");
         if values.iter().filter(|v| **v > greatest - 0.01).count() > 1 {
             continue;
         }
         // Of the opposite signs, the one that meets the stress first.
-        let value = |s: &Stress| YieldSet::Interlayer(set).value(s);
+        let value = |s: &Stress| YieldSet::from(set).value(s);
         let (nearest, _) = set
             .half_spaces()
             .find(|(condition, strength)| {
@@ -174,9 +175,9 @@ fn zero_stress_is_inside() {
     let mut random = Random::new(2);
     let zero = Stress::default();
     for _ in 0..100 {
-        let set = YieldSet::Mises(mises(&mut random));
+        let set = YieldSet::from(mises(&mut random));
         assert!(set.value(&zero) < 0.0 && set.active(&zero, 1e-9).is_empty());
-        let set = YieldSet::Interlayer(interlayer(&mut random));
+        let set = YieldSet::from(interlayer(&mut random));
         assert!(set.value(&zero) < 0.0 && set.active(&zero, 1e-9).is_empty());
     }
     assert_eq!(mises(&mut random).condition(&zero), None);
@@ -188,8 +189,8 @@ fn zero_stress_is_inside() {
         shear_dilatancy: 0.5,
         couple: Some(couple),
     };
-    assert_eq!(YieldSet::Interlayer(set).value(&zero), 0.0);
-    assert_eq!(YieldSet::Interlayer(set).active(&zero, 1e-9).len(), 8);
+    assert_eq!(YieldSet::from(set).value(&zero), 0.0);
+    assert_eq!(YieldSet::from(set).active(&zero, 1e-9).len(), 8);
 }
 
 /// Constants out of range are refused by name.

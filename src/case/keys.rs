@@ -5,6 +5,7 @@
 //! [registry](models::registry). To add another key: add a field to [`Numbers`] and a row here.
 
 use super::kind::{Kind, Medium, Solid, Yield};
+use models::cosserat::parameters::Theory;
 use models::granular_flow::{Kind as Flow, RotationKind};
 pub use models::parameter::Presence;
 use models::parameter::{ANGLE, Parameter as Constant};
@@ -15,12 +16,14 @@ use std::sync::{PoisonError, RwLock};
 /// where a key without default is absent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Numbers {
-    /// Constants of flow models.
-    pub flow: Constants,
-    /// Constants of a solid.
-    pub solid: SolidNumbers,
+    /// Constants of the model.
+    pub model: Constants,
+    /// Dimensions of a solid; 0 where its kind leaves no choice.
+    pub dimensions: usize,
     /// Constants of its yield set.
-    pub yields: YieldNumbers,
+    pub yields: Constants,
+    /// Rate Λ at which the background of a yielding solid flows, 1/s.
+    pub plastic_rate: f64,
     /// Stress of a yielding solid.
     pub stress: StressNumbers,
     /// State of the flow at the point.
@@ -36,69 +39,41 @@ pub struct Constants(Vec<(&'static str, f64)>);
 impl Constants {
     /// The value of that name.
     pub fn get(&self, name: &str) -> Option<f64> {
-        self.0.iter().find(|(own, _)| *own == name).map(|(_, value)| *value)
+        self.place(name).ok().map(|place| self.0[place].1)
     }
 
     /// Sets a value.
     pub fn set(&mut self, name: &'static str, value: f64) {
-        match self.0.iter_mut().find(|(own, _)| *own == name) {
-            Some((_, own)) => *own = value,
-            None => self.0.push((name, value)),
+        match self.place(name) {
+            Ok(place) => self.0[place].1 = value,
+            Err(place) => self.0.insert(place, (name, value)),
         }
     }
 
-    /// Removes a value.
-    fn remove(&mut self, name: &str) {
-        self.0.retain(|(own, _)| *own != name);
+    /// Where a name is among all in order, or where it would be.
+    fn place(&self, name: &str) -> Result<usize, usize> {
+        self.0.binary_search_by(|(own, _)| (*own).cmp(name))
+    }
+
+    /// Takes a value back to what holds where none is given.
+    fn reset(&mut self, name: &'static str, presence: Presence) {
+        match presence {
+            Presence::Default(value) => self.set(name, value),
+            _ => self.0.retain(|(own, _)| *own != name),
+        }
     }
 
     /// The values of a model's constants, in the order in which it lists them, in SI units and rad; NaN for those
     /// that are absent.
-    pub fn in_order(&self, parameters: &[Constant], values: &mut Vec<f64>) {
+    pub fn in_order<'a>(
+        &self,
+        parameters: impl IntoIterator<Item = &'a Constant>,
+        values: &mut Vec<f64>,
+    ) {
         values.clear();
         let value = |own: &Constant| own.to_si(self.get(own.name).unwrap_or(f64::NAN));
-        values.extend(parameters.iter().map(value));
+        values.extend(parameters.into_iter().map(value));
     }
-}
-
-/// Section `[model]` of solids; units and meanings in [`keys`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[allow(missing_docs)] // one row of `keys` per field says it once
-pub struct SolidNumbers {
-    pub lambda: f64,
-    pub mu: f64,
-    pub alpha: f64,
-    pub beta: f64,
-    pub gamma: f64,
-    pub eta: f64,
-    pub a1: f64,
-    pub b1: f64,
-    pub a2: f64,
-    pub b2: f64,
-    pub alpha2: f64,
-    pub density: f64,
-    pub inertia: f64,
-    pub dimensions: usize,
-}
-
-/// Section `[yield]`; units and meanings in [`keys`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[allow(missing_docs)] // one row of `keys` per field says it once
-pub struct YieldNumbers {
-    pub shear_strength: f64,
-    pub shear_friction: f64,
-    pub shear_dilatancy: f64,
-    pub couple_strength: f64,
-    pub couple_friction: f64,
-    pub couple_dilatancy: f64,
-    pub strength: f64,
-    pub friction: f64,
-    pub dilatancy: f64,
-    pub antisymmetric_weight: f64,
-    pub symmetric_length: f64,
-    pub antisymmetric_length: f64,
-    pub hardening: f64,
-    pub plastic_rate: f64,
 }
 
 /// Section `[stress]`; units and meanings in [`keys`].
@@ -165,8 +140,8 @@ pub struct Key {
     /// What the quantity is and what is allowed, in one line.
     pub meaning: &'static str,
     users: Users,
-    /// The yield sets that use it; empty if it is no matter whether and how a solid yields.
-    sets: &'static [Yield],
+    /// The yield sets that use it; `None` if it is no matter whether and how a solid yields.
+    sets: Option<Sets>,
     /// What holds where the key is absent.
     pub presence: Presence,
     pub(super) field: Field,
@@ -177,9 +152,26 @@ pub struct Key {
 enum Users {
     All,
     Flows(fn(Flow) -> bool),
-    Solids(&'static [Solid]),
-    /// Flows that have a constant of that name.
-    FlowsWith(&'static str),
+    Solids(fn(Solid) -> bool),
+    /// Those that have a constant of that name: of flows and solids where both are of one unit.
+    With(&'static str),
+}
+
+/// The yield sets that use a key, of solids of some theory.
+#[derive(Clone, Copy, Debug)]
+enum Sets {
+    Any(fn(Yield) -> bool),
+    /// Those that have a constant of that name.
+    With(&'static str),
+}
+
+impl Sets {
+    fn contain(self, set: Yield, theory: Theory) -> bool {
+        match self {
+            Self::Any(uses) => uses(set),
+            Self::With(name) => set.parameters_for(theory).any(|own| own.name == name),
+        }
+    }
 }
 
 /// Type of a value and, for the numbers of a case, where it is kept.
@@ -190,8 +182,10 @@ pub(super) enum Field {
     Count,
     Plain,
     Whole(fn(&mut Numbers) -> &mut usize),
-    /// A constant of a flow model, by its name.
+    /// A constant of the model, by its name.
     Constant(&'static str),
+    /// A constant of the yield set, by its name.
+    YieldConstant(&'static str),
     Number(fn(&mut Numbers) -> &mut f64),
     OptionalNumber(fn(&mut Numbers) -> &mut Option<f64>),
     Pair(fn(&mut Numbers) -> &mut [f64; 2]),
@@ -227,9 +221,11 @@ impl Field {
             Self::Text => "text in quotes",
             Self::Texts => "a list of texts in brackets",
             Self::Count | Self::Whole(_) => "a whole number of at least 1",
-            Self::Plain | Self::Constant(_) | Self::Number(_) | Self::OptionalNumber(_) => {
-                "a finite number"
-            }
+            Self::Plain
+            | Self::Constant(_)
+            | Self::YieldConstant(_)
+            | Self::Number(_)
+            | Self::OptionalNumber(_) => "a finite number",
             Self::Pair(_) | Self::OptionalPair(_) => "a pair of finite numbers [x1, x2]",
             Self::OptionalMatrix(_) => "a matrix of finite numbers [[a11, a12], [a21, a22]]",
         }
@@ -243,7 +239,10 @@ impl Field {
     /// Number of components that a map can sweep: 0 for what is no scalar or pair.
     fn components(self) -> usize {
         match self {
-            Self::Constant(_) | Self::Number(_) | Self::OptionalNumber(_) => 1,
+            Self::Constant(_)
+            | Self::YieldConstant(_)
+            | Self::Number(_)
+            | Self::OptionalNumber(_) => 1,
             Self::Pair(_) | Self::OptionalPair(_) => 2,
             _ => 0,
         }
@@ -254,7 +253,8 @@ impl Field {
         let numbers = &mut numbers.clone();
         match self {
             Self::Whole(f) => Some(Value::Count(*f(numbers))),
-            Self::Constant(name) => numbers.flow.get(name).map(Value::Number),
+            Self::Constant(name) => numbers.model.get(name).map(Value::Number),
+            Self::YieldConstant(name) => numbers.yields.get(name).map(Value::Number),
             Self::Number(f) => Some(Value::Number(*f(numbers))),
             Self::OptionalNumber(f) => f(numbers).map(Value::Number),
             Self::Pair(f) => Some(Value::Pair(*f(numbers))),
@@ -268,7 +268,8 @@ impl Field {
     pub(super) fn store(self, numbers: &mut Numbers, value: &Value) {
         match (self, value) {
             (Self::Whole(f), Value::Count(n)) => *f(numbers) = *n,
-            (Self::Constant(name), Value::Number(x)) => numbers.flow.set(name, *x),
+            (Self::Constant(name), Value::Number(x)) => numbers.model.set(name, *x),
+            (Self::YieldConstant(name), Value::Number(x)) => numbers.yields.set(name, *x),
             (Self::Number(f), Value::Number(x)) => *f(numbers) = *x,
             (Self::OptionalNumber(f), Value::Number(x)) => *f(numbers) = Some(*x),
             (Self::Pair(f), Value::Pair(x)) => *f(numbers) = *x,
@@ -280,20 +281,30 @@ impl Field {
 }
 
 impl Key {
-    /// The row of a constant of a flow model.
-    fn of_constant(constant: &'static Constant) -> Self {
+    /// The row of a constant of a model.
+    fn of_model(constant: &'static Constant) -> Self {
+        let name = constant.name;
+        Self::of_constant("model", constant, Users::With(name), None, Field::Constant(name))
+    }
+
+    /// The row of a constant of a yield set.
+    fn of_yield_set(constant: &'static Constant) -> Self {
+        let name = constant.name;
+        let sets = Some(Sets::With(name));
+        Self::of_constant("yield", constant, SOLIDS, sets, Field::YieldConstant(name))
+    }
+
+    fn of_constant(
+        section: &str,
+        constant: &'static Constant,
+        users: Users,
+        sets: Option<Sets>,
+        field: Field,
+    ) -> Self {
         let Constant { name, label, unit, meaning, presence } = *constant;
         let suffix = if unit == ANGLE { "_deg" } else { "" };
-        Self {
-            name: format!("model.{name}{suffix}").leak(),
-            label,
-            unit,
-            meaning,
-            users: Users::FlowsWith(name),
-            sets: ANY,
-            presence,
-            field: Field::Constant(name),
-        }
+        let name = format!("{section}.{name}{suffix}").leak();
+        Self { name, label, unit, meaning, users, sets, presence, field }
     }
 
     /// The row of that name.
@@ -309,19 +320,30 @@ impl Key {
     /// Whether such media use the key.
     pub fn is_used_by(&self, medium: impl Into<Medium>) -> bool {
         let Medium { kind, yields } = medium.into();
-        self.is_for(kind)
-            && (self.sets.is_empty() || yields.is_some_and(|set| self.sets.contains(&set)))
+        let Some(sets) = self.sets else { return self.is_for(kind) };
+        match (kind, yields) {
+            (Kind::Solid(solid), Some(set)) => self.is_for(kind) && sets.contain(set, solid.theory),
+            _ => false,
+        }
     }
 
     /// Whether such a model uses the key, if it yields as it must for that.
     pub(super) fn is_for(&self, kind: Kind) -> bool {
+        if let (Some(sets), Kind::Solid(solid)) = (self.sets, kind)
+            && !registry::yield_sets().iter().any(|set| sets.contain(*set, solid.theory))
+        {
+            return false;
+        }
         match (self.users, kind) {
             (Users::All, _) => true,
             (Users::Flows(uses), Kind::Flow(flow)) => uses(flow),
-            (Users::FlowsWith(name), Kind::Flow(flow)) => {
+            (Users::Solids(uses), Kind::Solid(solid)) => uses(solid),
+            (Users::With(name), Kind::Flow(flow)) => {
                 flow.parameters().iter().any(|own| own.name == name)
             }
-            (Users::Solids(solids), Kind::Solid(solid)) => solids.contains(&solid),
+            (Users::With(name), Kind::Solid(solid)) => {
+                solid.parameters.iter().any(|own| own.name == name)
+            }
             _ => false,
         }
     }
@@ -331,9 +353,12 @@ impl Key {
         Kind::all().into_iter().filter(|kind| self.is_for(*kind)).map(Kind::name).collect()
     }
 
-    /// The yield sets that use it; empty if it is no matter whether and how a solid yields.
-    pub(super) fn sets(&self) -> &'static [Yield] {
-        self.sets
+    /// The names of the yield sets that use it, in solids of some theory; empty if it is no matter whether and how a
+    /// solid yields.
+    pub(super) fn set_names(&self) -> Vec<&'static str> {
+        let Some(sets) = self.sets else { return Vec::new() };
+        let uses = |set: &Yield| THEORIES.into_iter().any(|theory| sets.contain(*set, theory));
+        registry::yield_sets().into_iter().filter(uses).map(|set| set.name).collect()
     }
 
     /// Takes the key back to what holds where it is absent.
@@ -344,10 +369,8 @@ impl Key {
         };
         match self.field {
             Field::Whole(f) => *f(numbers) = absent as usize,
-            Field::Constant(name) => match self.presence {
-                Presence::Default(value) => numbers.flow.set(name, value),
-                _ => numbers.flow.remove(name),
-            },
+            Field::Constant(name) => numbers.model.reset(name, self.presence),
+            Field::YieldConstant(name) => numbers.yields.reset(name, self.presence),
             Field::Number(f) => *f(numbers) = absent,
             Field::OptionalNumber(f) => *f(numbers) = None,
             Field::Pair(f) => *f(numbers) = [absent; 2],
@@ -366,9 +389,10 @@ impl Key {
         };
         let value = match self.field {
             Field::Whole(_) => Value::Count(number as usize),
-            Field::Constant(_) | Field::Number(_) | Field::OptionalNumber(_) => {
-                Value::Number(number)
-            }
+            Field::Constant(_)
+            | Field::YieldConstant(_)
+            | Field::Number(_)
+            | Field::OptionalNumber(_) => Value::Number(number),
             Field::Pair(_) | Field::OptionalPair(_) => Value::Pair([number; 2]),
             Field::OptionalMatrix(_) => Value::Matrix([[number; 2]; 2]),
             _ => return None,
@@ -436,7 +460,8 @@ impl Parameter {
     /// Sets the number; the other component of an absent pair becomes 0.
     pub fn set(self, numbers: &mut Numbers, value: f64) {
         match self.key.field {
-            Field::Constant(name) => numbers.flow.set(name, value),
+            Field::Constant(name) => numbers.model.set(name, value),
+            Field::YieldConstant(name) => numbers.yields.set(name, value),
             Field::Number(f) => *f(numbers) = value,
             Field::OptionalNumber(f) => *f(numbers) = Some(value),
             Field::Pair(f) => f(numbers)[self.component] = value,
@@ -470,22 +495,17 @@ const WITH_SPIN: Users = Users::Flows(|flow| {
 });
 const WITH_STRESS_ANGLE_RATE: Users =
     Users::Flows(|flow| flow.rotation() == RotationKind::StressAxes);
-const SOLIDS: Users = Users::Solids(&Solid::ALL);
-const ISOTROPIC: Users =
-    Users::Solids(&[Solid::Classical, Solid::ReducedCosserat, Solid::Cosserat]);
-const WITH_ROTATION: Users = Users::Solids(&[Solid::ReducedCosserat, Solid::Cosserat]);
-const WITH_INERTIA: Users =
-    Users::Solids(&[Solid::ReducedCosserat, Solid::Cosserat, Solid::CosseratCompliances]);
-const MODULI_OF_COUPLES: Users = Users::Solids(&[Solid::Cosserat]);
-const COMPLIANCES: Users = Users::Solids(&[Solid::CosseratCompliances]);
-const WITH_COUPLES: Users = Users::Solids(&[Solid::Cosserat, Solid::CosseratCompliances]);
+const SOLIDS: Users = Users::Solids(|_| true);
+const PLANE_AND_SPACE: Users = Users::Solids(|solid| !solid.is_plane);
+const WITH_ROTATION: Users = Users::Solids(|solid| solid.theory != Theory::Classical);
+const WITH_COUPLES: Users = Users::Solids(|solid| solid.theory == Theory::Cosserat);
 
-const ANY: &[Yield] = &[];
-const YIELDING: &[Yield] = &Yield::ALL;
-const INTERLAYER: &[Yield] = &[Yield::Interlayer];
-const CONES: &[Yield] = &[Yield::DruckerPrager, Yield::CosseratMises];
-const MISES: &[Yield] = &[Yield::VonMises, Yield::DruckerPrager, Yield::CosseratMises];
-const COSSERAT_MISES: &[Yield] = &[Yield::CosseratMises];
+const YIELDING: Sets = Sets::Any(|_| true);
+const CURVED: Sets = Sets::Any(|set| set.is_curved);
+const BY_NAMED_CONDITIONS: Sets = Sets::Any(|set| !set.conditions.is_empty());
+const PLANE_AND_SPACE_SETS: Sets = Sets::Any(|set| !set.is_plane);
+
+const THEORIES: [Theory; 3] = [Theory::Classical, Theory::Reduced, Theory::Cosserat];
 
 /// Writes one row per key: name; label, unit; meaning; kinds and yield sets, presence, field.
 macro_rules! keys {
@@ -502,33 +522,67 @@ macro_rules! keys {
             field: $field,
         }),*]
     };
-    (@sets) => { ANY };
-    (@sets $sets:ident) => { $sets };
+    (@sets) => { None };
+    (@sets $sets:ident) => { Some($sets) };
 }
 
 /// Every key of a case file, in the order in which files are written. Those of `[map]` and
 /// `[compare]` are required where their section stands.
 pub fn keys() -> &'static [Key] {
-    /// The number of registered flows that the table was made for, and the table.
+    /// The number of registered entries that the table was made for, and the table.
     static TABLE: RwLock<(usize, &[Key])> = RwLock::new((0, &[]));
-    let flows = registry::flows();
+    let (flows, solids, sets) = (registry::flows(), registry::solids(), registry::yield_sets());
+    let entries = flows.len() + solids.len() + sets.len();
     let (made_for, table) = *TABLE.read().unwrap_or_else(PoisonError::into_inner);
-    if made_for == flows.len() {
+    if made_for == entries {
         return table;
     }
     let mut table = HEAD.to_vec();
-    let constants = flows.iter().flat_map(|flow| flow.parameters());
-    for constant in constants {
-        let key = Key::of_constant(constant);
+    let add = |table: &mut Vec<Key>, key: Key| {
         if table.iter().all(|other| other.name != key.name) {
             table.push(key);
         }
+    };
+    for constant in flows.iter().flat_map(|flow| flow.parameters()) {
+        add(&mut table, Key::of_model(constant));
+    }
+    table.extend_from_slice(SOLID);
+    for constant in ordered(solids.iter().map(|solid| solid.parameters.iter())) {
+        add(&mut table, Key::of_model(constant));
+    }
+    table.extend_from_slice(STATE);
+    for constant in ordered(sets.iter().map(|set| set.parameters.iter().map(|own| &own.0))) {
+        add(&mut table, Key::of_yield_set(constant));
     }
     table.extend_from_slice(REST);
     // Never freed, as entries of the registry are not: keys are handed out by reference.
     let table: &'static [Key] = table.leak();
-    *TABLE.write().unwrap_or_else(PoisonError::into_inner) = (flows.len(), table);
+    *TABLE.write().unwrap_or_else(PoisonError::into_inner) = (entries, table);
     table
+}
+
+/// The constants of several entries, each once, in an order that keeps the order of every entry where they agree on one:
+/// what an entry has before a constant that is listed already is put before it.
+fn ordered<I: Iterator<Item = &'static Constant>>(
+    entries: impl Iterator<Item = I>,
+) -> Vec<&'static Constant> {
+    let mut all: Vec<&'static Constant> = Vec::new();
+    for entry in entries {
+        let mut next = 0;
+        let own: Vec<&'static Constant> = entry.collect();
+        for (index, constant) in own.iter().enumerate() {
+            if let Some(place) = all.iter().position(|other| other.name == constant.name) {
+                next = next.max(place + 1);
+                continue;
+            }
+            // Before the first constant listed that follows in this entry.
+            let follows = |other: &&Constant| own[index..].iter().any(|o| o.name == other.name);
+            let place = all.iter().position(follows).unwrap_or(all.len());
+            all.insert(place.max(next), constant);
+            next = place.max(next) + 1;
+        }
+    }
+    all
 }
 
 /// The keys before the constants of flows.
@@ -542,37 +596,14 @@ static HEAD: &[Key] = keys! {
         ALL, Required(0.0), Text;
 };
 
-/// The keys after them.
-static REST: &[Key] = keys! {
+/// The keys of solids before their constants.
+static SOLID: &[Key] = keys! {
     "model.dimensions": "dimensions" [""] "2 for plane strain, 3 for space";
-        ISOTROPIC, Required(3.0), Whole(|n| &mut n.solid.dimensions);
-    "model.lambda": "Lamé modulus λ" ["Pa"] "Lamé modulus λ; 3λ + 2μ > 0";
-        ISOTROPIC, Required(8.1e9), Number(|n| &mut n.solid.lambda);
-    "model.mu": "shear modulus μ" ["Pa"] "shear modulus μ; > 0";
-        ISOTROPIC, Required(8.1e9), Number(|n| &mut n.solid.mu);
-    "model.alpha": "Cosserat modulus α" ["Pa"] "modulus α of the antisymmetric strain; > 0";
-        WITH_ROTATION, Required(1.005e9), Number(|n| &mut n.solid.alpha);
-    "model.beta": "Cosserat modulus β" ["N"] "couple modulus β; 3β + 2γ > 0";
-        MODULI_OF_COUPLES, Required(7.75e8), Number(|n| &mut n.solid.beta);
-    "model.gamma": "Cosserat modulus γ" ["N"] "couple modulus γ; > 0";
-        MODULI_OF_COUPLES, Required(1.5e8), Number(|n| &mut n.solid.gamma);
-    "model.eta": "Cosserat modulus η" ["N"] "couple modulus η; > 0";
-        MODULI_OF_COUPLES, Required(3e8), Number(|n| &mut n.solid.eta);
-    "model.a1": "compliance a₁" ["1/Pa"] "compliance a₁; > |b₁|";
-        COMPLIANCES, Required(4.6296296296296296e-11), Number(|n| &mut n.solid.a1);
-    "model.b1": "compliance b₁" ["1/Pa"] "compliance b₁; a₁ + b₁ = a₂ − b₂ in isotropic solids";
-        COMPLIANCES, Required(1.5432098765432098e-11), Number(|n| &mut n.solid.b1);
-    "model.a2": "compliance a₂" ["1/Pa"] "compliance a₂; > |b₂|";
-        COMPLIANCES, Required(2.7962041638724895e-10), Number(|n| &mut n.solid.a2);
-    "model.b2": "compliance b₂" ["1/Pa"] "compliance b₂";
-        COMPLIANCES, Required(2.178920212921872e-10), Number(|n| &mut n.solid.b2);
-    "model.alpha2": "couple modulus α₂" ["N"] "couple modulus α₂; > 0";
-        COMPLIANCES, Required(4.5e8), Number(|n| &mut n.solid.alpha2);
-    "model.density": "density ρ" ["kg/m³"] "density ρ; > 0";
-        SOLIDS, Required(2700.0), Number(|n| &mut n.solid.density);
-    "model.inertia": "moment of inertia j" ["kg/m"] "moment of inertia per unit volume j; > 0";
-        WITH_INERTIA, Required(2700.0), Number(|n| &mut n.solid.inertia);
+        PLANE_AND_SPACE, Required(3.0), Whole(|n| &mut n.dimensions);
+};
 
+/// The keys between the constants of solids and those of yield sets.
+static STATE: &[Key] = keys! {
     "background.density": "density ρ" ["kg/m³"] "density ρ; > 0";
         FLOWS, Required(1600.0), Number(|n| &mut n.background.density);
     "background.pressure": "pressure p" ["Pa"] "pressure p, positive in compression; > −c cot φ";
@@ -619,35 +650,13 @@ static REST: &[Key] = keys! {
     "yield.kind": "yield set" [""] "interlayer, von-mises, drucker-prager or cosserat-mises; without the section [yield] a solid stays elastic";
         SOLIDS, Required(0.0), Text;
     "yield.active": "active conditions" [""] "the conditions that hold with equality, as in [\"+sigma21\", \"-m32\"]; absent: as the stress of [stress] decides";
-        SOLIDS that yield by INTERLAYER, Optional, Texts;
-    "yield.shear_strength": "shear strength τ₀" ["Pa"] "shear strength τ₀ of the layers without normal stress; ≥ 0";
-        SOLIDS that yield by INTERLAYER, Required(1e6), Number(|n| &mut n.yields.shear_strength);
-    "yield.shear_friction": "friction of the layers" [""] "friction κ_τ of the layers; ≥ 0";
-        SOLIDS that yield by INTERLAYER, Required(0.6), Number(|n| &mut n.yields.shear_friction);
-    "yield.shear_dilatancy": "dilatancy of the layers" [""] "dilatancy κ̂_τ of the layers; associated if equal to the friction";
-        SOLIDS that yield by INTERLAYER, Required(0.1), Number(|n| &mut n.yields.shear_dilatancy);
-    "yield.couple_strength": "couple strength μ₀" ["N/m"] "couple strength μ₀ of the layers without normal stress; ≥ 0";
-        WITH_COUPLES that yield by INTERLAYER, Required(1e6), Number(|n| &mut n.yields.couple_strength);
-    "yield.couple_friction": "friction of rolling" ["m"] "friction κ_μ of rolling; ≥ 0";
-        WITH_COUPLES that yield by INTERLAYER, Required(0.6), Number(|n| &mut n.yields.couple_friction);
-    "yield.couple_dilatancy": "dilatancy of rolling" ["m"] "dilatancy κ̂_μ of rolling; associated if equal to the friction";
-        WITH_COUPLES that yield by INTERLAYER, Required(0.6), Number(|n| &mut n.yields.couple_dilatancy);
-    "yield.strength": "shear strength k" ["Pa"] "strength k in shear; > 0";
-        SOLIDS that yield by MISES, Required(1e6), Number(|n| &mut n.yields.strength);
-    "yield.friction": "friction" [""] "friction κ of τ̄ + κ σ_m ≤ k; ≥ 0";
-        SOLIDS that yield by CONES, Required(0.6), Number(|n| &mut n.yields.friction);
-    "yield.dilatancy": "dilatancy" [""] "dilatancy κ̂; associated if equal to the friction";
-        SOLIDS that yield by CONES, Required(0.3), Number(|n| &mut n.yields.dilatancy);
-    "yield.antisymmetric_weight": "antisymmetric weight h" [""] "weight h of the antisymmetric stress; ≥ 0";
-        WITH_ROTATION that yield by COSSERAT_MISES, Required(1.0), Number(|n| &mut n.yields.antisymmetric_weight);
-    "yield.symmetric_length": "internal length ℓ_s" ["m"] "internal length ℓ_s of the symmetric couple stress; 0: no limit to it";
-        MODULI_OF_COUPLES that yield by COSSERAT_MISES, Or(0.0), Number(|n| &mut n.yields.symmetric_length);
-    "yield.antisymmetric_length": "internal length ℓ_a" ["m"] "internal length ℓ_a of the antisymmetric couple stress; 0: no limit to it";
-        MODULI_OF_COUPLES that yield by COSSERAT_MISES, Or(0.0), Number(|n| &mut n.yields.antisymmetric_length);
-    "yield.hardening": "plastic modulus H" ["Pa"] "plastic modulus H; 0 for ideal plasticity, negative while softening";
-        SOLIDS that yield by MISES, Or(0.0), Number(|n| &mut n.yields.hardening);
+        SOLIDS that yield by BY_NAMED_CONDITIONS, Optional, Texts;
+};
+
+/// The keys after the constants of yield sets.
+static REST: &[Key] = keys! {
     "yield.plastic_rate": "plastic rate Λ" ["1/s"] "rate Λ at which the background flows, its stress at rest; ≥ 0; damps waves, changes no speed";
-        SOLIDS that yield by MISES, Or(0.0), Number(|n| &mut n.yields.plastic_rate);
+        SOLIDS that yield by CURVED, Or(0.0), Number(|n| &mut n.plastic_rate);
 
     "stress.pressure": "pressure p" ["Pa"] "mean pressure in the plane p = −½(σ₁₁ + σ₂₂); the other stresses are scaled until they yield";
         SOLIDS that yield by YIELDING, Or(0.0), Number(|n| &mut n.stress.pressure);
@@ -656,9 +665,9 @@ static REST: &[Key] = keys! {
     "stress.stress_angle_deg": "stress angle ψ_σ" ["deg"] "angle of the greater principal stress from x₁, anticlockwise";
         SOLIDS that yield by YIELDING, Or(0.0), Number(|n| &mut n.stress.stress_angle_deg);
     "stress.out_of_plane_stress": "out-of-plane stress σ₃₃ + p" ["Pa"] "stress σ₃₃ across the plane in excess of −p, before scaling";
-        ISOTROPIC that yield by MISES, Or(0.0), Number(|n| &mut n.stress.out_of_plane_stress);
+        PLANE_AND_SPACE that yield by PLANE_AND_SPACE_SETS, Or(0.0), Number(|n| &mut n.stress.out_of_plane_stress);
     "stress.rotational_stress": "rotational stress r" ["Pa"] "r = ½(σ₂₁ − σ₁₂), second index the face normal, before scaling";
-        WITH_INERTIA that yield by YIELDING, Or(0.0), Number(|n| &mut n.stress.rotational_stress);
+        WITH_ROTATION that yield by YIELDING, Or(0.0), Number(|n| &mut n.stress.rotational_stress);
     "stress.couple_stress": "couple stress" ["N/m"] "couple stress [m₃₁, m₃₂], before scaling; m₁₃ and m₂₃ are 0";
         WITH_COUPLES that yield by YIELDING, Or(0.0), Pair(|n| &mut n.stress.couple_stress);
 
@@ -668,7 +677,7 @@ static REST: &[Key] = keys! {
         ALL, Or(0.0), Number(|n| &mut n.wave.direction_deg);
 
     "wave.elevation_deg": "wave elevation" ["deg"] "angle of the wave vector above the plane of x₁ and x₂; 0 in plane strain";
-        ISOTROPIC, Or(0.0), Number(|n| &mut n.wave.elevation_deg);
+        PLANE_AND_SPACE, Or(0.0), Number(|n| &mut n.wave.elevation_deg);
     "wave.greatest_number": "greatest wave number" ["1/m"] "greatest wave number of dispersion curves; 0: 4 over the solid's own length";
         SOLIDS, Or(0.0), Number(|n| &mut n.wave.greatest_number);
 

@@ -1,8 +1,9 @@
 //! Kinds of model that a case can name.
 
-use models::cosserat::parameters::Theory;
 use models::granular_flow::Kind as Flow;
 use models::registry;
+pub use models::solid::SolidKind as Solid;
+pub use models::yield_set::YieldSetKind as Yield;
 
 /// A kind of model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -11,96 +12,6 @@ pub enum Kind {
     Flow(Flow),
     /// An elastic or elastoplastic solid.
     Solid(Solid),
-}
-
-/// A solid by its constants.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Solid {
-    /// Classical elasticity: λ, μ.
-    Classical,
-    /// Reduced Cosserat: λ, μ, α and rotation without couple stress.
-    ReducedCosserat,
-    /// Cosserat: λ, μ, α, β, γ, η.
-    Cosserat,
-    /// Cosserat in plane strain by its compliances a₁, b₁, a₂, b₂, α₂.
-    CosseratCompliances,
-}
-
-impl Solid {
-    /// All of them, in the order in which they are listed.
-    pub const ALL: [Self; 4] =
-        [Self::Classical, Self::ReducedCosserat, Self::Cosserat, Self::CosseratCompliances];
-
-    /// Whether it has a rotation of its own, and couple stress.
-    pub const fn theory(self) -> Theory {
-        match self {
-            Self::Classical => Theory::Classical,
-            Self::ReducedCosserat => Theory::Reduced,
-            Self::Cosserat | Self::CosseratCompliances => Theory::Cosserat,
-        }
-    }
-
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Classical => "classical",
-            Self::ReducedCosserat => "reduced-cosserat",
-            Self::Cosserat => "cosserat",
-            Self::CosseratCompliances => "cosserat-compliances",
-        }
-    }
-
-    const fn title(self) -> &'static str {
-        match self {
-            Self::Classical => "classical solid",
-            Self::ReducedCosserat => "reduced Cosserat solid",
-            Self::Cosserat => "Cosserat solid",
-            Self::CosseratCompliances => "Cosserat solid by compliances",
-        }
-    }
-}
-
-/// A yield set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Yield {
-    /// Slip and rolling along the layers between blocks; plane strain.
-    Interlayer,
-    /// von Mises.
-    VonMises,
-    /// Drucker & Prager, which is Mises & Schleicher.
-    DruckerPrager,
-    /// With antisymmetric stress and couple stress.
-    CosseratMises,
-}
-
-impl Yield {
-    /// All of them, in the order in which they are listed.
-    pub const ALL: [Self; 4] =
-        [Self::Interlayer, Self::VonMises, Self::DruckerPrager, Self::CosseratMises];
-
-    /// Name in case files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Interlayer => "interlayer",
-            Self::VonMises => "von-mises",
-            Self::DruckerPrager => "drucker-prager",
-            Self::CosseratMises => "cosserat-mises",
-        }
-    }
-
-    /// Name in titles.
-    pub const fn title(self) -> &'static str {
-        match self {
-            Self::Interlayer => "interlayer slip",
-            Self::VonMises => "von Mises",
-            Self::DruckerPrager => "Drucker–Prager",
-            Self::CosseratMises => "Cosserat–Mises",
-        }
-    }
-
-    /// The set of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|set| set.name() == name)
-    }
 }
 
 /// A kind of model, and the set within which a solid's stress stays: what decides which keys a case
@@ -117,7 +28,7 @@ impl Medium {
     /// All of them.
     pub fn all() -> impl Iterator<Item = Self> {
         Kind::all().into_iter().flat_map(|kind| {
-            let sets = kind.yield_sets().iter().copied().map(Some);
+            let sets = kind.yield_sets().into_iter().map(Some);
             [None].into_iter().chain(sets).map(move |yields| Self { kind, yields })
         })
     }
@@ -133,11 +44,19 @@ impl Medium {
         }
     }
 
+    /// Names of the conditions of its yield set by which a case may say what is active.
+    pub fn condition_names(self) -> Vec<&'static str> {
+        match (self.kind, self.yields) {
+            (Kind::Solid(solid), Some(set)) => set.conditions_for(solid.theory),
+            _ => Vec::new(),
+        }
+    }
+
     /// Name in titles and legends.
     pub fn title(self) -> String {
         match self.yields {
             None => self.kind.title().into(),
-            Some(set) => format!("{}, {}", self.kind.title(), set.title()),
+            Some(set) => format!("{}, {}", self.kind.title(), set.title),
         }
     }
 }
@@ -147,10 +66,10 @@ impl Medium {
 #[error(
     "{} cannot yield by {}; allowed: {}",
     kind.name(),
-    set.name(),
-    match kind.yield_sets() {
+    set.name,
+    match kind.yield_sets().as_slice() {
         [] => "no yield set, flows have their own".to_owned(),
-        sets => sets.iter().map(|set| set.name()).collect::<Vec<_>>().join(", "),
+        sets => sets.iter().map(|set| set.name).collect::<Vec<_>>().join(", "),
     }
 )]
 pub struct NoSuchMedium {
@@ -168,14 +87,12 @@ impl From<Kind> for Medium {
 
 impl Kind {
     /// The yield sets that such a model may have.
-    pub const fn yield_sets(self) -> &'static [Yield] {
+    pub fn yield_sets(self) -> Vec<Yield> {
         match self {
-            Self::Flow(_) => &[],
-            Self::Solid(Solid::Classical) => {
-                &[Yield::Interlayer, Yield::VonMises, Yield::DruckerPrager]
+            Self::Flow(_) => Vec::new(),
+            Self::Solid(solid) => {
+                registry::yield_sets().into_iter().filter(|set| (set.admits)(solid)).collect()
             }
-            Self::Solid(Solid::ReducedCosserat | Solid::Cosserat) => &Yield::ALL,
-            Self::Solid(Solid::CosseratCompliances) => &[Yield::Interlayer],
         }
     }
 
@@ -191,22 +108,22 @@ impl Kind {
 
     /// The solids among them.
     pub fn solids() -> Vec<Self> {
-        Solid::ALL.into_iter().map(Self::Solid).collect()
+        registry::solids().into_iter().map(Self::Solid).collect()
     }
 
     /// Name in case files.
-    pub const fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Flow(flow) => flow.name(),
-            Self::Solid(solid) => solid.name(),
+            Self::Solid(solid) => solid.name,
         }
     }
 
     /// Name in titles and legends.
-    pub const fn title(self) -> &'static str {
+    pub fn title(self) -> &'static str {
         match self {
             Self::Flow(flow) => flow.title(),
-            Self::Solid(solid) => solid.title(),
+            Self::Solid(solid) => solid.title,
         }
     }
 

@@ -18,8 +18,7 @@ pub use dynamics::Dynamics;
 pub use error::{CaseError, Place};
 pub use flow::FlowRun;
 pub use keys::{
-    BackgroundNumbers, Constants, Key, Numbers, Parameter, Presence, SolidNumbers, StressNumbers,
-    Wave, YieldNumbers, keys,
+    BackgroundNumbers, Constants, Key, Numbers, Parameter, Presence, StressNumbers, Wave, keys,
 };
 pub use kind::{Kind, Medium, NoSuchMedium, Solid, Yield, names};
 
@@ -28,6 +27,7 @@ use dynamics::{Grid, Picture};
 use keys::Value;
 use models::granular_flow::state::State;
 use models::granular_flow::{InputError, Kind as Flow, Model, RotationKind};
+use models::registry;
 use place::Places;
 use read::Entries;
 use section::Section;
@@ -38,11 +38,6 @@ use value::{nearest, suggestion};
 
 /// Largest number of points of a map.
 pub const MOST_POINTS: usize = 100_000_000;
-
-/// Names in case files of the conditions of an interlayer set, in the order of
-/// [`half_spaces`](models::plasticity::parameters::Interlayer::half_spaces); those of couples last.
-pub const ACTIVE_NAMES: [&str; 8] =
-    ["+sigma21", "-sigma21", "+sigma12", "-sigma12", "+m31", "-m31", "+m32", "-m32"];
 
 /// What stands for a yield set in a region that stays elastic.
 const NO_YIELD: &str = "none";
@@ -68,8 +63,8 @@ pub struct Case {
     pub kind: Kind,
     /// The yield set of a solid that has one.
     pub yields: Option<Yield>,
-    /// The conditions of an interlayer set that hold with equality, by their places in
-    /// [`ACTIVE_NAMES`]; absent: as the stress decides.
+    /// The conditions of the yield set that hold with equality, by their places in
+    /// [`Medium::condition_names`]; absent: as the stress decides.
     pub active: Option<Vec<usize>>,
     /// The numbers; SI units, angles in degrees.
     pub numbers: Numbers,
@@ -254,7 +249,7 @@ impl Case {
         let sweeps_elevation = map.is_some_and(|map| {
             [map.x, map.y].iter().any(|sweep| sweep.parameter.name() == "wave.elevation_deg")
         });
-        if sweeps_elevation && numbers.solid.dimensions == 2 {
+        if sweeps_elevation && numbers.dimensions == 2 {
             let allowed = "waves stay in the plane, unless model.dimensions = 3";
             let found = "a sweep of wave.elevation_deg in plane strain";
             return Err(entries.places.error("map", found, allowed));
@@ -312,10 +307,10 @@ impl Case {
         if let Some(set) = self.yields.filter(|set| !kind.yield_sets().contains(set))
             && entries.is_inherited("yield.kind")
         {
-            let names: Vec<&str> = kind.yield_sets().iter().map(|set| set.name()).collect();
+            let names: Vec<&str> = kind.yield_sets().iter().map(|set| set.name).collect();
             return Err(entries.places.error(
                 KIND,
-                format!("found {}, which cannot yield by {}", kind.name(), set.name()),
+                format!("found {}, which cannot yield by {}", kind.name(), set.name),
                 format!("add yield = {{ kind = ... }} with one of none, {}", names.join(", ")),
             ));
         }
@@ -329,7 +324,7 @@ impl Case {
             });
         }
         let mut numbers = numbers(&entries, &[medium])?;
-        dynamics::read::check_dimensions(&entries.places, kind, numbers.solid.dimensions, grid)?;
+        dynamics::read::check_dimensions(&entries.places, kind, numbers.dimensions, grid)?;
         let active = active(&entries, medium)?;
         (numbers.stress, numbers.wave) = (self.numbers.stress, self.numbers.wave);
         for key in keys().iter().filter(|key| !key.is_used_by(medium)) {
@@ -436,7 +431,7 @@ impl Case {
     pub fn flow_model(&self) -> Result<Model, InputError> {
         let flow = self.flow_kind()?;
         let mut constants = Vec::new();
-        self.numbers.flow.in_order(flow.parameters(), &mut constants);
+        self.numbers.model.in_order(flow.parameters(), &mut constants);
         Model::new(flow, &constants)
     }
 
@@ -450,7 +445,7 @@ impl Case {
         model: &mut Model,
         constants: &mut Vec<f64>,
     ) -> Result<(), InputError> {
-        self.numbers.flow.in_order(model.kind().parameters(), constants);
+        self.numbers.model.in_order(model.kind().parameters(), constants);
         model.set(constants)
     }
 
@@ -585,9 +580,10 @@ impl Case {
         keys().iter().filter_map(|key| {
             let value = match key.name {
                 "model.kind" => Some(Value::Text(self.kind.name().to_owned())),
-                "yield.kind" => self.yields.map(|set| Value::Text(set.name().to_owned())),
+                "yield.kind" => self.yields.map(|set| Value::Text(set.name.to_owned())),
                 "yield.active" => self.active.as_ref().map(|active| {
-                    Value::Texts(active.iter().map(|&i| ACTIVE_NAMES[i].to_owned()).collect())
+                    let names = self.medium().condition_names();
+                    Value::Texts(active.iter().map(|&index| names[index].to_owned()).collect())
                 }),
                 // Of the two ways to say what is active.
                 name if name.starts_with("stress.") && self.active.is_some() => None,
@@ -687,10 +683,10 @@ fn yield_set(
     if none.contains(&name) {
         return Ok(None);
     }
-    let found = Yield::from_name(name).filter(|set| sets.contains(set));
+    let found = registry::yield_set(name).filter(|set| sets.contains(set));
     found.map(Some).ok_or_else(|| {
         let names: Vec<&str> =
-            sets.iter().map(|set| set.name()).chain(none.iter().copied()).collect();
+            sets.iter().map(|set| set.name).chain(none.iter().copied()).collect();
         let meant = suggestion(nearest(name, names.iter().copied()));
         let found = format!("found '{}'", error::shown(name));
         let allowed = format!("{meant}allowed for {}: {}", kind.name(), names.join(", "));
@@ -710,18 +706,18 @@ fn active(entries: &Entries, medium: Medium) -> Result<Option<Vec<usize>>, CaseE
         let found = "active conditions beside a section [stress]";
         return Err(entries.places.error(KEY, found, "give one of the two: either decides"));
     }
-    let has_couples = Key::find("yield.couple_strength").is_some_and(|k| k.is_used_by(medium));
-    let known = &ACTIVE_NAMES[..if has_couples { 8 } else { 4 }];
+    let known = medium.condition_names();
     let mut active = Vec::new();
     for name in names {
         let found = format!("found '{}'", error::shown(name));
-        let Some(index) = known.iter().position(|known| known == name) else {
+        let Some(index) = known.iter().position(|known| *known == name.as_str()) else {
             let meant = suggestion(nearest(name, known.iter().copied()));
             let allowed = format!("{meant}allowed: {}", known.join(", "));
             return Err(entries.places.error(KEY, found, allowed));
         };
         // Both signs at once: a stress of zero and a strength of zero, where nothing is decided.
-        if active.contains(&index) || active.contains(&(index ^ 1)) {
+        let stress = |index: usize| known[index].trim_start_matches(['+', '-']);
+        if active.iter().any(|&other| stress(other) == stress(index)) {
             let allowed = "name each stress once, with one sign";
             return Err(entries.places.error(KEY, found, allowed));
         }
@@ -746,12 +742,8 @@ fn numbers(entries: &Entries, media: &[Medium]) -> Result<Numbers, CaseError> {
         let meant = suggestion(namesake.map(|key| key.name));
         let of_kind = media.iter().any(|medium| key.is_for(medium.kind));
         let (user, owners): (_, Vec<&str>) = match (of_kind, media[0].yields) {
-            (true, None) => {
-                ("an elastic solid".into(), key.sets().iter().map(|set| set.name()).collect())
-            }
-            (true, Some(set)) => {
-                (format!("the set {}", set.name()), key.sets().iter().map(|s| s.name()).collect())
-            }
+            (true, None) => ("an elastic solid".into(), key.set_names()),
+            (true, Some(set)) => (format!("the set {}", set.name), key.set_names()),
             (false, _) => {
                 let names: Vec<&str> = media.iter().map(|medium| medium.kind.name()).collect();
                 (format!("the model {}", names.join(", ")), key.owners())
@@ -774,18 +766,18 @@ fn numbers(entries: &Entries, media: &[Medium]) -> Result<Numbers, CaseError> {
             None => {}
         }
     }
-    if let dimensions @ (1 | 4..) = numbers.solid.dimensions {
+    if let dimensions @ (1 | 4..) = numbers.dimensions {
         let found = format!("found {dimensions}");
         let allowed = "2 for plane strain or 3 for space";
         return Err(entries.places.error("model.dimensions", found, allowed));
     }
     let elevation = numbers.wave.elevation_deg;
-    if numbers.solid.dimensions == 2 && elevation != 0.0 {
+    if numbers.dimensions == 2 && elevation != 0.0 {
         let found = format!("found {elevation:?} in plane strain");
         let allowed = "0: waves stay in the plane, unless model.dimensions = 3";
         return Err(entries.places.error("wave.elevation_deg", found, allowed));
     }
-    if numbers.solid.dimensions == 3 && media[0].yields == Some(Yield::Interlayer) {
+    if numbers.dimensions == 3 && media[0].yields.is_some_and(|set| set.is_plane) {
         let found = "found 3 with the yield set interlayer";
         let allowed = "2: its layers are normal to x1 and x2, in plane strain";
         return Err(entries.places.error("model.dimensions", found, allowed));

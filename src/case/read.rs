@@ -2,11 +2,12 @@
 
 use super::error::{CaseError, Place, shown};
 use super::keys::{Field, Key, Value, keys};
-use super::kind::{Kind, Medium, Yield, names};
+use super::kind::{Kind, Medium, names};
 use super::place::{Places, is_inside};
 use super::section::{Node, Refused, Section, Table, segment};
 use super::value::{count, describe, nearest, number, pair, suggestion, text, texts};
 use models::granular_flow::RotationKind;
+use models::registry;
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
@@ -304,7 +305,7 @@ impl<'a> Entries<'a> {
     fn unknown(&self, name: &str, shown_as: &str, place: Place) -> CaseError {
         let text = |key: &str| self.get(key).and_then(Value::text);
         let kind = text("model.kind").and_then(Kind::from_name);
-        let yields = text("yield.kind").and_then(Yield::from_name);
+        let yields = text("yield.kind").and_then(registry::yield_set);
         let is_usable = |key: &Key| kind.is_none_or(|kind| key.is_used_by(Medium { kind, yields }));
         let (mut section, last) = name.rsplit_once('.').unwrap_or(("", name));
         while !section.is_empty() && !is_section(section) {
@@ -433,9 +434,11 @@ fn read_value(key: &Key, value: &DeValue) -> Option<Value> {
         Field::Text => text(value).map(Value::Text),
         Field::Texts => texts(value).map(Value::Texts),
         Field::Count | Field::Whole(_) => count(value).map(Value::Count),
-        Field::Plain | Field::Constant(_) | Field::Number(_) | Field::OptionalNumber(_) => {
-            number(value).map(Value::Number)
-        }
+        Field::Plain
+        | Field::Constant(_)
+        | Field::YieldConstant(_)
+        | Field::Number(_)
+        | Field::OptionalNumber(_) => number(value).map(Value::Number),
         Field::Pair(_) | Field::OptionalPair(_) => pair(value, number).map(Value::Pair),
         Field::OptionalMatrix(_) => pair(value, |row| pair(row, number)).map(Value::Matrix),
     }

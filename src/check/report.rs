@@ -188,7 +188,8 @@ pub(super) fn figure(case: &Case, checked: &Checked) -> Result<DispersionFigure,
     let greatest = checked.rows.iter().map(|row| row.wave.number).fold(0.0, f64::max);
     let speeds = checked.rows.iter().map(|row| row.predicted / row.wave.number);
     let greatest_speed = speeds.fold(0.0, f64::max);
-    let is_isotropic = matches!(solid.elastic, models::solid::ElasticLaw::Isotropic(_));
+    let is_isotropic =
+        solid.elastic.downcast::<models::cosserat::parameters::Isotropic>().is_some();
     let responses: &[(Response, bool)] = match solid.plastic {
         None => &[(Response::Elastic, true)],
         Some(_) => &[(Response::Unloading, true), (Response::Loading, false)],

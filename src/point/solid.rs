@@ -1,6 +1,6 @@
 //! `wellposed point` on a solid.
 
-use crate::case::{Case, Kind, Solid as SolidKind, Wave};
+use crate::case::{Case, Kind, Wave};
 use crate::output::{self, ResultFolder};
 use crate::setup;
 use crate::setup::solid::normal;
@@ -12,9 +12,10 @@ use analysis::growth::Verdict;
 use analysis::solids::{self, AcousticTensorCache, Hyperbolicity, SolidAssessment, SolidAssessor};
 use analysis::waves::Waves;
 use figures::{GrowthFigure, Line, Mark, Panel};
+use models::cosserat::parameters::Theory;
+use models::elastoplastic::Solid;
 use models::elementary::Elementary;
 use models::plasticity::symbol::NoResponse;
-use models::solid::Solid;
 use num_complex::Complex64;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -166,7 +167,7 @@ fn report(case: &Case, of: &Analysed) -> Value {
     let normal = of.assessment.direction_deg();
     json!({
         "model": case.kind.name(),
-        "yield": case.yields.map(|set| set.name()),
+        "yield": case.yields.map(|set| set.name),
         "dimensions": of.solid.dimensions,
         "verdict": verdict.name(),
         "order": growth.map(|growth| growth.order.value()),
@@ -257,7 +258,7 @@ fn words(case: &Case, of: &Analysed) -> String {
         let _ = writeln!(text, "  yielding  {}", list(&speeds(&of.waves)));
     }
     let Energy { unknowns, zeros, .. } = of.energy;
-    if case.kind == Kind::Solid(SolidKind::ReducedCosserat) {
+    if matches!(case.kind, Kind::Solid(solid) if solid.theory == Theory::Reduced) {
         let _ =
             writeln!(text, "  where 0 is the rotation: without couple stress it does not travel");
     }
@@ -283,8 +284,10 @@ fn words(case: &Case, of: &Analysed) -> String {
             text,
             "  slowest wave        c² = 0 {}: a stationary discontinuity{}",
             at(slowest.normal),
-            match case.yields {
-                Some(crate::case::Yield::Interlayer) => " (slip along a layer stands still always)",
+            match &of.solid.plastic {
+                Some(own) if own.set.half_spaces().is_some() => {
+                    " (slip along a layer stands still always)"
+                }
                 _ => ", the onset of a shear band",
             }
         ),

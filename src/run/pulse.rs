@@ -5,9 +5,9 @@ use crate::Error;
 use crate::case::dynamics::{Dynamics, PlanePulse, Polarization};
 use crate::case::{Case, Wave};
 use crate::setup::solid::{elastic_law_and_set, normal};
+use models::cosserat::parameters::Isotropic;
 use models::cosserat::waves::Field;
 use models::elementary::Elementary;
-use models::solid::ElasticLaw;
 
 /// Greatest part of the amplitude that may lie in other media.
 const OUTSIDE: f64 = 1e-6;
@@ -40,14 +40,12 @@ impl<'a> Incident<'a> {
         let medium = of_cell[cell_at(dynamics, &pulse.at)];
         let own = dynamics.regions.get(usize::from(medium)).map_or(case, |region| &region.case);
         let (elastic, _) = elastic_law_and_set(own).map_err(|error| own.locate(error))?;
-        let solid = match elastic {
-            ElasticLaw::Isotropic(solid) if solid.microrotation.is_none() => solid,
-            _ => {
-                let found = format!("a pulse in a solid of kind {}", own.kind.name());
-                let allowed = "the kind classical: in others waves change their shape; give pulse \
-                               or plane-wave";
-                return Err(dynamics.locate(&format!("{key}.kind"), found, allowed).into());
-            }
+        let classical = elastic.downcast::<Isotropic>().filter(|own| own.microrotation.is_none());
+        let Some(solid) = classical else {
+            let found = format!("a pulse in a solid of kind {}", own.kind.name());
+            let allowed = "the kind classical: in others waves change their shape; give pulse \
+                           or plane-wave";
+            return Err(dynamics.locate(&format!("{key}.kind"), found, allowed).into());
         };
         let wave = Wave {
             number: 1.0,

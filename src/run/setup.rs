@@ -21,7 +21,6 @@ use models::cosserat::stress::Stress;
 use models::cosserat::waves::Field;
 use models::elementary::{Elementary, cr_cis};
 use models::granular_flow::InputError;
-use models::plasticity::parameters::YieldSet;
 use num_complex::Complex64;
 use std::sync::Arc;
 
@@ -59,44 +58,15 @@ pub(super) fn media(case: &Case, dynamics: &Dynamics) -> Result<Vec<Medium>, Err
 pub(crate) fn medium(case: &Case, dimensions: usize) -> Result<Medium, InputError> {
     let (elastic, set) = elastic_law_and_set(case)?;
     let medium = Medium::new(elastic, dimensions);
-    check_flow(set.as_ref())?;
-    Ok(match set {
-        Some(set) => medium.yielding(set),
-        None => medium,
-    })
+    let Some(set) = set else { return Ok(medium) };
+    // A run knows no other flow.
+    set.check_ideal_and_associated()?;
+    Ok(medium.yielding(set))
 }
 
 /// The name of a field among the unknowns of the analysis.
 pub(crate) fn unknown_name(field: Field) -> String {
     Component(field).to_string().replace("sigma", "σ").replace('w', "ω")
-}
-
-/// That flow is ideal and associated: a run knows no other.
-fn check_flow(set: Option<&YieldSet>) -> Result<(), InputError> {
-    let refused = |key, found: f64, allowed: String| {
-        Err(InputError { key, found: format!("{found:?}"), allowed })
-    };
-    let associated =
-        |friction: f64| format!("runs have associated flow: {friction:?}, as the friction");
-    match set {
-        Some(YieldSet::Mises(set)) if set.hardening != 0.0 => {
-            let allowed = "runs have ideal plasticity: leave it out, or 0";
-            refused("yield.hardening", set.hardening, allowed.to_owned())
-        }
-        Some(YieldSet::Mises(set)) if set.dilatancy != set.friction => {
-            refused("yield.dilatancy", set.dilatancy, associated(set.friction))
-        }
-        Some(YieldSet::Interlayer(set)) if set.shear_dilatancy != set.shear_friction => {
-            refused("yield.shear_dilatancy", set.shear_dilatancy, associated(set.shear_friction))
-        }
-        Some(YieldSet::Interlayer(set)) => match set.couple {
-            Some(couple) if couple.dilatancy != couple.friction => {
-                refused("yield.couple_dilatancy", couple.dilatancy, associated(couple.friction))
-            }
-            _ => Ok(()),
-        },
-        _ => Ok(()),
-    }
 }
 
 /// The longest steps that the case lets waves and the natural rotation have, shortened until they end with

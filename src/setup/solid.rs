@@ -1,12 +1,12 @@
 //! From a case to a solid.
 
-use crate::case::{Case, Kind, Medium, Solid as SolidKind, Wave, Yield, names, radians};
-use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances};
+use crate::case::{Case, Kind, Wave, names, radians};
 use models::cosserat::stress::Stress;
+use models::elastoplastic::{Plastic, Solid};
 use models::elementary::Elementary;
 use models::granular_flow::InputError;
-use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises, YieldSet};
-use models::solid::{ElasticLaw, Plastic, Solid};
+use models::solid::{ElasticLaw, SolidKind};
+use models::yield_set::{YieldSet, YieldSetKind};
 
 /// The solid of a case.
 ///
@@ -15,7 +15,7 @@ use models::solid::{ElasticLaw, Plastic, Solid};
 pub fn solid(case: &Case) -> Result<Solid, InputError> {
     let elastic = elastic_law(case)?;
     let plastic = case.yields.map(|set| plastic(case, set)).transpose()?;
-    Ok(Solid::new(elastic, case.numbers.solid.dimensions, plastic))
+    Ok(Solid::new(elastic, case.numbers.dimensions, plastic))
 }
 
 /// The elastic law of a case and its yield set, whatever the stress.
@@ -36,30 +36,16 @@ pub fn normal(wave: &Wave) -> [f64; 3] {
 
 /// The elastic law of a case.
 fn elastic_law(case: &Case) -> Result<ElasticLaw, InputError> {
-    let given = case.numbers.solid;
-    let rotation = |couple| Microrotation { alpha: given.alpha, inertia: given.inertia, couple };
-    let isotropic = |microrotation| {
-        Isotropic::new(given.lambda, given.mu, given.density, microrotation)
-            .map(ElasticLaw::Isotropic)
-    };
+    let mut constants = Vec::new();
+    let solid = solid_kind(case)?;
+    case.numbers.model.in_order(solid.parameters, &mut constants);
+    solid.law(&constants)
+}
+
+/// The kind of a solid.
+fn solid_kind(case: &Case) -> Result<SolidKind, InputError> {
     match case.kind {
-        Kind::Solid(SolidKind::Classical) => isotropic(None),
-        Kind::Solid(SolidKind::ReducedCosserat) => isotropic(Some(rotation(None))),
-        Kind::Solid(SolidKind::Cosserat) => {
-            let couple = CoupleModuli { beta: given.beta, gamma: given.gamma, eta: given.eta };
-            isotropic(Some(rotation(Some(couple))))
-        }
-        Kind::Solid(SolidKind::CosseratCompliances) => PlaneCompliances {
-            a1: given.a1,
-            b1: given.b1,
-            a2: given.a2,
-            b2: given.b2,
-            alpha2: given.alpha2,
-            density: given.density,
-            inertia: given.inertia,
-        }
-        .check()
-        .map(ElasticLaw::Compliances),
+        Kind::Solid(solid) => Ok(solid),
         Kind::Flow(_) => Err(InputError {
             key: "kind",
             found: format!("{}, a flow", case.kind.name()),
@@ -71,13 +57,13 @@ fn elastic_law(case: &Case) -> Result<ElasticLaw, InputError> {
     }
 }
 
-fn plastic(case: &Case, kind: Yield) -> Result<Plastic, InputError> {
+fn plastic(case: &Case, kind: YieldSetKind) -> Result<Plastic, InputError> {
     let set = yield_set(case, kind)?;
-    if let (YieldSet::Interlayer(layers), Some(active)) = (set, &case.active) {
-        return Plastic::with_active(layers, active);
+    if let Some(active) = &case.active {
+        return Plastic::with_active(set, active);
     }
     let pressure = case.numbers.stress.pressure;
-    Plastic::at_stress(set, pressure, &direction(case), case.numbers.yields.plastic_rate)
+    Plastic::at_stress(set, pressure, &direction(case), case.numbers.plastic_rate)
 }
 
 /// The stress of a case but for its pressure.
@@ -93,42 +79,9 @@ fn direction(case: &Case) -> Stress {
     stress
 }
 
-fn yield_set(case: &Case, kind: Yield) -> Result<YieldSet, InputError> {
-    let given = case.numbers.yields;
-    let von_mises = Mises { hardening: given.hardening, ..Mises::von_mises(given.strength) };
-    let cone = Mises { friction: given.friction, dilatancy: given.dilatancy, ..von_mises };
-    let limit = |length: f64| (length != 0.0).then_some(length);
-    let mises = |set: Mises| set.check().map(YieldSet::Mises);
-    match kind {
-        Yield::Interlayer => {
-            let has_couples = matches!(
-                case.medium(),
-                Medium {
-                    kind: Kind::Solid(SolidKind::Cosserat | SolidKind::CosseratCompliances),
-                    ..
-                }
-            );
-            let couple = InterlayerCouple {
-                strength: given.couple_strength,
-                friction: given.couple_friction,
-                dilatancy: given.couple_dilatancy,
-            };
-            Interlayer {
-                shear_strength: given.shear_strength,
-                shear_friction: given.shear_friction,
-                shear_dilatancy: given.shear_dilatancy,
-                couple: has_couples.then_some(couple),
-            }
-            .check()
-            .map(YieldSet::Interlayer)
-        }
-        Yield::VonMises => mises(von_mises),
-        Yield::DruckerPrager => mises(cone),
-        Yield::CosseratMises => mises(Mises {
-            antisymmetric_weight: given.antisymmetric_weight,
-            symmetric_length: limit(given.symmetric_length),
-            antisymmetric_length: limit(given.antisymmetric_length),
-            ..cone
-        }),
-    }
+fn yield_set(case: &Case, kind: YieldSetKind) -> Result<YieldSet, InputError> {
+    let theory = solid_kind(case)?.theory;
+    let mut constants = Vec::new();
+    case.numbers.yields.in_order(kind.parameters_for(theory), &mut constants);
+    kind.set(theory, &constants)
 }

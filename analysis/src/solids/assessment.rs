@@ -8,10 +8,11 @@ use crate::growth::{self, Assessment, Growth, Verdict};
 use crate::newton::Order;
 use crate::sphere::{self, Extremes, Flutter, RankOne, Slowest, Sphere, SphereError};
 use crate::waves::squared_speeds;
+use models::elastoplastic::Solid;
 use models::elementary::Elementary;
 use models::plasticity::symbol::NoResponse;
 use models::rates::RateEquations;
-use models::solid::{ElasticLaw, Solid};
+use models::solid::ElasticLaw;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -225,9 +226,9 @@ impl<'a> SolidAssessor<'a> {
                 let mut own = match self.space.take() {
                     Some(own) if own.0 == solid.elastic => own,
                     _ => {
-                        let sphere = self.cache.get(solid.elastic, &elastic)?;
+                        let sphere = self.cache.get(solid.elastic.clone(), &elastic)?;
                         let workspace = sphere.workspace();
-                        (solid.elastic, sphere, workspace)
+                        (solid.elastic.clone(), sphere, workspace)
                     }
                 };
                 let found = own.1.search(&update, &mut own.2);

@@ -1,8 +1,8 @@
 //! Plane waves of a solid, elastic or yielding.
 
 use crate::waves::{self, Waves};
+use models::elastoplastic::Solid;
 use models::plasticity::symbol::NoResponse;
-use models::solid::Solid;
 use num_complex::Complex64;
 
 /// The waves along the unit vector `normal`, and those of the elastic solid if `stays_elastic`.

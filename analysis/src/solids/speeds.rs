@@ -4,11 +4,10 @@ use crate::circle::Circle;
 use crate::search::sectors;
 use crate::waves::squared_speeds;
 use models::cosserat::stress::Stress;
+use models::elastoplastic::Solid;
 use models::elementary::Elementary;
-use models::plasticity::parameters::YieldSet;
 use models::plasticity::symbol::NoResponse;
 use models::rates::RateEquations;
-use models::solid::Solid;
 use num_complex::Complex64;
 
 /// Directions over half a turn, both ends included.
@@ -155,10 +154,8 @@ fn cause(solid: &Solid, angle: f64) -> ZeroSpeed {
         let sheared = |i: usize, j: usize| normal.force[i][j] != 0.0 || normal.couple[2][j] != 0.0;
         (sin.abs() < NEAR && sheared(1, 0)) || (cos.abs() < NEAR && sheared(0, 1))
     };
-    let is_layered = solid
-        .plastic
-        .as_ref()
-        .is_some_and(|plastic| matches!(plastic.set, YieldSet::Interlayer(_)));
+    let is_layered =
+        solid.plastic.as_ref().is_some_and(|plastic| plastic.set.half_spaces().is_some());
     match is_layered && active.map(|condition| &condition.normal).any(slips) {
         true => ZeroSpeed::Slip,
         false => ZeroSpeed::StationaryDiscontinuity,

@@ -2,9 +2,10 @@
 
 use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
 use models::cosserat::stress::Stress;
-use models::plasticity::parameters::{Interlayer, YieldSet};
+use models::plasticity::parameters::Interlayer;
 use models::plasticity::symbol::tangent;
 use models::rates::RateEquations;
+use models::yield_set::YieldSet;
 
 /// A plane solid with μ = ρ = 1 and one layer slipping.
 #[derive(Clone, Copy)]
@@ -30,7 +31,7 @@ impl Slipping {
         let mut stress = Stress::default();
         stress.force[0][0] = -1.0;
         stress.force[1][0] = 1.0 + self.friction;
-        let active = YieldSet::Interlayer(set).active(&stress, 1e-9);
+        let active = YieldSet::from(set).active(&stress, 1e-9);
         assert_eq!(active.len(), 1);
         let list: Vec<_> = layout.all_stresses().collect();
         let stiffness = tangent(&solid.stiffness(layout.all_stresses()), &list, &active);

@@ -10,8 +10,7 @@ use crate::medium::{Medium, component};
 use crate::real::{Group, MOST_LANES, Number, Real, Vector, Work};
 use models::cosserat::parameters::Isotropic;
 use models::cosserat::waves::Field;
-use models::plasticity::parameters::{ActiveCondition, Mises, YieldSet};
-use models::solid::ElasticLaw;
+use models::plasticity::parameters::{ActiveCondition, Mises};
 
 /// Parts of the stress on which Hooke's law acts by a number: deviator, antisymmetric stress, deviator, mean
 /// and antisymmetric part of the couple stress.
@@ -137,7 +136,7 @@ fn boundless<T: Real>() -> f64 {
 }
 
 impl<T: Real> Sets<T> {
-    /// `None` where there are sets of both kinds. The place of a field is so many times its index.
+    /// `None` where there are sets of both kinds, or of another one. The place of a field is so many times its index.
     pub(super) fn new(media: &[Medium], patterns: &[Vec<u16>], pitch: usize) -> Option<Self> {
         match Strengths::new(media, patterns, pitch) {
             Some(strengths) => Some(Self::Mises(strengths)),
@@ -146,7 +145,7 @@ impl<T: Real> Sets<T> {
     }
 }
 
-/// Conditions by pattern; `None` where a set is no interlayer set.
+/// Conditions by pattern; `None` where a set is no polyhedron.
 fn half_spaces<T: Real>(
     media: &[Medium],
     patterns: &[Vec<u16>],
@@ -164,7 +163,6 @@ fn half_spaces<T: Real>(
             conditions.push(Vec::new());
             continue;
         };
-        let YieldSet::Interlayer(set) = set else { return None };
         let of = |(condition, strength): (ActiveCondition, f64)| {
             let component = |&field: &Field| match field {
                 // One field stands for both in classical solids.
@@ -175,7 +173,7 @@ fn half_spaces<T: Real>(
             };
             Condition { normal: fields.iter().map(component).collect(), strength }
         };
-        conditions.push(set.half_spaces().map(of).collect());
+        conditions.push(set.half_spaces()?.into_iter().map(of).collect());
     }
     let most = conditions.iter().map(Vec::len).max().unwrap_or(0);
     let by_pattern = patterns.iter().map(|pattern| {
@@ -203,12 +201,9 @@ impl<T: Real> Strengths<T> {
         let fields = &media[0].fields;
         let of_medium: Vec<Strength<f64>> = media
             .iter()
-            .map(|medium| match (&medium.yields, &medium.law) {
-                (None, _) => Some(Strength::none(boundless::<T>())),
-                (Some(YieldSet::Mises(set)), ElasticLaw::Isotropic(solid)) => {
-                    Some(Strength::new(set, solid))
-                }
-                _ => None,
+            .map(|medium| match &medium.yields {
+                None => Some(Strength::none(boundless::<T>())),
+                Some(set) => Some(Strength::new(set.downcast()?, medium.law.downcast()?)),
             })
             .collect::<Option<_>>()?;
         let by_pattern = patterns.iter().map(|pattern| {

@@ -252,6 +252,11 @@ impl Layout {
         Self { stresses: self.all, ..self }
     }
 
+    /// The same without carried stresses.
+    pub(crate) fn without_carried(self) -> Self {
+        Self { all: self.stresses, ..self }
+    }
+
     /// Names of the unknowns: velocities, then stresses.
     pub fn unknowns(&self) -> &'static [Unknown] {
         &self.unknowns[..self.velocities.len() + self.stresses.len()]

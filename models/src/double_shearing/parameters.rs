@@ -1,9 +1,9 @@
 //! Constants of the double-shearing model and what is known of it in closed form.
 
 use crate::elementary::Elementary;
-use crate::granular_flow::constants;
 use crate::granular_flow::state::{Coulomb, FlowRule, check_dilatancy};
 use crate::input::InputError;
+use crate::parameter::constants;
 
 /// Checked constants (Spencer 1964; Mehrabadi & Cowin 1978).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,9 @@
 //! Constants of the double-sliding free-rotating model.
 
 use crate::double_shearing::parameters::DoubleShearing;
-use crate::granular_flow::constants;
 use crate::granular_flow::state::Coulomb;
 use crate::input::InputError;
+use crate::parameter::constants;
 
 /// Checked constants, which are those of double shearing (de Josselin de Jong 1977).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,5 +14,5 @@ pub mod state;
 pub use crate::input::InputError;
 pub use model::{
     COHESION, DILATANCY_ANGLE, FAMILY, FRICTION_ANGLE, FlowLaw, FlowModel, Kind, Model,
-    RotationKind, constants,
+    RotationKind,
 };

@@ -224,15 +224,3 @@ pub const COHESION: Parameter =
 
 /// The constants of a model that has no others.
 pub const FAMILY: &[Parameter] = &[FRICTION_ANGLE, DILATANCY_ANGLE, COHESION];
-
-/// That a model was given as many constants as it has parameters.
-///
-/// # Errors
-/// Another number of them.
-pub fn constants<const N: usize>(given: &[f64]) -> Result<[f64; N], InputError> {
-    given.try_into().map_err(|_| InputError {
-        key: "kind",
-        found: format!("{} constants", given.len()),
-        allowed: format!("this model has {N}"),
-    })
-}

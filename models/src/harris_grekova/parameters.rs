@@ -1,9 +1,9 @@
 //! Constants of the Harris–Grekova model and what is known of it in closed form.
 
 use crate::elementary::Elementary;
-use crate::granular_flow::constants;
 use crate::granular_flow::state::{Coulomb, FlowRule, check_dilatancy};
 use crate::input::{InputError, ensure};
+use crate::parameter::constants;
 
 /// Checked constants (Harris & Grekova 2005, section 2).
 #[derive(Clone, Copy, Debug, PartialEq)]

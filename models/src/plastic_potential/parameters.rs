@@ -1,9 +1,9 @@
 //! Constants of the plastic-potential model and what is known of it in closed form.
 
 use crate::elementary::Elementary;
-use crate::granular_flow::constants;
 use crate::granular_flow::state::{Coulomb, FlowRule, check_dilatancy};
 use crate::input::InputError;
+use crate::parameter::constants;
 use crate::rounding::Rounded;
 
 /// Checked constants; associated when ν = φ.

@@ -9,15 +9,6 @@ use crate::cosserat::stress::{Component, Stress, split, square};
 use crate::input::{InputError, ensure};
 use nalgebra::DMatrix;
 
-/// A yield set.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum YieldSet {
-    /// Slip along the layers of a blocky medium.
-    Interlayer(Interlayer),
-    /// von Mises, Drucker–Prager (Mises–Schleicher) and Cosserat–Mises.
-    Mises(Mises),
-}
-
 /// Yielding controlled by the layers between blocks whose faces are normal to x₁ and x₂
 /// (Sadovskii & Sadovskaya 2019, "Plane strain state"), tension positive:
 ///
@@ -254,9 +245,6 @@ impl Mises {
 
     /// Second derivatives of τ̄ by the components of the list, 1/Pa: symmetric, not negative. `None` on
     /// the axis.
-    ///
-    /// While the background flows at the rate Λ (1/s) this times Λ is the relaxation of its
-    /// perturbations (Sadovskii & Sadovskaya 2019, "Elastic-plastic Cosserat continuum", for curved sets).
     pub fn curvature(&self, stress: &Stress, components: &[Component]) -> Option<DMatrix<f64>> {
         let shear = self.equivalent_shear(stress);
         if shear <= 0.0 {
@@ -297,55 +285,6 @@ impl Mises {
     }
 }
 
-impl YieldSet {
-    /// Greatest of the f of all conditions, Pa (of couple conditions N/m over 1 m); at most 0
-    /// inside.
-    pub fn value(&self, stress: &Stress) -> f64 {
-        match self {
-            Self::Interlayer(set) => set
-                .half_spaces()
-                .map(|(condition, strength)| contract(&condition.normal, stress) - strength)
-                .fold(f64::NEG_INFINITY, f64::max),
-            Self::Mises(set) => {
-                set.equivalent_shear(stress) + set.friction * mean(stress) - set.strength
-            }
-        }
-    }
-
-    /// The conditions that hold with equality, or are violated, to within `tolerance` relative to the
-    /// terms that they compare.
-    pub fn active(&self, stress: &Stress, tolerance: f64) -> Vec<ActiveCondition> {
-        match self {
-            Self::Interlayer(set) => set
-                .half_spaces()
-                .filter(|(condition, strength)| {
-                    let value = contract(&condition.normal, stress);
-                    let size = contract(&absolute(&condition.normal), &absolute(stress));
-                    value - strength >= -tolerance * (size + strength)
-                })
-                .map(|(condition, _)| condition)
-                .collect(),
-            Self::Mises(set) => {
-                let (shear, mean) = (set.equivalent_shear(stress), set.friction * mean(stress));
-                let size = shear + mean.abs() + set.strength;
-                let is_active = shear + mean - set.strength >= -tolerance * size;
-                is_active.then(|| set.condition(stress)).flatten().into_iter().collect()
-            }
-        }
-    }
-
-    /// Whether the flow is associated.
-    pub fn is_associated(&self) -> bool {
-        match self {
-            Self::Interlayer(set) => {
-                set.shear_friction == set.shear_dilatancy
-                    && set.couple.is_none_or(|couple| couple.friction == couple.dilatancy)
-            }
-            Self::Mises(set) => set.friction == set.dilatancy,
-        }
-    }
-}
-
 /// Mean stress σ_m = ⅓ tr σ, Pa, tension positive.
 pub fn mean(stress: &Stress) -> f64 {
     (stress.force[0][0] + stress.force[1][1] + stress.force[2][2]) / 3.0
@@ -360,7 +299,7 @@ pub fn contract(gradient: &Stress, stress: &Stress) -> f64 {
     parts.into_iter().map(products).sum()
 }
 
-fn absolute(stress: &Stress) -> Stress {
+pub(crate) fn absolute(stress: &Stress) -> Stress {
     let absolute = |t: [[f64; 3]; 3]| t.map(|row| row.map(f64::abs));
     Stress { force: absolute(stress.force), couple: absolute(stress.couple) }
 }

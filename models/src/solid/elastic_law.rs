@@ -1,76 +1,98 @@
 //! The elastic law of a solid, whichever constants state it.
 
-use crate::cosserat::parameters::{Isotropic, PlaneCompliances, Theory};
-use crate::cosserat::stress::Stress;
-use crate::cosserat::symbol::Layout;
+use crate::cosserat::parameters::Theory;
+use crate::cosserat::stress::{Component, Stress};
+use crate::cosserat::symbol::{Layout, plane, space};
 use crate::cosserat::waves::{Field, Pair, Rotation, fields};
+use crate::dyn_eq::DynEq;
 use crate::rates::RateEquations;
 use crate::system::Matrix;
+use std::fmt::Debug;
+use std::sync::Arc;
 
-/// An elastic law with checked constants.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ElasticLaw {
-    /// Isotropic, by its moduli; plane strain or space.
-    Isotropic(Isotropic),
-    /// Cubic, by its compliances; plane strain alone.
-    Compliances(PlaneCompliances),
+/// What an elastic law with checked constants states. Stiffness on the one side, pairs of waves and rotation on
+/// the other are independent statements of the same law: the analysis takes the first, solvers in time the second.
+pub trait Elasticity: DynEq + Debug + Send + Sync {
+    /// The theory that it belongs to.
+    fn theory(&self) -> Theory;
+
+    /// Whether it is a law of plane strain alone, and no stress across the plane comes along.
+    fn is_plane(&self) -> bool {
+        false
+    }
+
+    /// Density ρ, kg/m³.
+    fn density(&self) -> f64;
+
+    /// Moment of inertia per unit volume j, kg/m; 0 in classical solids.
+    fn inertia(&self) -> f64 {
+        0.0
+    }
+
+    /// Modulus α of the antisymmetric strain, Pa; 0 in classical solids.
+    fn antisymmetric_modulus(&self) -> f64 {
+        0.0
+    }
+
+    /// The wave number at which shear waves have the frequency of the natural rotation, 1/m: the inverse of
+    /// the solid's internal length. `None` in classical solids, which have none.
+    fn characteristic_wave_number(&self) -> Option<f64> {
+        None
+    }
+
+    /// Hooke's law between the stresses of the list, Pa or N.
+    fn stiffness(&self, stresses: &[Component]) -> Matrix;
+
+    /// The pairs of waves along `axis`, in 2 (plane strain) or 3 dimensions.
+    fn pairs(&self, dimensions: usize, axis: usize) -> Vec<Pair>;
+
+    /// The rotation of spins against antisymmetric stress; `None` in classical solids.
+    fn rotation(&self) -> Option<Rotation> {
+        None
+    }
+
+    /// Energy that a stress stores, J/m³; of a law of plane strain that of the stress in the plane.
+    fn stored_energy(&self, stress: &Stress) -> f64;
 }
 
-impl From<Isotropic> for ElasticLaw {
-    fn from(solid: Isotropic) -> Self {
-        Self::Isotropic(solid)
+/// An elastic law with checked constants.
+#[derive(Clone, Debug)]
+pub struct ElasticLaw(Arc<dyn Elasticity>);
+
+impl<T: Elasticity> From<T> for ElasticLaw {
+    fn from(law: T) -> Self {
+        Self(Arc::new(law))
     }
 }
 
-impl From<PlaneCompliances> for ElasticLaw {
-    fn from(solid: PlaneCompliances) -> Self {
-        Self::Compliances(solid)
+impl PartialEq for ElasticLaw {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.dyn_eq(other.0.as_any())
+    }
+}
+
+impl std::ops::Deref for ElasticLaw {
+    type Target = dyn Elasticity;
+
+    fn deref(&self) -> &Self::Target {
+        &*self.0
     }
 }
 
 impl ElasticLaw {
-    /// The theory that it belongs to.
-    pub fn theory(&self) -> Theory {
-        match self {
-            Self::Isotropic(solid) => solid.theory(),
-            Self::Compliances(_) => Theory::Cosserat,
-        }
-    }
-
-    /// Density ρ, kg/m³.
-    pub fn density(&self) -> f64 {
-        match self {
-            Self::Isotropic(solid) => solid.density,
-            Self::Compliances(solid) => solid.density,
-        }
-    }
-
-    /// Moment of inertia per unit volume j, kg/m; 0 in classical solids.
-    pub fn inertia(&self) -> f64 {
-        match self {
-            Self::Isotropic(solid) => solid.microrotation.map_or(0.0, |m| m.inertia),
-            Self::Compliances(solid) => solid.inertia,
-        }
-    }
-
-    /// Modulus α of the antisymmetric strain, Pa; 0 in classical solids.
-    pub fn antisymmetric_modulus(&self) -> f64 {
-        match self {
-            Self::Isotropic(solid) => solid.microrotation.map_or(0.0, |m| m.alpha),
-            Self::Compliances(solid) => 0.5 / (solid.a2 + solid.b2),
-        }
+    /// The law as this type, if it is of it.
+    pub fn downcast<T: Elasticity>(&self) -> Option<&T> {
+        self.0.as_any().downcast_ref()
     }
 
     /// The unknowns in `D` dimensions, and Hooke's law between their stresses, carried ones last.
     pub fn layout_and_stiffness<const D: usize>(&self) -> (Layout, Matrix) {
-        match self {
-            Self::Isotropic(solid) => {
-                let layout = solid.layout::<D>();
-                let stiffness = solid.stiffness(layout.all_stresses());
-                (layout, stiffness)
-            }
-            Self::Compliances(solid) => (solid.layout(), solid.stiffness()),
-        }
+        const { assert!(D == 2 || D == 3) };
+        let layout = if D == 2 { plane(self.theory()) } else { space(self.theory()) };
+        let layout = if self.is_plane() { layout.without_carried() } else { layout };
+        let stresses: Vec<Component> = layout.all_stresses().collect();
+        let stiffness = self.stiffness(&stresses);
+        (layout, stiffness)
     }
 
     /// The rate equations in `D` dimensions.
@@ -82,15 +104,12 @@ impl ElasticLaw {
     /// The rate equations in `D` dimensions, with the carried stresses among the unknowns.
     pub fn carried_rates<const D: usize>(&self) -> RateEquations<D> {
         let (layout, stiffness) = self.layout_and_stiffness::<D>();
-        match self {
-            Self::Isotropic(_) => self.rates_with_stiffness(&layout.carrying(), &stiffness),
-            Self::Compliances(_) => self.rates_with_stiffness(&layout, &stiffness),
-        }
+        self.rates_with_stiffness(&layout.carrying(), &stiffness)
     }
 
     /// The rate equations in `D` dimensions with this stiffness between the stresses of the layout in place
     /// of the elastic one.
-    pub(super) fn rates_with_stiffness<const D: usize>(
+    pub(crate) fn rates_with_stiffness<const D: usize>(
         &self,
         layout: &Layout,
         stiffness: &Matrix,
@@ -101,46 +120,5 @@ impl ElasticLaw {
     /// The components of the state that solvers in time keep, in 2 (plane strain) or 3 dimensions.
     pub fn fields(&self, dimensions: usize) -> Vec<Field> {
         fields(self.theory(), dimensions)
-    }
-
-    /// The pairs of waves along `axis`, in 2 (plane strain) or 3 dimensions.
-    pub fn pairs(&self, dimensions: usize, axis: usize) -> Vec<Pair> {
-        match self {
-            Self::Isotropic(solid) => solid.pairs(dimensions, axis),
-            Self::Compliances(solid) => solid.pairs(axis),
-        }
-    }
-
-    /// The rotation of spins against antisymmetric stress; `None` in classical solids.
-    pub fn rotation(&self) -> Option<Rotation> {
-        match self {
-            Self::Isotropic(solid) => solid.rotation(),
-            Self::Compliances(solid) => Some(solid.rotation()),
-        }
-    }
-
-    /// Energy that a stress stores, J/m³; by compliances that of the stress in the plane.
-    pub fn stored_energy(&self, stress: &Stress) -> f64 {
-        match self {
-            Self::Isotropic(solid) => solid.stored_energy(stress),
-            Self::Compliances(solid) => solid.stored_energy(stress),
-        }
-    }
-
-    /// The wave number at which shear waves have the frequency of the natural rotation, 1/m: the inverse of
-    /// the solid's internal length. `None` in classical solids, which have none.
-    pub fn characteristic_wave_number(&self) -> Option<f64> {
-        let (frequency, speed) = match self {
-            Self::Isotropic(solid) => {
-                (solid.microrotation?.natural_frequency(), solid.speeds().shear)
-            }
-            Self::Compliances(solid) => {
-                let PlaneCompliances { a2, b2, density, inertia, .. } = *solid;
-                // 4α = 2/(a₂ + b₂), μ + α = a₂/(a₂² − b₂²).
-                let frequency = (2.0 / ((a2 + b2) * inertia)).sqrt();
-                (frequency, (a2 / ((a2 - b2) * (a2 + b2) * density)).sqrt())
-            }
-        };
-        Some(frequency / speed)
     }
 }

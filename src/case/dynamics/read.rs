@@ -15,7 +15,7 @@ use crate::case::section::{
     Node, Section, any_numbers, cells, count, joined, matrix, not_negative, number, numbers,
     positive, rows, spacing, text, texts, truth,
 };
-use crate::case::{Case, Kind, Solid};
+use crate::case::{Case, Kind};
 use models::cosserat::parameters::Theory;
 use models::cosserat::waves::Field;
 use std::io::Read;
@@ -88,7 +88,7 @@ pub(in crate::case) fn check_dimensions(
     grid: &Grid,
 ) -> Result<(), CaseError> {
     let d = grid.dimensions();
-    if kind == Kind::Solid(Solid::CosseratCompliances) {
+    if matches!(kind, Kind::Solid(solid) if solid.is_plane) {
         let found = format!("found {} in a grid of {d} dimensions", kind.name());
         let allowed = "it is a solid in plane strain: grid.cells must have 2 entries";
         return if d == 2 { Ok(()) } else { Err(places.error("model.kind", found, allowed)) };
@@ -111,9 +111,9 @@ pub(in crate::case) fn read(
     entries: &Entries,
     folder: &Path,
 ) -> Result<Dynamics, CaseError> {
-    check_dimensions(&entries.places, case.kind, case.numbers.solid.dimensions, &grid)?;
+    check_dimensions(&entries.places, case.kind, case.numbers.dimensions, &grid)?;
     let theory = match case.kind {
-        Kind::Solid(solid) => solid.theory(),
+        Kind::Solid(solid) => solid.theory,
         Kind::Flow(_) => Theory::Classical, // refused with its grid
     };
     let components = Component::all(theory, grid.dimensions());

@@ -18,10 +18,10 @@ use dynamics::medium::Medium;
 use dynamics::problem::{self, Grid, Placement, Problem, Scheme};
 use models::cosserat::stress::{Component, Stress};
 use models::cosserat::waves::Field;
+use models::elastoplastic::Solid;
 use models::elementary::cr_cis;
 use models::granular_flow::InputError;
-use models::plasticity::parameters::{ActiveCondition, YieldSet};
-use models::solid::Solid;
+use models::plasticity::parameters::ActiveCondition;
 use nalgebra::DVector;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -244,13 +244,16 @@ impl<const D: usize> Check<'_, D> {
             found: found.into(),
             allowed: allowed.into(),
         };
-        let stress = match (&plastic.stress, &plastic.set) {
-            (Some(stress), _) => *stress,
-            (None, YieldSet::Interlayer(layers)) => {
+        let half_spaces = plastic.set.half_spaces();
+        let is_curved = half_spaces.is_none();
+        let half_spaces = half_spaces.unwrap_or_default();
+        let stress = match &plastic.stress {
+            Some(stress) => *stress,
+            None => {
                 // On each active condition, by its own shear or couple stress alone.
                 let mut stress = Stress::default();
                 for (condition, strength) in
-                    layers.half_spaces().filter(|own| plastic.active.contains(&own.0))
+                    half_spaces.iter().filter(|own| plastic.active.contains(&own.0))
                 {
                     let own = condition.normal;
                     for face in 0..2 {
@@ -260,7 +263,6 @@ impl<const D: usize> Check<'_, D> {
                 }
                 stress
             }
-            (None, YieldSet::Mises(_)) => Stress::default(),
         };
         let velocities = self.velocities();
         let stresses: Vec<Component> = self.solid.carried_stresses::<D>();
@@ -270,14 +272,13 @@ impl<const D: usize> Check<'_, D> {
         }
         let size = (&yielding.into_energy * &unknowns).norm();
         let mut room = size;
-        if let YieldSet::Interlayer(layers) = &plastic.set {
-            let all = layers.half_spaces();
-            for (condition, strength) in all.filter(|own| !plastic.active.contains(&own.0)) {
-                let normal = self.normal(&condition);
-                // By L⁻¹ as normals are.
-                let scaled = yielding.from_energy.transpose() * &normal;
-                room = room.min((strength - normal.dot(&unknowns)) / scaled.norm());
-            }
+        for (condition, strength) in
+            half_spaces.iter().filter(|own| !plastic.active.contains(&own.0))
+        {
+            let normal = self.normal(condition);
+            // By L⁻¹ as normals are.
+            let scaled = yielding.from_energy.transpose() * &normal;
+            room = room.min((strength - normal.dot(&unknowns)) / scaled.norm());
         }
         if plastic.set.active(&stress, 1e-9) != plastic.active || room <= 0.0 {
             let found = "active conditions that no stress meets alone";
@@ -288,7 +289,6 @@ impl<const D: usize> Check<'_, D> {
             let allowed = "conditions that flow together";
             refused("active conditions of which flow leaves one", allowed)
         })?;
-        let is_curved = matches!(plastic.set, YieldSet::Mises(_));
         Ok(Some(Background { stress, outward, is_curved, size, room }))
     }
 

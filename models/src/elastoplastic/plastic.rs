@@ -2,7 +2,8 @@
 
 use crate::cosserat::stress::Stress;
 use crate::input::InputError;
-use crate::plasticity::parameters::{ActiveCondition, Interlayer, YieldSet, contract, mean};
+use crate::plasticity::parameters::ActiveCondition;
+use crate::yield_set::{Unusable, YieldSet};
 
 /// Conditions that the scaled stress meets to within this, relative to the terms that they compare,
 /// hold with equality.
@@ -48,22 +49,23 @@ impl Plastic {
         Ok(Self { set, stress: Some(stress), active, rate })
     }
 
-    /// Layers whose conditions of these indices, in the order of [`Interlayer::half_spaces`], are active, at
-    /// whatever stress.
+    /// A polyhedral set whose conditions of these indices, in the order of its
+    /// [`half_spaces`](crate::yield_set::YieldConditions::half_spaces), are active, at whatever stress.
     ///
     /// # Errors
     /// There is no condition of that index.
-    pub fn with_active(layers: Interlayer, active: &[usize]) -> Result<Self, InputError> {
-        let all: Vec<ActiveCondition> = layers.half_spaces().map(|(c, _)| c).collect();
+    pub fn with_active(set: YieldSet, active: &[usize]) -> Result<Self, InputError> {
+        let all: Vec<ActiveCondition> =
+            set.half_spaces().into_iter().flatten().map(|(condition, _)| condition).collect();
         let condition = |&index: &usize| {
             all.get(index).copied().ok_or_else(|| InputError {
                 key: "active",
                 found: format!("condition {index}"),
-                allowed: format!("conditions 0 to {} of these layers", all.len() - 1),
+                allowed: format!("one of {} conditions, counted from 0", all.len()),
             })
         };
         let active = active.iter().map(condition).collect::<Result<_, _>>()?;
-        Ok(Self { set: YieldSet::Interlayer(layers), stress: None, active, rate: 0.0 })
+        Ok(Self { set, stress: None, active, rate: 0.0 })
     }
 }
 
@@ -81,38 +83,20 @@ pub fn scale_onto_yield(
     for i in 0..3 {
         stress.force[i][i] = -pressure;
     }
-    // How far each condition lets the direction be multiplied; as linear as the set is along its rays.
-    let shear_capacity = |used: f64, strength: f64, rate: f64| match strength - used {
-        room if room > 0.0 => Ok(if rate > 0.0 { room / rate } else { f64::INFINITY }),
-        _ if used <= 0.0 => Err(InputError {
+    let scale = set.reach(&stress, direction).map_err(|unusable| match unusable {
+        Unusable::NoStrength => InputError {
             key: "yield",
             found: "no strength under this pressure".into(),
             allowed: "strength or friction that a stress can grow to; yield.active may name the \
                       conditions instead"
                 .into(),
-        }),
-        _ => Err(InputError {
+        },
+        Unusable::Outside => InputError {
             key: "pressure",
             found: format!("{pressure:?}"),
             allowed: "a pressure within the yield set: greater than −strength/friction".into(),
-        }),
-    };
-    let scale = match set {
-        YieldSet::Interlayer(layers) => {
-            let mut scale = f64::INFINITY;
-            for (condition, strength) in layers.half_spaces() {
-                let used = contract(&condition.normal, &stress);
-                let rate = contract(&condition.normal, direction);
-                scale = scale.min(shear_capacity(used, strength, rate)?);
-            }
-            scale
-        }
-        YieldSet::Mises(cone) => shear_capacity(
-            cone.friction * mean(&stress),
-            cone.strength,
-            cone.equivalent_shear(direction) + cone.friction * mean(direction),
-        )?,
-    };
+        },
+    })?;
     if !scale.is_finite() {
         return Err(never_yields("stresses that never yield, however large"));
     }

@@ -1,0 +1,94 @@
+//! The Cosserat solid in plane strain by its compliances a₁, b₁, a₂, b₂, α₂: cubic in general.
+
+use super::isotropic::{DENSITY, INERTIA};
+use super::model::SolidModel;
+use super::{ElasticLaw, Elasticity};
+use crate::cosserat::parameters::{PlaneCompliances, Theory};
+use crate::cosserat::stress::{Component, Stress};
+use crate::cosserat::waves::{Pair, Rotation};
+use crate::parameter::{Parameter, constants};
+use crate::system::Matrix;
+
+/// The entry in the registry.
+pub static COSSERAT_COMPLIANCES: SolidModel = SolidModel {
+    name: "cosserat-compliances",
+    title: "Cosserat solid by compliances",
+    parameters: &[
+        Parameter::required(
+            ["a1", "compliance a₁", "1/Pa"],
+            "compliance a₁; > |b₁|",
+            4.6296296296296296e-11,
+        ),
+        Parameter::required(
+            ["b1", "compliance b₁", "1/Pa"],
+            "compliance b₁; a₁ + b₁ = a₂ − b₂ in isotropic solids",
+            1.5432098765432098e-11,
+        ),
+        Parameter::required(
+            ["a2", "compliance a₂", "1/Pa"],
+            "compliance a₂; > |b₂|",
+            2.7962041638724895e-10,
+        ),
+        Parameter::required(
+            ["b2", "compliance b₂", "1/Pa"],
+            "compliance b₂",
+            2.178920212921872e-10,
+        ),
+        Parameter::required(["alpha2", "couple modulus α₂", "N"], "couple modulus α₂; > 0", 4.5e8),
+        DENSITY,
+        INERTIA,
+    ],
+    theory: Theory::Cosserat,
+    is_plane: true,
+    build: |given| {
+        let [a1, b1, a2, b2, alpha2, density, inertia] = constants(given)?;
+        let compliances = PlaneCompliances { a1, b1, a2, b2, alpha2, density, inertia };
+        compliances.check().map(ElasticLaw::from)
+    },
+};
+
+impl Elasticity for PlaneCompliances {
+    fn theory(&self) -> Theory {
+        Theory::Cosserat
+    }
+
+    fn is_plane(&self) -> bool {
+        true
+    }
+
+    fn density(&self) -> f64 {
+        self.density
+    }
+
+    fn inertia(&self) -> f64 {
+        self.inertia
+    }
+
+    fn antisymmetric_modulus(&self) -> f64 {
+        0.5 / (self.a2 + self.b2)
+    }
+
+    fn characteristic_wave_number(&self) -> Option<f64> {
+        let Self { a2, b2, density, inertia, .. } = *self;
+        // 4α = 2/(a₂ + b₂), μ + α = a₂/(a₂² − b₂²).
+        let frequency = (2.0 / ((a2 + b2) * inertia)).sqrt();
+        let speed = (a2 / ((a2 - b2) * (a2 + b2) * density)).sqrt();
+        Some(frequency / speed)
+    }
+
+    fn stiffness(&self, _stresses: &[Component]) -> Matrix {
+        PlaneCompliances::stiffness(self)
+    }
+
+    fn pairs(&self, _dimensions: usize, axis: usize) -> Vec<Pair> {
+        PlaneCompliances::pairs(self, axis)
+    }
+
+    fn rotation(&self) -> Option<Rotation> {
+        Some(PlaneCompliances::rotation(self))
+    }
+
+    fn stored_energy(&self, stress: &Stress) -> f64 {
+        PlaneCompliances::stored_energy(self, stress)
+    }
+}

@@ -1,0 +1,126 @@
+//! Isotropic solids: classical, reduced Cosserat and Cosserat.
+
+use super::model::SolidModel;
+use super::{ElasticLaw, Elasticity};
+use crate::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
+use crate::cosserat::stress::{Component, Stress};
+use crate::cosserat::waves::{Pair, Rotation};
+use crate::input::InputError;
+use crate::parameter::{Parameter, constants};
+use crate::system::Matrix;
+
+const LAMBDA: Parameter =
+    Parameter::required(["lambda", "Lamé modulus λ", "Pa"], "Lamé modulus λ; 3λ + 2μ > 0", 8.1e9);
+const MU: Parameter =
+    Parameter::required(["mu", "shear modulus μ", "Pa"], "shear modulus μ; > 0", 8.1e9);
+const ALPHA: Parameter = Parameter::required(
+    ["alpha", "Cosserat modulus α", "Pa"],
+    "modulus α of the antisymmetric strain; > 0",
+    1.005e9,
+);
+const BETA: Parameter = Parameter::required(
+    ["beta", "Cosserat modulus β", "N"],
+    "couple modulus β; 3β + 2γ > 0",
+    7.75e8,
+);
+const GAMMA: Parameter =
+    Parameter::required(["gamma", "Cosserat modulus γ", "N"], "couple modulus γ; > 0", 1.5e8);
+const ETA: Parameter =
+    Parameter::required(["eta", "Cosserat modulus η", "N"], "couple modulus η; > 0", 3e8);
+/// Density, which all solids have.
+pub(super) const DENSITY: Parameter =
+    Parameter::required(["density", "density ρ", "kg/m³"], "density ρ; > 0", 2700.0);
+/// Moment of inertia, which all solids with a rotation have.
+pub(super) const INERTIA: Parameter = Parameter::required(
+    ["inertia", "moment of inertia j", "kg/m"],
+    "moment of inertia per unit volume j; > 0",
+    2700.0,
+);
+
+/// Classical elasticity: λ, μ.
+pub static CLASSICAL: SolidModel = SolidModel {
+    name: "classical",
+    title: "classical solid",
+    parameters: &[LAMBDA, MU, DENSITY],
+    theory: Theory::Classical,
+    is_plane: false,
+    build: |given| {
+        let [lambda, mu, density] = constants(given)?;
+        law(lambda, mu, density, None)
+    },
+};
+
+/// Reduced Cosserat: λ, μ, α and rotation without couple stress.
+pub static REDUCED_COSSERAT: SolidModel = SolidModel {
+    name: "reduced-cosserat",
+    title: "reduced Cosserat solid",
+    parameters: &[LAMBDA, MU, ALPHA, DENSITY, INERTIA],
+    theory: Theory::Reduced,
+    is_plane: false,
+    build: |given| {
+        let [lambda, mu, alpha, density, inertia] = constants(given)?;
+        law(lambda, mu, density, Some(Microrotation { alpha, inertia, couple: None }))
+    },
+};
+
+/// Cosserat: λ, μ, α, β, γ, η.
+pub static COSSERAT: SolidModel = SolidModel {
+    name: "cosserat",
+    title: "Cosserat solid",
+    parameters: &[LAMBDA, MU, ALPHA, BETA, GAMMA, ETA, DENSITY, INERTIA],
+    theory: Theory::Cosserat,
+    is_plane: false,
+    build: |given| {
+        let [lambda, mu, alpha, beta, gamma, eta, density, inertia] = constants(given)?;
+        let couple = Some(CoupleModuli { beta, gamma, eta });
+        law(lambda, mu, density, Some(Microrotation { alpha, inertia, couple }))
+    },
+};
+
+fn law(
+    lambda: f64,
+    mu: f64,
+    density: f64,
+    microrotation: Option<Microrotation>,
+) -> Result<ElasticLaw, InputError> {
+    Isotropic::new(lambda, mu, density, microrotation).map(ElasticLaw::from)
+}
+
+impl Elasticity for Isotropic {
+    fn theory(&self) -> Theory {
+        Isotropic::theory(self)
+    }
+
+    fn density(&self) -> f64 {
+        self.density
+    }
+
+    fn inertia(&self) -> f64 {
+        self.microrotation.map_or(0.0, |m| m.inertia)
+    }
+
+    fn antisymmetric_modulus(&self) -> f64 {
+        self.microrotation.map_or(0.0, |m| m.alpha)
+    }
+
+    fn characteristic_wave_number(&self) -> Option<f64> {
+        let frequency = self.microrotation?.natural_frequency();
+        Some(frequency / self.speeds().shear)
+    }
+
+    fn stiffness(&self, stresses: &[Component]) -> Matrix {
+        Isotropic::stiffness(self, stresses.iter().copied())
+    }
+
+    fn pairs(&self, dimensions: usize, axis: usize) -> Vec<Pair> {
+        Isotropic::pairs(self, dimensions, axis)
+    }
+
+    fn rotation(&self) -> Option<Rotation> {
+        Isotropic::rotation(self)
+    }
+
+    fn stored_energy(&self, stress: &Stress) -> f64 {
+        Isotropic::stored_energy(self, stress)
+    }
+}

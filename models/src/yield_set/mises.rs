@@ -1,0 +1,178 @@
+//! von Mises', Drucker & Prager's and the Cosserat–Mises set.
+
+use super::Needs::{All, Couples, Rotation};
+use super::{Needs, Unusable, YieldConditions, YieldSet, YieldSetModel, check_associated, room};
+use crate::cosserat::parameters::{Isotropic, Theory};
+use crate::cosserat::stress::{Component, Stress};
+use crate::input::{InputError, ensure};
+use crate::parameter::{Parameter, constants};
+use crate::plasticity::parameters::{ActiveCondition, Mises, mean};
+use crate::plasticity::projection::Projection;
+use crate::solid::ElasticLaw;
+use nalgebra::DMatrix;
+
+const STRENGTH: (Parameter, Needs) = (
+    Parameter::required(["strength", "shear strength k", "Pa"], "strength k in shear; > 0", 1e6),
+    All,
+);
+const FRICTION: (Parameter, Needs) = (
+    Parameter::required(["friction", "friction", ""], "friction κ of τ̄ + κ σ_m ≤ k; ≥ 0", 0.6),
+    All,
+);
+const DILATANCY: (Parameter, Needs) = (
+    Parameter::required(
+        ["dilatancy", "dilatancy", ""],
+        "dilatancy κ̂; associated if equal to the friction",
+        0.3,
+    ),
+    All,
+);
+const HARDENING: (Parameter, Needs) = (
+    Parameter::with_default(
+        ["hardening", "plastic modulus H", "Pa"],
+        "plastic modulus H; 0 for ideal plasticity, negative while softening",
+        0.0,
+    ),
+    All,
+);
+const ANTISYMMETRIC_WEIGHT: (Parameter, Needs) = (
+    Parameter::required(
+        ["antisymmetric_weight", "antisymmetric weight h", ""],
+        "weight h of the antisymmetric stress; ≥ 0",
+        1.0,
+    ),
+    Rotation,
+);
+const SYMMETRIC_LENGTH: (Parameter, Needs) = (
+    Parameter::with_default(
+        ["symmetric_length", "internal length ℓ_s", "m"],
+        "internal length ℓ_s of the symmetric couple stress; 0: no limit to it",
+        0.0,
+    ),
+    Couples,
+);
+const ANTISYMMETRIC_LENGTH: (Parameter, Needs) = (
+    Parameter::with_default(
+        ["antisymmetric_length", "internal length ℓ_a", "m"],
+        "internal length ℓ_a of the antisymmetric couple stress; 0: no limit to it",
+        0.0,
+    ),
+    Couples,
+);
+
+/// von Mises.
+pub static VON_MISES: YieldSetModel = YieldSetModel {
+    name: "von-mises",
+    title: "von Mises",
+    parameters: &[STRENGTH, HARDENING],
+    is_plane: false,
+    is_curved: true,
+    conditions: &[],
+    admits: |solid| !solid.is_plane,
+    build: |_, given| {
+        let [strength, hardening] = constants(given)?;
+        checked(Mises { hardening, ..Mises::von_mises(strength) })
+    },
+};
+
+/// Drucker & Prager, which is Mises & Schleicher.
+pub static DRUCKER_PRAGER: YieldSetModel = YieldSetModel {
+    name: "drucker-prager",
+    title: "Drucker–Prager",
+    parameters: &[STRENGTH, FRICTION, DILATANCY, HARDENING],
+    is_plane: false,
+    is_curved: true,
+    conditions: &[],
+    admits: |solid| !solid.is_plane,
+    build: |_, given| {
+        let [strength, friction, dilatancy, hardening] = constants(given)?;
+        checked(Mises { hardening, ..Mises::drucker_prager(strength, friction, dilatancy) })
+    },
+};
+
+/// With antisymmetric stress and couple stress.
+pub static COSSERAT_MISES: YieldSetModel = YieldSetModel {
+    name: "cosserat-mises",
+    title: "Cosserat–Mises",
+    parameters: &[
+        STRENGTH,
+        FRICTION,
+        DILATANCY,
+        ANTISYMMETRIC_WEIGHT,
+        SYMMETRIC_LENGTH,
+        ANTISYMMETRIC_LENGTH,
+        HARDENING,
+    ],
+    is_plane: false,
+    is_curved: true,
+    conditions: &[],
+    admits: |solid| !solid.is_plane && solid.theory != Theory::Classical,
+    build: |theory, given| {
+        let ([strength, friction, dilatancy, antisymmetric_weight, hardening], lengths) =
+            if theory == Theory::Cosserat {
+                let [k, friction, dilatancy, weight, symmetric, antisymmetric, hardening] =
+                    constants(given)?;
+                ([k, friction, dilatancy, weight, hardening], [symmetric, antisymmetric])
+            } else {
+                (constants(given)?, [0.0; 2])
+            };
+        let [symmetric_length, antisymmetric_length] =
+            lengths.map(|length| (length != 0.0).then_some(length));
+        checked(Mises {
+            strength,
+            friction,
+            dilatancy,
+            antisymmetric_weight,
+            symmetric_length,
+            antisymmetric_length,
+            hardening,
+        })
+    },
+};
+
+fn checked(set: Mises) -> Result<YieldSet, InputError> {
+    set.check().map(YieldSet::from)
+}
+
+impl YieldConditions for Mises {
+    fn value(&self, stress: &Stress) -> f64 {
+        self.equivalent_shear(stress) + self.friction * mean(stress) - self.strength
+    }
+
+    fn active(&self, stress: &Stress, tolerance: f64) -> Vec<ActiveCondition> {
+        let (shear, mean) = (self.equivalent_shear(stress), self.friction * mean(stress));
+        let size = shear + mean.abs() + self.strength;
+        let is_active = shear + mean - self.strength >= -tolerance * size;
+        is_active.then(|| self.condition(stress)).flatten().into_iter().collect()
+    }
+
+    fn check_ideal_and_associated(&self) -> Result<(), InputError> {
+        ensure(
+            self.hardening == 0.0,
+            "hardening",
+            format_args!("{:?}", self.hardening),
+            "runs have ideal plasticity: leave it out, or 0",
+        )?;
+        check_associated("dilatancy", self.dilatancy, self.friction)
+    }
+
+    fn reach(&self, start: &Stress, direction: &Stress) -> Result<f64, Unusable> {
+        room(
+            self.friction * mean(start),
+            self.strength,
+            self.equivalent_shear(direction) + self.friction * mean(direction),
+        )
+    }
+
+    /// Isotropic laws alone; a stress of another one stays as it is.
+    fn project(&self, law: &ElasticLaw, trial: &Stress) -> Projection<Stress> {
+        match law.downcast::<Isotropic>() {
+            Some(solid) => Mises::project(self, solid, trial),
+            None => Projection { stress: *trial, energy_lost: 0.0 },
+        }
+    }
+
+    fn curvature(&self, stress: &Stress, components: &[Component]) -> Option<DMatrix<f64>> {
+        Mises::curvature(self, stress, components)
+    }
+}
