@@ -81,7 +81,7 @@ fn steps_allocate_nothing() {
         .into_iter()
         .flat_map(|own| [Detail::Light, Detail::Full].map(|detail| Scheme { detail, ..own }));
     for (set, scheme) in
-        sets.into_iter().flat_map(|set| schemes.clone().map(move |scheme| (set, scheme)))
+        sets.into_iter().flat_map(|set| schemes.clone().map(move |scheme| (set.clone(), scheme)))
     {
         let medium = Medium::new(solid, 2).yielding(set);
         let step = 2.0 * 0.1 / medium.greatest_speed();

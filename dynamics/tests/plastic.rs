@@ -85,7 +85,7 @@ fn energy<const D: usize>(domain: &Domain<f64, D>, solid: &Isotropic, volume: f6
 
 fn check<const D: usize>(theory: Theory, set: YieldSet, placement: Placement) {
     let solid = solid(theory);
-    let medium = Medium::new(solid, D).yielding(set);
+    let medium = Medium::new(solid, D).yielding(set.clone());
     let (count, h) = (9usize, 0.1);
     let step = 2.0 * h / medium.greatest_speed();
     let cells = count.pow(D as u32);
@@ -268,7 +268,7 @@ fn fronts_of_flow() {
 fn at_once<const D: usize>(theory: Theory, set: YieldSet, seed: usize) {
     let solid = solid(theory);
     let elastic = Medium::new(solid, D);
-    let media = vec![elastic.clone().yielding(set), elastic];
+    let media = vec![elastic.clone().yielding(set.clone()), elastic];
     let mut cells = [5; D];
     cells[0] = 43;
     let count: usize = cells.iter().product();
@@ -310,17 +310,17 @@ fn corrections_at_once() {
         let seed = 1000 * seed;
         let plain = [Mises::von_mises(0.5), Mises::drucker_prager(0.3, 0.4, 0.4)];
         let weighted = Mises { antisymmetric_weight: 1.4, ..Mises::drucker_prager(0.2, 0.3, 0.3) };
-        for set in plain.map(YieldSet::Mises) {
-            at_once::<2>(Theory::Classical, set, seed);
+        for set in plain.map(YieldSet::from) {
+            at_once::<2>(Theory::Classical, set.clone(), seed);
             at_once::<3>(Theory::Classical, set, seed);
         }
-        for set in plain.into_iter().chain([weighted]).map(YieldSet::Mises) {
-            at_once::<2>(Theory::Reduced, set, seed);
+        for set in plain.into_iter().chain([weighted]).map(YieldSet::from) {
+            at_once::<2>(Theory::Reduced, set.clone(), seed);
             at_once::<3>(Theory::Reduced, set, seed);
         }
         let cones = [weighted, cone(0.4, 0.0), cone(0.2, 0.3)];
-        for set in plain.into_iter().chain(cones).map(YieldSet::Mises) {
-            at_once::<2>(Theory::Cosserat, set, seed);
+        for set in plain.into_iter().chain(cones).map(YieldSet::from) {
+            at_once::<2>(Theory::Cosserat, set.clone(), seed);
             at_once::<3>(Theory::Cosserat, set, seed);
         }
         for theory in [Theory::Reduced, Theory::Cosserat] {

@@ -1,0 +1,115 @@
+//! Solids: one elastic law by moduli and by compliances, and stresses scaled onto yield.
+
+use wellposed_models::cosserat::parameters::{
+    CoupleModuli, Isotropic, Microrotation, PlaneCompliances,
+};
+use wellposed_models::cosserat::stress::Stress;
+use wellposed_models::elastoplastic::{Plastic, Solid, scale_onto_yield};
+use wellposed_models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises};
+use wellposed_models::solid::{ElasticLaw, Elasticity};
+use wellposed_models::yield_set::YieldSet;
+
+fn cosserat() -> Isotropic {
+    let couple = CoupleModuli { beta: 1e3, gamma: 2e3, eta: 3e3 };
+    let rotation = Microrotation { alpha: 5e8, inertia: 0.7, couple: Some(couple) };
+    Isotropic::new(2e9, 1.5e9, 2000.0, Some(rotation)).unwrap()
+}
+
+fn direction() -> Stress {
+    let mut stress = Stress::default();
+    stress.force[0] = [2.0, 3.0, 0.0];
+    stress.force[1] = [1.0, -2.0, 0.0];
+    stress.couple[2] = [0.5, -0.25, 0.0];
+    stress
+}
+
+fn layers() -> Interlayer {
+    let couple = InterlayerCouple { strength: 4e3, friction: 0.01, dilatancy: 0.01 };
+    let (shear_strength, shear_friction, shear_dilatancy) = (1e5, 0.4, 0.4);
+    let couple = Some(couple);
+    Interlayer { shear_strength, shear_friction, shear_dilatancy, couple }.check().unwrap()
+}
+
+fn sets() -> [YieldSet; 3] {
+    [
+        YieldSet::from(layers()),
+        YieldSet::from(Mises::von_mises(1e5)),
+        YieldSet::from(Mises::drucker_prager(1e5, 0.5, 0.2)),
+    ]
+}
+
+#[test]
+fn moduli_and_their_compliances_are_one_law() {
+    let moduli = ElasticLaw::from(cosserat());
+    let compliances = ElasticLaw::from(PlaneCompliances::of(&cosserat()).unwrap());
+    let quantities: [fn(&dyn Elasticity) -> f64; 4] = [
+        |law| law.density(),
+        |law| law.inertia(),
+        |law| law.antisymmetric_modulus(),
+        |law| law.characteristic_wave_number().unwrap(),
+    ];
+    for quantity in quantities {
+        let [one, other] = [&moduli, &compliances].map(|law| quantity(&**law));
+        assert!((one - other).abs() <= 1e-13 * one, "{one} {other}");
+    }
+    assert_eq!(moduli.theory(), compliances.theory());
+    assert_eq!(moduli.fields(2), compliances.fields(2));
+    let [one, other] = [&moduli, &compliances].map(|law| law.rates::<2>().stiffness_values());
+    assert!((&one - &other).amax() <= 1e-13 * one.amax());
+    assert_eq!(Solid::new(compliances, 3, None).dimensions, 2);
+}
+
+#[test]
+fn a_classical_solid_has_no_length() {
+    let solid = Isotropic::new(2e9, 1.5e9, 2000.0, None).unwrap();
+    let law = ElasticLaw::from(solid);
+    assert_eq!(law.characteristic_wave_number(), None);
+    assert_eq!((law.inertia(), law.antisymmetric_modulus()), (0.0, 0.0));
+    assert!(law.rotation().is_none());
+}
+
+#[test]
+fn scaled_stresses_lie_on_the_yield_surface() {
+    for set in sets() {
+        for pressure in [0.0, 3e4, 2e6] {
+            let stress = scale_onto_yield(&set, pressure, &direction()).unwrap();
+            let size = stress.force.as_flattened().iter().fold(0.0f64, |a, x| a.max(x.abs()));
+            assert!(set.value(&stress).abs() <= 1e-12 * size, "{set:?} {pressure}");
+            // The direction, whatever its size.
+            let mut doubled = direction();
+            doubled.force = doubled.force.map(|row| row.map(|x| 2.0 * x));
+            doubled.couple = doubled.couple.map(|row| row.map(|x| 2.0 * x));
+            assert_eq!(scale_onto_yield(&set, pressure, &doubled), Ok(stress));
+            let plastic = Plastic::at_stress(set.clone(), pressure, &direction(), 0.0).unwrap();
+            assert_eq!((plastic.stress, plastic.active.is_empty()), (Some(stress), false));
+        }
+    }
+}
+
+#[test]
+fn stresses_that_never_yield_are_refused() {
+    let refused = |set: YieldSet, pressure: f64, direction: &Stress, rate: f64, words: &str| {
+        let error = Plastic::at_stress(set, pressure, direction, rate).unwrap_err();
+        assert!(error.to_string().contains(words), "{error}");
+    };
+    for set in sets() {
+        refused(set.clone(), 1e4, &Stress::default(), 0.0, "never yield");
+        refused(set, 1e4, &direction(), -1.0, "Λ ≥ 0");
+    }
+    for set in [sets()[0].clone(), sets()[2].clone()] {
+        refused(set, -1e6, &direction(), 0.0, "a pressure within the yield set");
+    }
+    let slack = YieldSet::from(Interlayer { shear_strength: 0.0, ..layers() });
+    refused(slack, 0.0, &direction(), 0.0, "no strength under this pressure");
+}
+
+#[test]
+fn layers_yield_by_index() {
+    let plastic = Plastic::with_active(layers().into(), &[0, 3]).unwrap();
+    let all: Vec<_> = layers().half_spaces().map(|(condition, _)| condition).collect();
+    assert_eq!(plastic.active, [all[0], all[3]]);
+    assert!(Plastic::with_active(layers().into(), &[8]).is_err());
+    let solid = Solid::new(cosserat().into(), 2, Some(plastic));
+    assert!(solid.is_associated() && solid.keeps_energy());
+    assert!(solid.rates::<2>().is_ok() && solid.damped_rates::<2>().unwrap().is_none());
+}
