@@ -9,11 +9,9 @@ mod checkpoint;
 mod control;
 mod files;
 mod flow;
-mod pulse;
 mod recorder;
 mod setup;
 mod solid;
-mod spread;
 
 use crate::case::{Case, CaseError, InTime};
 use crate::output::{AppendedFile, ResultFolder};

@@ -5,6 +5,7 @@
 //! - `equations`: the right-hand side, written from the balance laws;
 //! - `pressure`: what keeps the flow free of divergence;
 //! - [`spectral`]: Fourier series in the box, whose wave vectors k(t) = exp(−Γᵀt) k₀ move with it;
+//! - [`perturbation`]: what it begins with;
 //! - `chebyshev`: stages of a step; [`Flow`] chooses their number and the step.
 //!
 //! Γ needs the body force (Γ² − tr Γ²/2) x, which vanishes: Γ² of a traceless Γ is a multiple of the unit
@@ -14,6 +15,7 @@
 mod chebyshev;
 mod closure;
 mod equations;
+pub mod perturbation;
 mod pressure;
 pub mod spectral;
 mod view;

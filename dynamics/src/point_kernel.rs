@@ -1,4 +1,4 @@
-//! The shares of cells in what acts at a point.
+//! The shares of cells in what acts at a point: kernels with the moments of a point, folded at planes of symmetry.
 //!
 //! Far away a source of shares wᵢ in cells at xᵢ is felt as Σ wᵢ G(xᵢ), a quadrature for the value at the point of
 //! a function G that is smooth on the medium's side of interfaces: moments decide the error. Along each axis the
@@ -18,8 +18,6 @@
 //! share goes by linear extrapolation to the two cells at the side, which keeps the sum and the first moments. A bell
 //! is cut off there.
 
-use super::setup::is_periodic;
-use crate::case::dynamics::{Condition, Dynamics, Kernel, Side};
 use models::cosserat::waves::Field;
 use models::elementary::Elementary;
 use nalgebra::{DMatrix, DVector};
@@ -32,7 +30,7 @@ const ON_A_PLANE: f64 = 1e-6;
 
 /// What is beyond an end of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum End {
+pub enum End {
     /// The mirror image, by so much.
     Mirror(f64),
     /// Nothing, or a body of its own.
@@ -41,16 +39,30 @@ enum End {
     Periodic,
 }
 
+impl End {
+    /// A plane of symmetry normal to an axis, as what drives a field meets it.
+    pub fn symmetry(field: Field, axis: usize) -> Self {
+        Self::Mirror(if is_odd(field, axis) { -1.0 } else { 1.0 })
+    }
+
+    /// A plane in which the solid is mirrored with the opposite sign.
+    pub fn antisymmetry(field: Field, axis: usize) -> Self {
+        Self::Mirror(if is_odd(field, axis) { 1.0 } else { -1.0 })
+    }
+}
+
 /// Coordinates, and the cell that stands for them with a factor, if there is one.
 type Place = (Vec<f64>, Option<(usize, f64)>);
 
 /// An axis as a point sees it.
 #[derive(Clone, Copy, Debug)]
-struct Axis {
-    cells: usize,
-    ends: [End; 2],
+pub struct Axis {
+    /// Cells along it.
+    pub cells: usize,
+    /// What is beyond its lower and its upper end.
+    pub ends: [End; 2],
     /// The point, in cells from the first centre.
-    x: f64,
+    pub x: f64,
 }
 
 impl Axis {
@@ -157,56 +169,28 @@ fn is_odd(field: Field, axis: usize) -> bool {
     }
 }
 
-/// What a field meets beyond a side, seen from a point of the grid.
-fn end(dynamics: &Dynamics, side: Side, point: &[f64], field: Field) -> End {
-    if is_periodic(dynamics, side.axis) {
-        return End::Periodic;
-    }
-    let position: Vec<f64> =
-        side.axes(dynamics.grid.dimensions()).into_iter().map(|axis| point[axis]).collect();
-    let holds = |part: &crate::case::dynamics::Part| part.contains(&position);
-    let entry = dynamics
-        .sides
-        .iter()
-        .rev()
-        .find(|entry| entry.side == side && entry.part.as_ref().is_none_or(holds));
-    let is_odd = is_odd(field, side.axis);
-    match entry.map(|entry| &entry.condition) {
-        Some(Condition::Symmetry) => End::Mirror(if is_odd { -1.0 } else { 1.0 }),
-        Some(Condition::Antisymmetry) => End::Mirror(if is_odd { 1.0 } else { -1.0 }),
-        _ => End::Open,
-    }
-}
-
-/// Shares of cells in a field's source at a point of the grid, or, where `axes` leaves one out, of faces of a side;
-/// by index, the first of the axes fastest. They add up to 1 but for odd mirror images, and to half of that for each
-/// plane of symmetry through the point.
-pub(super) fn shares(
-    dynamics: &Dynamics,
-    axes: &[usize],
-    point: &[f64],
-    kernel: Kernel,
-    field: Field,
-) -> Vec<(usize, f64)> {
-    let grid = &dynamics.grid;
-    let along: Vec<Axis> = axes
-        .iter()
-        .map(|&axis| Axis {
-            cells: grid.cells[axis],
-            ends: [false, true]
-                .map(|is_upper| end(dynamics, Side { axis, is_upper }, point, field)),
-            x: (point[axis] - grid.origin[axis]) / grid.spacing[axis] - 0.5,
-        })
-        .collect();
-    let spacing: Vec<f64> = axes.iter().map(|&axis| grid.spacing[axis]).collect();
-    let mut shares = match kernel {
-        Kernel::Spline => product(&along),
-        Kernel::Bell { radius } => within(&along, &spacing, radius),
-        Kernel::Cell => vec![(nearest(&along), 1.0)],
-    };
+/// The part on the grid's side of planes of symmetry through the point: half of all shares for each.
+fn on_this_side(along: &[Axis], mut shares: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
     let part: f64 = along.iter().map(Axis::part).product();
     shares.iter_mut().for_each(|own| own.1 *= part);
     shares
+}
+
+/// Shares of cells in the source of a field at a point of a grid of these axes, or of faces of a side of which these are
+/// the axes; by index, the first axis fastest. They add up to 1 but for odd mirror images, and to half of that for
+/// each plane of symmetry through the point. The kernel is the spline.
+pub fn spline_shares(along: &[Axis]) -> Vec<(usize, f64)> {
+    on_this_side(along, product(along))
+}
+
+/// The same with a bell of that radius, m; `spacing` are the edges of a cell along the axes, m.
+pub fn bell_shares(along: &[Axis], spacing: &[f64], radius: f64) -> Vec<(usize, f64)> {
+    on_this_side(along, within(along, spacing, radius))
+}
+
+/// The same with the one cell or face that is nearest to the point.
+pub fn nearest_share(along: &[Axis]) -> Vec<(usize, f64)> {
+    on_this_side(along, vec![(nearest(along), 1.0)])
 }
 
 /// The cell that holds the point.

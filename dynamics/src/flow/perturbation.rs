@@ -1,0 +1,209 @@
+//! Perturbations of a flow at the points of its box: waves, wave packets and random Fourier series.
+
+use super::spectral::greatest_modes;
+use models::elementary::{Elementary, cr_cis, cr_from_polar};
+use num_complex::Complex64;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+/// A mode m and its amplitude c in Re c exp(ik·y), k = 2π(m₁/L₁, m₂/L₂).
+pub type PlaneWave = ([i64; 2], Complex64);
+
+/// The points of a box at the beginning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lattice {
+    /// Along each axis.
+    pub count: [usize; 2],
+    /// Edges of the box, m.
+    pub lengths: [f64; 2],
+}
+
+/// A wave A cos(k·y + phase), the phase in rad.
+pub fn wave(mode: [i64; 2], amplitude: f64, phase: f64) -> PlaneWave {
+    (mode, cr_from_polar(amplitude, phase))
+}
+
+/// All modes with `from` ≤ |m| ≤ `to`, one of each pair of opposite ones, all of one size, so that their sum has the
+/// root mean square `amplitude`. The phase of a mode depends on nothing but the seed and the mode.
+pub fn noise(from: f64, to: f64, amplitude: f64, seed: u64) -> Vec<PlaneWave> {
+    let most = to as i64;
+    let in_band = |[m1, m2]: &[i64; 2]| {
+        let square = (m1 * m1 + m2 * m2) as f64;
+        (from * from..=to * to).contains(&square)
+    };
+    let modes: Vec<[i64; 2]> = (0..=most)
+        .flat_map(|m1| (if m1 == 0 { 1 } else { -most }..=most).map(move |m2| [m1, m2]))
+        .filter(in_band)
+        .collect();
+    let each = amplitude * (2.0 / modes.len() as f64).sqrt();
+    let phase = |mode: [i64; 2]| {
+        let hash = mode.iter().fold(mix(seed), |hash, m| mix(hash ^ m.cast_unsigned()));
+        2.0 * PI * (hash >> 11) as f64 / (1u64 << 53) as f64
+    };
+    modes.into_iter().map(|mode| (mode, cr_from_polar(each, phase(mode)))).collect()
+}
+
+/// A step of SplitMix64 (Steele, Lea & Flood 2014).
+fn mix(state: u64) -> u64 {
+    let mut z = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// exp(iπh/n) for all h of a turn.
+fn turn(points: usize) -> Vec<Complex64> {
+    (0..2 * points).map(|half| cr_cis(PI * half as f64 / points as f64)).collect()
+}
+
+/// exp(2πimy/L) at the points of an axis, from a turn. Whole turns are taken off in whole numbers.
+fn along(mode: i64, turn: &[Complex64]) -> impl Iterator<Item = Complex64> {
+    let count = turn.len() as i64;
+    (0..count / 2).map(move |i| turn[(mode * (2 * i + 1)).rem_euclid(count) as usize])
+}
+
+impl Lattice {
+    /// Coordinate of the point of that index along an axis, m.
+    fn position(&self, axis: usize, index: usize) -> f64 {
+        (index as f64 + 0.5) * self.lengths[axis] / self.count[axis] as f64
+    }
+
+    /// Waves of a scalar field at the points, x₁ running fastest, under an envelope if there is one. Waves too short
+    /// for the points, which would take them for longer ones, are left out.
+    pub fn scalar(&self, waves: &[PlaneWave], envelope: Option<&[f64]>) -> Vec<f64> {
+        under(envelope, self.sum(self.held(waves)))
+    }
+
+    /// Waves of a velocity across the wave vector, along (−k₂, k₁)/|k|; as [`scalar`](Self::scalar), by axis.
+    pub fn transverse(&self, waves: &[PlaneWave], envelope: Option<&[f64]>) -> [Vec<f64>; 2] {
+        let across = |mode: [i64; 2], axis: usize| {
+            let k = [0, 1].map(|axis| mode[axis] as f64 / self.lengths[axis]);
+            [-k[1], k[0]][axis] / k[0].root_sum_square(k[1])
+        };
+        [0, 1].map(|axis| {
+            let waves = self.held(waves).map(|(mode, c)| (mode, c * across(mode, axis)));
+            under(envelope, self.sum(waves))
+        })
+    }
+
+    /// Those of the waves that the points hold.
+    fn held<'a>(&self, waves: &'a [PlaneWave]) -> impl Iterator<Item = PlaneWave> + use<'a> {
+        let greatest = greatest_modes(self.count);
+        let is_held = move |wave: &PlaneWave| {
+            wave.0.iter().zip(greatest).all(|(m, most)| m.unsigned_abs() <= most as u64)
+        };
+        waves.iter().copied().filter(is_held)
+    }
+
+    /// Σ Re c exp(ik·y) at the points, by way of sums along the second axis.
+    fn sum(&self, waves: impl IntoIterator<Item = PlaneWave>) -> Vec<f64> {
+        let [columns, rows] = self.count;
+        let [column_turn, row_turn] = self.count.map(turn);
+        let mut by_first: BTreeMap<i64, Vec<Complex64>> = BTreeMap::new();
+        for ([m1, m2], amplitude) in waves {
+            let sums = by_first.entry(m1).or_insert_with(|| vec![Complex64::ZERO; rows]);
+            for (sum, wave) in sums.iter_mut().zip(along(m2, &row_turn)) {
+                *sum += amplitude * wave;
+            }
+        }
+        let mut values = vec![0.0; columns * rows];
+        for (m1, sums) in by_first {
+            let waves: Vec<Complex64> = along(m1, &column_turn).collect();
+            for (row, sum) in values.chunks_exact_mut(columns).zip(sums) {
+                for (value, wave) in row.iter_mut().zip(&waves) {
+                    *value += sum.re * wave.re - sum.im * wave.im;
+                }
+            }
+        }
+        values
+    }
+
+    /// exp(−(r/radius)²) of the nearest of all images of its middle, m, at the points.
+    pub fn bell(&self, at: [f64; 2], radius: f64) -> Vec<f64> {
+        let [first, second] = [0, 1].map(|axis| -> Vec<f64> {
+            let length = self.lengths[axis];
+            let distance = |i: usize| {
+                let distance = (self.position(axis, i) - at[axis]).abs();
+                distance.min(length - distance)
+            };
+            (0..self.count[axis]).map(|i| (-(distance(i) / radius).powi(2)).cr_exp()).collect()
+        });
+        second.iter().flat_map(|b| first.iter().map(move |a| a * b)).collect()
+    }
+}
+
+/// Values times those of an envelope.
+fn under(envelope: Option<&[f64]>, mut values: Vec<f64>) -> Vec<f64> {
+    if let Some(bell) = envelope {
+        values.iter_mut().zip(bell).for_each(|(value, bell)| *value *= bell);
+    }
+    values
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lattice(count: [usize; 2]) -> Lattice {
+        Lattice { count, lengths: [0.1, 0.3] }
+    }
+
+    /// A wave has its values, and its velocity is across the wave vector.
+    #[test]
+    fn waves_are_transverse() {
+        let grid = lattice([16, 24]);
+        let wave = wave([2, -3], 0.7, 25f64.to_radians());
+        let velocity = grid.transverse(&[wave], None);
+        let k = [2.0 * PI * 2.0 / 0.1, -2.0 * PI * 3.0 / 0.3];
+        let size = k[0].hypot(k[1]);
+        for j in 0..24 {
+            for i in 0..16 {
+                let y = [grid.position(0, i), grid.position(1, j)];
+                let cosine = (k[0] * y[0] + k[1] * y[1] + 25f64.to_radians()).cos();
+                let expected = [-k[1] / size, k[0] / size].map(|own| 0.7 * own * cosine);
+                for (own, expected) in velocity.iter().zip(expected) {
+                    assert!((own[j * 16 + i] - expected).abs() < 1e-13, "{i} {j}");
+                }
+            }
+        }
+    }
+
+    /// Noise has its root mean square, is the same function on finer points, and another for another seed.
+    #[test]
+    fn noise_does_not_depend_on_the_grid() {
+        let modes = noise(2.0, 5.0, 0.3, 7);
+        let mean_square = |values: &[f64]| {
+            values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64
+        };
+        let coarse = lattice([16, 16]).scalar(&modes, None);
+        assert!((mean_square(&coarse).sqrt() - 0.3).abs() < 1e-13);
+        // Three times as many points: every third of them is a coarse one.
+        let fine = lattice([48, 48]).scalar(&modes, None);
+        for j in 0..16 {
+            for i in 0..16 {
+                let (one, other) = (coarse[j * 16 + i], fine[(3 * j + 1) * 48 + 3 * i + 1]);
+                assert!((one - other).abs() < 1e-12);
+            }
+        }
+        let other = lattice([16, 16]).scalar(&noise(2.0, 5.0, 0.3, 8), None);
+        let product: f64 = coarse.iter().zip(&other).map(|(a, b)| a * b).sum();
+        assert!(product.abs() < 0.5 * 256.0 * 0.09, "{product}");
+        // A wider band has the phases of the narrower one.
+        let wider: BTreeMap<[i64; 2], f64> =
+            noise(1.0, 9.0, 1.0, 7).iter().map(|(mode, c)| (*mode, c.arg())).collect();
+        assert!(modes.iter().all(|(mode, c)| (wider[mode] - c.arg()).abs() < 1e-14));
+        assert_eq!(noise(1.0, 1.0, 1.0, 0).len(), 2);
+    }
+
+    /// A bell is greatest at its middle and goes on across the edges of the box.
+    #[test]
+    fn bells_are_periodic() {
+        let bell = lattice([20, 20]).bell([0.0025, 0.15], 0.02);
+        // The point of the indices 0 and 10 holds the middle.
+        let middle = 200;
+        let greatest = bell.iter().fold(0.0f64, |a, b| a.max(*b));
+        assert!((bell[middle] - greatest).abs() < 1e-14);
+        let (left, right) = (bell[middle - middle % 20 + 19], bell[middle + 1]);
+        assert!((left - right).abs() < 1e-15, "{left} {right}");
+    }
+}

@@ -1,0 +1,163 @@
+//! The initial state.
+
+use super::geometry::{along, centre, distance};
+use super::pulse::Incident;
+use super::{Place, unknown_name};
+use crate::Error;
+use crate::case::dynamics::{Centre, Initial};
+use crate::case::{Case, Wave};
+use crate::setup::solid::{elastic_law_and_set, normal};
+use analysis::waves::plane_waves;
+use dynamics::initial::with_unit_velocity;
+use models::cosserat::waves::Field;
+use models::elementary::{Elementary, cr_cis};
+use num_complex::Complex64;
+
+impl Place<'_> {
+    /// The initial values of the fields that have any.
+    pub(super) fn initial<const D: usize>(
+        &self,
+        case: &Case,
+        media: usize,
+    ) -> Result<Vec<(Field, Vec<f64>)>, Error> {
+        let count = self.dynamics.grid.count();
+        let mut all: Vec<(Field, Vec<f64>)> = Vec::new();
+        let mut add = |field: Field, value: &mut dyn FnMut(&[f64]) -> f64| {
+            let place = all.iter().position(|own| own.0 == field).unwrap_or_else(|| {
+                all.push((field, vec![0.0; count]));
+                all.len() - 1
+            });
+            for (cell, own) in all[place].1.iter_mut().enumerate() {
+                *own += value(&centre(self.dynamics, cell));
+            }
+        };
+        for (index, part) in self.dynamics.initial.iter().enumerate() {
+            match part {
+                Initial::Pulse { field, amplitude, centre, radius } => {
+                    let axes: Vec<usize> = (0..D).collect();
+                    add(field.0, &mut |x| {
+                        let r = match centre {
+                            Centre::Point(at) => distance(self.dynamics, &axes, x, at),
+                            Centre::Plane { axis, at } => {
+                                along(self.dynamics, *axis, x[*axis], *at)
+                            }
+                        };
+                        amplitude * (-(r / radius).powi(2)).cr_exp()
+                    });
+                }
+                Initial::Uniform { shape, field, amplitude } => {
+                    add(field.0, &mut |x| if shape.contains(x) { *amplitude } else { 0.0 });
+                }
+                Initial::Rotation { shape, angle_deg, axis } => {
+                    // Λ = −φ× without displacement: a = 2αφ of each medium, σ = ±a.
+                    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+                    let alphas = self.alphas(case)?;
+                    let of_cell = self.dynamics.media_of_cells()?;
+                    for (field, sign) in [(Field::Stress(i, j), 1.0), (Field::Stress(j, i), -1.0)] {
+                        let mut cell = 0;
+                        add(field, &mut |x| {
+                            let alpha = alphas[usize::from(of_cell[cell])];
+                            cell += 1;
+                            match shape.contains(x) {
+                                true => sign * 2.0 * alpha * angle_deg.to_radians(),
+                                false => 0.0,
+                            }
+                        });
+                    }
+                }
+                Initial::PlanePulse(pulse) => {
+                    let of_cell = self.dynamics.media_of_cells()?;
+                    let key = format!("initial[{index}]");
+                    let wave = Incident::new(case, self.dynamics, &of_cell, pulse, &key)?;
+                    for &field in &self.medium.fields {
+                        let mut media = of_cell.iter();
+                        add(field, &mut |x| {
+                            media.next().map_or(0.0, |medium| wave.value(field, x, *medium))
+                        });
+                    }
+                }
+                Initial::PlaneWave {
+                    branch,
+                    direction_deg,
+                    elevation_deg,
+                    wavelength,
+                    amplitude,
+                } => {
+                    let key = format!("initial[{index}]");
+                    if media > 1 {
+                        let found = "a plane wave in several media";
+                        let allowed = "one medium: leave the regions out";
+                        return Err(self.dynamics.locate(&key, found, allowed).into());
+                    }
+                    let wave = Wave {
+                        number: 2.0 * std::f64::consts::PI / wavelength,
+                        direction_deg: *direction_deg,
+                        elevation_deg: *elevation_deg,
+                        greatest_number: 0.0,
+                    };
+                    for (field, factor) in self.plane_wave::<D>(case, &wave, *branch, &key)? {
+                        let direction = normal(&wave);
+                        add(field, &mut |x| {
+                            let along: f64 = x.iter().zip(direction).map(|(x, n)| x * n).sum();
+                            (amplitude * factor * cr_cis(wave.number * along)).re
+                        });
+                    }
+                }
+            }
+        }
+        Ok(all)
+    }
+
+    /// α of each medium.
+    fn alphas(&self, case: &Case) -> Result<Vec<f64>, Error> {
+        let alpha = |own: &Case| -> Result<f64, Error> {
+            let (elastic, _) = elastic_law_and_set(own).map_err(|error| own.locate(error))?;
+            Ok(elastic.antisymmetric_modulus())
+        };
+        match self.dynamics.regions.as_slice() {
+            [] => Ok(vec![alpha(case)?]),
+            regions => regions.iter().map(|region| alpha(&region.case)).collect(),
+        }
+    }
+
+    /// The amplitudes of a plane wave, of which the greatest velocity is 1.
+    fn plane_wave<const D: usize>(
+        &self,
+        case: &Case,
+        wave: &Wave,
+        branch: usize,
+        key: &str,
+    ) -> Result<Vec<(Field, Complex64)>, Error> {
+        let own = match self.dynamics.regions.as_slice() {
+            [region] => &region.case,
+            _ => case,
+        };
+        let (elastic, _) = elastic_law_and_set(own).map_err(|error| own.locate(error))?;
+        let rates = elastic.carried_rates::<D>();
+        let direction = normal(wave);
+        let vector = std::array::from_fn(|axis| wave.number * direction[axis]);
+        let waves = plane_waves(&rates, vector);
+        // By descending frequency; those that stand still are none.
+        let Some((_, amplitudes)) = branch.checked_sub(1).and_then(|i| waves.get(i)) else {
+            let found = format!("found branch {branch}");
+            let allowed = format!("1 to {} at this wavelength", waves.len());
+            return Err(self.dynamics.locate(&format!("{key}.branch"), found, allowed).into());
+        };
+        let of = |field: Field| {
+            let name = unknown_name(field);
+            rates.unknowns.iter().position(|unknown| unknown.name == name)
+        };
+        let found: Vec<(Field, Complex64)> = self
+            .medium
+            .fields
+            .iter()
+            .filter_map(|&field| Some((field, amplitudes[of(field)?])))
+            .collect();
+        let density = self.medium.inertia(Field::Velocity(0));
+        with_unit_velocity(found, density).ok_or_else(|| {
+            let found = "a branch that moves nothing but spins";
+            let allowed = "a wave whose velocity can have an amplitude: another branch";
+            self.dynamics.locate(&format!("{key}.branch"), found, allowed).into()
+        })
+    }
+}

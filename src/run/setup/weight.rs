@@ -1,0 +1,71 @@
+//! Weight and initial stress.
+
+use super::Place;
+use super::geometry::centre;
+use crate::case::CaseError;
+use dynamics::initial::{UnevenLayer, add_lithostatic, layer_densities};
+use dynamics::medium::Medium;
+use models::cosserat::stress::Stress;
+use models::cosserat::waves::Field;
+
+impl Place<'_> {
+    /// What gravity does: an acceleration, or an initial stress that balances it, to which the uniform one
+    /// is added.
+    #[allow(clippy::type_complexity, reason = "two fields of the problem")]
+    pub(super) fn weight<const D: usize>(
+        &self,
+        media: &[Medium],
+        of_cell: &[u16],
+    ) -> Result<([f64; D], Option<(usize, Vec<Stress>)>), CaseError> {
+        let mut uniform = Stress::default();
+        for (component, value) in &self.dynamics.initial_stress {
+            match component.0 {
+                Field::Stress(i, j) => {
+                    uniform.force[i][j] = *value;
+                    if self.medium.rotation.is_none() {
+                        uniform.force[j][i] = *value;
+                    }
+                }
+                Field::Couple(k, j) => uniform.couple[k][j] = *value,
+                Field::Velocity(_) | Field::Spin(_) => {}
+            }
+        }
+        let grid = &self.dynamics.grid;
+        let mut acceleration = [0.0; D];
+        let mut layers = (D - 1, vec![uniform; grid.cells[D - 1]]);
+        if let Some(gravity) = &self.dynamics.gravity {
+            let along = gravity.acceleration.iter().position(|a| *a != 0.0);
+            match along.filter(|_| gravity.is_balanced) {
+                None => acceleration.copy_from_slice(&gravity.acceleration),
+                Some(axis) => {
+                    let cells = &grid.cells;
+                    let densities = layer_densities(cells, axis, media, of_cell)
+                        .map_err(|uneven| self.uneven(axis, uneven))?;
+                    let mut all = vec![uniform; cells[axis]];
+                    let (spacing, pull) = (grid.spacing[axis], gravity.acceleration[axis]);
+                    let ratio = gravity.lateral_ratio;
+                    add_lithostatic(&mut all, axis, &densities, spacing, pull, ratio);
+                    layers = (axis, all);
+                }
+            }
+        }
+        let is_zero = layers.1.iter().all(|stress| *stress == Stress::default());
+        Ok((acceleration, (!is_zero).then_some(layers)))
+    }
+
+    /// That the weight of a layer across an axis is not uniform.
+    fn uneven(
+        &self,
+        axis: usize,
+        UnevenLayer { cell, densities: [own, density] }: UnevenLayer,
+    ) -> CaseError {
+        let found = format!(
+            "densities {own:?} and {density:?} side by side, at x{} = {:?}",
+            axis + 1,
+            centre(self.dynamics, cell)[axis]
+        );
+        let allowed = "densities that change along gravity alone; balanced = false lets \
+                       the weight act from the start";
+        self.dynamics.locate("gravity.balanced", found, allowed)
+    }
+}
