@@ -1,30 +1,27 @@
 //! `wellposed check`: what is measured in time is what the analysis predicts.
 //!
-//! The prediction comes from the linearised equations ([`analysis`]), the measurement from the solver
-//! ([`dynamics`]); they share nothing but the numbers of the case. How far the solver may be off is not
-//! chosen: `scheme` has the exact symbol of its step, whose complex frequencies are fitted as the measured
-//! ones are; for flows the limit of small steps tells how far it may be off.
+//! [`agreement`] holds prediction and measurement against each other; here stand the problems that a case states, and
+//! the reports on their results.
 
-mod fit;
 pub mod flow;
-mod mean;
+mod flow_report;
 mod report;
-mod scheme;
+mod setup;
 pub mod solid;
 
-pub use fit::Rate;
+pub use setup::plan;
 
-use crate::case::dynamics::Scheme;
-use crate::case::{Case, CaseError, Check, Kind, Parameter, Wave};
+use crate::case::{Case, Kind, Wave};
 use crate::output::{self, OutputError, ResultFolder};
-use crate::setup;
 use crate::words::case_title;
 use crate::{Error, Format, Options};
+use agreement::solids::{BandGap, BranchResult};
 use figures::NoteFigure;
 use models::elementary::Elementary;
 use models::granular_flow::InputError;
 use serde_json::{Value, json};
-use solid::{Gap, Plan, Row};
+use setup::{Media, in_range, media, plan_of, reason};
+use solid::Plan;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -46,19 +43,25 @@ pub enum Extent {
     Short,
 }
 
-/// What was found of one medium.
+/// The results of one medium.
 struct Checked {
     /// Where it is in the case; empty if it is everywhere.
     place: String,
     case: Case,
-    rows: Vec<Row>,
-    gaps: Vec<Gap>,
+    plan: Plan,
+    rows: Vec<BranchResult>,
+    gaps: Vec<BandGap>,
 }
 
 impl Checked {
+    /// The wave of a row.
+    fn wave(&self, row: &BranchResult) -> Wave {
+        self.plan.waves[row.wave]
+    }
+
     /// Whether everything that was measured agrees; `None` where nothing was.
     fn agrees(&self) -> Option<bool> {
-        let all: Vec<bool> = self.rows.iter().filter_map(Row::agrees).collect();
+        let all: Vec<bool> = self.rows.iter().filter_map(BranchResult::agrees).collect();
         let gaps = self.gaps.iter().all(|gap| gap.agrees);
         (!all.is_empty()).then(|| gaps && all.into_iter().all(|own| own))
     }
@@ -251,7 +254,7 @@ impl Found {
     /// Waves that were not measurable.
     fn unmeasured(&self) -> usize {
         match self {
-            Self::Flow(own) => own.unmeasured().map_or(0, |found| found.0),
+            Self::Flow(own) => own.unmeasured(),
             Self::Solid(all) => all.iter().map(|own| unmeasured(&own.rows)).sum(),
             Self::Nothing(_) => 0,
         }
@@ -406,143 +409,23 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), OutputError> {
     Ok(())
 }
 
-type Media = Vec<(String, Case)>;
-
-/// The media of a solid that a solver takes, and where they are; or why no solver takes one of them.
-///
-/// # Errors
-/// The case is wrong.
-fn media(case: &Case) -> Result<Result<Media, InputError>, InputError> {
-    let regions = case.dynamics.iter().flat_map(|dynamics| &dynamics.regions);
-    let mut media: Vec<(String, Case)> = Vec::new();
-    for (index, region) in regions.enumerate() {
-        let own = &region.case;
-        let is_same = |(_, other): &(String, Case)| {
-            (own.medium(), &own.numbers) == (other.medium(), &other.numbers)
-        };
-        if !media.iter().any(is_same) {
-            media.push((format!("region[{index}]"), own.clone()));
-        }
-    }
-    if media.is_empty() {
-        media.push((String::new(), case.clone()));
-    }
-    for (_, own) in &media {
-        let solid = setup::solid::solid(own)?;
-        if let Err(error) = crate::run::medium(own, solid.dimensions) {
-            return Ok(Err(error));
-        }
-        if let Some(plastic) = solid.plastic.filter(|plastic| plastic.rate > 0.0) {
-            return Ok(Err(InputError {
-                key: "yield.plastic_rate",
-                found: format!("{:?}", plastic.rate),
-                allowed: "waves are sent through backgrounds at rest: 0".to_owned(),
-            }));
-        }
-    }
-    Ok(Ok(media))
-}
-
-/// Why no solver takes a case.
-fn reason(error: CaseError) -> String {
-    match error {
-        CaseError::Key { key, found, allowed, .. } => {
-            format!("{key}: {found}; analysis alone ({allowed})")
-        }
-        other => other.to_string(),
-    }
-}
-
-/// That products of a few numbers of a flow neither overflow nor vanish.
-fn in_range(case: &Case) -> Result<(), CaseError> {
-    const SIZES: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
-    let asked = case.check.iter().flat_map(|own| own.numbers.iter().flatten());
-    let keys = Parameter::all().filter_map(|key| Some((key.key().name, key.get(&case.numbers)?)));
-    let mut all = keys.chain(asked.map(|number| ("check.numbers", *number)));
-    match all.find(|(_, value)| *value != 0.0 && !SIZES.contains(&value.abs())) {
-        None => Ok(()),
-        Some((key, value)) => {
-            let (found, allowed) = (format!("{value:?}"), "0, or a size from 1e-60 to 1e60".into());
-            Err(case.locate(InputError { key, found, allowed }))
-        }
-    }
-}
-
-/// The waves of a solid of one medium, the grids and the scheme.
-pub fn plan(case: &Case, extent: Extent) -> Plan {
-    plan_of(case, case, extent)
-}
-
-/// The same for one of the media of a case.
-fn plan_of(whole: &Case, case: &Case, extent: Extent) -> Plan {
-    let wave = case.numbers.wave;
-    let solid = setup::solid::solid(case);
-    let own = solid.as_ref().ok().and_then(|solid| solid.elastic.characteristic_wave_number());
-    let dimensions = solid.as_ref().map_or(2, |solid| solid.dimensions);
-    let yields = solid.is_ok_and(|solid| solid.plastic.is_some());
-    let asked = case.check.clone().unwrap_or_default();
-    let Check { numbers, directions_deg, cells } = asked;
-    let mut numbers = numbers.unwrap_or_else(|| match own {
-        // Long waves see another solid than short ones.
-        Some(own) if !yields => [1.0, 0.25, 0.5, 2.0, 4.0].map(|part| part * own).to_vec(),
-        Some(own) => vec![own],
-        None => vec![wave.number],
-    });
-    let asked = directions_deg
-        .map(|all| all.into_iter().map(|own| [own, wave.elevation_deg]).collect::<Vec<_>>());
-    let mut directions = asked.unwrap_or_else(|| {
-        let oblique: &[[f64; 2]] = match (dimensions, yields) {
-            (2, false) => &[[30.0, 0.0], [0.0, 0.0], [105.0, 0.0]],
-            (2, true) => &[[30.0, 0.0], [0.0, 0.0]],
-            (_, false) => &[[30.0, 35.0], [0.0, 0.0], [105.0, -20.0]],
-            (_, true) => &[[30.0, 0.0], [0.0, 0.0]],
-        };
-        let own = [wave.direction_deg, wave.elevation_deg];
-        let others = oblique.iter().copied().filter(|other| *other != own);
-        [own].into_iter().chain(others).collect()
-    });
-    if extent == Extent::Short {
-        numbers.truncate(1);
-        directions.truncate(2);
-    }
-    let waves = numbers.iter().flat_map(|&number| {
-        directions.iter().map(move |&[direction_deg, elevation_deg]| Wave {
-            number,
-            direction_deg,
-            elevation_deg,
-            ..wave
-        })
-    });
-    let default = if dimensions == 2 { vec![20, 30, 40] } else { vec![20, 25, 30] };
-    let time = whole.dynamics.as_ref().map(|dynamics| &dynamics.time);
-    let scheme = whole.dynamics.as_ref().map_or_else(Scheme::default, |dynamics| dynamics.scheme);
-    Plan {
-        waves: waves.collect(),
-        cells: cells.unwrap_or(default),
-        courant: time.map_or(crate::case::dynamics::COURANT, |time| time.courant),
-        rotation: time.map_or(30.0, |time| time.rotation_deg).to_radians(),
-        correction: scheme.correction,
-        splitting: scheme.splitting,
-    }
-}
-
 fn check(whole: &Case, media: Media, extent: Extent) -> Result<Vec<Checked>, Error> {
     let checked = media.into_iter().map(|(place, case)| {
         let plan = plan_of(whole, &case, extent);
         let rows = solid::rows(&case, &case, &plan)?;
-        let gaps = solid::gaps(&case, &rows)?;
-        Ok(Checked { place, case, rows, gaps })
+        let gaps = solid::gaps(&case, &plan, &rows)?;
+        Ok(Checked { place, case, plan, rows, gaps })
     });
     checked.collect()
 }
 
 /// The greatest difference of all rows in the limit of small cells, as part of the frequency.
-fn worst<'a>(rows: impl Iterator<Item = &'a Row>) -> Option<f64> {
-    greatest(rows.filter_map(|row| Some(row.difference()?.size())))
+fn worst<'a>(rows: impl Iterator<Item = &'a BranchResult>) -> Option<f64> {
+    greatest(rows.filter_map(|row| Some(row.difference()?.max_norm())))
 }
 
 /// Rows without a measurement.
-fn unmeasured(rows: &[Row]) -> usize {
+fn unmeasured(rows: &[BranchResult]) -> usize {
     rows.iter().filter(|row| row.measured.is_err()).count()
 }
 

@@ -1,44 +1,19 @@
 //! `wellposed dispersion`: frequencies and speeds of the waves of a solid against the wave number.
 
-use crate::case::{Case, Wave};
+use crate::case::Case;
 use crate::output::{self, ResultFolder};
 use crate::setup;
 use crate::words::{case_title, short};
 use crate::{Error, Format, Options};
-use analysis::StateError;
-use analysis::solids;
-use analysis::waves::{Family, ForbiddenBand, Mode};
+use analysis::solids::{BranchGroup, BranchPoint, branches};
+use analysis::waves::ForbiddenBand;
 use figures::{Band, Branch, DispersionFigure, Level};
 use models::cosserat::parameters::Isotropic;
 use models::elastoplastic::Solid;
 use models::granular_flow::InputError;
-
-use num_complex::Complex64;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::Write;
-
-/// Wave numbers of a curve.
-const SAMPLES: usize = 600;
-
-/// Waves that move alike: a family, and how many others are the same.
-pub(crate) struct Kind {
-    pub(crate) family: Family,
-    /// Whether ω² below zero is rounding.
-    keeps_energy: bool,
-    pub(crate) count: usize,
-    pub(crate) bands: Vec<ForbiddenBand>,
-}
-
-/// A branch at one wave number, exp(ςt + ikx) with ς = −iω: Re ω, |Im ω|, Re ω/k, Re dω/dk. With the
-/// conjugate of a complex ω² one of the four ς grows as |Im ω|.
-pub(crate) struct Point {
-    pub(crate) number: f64,
-    pub(crate) frequency: f64,
-    growth_rate: f64,
-    phase_speed: f64,
-    group_speed: f64,
-}
 
 /// Runs the verb.
 ///
@@ -63,9 +38,9 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
         0.0 => solid.elastic.characteristic_wave_number().map_or(wave.number, |own| 4.0 * own),
         given => given,
     };
-    let kinds =
-        kinds(&solid, &wave, greatest, false).map_err(|error| setup::locate(&case, error))?;
-    let is_finite = |p: &Point| p.frequency.is_finite() && p.growth_rate.is_finite();
+    let kinds = branches(&solid, setup::solid::normal(&wave), greatest, false)
+        .map_err(|error| setup::locate(&case, error.into()))?;
+    let is_finite = |p: &BranchPoint| p.frequency.is_finite() && p.growth_rate.is_finite();
     let ends = [wave.number, greatest];
     if !ends.iter().all(|&k| kinds.iter().all(|kind| kind.at(k).iter().all(is_finite))) {
         let error = InputError {
@@ -102,111 +77,7 @@ pub fn run(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     Ok(())
 }
 
-/// The families of waves, those that are the same at every wave number taken together; of the elastic solid
-/// if `stays_elastic`.
-pub(crate) fn kinds(
-    solid: &Solid,
-    wave: &Wave,
-    greatest: f64,
-    stays_elastic: bool,
-) -> Result<Vec<Kind>, StateError> {
-    let mut kinds: Vec<Kind> = Vec::new();
-    for family in solids::waves(solid, setup::solid::normal(wave), stays_elastic)?.families {
-        let is_same = |other: &Kind| {
-            let at = |f: &Family, k: f64| f.squared_frequencies(k);
-            other.family.polarisation == family.polarisation
-                && other.family.branches() == family.branches()
-                && [0.0, 0.3 * greatest, greatest].iter().all(|&k| {
-                    let (a, b) = (at(&other.family, k), at(&family, k));
-                    let largest = a.iter().map(|x| x.norm()).fold(0.0, f64::max);
-                    a.iter().zip(&b).all(|(x, y)| (x - y).norm() <= 1e-12 * largest)
-                })
-        };
-        match kinds.iter_mut().find(|kind| is_same(kind)) {
-            Some(kind) => kind.count += 1,
-            None => {
-                let bands = family.forbidden_bands();
-                let keeps_energy = stays_elastic || solid.keeps_energy();
-                kinds.push(Kind { family, keeps_energy, count: 1, bands });
-            }
-        }
-    }
-    Ok(kinds)
-}
-
-fn numbers(greatest: f64) -> impl Iterator<Item = f64> {
-    (1..=SAMPLES).map(move |i| greatest * i as f64 / SAMPLES as f64)
-}
-
-impl Point {
-    fn new(number: f64, mode: &Mode, keeps_energy: bool) -> Self {
-        let square = match keeps_energy {
-            true => mode.squared_frequency.re.max(0.0).into(),
-            false => mode.squared_frequency,
-        };
-        let omega = square.sqrt();
-        Self {
-            number,
-            frequency: omega.re,
-            growth_rate: omega.im.abs(),
-            phase_speed: omega.re / number,
-            group_speed: if omega.re == 0.0 { 0.0 } else { (mode.slope / (2.0 * omega)).re },
-        }
-    }
-}
-
-impl Kind {
-    /// Name of a branch, counted from the lowest.
-    pub(crate) fn label(&self, branch: usize) -> String {
-        let place = match (self.family.branches(), branch) {
-            (1, _) => String::new(),
-            (2, 0) => ", lower branch".into(),
-            (2, _) => ", upper branch".into(),
-            (_, n) => format!(", branch {}", n + 1),
-        };
-        let count = if self.count > 1 { format!(" (×{})", self.count) } else { String::new() };
-        format!("{}{place}{count}", self.family.polarisation.name())
-    }
-
-    /// The points of every branch.
-    pub(crate) fn curves(&self, greatest: f64) -> Vec<Vec<Point>> {
-        let mut curves: Vec<Vec<Point>> = (0..self.family.branches()).map(|_| Vec::new()).collect();
-        for k in numbers(greatest) {
-            for (curve, point) in curves.iter_mut().zip(self.at(k)) {
-                curve.push(point);
-            }
-        }
-        curves
-    }
-
-    /// Frequencies at k = 0 that are not zero, rad/s.
-    fn cut_offs(&self) -> Vec<f64> {
-        let squares = self.family.squared_cut_offs();
-        let largest = squares.iter().map(|x| x.re).fold(0.0, f64::max);
-        squares.iter().filter(|x| x.re > 1e-12 * largest).map(|x| x.re.sqrt()).collect()
-    }
-
-    /// The branches at one wave number.
-    pub(crate) fn at(&self, number: f64) -> Vec<Point> {
-        let modes = self.family.modes(number);
-        modes.iter().map(|mode| Point::new(number, mode, self.keeps_energy)).collect()
-    }
-
-    /// Characteristic speeds c, real part and size of the imaginary part.
-    fn speeds(&self) -> Vec<[f64; 2]> {
-        let speed = |square: &Complex64| match self.keeps_energy {
-            true => [square.re.max(0.0).sqrt(), 0.0],
-            false => [square.sqrt().re, square.sqrt().im.abs()],
-        };
-        self.family.squared_speeds().iter().map(speed).collect()
-    }
-
-    fn short_wave_limits(&self) -> Vec<f64> {
-        self.family.squared_short_wave_limits().iter().map(|x| x.max(0.0).sqrt()).collect()
-    }
-}
-
-fn report(case: &Case, kinds: &[Kind], greatest: f64) -> Value {
+fn report(case: &Case, kinds: &[BranchGroup], greatest: f64) -> Value {
     let wave = case.numbers.wave;
     let finite = |x: f64| if x.is_finite() { json!(x) } else { Value::Null };
     let families = kinds.iter().map(|kind| {
@@ -253,7 +124,7 @@ fn list(values: &[f64]) -> String {
     values.iter().map(|&x| short(x)).collect::<Vec<_>>().join(", ")
 }
 
-fn words(case: &Case, kinds: &[Kind]) -> String {
+fn words(case: &Case, kinds: &[BranchGroup]) -> String {
     let wave = case.numbers.wave;
     let mut text = format!(
         "{}\nmodel: {}\nwaves along {}°, {}° above the plane; frequencies in rad/s, speeds in m/s\n",
@@ -311,7 +182,7 @@ fn words(case: &Case, kinds: &[Kind]) -> String {
     text
 }
 
-fn csv(kinds: &[Kind], greatest: f64) -> Result<Vec<u8>, Error> {
+fn csv(kinds: &[BranchGroup], greatest: f64) -> Result<Vec<u8>, Error> {
     let header = ["branch", "number", "frequency", "phase_speed", "group_speed", "growth_rate"];
     let rows = kinds.iter().flat_map(|kind| {
         kind.curves(greatest).into_iter().enumerate().flat_map(|(branch, curve)| {
@@ -331,7 +202,7 @@ fn csv(kinds: &[Kind], greatest: f64) -> Result<Vec<u8>, Error> {
     Ok(files::csv::table(&header, rows)?)
 }
 
-fn figure(case: &Case, solid: &Solid, kinds: &[Kind], greatest: f64) -> DispersionFigure {
+fn figure(case: &Case, solid: &Solid, kinds: &[BranchGroup], greatest: f64) -> DispersionFigure {
     let wave = case.numbers.wave;
     let branches = kinds.iter().flat_map(|kind| {
         kind.curves(greatest).into_iter().enumerate().map(|(branch, curve)| Branch {
@@ -355,7 +226,7 @@ fn figure(case: &Case, solid: &Solid, kinds: &[Kind], greatest: f64) -> Dispersi
         })
     });
     let mut cutoffs: Vec<Level> = Vec::new();
-    for cut_off in kinds.iter().flat_map(Kind::cut_offs) {
+    for cut_off in kinds.iter().flat_map(BranchGroup::cut_offs) {
         if cutoffs.iter().all(|level| (level.value - cut_off).abs() > 1e-9 * cut_off) {
             cutoffs.push(Level { label: format!("{} rad/s", short(cut_off)), value: cut_off });
         }

@@ -23,7 +23,7 @@ use analysis::growth::Growth;
 use checkpoint::Checkpoint;
 pub(crate) use flow::{flow_problem, perturbation};
 use models::elementary::Elementary;
-pub(crate) use setup::{medium, unknown_name};
+pub(crate) use setup::medium;
 use std::fmt;
 use std::fs::File;
 use std::io::Write;

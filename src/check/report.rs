@@ -1,24 +1,24 @@
 //! What was found of a solid: table, JSON and picture.
 
-use super::solid::{Gap, Measured, OnGrid, Response, Row};
 use super::{Checked, digits, exponent, unmeasured, unmeasured_words, worst, worst_words};
 use crate::Error;
 use crate::case::{Case, Wave};
-use crate::dispersion::{Kind as Waves, kinds};
 use crate::setup;
 use crate::words::{case_title, short};
+use agreement::solids::{BandGap, BranchResult, GridResult, Measurement, Response};
+use analysis::solids::branches;
 use figures::{Band, Branch, DispersionFigure};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-fn grid_json(row: &Row, grid: &OnGrid) -> Value {
+fn grid_json(row: &BranchResult, grid: &GridResult) -> Value {
     json!({
         "cells": grid.cells,
         "frequency": grid.measured.frequency,
         "growth_rate": grid.measured.growth,
         "expected_frequency": grid.expected.frequency,
         "expected_growth_rate": grid.expected.growth,
-        "difference": row.part(grid.measured).frequency,
+        "difference": row.relative(grid.measured).frequency,
         "tolerance": grid.tolerance,
         "agrees": grid.agrees(),
     })
@@ -31,7 +31,7 @@ fn all_agree(checked: &[Checked]) -> Option<bool> {
 }
 
 pub(super) fn report(case: &Case, checked: &[Checked]) -> Value {
-    let row = |row: &Row| {
+    let row = |wave: Wave, row: &BranchResult| {
         let own = row.measured.as_ref().ok();
         let limit = own.map(|own| {
             let mut limit = grid_json(row, &own.limit);
@@ -43,21 +43,21 @@ pub(super) fn report(case: &Case, checked: &[Checked]) -> Value {
             "response": row.response.name(),
             "branch": row.branch,
             "wave": {
-                "number": row.wave.number,
-                "direction_deg": row.wave.direction_deg,
-                "elevation_deg": row.wave.elevation_deg,
+                "number": wave.number,
+                "direction_deg": wave.direction_deg,
+                "elevation_deg": wave.elevation_deg,
             },
             "predicted": { "frequency": row.predicted, "growth_rate": 0.0 },
             "limit": limit,
             "grids": grids.map(|grid| grid_json(row, grid)).collect::<Vec<_>>(),
-            "not_measurable": row.measured.as_ref().err(),
+            "not_measurable": row.measured.as_ref().err().map(ToString::to_string),
             "order": row.order(),
             "agrees": row.agrees(),
         })
     };
-    let gap = |gap: &Gap| {
+    let gap = |gap: &BandGap| {
         json!({
-            "polarisation": gap.polarisation,
+            "polarisation": gap.polarisation.name(),
             "from": gap.from,
             "to": gap.to,
             "nearest": gap.nearest,
@@ -71,7 +71,7 @@ pub(super) fn report(case: &Case, checked: &[Checked]) -> Value {
             "place": own.place,
             "model": own.case.medium().title(),
             "agrees": own.agrees(),
-            "rows": own.rows.iter().map(row).collect::<Vec<_>>(),
+            "rows": own.rows.iter().map(|own_row| row(own.wave(own_row), own_row)).collect::<Vec<_>>(),
             "forbidden_bands": own.gaps.iter().map(gap).collect::<Vec<_>>(),
         })).collect::<Vec<_>>(),
         "units": { "frequency": "rad/s", "growth_rate": "1/s", "tolerance": "rad/s", "number": "1/m" },
@@ -108,7 +108,7 @@ pub(super) fn words(case: &Case, checked: &[Checked]) -> String {
         );
         let mut last: Option<Wave> = None;
         for row in &own.rows {
-            let wave = row.wave;
+            let wave = own.wave(row);
             if last != Some(wave) {
                 let up = match wave.elevation_deg {
                     0.0 => String::new(),
@@ -122,10 +122,10 @@ pub(super) fn words(case: &Case, checked: &[Checked]) -> String {
                 Response::Elastic => row.branch.clone(),
                 other => format!("{}: {}", other.name(), row.branch),
             };
-            let (Ok(Measured { grids, limit }), Some(found), Some(expected)) =
+            let (Ok(Measurement { grids, limit }), Some(found), Some(expected)) =
                 (&row.measured, row.difference(), row.expected_difference())
             else {
-                let reason = row.measured.as_ref().err().map_or("", String::as_str);
+                let reason = row.measured.as_ref().err().map_or(String::new(), ToString::to_string);
                 let predicted = digits(row.predicted);
                 let _ = writeln!(text, "  {name:<40}{predicted:>12}  not measurable: {reason}");
                 continue;
@@ -141,7 +141,7 @@ pub(super) fn words(case: &Case, checked: &[Checked]) -> String {
                 signed(expected.frequency),
                 signed(found.growth),
                 exponent(limit.tolerance / row.predicted),
-                signed(row.part(grids[0].measured).frequency),
+                signed(row.relative(grids[0].measured).frequency),
                 row.order().map_or("–".into(), |order| format!("{order:.2}")),
                 if row.agrees() == Some(true) { "agrees" } else { "DISAGREES" },
             );
@@ -151,7 +151,7 @@ pub(super) fn words(case: &Case, checked: &[Checked]) -> String {
             let _ = writeln!(
                 text,
                 "\nno {} waves between {} and {} rad/s: measured next to it {} and {}  {}",
-                gap.polarisation,
+                gap.polarisation.name(),
                 digits(gap.from),
                 digits(gap.to),
                 at(gap.nearest[0]),
@@ -184,9 +184,9 @@ const STILL: f64 = 1e-6;
 pub(super) fn figure(case: &Case, checked: &Checked) -> Result<DispersionFigure, Error> {
     let own = &checked.case;
     let solid = setup::solid::solid(own).map_err(|error| own.locate(error))?;
-    let wave = checked.rows.first().map_or(own.numbers.wave, |row| row.wave);
-    let greatest = checked.rows.iter().map(|row| row.wave.number).fold(0.0, f64::max);
-    let speeds = checked.rows.iter().map(|row| row.predicted / row.wave.number);
+    let wave = checked.rows.first().map_or(own.numbers.wave, |row| checked.wave(row));
+    let greatest = checked.rows.iter().map(|row| checked.wave(row).number).fold(0.0, f64::max);
+    let speeds = checked.rows.iter().map(|row| row.predicted / checked.wave(row).number);
     let greatest_speed = speeds.fold(0.0, f64::max);
     let is_isotropic =
         solid.elastic.downcast::<models::cosserat::parameters::Isotropic>().is_some();
@@ -194,15 +194,16 @@ pub(super) fn figure(case: &Case, checked: &Checked) -> Result<DispersionFigure,
         None => &[(Response::Elastic, true)],
         Some(_) => &[(Response::Unloading, true), (Response::Loading, false)],
     };
-    let (mut branches, mut bands) = (Vec::new(), Vec::new());
+    let (mut curves, mut bands) = (Vec::new(), Vec::new());
     for &(response, stays_elastic) in responses {
-        let all: Vec<Waves> = kinds(&solid, &wave, greatest, stays_elastic)
-            .map_err(|error| setup::locate(own, error))?;
+        let all = branches(&solid, setup::solid::normal(&wave), greatest, stays_elastic)
+            .map_err(|error| setup::locate(own, error.into()))?;
         for kind in &all {
             for (index, curve) in kind.curves(1.05 * greatest).into_iter().enumerate() {
                 let label = kind.label(index);
-                let is_own = |row: &&Row| {
-                    let is_along = (row.wave.direction_deg, row.wave.elevation_deg)
+                let is_own = |row: &&BranchResult| {
+                    let other = checked.wave(row);
+                    let is_along = (other.direction_deg, other.elevation_deg)
                         == (wave.direction_deg, wave.elevation_deg);
                     row.response == response
                         && row.branch == label
@@ -212,11 +213,11 @@ pub(super) fn figure(case: &Case, checked: &Checked) -> Result<DispersionFigure,
                 if curve.iter().all(|p| p.frequency <= STILL * p.number * greatest_speed) {
                     continue;
                 }
-                branches.push(Branch {
+                curves.push(Branch {
                     measured: measured
                         .filter_map(|row| {
                             let own = row.measured.as_ref().ok()?;
-                            Some([row.wave.number, own.limit.measured.frequency])
+                            Some([checked.wave(row).number, own.limit.measured.frequency])
                         })
                         .collect(),
                     label: match response {
@@ -250,7 +251,7 @@ pub(super) fn figure(case: &Case, checked: &Checked) -> Result<DispersionFigure,
         growth_label: String::new(),
         k_log: false,
         frequency_log: false,
-        branches,
+        branches: curves,
         bands,
         cutoffs: Vec::new(),
         speed_limits: Vec::new(),

@@ -1,6 +1,7 @@
 //! Solids: their plane waves, the verdict on them, and their speeds over all directions.
 
 mod assessment;
+mod branches;
 mod plane_waves;
 mod speeds;
 
@@ -8,6 +9,7 @@ pub use assessment::{
     AcousticTensorCache, Hyperbolicity, PLANE_ROUTE, SPACE_ROUTE, SYMMETRIC_ROUTE, SolidAssessment,
     SolidAssessor,
 };
+pub use branches::{BranchGroup, BranchPoint, branches};
 pub use plane_waves::{growth_rate, roots, waves};
 pub use speeds::{DirectionalSpeeds, ZeroSpeed, slowest_speed};
 

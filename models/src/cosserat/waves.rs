@@ -14,6 +14,7 @@
 
 use super::parameters::{Isotropic, PlaneCompliances, Theory};
 use crate::elementary::Elementary;
+use std::fmt;
 
 /// A component of the state; axes from 0. The second index of a stress is the face normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -28,6 +29,18 @@ pub enum Field {
     Couple(usize, usize),
 }
 use Field::{Couple, Spin, Stress, Velocity};
+
+/// The name of the same component among the unknowns of the [rate equations](crate::rates): `v1`, `ω3`, `σ12`, `m31`.
+impl fmt::Display for Field {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Velocity(i) => write!(formatter, "v{}", i + 1),
+            Spin(k) => write!(formatter, "ω{}", k + 1),
+            Stress(i, j) => write!(formatter, "σ{}{}", i + 1, j + 1),
+            Couple(k, j) => write!(formatter, "m{}{}", k + 1, j + 1),
+        }
+    }
+}
 
 /// A velocity and a stress that drive each other along an axis.
 #[derive(Clone, Debug, PartialEq)]

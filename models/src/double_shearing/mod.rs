@@ -10,6 +10,7 @@ use crate::granular_flow::{FAMILY, FlowLaw, FlowModel, RotationKind};
 use crate::input::InputError;
 use crate::system::LinearisedSystem;
 use parameters::DoubleShearing;
+use std::sync::Arc;
 
 /// The entry in the registry.
 pub static MODEL: FlowModel = FlowModel {
@@ -18,7 +19,7 @@ pub static MODEL: FlowModel = FlowModel {
     parameters: FAMILY,
     rotation: RotationKind::StressAxes,
     is_coaxial: false,
-    build: |constants| Ok(Box::new(DoubleShearing::from_constants(constants)?)),
+    build: |constants| Ok(Arc::new(DoubleShearing::from_constants(constants)?)),
 };
 
 impl FlowLaw for DoubleShearing {

@@ -10,6 +10,7 @@ use crate::granular_flow::{FAMILY, FlowLaw, FlowModel, RotationKind};
 use crate::input::InputError;
 use crate::system::LinearisedSystem;
 use parameters::FreeRotating;
+use std::sync::Arc;
 
 /// The entry in the registry.
 pub static MODEL: FlowModel = FlowModel {
@@ -18,7 +19,7 @@ pub static MODEL: FlowModel = FlowModel {
     parameters: FAMILY,
     rotation: RotationKind::Free,
     is_coaxial: false,
-    build: |constants| Ok(Box::new(FreeRotating::from_constants(constants)?)),
+    build: |constants| Ok(Arc::new(FreeRotating::from_constants(constants)?)),
 };
 
 impl FlowLaw for FreeRotating {

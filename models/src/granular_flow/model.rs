@@ -7,6 +7,7 @@ use crate::input::InputError;
 use crate::parameter::{ANGLE, Parameter};
 use crate::system::LinearisedSystem;
 use std::fmt;
+use std::sync::Arc;
 
 /// A granular-flow model as the [registry](crate::registry) lists it.
 pub struct FlowModel {
@@ -25,7 +26,7 @@ pub struct FlowModel {
 }
 
 /// From a list of constants to a model that has checked them.
-pub type Build = fn(&[f64]) -> Result<Box<dyn FlowLaw>, InputError>;
+pub type Build = fn(&[f64]) -> Result<Arc<dyn FlowLaw>, InputError>;
 
 /// What a model takes for the rotation of the material: decides which numbers a state has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,10 +132,10 @@ impl fmt::Debug for Kind {
 }
 
 /// A granular-flow model with checked constants.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Model {
     kind: Kind,
-    law: Box<dyn FlowLaw>,
+    law: Arc<dyn FlowLaw>,
 }
 
 impl std::ops::Deref for Model {
@@ -154,12 +155,16 @@ impl Model {
         Ok(Self { kind, law: (kind.0.build)(constants)? })
     }
 
-    /// Takes other constants, in the memory that it has.
+    /// Takes other constants, in the memory that it has unless a clone has it as well.
     ///
     /// # Errors
     /// The first constant out of range; the model stays as it was.
     pub fn set(&mut self, constants: &[f64]) -> Result<(), InputError> {
-        self.law.set(constants)
+        match Arc::get_mut(&mut self.law) {
+            Some(law) => law.set(constants)?,
+            None => self.law = (self.kind.0.build)(constants)?,
+        }
+        Ok(())
     }
 
     /// Which model this is.

@@ -13,6 +13,7 @@ use crate::input::InputError;
 use crate::parameter::Parameter;
 use crate::system::LinearisedSystem;
 use parameters::HarrisGrekova;
+use std::sync::Arc;
 
 /// The entry in the registry.
 pub static MODEL: FlowModel = FlowModel {
@@ -35,7 +36,7 @@ pub static MODEL: FlowModel = FlowModel {
     ],
     rotation: RotationKind::IntrinsicSpin,
     is_coaxial: false,
-    build: |constants| Ok(Box::new(HarrisGrekova::from_constants(constants)?)),
+    build: |constants| Ok(Arc::new(HarrisGrekova::from_constants(constants)?)),
 };
 
 impl FlowLaw for HarrisGrekova {

@@ -1,14 +1,13 @@
-//! The uniform mean flow of a check while it goes on. In v = Γx with constant Γ the angle ψ of the greater
-//! principal stress stays where it is, but for
+//! The uniform mean flow in the course of time. In v = Γx with constant Γ the angle ψ of the greater principal stress
+//! is constant, but for
 //!
 //! - double shearing, ψ̇ = s₂₁ + Q_D sin 2(ψ − ψ_D)/sin φ (Spencer 1964; ν = 0). With θ = ψ − ψ_D and
 //!   tan θ = y/x that is linear, ẋ = −bx − sy, ẏ = sx + by, where b = Q_D/sin φ and s = s₂₁;
 //! - Harris & Grekova with DΩ/Dt ≠ 0: sin 2(ψ − ψ_D) = sin φ (Ω(t) − s₂₁)/Q_D (2005, eq. 42).
 
-use crate::case::Case;
 use models::LinearisedSystem;
 use models::elementary::Elementary;
-use models::granular_flow::state::{Background, Coulomb, Flow, State};
+use models::granular_flow::state::{Background, Flow, State};
 use models::granular_flow::{Model, RotationKind};
 use nalgebra::{Matrix2, Vector2};
 
@@ -34,22 +33,18 @@ enum Law {
 }
 
 impl MeanFlow {
-    pub(super) fn new(case: &Case, model: Model, flow: &Flow) -> Self {
-        let acceleration = case.numbers.background.spin_acceleration;
+    pub(super) fn new(model: Model, state: State, flow: Flow) -> Self {
         let law = match model.kind().rotation() {
             RotationKind::StressAxes => Law::DoubleShearing,
-            RotationKind::IntrinsicSpin if acceleration != 0.0 => Law::Spin(acceleration),
+            RotationKind::IntrinsicSpin if state.spin_acceleration != 0.0 => {
+                Law::Spin(state.spin_acceleration)
+            }
             _ => Law::Constant,
         };
         let mut system = LinearisedSystem::default();
-        model.symbol(flow, &mut system);
+        model.symbol(&flow, &mut system);
         let sin_phi = model.coulomb().friction_angle.cr_sin();
-        Self { model, state: case.state(), flow: *flow, system, sin_phi, law }
-    }
-
-    /// The yield condition.
-    pub(super) fn coulomb(&self) -> &Coulomb {
-        self.model.coulomb()
+        Self { model, state, flow, system, sin_phi, law }
     }
 
     /// At the beginning.
@@ -111,20 +106,28 @@ impl MeanFlow {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use models::registry;
 
-    fn mean(text: &str, sets: &[&str]) -> MeanFlow {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(text);
-        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-        let case = Case::load(&path, &sets).expect("a case");
-        let flow = case.mean_flow().expect("a flow");
-        MeanFlow::new(&case, case.flow_model().expect("a model"), &flow)
+    fn double_shearing(state: State) -> MeanFlow {
+        let constants = [30f64.to_radians(), 0.0, 0.0];
+        let model = Model::new(registry::DOUBLE_SHEARING, &constants).expect("a model");
+        let Background::FullyDeforming(flow) = model.background(&state).expect("a flow") else {
+            panic!("a flow that deforms");
+        };
+        MeanFlow::new(model, state, flow)
     }
 
     /// Against the equation of ψ by the classical method of Runge and Kutta.
     #[test]
     fn the_stress_axes_turn_as_their_equation_says() {
-        let set = "background.half_vorticity=-9";
-        let own = mean("flow/double-shearing.toml", &[set, "background.noncoaxiality_deg=16"]);
+        let own = double_shearing(State {
+            density: 1600.0,
+            pressure: 1000.0,
+            shear_rate: 50.0,
+            half_vorticity: -9.0,
+            noncoaxiality: Some(16f64.to_radians()),
+            ..State::default()
+        });
         let (rate, vorticity) = (own.flow.shear_rate, own.flow.half_vorticity);
         let slope = |angle: f64| vorticity + rate * (2.0 * angle).sin() / own.sin_phi;
         let (mut angle, step) = (-own.flow.noncoaxiality, 1e-3 / rate);

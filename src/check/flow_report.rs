@@ -1,12 +1,13 @@
-//! What was found of a flow: table, JSON and pictures.
+//! The results of a flow: table, JSON and pictures.
 
-use super::background::Background;
-use super::{Checked, Fastest, Measured, Refinement, Row, Wave};
+use super::flow::{Checked, RefinedModel, Wave};
+use super::setup::{locate, uniform_flow};
+use super::{digits, exponent, unmeasured_words, worst_words};
 use crate::Error;
 use crate::case::Case;
-use crate::check::fit::Rate;
-use crate::check::{digits, exponent, unmeasured_words, worst_words};
 use crate::words::{case_title, coaxial_words, order_words, short};
+use agreement::fit::Rate;
+use agreement::flows::{FastestMode, ModeResult, StepSequences};
 use figures::{Line, SpectrumFigure};
 use models::elementary::Elementary;
 use serde_json::{Value, json};
@@ -15,11 +16,8 @@ use std::fmt::Write as _;
 /// Names of a wave's modes, the fastest growing first.
 const MODES: [&str; 2] = ["first", "second"];
 
-impl Row {
-    /// Which wave it is.
-    fn name(&self) -> &'static str {
-        MODES[(self.mode - 1).min(1)]
-    }
+fn name(row: &ModeResult) -> &'static str {
+    MODES[(row.mode - 1).min(1)]
 }
 
 /// A rate as γ and ω.
@@ -28,13 +26,14 @@ fn rate_json(rate: Rate) -> Value {
 }
 
 impl Checked {
-    /// What was found, as JSON.
-    pub(in crate::check) fn report(&self, case: &Case) -> Value {
-        let row = |row: &Row| {
+    /// As JSON.
+    pub(super) fn report(&self, case: &Case) -> Value {
+        let row = |row: &ModeResult| {
+            let wave = self.waves[row.wave];
             json!({
                 "wave": {
-                    "number": row.wave.number,
-                    "direction_deg": row.wave.direction_deg,
+                    "number": wave.number,
+                    "direction_deg": wave.direction_deg,
                 },
                 "mode": row.mode,
                 "duration": row.duration,
@@ -47,16 +46,17 @@ impl Checked {
                 }).collect::<Vec<_>>(),
                 "limit": row.measured.as_ref().ok().map(|own| rate_json(own.limit)),
                 "tolerance": row.measured.as_ref().ok().map(|own| own.tolerance),
-                "not_measurable": row.measured.as_ref().err(),
+                "not_measurable": row.measured.as_ref().err().map(ToString::to_string),
                 "order": row.order(),
                 "agrees": row.agrees(),
             })
         };
-        let refinement = |own: &Refinement| {
+        let refinement = |model: &RefinedModel| {
+            let own = &model.refinement;
             json!({
-                "model": own.kind.name(),
-                "lost_noncoaxiality_deg": own.lost_noncoaxiality_deg,
-                "limit_of_the_order": own.limit,
+                "model": model.kind.name(),
+                "lost_noncoaxiality_deg": model.lost_noncoaxiality_deg,
+                "limit_of_the_order": own.verdict_order,
                 "orders": own.orders().map(|[predicted, measured]| {
                     json!({ "predicted": predicted, "measured": measured })
                 }),
@@ -83,8 +83,8 @@ impl Checked {
         })
     }
 
-    /// What was found, as tables.
-    pub(in crate::check) fn words(&self, case: &Case) -> String {
+    /// As tables.
+    pub(super) fn words(&self, case: &Case) -> String {
         let mut text = format!("{}\n{}\n", case_title(case), case.medium().title());
         let signed = |x: f64| if x == 0.0 { "0".to_owned() } else { format!("{x:+.1e}") };
         text.push_str(
@@ -98,44 +98,46 @@ impl Checked {
         );
         let mut last = None;
         for row in &self.rows {
-            if last != Some(row.wave) {
-                let (k, along) = (short(row.wave.number), short(row.wave.direction_deg));
+            let wave = self.waves[row.wave];
+            if last != Some(wave) {
+                let (k, along) = (short(wave.number), short(wave.direction_deg));
                 let _ = writeln!(text, "k = {k} 1/m at {along}°");
-                last = Some(row.wave);
+                last = Some(wave);
             }
             let scale = row.scale(self.shear_rate);
             let predicted = row.predicted;
-            let Measured { limit, tolerance, .. } = match &row.measured {
+            let StepSequences { limit, tolerance, .. } = match &row.measured {
                 Ok(own) => own,
                 Err(reason) => {
-                    let (name, growth) = (row.name(), digits(predicted.growth));
+                    let (name, growth) = (name(row), digits(predicted.growth));
                     let _ = writeln!(text, "  {name:<22}{growth:>13}  not measurable: {reason}");
                     continue;
                 }
             };
-            let difference = limit.less(predicted);
+            let difference = *limit - predicted;
             let _ = writeln!(
                 text,
                 "  {:<22}{:>13}{:>13}{:>10}{:>10}{:>7}{:>15}  {}",
-                row.name(),
+                name(row),
                 digits(predicted.growth),
                 digits(limit.growth),
                 signed(difference.growth / scale),
                 exponent(tolerance / scale),
                 row.order().map_or("–".into(), |order| format!("{order:.2}")),
-                format!("{:+.3}", row.frozen.less(predicted).growth / self.shear_rate),
+                format!("{:+.3}", (row.frozen - predicted).growth / self.shear_rate),
                 verdict(row.agrees() == Some(true)),
             );
         }
-        for own in &self.refinements {
+        for model in &self.refinements {
             let _ = writeln!(
                 text,
                 "\n{}: the fastest growing wave of each grid, rates in 1/s",
-                own.kind.title()
+                model.kind.title()
             );
-            if let Some(delta) = own.lost_noncoaxiality_deg {
+            if let Some(delta) = model.lost_noncoaxiality_deg {
                 let _ = writeln!(text, "  {}", coaxial_words(delta));
             }
+            let own = &model.refinement;
             for grid in &own.grids {
                 let [columns, rows] = grid.points;
                 let scale = grid.predicted.abs().max(own.shear_rate);
@@ -153,13 +155,13 @@ impl Checked {
                 Some([predicted, measured]) => writeln!(
                     text,
                     "  order in k: predicted {predicted:.4}, measured {measured:.4}, as k → ∞ {}  {}",
-                    order_words(own.limit),
+                    order_words(own.verdict_order),
                     verdict(own.agrees())
                 ),
                 None => writeln!(
                     text,
                     "  nothing grows faster than the mean flow deforms{}  {}",
-                    if own.limit > 0.0 { ": too coarse for an order" } else { "" },
+                    if own.verdict_order > 0.0 { ": too coarse for an order" } else { "" },
                     verdict(own.agrees())
                 ),
             };
@@ -170,53 +172,57 @@ impl Checked {
             (0, _) => ": all agree".to_owned(),
             (some, _) => format!(": {some} of {all} DISAGREE"),
         };
-        let left = unmeasured_words(self.unmeasured().map_or(0, |own| own.0));
+        let left = unmeasured_words(self.unmeasured());
         let _ = writeln!(text, "\n{}{found}{left}", worst_words(self.worst()));
         text
     }
 
     /// Rates against the wave number: curves from the analysis, rings from the solver.
-    pub(in crate::check) fn figure(&self, case: &Case) -> Result<SpectrumFigure, Error> {
-        let background = Background::new(case)?;
-        let numbers = || self.rows.iter().map(|row| row.wave.number);
+    pub(super) fn figure(&self, case: &Case) -> Result<SpectrumFigure, Error> {
+        let problem = uniform_flow(case)?;
+        let numbers = || self.rows.iter().map(|row| self.waves[row.wave].number);
         let (least, most) =
             (0.5 * numbers().fold(f64::MAX, f64::min), 2.0 * numbers().fold(0.0, f64::max));
         let mut directions: Vec<f64> = Vec::new();
         for row in &self.rows {
-            if !directions.contains(&row.wave.direction_deg) {
-                directions.push(row.wave.direction_deg);
+            let direction_deg = self.waves[row.wave].direction_deg;
+            if !directions.contains(&direction_deg) {
+                directions.push(direction_deg);
             }
         }
         let (mut lines, mut rings) = (Vec::new(), Vec::new());
         for direction_deg in directions {
             let own = |mode: usize| {
-                self.rows
-                    .iter()
-                    .filter(move |row| row.wave.direction_deg == direction_deg && row.mode == mode)
+                self.rows.iter().filter(move |row| {
+                    self.waves[row.wave].direction_deg == direction_deg && row.mode == mode
+                })
             };
             for mode in 1..=2 {
                 let Some(first) = own(mode).next() else { continue };
                 // What grows or decays no faster than the mean flow deforms is not short waves' doing; and next
                 // to a degenerate direction the rate at the beginning is not that of the way.
-                let is_slow = |row: &Row| row.predicted.growth.abs() < 3.0 * self.shear_rate;
-                let has_turned =
-                    |row: &Row| row.frozen.less(row.predicted).size() > 0.1 * row.predicted.size();
+                let is_slow = |row: &ModeResult| row.predicted.growth.abs() < 3.0 * self.shear_rate;
+                let has_turned = |row: &ModeResult| {
+                    (row.frozen - row.predicted).max_norm() > 0.1 * row.predicted.max_norm()
+                };
                 if own(mode).all(is_slow) || own(mode).any(has_turned) {
                     continue;
                 }
                 let sign = if first.predicted.growth > 0.0 { "grows" } else { "decays" };
                 let point = |index: u32| {
                     let number = least * (most / least).cr_powf(f64::from(index) / 80.0);
-                    let modes = background.moving(Wave { number, direction_deg }.vector())?.modes();
-                    Ok([number, modes.get(mode - 1).map_or(f64::NAN, |own| own.0.re.abs())])
+                    let wave = Wave { number, direction_deg }.plane_wave();
+                    let rates =
+                        problem.initial_rates(&wave).map_err(|error| locate(case, error))?;
+                    Ok([number, rates.get(mode - 1).map_or(f64::NAN, |own| own.re.abs())])
                 };
                 lines.push(Line {
                     label: format!("at {}°: {sign}", short(direction_deg)),
                     points: (0..=80).map(point).collect::<Result<_, Error>>()?,
                 });
-                let ring = |row: &Row| {
+                let ring = |row: &ModeResult| {
                     let own = row.measured.as_ref().ok()?;
-                    Some([row.wave.number, own.limit.growth.abs()])
+                    Some([self.waves[row.wave].number, own.limit.growth.abs()])
                 };
                 rings.push(own(mode).filter_map(ring).collect());
             }
@@ -226,7 +232,7 @@ impl Checked {
             subtitle: format!(
                 "{}: curves from the analysis, rings from the solver{}",
                 case.medium().title(),
-                unmeasured_words(self.unmeasured().map_or(0, |own| own.0)),
+                unmeasured_words(self.unmeasured()),
             ),
             x_label: "wave number k at the beginning, 1/m".to_owned(),
             y_label: "growth or decay rate |γ|, 1/s".to_owned(),
@@ -236,12 +242,13 @@ impl Checked {
     }
 
     /// Rates of the fastest growing wave of each grid, model by model.
-    pub(in crate::check) fn refinement_figure(&self, case: &Case) -> Option<SpectrumFigure> {
-        let points = |own: &Refinement, value: fn(&Fastest) -> f64| -> Vec<[f64; 2]> {
+    pub(super) fn refinement_figure(&self, case: &Case) -> Option<SpectrumFigure> {
+        let points = |own: &RefinedModel, value: fn(&FastestMode) -> f64| -> Vec<[f64; 2]> {
+            let own = &own.refinement;
             let grids = own.grids.iter().filter(|_| own.orders().is_some());
             grids.map(|grid| [grid.number, value(grid)]).collect()
         };
-        let grids = self.refinements.first().map_or(&[][..], |own| &own.grids);
+        let grids = self.refinements.first().map_or(&[][..], |own| &own.refinement.grids);
         let counts: Vec<String> = grids.iter().map(|grid| format!("{}²", grid.points[0])).collect();
         (!self.refinements.is_empty()).then(|| SpectrumFigure {
             title: case_title(case),
@@ -253,7 +260,7 @@ impl Checked {
                 .refinements
                 .iter()
                 .map(|own| Line {
-                    label: match own.orders() {
+                    label: match own.refinement.orders() {
                         Some(_) => own.kind.title().to_owned(),
                         None => format!("{}: nothing grows", own.kind.title()),
                     },

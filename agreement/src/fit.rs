@@ -1,8 +1,9 @@
-//! Fits to what was measured.
+//! Fits of complex frequencies to amplitudes, and their limit on small cells.
 
 use models::elementary::{Elementary, cr_arg};
 use nalgebra::DMatrix;
 use num_complex::Complex64;
+use std::ops::Sub;
 
 /// A complex frequency: exp((γ − iω)t).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -14,30 +15,33 @@ pub struct Rate {
 }
 
 impl Rate {
-    /// The difference to another one.
-    pub fn less(self, other: Self) -> Self {
-        Self { frequency: self.frequency - other.frequency, growth: self.growth - other.growth }
-    }
-
-    /// The greater of both parts, rad/s.
-    pub fn size(self) -> f64 {
+    /// max(|ω|, |γ|), 1/s.
+    pub fn max_norm(self) -> f64 {
         self.frequency.abs().max(self.growth.abs())
     }
 }
 
-/// The slope of the line that fits values at places best, centred and scaled for the fit; not a
-/// number where there is none.
-pub fn slope(places: &[f64], values: &[f64]) -> f64 {
-    let low = places.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+impl Sub for Rate {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self { frequency: self.frequency - other.frequency, growth: self.growth - other.growth }
+    }
+}
+
+/// The slope of the least-squares line through values at abscissae, which are centred and scaled for the fit;
+/// not a number where there is none.
+pub fn slope(abscissae: &[f64], values: &[f64]) -> f64 {
+    let low = abscissae.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = abscissae.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
-    let scaled: Vec<f64> = places.iter().map(|x| (x - centre) / half).collect();
+    let scaled: Vec<f64> = abscissae.iter().map(|x| (x - centre) / half).collect();
     polyfit_rs::polyfit_rs::polyfit(&scaled, values, 1).map_or(f64::NAN, |found| found[1] / half)
 }
 
-/// The complex frequency of an amplitude: slopes of its phase and of the logarithm of its modulus. From one
-/// time to the next the phase changes by less than half a turn.
-pub fn rate(times: &[f64], amplitudes: &[Complex64]) -> Rate {
+/// The complex frequency of an amplitude at times (s): slopes of its phase and of the logarithm of its modulus.
+/// From one time to the next the phase changes by less than half a turn.
+pub fn fit_rate(times: &[f64], amplitudes: &[Complex64]) -> Rate {
     let mut phase = 0.0;
     let mut phases = vec![0.0];
     for pair in amplitudes.windows(2) {
@@ -50,13 +54,14 @@ pub fn rate(times: &[f64], amplitudes: &[Complex64]) -> Rate {
     Rate { frequency: -slope(times, &phases), growth: slope(times, &logarithms) }
 }
 
-/// The greatest error of [`rate`] over a time (s) if phase and logarithm are off by at most `error`: the
+/// The greatest error of [`fit_rate`] over a duration (s), 1/s, if phase and logarithm are off by at most `error`: the
 /// slope of the line that fits ±`error` on both halves.
-pub fn error_of_rate(error: f64, duration: f64) -> f64 {
+pub fn rate_error(error: f64, duration: f64) -> f64 {
     3.0 * error / duration
 }
 
-/// Powers of the cell's edge h in the errors of a scheme that is of second order; of two grids the first alone counts.
+/// Powers of the cell's edge h in the errors of a scheme of second order; with two grids only the first power is
+/// fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Powers {
     /// Of the frequency.
@@ -66,10 +71,10 @@ pub struct Powers {
 }
 
 impl Powers {
-    /// A step that is the same backwards: even powers turn the phase, and odd ones lower the amplitude.
+    /// A time-symmetric step: even powers in the frequency, odd ones in the decay.
     pub const SYMMETRIC: Self = Self { frequency: &[2, 4], growth: &[3] };
 
-    /// Sweeps that alternate: the first and the last one, each half as long, are off by h³ once.
+    /// Alternating sweeps: the first and the last one, each half as long, add an error of h³ once.
     pub const ALTERNATING: Self = Self { frequency: &[2, 3], growth: &[3] };
 
     /// Steps that end with a projection: Π exp(Δt A) Π lowers the amplitude by ½Δt²|(1 − Π)A y|² more than
@@ -77,9 +82,9 @@ impl Powers {
     pub const PROJECTED: Self = Self { frequency: &[2, 3], growth: &[1, 2] };
 }
 
-/// What each of some values in h = 1/n, n as in `cells`, weighs in the limit h → 0 of 1, h^p, h^q … fitted to them.
+/// Weights of values at h = 1/n, n as in `cells`, in the limit h → 0 of the least-squares fit of 1, h^p, h^q … to them.
 fn weights(cells: &[usize], powers: &[i32]) -> Vec<f64> {
-    let powers = &powers[..powers.len().min(cells.len() - 1)];
+    let powers = &powers[..powers.len().min(cells.len().saturating_sub(1))];
     let edge = |row: usize| cells[0] as f64 / cells[row] as f64;
     let matrix = DMatrix::from_fn(cells.len(), 1 + powers.len(), |row, column| match column {
         0 => 1.0,
@@ -92,8 +97,8 @@ fn weights(cells: &[usize], powers: &[i32]) -> Vec<f64> {
     }
 }
 
-/// Rates on cells of edges that go like 1/n, n as in `cells`, in the limit of small cells.
-pub fn extrapolated(cells: &[usize], rates: &[Rate], powers: Powers) -> Rate {
+/// The limit for small cells of rates on cells of edges in proportion to 1/n, n as in `cells`.
+pub fn extrapolate(cells: &[usize], rates: &[Rate], powers: Powers) -> Rate {
     let sum = |powers: &[i32], part: fn(&Rate) -> f64| -> f64 {
         weights(cells, powers).iter().zip(rates).map(|(weight, rate)| weight * part(rate)).sum()
     };
@@ -103,8 +108,8 @@ pub fn extrapolated(cells: &[usize], rates: &[Rate], powers: Powers) -> Rate {
     }
 }
 
-/// The greatest error of [`extrapolated`] if rates on these grids are off by at most `errors`: it is linear.
-pub fn error_of_extrapolated(cells: &[usize], errors: &[f64], powers: Powers) -> f64 {
+/// The greatest error of [`extrapolate`], 1/s, if rates on these grids are off by at most `errors`: it is linear.
+pub fn extrapolation_error(cells: &[usize], errors: &[f64], powers: Powers) -> f64 {
     let sum = |powers: &[i32]| -> f64 {
         weights(cells, powers).iter().zip(errors).map(|(own, error)| own.abs() * error).sum()
     };
@@ -120,8 +125,8 @@ mod tests {
         let planted = Rate { frequency: 431.0, growth: -2.5 };
         let times: Vec<f64> = (0..40).map(|i| 1e-3 * f64::from(i)).collect();
         let of = |t: &f64| Complex64::new(planted.growth * t, 0.7 - planted.frequency * t).exp();
-        let found = rate(&times, &times.iter().map(of).collect::<Vec<_>>());
-        assert!(found.less(planted).size() < 1e-11 * planted.frequency, "{found:?}");
+        let found = fit_rate(&times, &times.iter().map(of).collect::<Vec<_>>());
+        assert!((found - planted).max_norm() < 1e-11 * planted.frequency, "{found:?}");
     }
 
     #[test]
@@ -138,10 +143,10 @@ mod tests {
                     growth: 0.1 + sum([-9.0, 20.0], powers.growth),
                 }
             });
-            let found = extrapolated(&cells, &rates, powers);
-            let off = found.less(Rate { frequency: 7.0, growth: 0.1 }).size();
+            let found = extrapolate(&cells, &rates, powers);
+            let off = (found - Rate { frequency: 7.0, growth: 0.1 }).max_norm();
             assert!(off < 1e-11, "{powers:?}: {found:?}");
-            assert!(error_of_extrapolated(&cells, &[1.0; 3], powers) > 1.0);
+            assert!(extrapolation_error(&cells, &[1.0; 3], powers) > 1.0);
         }
     }
 }

@@ -1,5 +1,5 @@
-//! The symbol of a step: what the solver's scheme does to a plane wave, exactly, from the matrices of the
-//! analysis.
+//! The exact symbol of a time step of the solver for solids: its amplification matrix for a plane wave, from the
+//! matrices of the analysis.
 //!
 //! In units of energy y = LᵀU, A = LLᵀ, the equations are ẏ = Σ B̂ⁱ∂ᵢy + Q̂y with B̂ⁱ symmetric and Q̂
 //! antisymmetric, and the projection onto the tangent of a yield surface is the orthogonal one, Π. A sweep of
@@ -12,7 +12,7 @@
 //! ```
 //!
 //! With X, Y, Z these sweeps, x a quarter sweep (Δt/4) along the first axis, R = e^(½Q̂Δt) and Π = I where nothing
-//! yields, n steps make of a wave
+//! yields, n steps multiply a wave by
 //!
 //! ```text
 //! two-cyclic, second-order correction    Gⁿ, G = X Y Z R (2Π − I) R Z Y X,
@@ -20,11 +20,11 @@
 //! alternating                            x (M X)ⁿ⁻¹ M x, M = Π Y Z R X R Z Y,
 //! ```
 //!
-//! the last x being the one by which the solver completes the state that it shows.
+//! the last x being the one by which the solver completes its output.
 //!
-//! Knows nothing of the solver but this.
+//! Shares nothing with the solver but these formulas and the names of its options.
 
-use crate::case::dynamics::{Correction, Splitting};
+use dynamics::problem::{Placement, Splitting};
 use models::elementary::{Elementary, cr_cis};
 use models::product::triple_product;
 use models::rates::SymmetricForm;
@@ -33,25 +33,29 @@ use num_complex::Complex64;
 
 type Matrix = DMatrix<Complex64>;
 
-/// A grid on which a plane wave is a whole number of cells long along each axis, and the step in time.
+/// The cells of a grid and the time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Steps<const D: usize> {
+pub struct Discretisation<const D: usize> {
     /// Edges of a cell, m.
     pub spacing: [f64; D],
     /// Δt, s.
     pub step: f64,
 }
 
-/// What steps make of a plane wave, in units of energy.
+/// Amplification matrices of a plane wave, in units of energy.
 #[derive(Clone, Debug)]
 pub struct Propagator {
+    /// Of the first step.
     first: Matrix,
+    /// Of each further one.
     step: Matrix,
-    shown: Matrix,
+    /// From the state to the output.
+    output: Matrix,
 }
 
 impl Propagator {
-    /// The part of a wave of unit size that is left of it in what is shown after none, `every`, 2 `every` … steps.
+    /// Projections onto a wave of unit norm of the output after 0, `every`, 2 `every` … `count` × `every` steps from
+    /// that wave.
     pub fn amplitudes(
         &self,
         wave: &DVector<Complex64>,
@@ -65,21 +69,21 @@ impl Propagator {
                 state = &self.step * state;
             }
             if index % every == 0 {
-                amplitudes.push(wave.dotc(&(&self.shown * &state)));
+                amplitudes.push(wave.dotc(&(&self.output * &state)));
             }
         }
         amplitudes
     }
 }
 
-/// The equations in units of energy, while some conditions of yielding stay active or none.
+/// The linearised equations in units of energy, while certain yield conditions, or none, stay active.
 #[derive(Clone, Debug)]
 pub struct Equations<const D: usize> {
     /// Lᵀ: from unknowns to units of energy.
     pub into_energy: DMatrix<f64>,
     /// L⁻ᵀ: back.
     pub from_energy: DMatrix<f64>,
-    /// Along each axis V and c of B̂ⁱ.
+    /// V and c of B̂ⁱ, by axis.
     along: [SymmetricEigen<f64, nalgebra::Dyn>; D],
     b: [DMatrix<f64>; D],
     q: DMatrix<f64>,
@@ -128,28 +132,28 @@ impl<const D: usize> Equations<D> {
         symbol
     }
 
-    /// Frequencies (rad/s, positive, descending) and amplitudes in units of energy, of which each wave has
-    /// one, with the wave vector κ, 1/m: y = Re ŷ exp(i(κ·x − ωt)).
+    /// Frequencies (rad/s, positive, descending) and unit amplitudes in units of energy of the waves of wave vector κ,
+    /// 1/m: y = Re ŷ exp(i(κ·x − ωt)).
     pub fn waves(&self, wave: [f64; D]) -> Vec<(f64, DVector<Complex64>)> {
-        /// Frequencies below this part of the greatest are zero.
-        const STILL: f64 = 1e-9;
+        /// Frequencies below this fraction of the greatest are zero.
+        const NEGLIGIBLE: f64 = 1e-9;
         let tangent = complex(&self.tangent);
         let symbol = &tangent * self.symbol(wave) * &tangent * Complex64::i();
         let eigen = ((&symbol + symbol.adjoint()) * Complex64::from(0.5)).symmetric_eigen();
         let greatest = eigen.eigenvalues.amax();
         let mut waves: Vec<(f64, DVector<Complex64>)> = (0..eigen.eigenvalues.len())
-            .filter(|&i| eigen.eigenvalues[i] > STILL * greatest)
+            .filter(|&i| eigen.eigenvalues[i] > NEGLIGIBLE * greatest)
             .map(|i| (eigen.eigenvalues[i], eigen.eigenvectors.column(i).into_owned()))
             .collect();
         waves.sort_by(|a, b| b.0.total_cmp(&a.0));
-        // Waves of one frequency have no polarisations of their own, and the scheme is not isotropic.
+        // The polarisations of a multiple frequency are arbitrary, and the scheme is not isotropic.
         let mut first = 0;
         while first < waves.len() {
-            let is_other = |own: &(f64, _)| waves[first].0 - own.0 > STILL * greatest;
+            let is_other = |own: &(f64, _)| waves[first].0 - own.0 > NEGLIGIBLE * greatest;
             let end = waves.iter().position(is_other).unwrap_or(waves.len());
             if end > first + 1 {
                 let vectors: Vec<_> = waves[first..end].iter().map(|own| own.1.clone()).collect();
-                let chosen = along_axes(&DMatrix::from_columns(&vectors));
+                let chosen = canonical_basis(&DMatrix::from_columns(&vectors));
                 for (own, vector) in waves[first..end].iter_mut().zip(chosen) {
                     own.1 = vector;
                 }
@@ -159,28 +163,32 @@ impl<const D: usize> Equations<D> {
         waves
     }
 
-    /// Bounds on the value of an active condition, in units of energy, in a wave of that amplitude, and on the
-    /// rate of that value if the solid stayed elastic (Cauchy & Schwarz; normals have unit length).
-    pub fn most(&self, wave: [f64; D], amplitude: &DVector<Complex64>) -> [f64; 2] {
+    /// Bounds in a wave of that amplitude on the value of an active condition, in units of energy, and on the rate of
+    /// that value while the solid stays elastic (Cauchy & Schwarz; normals have unit length).
+    pub fn bounds(&self, wave: [f64; D], amplitude: &DVector<Complex64>) -> [f64; 2] {
         [amplitude.norm(), (self.symbol(wave) * amplitude).norm()]
     }
 
-    /// The stress across the yield surface, as unknowns, in which every condition has the value one in units
-    /// of energy: its distance from the surface.
-    pub fn outward(&self) -> Option<DVector<f64>> {
+    /// The stress normal to the yield surface, as unknowns, in which every active condition has the value one in units
+    /// of energy: its distance from the surface. `None` where no plastic flow keeps all of them active.
+    pub fn yield_normal_stress(&self) -> Option<DVector<f64>> {
+        if self.normals.is_empty() {
+            return None;
+        }
         let all = DMatrix::from_columns(&self.normals);
         let share = (all.transpose() * &all).try_inverse()?
             * DVector::from_element(self.normals.len(), 1.0);
-        // The multipliers of flow, all of which must be positive while all conditions stay active.
+        // The plastic multipliers: all positive while all conditions stay active.
         share.iter().all(|own| *own > 0.0).then(|| &self.from_energy * all * share)
     }
 
-    /// What steps make of the wave vector κ, 1/m. The correction in the middle has sweeps in two cycles.
+    /// The amplification matrices of the wave vector κ, 1/m. A correction in the middle of the step has two-cyclic
+    /// sweeps.
     pub fn propagator(
         &self,
         wave: [f64; D],
-        grid: &Steps<D>,
-        correction: Correction,
+        grid: &Discretisation<D>,
+        placement: Placement,
         splitting: Splitting,
     ) -> Propagator {
         let size = self.q.nrows();
@@ -188,53 +196,53 @@ impl<const D: usize> Equations<D> {
         let tangent = complex(&self.tangent);
         let sweeps: Vec<Matrix> =
             (0..D).map(|axis| self.sweep(axis, wave[axis], grid, 0.5)).collect();
-        // The last axis stands innermost.
+        // The sweep along the last axis is innermost.
         let around = |sweeps: &[Matrix], inner: Matrix| {
             sweeps.iter().rev().fold(inner, |inner, sweep| sweep * inner * sweep)
         };
         let two_cyclic = |step: Matrix| Propagator {
             first: step.clone(),
             step,
-            shown: Matrix::identity(size, size),
+            output: Matrix::identity(size, size),
         };
-        match (correction, splitting) {
-            (Correction::SecondOrder, _) => {
+        match (placement, splitting) {
+            (Placement::Middle, _) => {
                 let mirror = complex(&(&self.tangent * 2.0 - DMatrix::identity(size, size)));
                 two_cyclic(around(&sweeps, &half * mirror * &half))
             }
-            (Correction::FirstOrder, Splitting::TwoCyclic) => {
+            (Placement::Last, Splitting::TwoCyclic) => {
                 two_cyclic(tangent * around(&sweeps, &half * &half))
             }
-            (Correction::FirstOrder, Splitting::Alternating) => {
+            (Placement::Last, Splitting::Alternating) => {
                 let quarter = self.sweep(0, wave[0], grid, 0.25);
                 let rest = tangent * around(&sweeps[1..], &half * &sweeps[0] * &half);
-                Propagator { first: &rest * &quarter, step: rest * &sweeps[0], shown: quarter }
+                Propagator { first: &rest * &quarter, step: rest * &sweeps[0], output: quarter }
             }
         }
     }
 
-    /// A sweep by a part of a step.
-    fn sweep(&self, axis: usize, k: f64, grid: &Steps<D>, part: f64) -> Matrix {
+    /// A sweep along an axis by a fraction of the step.
+    fn sweep(&self, axis: usize, k: f64, grid: &Discretisation<D>, fraction: f64) -> Matrix {
         let h = grid.spacing[axis];
         let (sin, cos) = (k * h).cr_sin_cos();
         let factor = |speed: f64| {
-            let courant = part * speed.abs() * grid.step / h;
-            let (staying, both) = (1.0 - courant, 1.0 - courant * courant);
+            let courant = fraction * speed.abs() * grid.step / h;
+            let (rest, both) = (1.0 - courant, 1.0 - courant * courant);
             let weights = [
                 both * (2.0 + courant) / 24.0,
-                0.5 * staying - courant * both / 12.0,
+                0.5 * rest - courant * both / 12.0,
                 -both * (2.0 - courant) / 24.0,
             ];
             let difference = Complex64::new(1.0 - cos, sin);
             let next = Complex64::new(cos, sin);
-            let lead = weights[0] + next * (weights[1] + next * weights[2]);
-            let to_right = 1.0 - courant * difference * (1.0 + difference * lead);
+            let correction = weights[0] + next * (weights[1] + next * weights[2]);
+            let to_right = 1.0 - courant * difference * (1.0 + difference * correction);
             // ẇ = c∂w runs to the left for c > 0.
             if speed > 0.0 { to_right.conj() } else { to_right }
         };
-        let own = &self.along[axis];
-        let vectors = complex(&own.eigenvectors);
-        &vectors * Matrix::from_diagonal(&own.eigenvalues.map(factor)) * vectors.adjoint()
+        let eigen = &self.along[axis];
+        let vectors = complex(&eigen.eigenvectors);
+        &vectors * Matrix::from_diagonal(&eigen.eigenvalues.map(factor)) * vectors.adjoint()
     }
 
     /// exp(Q̂t).
@@ -246,10 +254,10 @@ impl<const D: usize> Equations<D> {
     }
 }
 
-/// Of the space that orthonormal columns span an orthonormal basis that depends on the space alone: projections of the
-/// axes onto it, one after the other (Gram & Schmidt).
-fn along_axes(columns: &Matrix) -> Vec<DVector<Complex64>> {
-    /// The longest projection onto what is left of the space is longer: of 24 axes at most, 1/√24.
+/// An orthonormal basis of the span of orthonormal columns that depends on that space alone: projections of the axes
+/// onto it, orthogonalised one after the other (Gram & Schmidt).
+fn canonical_basis(columns: &Matrix) -> Vec<DVector<Complex64>> {
+    /// The longest projection onto the remaining space is longer: of at most 24 axes, 1/√24.
     const LEAST: f64 = 0.1;
     let (size, count) = columns.shape();
     let mut chosen: Vec<DVector<Complex64>> = Vec::new();
@@ -258,8 +266,8 @@ fn along_axes(columns: &Matrix) -> Vec<DVector<Complex64>> {
         let mut vector: DVector<Complex64> = columns * columns.row(axis).adjoint();
         for _ in 0..2 {
             for own in &chosen {
-                let part = own.dotc(&vector);
-                vector -= own * part;
+                let component = own.dotc(&vector);
+                vector -= own * component;
             }
         }
         let norm = vector.norm();

@@ -1,0 +1,181 @@
+//! The fastest growing wave of one perturbation on finer and finer grids.
+
+use super::UniformFlow;
+use super::linearised::LinearisedFlow;
+use super::waves::{LEAST, TIMES, amplitudes, times};
+use crate::AgreementError;
+use crate::fit::{fit_rate, slope};
+use dynamics::flow::spectral::Mode;
+use dynamics::flow::{Closure, Flow as Solver, Problem};
+use models::elementary::Elementary;
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+/// A perturbation of a uniform flow at the points of a box, the first axis running fastest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Perturbation {
+    /// Points along each axis; even, at least 4.
+    pub points: [usize; 2],
+    /// Edges of the box at the beginning, m.
+    pub lengths: [f64; 2],
+    /// Of the velocity, m/s.
+    pub velocity: [Vec<f64>; 2],
+    /// Of the spin ω, rad/s, or of the stress angle ψ, rad, where one of them evolves.
+    pub internal_variable: Vec<f64>,
+}
+
+/// The fastest growing mode of one grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FastestMode {
+    /// Points along each axis.
+    pub points: [usize; 2],
+    /// The mode.
+    pub mode: Mode,
+    /// Its wave number at the beginning, 1/m.
+    pub number: f64,
+    /// Its growth rate by the linearised equations along k(t), 1/s.
+    pub predicted: f64,
+    /// Its growth rate in the solver, 1/s.
+    pub measured: f64,
+}
+
+/// The fastest growing modes of one perturbation on finer and finer grids.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refinement {
+    /// The order of growth in k as k → ∞, by the verdict; 0 where the flow is well-posed.
+    pub verdict_order: f64,
+    /// Grid by grid.
+    pub grids: Vec<FastestMode>,
+    /// Q_D of the mean flow, 1/s.
+    pub shear_rate: f64,
+}
+
+impl Refinement {
+    /// Allowed difference of measured and predicted rates, relative to the rate, and of the orders of both.
+    pub const RATE_TOLERANCE: f64 = 0.01;
+
+    /// Allowed difference of the order on these grids from that of the verdict, as k → ∞: less than half of the
+    /// difference between orders of 1 and ½.
+    pub const ORDER_TOLERANCE: f64 = 0.25;
+
+    /// Whether the rates of this grid agree.
+    pub fn grid_agrees(&self, grid: &FastestMode) -> bool {
+        let scale = grid.predicted.abs().max(self.shear_rate);
+        (grid.measured - grid.predicted).abs() <= Self::RATE_TOLERANCE * scale
+    }
+
+    /// Orders in the wave number of predicted and measured rates, fitted to all grids; `None` where nothing grows faster
+    /// than the mean flow deforms.
+    pub fn orders(&self) -> Option<[f64; 2]> {
+        let grows = |own: &FastestMode| own.predicted.min(own.measured) > 3.0 * self.shear_rate;
+        if self.grids.len() < 2 || !self.grids.iter().all(grows) {
+            return None;
+        }
+        let numbers: Vec<f64> = self.grids.iter().map(|own| own.number.cr_ln()).collect();
+        let order = |value: fn(&FastestMode) -> f64| {
+            let values: Vec<f64> = self.grids.iter().map(|own| value(own).cr_ln()).collect();
+            slope(&numbers, &values)
+        };
+        Some([order(|own| own.predicted), order(|own| own.measured)])
+    }
+
+    /// Whether rates and orders agree, and the order is next to that of the verdict.
+    pub fn agrees(&self) -> bool {
+        let orders = match self.orders() {
+            // On grids too coarse for growth there is no order.
+            None => true,
+            Some([predicted, measured]) => {
+                (predicted - self.verdict_order).abs() < Self::ORDER_TOLERANCE
+                    && (measured - predicted).abs() <= Self::RATE_TOLERANCE * predicted
+            }
+        };
+        orders && self.grids.iter().all(|own| self.grid_agrees(own))
+    }
+}
+
+/// Rates of the modes of a grid, by mode.
+type Rates = (Mode, Vec<Complex64>);
+
+/// The mode of a perturbation that grows fastest, predicted and measured.
+///
+/// # Errors
+/// The solver does not take the flow or does not bring the perturbation to its end; the perturbation has no velocity,
+/// or not a value at each point; the equations do not determine the evolution.
+pub fn fastest_mode(
+    problem: &UniformFlow,
+    perturbation: &Perturbation,
+) -> Result<FastestMode, AgreementError> {
+    let flow = LinearisedFlow::new(problem);
+    let (points, lengths) = (perturbation.points, perturbation.lengths);
+    // A tolerance for the whole perturbation, of which one wave is a small part.
+    let solver_problem = Problem { tolerance: 3e-7, points, lengths, ..problem.solver.clone() };
+    let mut solver = Solver::new(&solver_problem)?;
+    let ([v1, v2], internal) = (&perturbation.velocity, &perturbation.internal_variable);
+    let found = [v1.len(), v2.len(), internal.len()];
+    if found != [points[0] * points[1]; 3] {
+        return Err(AgreementError::Points { found, points });
+    }
+    solver.perturb([v1, v2], internal)?;
+    let all = rates(&flow, &solver)?;
+    let growth = |own: &Rates| own.1.first().map_or(f64::MIN, |rate| rate.re);
+    let fastest = all.iter().max_by(|a, b| growth(a).total_cmp(&growth(b)));
+    let (mode, rates) = fastest.ok_or(AgreementError::NothingMoves)?;
+    let stiffest = all.iter().flat_map(|own| &own.1).map(|rate| rate.norm()).fold(0.0, f64::max);
+    let shear_rate = flow.flow.shear_rate;
+    // Three e-folds; where nothing grows, as long as hundreds of stages reach.
+    let duration = (3.0 / rates.first().map_or(0.0, |rate| rate.re).max(0.0))
+        .min(0.1 / shear_rate)
+        .min(2e3 / stiffest);
+    let wave = solver.wave_vector(*mode);
+    let mut measured = vec![amplitudes(&solver, *mode)];
+    let count = if solver_problem.closure == Closure::PlasticPotential { 2 } else { 3 };
+    let (duration, predicted) = {
+        let mut duration = duration;
+        loop {
+            let predicted = flow.predicted(wave, measured[0], count, duration)?;
+            // A decaying mode is followed while it is far above rounding.
+            let least = predicted.iter().map(|own| own[0].norm()).fold(f64::MAX, f64::min);
+            if least > LEAST * predicted[0][0].norm() || duration < 1e-9 / shear_rate {
+                break (duration, predicted);
+            }
+            duration *= 0.5;
+        }
+    };
+    for time in times(duration).into_iter().skip(1) {
+        while solver.time() < time {
+            solver.advance(time)?;
+        }
+        measured.push(amplitudes(&solver, *mode));
+    }
+    // Over the last half, when the decaying modes are gone.
+    let half = TIMES / 2;
+    let growth = |all: &[[Complex64; 2]]| {
+        let transverse: Vec<Complex64> = all[half..].iter().map(|own| own[0]).collect();
+        fit_rate(&times(duration)[half..], &transverse).growth
+    };
+    Ok(FastestMode {
+        points,
+        mode: *mode,
+        number: wave[0].root_sum_square(wave[1]),
+        predicted: growth(&predicted),
+        measured: growth(&measured),
+    })
+}
+
+/// Predicted rates of the modes whose velocity the perturbation holds, one of each pair of opposite ones.
+fn rates(flow: &LinearisedFlow, solver: &Solver) -> Result<Vec<Rates>, AgreementError> {
+    let [most, across] = solver.greatest_modes().map(|greatest| greatest as i32);
+    let all: Vec<(Mode, f64)> = (0..=most)
+        .flat_map(|first| (-across..=across).map(move |second| [first, second]))
+        .filter(|mode| *mode > [0, 0])
+        .map(|mode| (mode, amplitudes(solver, mode)[0].norm()))
+        .collect();
+    let greatest = all.iter().map(|own| own.1).fold(0.0, f64::max);
+    let is_held = |own: &&(Mode, f64)| greatest > 0.0 && own.1 > 1e-3 * greatest;
+    let modes: Vec<Mode> = all.iter().filter(is_held).map(|own| own.0).collect();
+    let rates = |mode: &Mode| {
+        let modes = flow.moving(solver.wave_vector(*mode))?.modes();
+        Ok((*mode, modes.into_iter().map(|own| own.0).collect()))
+    };
+    modes.par_iter().map(rates).collect()
+}

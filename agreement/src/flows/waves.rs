@@ -1,0 +1,267 @@
+//! Waves of one wave vector in a uniform flow, predicted and measured.
+
+use super::linearised::LinearisedFlow;
+use super::{ModeResult, StepSequences, UniformFlow};
+use crate::fit::{Rate, fit_rate, rate_error};
+use crate::{AgreementError, NotMeasurable, OnProgress, PlaneWave, Progress};
+use dynamics::flow::spectral::Mode;
+use dynamics::flow::{Flow as Solver, Problem};
+use models::elementary::{Elementary, cr_cis};
+use num_complex::Complex64;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// Perturbations relative to the background.
+const AMPLITUDE: f64 = 1e-6;
+/// Times at which an amplitude is taken, after the beginning.
+pub(super) const TIMES: usize = 8;
+/// Steps between two of them, on the coarsest of three sequences; each next one has twice as many. Where steps
+/// are too long for the solver all three are halved, up to the second number.
+const STEPS: [usize; 2] = [4, 64];
+/// Points along each axis of a box of one wave: no shorter wave is in it, which would only make steps stiffer.
+pub(super) const POINTS: usize = 4;
+/// Powers of e by which other waves in the box may grow.
+const FOLDS: f64 = 4.0;
+/// Least amplitude of a wave, over that at the beginning: far above rounding.
+pub(super) const LEAST: f64 = 0.1;
+/// Steps between two times by which the analysis follows a wave.
+pub(super) const COURSE: usize = 50;
+
+/// The transverse velocity of a mode and ω or ψ, in the solver.
+pub(super) fn amplitudes(solver: &Solver, mode: Mode) -> [Complex64; 2] {
+    let [k1, k2] = solver.wave_vector(mode);
+    let [[vorticity, internal], _] = solver.mode(mode).unwrap_or_default();
+    // ζ = ikV
+    [vorticity / (Complex64::I * k1.root_sum_square(k2)), internal]
+}
+
+/// Times at which amplitudes are taken.
+pub(super) fn times(duration: f64) -> Vec<f64> {
+    (0..=TIMES).map(|index| duration * index as f64 / TIMES as f64).collect()
+}
+
+/// All modes of all waves, in the order of the waves.
+///
+/// # Errors
+/// The equations do not determine the evolution of a wave; that it was cancelled.
+pub fn wave_results(
+    problem: &UniformFlow,
+    waves: &[PlaneWave<2>],
+    on_progress: OnProgress,
+) -> Result<Vec<ModeResult>, AgreementError> {
+    let flow = LinearisedFlow::new(problem);
+    let progress = Progress::begin(on_progress, waves.len())?;
+    let of_wave = |(index, wave): (usize, &PlaneWave<2>)| {
+        let results = mode_results(&flow, index, wave)?;
+        progress.advance()?;
+        Ok(results)
+    };
+    let all: Vec<Vec<ModeResult>> =
+        waves.par_iter().enumerate().map(of_wave).collect::<Result<_, AgreementError>>()?;
+    Ok(all.into_iter().flatten().collect())
+}
+
+/// An eigenvalue and the unknowns of its wave.
+type Eigenmode = (Complex64, Vec<Complex64>);
+
+/// One wave in its box.
+struct Experiment<'a> {
+    flow: &'a LinearisedFlow<'a>,
+    wave: usize,
+    /// 1/m.
+    number: f64,
+    /// k at the beginning, 1/m.
+    vector: [f64; 2],
+    /// Edges of the box, m.
+    lengths: [f64; 2],
+    mode: Mode,
+    problem: Problem,
+    /// Of the greater field, in units of the mean flow.
+    amplitude: f64,
+    frozen: Vec<Eigenmode>,
+}
+
+/// All modes of a wave.
+fn mode_results(
+    flow: &LinearisedFlow,
+    index: usize,
+    wave: &PlaneWave<2>,
+) -> Result<Vec<ModeResult>, AgreementError> {
+    let (lengths, mode) = wave.periodic_box();
+    let vector = [0, 1].map(|axis| TAU * f64::from(mode[axis]) / lengths[axis]);
+    let moving = flow.moving(vector)?;
+    let frozen = flow.evolution(vector, [0.0; 2])?;
+    let (modes, frozen) = (moving.modes(), frozen.modes());
+    if modes.is_empty() || frozen.is_empty() {
+        return Err(AgreementError::Undetermined);
+    }
+    let experiment = Experiment {
+        flow,
+        wave: index,
+        number: wave.number,
+        vector,
+        lengths,
+        mode,
+        problem: Problem {
+            points: [POINTS; 2],
+            lengths,
+            tolerance: 1e-9,
+            pressure_tolerance: 1e-13,
+            ..flow.problem.solver.clone()
+        },
+        amplitude: AMPLITUDE * flow.inertial_ratio(wave.number).min(1.0),
+        frozen,
+    };
+    modes.iter().enumerate().map(|(index, own)| experiment.result(index + 1, own)).collect()
+}
+
+impl Experiment<'_> {
+    fn result(
+        &self,
+        mode: usize,
+        (eigenvalue, unknowns): &Eigenmode,
+    ) -> Result<ModeResult, AgreementError> {
+        let flow = self.flow;
+        let unit = flow.transverse(self.vector, unknowns);
+        let (greater, size) = flow.greater(self.number, unit);
+        let start = unit.map(|own| own * (self.amplitude * size / unit[greater].norm()));
+        let duration = self.duration(*eigenvalue)?;
+        let (duration, course, leading) = self.course(start, unknowns.len(), duration)?;
+        let fit = |all: &[[Complex64; 2]]| {
+            fit_rate(&times(duration), &all.iter().map(|own| own[leading]).collect::<Vec<_>>())
+        };
+        // As many stages in all steps: the limit is that of one method.
+        let measure = |steps: usize, stages: usize| {
+            measured(&self.problem, self.mode, start, [steps, stages], duration)
+        };
+        let sequences = |steps: usize| -> Result<Vec<_>, NotMeasurable> {
+            let (_, stages) = measure(steps, 0)?;
+            let of = |times: usize| {
+                let found = measure(steps * times, stages)?;
+                Ok((steps * times * TIMES, fit(&found.0)))
+            };
+            [1, 2, 4].into_iter().map(of).collect()
+        };
+        let [mut steps, most] = STEPS;
+        let sequences = loop {
+            match sequences(steps) {
+                Err(_) if steps < most => steps *= 2,
+                found => break found,
+            }
+        };
+        // Fields are rounded as parts of the background, which weighs more next to the bound; what a wave
+        // makes of itself is of third order.
+        let inverse = 1.0 / (2.0 * flow.flow.noncoaxiality).cr_cos().abs();
+        let unit = flow.unit(self.number, leading);
+        let least = course.iter().map(|own| own[leading].norm() / unit);
+        let least = least.fold(self.amplitude, f64::min);
+        let noise = inverse * (64.0 * f64::EPSILON / least + (AMPLITUDE * inverse).powi(2));
+        let measured = sequences.map(|sequences| {
+            let (limit, error) = in_the_limit(&sequences);
+            let tolerance = error + rate_error(noise, duration);
+            StepSequences { sequences, limit, tolerance }
+        });
+        let (predicted, frozen) = (fit(&course), nearest(&self.frozen, *eigenvalue));
+        Ok(ModeResult { wave: self.wave, mode, duration, predicted, frozen, measured })
+    }
+
+    /// An e-fold (s), while the wave vector does not turn by much, and before the growth of rounding in faster waves of
+    /// the box is seen.
+    fn duration(&self, eigenvalue: Complex64) -> Result<f64, AgreementError> {
+        let duration = (1.0 / eigenvalue.norm()).min(0.2 / self.flow.flow.shear_rate);
+        let mut growth = 0.0f64;
+        for part in [0.0, 0.5, 1.0] {
+            growth = growth.max(self.flow.fastest_growth(self.lengths, part * duration)?);
+        }
+        Ok(duration.min(FOLDS / growth))
+    }
+
+    /// The predicted amplitudes over a duration (s), which is halved until they stay far above rounding, and the field
+    /// that varies less: the other may pass through zero.
+    fn course(
+        &self,
+        start: [Complex64; 2],
+        count: usize,
+        mut duration: f64,
+    ) -> Result<(f64, Vec<[Complex64; 2]>, usize), AgreementError> {
+        loop {
+            let predicted = self.flow.predicted(self.vector, start, count, duration)?;
+            let least = |field: usize| {
+                let sizes = || predicted.iter().map(|own| own[field].norm());
+                sizes().fold(f64::MAX, f64::min) / sizes().fold(f64::MIN_POSITIVE, f64::max)
+            };
+            let leading = usize::from(least(1) > least(0));
+            // A rate that is small at the beginning may not stay so.
+            if least(leading) > LEAST || duration < 1e-9 / self.flow.flow.shear_rate {
+                return Ok((duration, predicted, leading));
+            }
+            duration *= 0.5;
+        }
+    }
+}
+
+/// The rate of the frozen wave vector that belongs to a moving one's.
+fn nearest(frozen: &[Eigenmode], rate: Complex64) -> Rate {
+    let distance = |own: &&Eigenmode| (own.0 - rate).norm();
+    let nearest = frozen.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    nearest.map_or(Rate::default(), |own| Rate { frequency: -own.0.im, growth: own.0.re })
+}
+
+/// Amplitudes of a wave in the solver.
+type Amplitudes = Vec<[Complex64; 2]>;
+
+/// Amplitudes of a wave in the solver, with so many steps between two of them and at least so many stages; and
+/// the greatest number of stages. Or why the solver does not come to the end.
+fn measured(
+    problem: &Problem,
+    mode: Mode,
+    start: [Complex64; 2],
+    [steps, least_stages]: [usize; 2],
+    duration: f64,
+) -> Result<(Amplitudes, usize), NotMeasurable> {
+    let mut solver = Solver::new(problem)?;
+    let [k1, k2] = solver.wave_vector(mode);
+    let number = k1.root_sum_square(k2);
+    // Re z exp(ik·y), counted from the first point: of it the mode is a half.
+    let value = |z: Complex64| -> Vec<f64> {
+        (0..POINTS * POINTS)
+            .map(|point| {
+                let [i, j] = [point % POINTS, point / POINTS].map(|index| index as f64);
+                let turns = (f64::from(mode[0]) * i + f64::from(mode[1]) * j) / POINTS as f64;
+                2.0 * (z * cr_cis(TAU * turns)).re
+            })
+            .collect()
+    };
+    let [transverse, internal] = start;
+    let velocity = [value(-transverse * (k2 / number)), value(transverse * (k1 / number))];
+    solver
+        .perturb([&velocity[0], &velocity[1]], &value(internal))
+        .map_err(NotMeasurable::Initial)?;
+    let step = duration / (TIMES * steps) as f64;
+    let (mut all, mut stages) = (vec![amplitudes(&solver, mode)], least_stages);
+    for _ in 0..TIMES {
+        for _ in 0..steps {
+            solver.advance_by(step, least_stages).map_err(NotMeasurable::Stopped)?;
+            stages = stages.max(solver.stages());
+        }
+        all.push(amplitudes(&solver, mode));
+    }
+    let is_sound = all.iter().flatten().all(|own| own.is_finite());
+    if is_sound { Ok((all, stages)) } else { Err(NotMeasurable::NotFinite) }
+}
+
+/// The limit of the rates of three numbers of steps, errors being of second and third order in the step; and its
+/// distance from the limit of the two finest with second order alone, a bound on its error.
+fn in_the_limit(measured: &[(usize, Rate)]) -> (Rate, f64) {
+    let [.., (_, one), (_, two), (_, four)] = measured else { return (Rate::default(), f64::NAN) };
+    let combine = |weights: [f64; 3]| {
+        let of = |part: fn(&Rate) -> f64| {
+            weights[0] * part(one) + weights[1] * part(two) + weights[2] * part(four)
+        };
+        Rate { frequency: of(|own| own.frequency), growth: of(|own| own.growth) }
+    };
+    // Steps h, h/2 and h/4.
+    let second = combine([0.0, -1.0 / 3.0, 4.0 / 3.0]);
+    let third = combine([1.0 / 21.0, -12.0 / 21.0, 32.0 / 21.0]);
+    (third, (third - second).max_norm())
+}

@@ -1,0 +1,91 @@
+//! The uniform state that waves run through where a solid yields.
+
+use crate::AgreementError;
+use crate::scheme::Equations;
+use models::cosserat::stress::{Component, Stress};
+use models::elastoplastic::{Plastic, Solid};
+use models::plasticity::parameters::ActiveCondition;
+use nalgebra::DVector;
+
+/// A stress on the yield surface.
+pub(super) struct Background {
+    pub(super) stress: Stress,
+    /// By unknown: the stress in which every active condition has the value one in units of energy.
+    pub(super) yield_normal_stress: DVector<f64>,
+    pub(super) is_curved: bool,
+    /// Norm of the stress in units of energy, √(J/m³).
+    pub(super) norm: f64,
+    /// The greatest wave, likewise, that meets no condition but the active ones.
+    pub(super) capacity: f64,
+}
+
+/// Gradients of the active conditions by all unknowns.
+pub(super) fn normals<const D: usize>(solid: &Solid) -> Vec<DVector<f64>> {
+    let active = solid.plastic.iter().flat_map(|plastic| &plastic.active);
+    active.map(|condition| normal::<D>(solid, condition)).collect()
+}
+
+fn normal<const D: usize>(solid: &Solid, condition: &ActiveCondition) -> DVector<f64> {
+    by_unknown::<D>(solid, |component| component.derivative(&condition.normal))
+}
+
+/// Values of stress components in the place of the unknowns; velocities have zero.
+fn by_unknown<const D: usize>(solid: &Solid, value: impl Fn(Component) -> f64) -> DVector<f64> {
+    let velocities = solid.elastic.carried_rates::<D>().velocities();
+    let stresses: Vec<Component> = solid.carried_stresses::<D>();
+    let mut values = DVector::zeros(velocities + stresses.len());
+    for (place, &component) in stresses.iter().enumerate() {
+        values[velocities + place] = value(component);
+    }
+    values
+}
+
+impl Background {
+    /// The background of a solid; `None` where it does not yield.
+    pub(super) fn new<const D: usize>(
+        solid: &Solid,
+        yielding: &Equations<D>,
+    ) -> Result<Option<Self>, AgreementError> {
+        let Some(plastic) = &solid.plastic else { return Ok(None) };
+        let stress = stress_of(plastic);
+        let unknowns = by_unknown::<D>(solid, |component| component.of(&stress));
+        let norm = (&yielding.into_energy * &unknowns).norm();
+        let mut capacity = norm;
+        let half_spaces = plastic.set.half_spaces();
+        let is_curved = half_spaces.is_none();
+        for (condition, strength) in half_spaces.into_iter().flatten() {
+            if plastic.active.contains(&condition) {
+                continue;
+            }
+            let normal = normal::<D>(solid, &condition);
+            // By L⁻¹ as normals are.
+            let scaled = yielding.from_energy.transpose() * &normal;
+            capacity = capacity.min((strength - normal.dot(&unknowns)) / scaled.norm());
+        }
+        if plastic.set.active(&stress, 1e-9) != plastic.active || capacity <= 0.0 {
+            return Err(AgreementError::ActiveConditions);
+        }
+        let yield_normal_stress =
+            yielding.yield_normal_stress().ok_or(AgreementError::PlasticFlow)?;
+        Ok(Some(Self { stress, yield_normal_stress, is_curved, norm, capacity }))
+    }
+}
+
+/// The stress at which the active conditions hold with equality.
+fn stress_of(plastic: &Plastic) -> Stress {
+    if let Some(stress) = plastic.stress {
+        return stress;
+    }
+    // On each active condition, by its own shear or couple stress alone.
+    let mut stress = Stress::default();
+    for (condition, strength) in plastic.set.half_spaces().into_iter().flatten() {
+        if plastic.active.contains(&condition) {
+            let own = condition.normal;
+            for face in 0..2 {
+                stress.force[1 - face][face] += own.force[1 - face][face] * strength;
+                stress.couple[2][face] += own.couple[2][face] * strength;
+            }
+        }
+    }
+    stress
+}

@@ -1,0 +1,335 @@
+//! All branches of all waves, predicted, expected and measured.
+
+use super::background::{Background, normals};
+use super::run::Run;
+use super::{BranchResult, GridResult, Measurement, Response, SolverSettings};
+use crate::fit::{Powers, Rate, extrapolate, extrapolation_error, fit_rate, rate_error};
+use crate::scheme::{Discretisation, Equations};
+use crate::{AgreementError, NotMeasurable, OnProgress, PlaneWave, Progress};
+use analysis::solids::branches;
+use dynamics::medium::Medium;
+use dynamics::problem::{Grid, Placement, Splitting};
+use models::elastoplastic::Solid;
+use nalgebra::DVector;
+use num_complex::Complex64;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Most cell-updates of a run.
+const MOST_UPDATES: f64 = 2e9;
+/// Roundings of a step, each of half a unit in the last place of the greatest field in units of energy: a
+/// sweep has about ten on a path from field to field, and there are up to seven factors.
+const ROUNDINGS: f64 = 64.0;
+/// Distance of the background from where the wave could take it back over the yield surface, over the greatest
+/// effect of a wave of its energy.
+pub(super) const MARGIN: f64 = 2.0;
+/// Stress of waves over that of the background where the yield surface is flat.
+const ON_FLAT: f64 = 1e-3;
+
+/// All branches of waves in a solid, predicted for `solid` and measured in `medium`, which is the same solid for the
+/// solver.
+///
+/// # Errors
+/// The solid has no positive energy, no rate of response, or no background on its yield surface; `medium` is of another
+/// dimension; there are no grids; a run would take too long; that it was cancelled.
+pub fn branch_results(
+    solid: &Solid,
+    medium: &Medium,
+    waves: &[PlaneWave<3>],
+    settings: &SolverSettings,
+    on_progress: OnProgress,
+) -> Result<Vec<BranchResult>, AgreementError> {
+    if settings.cells.is_empty() {
+        return Err(AgreementError::NoGrids);
+    }
+    match (solid.dimensions, medium.pairs.len()) {
+        (2, 2) => Experiment::<2> { solid, medium, settings }.results(waves, on_progress),
+        (3, 3) => Experiment::<3> { solid, medium, settings }.results(waves, on_progress),
+        (solid, medium) => Err(AgreementError::Dimensions { solid, medium }),
+    }
+}
+
+/// A solid for the analysis and for the solver.
+pub(super) struct Experiment<'a, const D: usize> {
+    solid: &'a Solid,
+    pub(super) medium: &'a Medium,
+    pub(super) settings: &'a SolverSettings,
+}
+
+/// A wave to be measured.
+pub(super) struct Branch<'a, const D: usize> {
+    /// Index of the wave among those given.
+    wave: usize,
+    /// 1/m.
+    number: f64,
+    /// Wave vector, 1/m.
+    pub(super) vector: [f64; D],
+    pub(super) response: Response,
+    label: String,
+    /// rad/s.
+    predicted: f64,
+    /// The greatest predicted frequency at this wave vector, rad/s.
+    greatest: f64,
+    /// The frequency in `equations`, rad/s: the predicted one but for rounding.
+    frequency: f64,
+    /// In units of energy.
+    amplitude: Option<DVector<Complex64>>,
+    pub(super) equations: &'a Equations<D>,
+    /// [`Equations::bounds`] of the amplitude; 0 where nothing yields.
+    pub(super) bounds: [f64; 2],
+}
+
+impl<const D: usize> Experiment<'_, D> {
+    fn results(
+        &self,
+        waves: &[PlaneWave<3>],
+        on_progress: OnProgress,
+    ) -> Result<Vec<BranchResult>, AgreementError> {
+        let rates = self.solid.elastic.carried_rates::<D>();
+        let unknowns: Vec<&str> = rates.unknowns.iter().map(|unknown| unknown.name).collect();
+        let form = rates.symmetric().ok_or(AgreementError::Energy)?;
+        let normals = normals::<D>(self.solid);
+        let elastic = Equations::new(&form, &[]).ok_or(AgreementError::Energy)?;
+        let yielding = Equations::new(&form, &normals).ok_or(AgreementError::Energy)?;
+        let background = Background::new(self.solid, &yielding)?;
+        let branches = self.branches(waves, &elastic, &yielding)?;
+        let cells = &self.settings.cells;
+        let runs: Vec<(&Branch<D>, usize)> = branches
+            .iter()
+            .flat_map(|branch| cells.iter().map(move |&cells| (branch, cells)))
+            .collect();
+        for (branch, cells) in &runs {
+            self.check_size(branch, *cells)?;
+        }
+        let progress = Progress::begin(on_progress, runs.len())?;
+        let runs: Vec<Result<GridResult, NotMeasurable>> = runs
+            .into_par_iter()
+            .map(|(branch, cells)| {
+                let found = self.on_grid(branch, cells, &unknowns, background.as_ref());
+                progress.advance()?;
+                Ok(found)
+            })
+            .collect::<Result<_, AgreementError>>()?;
+        let results = branches.iter().zip(runs.chunks(cells.len()));
+        Ok(results.map(|(branch, grids)| self.result(branch, grids)).collect())
+    }
+
+    /// The branches of all waves, with their amplitudes by the equations in units of energy.
+    fn branches<'a>(
+        &self,
+        waves: &[PlaneWave<3>],
+        elastic: &'a Equations<D>,
+        yielding: &'a Equations<D>,
+    ) -> Result<Vec<Branch<'a, D>>, AgreementError> {
+        let responses = match self.solid.plastic {
+            None => vec![(Response::Elastic, true, elastic)],
+            Some(_) => {
+                vec![(Response::Unloading, true, elastic), (Response::Loading, false, yielding)]
+            }
+        };
+        let mut branches: Vec<Branch<D>> = Vec::new();
+        for (index, wave) in waves.iter().enumerate() {
+            // A component that rounding has left is zero.
+            let component = |axis: usize| match wave.normal[axis] {
+                component if component.abs() < 1e-9 => 0.0,
+                component => wave.number * component,
+            };
+            let vector = std::array::from_fn(component);
+            for &(response, stays_elastic, equations) in &responses {
+                let predicted = self.predicted(wave, stays_elastic)?;
+                let waves = equations.waves(vector);
+                let greatest = predicted.first().map_or(0.0, |own| own.1);
+                let mut waves = waves.into_iter();
+                for (label, predicted) in predicted {
+                    // Without one both parts of the analysis contradict each other: there is nothing to send.
+                    let (frequency, amplitude) = waves.next().unzip();
+                    let bounds = amplitude.as_ref().map(|own| yielding.bounds(vector, own));
+                    branches.push(Branch {
+                        wave: index,
+                        number: wave.number,
+                        vector,
+                        response,
+                        label,
+                        predicted,
+                        greatest,
+                        frequency: frequency.unwrap_or(f64::NAN),
+                        amplitude,
+                        equations,
+                        bounds: bounds.unwrap_or_default(),
+                    });
+                }
+            }
+        }
+        Ok(branches)
+    }
+
+    /// Labels and frequencies of the waves that propagate, rad/s, descending.
+    fn predicted(
+        &self,
+        wave: &PlaneWave<3>,
+        stays_elastic: bool,
+    ) -> Result<Vec<(String, f64)>, AgreementError> {
+        /// Frequencies below this fraction of the greatest are zero.
+        const NEGLIGIBLE: f64 = 1e-6;
+        let groups = branches(self.solid, wave.normal, wave.number, stays_elastic)?;
+        let mut all: Vec<(String, f64)> = groups
+            .iter()
+            .flat_map(|group| {
+                group.at(wave.number).into_iter().enumerate().flat_map(|(branch, point)| {
+                    let label = group.label(branch);
+                    std::iter::repeat_n((label, point.frequency), group.count)
+                })
+            })
+            .collect();
+        all.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let greatest = all.first().map_or(0.0, |own| own.1);
+        all.retain(|own| own.1 > NEGLIGIBLE * greatest);
+        Ok(all)
+    }
+
+    fn result(
+        &self,
+        branch: &Branch<D>,
+        grids: &[Result<GridResult, NotMeasurable>],
+    ) -> BranchResult {
+        let powers = match (self.settings.placement, self.settings.splitting) {
+            (Placement::Middle, _) => Powers::SYMMETRIC,
+            _ if branch.response == Response::Loading => Powers::PROJECTED,
+            (_, Splitting::TwoCyclic) => Powers::SYMMETRIC,
+            (_, Splitting::Alternating) => Powers::ALTERNATING,
+        };
+        let grids: Result<Vec<GridResult>, NotMeasurable> = grids.iter().cloned().collect();
+        BranchResult {
+            wave: branch.wave,
+            response: branch.response,
+            branch: branch.label.clone(),
+            predicted: branch.predicted,
+            measured: grids.map(|grids| in_the_limit(grids, powers)),
+        }
+    }
+
+    /// A grid of one period along each axis, the period in time (s), and the number of steps to a cell.
+    fn grid(&self, branch: &Branch<D>, cells: usize) -> (Grid<D>, f64, usize) {
+        let edges = branch.vector.map(|k| 2.0 * PI / (k.abs() * cells as f64));
+        let longest = edges.iter().copied().filter(|edge| edge.is_finite()).fold(0.0, f64::max);
+        let along = |axis: usize| edges[axis].is_finite();
+        let grid = Grid {
+            cells: std::array::from_fn(|axis| if along(axis) { cells } else { 1 }),
+            // Nothing depends on an axis across the wave.
+            spacing: std::array::from_fn(|axis| if along(axis) { edges[axis] } else { longest }),
+        };
+        let rate = |axis: usize| {
+            let speeds = self.medium.pairs[axis].iter().map(|pair| pair.speed());
+            speeds.fold(0.0, f64::max) / grid.spacing[axis]
+        };
+        let by_waves = 2.0 * self.settings.courant / (0..D).map(rate).fold(0.0, f64::max);
+        // The coarsest grid's rotation is the greatest.
+        let coarsest = self.settings.cells[0] as f64 / cells as f64;
+        let by_rotation = self.medium.rotation.map_or(f64::INFINITY, |rotation| {
+            self.settings.rotation / rotation.frequency * coarsest
+        });
+        let period = 2.0 * PI / branch.predicted;
+        // As many steps to a cell on all grids: one Courant number.
+        let per_cell = period / (by_waves.min(by_rotation) * cells as f64) * (1.0 - 1e-12);
+        (grid, period, per_cell.ceil().max(1.0) as usize)
+    }
+
+    /// That a run does not take too long.
+    fn check_size(&self, branch: &Branch<D>, cells: usize) -> Result<(), AgreementError> {
+        let (grid, _, per_cell) = self.grid(branch, cells);
+        let updates = (cells * per_cell) as f64 * grid.count() as f64;
+        match updates <= MOST_UPDATES {
+            true => Ok(()),
+            false => {
+                let (number, most) = (branch.number, MOST_UPDATES);
+                Err(AgreementError::TooLong { updates, number, most })
+            }
+        }
+    }
+
+    fn on_grid(
+        &self,
+        branch: &Branch<D>,
+        cells: usize,
+        unknowns: &[&str],
+        background: Option<&Background>,
+    ) -> Result<GridResult, NotMeasurable> {
+        let Some(amplitude) = &branch.amplitude else {
+            return Err(NotMeasurable::NoSuchWave);
+        };
+        let (grid, period, per_cell) = self.grid(branch, cells);
+        let count = cells * per_cell;
+        let discretisation = Discretisation { spacing: grid.spacing, step: period / count as f64 };
+        let (size, disturbance) = match background {
+            None => (1.0, 0.0),
+            Some(background) => self.size(branch, amplitude, background, count)?,
+        };
+        let rounding = ROUNDINGS * f64::EPSILON * count as f64 + disturbance;
+        let SolverSettings { placement, splitting, .. } = *self.settings;
+        let expected = branch
+            .equations
+            .propagator(branch.vector, &discretisation, placement, splitting)
+            .amplitudes(amplitude, per_cell, cells);
+        let (amplitude, scale) = (amplitude * Complex64::from(size), 1.0 / (size * size));
+        let run = Run { experiment: self, branch, grid, discretisation, unknowns, background };
+        let measured = run.amplitudes(&amplitude, cells, per_cell)?;
+        let measured: Vec<Complex64> = measured.iter().map(|own| own * scale).collect();
+        if !measured.iter().chain(&expected).all(|own| own.is_finite() && own.norm() > 0.0) {
+            return Err(NotMeasurable::Vanishing);
+        }
+        let times: Vec<f64> =
+            (0..=cells).map(|index| (index * per_cell) as f64 * discretisation.step).collect();
+        // The difference that the scheme makes to the predicted frequency. That is the root of an eigenvalue ω², which
+        // is known to the rounding of the greatest.
+        let mut expected = fit_rate(&times, &expected);
+        expected.frequency += branch.predicted - branch.frequency;
+        let ratio = branch.greatest / branch.predicted;
+        let of_root = ROUNDINGS * f64::EPSILON * branch.greatest * ratio;
+        Ok(GridResult {
+            cells,
+            measured: fit_rate(&times, &measured),
+            expected,
+            tolerance: rate_error(rounding, period) + of_root,
+        })
+    }
+
+    /// The size of a wave over a background, of unit amplitude, and the disturbance of its phase in so many steps: by the
+    /// turn of a curved yield surface's normal in the stress of the wave and of the flow that carries it, and by the
+    /// rounding of the whole stress.
+    fn size(
+        &self,
+        branch: &Branch<D>,
+        amplitude: &DVector<Complex64>,
+        background: &Background,
+        steps: usize,
+    ) -> Result<(f64, f64), NotMeasurable> {
+        let part = if background.is_curved { f64::EPSILON.sqrt() } else { ON_FLAT };
+        // In units of energy: components of stress and of couple stress differ in unit.
+        let velocities = self.solid.elastic.carried_rates::<D>().velocities();
+        let stress = amplitude.rows_range(velocities..).norm();
+        let size = part * background.capacity / stress;
+        // The rates of flow add up over a period; a turn of the normal counts twice.
+        let turned = if background.is_curved { 4.0 * PI * MARGIN * part } else { 0.0 };
+        let rounding = f64::EPSILON * background.norm / (part * background.capacity);
+        if rounding > 0.1 {
+            return Err(NotMeasurable::Hidden);
+        }
+        let is_loading = branch.response == Response::Loading;
+        Ok((size, if is_loading { turned + steps as f64 * rounding } else { 0.0 }))
+    }
+}
+
+fn in_the_limit(grids: Vec<GridResult>, powers: Powers) -> Measurement {
+    let cells: Vec<usize> = grids.iter().map(|grid| grid.cells).collect();
+    let limit = |of: &dyn Fn(&GridResult) -> Rate| {
+        extrapolate(&cells, &grids.iter().map(of).collect::<Vec<_>>(), powers)
+    };
+    let errors: Vec<f64> = grids.iter().map(|grid| grid.tolerance).collect();
+    let limit = GridResult {
+        cells: 0,
+        measured: limit(&|grid| grid.measured),
+        expected: limit(&|grid| grid.expected),
+        tolerance: extrapolation_error(&cells, &errors, powers),
+    };
+    Measurement { grids, limit }
+}

@@ -1,0 +1,144 @@
+//! A run of the solver: one wave through a periodic box of one period along each axis.
+
+use super::background::Background;
+use super::experiment::{Branch, Experiment, MARGIN};
+use super::{Response, SolverSettings};
+use crate::NotMeasurable;
+use crate::scheme::Discretisation;
+use dynamics::boundary::{Boundary, Source};
+use dynamics::domain::Domain;
+use dynamics::line::Slopes;
+use dynamics::problem::{Grid, Problem, Scheme};
+use models::cosserat::waves::Field;
+use models::elementary::cr_cis;
+use nalgebra::DVector;
+use num_complex::Complex64;
+use std::sync::Arc;
+
+/// One wave on one grid.
+pub(super) struct Run<'a, const D: usize> {
+    pub(super) experiment: &'a Experiment<'a, D>,
+    pub(super) branch: &'a Branch<'a, D>,
+    pub(super) grid: Grid<D>,
+    pub(super) discretisation: Discretisation<D>,
+    /// Names of the unknowns of the rate equations.
+    pub(super) unknowns: &'a [&'a str],
+    pub(super) background: Option<&'a Background>,
+}
+
+impl<const D: usize> Run<'_, D> {
+    /// The amplitude of the wave after every `per_cell` steps, in units of energy; or why there is none.
+    pub(super) fn amplitudes(
+        &self,
+        amplitude: &DVector<Complex64>,
+        cells: usize,
+        per_cell: usize,
+    ) -> Result<Vec<Complex64>, NotMeasurable> {
+        let equations = self.branch.equations;
+        let problem = self.problem(amplitude);
+        let mut domain = Domain::<f64, D>::new(&problem)?;
+        let fields: Vec<Field> = domain.fields().to_vec();
+        let places: Vec<Option<usize>> = fields.iter().map(|field| self.index_of(*field)).collect();
+        let waves: Vec<Complex64> =
+            (0..self.grid.count()).map(|cell| cr_cis(self.phase(cell))).collect();
+        let wave = equations.from_energy.map(Complex64::from) * amplitude;
+        let offset = self.offset(amplitude);
+        for (&field, place) in fields.iter().zip(&places) {
+            let Some(place) = *place else { continue };
+            let uniform = offset.as_ref().map_or(0.0, |own| own[place]);
+            let values: Vec<f64> =
+                waves.iter().map(|phase| uniform + (wave[place] * phase).re).collect();
+            domain.set(field, &values);
+        }
+        let into_energy = equations.into_energy.map(Complex64::from);
+        let count = domain.fields().len();
+        let measure = |domain: &Domain<f64, D>, index: usize| {
+            let line = self.line(index);
+            let share = 2.0 / line.len() as f64;
+            let values = domain.deviations(&line);
+            let mut state = DVector::zeros(self.unknowns.len());
+            for (field, place) in places.iter().enumerate() {
+                let Some(place) = *place else { continue };
+                let values = values.iter().skip(field).step_by(count);
+                let sum: Complex64 =
+                    values.zip(&line).map(|(value, &cell)| waves[cell].conj() * *value).sum();
+                state[place] = sum * share;
+            }
+            amplitude.dotc(&(&into_energy * state))
+        };
+        let mut all = vec![measure(&domain, 0)];
+        for index in 1..=cells {
+            (0..per_cell).for_each(|_| domain.advance());
+            all.push(measure(&domain, index));
+        }
+        Ok(all)
+    }
+
+    /// Index of a field among the unknowns.
+    fn index_of(&self, field: Field) -> Option<usize> {
+        let name = field.to_string();
+        self.unknowns.iter().position(|own| *own == name)
+    }
+
+    /// Cells over a period of the wave on a line along an axis: measuring completes steps cell by cell, which takes
+    /// long. One line after the other, so that all rows are measured.
+    fn line(&self, index: usize) -> Vec<usize> {
+        let counts = self.grid.cells;
+        let axis = counts.iter().position(|count| *count > 1).unwrap_or(0);
+        let stride = |axis: usize| counts[..axis].iter().product::<usize>();
+        let first: usize =
+            (0..D).filter(|own| *own != axis).map(|own| index % counts[own] * stride(own)).sum();
+        (0..counts[axis]).map(|own| first + own * stride(axis)).collect()
+    }
+
+    /// κ·x in the middle of a cell.
+    fn phase(&self, cell: usize) -> f64 {
+        let mut rest = cell;
+        let mut phase = 0.0;
+        for axis in 0..D {
+            let index = rest % self.grid.cells[axis];
+            rest /= self.grid.cells[axis];
+            phase += self.branch.vector[axis] * self.grid.spacing[axis] * (index as f64 + 0.5);
+        }
+        phase
+    }
+
+    fn problem(&self, amplitude: &DVector<Complex64>) -> Problem<D> {
+        let count = self.grid.count();
+        let SolverSettings { placement, splitting, .. } = *self.experiment.settings;
+        let mut problem = Problem::new(
+            self.grid,
+            vec![self.experiment.medium.clone()],
+            vec![0; count],
+            std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]),
+            self.discretisation.step,
+            Scheme { splitting, ..Scheme::new(Slopes::FourthOrder, placement) },
+        );
+        let Some(background) = self.background else { return problem };
+        problem.initial_stress = Some((0, vec![background.stress; self.grid.cells[0]]));
+        if self.branch.response == Response::Loading {
+            // A stress source relieves its amplitude times its signal: here −t.
+            let rate = MARGIN * amplitude.norm() * self.branch.bounds[1];
+            let volume = self.grid.volume() * count as f64;
+            let amplitudes = self.experiment.medium.fields.iter().filter_map(|&field| {
+                let place = self.index_of(field)?;
+                let value = background.yield_normal_stress[place] * rate * volume;
+                (value != 0.0).then_some((field, value))
+            });
+            problem.sources = vec![Source {
+                cells: (0..count).map(|cell| (cell, 1.0 / count as f64)).collect(),
+                amplitudes: amplitudes.collect(),
+                signal: Arc::new(|time: f64| -time),
+            }];
+        }
+        problem
+    }
+
+    /// How far inside its yield surface an unloading background stands, by unknown.
+    fn offset(&self, amplitude: &DVector<Complex64>) -> Option<DVector<f64>> {
+        let background = self.background?;
+        (self.branch.response == Response::Unloading).then(|| {
+            &background.yield_normal_stress * (-MARGIN * amplitude.norm() * self.branch.bounds[0])
+        })
+    }
+}
