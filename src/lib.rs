@@ -3,7 +3,7 @@
 //! Describe a medium and a state in a case file; `wellposed` says whether its equations are
 //! well-posed. One file per verb ([`map`], [`point`], [`dispersion`], [`speeds`], [`run`], [`check`], [`plot`], [`cases`], [`new`]);
 //! [`case`] reads case files; [`setup`] makes of them what the crates below take; [`output`] keeps folders of
-//! results. No physics here, and no numerics but where [`check`] holds the two halves against each other.
+//! results. No physics and no numerics here.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

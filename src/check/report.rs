@@ -1,4 +1,4 @@
-//! What was found of a solid: table, JSON and picture.
+//! The results of a solid: table, JSON and picture.
 
 use super::{Checked, digits, exponent, unmeasured, unmeasured_words, worst, worst_words};
 use crate::Error;
@@ -71,7 +71,7 @@ pub(super) fn report(case: &Case, checked: &[Checked]) -> Value {
             "place": own.place,
             "model": own.case.medium().title(),
             "agrees": own.agrees(),
-            "rows": own.rows.iter().map(|own_row| row(own.wave(own_row), own_row)).collect::<Vec<_>>(),
+            "rows": own.rows.iter().map(|result| row(own.wave(result), result)).collect::<Vec<_>>(),
             "forbidden_bands": own.gaps.iter().map(gap).collect::<Vec<_>>(),
         })).collect::<Vec<_>>(),
         "units": { "frequency": "rad/s", "growth_rate": "1/s", "tolerance": "rad/s", "number": "1/m" },

@@ -63,7 +63,7 @@ pub(crate) fn medium(case: &Case, dimensions: usize) -> Result<Medium, InputErro
 }
 
 /// The name of a field among the unknowns of the analysis.
-fn unknown_name(field: Field) -> String {
+pub(crate) fn unknown_name(field: Field) -> String {
     Component(field).to_string().replace("sigma", "σ").replace('w', "ω")
 }
 
