@@ -1,8 +1,9 @@
 //! Waves and perturbations of a uniform flow by the plastic potential.
 
 use dynamics::flow::{Closure, Problem};
+use models::granular_flow::Model;
 use models::granular_flow::state::{Background, State};
-use models::granular_flow::{Kind, Model, Parameters};
+use models::registry;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use wellposed_agreement::flows::{
@@ -12,14 +13,9 @@ use wellposed_agreement::{AgreementError, PlaneWave};
 
 /// The solver has its own density, kg/m³.
 fn flow(density: f64) -> UniformFlow {
-    let parameters = Parameters {
-        friction_angle: 30f64.to_radians(),
-        dilatancy_angle: 0.0,
-        cohesion: 0.0,
-        moment_of_inertia: None,
-        rotational_strength: None,
-    };
-    let model = Model::new(Kind::PlasticPotential, &parameters).expect("a model");
+    let friction_angle = 30f64.to_radians();
+    let constants = [friction_angle, 0.0, 0.0];
+    let model = Model::new(registry::PLASTIC_POTENTIAL, &constants).expect("a model");
     let state = State { density: 1600.0, pressure: 1000.0, shear_rate: 1.0, ..State::default() };
     let Background::FullyDeforming(flow) = model.background(&state).expect("a flow") else {
         panic!("a flow that deforms");
@@ -27,7 +23,7 @@ fn flow(density: f64) -> UniformFlow {
     let solver = Problem {
         closure: Closure::PlasticPotential,
         density,
-        friction_angle: parameters.friction_angle,
+        friction_angle,
         cohesion: 0.0,
         pressure: state.pressure,
         velocity_gradient: flow.velocity_gradient.map(|row| row.map(|entry| entry.value)),

@@ -3,7 +3,8 @@
 use dynamics::medium::Medium;
 use dynamics::problem::{Placement, Splitting};
 use models::cosserat::parameters::{Isotropic, Microrotation};
-use models::solid::{ElasticLaw, Solid};
+use models::elastoplastic::Solid;
+use models::solid::ElasticLaw;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use wellposed_agreement::solids::{BranchResult, SolverSettings, band_gaps, branch_results};
