@@ -2,12 +2,11 @@
 //!
 //! Describe a medium and a state in a case file; `wellposed` says whether its equations are
 //! well-posed. One file per verb ([`map`], [`point`], [`dispersion`], [`speeds`], [`run`], [`check`], [`plot`], [`cases`], [`new`]);
-//! [`case`] reads case files; [`output`] keeps folders of results. No physics here, and no numerics but where
+//! [`mod@case`] reads case files; [`output`] keeps folders of results. No physics here, and no numerics but where
 //! [`check`] holds the two halves against each other.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-pub mod case;
 pub mod cases;
 pub mod check;
 pub mod dispersion;
@@ -23,6 +22,8 @@ pub mod run;
 pub mod solid;
 pub mod speeds;
 pub mod words;
+
+pub use ::cases as case;
 
 use std::path::PathBuf;
 

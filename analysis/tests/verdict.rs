@@ -4,8 +4,8 @@ mod support;
 
 use models::LinearisedSystem;
 use models::double_shearing::parameters::DoubleShearing;
-use models::granular_flow::state::State;
 use models::granular_flow::Kind;
+use models::granular_flow::state::State;
 use models::harris_grekova::parameters::HarrisGrekova;
 use models::plastic_potential::parameters::PlasticPotential;
 use rayon::prelude::*;

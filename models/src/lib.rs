@@ -15,6 +15,7 @@
 pub mod closed_form;
 pub mod cosserat;
 pub mod elementary;
+pub mod fourier;
 pub mod granular_flow;
 mod input;
 pub mod parameter;

@@ -12,7 +12,7 @@ use crate::frozen::{StateError, Workspace};
 use crate::words::{case_title, short, unit_of};
 use crate::{Error, pool};
 use analysis::growth::Verdict;
-use dynamics::flow::Problem;
+use dynamics::flow::{Closure, Field, Problem};
 use files::npz::Npz;
 use march::Found;
 use serde_json::{Value, json};
@@ -29,6 +29,17 @@ pub(super) struct Job<'a> {
     problem: Problem,
 }
 
+/// A field of the solver as cases and files name it.
+fn quantity(field: Field) -> Quantity {
+    match field {
+        Field::Velocity(axis) => Quantity::Velocity(axis),
+        Field::Spin => Quantity::Spin,
+        Field::StressAngle => Quantity::StressAngle,
+        Field::Pressure => Quantity::Pressure,
+        Field::ShearRate => Quantity::ShearRate,
+    }
+}
+
 /// The problem of a case in a box, with the tolerances that are the default.
 ///
 /// # Errors
@@ -40,7 +51,7 @@ pub(crate) fn flow_problem(
 ) -> Result<Problem, Error> {
     let mean = case.mean_flow()?;
     let coulomb = *case.model()?.coulomb();
-    let closure = case.closure()?;
+    let closure = Closure::from_rotation(case.rotation_in_time()?).expect("a determined rotation");
     Ok(Problem {
         closure,
         density: mean.density,

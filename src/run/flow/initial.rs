@@ -2,9 +2,10 @@
 
 use crate::case::flow::{Disturbed, FlowRun, Grid, Initial, Wave};
 use crate::case::{CaseError, radians};
-use dynamics::flow::{Closure, Problem};
+use dynamics::flow::Problem;
 use files::npz::{Values, read};
 use models::elementary::{Elementary, cr_cis, cr_from_polar};
+use models::granular_flow::RotationKind;
 use num_complex::Complex64;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -197,10 +198,10 @@ impl Fields {
         let shape = [run.grid.cells[1], run.grid.cells[0]];
         let [v1, v2] = &mut self.velocity;
         // The archive holds the whole of these, not the perturbation.
-        let inner = match run.closure {
-            Closure::HarrisGrekova => Some(("w", problem.spin)),
-            Closure::DoubleShearing => Some(("psi", problem.stress_angle)),
-            Closure::PlasticPotential => None,
+        let inner = match run.rotation {
+            RotationKind::IntrinsicSpin => Some(("w", problem.spin)),
+            RotationKind::StressAxes => Some(("psi", problem.stress_angle)),
+            RotationKind::None | RotationKind::Free => None,
         };
         let inner = inner.map(|(name, mean)| (name, &mut self.inner, mean));
         for (name, own, mean) in [("v1", v1, 0.0), ("v2", v2, 0.0)].into_iter().chain(inner) {

@@ -5,7 +5,7 @@ use super::super::control::{Keeper, computed, listen};
 use super::super::files::{Files, Table, check_snapshots, columns};
 use super::super::{Run, Stopped, snapshots};
 use super::times::Times;
-use super::{Job, Values, initial};
+use super::{Job, Values, initial, quantity};
 use crate::Error;
 use crate::case::flow::Quantity;
 use crate::output::{Growing, ResultFolder};
@@ -134,7 +134,7 @@ impl<'a> March<'a> {
             let [v1, v2] = &fields.velocity;
             flow.perturb([v1, v2], &fields.inner).map_err(too_much)?;
         }
-        let names: Vec<&str> = flow.fields().into_iter().map(|own| Quantity(own).name()).collect();
+        let names: Vec<&str> = flow.fields().into_iter().map(|own| quantity(own).name()).collect();
         let (header, columns) = columns(&case.receivers, &names);
         let mut tables: Vec<Table> = Vec::new();
         if !case.receivers.is_empty() {
@@ -253,7 +253,7 @@ impl<'a> March<'a> {
             return Ok(());
         }
         let values = self.flow.values();
-        let fields: Vec<Quantity> = self.flow.fields().into_iter().map(Quantity).collect();
+        let fields: Vec<Quantity> = self.flow.fields().into_iter().map(quantity).collect();
         let state: Vec<f64> = self
             .watched
             .iter()
@@ -293,7 +293,7 @@ impl<'a> March<'a> {
         let [v1, v2, others @ ..] = values.as_slice() else { return Ok(image) };
         image.add_vector("velocity [m/s]", &[v1, v2])?;
         for (field, values) in flow.fields().into_iter().skip(2).zip(others) {
-            let name = Quantity(field).array();
+            let name = quantity(field).array();
             image.add(&format!("{name} [{}]", unit_of(name)), 1, values)?;
         }
         Ok(image)
@@ -347,7 +347,7 @@ impl<'a> March<'a> {
             clock.elapsed().as_secs_f64(),
             rayon::current_num_threads(),
         ));
-        let quantities = self.flow.fields().into_iter().map(Quantity);
+        let quantities = self.flow.fields().into_iter().map(quantity);
         Ok(Found {
             values: quantities.zip(self.flow.values()).collect(),
             deformation: self.flow.deformation(),

@@ -1,7 +1,7 @@
 //! Kinds of model that a case can name.
 
 use models::cosserat::parameters::Theory;
-use models::granular_flow::Kind as Flow;
+use models::granular_flow::{Kind as Flow, RotationKind};
 
 /// A kind of model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -206,6 +206,15 @@ impl Kind {
         match self {
             Self::Flow(flow) => flow.title(),
             Self::Solid(solid) => solid.title(),
+        }
+    }
+
+    /// What rotates in a flow that can be run in time: it says which field evolves beside the velocity and what
+    /// determines the stress angle. `None` of solids, and of flows that leave the rotation undetermined.
+    pub fn rotation_in_time(self) -> Option<RotationKind> {
+        match self {
+            Self::Flow(flow) => Some(flow.rotation()).filter(|own| *own != RotationKind::Free),
+            Self::Solid(_) => None,
         }
     }
 
