@@ -60,7 +60,9 @@ fn collect(folder: &Path, paths: &mut Vec<String>) {
     for path in entries.map(|entry| entry.path()) {
         if path.is_dir() {
             collect(&path, paths);
-        } else if path.extension().is_some_and(|extension| extension == "toml") {
+        } else if path.extension().is_some_and(|extension| extension == "toml")
+            && path.file_name().is_none_or(|name| name != "Cargo.toml")
+        {
             paths.extend(path.to_str().map(|path| path.replace('\\', "/")));
         }
     }

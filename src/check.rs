@@ -158,7 +158,7 @@ impl Subject {
             });
         };
         case.model()?.background(&case.state()).map_err(|error| case.locate(error))?;
-        if let Err(error) = case.closure().and(case.mean_flow()) {
+        if let Err(error) = case.rotation_in_time().and(case.mean_flow()) {
             return Ok(Self::Nothing(reason(error)));
         }
         let (wave, asked) = (case.numbers.wave, case.check.clone().unwrap_or_default());
@@ -198,7 +198,7 @@ impl Subject {
             return refuse(odd.to_string(), "even numbers of points along each axis, up to 4096");
         }
         for kind in case.compare.iter().flatten().filter(|_| !grids.is_empty()) {
-            case.for_kind(*kind).closure()?;
+            case.for_kind(*kind).rotation_in_time()?;
         }
         let grids = if extent == Extent::Full { grids } else { Vec::new() };
         Ok(Self::Flow { waves: waves.collect(), grids })
@@ -402,7 +402,10 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), OutputError> {
         let path = entry.map_err(|error| OutputError::unreadable(folder, &error))?.path();
         if path.is_dir() {
             collect(&path, files)?;
-        } else if path.extension().is_some_and(|extension| extension == "toml") {
+        } else if path.extension().is_some_and(|extension| extension == "toml")
+            && path.file_name().is_none_or(|name| name != "Cargo.toml")
+        {
+            // The manifest of a crate beside cases is none of them.
             files.push(path);
         }
     }

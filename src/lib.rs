@@ -2,12 +2,11 @@
 //!
 //! Describe a medium and a state in a case file; `wellposed` says whether its equations are
 //! well-posed. One file per verb ([`map`], [`point`], [`dispersion`], [`speeds`], [`run`], [`check`], [`plot`], [`cases`], [`new`]);
-//! [`case`] reads case files; [`setup`] makes of them what the crates below take; [`output`] keeps folders of
+//! [`mod@case`] reads case files; [`setup`] makes of them what the crates below take; [`output`] keeps folders of
 //! results. No physics and no numerics here.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-pub mod case;
 pub mod cases;
 pub mod check;
 pub mod dispersion;
@@ -21,6 +20,8 @@ pub mod run;
 pub mod setup;
 pub mod speeds;
 pub mod words;
+
+pub use ::cases as case;
 
 use std::path::PathBuf;
 

@@ -3,7 +3,6 @@
 use crate::case::flow::{Disturbed, Quantity, UNIFORM};
 use crate::case::{Key, Kind, Medium, Presence, keys};
 use crate::output::{OutputError, write_file};
-use dynamics::flow::Closure;
 use models::granular_flow::RotationKind;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -38,15 +37,15 @@ fn is_free(kind: Kind) -> bool {
 }
 
 /// The sections that say how a flow is run in time.
-fn flow_in_time(closure: Closure) -> String {
-    let inner = Disturbed::all(closure).get(1).map_or("v", |field| field.name());
-    let evolves = match closure {
-        Closure::HarrisGrekova => "w, rad/s",
-        Closure::DoubleShearing => "psi_deg, degrees",
-        Closure::PlasticPotential => "",
+fn flow_in_time(rotation: RotationKind) -> String {
+    let inner = Disturbed::all(rotation).get(1).map_or("v", |field| field.name());
+    let evolves = match rotation {
+        RotationKind::IntrinsicSpin => "w, rad/s",
+        RotationKind::StressAxes => "psi_deg, degrees",
+        RotationKind::None | RotationKind::Free => "",
     };
-    let names: Vec<&str> = Quantity::all(closure).iter().map(|own| own.name()).collect();
-    let is_coaxial = closure == Closure::PlasticPotential;
+    let names: Vec<&str> = Quantity::all(rotation).iter().map(|own| own.name()).collect();
+    let is_coaxial = rotation == RotationKind::None;
     let is_used = |block: &&str| match block {
         block if block.starts_with("[limits]") => is_coaxial,
         block if block.contains("kind = \"uniform\"") => !is_coaxial,
@@ -208,8 +207,8 @@ kind = \"{name}\"
     }
     if purpose == Purpose::Run {
         return match kind {
-            Kind::Flow(flow) => {
-                text + "\n" + &Closure::of(flow).map_or(String::new(), flow_in_time)
+            Kind::Flow(_) => {
+                text + "\n" + &kind.rotation_in_time().map_or(String::new(), flow_in_time)
             }
             Kind::Solid(_) => text + "\n" + RUN,
         };

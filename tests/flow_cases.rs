@@ -1,6 +1,6 @@
 //! What case files say of flows in time: what is read, what is refused and in which words.
 
-use dynamics::flow::{Closure, Field};
+use models::granular_flow::RotationKind;
 use std::fs;
 use std::path::Path;
 use wellposed::case::flow::{Disturbed, FlowRun, Initial, Quantity};
@@ -97,8 +97,8 @@ fn plastic() -> String {
 fn a_case_is_read_as_written() {
     let run = flow(FLOW);
     assert_eq!(
-        (run.grid.cells, run.grid.lengths, run.closure),
-        ([32, 24], [0.2, 0.1], Closure::HarrisGrekova)
+        (run.grid.cells, run.grid.lengths, run.rotation),
+        ([32, 24], [0.2, 0.1], RotationKind::IntrinsicSpin)
     );
     assert_eq!((run.time.tolerance, run.time.pressure_tolerance), (1e-4, 1e-9));
     let Initial::Mode(wave) = &run.initial[0] else { panic!() };
@@ -112,10 +112,10 @@ fn a_case_is_read_as_written() {
     assert_eq!(run.grid.nearest(&run.receivers[0].at), 31);
     let names: Vec<&str> = run.receivers[0].fields.iter().map(|own| own.name()).collect();
     assert_eq!(names, ["v1", "v2", "w", "psi_deg", "p", "shear_rate"]);
-    assert_eq!(run.receivers[1].fields, [Field::StressAngle, Field::Velocity(1)].map(Quantity));
-    assert_eq!(run.output.picture, Some(Quantity(Field::StressAngle)));
+    assert_eq!(run.receivers[1].fields, [Quantity::StressAngle, Quantity::Velocity(1)]);
+    assert_eq!(run.output.picture, Some(Quantity::StressAngle));
     let text = without_spin("double-shearing", "field = 'psi_deg'");
-    assert_eq!(flow(&text).closure, Closure::DoubleShearing);
+    assert_eq!(flow(&text).rotation, RotationKind::StressAxes);
     let run = flow(&(plastic() + "[limits]\nshear_rate = 0.01\n"));
     assert_eq!(run.least_shear_rate, 0.01);
     let equal = with(FLOW, "length = [0.2, 0.1]", "length = 0.2");
@@ -469,11 +469,7 @@ fn new_runs_show_every_key() {
             let is_coaxial = *name == "uniform" && kind.name() == "plastic-potential";
             assert!(is_shown != is_coaxial, "{name}");
         }
-        let closure = Closure::of(match kind {
-            Kind::Flow(flow) => *flow,
-            Kind::Solid(_) => panic!(),
-        });
-        for own in Quantity::all(closure.unwrap()) {
+        for own in Quantity::all(kind.rotation_in_time().unwrap()) {
             assert!(template.contains(own.name()), "{own}");
         }
         for word in ["EVOLVES", "INNER", "NAMES"] {

@@ -18,6 +18,7 @@ pub mod double_shearing;
 mod dyn_eq;
 pub mod elastoplastic;
 pub mod elementary;
+pub mod fourier;
 pub mod free_rotating;
 pub mod granular_flow;
 pub mod harris_grekova;

@@ -6,7 +6,6 @@ use crate::case::Case;
 use crate::case::flow::{FlowRun, Quantity};
 use crate::output::{AppendedFile, ResultFolder};
 use crate::words::{case_title, short, unit_of};
-use dynamics::flow::Field;
 use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind, Line, SpectrumFigure};
 use models::elementary::Elementary;
 
@@ -50,7 +49,7 @@ fn of_snapshot(bytes: &[u8], run: &FlowRun) -> Result<Vec<f64>, String> {
     let velocity = || array(bytes, "velocity [m/s]", 3 * count);
     let values: Vec<f64> = match run.output.picture {
         None => velocity()?.chunks_exact(3).map(|v| v[0].root_sum_square(v[1])).collect(),
-        Some(Quantity(Field::Velocity(i))) => velocity()?.chunks_exact(3).map(|v| v[i]).collect(),
+        Some(Quantity::Velocity(i)) => velocity()?.chunks_exact(3).map(|v| v[i]).collect(),
         Some(own) => {
             let name = format!("{} [{}]", own.array(), unit_of(own.array()));
             array(bytes, &name, count)?.iter().map(|value| own.shown(*value)).collect()
@@ -66,7 +65,7 @@ fn figure(case: &Case, run: &FlowRun, time: f64, mut values: Vec<f64>) -> FieldF
     let mut subtitle = format!("t = {} s, in the box that moves with the mean flow", short(time));
     let label = match picture {
         None => "speed |v| of the perturbation, m/s".to_owned(),
-        Some(own @ Quantity(Field::Velocity(_))) => label(own.name()),
+        Some(own @ Quantity::Velocity(_)) => label(own.name()),
         Some(own) => {
             let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
             values.iter_mut().for_each(|value| *value -= mean);

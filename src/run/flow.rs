@@ -15,7 +15,7 @@ use crate::{Error, pool, setup};
 use analysis::StateError;
 use analysis::flows::Workspace;
 use analysis::growth::Verdict;
-use dynamics::flow::{Energy, Left, Problem};
+use dynamics::flow::{Closure, Energy, Field, Left, Problem};
 use dynamics::simulation::{FlowAccount, FlowFields, FlowSimulation, OutputTimes, RegularTimes};
 use files::npz::Npz;
 use files::vti::{Grid as ImageGrid, ImageData, Storage};
@@ -38,6 +38,17 @@ pub(super) struct FlowJob<'a> {
     quantities: Vec<Quantity>,
 }
 
+/// A field of the solver as cases and files name it.
+fn quantity(field: Field) -> Quantity {
+    match field {
+        Field::Velocity(axis) => Quantity::Velocity(axis),
+        Field::Spin => Quantity::Spin,
+        Field::StressAngle => Quantity::StressAngle,
+        Field::Pressure => Quantity::Pressure,
+        Field::ShearRate => Quantity::ShearRate,
+    }
+}
+
 /// The problem of a case in a box, with the tolerances that are the default.
 ///
 /// # Errors
@@ -49,7 +60,7 @@ pub(crate) fn flow_problem(
 ) -> Result<Problem, Error> {
     let mean = case.mean_flow()?;
     let coulomb = *case.model()?.coulomb();
-    let closure = case.closure()?;
+    let closure = Closure::from_rotation(case.rotation_in_time()?).expect("a determined rotation");
     Ok(Problem {
         closure,
         density: mean.density,
@@ -89,7 +100,7 @@ impl<'a> FlowJob<'a> {
             least_shear_rate: run.least_shear_rate,
             ..flow_problem(case, run.grid.cells, run.grid.lengths)?
         };
-        let quantities = Quantity::all(problem.closure);
+        let quantities = Quantity::all(run.rotation);
         Ok(Self { case, run, problem, quantities })
     }
 }

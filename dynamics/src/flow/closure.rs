@@ -17,7 +17,12 @@ pub enum Closure {
 impl Closure {
     /// That of a model, if it has one.
     pub fn of(kind: Kind) -> Option<Self> {
-        match kind.rotation() {
+        Self::from_rotation(kind.rotation())
+    }
+
+    /// That of a model of such a rotation; `None` where the rotation is undetermined.
+    pub fn from_rotation(rotation: RotationKind) -> Option<Self> {
+        match rotation {
             RotationKind::IntrinsicSpin => Some(Self::HarrisGrekova),
             RotationKind::StressAxes => Some(Self::DoubleShearing),
             RotationKind::None => Some(Self::PlasticPotential),

@@ -2,9 +2,10 @@
 
 use crate::case::flow::{Disturbed, FlowRun, Initial, Wave};
 use crate::case::{CaseError, radians};
+use dynamics::flow::Problem;
 use dynamics::flow::perturbation::{Lattice, PlaneWave, noise, wave};
-use dynamics::flow::{Closure, Problem};
 use files::npz::{Values, read};
+use models::granular_flow::RotationKind;
 
 /// Perturbations at the points, the first axis running fastest.
 pub(super) struct Fields {
@@ -99,10 +100,10 @@ impl Fields {
         let shape = [run.grid.cells[1], run.grid.cells[0]];
         let [v1, v2] = &mut self.velocity;
         // The archive holds the whole of these, not the perturbation.
-        let inner = match run.closure {
-            Closure::HarrisGrekova => Some(("w", problem.spin)),
-            Closure::DoubleShearing => Some(("psi", problem.stress_angle)),
-            Closure::PlasticPotential => None,
+        let inner = match run.rotation {
+            RotationKind::IntrinsicSpin => Some(("w", problem.spin)),
+            RotationKind::StressAxes => Some(("psi", problem.stress_angle)),
+            RotationKind::None | RotationKind::Free => None,
         };
         let inner = inner.map(|(name, mean)| (name, &mut self.inner, mean));
         for (name, own, mean) in [("v1", v1, 0.0), ("v2", v2, 0.0)].into_iter().chain(inner) {

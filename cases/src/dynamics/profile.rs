@@ -2,8 +2,8 @@
 
 use super::Samples;
 use super::read::along;
-use crate::case::CaseError;
-use crate::case::section::{Node, Resolved, Section, count, number, numbers, positive, rows};
+use crate::CaseError;
+use crate::section::{Node, Resolved, Section, count, number, numbers, positive, rows};
 use models::elementary::Elementary;
 use std::f64::consts::{PI, TAU};
 

@@ -1,12 +1,12 @@
 //! What a case says of a flow in time, back as TOML: every value, defaults included.
 
 use super::{FlowRun, Initial, Quantity, Wave};
-use crate::case::section::Resolved;
-use dynamics::flow::Closure;
+use crate::section::Resolved;
+use models::granular_flow::RotationKind;
 
 impl FlowRun {
     /// The sections as TOML.
-    pub(in crate::case) fn to_toml(&self) -> String {
+    pub(crate) fn to_toml(&self) -> String {
         let mut text = Resolved::default()
             .number("cells", self.grid.cells)
             .number("length", self.grid.lengths)
@@ -16,7 +16,7 @@ impl FlowRun {
             .number("tolerance", self.time.tolerance)
             .number("pressure_tolerance", self.time.pressure_tolerance)
             .under("[time]");
-        if self.closure == Closure::PlasticPotential {
+        if self.rotation == RotationKind::None {
             text +=
                 &Resolved::default().number("shear_rate", self.least_shear_rate).under("[limits]");
         }

@@ -4,13 +4,13 @@ use super::{
     Action, Centre, Component, Condition, Dynamics, Initial, Kernel, Load, Part, Receiver, Region,
     Shape, SideCondition, Source, SourceKind, TimeFunction,
 };
-use crate::case::section::Resolved;
-use crate::case::{Case, NO_YIELD};
+use crate::section::Resolved;
+use crate::{Case, NO_YIELD};
 use std::fmt::Display;
 
 impl Dynamics {
     /// The sections as TOML.
-    pub(in crate::case) fn to_toml(&self) -> String {
+    pub(crate) fn to_toml(&self) -> String {
         let d = self.grid.dimensions();
         let mut text = Resolved::default()
             .number("cells", &self.grid.cells)
@@ -67,7 +67,7 @@ impl Dynamics {
 
 impl<F: Display> Receiver<F> {
     /// The entry without what only solids have.
-    pub(in crate::case) fn resolved(&self) -> Resolved {
+    pub(crate) fn resolved(&self) -> Resolved {
         Resolved::default()
             .text("name", &self.name)
             .number("at", &self.at)

@@ -6,16 +6,16 @@ use super::{
     Profile, Receiver, Recorded, Region, Samples, Scheme, Shape, Side, SideCondition, Source,
     SourceKind, Splitting, Time, TimeFunction,
 };
-use crate::case::error::{CaseError, Place, shown};
-use crate::case::keys::{Key, Value};
-use crate::case::place::Places;
-use crate::case::read::Entries;
-use crate::case::receivers::{Domain, receivers};
-use crate::case::section::{
+use crate::error::{CaseError, Place, shown};
+use crate::keys::{Key, Value};
+use crate::place::Places;
+use crate::read::Entries;
+use crate::receivers::{Domain, receivers};
+use crate::section::{
     Node, Section, any_numbers, cells, count, joined, matrix, not_negative, number, numbers,
     positive, rows, spacing, text, texts, truth,
 };
-use crate::case::{Case, Kind};
+use crate::{Case, Kind};
 use models::cosserat::parameters::Theory;
 use models::cosserat::waves::Field;
 use std::io::Read;
@@ -32,7 +32,7 @@ const FREQUENCY: &str = "a positive number in Hz (frequency)";
 ///
 /// # Errors
 /// What is wrong with it.
-pub(in crate::case) fn grid(entries: &Entries) -> Result<Grid, CaseError> {
+pub(crate) fn grid(entries: &Entries) -> Result<Grid, CaseError> {
     let mut root = entries.structured();
     let mut section = root.required_table("grid", "a section [grid] with cells and spacing")?;
     if section.node("length").is_some() {
@@ -73,7 +73,7 @@ fn joined_by(numbers: &[usize], between: &str) -> String {
 }
 
 /// Gives a solid the dimensions of the grid if it has none of its own.
-pub(in crate::case) fn provide_dimensions(entries: &mut Entries, kind: Kind, grid: &Grid) {
+pub(crate) fn provide_dimensions(entries: &mut Entries, kind: Kind, grid: &Grid) {
     const KEY: &str = "model.dimensions";
     if Key::find(KEY).is_some_and(|key| key.is_used_by(kind)) {
         entries.provide(KEY, Value::Count(grid.dimensions()));
@@ -81,7 +81,7 @@ pub(in crate::case) fn provide_dimensions(entries: &mut Entries, kind: Kind, gri
 }
 
 /// That a solid has the dimensions of the grid.
-pub(in crate::case) fn check_dimensions(
+pub(crate) fn check_dimensions(
     places: &Places,
     kind: Kind,
     dimensions: usize,
@@ -105,7 +105,7 @@ pub(in crate::case) fn check_dimensions(
 ///
 /// # Errors
 /// What is wrong, where, and what is allowed.
-pub(in crate::case) fn read(
+pub(crate) fn read(
     grid: Grid,
     case: &Case,
     entries: &Entries,
@@ -164,7 +164,7 @@ fn time(root: &mut Section) -> Result<Time, CaseError> {
 
 /// The default Courant number: at 1 nothing damps waves of two cells along an axis; below 0.87 a run would cost more
 /// than 15 % more.
-pub(crate) const COURANT: f64 = 0.9;
+pub const COURANT: f64 = 0.9;
 
 /// By default waves are reconstructed to fourth order, but where something yields, as plastic fronts are steps. Sweeps
 /// alternate, but where waves are to move by whole cells exactly, or a correction in the middle of the step needs one.
@@ -818,11 +818,11 @@ impl Reader<'_> {
 
 /// What a coordinate may lie beyond a side, over the length of the grid: cells × spacing + origin misses the decimal that
 /// is meant by rounding (100 × 0.29 is less than 29).
-pub(in crate::case) const SLACK: f64 = 1e-12;
+pub(crate) const SLACK: f64 = 1e-12;
 
 /// That a position along some axes, the value of a key, is between first and last coordinates, those of the
 /// grid or box.
-pub(in crate::case) fn check_inside(
+pub(crate) fn check_inside(
     section: &Section,
     key: &str,
     position: &[f64],
@@ -855,7 +855,7 @@ pub(in crate::case) fn check_inside(
 }
 
 /// A list of different quantities, whose names are `among`; `None` where it is absent.
-pub(in crate::case) fn different<T: PartialEq>(
+pub(crate) fn different<T: PartialEq>(
     section: &mut Section,
     key: &'static str,
     among: &[String],
@@ -876,7 +876,7 @@ pub(in crate::case) fn different<T: PartialEq>(
 }
 
 /// Time between two lines of the ledger, where `zero` says what 0 means, and between two snapshots, s.
-pub(in crate::case) fn intervals(section: &mut Section, zero: &str) -> Result<[f64; 2], CaseError> {
+pub(crate) fn intervals(section: &mut Section, zero: &str) -> Result<[f64; 2], CaseError> {
     let expected = format!("a number of at least 0 in s ({zero})");
     let ledger = section.optional("ledger_interval", &expected, not_negative)?;
     let expected = "a number of at least 0 in s (0: none)";

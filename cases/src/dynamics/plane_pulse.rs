@@ -1,8 +1,8 @@
 //! A plane wave of finite length, as an initial state.
 
 use super::TimeFunction;
-use crate::case::CaseError;
-use crate::case::section::{Resolved, Section, number, positive};
+use crate::CaseError;
+use crate::section::{Resolved, Section, number, positive};
 use models::elementary::Elementary;
 
 words! {

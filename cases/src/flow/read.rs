@@ -3,38 +3,38 @@
 use super::{
     Disturbed, FlowRun, Grid, Initial, LEAST_POINTS, MOST_POINTS, Output, Quantity, Time, Wave,
 };
-use crate::case::CaseError;
-use crate::case::dynamics::read::{check_inside, intervals};
-use crate::case::error::shown;
-use crate::case::read::Entries;
-use crate::case::receivers::{Domain, receivers};
-use crate::case::section::{
+use crate::CaseError;
+use crate::dynamics::read::{check_inside, intervals};
+use crate::error::shown;
+use crate::read::Entries;
+use crate::receivers::{Domain, receivers};
+use crate::section::{
     Node, Section, any_numbers, cells, joined, number, numbers, positive, spacing, text, whole,
     whole_pair,
 };
-use dynamics::flow::Closure;
+use models::granular_flow::RotationKind;
 use std::path::Path;
 
 /// What the sections of the case say.
 ///
 /// # Errors
 /// What is wrong, where, and what is allowed.
-pub(in crate::case) fn read(
-    closure: Closure,
+pub(crate) fn read(
+    rotation: RotationKind,
     entries: &Entries,
     folder: &Path,
 ) -> Result<FlowRun, CaseError> {
     let mut root = entries.structured();
     let grid = grid(&mut root)?;
-    let reader = Reader { closure, grid, folder };
+    let reader = Reader { rotation, grid, folder };
     Ok(FlowRun {
-        closure,
+        rotation,
         grid,
         time: time(&mut root)?,
         least_shear_rate: limits(&mut root)?,
         initial: reader.initial(&mut root)?,
         receivers: {
-            let all = Quantity::all(closure);
+            let all = Quantity::all(rotation);
             let extents = grid.lengths.map(|length| [0.0, length]).to_vec();
             let domain = Domain { extents, whole: "box", interpolates: false };
             receivers(&mut root, &all, |name| named(&all, name), &domain)?
@@ -102,7 +102,7 @@ fn limits(root: &mut Section) -> Result<f64, CaseError> {
 
 /// What all entries are read with.
 struct Reader<'a> {
-    closure: Closure,
+    rotation: RotationKind,
     grid: Grid,
     /// The folder of the case file.
     folder: &'a Path,
@@ -145,7 +145,7 @@ impl Reader<'_> {
     }
 
     fn field(&self, section: &mut Section) -> Result<Disturbed, CaseError> {
-        section.choice("field", Disturbed::all(self.closure), Disturbed::name)
+        section.choice("field", Disturbed::all(self.rotation), Disturbed::name)
     }
 
     fn amplitude(section: &mut Section, field: Disturbed) -> Result<f64, CaseError> {
@@ -209,7 +209,7 @@ impl Reader<'_> {
     }
 
     fn uniform(&self, section: &mut Section) -> Result<Initial, CaseError> {
-        let fields = &Disturbed::all(self.closure)[1..];
+        let fields = &Disturbed::all(self.rotation)[1..];
         if fields.is_empty() {
             let found = "found 'uniform' for the model plastic-potential";
             let allowed =
@@ -262,7 +262,7 @@ impl Reader<'_> {
         let Some(mut section) = root.table("output")? else { return Ok(output) };
         [output.ledger_interval, output.snapshot_interval] =
             intervals(&mut section, "0: a two-hundredth of the duration")?;
-        let all = Quantity::all(self.closure);
+        let all = Quantity::all(self.rotation);
         let words: Vec<&str> =
             [SPEED].into_iter().chain(all.iter().map(|own| own.name())).collect();
         let expected = format!("one of {}", joined(&words));

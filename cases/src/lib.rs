@@ -1,5 +1,7 @@
 //! Case files: parsing, `--set`, diagnostics with place and remedy, and conversion to the checked
 //! structs of the models.
+#![deny(missing_docs)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod check;
 pub mod dynamics;
@@ -22,7 +24,6 @@ pub use keys::{
 };
 pub use kind::{Kind, Medium, NoSuchMedium, Solid, Yield, names};
 
-use ::dynamics::flow::Closure;
 use dynamics::{Grid, Picture};
 use keys::Value;
 use models::granular_flow::state::State;
@@ -219,12 +220,8 @@ impl Case {
         if !is_in_time && purpose == Use::InTime {
             return Err(no_grid(&entries.places, kind));
         }
-        let closure = match kind {
-            _ if !is_in_time => None,
-            Kind::Flow(flow) => Closure::of(flow),
-            Kind::Solid(_) => None,
-        };
-        let is_solid = is_in_time && closure.is_none();
+        let rotation = kind.rotation_in_time().filter(|_| is_in_time);
+        let is_solid = is_in_time && rotation.is_none();
         let grid = is_solid.then(|| dynamics::read::grid(&entries)).transpose()?;
         if let Some(grid) = &grid {
             dynamics::read::provide_dimensions(&mut entries, kind, grid);
@@ -280,8 +277,7 @@ impl Case {
         let folder = Path::new(file).parent().unwrap_or(Path::new(""));
         let dynamics =
             grid.map(|grid| dynamics::read::read(grid, &case, &entries, folder)).transpose()?;
-        let flow =
-            closure.map(|closure| flow::read::read(closure, &entries, folder)).transpose()?;
+        let flow = rotation.map(|own| flow::read::read(own, &entries, folder)).transpose()?;
         Ok(Self { dynamics, flow, ..case })
     }
 

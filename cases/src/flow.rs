@@ -10,9 +10,9 @@ mod write;
 use super::dynamics::Receiver;
 use super::keys::{Key, Value};
 use super::place::Places;
-use super::{Case, CaseError, Kind};
-use dynamics::flow::spectral::greatest_modes;
-use dynamics::flow::{Closure, Field};
+use super::{Case, CaseError};
+use models::fourier::greatest_modes;
+use models::granular_flow::RotationKind;
 use models::granular_flow::state::{Background, Flow, Region};
 use std::fmt;
 
@@ -38,8 +38,8 @@ pub const UNIFORM: [&str; 9] = [
 /// The sections of a case that say how a flow is run in time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlowRun {
-    /// What determines the stress angle.
-    pub closure: Closure,
+    /// What rotates: it says which field evolves beside the velocity. Never [`RotationKind::Free`].
+    pub rotation: RotationKind,
     /// The box.
     pub grid: Grid,
     /// How long, and how accurately.
@@ -111,37 +111,53 @@ pub struct Time {
 
 /// A field of the flow, by its name in case files and tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Quantity(pub Field);
+pub enum Quantity {
+    /// A component of the velocity: 0 or 1.
+    Velocity(usize),
+    /// The spin ω.
+    Spin,
+    /// The stress angle ψ.
+    StressAngle,
+    /// The pressure.
+    Pressure,
+    /// The shear rate Q_D.
+    ShearRate,
+}
 
 impl Quantity {
-    /// Those that a flow has.
-    pub fn all(closure: Closure) -> Vec<Self> {
-        closure.fields().into_iter().map(Self).collect()
+    /// Those that a flow has, velocities first.
+    pub fn all(rotation: RotationKind) -> Vec<Self> {
+        let spin = (rotation == RotationKind::IntrinsicSpin).then_some(Self::Spin);
+        [Self::Velocity(0), Self::Velocity(1)]
+            .into_iter()
+            .chain(spin)
+            .chain([Self::StressAngle, Self::Pressure, Self::ShearRate])
+            .collect()
     }
 
     /// Name in case files, tables and pictures, where angles are in degrees.
     pub const fn name(self) -> &'static str {
-        match self.0 {
-            Field::StressAngle => "psi_deg",
+        match self {
+            Self::StressAngle => "psi_deg",
             _ => self.array(),
         }
     }
 
     /// Name in archives and snapshots, where angles are in radians.
     pub const fn array(self) -> &'static str {
-        match self.0 {
-            Field::Velocity(0) => "v1",
-            Field::Velocity(_) => "v2",
-            Field::Spin => "w",
-            Field::StressAngle => "psi",
-            Field::Pressure => "p",
-            Field::ShearRate => "shear_rate",
+        match self {
+            Self::Velocity(0) => "v1",
+            Self::Velocity(_) => "v2",
+            Self::Spin => "w",
+            Self::StressAngle => "psi",
+            Self::Pressure => "p",
+            Self::ShearRate => "shear_rate",
         }
     }
 
     /// A value in SI units as it stands under the [`name`](Self::name).
     pub fn shown(self, value: f64) -> f64 {
-        if self.0 == Field::StressAngle { value.to_degrees() } else { value }
+        if self == Self::StressAngle { value.to_degrees() } else { value }
     }
 }
 
@@ -165,11 +181,11 @@ pub enum Disturbed {
 
 impl Disturbed {
     /// Those that evolve in a flow.
-    pub const fn all(closure: Closure) -> &'static [Self] {
-        match closure {
-            Closure::HarrisGrekova => &[Self::Velocity, Self::Spin],
-            Closure::DoubleShearing => &[Self::Velocity, Self::StressAngle],
-            Closure::PlasticPotential => &[Self::Velocity],
+    pub const fn all(rotation: RotationKind) -> &'static [Self] {
+        match rotation {
+            RotationKind::IntrinsicSpin => &[Self::Velocity, Self::Spin],
+            RotationKind::StressAxes => &[Self::Velocity, Self::StressAngle],
+            RotationKind::None | RotationKind::Free => &[Self::Velocity],
         }
     }
 
@@ -282,16 +298,12 @@ impl FlowRun {
 }
 
 impl Case {
-    /// What determines the stress angle of the case's flow in time.
+    /// What rotates in the case's flow in time, and with it what determines the stress angle.
     ///
     /// # Errors
-    /// The model is none that can be run in time.
-    pub fn closure(&self) -> Result<Closure, CaseError> {
-        let closure = match self.kind {
-            Kind::Flow(flow) => Closure::of(flow),
-            Kind::Solid(_) => None,
-        };
-        closure.ok_or_else(|| {
+    /// The model is none of a flow that can be run in time.
+    pub fn rotation_in_time(&self) -> Result<RotationKind, CaseError> {
+        self.kind.rotation_in_time().ok_or_else(|| {
             let found = format!("found {}", self.kind.name());
             let allowed = "a flow whose stress angle is determined: nothing determines it here";
             self.places.error("model.kind", found, allowed)

@@ -1,6 +1,6 @@
 //! Kinds of model that a case can name.
 
-use models::granular_flow::Kind as Flow;
+use models::granular_flow::{Kind as Flow, RotationKind};
 use models::registry;
 pub use models::solid::SolidKind as Solid;
 pub use models::yield_set::YieldSetKind as Yield;
@@ -124,6 +124,15 @@ impl Kind {
         match self {
             Self::Flow(flow) => flow.title(),
             Self::Solid(solid) => solid.title,
+        }
+    }
+
+    /// What rotates in a flow that can be run in time: it says which field evolves beside the velocity and what
+    /// determines the stress angle. `None` of solids, and of flows that leave the rotation undetermined.
+    pub fn rotation_in_time(self) -> Option<RotationKind> {
+        match self {
+            Self::Flow(flow) => Some(flow.rotation()).filter(|own| *own != RotationKind::Free),
+            Self::Solid(_) => None,
         }
     }
 

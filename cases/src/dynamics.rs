@@ -6,7 +6,7 @@
 mod component;
 mod function;
 pub(crate) mod read;
-pub(crate) use read::COURANT;
+pub use read::COURANT;
 mod write;
 
 pub use component::Component;
