@@ -89,6 +89,7 @@ impl Background {
             closure: Closure::of(self.kind).expect("a closure"),
             density: self.flow.density,
             friction_angle: self.model.coulomb().friction_angle,
+            rotation_ratio: self.model.coulomb().friction_angle.sin(),
             cohesion: self.model.coulomb().cohesion,
             pressure: self.flow.stress.pressure,
             velocity_gradient: self.gradient(),

@@ -24,6 +24,7 @@ fn flow(density: f64) -> UniformFlow {
         closure: Closure::PlasticPotential,
         density,
         friction_angle,
+        rotation_ratio: 0.0,
         cohesion: 0.0,
         pressure: state.pressure,
         velocity_gradient: flow.velocity_gradient.map(|row| row.map(|entry| entry.value)),

@@ -37,6 +37,7 @@ fn problem(closure: Closure, points: usize) -> Problem {
         closure,
         density: 1600.0,
         friction_angle,
+        rotation_ratio: friction_angle.sin(),
         cohesion: 0.0,
         pressure: 1000.0,
         velocity_gradient: [[0.0, 2.0 * rate], [0.0, 0.0]],

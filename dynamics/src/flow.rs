@@ -62,6 +62,9 @@ pub struct Problem {
     pub density: f64,
     /// Friction angle φ, rad; in (0, π/2).
     pub friction_angle: f64,
+    /// e_r/c_r of the flow rule, sin φ in double shearing at constant volume: relative rotation
+    /// (ω − s₂₁)/Q_D times this is sin 2(ψ − ψ_D). Unused by coaxial models.
+    pub rotation_ratio: f64,
     /// Cohesion c, Pa; ≥ 0.
     pub cohesion: f64,
     /// Mean pressure P₀, Pa; beyond −c cot φ.
@@ -123,6 +126,7 @@ impl Problem {
             ("the cosine of the friction angle", self.friction_angle.cr_cos()),
         ];
         let finite = [
+            ("the ratio of the flow rule", self.rotation_ratio),
             ("the cohesion", self.cohesion),
             ("the stress angle", self.stress_angle),
             ("the spin", self.spin),

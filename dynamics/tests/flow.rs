@@ -16,6 +16,7 @@ fn problem(closure: Closure, points: usize, noncoaxiality: f64) -> Problem {
         closure,
         density: 1600.0,
         friction_angle: FRAC_PI_6,
+        rotation_ratio: FRAC_PI_6.sin(),
         cohesion: 100.0,
         pressure: 1000.0,
         velocity_gradient: [[0.0, 2.0 * rate], [0.0, 0.0]],

@@ -15,7 +15,7 @@ use crate::{Error, pool, setup};
 use analysis::StateError;
 use analysis::flows::Workspace;
 use analysis::growth::Verdict;
-use dynamics::flow::{Closure, Energy, Field, Left, Problem};
+use dynamics::flow::{Closure, Energy, Left, Problem};
 use dynamics::simulation::{FlowAccount, FlowFields, FlowSimulation, OutputTimes, RegularTimes};
 use files::npz::Npz;
 use files::vti::{Grid as ImageGrid, ImageData, Storage};
@@ -38,17 +38,6 @@ pub(super) struct FlowJob<'a> {
     quantities: Vec<Quantity>,
 }
 
-/// A field of the solver as cases and files name it.
-fn quantity(field: Field) -> Quantity {
-    match field {
-        Field::Velocity(axis) => Quantity::Velocity(axis),
-        Field::Spin => Quantity::Spin,
-        Field::StressAngle => Quantity::StressAngle,
-        Field::Pressure => Quantity::Pressure,
-        Field::ShearRate => Quantity::ShearRate,
-    }
-}
-
 /// The problem of a case in a box, with the tolerances that are the default.
 ///
 /// # Errors
@@ -59,12 +48,14 @@ pub(crate) fn flow_problem(
     lengths: [f64; 2],
 ) -> Result<Problem, Error> {
     let mean = case.mean_flow()?;
-    let coulomb = *case.model()?.coulomb();
+    let model = case.model()?;
+    let coulomb = *model.coulomb();
     let closure = Closure::from_rotation(case.rotation_in_time()?).expect("a determined rotation");
     Ok(Problem {
         closure,
         density: mean.density,
         friction_angle: coulomb.friction_angle,
+        rotation_ratio: model.flow_rule().rotation_ratio(),
         cohesion: coulomb.cohesion,
         pressure: mean.stress.pressure,
         velocity_gradient: mean.velocity_gradient.map(|row| row.map(|entry| entry.value)),

@@ -19,7 +19,7 @@ pub(super) struct MeanFlow {
     /// At the beginning.
     flow: Flow,
     system: LinearisedSystem<2>,
-    sin_phi: f64,
+    rotation_ratio: f64,
     law: Law,
 }
 
@@ -43,8 +43,8 @@ impl MeanFlow {
         };
         let mut system = LinearisedSystem::default();
         model.symbol(&flow, &mut system);
-        let sin_phi = model.coulomb().friction_angle.cr_sin();
-        Self { model, state, flow, system, sin_phi, law }
+        let rotation_ratio = model.flow_rule().rotation_ratio();
+        Self { model, state, flow, system, rotation_ratio, law }
     }
 
     /// At the beginning.
@@ -59,7 +59,7 @@ impl MeanFlow {
         match self.law {
             Law::Constant => Some(start),
             Law::DoubleShearing => {
-                let b = rate / self.sin_phi;
+                let b = rate / self.rotation_ratio;
                 let matrix = Matrix2::new(-b, -vorticity, vorticity, b) * time;
                 let [x, y]: [f64; 2] =
                     (matrix.exp() * Vector2::new(start.cr_cos(), start.cr_sin())).into();
@@ -67,7 +67,7 @@ impl MeanFlow {
             }
             Law::Spin(acceleration) => {
                 let spin = self.flow.spin?.value + acceleration * time;
-                let sine = self.sin_phi * (spin - vorticity) / rate;
+                let sine = self.rotation_ratio * (spin - vorticity) / rate;
                 let half = 0.5 * sine.cr_asin();
                 let is_coaxial = (2.0 * start).cr_cos() > 0.0;
                 let angle = if is_coaxial { half } else { std::f64::consts::FRAC_PI_2 - half };
@@ -129,7 +129,7 @@ mod tests {
             ..State::default()
         });
         let (rate, vorticity) = (own.flow.shear_rate, own.flow.half_vorticity);
-        let slope = |angle: f64| vorticity + rate * (2.0 * angle).sin() / own.sin_phi;
+        let slope = |angle: f64| vorticity + rate * (2.0 * angle).sin() / own.rotation_ratio;
         let (mut angle, step) = (-own.flow.noncoaxiality, 1e-3 / rate);
         for index in 1..=400 {
             let one = slope(angle);

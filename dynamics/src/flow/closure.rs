@@ -84,15 +84,15 @@ impl Deformation {
 /// cos 2ψ and sin 2ψ of Harris & Grekova at a spin ω; `branch` is the sign of cos 2(ψ − ψ_D).
 ///
 /// # Errors
-/// There is none where sin φ |ω − s₂₁| > Q_D; not a number at its end.
+/// There is none where ratio |ω − s₂₁| > Q_D; not a number at its end.
 #[inline(always)]
 pub(super) fn harris_grekova(
     deformation: &Deformation,
-    sin_phi: f64,
+    ratio: f64,
     branch: f64,
     spin: f64,
 ) -> Option<[f64; 2]> {
-    let sine = sin_phi * (spin - deformation.half_vorticity) / deformation.shear_rate();
+    let sine = ratio * (spin - deformation.half_vorticity) / deformation.shear_rate();
     let square = 1.0 - sine * sine;
     let cosine = branch * square.sqrt();
     let [cos, sin] = deformation.direction();
@@ -107,11 +107,7 @@ pub(super) fn plastic_potential(deformation: &Deformation, least: f64) -> Option
 
 /// Dψ/Dt of double shearing, rad/s; cos 2ψ and sin 2ψ are given.
 #[inline(always)]
-pub(super) fn double_shearing(
-    deformation: &Deformation,
-    sin_phi: f64,
-    [cos, sin]: [f64; 2],
-) -> f64 {
+pub(super) fn double_shearing(deformation: &Deformation, ratio: f64, [cos, sin]: [f64; 2]) -> f64 {
     let [one, other] = deformation.deviator;
-    deformation.half_vorticity + 0.5 * (one * sin - other * cos) / sin_phi
+    deformation.half_vorticity + 0.5 * (one * sin - other * cos) / ratio
 }

@@ -132,7 +132,7 @@ impl Points {
     #[inline(always)]
     fn turning(&self, point: usize) -> f64 {
         let direction = self.direction.each_ref().map(|own| own[point]);
-        double_shearing(&self.deformation(point), self.sin_phi, direction)
+        double_shearing(&self.deformation(point), self.problem.rotation_ratio, direction)
     }
 
     /// Finds the direction of stress at all points.
@@ -163,9 +163,12 @@ impl Points {
     fn direction(&self, point: usize) -> Option<[f64; 2]> {
         let deformation = self.deformation(point);
         match self.problem.closure {
-            Closure::HarrisGrekova => {
-                harris_grekova(&deformation, self.sin_phi, self.branch, self.inner[point])
-            }
+            Closure::HarrisGrekova => harris_grekova(
+                &deformation,
+                self.problem.rotation_ratio,
+                self.branch,
+                self.inner[point],
+            ),
             Closure::DoubleShearing => {
                 let found = cos_sin(self.inner[point]);
                 found[0].is_finite().then_some(found)
@@ -181,7 +184,8 @@ impl Points {
         match self.problem.closure {
             Closure::HarrisGrekova => {
                 let spin = self.inner[point];
-                let needed = self.sin_phi * (spin - deformation.half_vorticity).abs();
+                let needed =
+                    self.problem.rotation_ratio * (spin - deformation.half_vorticity).abs();
                 format!(
                     "no stress angle: sin φ |ω − s₂₁| = {needed:.6e} exceeds Q_D = {rate:.6e} 1/s"
                 )
@@ -294,12 +298,13 @@ impl Equations {
 
     /// The rate of ω or ψ of the background, which no perturbation changes.
     fn background_rate(&self, inner: f64) -> f64 {
-        let Problem { closure, velocity_gradient, spin_acceleration, .. } = self.problem();
+        let Problem { closure, velocity_gradient, spin_acceleration, rotation_ratio, .. } =
+            self.problem();
         match closure {
             Closure::HarrisGrekova => *spin_acceleration,
             Closure::DoubleShearing => {
                 let deformation = Deformation::new(*velocity_gradient);
-                double_shearing(&deformation, self.points.sin_phi, cos_sin(inner))
+                double_shearing(&deformation, *rotation_ratio, cos_sin(inner))
             }
             Closure::PlasticPotential => 0.0,
         }

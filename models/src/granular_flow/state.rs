@@ -89,6 +89,11 @@ impl FlowRule {
         }
     }
 
+    /// e_r/c_r: times the relative rotation (ω − s₂₁)/Q_D this is sin 2(ψ − ψ_D).
+    pub fn rotation_ratio(&self) -> f64 {
+        (self.rotation / self.shear).value
+    }
+
     /// tr d / (2 Q_D cos 2Δ).
     pub fn dilatation(&self) -> Rounded {
         self.dilatancy / self.volume
