@@ -13,7 +13,7 @@ pub use setup::plan;
 
 use crate::case::{Case, Kind, Wave};
 use crate::output::{self, OutputError, ResultFolder};
-use crate::words::case_title;
+use crate::report::format::case_title;
 use crate::{Error, Format, Options};
 use agreement::solids::{BandGap, BranchResult};
 use figures::NoteFigure;

@@ -1,7 +1,7 @@
 //! Well-posedness of continuum models of granular media.
 //!
 //! Describe a medium and a state in a case file; `wellposed` says whether its equations are
-//! well-posed. One file per verb ([`map`], [`point`], [`dispersion`], [`speeds`], [`run`], [`check`], [`plot`], [`cases`], [`new`]);
+//! well-posed. Questions that return values are in [`study`], their reports in [`report`], the verbs of the command line in [`cli`] (others still have one file each: [`map`], [`point`], [`speeds`], [`run`], [`check`], [`plot`], [`cases`], [`new`]);
 //! [`mod@case`] reads case files; [`setup`] makes of them what the crates below take; [`output`] keeps folders of
 //! results. No physics and no numerics here.
 #![deny(missing_docs)]
@@ -9,17 +9,17 @@
 
 pub mod cases;
 pub mod check;
-pub mod dispersion;
+pub mod cli;
 pub mod map;
 pub mod new;
 pub mod output;
 pub mod plot;
 pub mod point;
-pub mod progress;
+pub mod report;
 pub mod run;
 pub mod setup;
 pub mod speeds;
-pub mod words;
+pub mod study;
 
 pub use ::cases as case;
 
@@ -106,6 +106,12 @@ pub enum Error {
         /// Number of points.
         points: usize,
     },
+    /// A study was cancelled by whoever watched its progress.
+    #[error("cancelled")]
+    Cancelled,
+    /// A result cannot be serialised.
+    #[error("a result that cannot be written as JSON: {0}")]
+    Json(#[from] serde_json::Error),
     /// Threads could not be started.
     #[error("cannot start the threads: {0}")]
     Threads(String),

@@ -10,7 +10,7 @@ use wellposed::case::{Kind, Medium, Yield};
 use wellposed::map::{self, Extras};
 use wellposed::new::{self, Purpose};
 use wellposed::run::{self, Control};
-use wellposed::{Error, Format, Options, VERSION, cases, check, dispersion, plot, point, speeds};
+use wellposed::{Error, Format, Options, VERSION, cases, check, cli, plot, point, speeds};
 
 /// Well-posedness of continuum models of granular media.
 #[derive(Parser)]
@@ -206,7 +206,7 @@ fn carry_out(verb: Verb) -> Result<(), Error> {
             map::run(&run.into(), extras, &mut stdout)?;
         }
         Verb::Point { run } => point::run(&run.into(), &mut stdout)?,
-        Verb::Dispersion { run } => dispersion::run(&run.into(), &mut stdout)?,
+        Verb::Dispersion { run } => cli::dispersion(&run.into(), &mut stdout)?,
         Verb::Speeds { run } => speeds::run(&run.into(), &mut stdout)?,
         Verb::Run { run, checkpoint_every, accept_ill_posed } => {
             let options = Options { accept_ill_posed, ..run.into() };

@@ -1,13 +1,13 @@
 //! `wellposed map`: the verdict over two parameters of a case.
 
 use crate::case::{Case, Kind, Map, Parameter, Sweep, radians};
+use crate::cli::progress::Progress;
 use crate::output::{self, ResultFolder};
-use crate::progress::Progress;
-use crate::setup;
-use crate::setup::solid::normal;
-use crate::words::{
+use crate::report::format::{
     CLOSED_FORM, ROUTE, VALIDITY, case_title, coefficient_unit, short, superscript, unit,
 };
+use crate::setup;
+use crate::setup::solid::normal;
 use crate::{Error, Format, Options};
 use analysis::StateError;
 use analysis::bound;

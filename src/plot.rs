@@ -6,7 +6,7 @@ use crate::Error;
 use crate::case::dynamics::{Component, Dynamics, Picture};
 use crate::case::{Case, InTime};
 use crate::output::{AppendedFile, OutputError, ResultFolder, SNAPSHOTS};
-use crate::words::{case_title, short, unit_of};
+use crate::report::format::{case_title, short, unit_of};
 use figures::{
     Animation, FieldAxis, FieldFigure, FieldMark, FieldMarkKind, FigureError, LedgerFigure,
     LedgerTerm, SeismogramFigure, SeismogramPanel, Trace,

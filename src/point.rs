@@ -4,7 +4,7 @@ mod solid;
 
 use crate::case::{Case, Kind, radians};
 use crate::output::{self, ResultFolder};
-use crate::words::{
+use crate::report::format::{
     ROUTE, VALIDITY, case_title, coaxial_words, coefficient_unit, order_words, short, superscript,
 };
 use crate::{Error, Format, Options, setup};

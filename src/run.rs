@@ -16,7 +16,7 @@ mod solid;
 use crate::case::{Case, CaseError, InTime};
 use crate::output::{AppendedFile, ResultFolder};
 use crate::plot;
-use crate::words::{short, superscript, unit_of};
+use crate::report::format::{short, superscript, unit_of};
 use crate::{Error, Format, Options};
 use ::files::npz::Npz;
 use analysis::growth::Growth;

@@ -1,10 +1,10 @@
 //! `wellposed speeds`: characteristic speeds of a solid against the direction, elastic and yielding.
 
 use crate::case::{Case, Wave, radians};
+use crate::cli::progress::Progress;
 use crate::output::{self, ResultFolder};
-use crate::progress::Progress;
+use crate::report::format::{case_title, flutter_json, normal_json, normal_words as at, short};
 use crate::setup::{self, solid::normal};
-use crate::words::{case_title, flutter_json, normal_json, normal_words as at, short};
 use crate::{Error, Format, Options};
 use analysis::solids::{
     AcousticTensorCache, DirectionalSpeeds, SolidAssessment, SolidAssessor, angles_deg,

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use std::path::Path;
-use wellposed::{Format, Options, dispersion};
+use wellposed::{Format, Options, cli};
 
 const CASE: &str = "
 [model]
@@ -31,7 +31,7 @@ fn run(folder: &Path, case: &str, sets: &[&str]) -> Result<Value, String> {
         ..Options::default()
     };
     let mut stdout = Vec::new();
-    dispersion::run(&options, &mut stdout).map_err(|error| error.to_string())?;
+    cli::dispersion(&options, &mut stdout).map_err(|error| error.to_string())?;
     Ok(serde_json::from_slice(&stdout).expect("JSON"))
 }
 

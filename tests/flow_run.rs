@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use wellposed::case::Case;
+use wellposed::report::format::short;
 use wellposed::run::{self, Control};
-use wellposed::words::short;
 use wellposed::{Error, Options, plot};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");

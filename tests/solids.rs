@@ -4,7 +4,7 @@ use serde_json::Value;
 use std::f64::consts::PI;
 use std::path::Path;
 use wellposed::map::{self, Extras};
-use wellposed::{Format, Options, dispersion, point, speeds};
+use wellposed::{Format, Options, cli, point, speeds};
 
 type Verb = fn(&Options, &mut dyn std::io::Write) -> Result<(), wellposed::Error>;
 
@@ -267,7 +267,7 @@ fn a_solid_that_keeps_its_energy_is_well_posed() {
 fn waves_of_a_fluttering_solid_grow() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let sets = [set("wave.direction_deg", 44.0), set("wave.number", 1e6)];
-    let report = run(folder.path(), dispersion::run, LAYERS, &sets).expect("a sound case");
+    let report = run(folder.path(), cli::dispersion, LAYERS, &sets).expect("a sound case");
     let [trace, determinant] = invariants(0.6, 0.05, 44f64.to_radians());
     let expected = (0.5 * (determinant.sqrt() - 0.5 * trace)).sqrt();
     let families = report["families"].as_array().expect("a list");
@@ -424,7 +424,7 @@ fn flow_of_the_background_damps_but_changes_no_speed() {
         let near = damped.iter().map(|d| (d[1] - root[1]).abs()).fold(f64::INFINITY, f64::min);
         assert!(near < 1e-4 * root[1].abs().max(1.0), "{root:?} {damped:?}");
     }
-    let error = run(folder.path(), dispersion::run, CONE, &[set("yield.plastic_rate", 1.0)]);
+    let error = run(folder.path(), cli::dispersion, CONE, &[set("yield.plastic_rate", 1.0)]);
     assert!(error.expect_err("damped").contains("yield.plastic_rate"));
 }
 
@@ -443,7 +443,7 @@ fn waves_of_a_softening_solid_grow_in_dispersion_too() {
         set("wave.number", 3.0),
     ];
     let sets: Vec<String> = sets.into_iter().chain(wave).collect();
-    let report = run(folder.path(), dispersion::run, CONE, &sets).expect("a sound case");
+    let report = run(folder.path(), cli::dispersion, CONE, &sets).expect("a sound case");
     let families = report["families"].as_array().expect("a list");
     let rates = families.iter().flat_map(|f| f["at_wave"].as_array().expect("a list"));
     let greatest = rates.map(|at| number(&at["growth_rate"])).fold(0.0, f64::max);

@@ -9,7 +9,7 @@ use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use wellposed::run::{self, Control};
-use wellposed::{Format, Options, dispersion};
+use wellposed::{Format, Options, cli};
 
 const CONTROL: Control = Control { checkpoint_every: 1e9 };
 
@@ -75,7 +75,7 @@ fn branches(file: PathBuf, sets: &[String]) -> Vec<(String, f64)> {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let options = Options { format: Format::Json, ..options(file, folder.path(), sets) };
     let mut stdout = Vec::new();
-    dispersion::run(&options, &mut stdout).expect("a sound case");
+    cli::dispersion(&options, &mut stdout).expect("a sound case");
     let report: Value = serde_json::from_slice(&stdout).expect("JSON");
     let mut branches = Vec::new();
     for family in report["families"].as_array().expect("families") {

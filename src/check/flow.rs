@@ -4,7 +4,7 @@ use super::setup::{locate, uniform_flow, verdict};
 use crate::Error;
 use crate::case::flow::{Disturbed, FlowRun, Initial};
 use crate::case::{Case, Converted, Kind};
-use crate::progress::Progress;
+use crate::cli::progress::Progress;
 use crate::run::perturbation;
 use agreement::PlaneWave;
 use agreement::flows::{ModeResult, Perturbation, Refinement, fastest_mode, wave_results};

@@ -5,7 +5,7 @@ use super::setup::{locate, uniform_flow};
 use super::{digits, exponent, unmeasured_words, worst_words};
 use crate::Error;
 use crate::case::Case;
-use crate::words::{case_title, coaxial_words, order_words, short};
+use crate::report::format::{case_title, coaxial_words, order_words, short};
 use agreement::fit::Rate;
 use agreement::flows::{FastestMode, ModeResult, StepSequences};
 use figures::{Line, SpectrumFigure};

@@ -3,8 +3,8 @@
 use super::{Checked, digits, exponent, unmeasured, unmeasured_words, worst, worst_words};
 use crate::Error;
 use crate::case::{Case, Wave};
+use crate::report::format::{case_title, short};
 use crate::setup;
-use crate::words::{case_title, short};
 use agreement::solids::{BandGap, BranchResult, GridResult, Measurement, Response};
 use analysis::solids::branches;
 use figures::{Band, Branch, DispersionFigure};

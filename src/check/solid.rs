@@ -3,7 +3,7 @@
 use super::setup::{locate, plane_wave};
 use crate::Error;
 use crate::case::{Case, Wave};
-use crate::progress::Progress;
+use crate::cli::progress::Progress;
 use crate::{run, setup};
 use agreement::PlaneWave;
 use agreement::solids::{BandGap, BranchResult, SolverSettings, band_gaps, branch_results};

@@ -5,7 +5,7 @@ use crate::Error;
 use crate::case::Case;
 use crate::case::flow::{FlowRun, Quantity};
 use crate::output::{AppendedFile, ResultFolder};
-use crate::words::{case_title, short, unit_of};
+use crate::report::format::{case_title, short, unit_of};
 use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind, Line, SpectrumFigure};
 use models::elementary::Elementary;
 

@@ -2,9 +2,11 @@
 
 use crate::case::{Case, Kind, Wave};
 use crate::output::{self, ResultFolder};
+use crate::report::format::{
+    VALIDITY, case_title, flutter_json, normal_json, normal_words as at, short,
+};
 use crate::setup;
 use crate::setup::solid::normal;
-use crate::words::{VALIDITY, case_title, flutter_json, normal_json, normal_words as at, short};
 use crate::{Error, Format, Options};
 use analysis::bound;
 use analysis::energy::{self, Energy};

@@ -4,7 +4,7 @@ use super::Run;
 use super::checkpoint::Checkpoint;
 use super::files::Files;
 use crate::output::ResultFolder;
-use crate::words::short;
+use crate::report::format::short;
 use crate::{Error, INTERRUPTED_CODE};
 use dynamics::simulation::Simulation;
 use std::io::{IsTerminal, Write as _};

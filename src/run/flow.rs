@@ -10,7 +10,7 @@ use super::{IllPosed, Outcome, Run, Stopped, if_memory_suffices};
 use crate::case::Case;
 use crate::case::flow::{FlowRun, Grid, Quantity};
 use crate::output::AppendedFile;
-use crate::words::{case_title, short, unit_of};
+use crate::report::format::{case_title, short, unit_of};
 use crate::{Error, pool, setup};
 use analysis::StateError;
 use analysis::flows::Workspace;

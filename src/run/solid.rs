@@ -12,7 +12,7 @@ use crate::case::dynamics::{
 };
 use crate::case::{Case, CaseError};
 use crate::output::AppendedFile;
-use crate::words::{case_title, short, unit_of};
+use crate::report::format::{case_title, short, unit_of};
 use dynamics::domain::memory;
 use dynamics::ledger::{Energy, Ledger};
 use dynamics::medium::Medium;

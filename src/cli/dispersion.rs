@@ -1,0 +1,24 @@
+//! `wellposed dispersion`.
+
+use super::would_write;
+use crate::case::Case;
+use crate::output::{self, ResultFolder};
+use crate::report::format::short;
+use crate::{Error, Options, report, study};
+use std::io::Write;
+
+/// Runs the verb.
+///
+/// # Errors
+/// The case is wrong, or results cannot be written.
+pub fn dispersion(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
+    let case = Case::load(&options.case, &options.sets)?;
+    let found = study::dispersion(&case)?;
+    let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
+    if options.dry_run {
+        let greatest = short(found.greatest_number);
+        writeln!(stdout, "would follow the waves up to k = {greatest} 1/m")?;
+        return would_write(&folder, &output::DISPERSION, stdout);
+    }
+    report::write(&found, &case, &folder, options.format, stdout)
+}

@@ -1,0 +1,18 @@
+//! The verbs of the command line: from arguments to a study, its report and the folder of results.
+
+mod dispersion;
+pub mod progress;
+
+pub use dispersion::dispersion;
+
+use crate::Error;
+use crate::output::ResultFolder;
+use std::io::Write;
+
+/// Says which files would be written.
+fn would_write(folder: &ResultFolder, names: &[&str], stdout: &mut dyn Write) -> Result<(), Error> {
+    for name in names {
+        writeln!(stdout, "would write {}", folder.path().join(name).display())?;
+    }
+    Ok(())
+}

@@ -1,0 +1,114 @@
+//! From the value of a study to what people and programs read: text, JSON, tables, pictures. One way for all studies.
+
+pub mod dispersion;
+pub mod format;
+
+use crate::case::Case;
+use crate::output::ResultFolder;
+use crate::{Error, Format};
+use figures::FigureError;
+use serde::Serialize;
+use serde_json::{Map, Value};
+use std::io::Write;
+
+/// Version of the JSON reports: raised when a key changes its name or its meaning.
+const SCHEMA: u64 = 1;
+
+/// A value that can be reported. Its serialisation is the JSON report.
+pub trait Report: Serialize {
+    /// Name of the study, and of its files: `dispersion.json`.
+    const NAME: &'static str;
+
+    /// Units by quantity, which stand last in the JSON report.
+    const UNITS: &'static [(&'static str, &'static str)] = &[];
+
+    /// The report in words and numbers for a reader.
+    fn text(&self, case: &Case) -> String;
+
+    /// The pictures, the first of which is named to the reader.
+    ///
+    /// # Errors
+    /// One cannot be made.
+    fn pictures(&self, case: &Case) -> Result<Vec<Picture>, Error>;
+
+    /// Tables and archives by the names of their files.
+    ///
+    /// # Errors
+    /// One cannot be made.
+    fn tables(&self, case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error>;
+}
+
+/// Draws a picture as a file of some format.
+type Draw = Box<dyn Fn(figures::Format) -> Result<Vec<u8>, FigureError>>;
+
+/// A picture: two files.
+pub struct Picture {
+    /// Their names but for the endings.
+    stem: &'static str,
+    draw: Draw,
+}
+
+impl Picture {
+    /// From a figure's own method.
+    pub fn new(
+        stem: &'static str,
+        draw: impl Fn(figures::Format) -> Result<Vec<u8>, FigureError> + 'static,
+    ) -> Self {
+        Self { stem, draw: Box::new(draw) }
+    }
+}
+
+/// The JSON report: the version of its form, the value, its units.
+///
+/// # Errors
+/// The value cannot be serialised.
+pub fn json<R: Report>(report: &R) -> Result<Value, Error> {
+    let mut all = Map::from_iter([("schema".to_owned(), SCHEMA.into())]);
+    match serde_json::to_value(report)? {
+        Value::Object(own) => all.extend(own),
+        own => _ = all.insert(R::NAME.to_owned(), own),
+    }
+    if !R::UNITS.is_empty() {
+        let units = R::UNITS.iter().map(|(name, unit)| ((*name).to_owned(), (*unit).into()));
+        all.insert("units".to_owned(), Map::from_iter(units).into());
+    }
+    Ok(all.into())
+}
+
+/// Writes all files of a report into the folder of results, and the text or the JSON report to standard output.
+///
+/// # Errors
+/// Something cannot be made or written.
+pub fn write<R: Report>(
+    report: &R,
+    case: &Case,
+    folder: &ResultFolder,
+    format: Format,
+    stdout: &mut dyn Write,
+) -> Result<(), Error> {
+    use figures::Format::{Png, Svg};
+    let json = format!("{:#}\n", json(report)?);
+    let text = report.text(case);
+    let pictures = report.pictures(case)?;
+    folder.open()?;
+    for Picture { stem, draw } in &pictures {
+        folder.write(&format!("{stem}.png"), &draw(Png)?)?;
+        folder.write(&format!("{stem}.svg"), &draw(Svg)?)?;
+    }
+    for (name, table) in report.tables(case)? {
+        folder.write(name, &table)?;
+    }
+    folder.write(&format!("{}.json", R::NAME), json.as_bytes())?;
+    folder.write(&format!("{}.txt", R::NAME), text.as_bytes())?;
+    match format {
+        Format::Json => stdout.write_all(json.as_bytes())?,
+        Format::Text => {
+            stdout.write_all(text.as_bytes())?;
+            if let Some(Picture { stem, .. }) = pictures.first() {
+                let path = folder.path().join(format!("{stem}.png"));
+                writeln!(stdout, "picture: {}", path.display())?;
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,155 @@
+//! Frequencies and speeds of the waves of a solid against the wave number.
+
+use crate::case::{Case, Wave};
+use crate::{Error, setup};
+use analysis::solids::{BranchGroup, BranchPoint, branches};
+use models::elastoplastic::Solid;
+use models::granular_flow::InputError;
+use serde::Serialize;
+
+/// The waves of a solid along one direction.
+#[derive(Clone, Debug, Serialize)]
+pub struct Dispersion {
+    /// Kind of the solid.
+    pub model: &'static str,
+    /// The wave at which branches are listed.
+    pub wave: WaveVector,
+    /// Greatest wave number of the curves, 1/m.
+    pub greatest_number: f64,
+    /// Families of waves with the same dispersion, taken together.
+    pub families: Vec<BranchFamily>,
+    /// The solid.
+    #[serde(skip)]
+    pub solid: Solid,
+}
+
+/// A wave vector.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct WaveVector {
+    /// Wave number k, 1/m.
+    pub number: f64,
+    /// Direction in the plane of x₁ and x₂ from x₁, degrees.
+    pub direction_deg: f64,
+    /// Angle above that plane, degrees.
+    pub elevation_deg: f64,
+}
+
+impl From<Wave> for WaveVector {
+    fn from(wave: Wave) -> Self {
+        let Wave { number, direction_deg, elevation_deg, .. } = wave;
+        Self { number, direction_deg, elevation_deg }
+    }
+}
+
+/// Families of waves with the same dispersion.
+#[derive(Clone, Debug, Serialize)]
+pub struct BranchFamily {
+    /// Their polarisation.
+    pub polarisation: &'static str,
+    /// Number of families.
+    pub count: usize,
+    /// Characteristic speeds, m/s.
+    pub characteristic_speeds: Vec<f64>,
+    /// Imaginary parts of complex characteristic speeds, m/s.
+    pub characteristic_growth: Vec<f64>,
+    /// Frequencies at k = 0 that are not zero, rad/s.
+    pub cut_off_frequencies: Vec<f64>,
+    /// Limits of the frequencies of branches of speed zero as k → ∞, rad/s.
+    pub short_wave_limits: Vec<f64>,
+    /// Frequencies between which no such wave propagates, rad/s; infinite at the upper end where there is none above
+    /// (null in JSON).
+    pub forbidden_bands: Vec<[f64; 2]>,
+    /// The branches at the wave of the case.
+    pub at_wave: Vec<Branch>,
+    /// Names of the branches.
+    #[serde(skip)]
+    pub labels: Vec<String>,
+    /// The branches up to the greatest wave number.
+    #[serde(skip)]
+    pub curves: Vec<Vec<BranchPoint>>,
+}
+
+/// A branch at the wave of the case.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Branch {
+    /// Re ω, rad/s.
+    pub frequency: f64,
+    /// |Im ω|, 1/s.
+    pub growth_rate: f64,
+    /// Re ω/k, m/s.
+    pub phase_speed: f64,
+    /// Re dω/dk, m/s.
+    pub group_speed: f64,
+}
+
+/// Follows the waves of a solid.
+///
+/// # Errors
+/// The case is none of a solid, its constants are out of range, its background flows, or its waves cannot be followed.
+pub fn dispersion(case: &Case) -> Result<Dispersion, Error> {
+    let solid = setup::solid::solid(case).map_err(|error| case.locate(error))?;
+    if solid.plastic.as_ref().is_some_and(|plastic| plastic.rate > 0.0) {
+        let error = InputError {
+            key: "plastic_rate",
+            found: format!("{:?}", case.numbers.plastic_rate),
+            allowed: "0: branches are followed of waves that nothing damps; wellposed point has \
+                      the roots of damped ones"
+                .into(),
+        };
+        return Err(case.locate(error).into());
+    }
+    let wave = case.numbers.wave;
+    let greatest_number = match wave.greatest_number {
+        0.0 => solid.elastic.characteristic_wave_number().map_or(wave.number, |own| 4.0 * own),
+        given => given,
+    };
+    let groups = branches(&solid, setup::solid::normal(&wave), greatest_number, false)
+        .map_err(|error| setup::locate(case, error.into()))?;
+    let is_finite = |p: &BranchPoint| p.frequency.is_finite() && p.growth_rate.is_finite();
+    let ends = [wave.number, greatest_number];
+    if !ends.iter().all(|&k| groups.iter().all(|group| group.at(k).iter().all(is_finite))) {
+        let error = InputError {
+            key: "model",
+            found: "numbers whose waves cannot be followed".into(),
+            allowed: "moduli, inertias and wave numbers whose frequencies are finite".into(),
+        };
+        return Err(case.locate(error).into());
+    }
+    Ok(Dispersion {
+        model: case.kind.name(),
+        wave: wave.into(),
+        greatest_number,
+        families: groups
+            .iter()
+            .map(|group| BranchFamily::new(group, wave.number, greatest_number))
+            .collect(),
+        solid,
+    })
+}
+
+impl BranchFamily {
+    fn new(group: &BranchGroup, number: f64, greatest: f64) -> Self {
+        let curves = group.curves(greatest);
+        let speeds = group.speeds();
+        let at_wave = group.at(number);
+        Self {
+            polarisation: group.family.polarisation.name(),
+            count: group.count,
+            characteristic_speeds: speeds.iter().map(|speed| speed[0]).collect(),
+            characteristic_growth: speeds.iter().map(|speed| speed[1]).collect(),
+            cut_off_frequencies: group.cut_offs(),
+            short_wave_limits: group.short_wave_limits(),
+            forbidden_bands: group.bands.iter().map(|band| [band.from, band.to]).collect(),
+            at_wave: at_wave.iter().map(Branch::from).collect(),
+            labels: (0..curves.len()).map(|branch| group.label(branch)).collect(),
+            curves,
+        }
+    }
+}
+
+impl From<&BranchPoint> for Branch {
+    fn from(point: &BranchPoint) -> Self {
+        let BranchPoint { frequency, growth_rate, phase_speed, group_speed, .. } = *point;
+        Self { frequency, growth_rate, phase_speed, group_speed }
+    }
+}
