@@ -28,16 +28,6 @@ fn solid(random: &mut Random, theory: Theory) -> Isotropic {
     Isotropic::new(lambda, random.within(0.8, 2.0), random.within(0.5, 2.0), microrotation).unwrap()
 }
 
-/// The name that the equations as matrices give a field.
-fn name(field: Field) -> String {
-    match field {
-        Field::Velocity(i) => format!("v{}", i + 1),
-        Field::Spin(k) => format!("ω{}", k + 1),
-        Field::Stress(i, j) => format!("σ{}{}", i + 1, j + 1),
-        Field::Couple(k, j) => format!("m{}{}", k + 1, j + 1),
-    }
-}
-
 /// U̇ = Σ Bⁱ∂ᵢU + QU of the matrices, solved for U̇, by name.
 struct Matrices<const D: usize> {
     names: Vec<String>,
@@ -73,10 +63,10 @@ fn compare<const D: usize>(
     let expected = matrices(equations);
     let size = expected.names.len();
     let place = |field: Field| {
-        let name = name(field);
+        let name = field.to_string();
         expected.names.iter().position(|own| *own == name)
     };
-    let must = |field: Field| place(field).unwrap_or_else(|| panic!("no {}", name(field)));
+    let must = |field: Field| place(field).unwrap_or_else(|| panic!("no {field}"));
     for axis in 0..D {
         let mut found = DMatrix::zeros(size, size);
         for pair in pairs(axis) {
@@ -154,7 +144,8 @@ fn fields_are_those_of_the_matrices() {
             names
         };
         for dimensions in [2, 3] {
-            let own: Vec<String> = fields(theory, dimensions).into_iter().map(name).collect();
+            let own: Vec<String> =
+                fields(theory, dimensions).iter().map(ToString::to_string).collect();
             let unknowns = match dimensions {
                 2 => solid.layout::<2>().carrying().unknowns(),
                 _ => solid.layout::<3>().unknowns(),
