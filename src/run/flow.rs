@@ -5,7 +5,7 @@ mod initial;
 use super::checkpoint::Checkpoint;
 use super::control::install_signal_handlers;
 use super::files::{Table, columns};
-use super::recorder::{Effort, Found, View, simulate};
+use super::recorder::{Effort, Found, View, output_times, simulate};
 use super::{IllPosed, Outcome, Run, Stopped, if_memory_suffices};
 use crate::case::Case;
 use crate::case::flow::{FlowRun, Grid, Quantity};
@@ -16,7 +16,7 @@ use analysis::StateError;
 use analysis::flows::Workspace;
 use analysis::growth::Verdict;
 use dynamics::flow::{Closure, Energy, Left, Problem};
-use dynamics::simulation::{FlowAccount, FlowFields, FlowSimulation, OutputTimes, RegularTimes};
+use dynamics::simulation::{FlowAccount, FlowFields, FlowSimulation};
 use files::npz::Npz;
 use files::vti::{Grid as ImageGrid, ImageData, Storage};
 use serde_json::{Value, json};
@@ -173,12 +173,7 @@ impl FlowJob<'_> {
             0.0 => duration / LINES,
             seconds => seconds,
         };
-        let output = OutputTimes {
-            accounts: RegularTimes::new(lines, duration),
-            snapshots: Some(case.output.snapshot_interval)
-                .filter(|seconds| *seconds > 0.0)
-                .map(|seconds| RegularTimes::new(seconds, duration)),
-        };
+        let output = output_times(lines, case.output.snapshot_interval, duration);
         simulate(self, run, simulation, &output, duration, from)
     }
 

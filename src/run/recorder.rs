@@ -72,6 +72,15 @@ pub(super) struct Found<S: Simulation> {
     pub(super) lock: File,
 }
 
+/// Accounts and snapshots at such intervals of a duration, s; of 0 no snapshots.
+pub(super) fn output_times(accounts: f64, snapshots: f64, duration: f64) -> OutputTimes {
+    let has_snapshots = snapshots > 0.0;
+    OutputTimes {
+        accounts: RegularTimes::new(accounts, duration),
+        snapshots: has_snapshots.then(|| RegularTimes::new(snapshots, duration)),
+    }
+}
+
 /// Runs a simulation of that duration, s, from its beginning or from a checkpoint, and writes the files that are
 /// appended to.
 pub(super) fn simulate<S: Simulation, V: View<S>>(

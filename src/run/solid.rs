@@ -3,7 +3,7 @@
 use super::checkpoint::Checkpoint;
 use super::control::install_signal_handlers;
 use super::files::{Table, columns};
-use super::recorder::{Effort, Found, View, simulate};
+use super::recorder::{Effort, Found, View, output_times, simulate};
 use super::setup::{Setup, cell_at, centre, media, probe, time_steps};
 use super::{IllPosed, Outcome, Run, Stopped, if_memory_suffices};
 use crate::Error;
@@ -18,8 +18,7 @@ use dynamics::ledger::{Energy, Ledger};
 use dynamics::medium::Medium;
 use dynamics::real::Real;
 use dynamics::simulation::{
-    OutputTimes, RegularTimes, Simulation, SolidAccount, SolidFault, SolidFields, SolidSimulation,
-    StepLimit, TimeSteps,
+    Simulation, SolidAccount, SolidFault, SolidFields, SolidSimulation, StepLimit, TimeSteps,
 };
 use files::npz::Npz;
 use files::vti::{Grid, ImageData, Storage};
@@ -170,12 +169,8 @@ impl SolidJob<'_> {
             seconds => interval(seconds, steps.step),
         };
         let duration = dynamics.time.duration;
-        let output = OutputTimes {
-            accounts: RegularTimes::new(lines as f64 * steps.step, duration),
-            snapshots: Some(dynamics.output.snapshot_interval)
-                .filter(|seconds| *seconds > 0.0)
-                .map(|seconds| RegularTimes::new(seconds, duration)),
-        };
+        let accounts = lines as f64 * steps.step;
+        let output = output_times(accounts, dynamics.output.snapshot_interval, duration);
         let found = simulate(self, run, simulation, &output, duration, from)?;
         Ok(Outcome {
             words: words(self.case, dynamics, steps, &found),

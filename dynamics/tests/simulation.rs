@@ -1,0 +1,197 @@
+//! The driver: what it delivers, that interruptions change no bit of it, and how faults end it.
+
+use models::cosserat::parameters::Isotropic;
+use models::cosserat::waves::Field;
+use std::f64::consts::{FRAC_PI_6, TAU};
+use std::fmt::Debug;
+use std::sync::Arc;
+use wellposed_dynamics::boundary::{Boundary, Source};
+use wellposed_dynamics::flow::perturbation::{Lattice, wave};
+use wellposed_dynamics::flow::{self, Closure};
+use wellposed_dynamics::line::Slopes;
+use wellposed_dynamics::medium::Medium;
+use wellposed_dynamics::probe::Probe;
+use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::simulation::{
+    End, FlowSimulation, Observer, OutputTimes, RegularTimes, Simulation, SolidSimulation, State,
+    TimeSteps, drive,
+};
+
+/// Writes down what is delivered, and interrupts the run after so many looks.
+#[derive(Default)]
+struct Log {
+    records: Vec<String>,
+    accounts: Vec<String>,
+    snapshots: Vec<String>,
+    looks: usize,
+    interruption: Option<usize>,
+}
+
+impl<S: Simulation<Account: Debug, Fields: Debug>> Observer<S> for Log {
+    /// The state at the interruption.
+    type Error = State;
+
+    fn record(&mut self, time: f64, values: &[f64]) -> Result<(), State> {
+        self.records.push(format!("{time:?} {values:?}"));
+        Ok(())
+    }
+
+    fn account(&mut self, account: &S::Account) -> Result<(), State> {
+        self.accounts.push(format!("{account:?}"));
+        Ok(())
+    }
+
+    fn snapshot(&mut self, _: &S, index: usize, time: f64, own: &S::Fields) -> Result<(), State> {
+        self.snapshots.push(format!("{index} {time:?} {own:?}"));
+        Ok(())
+    }
+
+    fn after_steps(&mut self, simulation: &S, _: &S::Account) -> Result<(), State> {
+        self.looks += 1;
+        if self.interruption.is_some_and(|looks| self.looks.is_multiple_of(looks)) {
+            return Err(simulation.state());
+        }
+        Ok(())
+    }
+}
+
+/// What comes out if the run is interrupted after so many looks, again and again.
+fn run<S: Simulation<Account: Debug, Fields: Debug>>(
+    new: impl Fn() -> S,
+    output: &OutputTimes,
+    interruption: Option<usize>,
+) -> (Log, End<S>, State) {
+    let mut log = Log { interruption, ..Log::default() };
+    let mut from: Option<State> = None;
+    loop {
+        let mut simulation = new();
+        if let Some(state) = &from {
+            assert!(simulation.restore(state));
+        }
+        match drive(&mut simulation, output, from.is_some(), &mut log) {
+            Ok(end) => return (log, end, simulation.state()),
+            Err(state) => from = Some(state),
+        }
+    }
+}
+
+fn interruptions_change_nothing<S: Simulation<Account: Debug, Fields: Debug>>(
+    new: impl Fn() -> S,
+    output: &OutputTimes,
+) {
+    let (whole, end, state) = run(&new, output, None);
+    assert!(end.fault.is_none());
+    for looks in [1, 2, 5] {
+        let (log, end, same) = run(&new, output, Some(looks));
+        assert!(end.fault.is_none());
+        assert_eq!(log.records, whole.records);
+        assert_eq!(log.accounts, whole.accounts);
+        assert_eq!(log.snapshots, whole.snapshots);
+        assert_eq!(same, state);
+    }
+}
+
+const DURATION: f64 = 4.0;
+
+/// A pulse in a plane, and a source whose strength is `signal`.
+fn solid(signal: fn(f64) -> f64) -> SolidSimulation<f64, 2> {
+    let medium = Medium::isotropic(&Isotropic::new(1.4, 0.9, 1.2, None).expect("moduli"), 2);
+    let (cells, spacing) = ([20, 12], [0.1, 0.1]);
+    let steps = TimeSteps::new(std::slice::from_ref(&medium), &spacing, 0.9, 1.0, DURATION);
+    let steps = steps.expect("few steps");
+    let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::NonReflecting]);
+    let scheme = Scheme::new(Slopes::FourthOrder, Placement::Last);
+    let of_cell = vec![0; 240];
+    let probe = Probe::interpolating(&cells, &[false; 2], &of_cell, 105, &[5.3, 4.9]);
+    let mut problem =
+        Problem::new(Grid { cells, spacing }, vec![medium], of_cell, sides, steps.step, scheme);
+    problem.sources = vec![Source {
+        cells: vec![(50, 1.0)],
+        amplitudes: vec![(Field::Velocity(0), 1.0)],
+        signal: Arc::new(signal),
+    }];
+    let pulse = (0..240).map(|cell| if cell % 20 < 4 { 1.0 } else { 0.0 }).collect();
+    let initial = vec![(Field::Velocity(1), pulse)];
+    SolidSimulation::new(problem, steps, initial, vec![probe, Probe::nearest(17)], 2)
+        .expect("a sound problem")
+}
+
+fn output(accounts: f64, snapshots: f64, duration: f64) -> OutputTimes {
+    OutputTimes {
+        accounts: RegularTimes::new(accounts, duration),
+        snapshots: Some(RegularTimes::new(snapshots, duration)),
+    }
+}
+
+/// Snapshots lie between steps; a record comes from every step.
+#[test]
+fn solids_go_on_with_the_same_bits() {
+    let new = || solid(f64::sin);
+    let steps = new().time_steps();
+    let output = output(7.0 * steps.step, 0.31, DURATION);
+    interruptions_change_nothing(new, &output);
+    let (log, _, state) = run(new, &output, None);
+    assert_eq!((log.records.len(), state.steps), (steps.count + 1, steps.count));
+    assert_eq!(log.accounts.len(), steps.count.div_ceil(7) + 1);
+    assert_eq!(log.snapshots.len(), 14);
+}
+
+/// A source that becomes infinite: the last sound state is that before the step, and all up to it is delivered.
+#[test]
+fn faults_leave_the_last_sound_state() {
+    let strength = |t: f64| if t < 2.2 { t.sin() } else { f64::INFINITY };
+    let new = || solid(strength);
+    let steps = new().time_steps();
+    let output = output(7.0 * steps.step, 0.31, DURATION);
+    let (sound, _, _) = run(|| solid(f64::sin), &output, None);
+    let (whole, end, state) = run(new, &output, None);
+    let fault = end.fault.expect("a fault");
+    assert!(fault.place.is_some() && fault.time > state.time);
+    assert!((state.time - 2.2).abs() < 2.0 * steps.step, "{}", state.time);
+    assert_eq!(state.time, end.last.time);
+    assert_eq!(whole.records.len(), state.steps + 1);
+    assert_eq!(whole.records, sound.records[..=state.steps]);
+    // Those that were due, and that of the last state.
+    let due = state.steps / 7 + 1;
+    assert!(!state.steps.is_multiple_of(7));
+    assert_eq!(whole.accounts[..due], sound.accounts[..due]);
+    assert_eq!(whole.accounts[due..], [format!("{:?}", end.last)]);
+    let (log, _, same) = run(new, &output, Some(2));
+    assert_eq!((log.records, log.accounts, same), (whole.records, whole.accounts, state));
+}
+
+/// Accounts and snapshots lie between steps.
+#[test]
+fn flows_go_on_with_the_same_bits() {
+    let rate = 25.0;
+    let problem = flow::Problem {
+        closure: Closure::HarrisGrekova,
+        density: 1600.0,
+        friction_angle: FRAC_PI_6,
+        cohesion: 100.0,
+        pressure: 1000.0,
+        velocity_gradient: [[0.0, 2.0 * rate], [0.0, 0.0]],
+        stress_angle: TAU / 8.0 - 0.3,
+        spin: -rate - rate * 0.6f64.sin() / FRAC_PI_6.sin(),
+        spin_acceleration: 0.0,
+        points: [16; 2],
+        lengths: [0.1; 2],
+        tolerance: 1e-5,
+        pressure_tolerance: 1e-9,
+        least_shear_rate: 1e-3,
+    };
+    let duration = 1e-3;
+    let waves = [wave([1, 0], 1e-3, 0.3), wave([1, -2], 2e-3, 1.0)];
+    let [v1, v2] =
+        Lattice { count: problem.points, lengths: problem.lengths }.transverse(&waves, None);
+    let new = || {
+        let mut own = FlowSimulation::new(&problem, duration, vec![3, 77]).expect("a problem");
+        own.perturb([&v1, &v2], &[0.0; 256]).expect("a stress");
+        own
+    };
+    let output = output(duration / 13.0, duration / 7.5, duration);
+    interruptions_change_nothing(new, &output);
+    let (log, _, state) = run(new, &output, None);
+    assert_eq!(log.records.len(), state.steps + 1);
+    assert_eq!((log.accounts.len(), log.snapshots.len()), (14, 9));
+}
