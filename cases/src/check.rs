@@ -1,9 +1,10 @@
 //! The section `[check]`: what `wellposed check` sends, and on which grids.
 
+use super::entries::Entries;
 use super::error::CaseError;
-use super::read::Entries;
-use super::section::{Node, Resolved, any_numbers};
-use super::value;
+use super::schema::{Form, Group, Item, Scope};
+use super::section::Resolved;
+use super::types::{Order, Range, Type};
 
 /// What a case asks of `wellposed check`; what it leaves open is chosen to suit the model.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,42 +24,49 @@ pub const MOST_GRIDS: usize = 5;
 /// Fewest cells to a period: fewer hold no wave.
 pub const FEWEST_CELLS: usize = 8;
 
+/// The section.
+pub(super) const FORM: Form = Form::section(
+    "check",
+    "what wellposed check sends; what is left out is chosen to suit the model",
+    &[Group::always(&[
+        Item::optional(
+            "numbers",
+            Type::List(1, Range::Positive),
+            "1/m",
+            "[0.5, 2.0]",
+            "wave numbers; default: the solid's own wave number times 1, ¼, ½, 2, 4, where it yields times 1; of a classical solid that of [wave]; of a flow that of [wave] times 1, 4 and 16",
+        )
+        .note("wave numbers"),
+        Item::optional(
+            "directions_deg",
+            Type::List(1, Range::Finite),
+            "deg",
+            "[0.0, 30.0]",
+            "directions of the wave vector from x₁, with the elevation of [wave]; default: that of [wave], and oblique ones",
+        )
+        .note("directions of the wave vector from x1"),
+        Item::optional(
+            "cells",
+            Type::Counts { length: [2, MOST_GRIDS], least: FEWEST_CELLS, order: Order::Ascending },
+            "",
+            "[20, 30, 40]",
+            "cells to a period along each axis of two or three grids, ascending; of a flow points along each axis of the grids that its perturbation is refined on",
+        )
+        .note("cells to a period"),
+    ])],
+);
+
 /// Reads the section; absent: nothing is asked for.
 ///
 /// # Errors
 /// What is wrong, where, and what is allowed.
 pub(super) fn read(entries: &Entries) -> Result<Option<Check>, CaseError> {
-    let mut root = entries.structured();
-    let Some(mut section) = root.table("check")? else { return Ok(None) };
-    let some = |list: Vec<f64>| (!list.is_empty()).then_some(list);
-    let positive = |node: &Node| {
-        any_numbers(node).and_then(some).filter(|list| list.iter().all(|number| *number > 0.0))
-    };
-    let cells = |node: &Node| {
-        let value = node.value()?;
-        let list = value::list(value, value.as_array()?.len(), value::count)?;
-        let is_ascending = list.windows(2).all(|pair| pair[0] < pair[1]);
-        ((2..=MOST_GRIDS).contains(&list.len()) && is_ascending && list[0] >= FEWEST_CELLS)
-            .then_some(list)
-    };
+    let root = entries.structured(Scope::default());
+    let Some(section) = root.section(&FORM)? else { return Ok(None) };
     let check = Check {
-        numbers: section.optional(
-            "numbers",
-            "a list of positive numbers in 1/m (wave numbers)",
-            positive,
-        )?,
-        directions_deg: section.optional(
-            "directions_deg",
-            "a list of finite numbers in degrees (directions of the wave vector from x1)",
-            |node| any_numbers(node).and_then(some),
-        )?,
-        cells: section.optional(
-            "cells",
-            &format!(
-                "two to {MOST_GRIDS} ascending whole numbers of at least {FEWEST_CELLS} (cells to a period)"
-            ),
-            cells,
-        )?,
+        numbers: section.optional("numbers")?,
+        directions_deg: section.optional("directions_deg")?,
+        cells: section.optional("cells")?,
     };
     section.finish()?;
     Ok(Some(check))
@@ -77,6 +85,6 @@ impl Check {
         if let Some(cells) = &self.cells {
             text = text.number("cells", cells);
         }
-        text.under("[check]")
+        text.under(&FORM)
     }
 }

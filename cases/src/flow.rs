@@ -4,17 +4,24 @@
 //! SI units, angles in degrees. The box moves with the mean flow; positions are those that its points
 //! have at the beginning, from 0 to its edges, m. Axes are counted from 0.
 
-pub(super) mod read;
-mod write;
+mod grid;
+mod initial;
+mod output;
+
+pub use grid::{Grid, Time};
+pub use initial::{Disturbed, Initial, Wave};
+pub use output::{Output, Quantity};
 
 use super::dynamics::Receiver;
-use super::keys::{Key, Value};
+use super::keys::Key;
 use super::place::Places;
-use super::{Case, CaseError};
-use models::fourier::greatest_modes;
+use super::value::Value;
+use super::{Case, CaseError, Kind};
+use crate::entries::Entries;
+use crate::schema::{Form, Scope};
 use models::granular_flow::RotationKind;
 use models::granular_flow::state::{Background, Flow, Region};
-use std::fmt;
+use std::path::Path;
 
 /// Most points of a box.
 pub const MOST_POINTS: usize = 1 << 28;
@@ -34,6 +41,19 @@ pub const UNIFORM: [&str; 9] = [
     "background.inertia_gradient",
     "background.acceleration",
 ];
+
+/// The sections, in the order in which they are written; the last one is of coaxial flows alone.
+pub(crate) const FORMS: [&Form; 6] =
+    [&grid::GRID, &grid::TIME, &initial::FORM, &output::RECEIVER, &output::OUTPUT, &grid::LIMITS];
+
+/// The sections of a kind of flow; none where it cannot be run in time.
+pub(crate) fn forms(kind: Kind) -> Vec<&'static Form> {
+    match kind.rotation_in_time() {
+        None => Vec::new(),
+        Some(RotationKind::None) => FORMS.to_vec(),
+        Some(_) => FORMS[..5].to_vec(),
+    }
+}
 
 /// The sections of a case that say how a flow is run in time.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,237 +75,57 @@ pub struct FlowRun {
     places: Places,
 }
 
-/// A box that moves with the mean flow, and its points.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Grid {
-    /// Points along each axis; even, at least [`LEAST_POINTS`].
-    pub cells: [usize; 2],
-    /// Edges at the beginning, m; positive.
-    pub lengths: [f64; 2],
+/// What all entries are read with.
+struct Reader<'a> {
+    rotation: RotationKind,
+    grid: Grid,
+    /// The folder of the case file.
+    folder: &'a Path,
 }
 
 impl FlowRun {
+    /// What the sections of the case say.
+    ///
+    /// # Errors
+    /// What is wrong, where, and what is allowed.
+    pub(crate) fn read(
+        kind: Kind,
+        rotation: RotationKind,
+        entries: &Entries,
+        folder: &Path,
+    ) -> Result<Self, CaseError> {
+        let scope = Scope { kind: Some(kind), dimensions: Some(2), axes: Vec::new() };
+        let root = entries.structured(scope);
+        let grid = Grid::read(&root)?;
+        let reader = Reader { rotation, grid, folder };
+        Ok(Self {
+            rotation,
+            grid,
+            time: Time::read(&root)?,
+            least_shear_rate: grid::least_shear_rate(&root)?,
+            initial: reader.initial(&root)?,
+            receivers: reader.receivers(&root)?,
+            output: reader.output(&root)?,
+            places: entries.places.clone(),
+        })
+    }
+
+    /// The sections as TOML: every value, defaults included.
+    pub(crate) fn to_toml(&self) -> String {
+        let mut text = self.grid.to_toml() + &self.time.to_toml();
+        if self.rotation == RotationKind::None {
+            text += &grid::limits_to_toml(self.least_shear_rate);
+        }
+        text.extend(self.initial.iter().map(initial::to_toml));
+        text.extend(self.receivers.iter().map(Receiver::<Quantity>::to_toml));
+        text + &self.output.to_toml()
+    }
+
     /// The same in another box.
     pub fn on(&self, grid: Grid) -> Self {
         Self { grid, ..self.clone() }
     }
-}
 
-impl Grid {
-    /// Number of points.
-    pub fn count(&self) -> usize {
-        self.cells[0] * self.cells[1]
-    }
-
-    /// Greatest m₁ and m₂ of the waves exp(2πi(m₁y₁/L₁ + m₂y₂/L₂)) that the points hold without mistaking
-    /// products of two of them for others.
-    pub fn greatest_modes(&self) -> [usize; 2] {
-        greatest_modes(self.cells)
-    }
-
-    /// Coordinate at the beginning of the point of that index along an axis, m.
-    pub fn position(&self, axis: usize, index: usize) -> f64 {
-        (index as f64 + 0.5) * self.lengths[axis] / self.cells[axis] as f64
-    }
-
-    /// The point nearest to a position in the box, the first axis running fastest.
-    pub fn nearest(&self, at: &[f64]) -> usize {
-        let index = |axis: usize| {
-            let index = (at[axis] / self.lengths[axis] * self.cells[axis] as f64).floor();
-            (index.max(0.0) as usize).min(self.cells[axis] - 1)
-        };
-        index(1) * self.cells[0] + index(0)
-    }
-}
-
-/// Duration and accuracy.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Time {
-    /// Duration, s; positive.
-    pub duration: f64,
-    /// Error of a step relative to the perturbation; in (0, 1).
-    pub tolerance: f64,
-    /// Residual of the equation of the pressure relative to its right-hand side; in (0, 1).
-    pub pressure_tolerance: f64,
-}
-
-/// A field of the flow, by its name in case files and tables.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    /// A component of the velocity: 0 or 1.
-    Velocity(usize),
-    /// The spin ω.
-    Spin,
-    /// The stress angle ψ.
-    StressAngle,
-    /// The pressure.
-    Pressure,
-    /// The shear rate Q_D.
-    ShearRate,
-}
-
-impl Quantity {
-    /// Those that a flow has, velocities first.
-    pub fn all(rotation: RotationKind) -> Vec<Self> {
-        let spin = (rotation == RotationKind::IntrinsicSpin).then_some(Self::Spin);
-        [Self::Velocity(0), Self::Velocity(1)]
-            .into_iter()
-            .chain(spin)
-            .chain([Self::StressAngle, Self::Pressure, Self::ShearRate])
-            .collect()
-    }
-
-    /// Name in case files, tables and pictures, where angles are in degrees.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::StressAngle => "psi_deg",
-            _ => self.array(),
-        }
-    }
-
-    /// Name in archives and snapshots, where angles are in radians.
-    pub const fn array(self) -> &'static str {
-        match self {
-            Self::Velocity(0) => "v1",
-            Self::Velocity(_) => "v2",
-            Self::Spin => "w",
-            Self::StressAngle => "psi",
-            Self::Pressure => "p",
-            Self::ShearRate => "shear_rate",
-        }
-    }
-
-    /// A value in SI units as it stands under the [`name`](Self::name).
-    pub fn shown(self, value: f64) -> f64 {
-        if self == Self::StressAngle { value.to_degrees() } else { value }
-    }
-}
-
-/// The name in case files.
-impl fmt::Display for Quantity {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(self.name())
-    }
-}
-
-/// A field that a perturbation is given in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Disturbed {
-    /// The velocity across the wave vector, m/s.
-    Velocity,
-    /// The spin ω, rad/s (Harris–Grekova alone).
-    Spin,
-    /// The stress angle ψ, degrees (double shearing alone).
-    StressAngle,
-}
-
-impl Disturbed {
-    /// Those that evolve in a flow.
-    pub const fn all(rotation: RotationKind) -> &'static [Self] {
-        match rotation {
-            RotationKind::IntrinsicSpin => &[Self::Velocity, Self::Spin],
-            RotationKind::StressAxes => &[Self::Velocity, Self::StressAngle],
-            RotationKind::None | RotationKind::Free => &[Self::Velocity],
-        }
-    }
-
-    /// Name in case files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Velocity => "v",
-            Self::Spin => "w",
-            Self::StressAngle => "psi_deg",
-        }
-    }
-}
-
-/// A wave A cos(k·y + phase) with k = 2π(m₁/L₁, m₂/L₂).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wave {
-    /// Numbers of wavelengths along the axes, m₁ and m₂; not both 0.
-    pub mode: [i64; 2],
-    /// The field.
-    pub field: Disturbed,
-    /// A, in the unit of the field.
-    pub amplitude: f64,
-    /// Phase, degrees.
-    pub phase_deg: f64,
-}
-
-/// A part of the perturbation.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Initial {
-    /// A wave.
-    Mode(Wave),
-    /// A wave under a bell exp(−(r/radius)²).
-    Packet {
-        /// The wave.
-        wave: Wave,
-        /// The middle of the bell, m.
-        at: [f64; 2],
-        /// Radius, m; positive.
-        radius: f64,
-    },
-    /// All waves of a band with the same amplitude and random phases, which are those of the seed on
-    /// whatever points.
-    Noise {
-        /// The field.
-        field: Disturbed,
-        /// Least √(m₁² + m₂²).
-        from: f64,
-        /// Greatest √(m₁² + m₂²).
-        to: f64,
-        /// Root mean square, in the unit of the field.
-        amplitude: f64,
-        /// What the phases follow from.
-        seed: u64,
-    },
-    /// A uniform value.
-    Uniform {
-        /// The field; not the velocity.
-        field: Disturbed,
-        /// The value, in the unit of the field.
-        amplitude: f64,
-    },
-    /// Fields of an archive such as an earlier run's.
-    File {
-        /// Where it is, from the root.
-        path: String,
-        /// Checksum of its bytes, which are part of the case.
-        checksum: u32,
-    },
-}
-
-impl Initial {
-    /// All names in case files.
-    pub const NAMES: [&str; 5] = ["mode", "packet", "noise", "uniform", "file"];
-
-    /// Name in case files.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::Mode(_) => "mode",
-            Self::Packet { .. } => "packet",
-            Self::Noise { .. } => "noise",
-            Self::Uniform { .. } => "uniform",
-            Self::File { .. } => "file",
-        }
-    }
-}
-
-/// What else is recorded.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Output {
-    /// Time between two lines of the ledger and of the spectrum, s; 0: a two-hundredth of the duration.
-    pub ledger_interval: f64,
-    /// Time between two snapshots of all fields, s; 0: none.
-    pub snapshot_interval: f64,
-    /// What pictures show; `None`: the magnitude of the perturbation of the velocity.
-    pub picture: Option<Quantity>,
-    /// Values of it on which lines are drawn, in its unit; `None`: as suits the picture.
-    pub contours: Option<Vec<f64>>,
-}
-
-impl FlowRun {
     /// An error at a key of these sections, as in `initial[0].amplitude`; indices from 0.
     pub fn locate(
         &self,

@@ -1,17 +1,96 @@
 //! Entries `[[receiver]]` of a case: a point, a line or a grid of points.
 
 use super::CaseError;
-use super::dynamics::read::{check_inside, different};
-use super::dynamics::{Interpolation, Receiver};
-use super::section::{Node, Section, any_counts, joined, list_of_points, numbers, text};
+use super::dynamics::{Interpolation, Recorded, check_inside};
+use super::schema::{Condition, Form, Item};
+use super::section::{Resolved, Section, joined};
+use super::types::{Length, Type};
+use super::value::{count, list};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 
 /// Most points of an entry.
 const MOST_POINTS: usize = 10_000;
 
+const LINE: &[Condition] = &[Condition::Present("from")];
+
+/// The key of the name.
+pub(super) const NAME: Item = Item::optional(
+    "name",
+    Type::Name,
+    "",
+    "\"surface\"",
+    "names the record; of a line name-1, name-2, …, of a grid name-1-1, name-2-1, …; default r1, r2, …",
+)
+.note("letters, digits, '-', '_' and '.'");
+
+/// The key of a point; `note` says of what.
+pub(super) const fn at(note: &'static str, example: &'static str, meaning: &'static str) -> Item {
+    Item::required("at", Type::Numbers(Length::Axes), "m", example, meaning)
+        .note(note)
+        .when(&[Condition::Absent("from")])
+}
+
+/// The key of the first point of a line.
+pub(super) const FROM: Item = Item::optional(
+    "from",
+    Type::Numbers(Length::Axes),
+    "m",
+    "[0.0, 0.0]",
+    "in place of at: the first point of a line or grid of points",
+)
+.note("the first point");
+
+/// The key of the last one.
+pub(super) const TO: Item = Item::required(
+    "to",
+    Type::Points,
+    "m",
+    "[0.05, 0.0]",
+    "the last point of the line; of a grid a list of the corners beside the first one",
+)
+.note("the last point of a line")
+.remark(", or for a grid a list of such corners")
+.when(LINE);
+
+/// The key of the number of points.
+pub(super) const COUNT: Item = Item::required(
+    "count",
+    Type::Divisions,
+    "",
+    "5",
+    "points of the line, both ends among them; of a grid a list of the points along each edge",
+)
+.note("points of the line, both ends among them")
+.when(LINE);
+
+/// A point at which the state is recorded, of a solid or, with its own kind of field, of a flow.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Receiver<F = Recorded> {
+    /// Names its record; no other receiver has it.
+    pub name: String,
+    /// Where, m; inside the grid.
+    pub at: Vec<f64>,
+    /// How cells make up the record.
+    pub interpolation: Interpolation,
+    /// What is recorded.
+    pub fields: Vec<F>,
+}
+
+impl<F: Display> Receiver<F> {
+    /// The entry without what only solids have.
+    pub(super) fn resolved(&self) -> Resolved {
+        Resolved::default()
+            .text("name", &self.name)
+            .number("at", &self.at)
+            .texts("fields", &self.fields)
+    }
+}
+
 /// Where receivers can be.
 pub(super) struct Domain<'a> {
+    /// The form of the entries.
+    pub(super) form: &'static Form,
     /// First and last coordinate along each axis, m.
     pub(super) extents: Vec<[f64; 2]>,
     /// Its name in messages.
@@ -26,7 +105,7 @@ pub(super) struct Domain<'a> {
 /// # Errors
 /// What is wrong, where, and what is allowed.
 pub(super) fn receivers<F: Clone + PartialEq + Display>(
-    root: &mut Section,
+    root: &Section,
     all: &[F],
     find: impl Fn(&str) -> Option<F>,
     domain: &Domain,
@@ -34,22 +113,17 @@ pub(super) fn receivers<F: Clone + PartialEq + Display>(
     let words: Vec<String> = all.iter().map(F::to_string).collect();
     let mut receivers = Vec::new();
     let mut taken: BTreeMap<String, usize> = BTreeMap::new();
-    for (index, mut section) in root.tables("receiver")?.into_iter().enumerate() {
-        let is_name = |node: &Node| {
-            let stands = |c: char| c.is_alphanumeric() || "-_.".contains(c);
-            text(node).filter(|name| !name.is_empty() && name.chars().all(stands))
-        };
-        let expected = "text in quotes (letters, digits, '-', '_' and '.')";
-        let name = section.optional("name", expected, is_name)?;
+    for (index, section) in root.list(domain.form)?.into_iter().enumerate() {
+        let name: Option<String> = section.optional("name")?;
         let name = name.unwrap_or_else(|| format!("r{}", index + 1));
-        let points = points(&mut section, domain)?;
+        let points = points(&section, domain)?;
         let interpolation = match domain.interpolates {
             true => section
                 .optional_choice("interpolation", Interpolation::ALL, Interpolation::name)?
                 .unwrap_or_default(),
             false => Interpolation::Nearest,
         };
-        let fields = different(&mut section, "fields", &words, &find)?;
+        let fields = section.different("fields", &words, &find)?;
         if fields.as_ref().is_some_and(Vec::is_empty) {
             let allowed = format!("name at least one of {}", joined(&words));
             return Err(section.error("fields", "an empty list", allowed));
@@ -75,41 +149,45 @@ fn onto_the_grid(at: &mut [f64], extents: &[[f64; 2]]) {
 }
 
 /// The points of an entry, with what they add to its name.
-fn points(section: &mut Section, domain: &Domain) -> Result<Vec<(String, Vec<f64>)>, CaseError> {
+fn points(section: &Section, domain: &Domain) -> Result<Vec<(String, Vec<f64>)>, CaseError> {
     let d = domain.extents.len();
     let axes: Vec<usize> = (0..d).collect();
-    let list = format!("a list of {d} finite numbers in m");
     let is_inside = |section: &Section, key: &str, at: &[f64]| {
         check_inside(section, key, at, &axes, &domain.extents, domain.whole)
     };
-    let expected = format!("{list} (a point of the {})", domain.whole);
-    let from = section.optional("from", &format!("{list} (the first point)"), numbers(d))?;
+    let from: Option<Vec<f64>> = section.optional("from")?;
     let Some(from) = from else {
         for key in ["to", "count"] {
-            if section.get(key).is_some() {
+            if section.has(key) {
                 let allowed = "add from, the first point of a line or grid, or give at, a point";
                 return Err(section.error(key, "found without from", allowed));
             }
         }
-        let mut at = section.required("at", &expected, numbers(d))?;
+        let mut at: Vec<f64> = section.required("at")?;
         is_inside(section, "at", &at)?;
         onto_the_grid(&mut at, &domain.extents);
         return Ok(vec![(String::new(), at)]);
     };
-    if section.get("at").is_some() {
+    if section.has("at") {
         let allowed = "give one of the two, a point or a line or grid of points";
         return Err(section.error("at", "found beside from", allowed));
     }
-    let expected =
-        format!("{list} (the last point of a line), or for a grid a list of such corners");
-    let to = section.required("to", &expected, list_of_points(d))?;
-    let expected = match to.len() {
-        1 => "a whole number of at least 2 (points of the line, both ends among them)".to_owned(),
-        n => format!(
-            "a list of {n} whole numbers of at least 2 (points along each edge of the grid)"
-        ),
+    let to: Vec<Vec<f64>> = section.required("to")?;
+    let counts: Vec<usize> = match to.len() {
+        1 => section.required("count")?,
+        n => {
+            let expected = format!(
+                "a list of {n} whole numbers of at least 2 (points along each edge of the grid)"
+            );
+            section.required_as("count", &expected, |value| {
+                let counts = list(value, n, count)?;
+                counts.iter().all(|count| *count >= 2).then_some(counts)
+            })?
+        }
     };
-    let counts = section.required("count", &expected, any_counts(to.len()))?;
+    if counts.len() != to.len() {
+        return Err(section.wrong("count"));
+    }
     let total = counts.iter().try_fold(1usize, |total, &count| total.checked_mul(count));
     let Some(total) = total.filter(|total| *total <= MOST_POINTS) else {
         let found =

@@ -1,332 +1,31 @@
-//! Sections that hold lists of tables: their values as a tree, and a reader of one table that knows
-//! what it was asked for.
+//! Reads a table by its form, and writes one.
 
 use super::error::{CaseError, Place, shown};
+use super::node::{Node, Table, segment};
 use super::place::Places;
-use super::value::{self, describe, list, nearest, short_list, suggestion};
+use super::schema::{Condition, Form, Item, Need, Scope};
+use super::types::Type;
+use super::value::{Value, nearest, suggestion};
 use std::fmt::{Debug, Display};
-use toml::de::{DeTable, DeValue};
+use toml::de::DeValue;
 
-/// A value, a table or a list of tables.
-pub(super) enum Node<'a> {
-    Value(DeValue<'a>),
-    Table(Table<'a>),
-    Tables(Vec<Table<'a>>),
-}
+/// A table of which no key is known: the one around all sections, and parts of other sections.
+const OPEN: Form = Form::section("", "", &[]);
 
-/// A table in the order of the file.
-#[derive(Default)]
-pub(super) struct Table<'a>(Vec<(String, Node<'a>)>);
-
-/// Why a `--set` cannot be carried out: the part of its key that is wrong, what was found and what
-/// is allowed.
-pub(super) struct Refused {
-    pub(super) key: String,
-    pub(super) found: String,
-    pub(super) allowed: String,
-}
-
-/// A step of a key in `--set`: a name, and the index behind it.
-type Step<'k> = (&'k str, Option<usize>);
-
-/// A name as a part of a dotted key: what would be taken for several is put in quotes.
-pub(super) fn segment(name: &str) -> String {
-    match name.contains(['.', '[', ']']) {
-        true => format!("{name:?}"),
-        false => name.to_owned(),
-    }
-}
-
-impl<'a> Node<'a> {
-    /// The tree of a value, and by dotted key where its parts begin.
-    pub(super) fn read(
-        value: &DeValue<'a>,
-        path: &str,
-        note: &mut impl FnMut(String, usize),
-    ) -> Self {
-        match value {
-            DeValue::Table(table) => Self::Table(Table::read(table, path, note)),
-            DeValue::Array(array) if array.iter().any(|item| item.get_ref().is_table()) => {
-                let mut tables = Vec::new();
-                for (index, item) in array.iter().enumerate() {
-                    let Some(table) = item.get_ref().as_table() else {
-                        return Self::Value(value.clone());
-                    };
-                    let path = format!("{path}[{index}]");
-                    note(path.clone(), item.span().start);
-                    tables.push(Table::read(table, &path, note));
-                }
-                Self::Tables(tables)
-            }
-            _ => Self::Value(value.clone()),
-        }
-    }
-
-    /// What is neither a table nor a list of tables.
-    pub(super) fn value(&self) -> Option<&DeValue<'a>> {
-        match self {
-            Self::Value(value) => Some(value),
-            _ => None,
-        }
-    }
-
-    /// The node as it is named in a message.
-    pub(super) fn words(&self) -> String {
-        match self {
-            Self::Value(value) => short_list(value).unwrap_or_else(|| describe(value)),
-            Self::Table(_) => "a section".to_owned(),
-            Self::Tables(tables) => format!("a list of {}", tables.len()),
-        }
-    }
-}
-
-impl<'a> Table<'a> {
-    fn read(table: &DeTable<'a>, path: &str, note: &mut impl FnMut(String, usize)) -> Self {
-        let mut entries: Vec<_> = table.iter().collect();
-        entries.sort_by_key(|(key, _)| key.span().start);
-        let read = |(key, value): (&toml::Spanned<_>, &toml::Spanned<DeValue<'a>>)| {
-            let name: &std::borrow::Cow<'_, str> = key.get_ref();
-            let path = format!("{path}.{}", segment(name));
-            note(path.clone(), key.span().start);
-            (name.to_string(), Node::read(value.get_ref(), &path, note))
-        };
-        Self(entries.into_iter().map(read).collect())
-    }
-
-    fn has(&self, name: &str) -> bool {
-        self.get(name).is_some()
-    }
-
-    fn get(&self, name: &str) -> Option<&Node<'a>> {
-        self.0.iter().find(|(own, _)| own == name).map(|(_, node)| node)
-    }
-
-    fn entries(&self) -> impl Iterator<Item = (&str, &Node<'a>)> {
-        self.0.iter().map(|(name, node)| (name.as_str(), node))
-    }
-
-    pub(super) fn insert(&mut self, name: &str, node: Node<'a>) {
-        match self.0.iter_mut().find(|(own, _)| own == name) {
-            Some((_, old)) => *old = node,
-            None => self.0.push((name.to_owned(), node)),
-        }
-    }
-
-    /// Puts a node where the key says, and hands back the key as places are kept by it.
-    pub(super) fn set(&mut self, key: &str, node: Node<'a>) -> Result<String, Refused> {
-        let steps: Option<Vec<Step>> = key.split('.').map(step).collect();
-        let Some(steps) = steps else {
-            return Err(Refused {
-                key: key.to_owned(),
-                found: "no key".into(),
-                allowed: "write section.key or section[0].key, the index counted from 0".into(),
-            });
-        };
-        let mut path = String::new();
-        self.set_at(&steps, &mut path, node)?;
-        Ok(path)
-    }
-
-    fn set_at(&mut self, steps: &[Step], path: &mut String, node: Node<'a>) -> Result<(), Refused> {
-        let Some((&(name, index), rest)) = steps.split_first() else { return Ok(()) };
-        if !path.is_empty() {
-            path.push('.');
-        }
-        path.push_str(name);
-        let refused =
-            |found: String, allowed: String| Err(Refused { key: path.clone(), found, allowed });
-        let Some(index) = index else {
-            if rest.is_empty() {
-                self.insert(name, node);
-                return Ok(());
-            }
-            if !self.has(name) {
-                self.insert(name, Node::Table(Table::default()));
-            }
-            return match self.slot(name) {
-                Some(Node::Table(table)) => table.set_at(rest, path, node),
-                Some(Node::Tables(tables)) => refused(
-                    format!("a list of {}", tables.len()),
-                    format!("write {path}[0] with an index from 0 to {}", tables.len() - 1),
-                ),
-                _ => refused("no section".into(), "a key inside it cannot be set".into()),
-            };
-        };
-        let count = match self.slot(name) {
-            Some(Node::Tables(tables)) => tables.len(),
-            Some(Node::Table(_)) => {
-                return refused(format!("the index {index}"), format!("{path} is no list"));
-            }
-            Some(Node::Value(value)) if value.as_array().is_none_or(|list| !list.is_empty()) => {
-                return refused(format!("the index {index}"), "set the value as a whole".into());
-            }
-            _ => 0,
-        };
-        match (self.slot(name), node) {
-            (Some(Node::Tables(tables)), node) if index < count => {
-                path.push_str(&format!("[{index}]"));
-                match (rest.is_empty(), node) {
-                    (false, node) => tables[index].set_at(rest, path, node),
-                    (true, Node::Table(table)) => {
-                        tables[index] = table;
-                        Ok(())
-                    }
-                    (true, node) => Err(Refused {
-                        key: path.clone(),
-                        found: format!("found {}", node.words()),
-                        allowed: "name a key inside it, or give a table in braces".into(),
-                    }),
-                }
-            }
-            _ if count == 0 => refused(
-                format!("the index {index} of no entry"),
-                format!("add [[{path}]] to the file first"),
-            ),
-            _ => refused(
-                format!("the index {index} of {count}"),
-                format!("expected an index from 0 to {}", count - 1),
-            ),
-        }
-    }
-
-    fn slot(&mut self, name: &str) -> Option<&mut Node<'a>> {
-        self.0.iter_mut().find(|(own, _)| own == name).map(|(_, node)| node)
-    }
-}
-
-/// A part of a key between dots; `None` if it is none.
-fn step(text: &str) -> Option<Step<'_>> {
-    let is_name =
-        |name: &str| !name.is_empty() && !name.contains(|c: char| "[]\"'".contains(c) || c == ' ');
-    let (name, index) = match text.split_once('[') {
-        Some((name, rest)) => (name, Some(rest.strip_suffix(']')?)),
-        None => (text, None),
-    };
-    let index = match index {
-        Some(digits) if digits.bytes().all(|digit| digit.is_ascii_digit()) => {
-            Some(digits.parse().ok()?)
-        }
-        Some(_) => return None,
-        None => None,
-    };
-    is_name(name).then_some((name, index))
-}
-
-/// A finite number.
-pub(super) fn number(node: &Node) -> Option<f64> {
-    value::number(node.value()?)
-}
-
-/// A number above zero.
-pub(super) fn positive(node: &Node) -> Option<f64> {
-    number(node).filter(|number| *number > 0.0)
-}
-
-/// A number that is not negative.
-pub(super) fn not_negative(node: &Node) -> Option<f64> {
-    number(node).filter(|number| *number >= 0.0)
-}
-
-/// A whole number of at least 1.
-pub(super) fn count(node: &Node) -> Option<usize> {
-    value::count(node.value()?)
-}
-
-/// A whole number of at least 0.
-pub(super) fn whole(node: &Node) -> Option<u64> {
-    u64::try_from(value::integer(node.value()?)?).ok()
-}
-
-/// Two whole numbers.
-pub(super) fn whole_pair(node: &Node) -> Option<[i64; 2]> {
-    value::pair(node.value()?, value::integer)
-}
-
-/// Text in one line.
-pub(super) fn text(node: &Node) -> Option<String> {
-    value::text(node.value()?)
-}
-
-/// A list of texts.
-pub(super) fn texts(node: &Node) -> Option<Vec<String>> {
-    value::texts(node.value()?)
-}
-
-/// True or false.
-pub(super) fn truth(node: &Node) -> Option<bool> {
-    node.value()?.as_bool()
-}
-
-/// `length` numbers; one alone needs no brackets.
-pub(super) fn numbers(length: usize) -> impl Fn(&Node) -> Option<Vec<f64>> {
-    move |node| list(node.value()?, length, value::number)
-}
-
-/// A list of any number of numbers.
-pub(super) fn any_numbers(node: &Node) -> Option<Vec<f64>> {
-    let value = node.value()?;
-    list(value, value.as_array()?.len(), value::number)
-}
-
-/// Two or three whole numbers of at least 1.
-pub(super) fn cells(node: &Node) -> Option<Vec<usize>> {
-    let value = node.value()?;
-    let length = value.as_array()?.len();
-    list(value, length, value::count).filter(|_| (2..=3).contains(&length))
-}
-
-/// A positive number for all axes, or one for each.
-pub(super) fn spacing(length: usize) -> impl Fn(&Node) -> Option<Vec<f64>> {
-    move |node| {
-        let all = numbers(length)(node).or_else(|| number(node).map(|all| vec![all; length]));
-        all.filter(|all| all.iter().all(|edge| *edge > 0.0))
-    }
-}
-
-/// A point of so many coordinates, or a list of such points.
-pub(super) fn list_of_points(dimensions: usize) -> impl Fn(&Node) -> Option<Vec<Vec<f64>>> {
-    move |node| {
-        let value = node.value()?;
-        if let Some(point) = list(value, dimensions, value::number) {
-            return Some(vec![point]);
-        }
-        let points =
-            list(value, value.as_array()?.len(), |point| list(point, dimensions, value::number))?;
-        (!points.is_empty() && points.len() <= dimensions).then_some(points)
-    }
-}
-
-/// So many whole numbers of at least 2; one alone needs no brackets.
-pub(super) fn any_counts(length: usize) -> impl Fn(&Node) -> Option<Vec<usize>> {
-    move |node| {
-        let all = list(node.value()?, length, value::count)?;
-        all.iter().all(|count| *count >= 2).then_some(all)
-    }
-}
-
-/// A square matrix by rows.
-pub(super) fn matrix(size: usize) -> impl Fn(&Node) -> Option<Vec<Vec<f64>>> {
-    move |node| list(node.value()?, size, |row| list(row, size, value::number))
-}
-
-/// Any number of pairs of numbers.
-pub(super) fn rows(node: &Node) -> Option<Vec<[f64; 2]>> {
-    let pairs = node.value()?.as_array()?.iter();
-    pairs.map(|row| value::pair(row.get_ref(), value::number)).collect()
-}
-
-/// Reads one table: what is asked for is what it may hold.
+/// Reads one table: what its form says of a key decides what is taken and what a message says.
 pub(super) struct Section<'a> {
     path: String,
     table: &'a Table<'a>,
     places: &'a Places,
-    asked: Vec<&'static str>,
+    form: &'static Form,
+    /// What is known of the case.
+    pub(super) scope: Scope,
 }
 
 impl<'a> Section<'a> {
     /// The table around all sections.
-    pub(super) fn root(table: &'a Table<'a>, places: &'a Places) -> Self {
-        Self { path: String::new(), table, places, asked: Vec::new() }
+    pub(super) fn root(table: &'a Table<'a>, places: &'a Places, scope: Scope) -> Self {
+        Self { path: String::new(), table, places, form: &OPEN, scope }
     }
 
     /// All that the table holds.
@@ -337,6 +36,11 @@ impl<'a> Section<'a> {
     /// The node of that name, whether allowed or not.
     pub(super) fn node(&self, name: &str) -> Option<&'a Node<'a>> {
         self.table.get(name)
+    }
+
+    /// Whether something of that name is there.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.node(name).is_some()
     }
 
     /// The dotted key of what is inside.
@@ -357,37 +61,46 @@ impl<'a> Section<'a> {
         self.places.error(&self.key(name), found, allowed)
     }
 
-    /// The node of that name, which from now on is allowed.
-    pub(super) fn get(&mut self, name: &'static str) -> Option<&'a Node<'a>> {
-        if !self.asked.contains(&name) {
-            self.asked.push(name);
+    /// Where a key inside stands.
+    pub(super) fn place(&self, name: &str) -> Place {
+        self.places.of(&self.key(name))
+    }
+
+    fn holds(&self, condition: &Condition) -> bool {
+        match condition {
+            Condition::Is(key, words) => {
+                let found = self.node(key).and_then(Node::text);
+                found.is_some_and(|found| words.contains(&found.as_str()))
+            }
+            Condition::Present(key) => self.has(key),
+            Condition::Absent(key) => !self.has(key),
+            Condition::Plane => self.scope.dimensions() == 2,
+            Condition::Space => self.scope.dimensions() == 3,
         }
-        self.table.get(name)
     }
 
-    /// A value that may be absent; `expected` says what it is, with its unit.
-    pub(super) fn optional<T>(
-        &mut self,
-        name: &'static str,
-        expected: &str,
-        read: impl Fn(&Node) -> Option<T>,
-    ) -> Result<Option<T>, CaseError> {
-        let Some(node) = self.get(name) else { return Ok(None) };
-        read(node).map(Some).ok_or_else(|| {
-            self.error(name, format!("found {}", node.words()), format!("expected {expected}"))
-        })
+    /// What the form says of a key here, or else where it is not allowed.
+    fn item(&self, name: &str) -> Option<&'static Item> {
+        let named = |item: &&Item| item.name == name;
+        let elsewhere = || self.form.items().map(|(_, item)| item).find(named);
+        self.form.applicable(|condition| self.holds(condition)).find(named).or_else(elsewhere)
     }
 
-    /// A value that must be there.
-    pub(super) fn required<T>(
-        &mut self,
-        name: &'static str,
-        expected: &str,
-        read: impl Fn(&Node) -> Option<T>,
-    ) -> Result<T, CaseError> {
-        self.optional(name, expected, read)?.ok_or_else(|| self.missing(name, expected))
+    fn expected(&self, name: &str) -> String {
+        self.item(name).map_or(String::new(), |item| item.expected(&self.scope))
     }
 
+    /// What to say of a value that is none of those that are allowed.
+    pub(super) fn wrong(&self, name: &str) -> CaseError {
+        self.wrong_for(name, &self.expected(name))
+    }
+
+    fn wrong_for(&self, name: &str, expected: &str) -> CaseError {
+        let found = self.node(name).map_or(String::new(), Node::words);
+        self.error(name, format!("found {found}"), format!("expected {expected}"))
+    }
+
+    /// What to say of a key that must be there.
     fn missing(&self, name: &str, expected: &str) -> CaseError {
         let allowed = match self.path.as_str() {
             "" => format!("add {expected}"),
@@ -399,16 +112,78 @@ impl<'a> Section<'a> {
         self.error(name, "missing", allowed)
     }
 
+    /// A value that may be absent.
+    pub(super) fn optional<T: TryFrom<Value>>(&self, name: &str) -> Result<Option<T>, CaseError> {
+        let Some(node) = self.node(name) else { return Ok(None) };
+        let item = self.item(name);
+        let value = item
+            .zip(node.value())
+            .and_then(|(item, value)| item.value.parse(value, &self.scope))
+            .and_then(|value| T::try_from(value).ok());
+        value.map(Some).ok_or_else(|| self.wrong(name))
+    }
+
+    /// A value that must be there.
+    pub(super) fn required<T: TryFrom<Value>>(&self, name: &str) -> Result<T, CaseError> {
+        self.optional(name)?.ok_or_else(|| self.missing(name, &self.expected(name)))
+    }
+
+    /// A value, or else its default.
+    pub(super) fn or_default<T: TryFrom<Value>>(&self, name: &str) -> Result<T, CaseError> {
+        if let Some(value) = self.optional(name)? {
+            return Ok(value);
+        }
+        let default = self.item(name).and_then(|item| match item.need {
+            Need::Default(text) => {
+                let value = DeValue::parse(text).ok()?;
+                T::try_from(item.value.parse(value.get_ref(), &self.scope)?).ok()
+            }
+            Need::Required(_) | Need::Optional(_) => None,
+        });
+        default.ok_or_else(|| self.missing(name, &self.expected(name)))
+    }
+
+    /// A value that must be there, of which the form does not know all; `expected` says what is allowed.
+    pub(super) fn required_as<T>(
+        &self,
+        name: &str,
+        expected: &str,
+        read: impl Fn(&DeValue) -> Option<T>,
+    ) -> Result<T, CaseError> {
+        let Some(node) = self.node(name) else { return Err(self.missing(name, expected)) };
+        node.value().and_then(read).ok_or_else(|| self.wrong_for(name, expected))
+    }
+
+    /// A text that may be absent, where one of some words is expected; whether it is one is not looked at.
+    pub(super) fn optional_text(
+        &self,
+        name: &str,
+        words: &[impl AsRef<str>],
+    ) -> Result<Option<String>, CaseError> {
+        let Some(node) = self.node(name) else { return Ok(None) };
+        let text = node.text();
+        text.map(Some).ok_or_else(|| self.wrong_for(name, &format!("one of {}", joined(words))))
+    }
+
+    /// The same of one that must be there.
+    pub(super) fn required_text(
+        &self,
+        name: &str,
+        words: &[impl AsRef<str>],
+    ) -> Result<String, CaseError> {
+        self.optional_text(name, words)?
+            .ok_or_else(|| self.missing(name, &format!("one of {}", joined(words))))
+    }
+
     /// One of some names that may be absent.
     pub(super) fn optional_choice<T: Copy, N: AsRef<str>>(
-        &mut self,
-        name: &'static str,
+        &self,
+        name: &str,
         all: &[T],
         word: impl Fn(T) -> N,
     ) -> Result<Option<T>, CaseError> {
         let words: Vec<N> = all.iter().map(|&item| word(item)).collect();
-        let expected = format!("one of {}", joined(&words));
-        let Some(found) = self.optional(name, &expected, text)? else { return Ok(None) };
+        let Some(found) = self.optional_text(name, &words)? else { return Ok(None) };
         match words.iter().position(|word| word.as_ref() == found) {
             Some(index) => Ok(Some(all[index])),
             None => Err(self.no_such(name, &found, &words)),
@@ -417,8 +192,8 @@ impl<'a> Section<'a> {
 
     /// One of some names.
     pub(super) fn choice<T: Copy, N: AsRef<str>>(
-        &mut self,
-        name: &'static str,
+        &self,
+        name: &str,
         all: &[T],
         word: impl Fn(T) -> N,
     ) -> Result<T, CaseError> {
@@ -428,6 +203,29 @@ impl<'a> Section<'a> {
         })
     }
 
+    /// A list of different quantities, whose names are `among`; `None` where it is absent.
+    pub(super) fn different<T: PartialEq>(
+        &self,
+        key: &str,
+        among: &[String],
+        find: impl Fn(&str) -> Option<T>,
+    ) -> Result<Option<Vec<T>>, CaseError> {
+        let Some(node) = self.node(key) else { return Ok(None) };
+        let given = node.value().and_then(super::value::texts);
+        let given = given
+            .ok_or_else(|| self.wrong_for(key, &format!("a list with any of {}", joined(among))))?;
+        let mut all = Vec::new();
+        for name in given {
+            let own = find(&name).ok_or_else(|| self.no_such(key, &name, among))?;
+            if all.contains(&own) {
+                let found = format!("found '{name}' twice");
+                return Err(self.error(key, found, "name each once"));
+            }
+            all.push(own);
+        }
+        Ok(Some(all))
+    }
+
     /// What to say of a text that is none of the allowed ones.
     pub(super) fn no_such(&self, name: &str, found: &str, words: &[impl AsRef<str>]) -> CaseError {
         let meant = suggestion(nearest(found, words.iter().map(AsRef::as_ref)));
@@ -435,40 +233,62 @@ impl<'a> Section<'a> {
         self.error(name, found, format!("{meant}allowed: {}", joined(words)))
     }
 
-    /// A table inside.
-    pub(super) fn table(&mut self, name: &'static str) -> Result<Option<Section<'a>>, CaseError> {
-        match self.get(name) {
+    /// The section of a form that must be there.
+    pub(super) fn required_section(&self, form: &'static Form) -> Result<Section<'a>, CaseError> {
+        self.section(form)?.ok_or_else(|| self.missing(form.name, form.remedy))
+    }
+
+    /// The section of a form.
+    pub(super) fn section(&self, form: &'static Form) -> Result<Option<Section<'a>>, CaseError> {
+        let name = form.name;
+        match self.node(name) {
             None => Ok(None),
-            Some(Node::Table(table)) => Ok(Some(self.inside(self.key(name), table))),
-            Some(node) => {
-                let expected = match self.path.as_str() {
-                    "" => format!("expected a section [{name}]"),
-                    _ => "expected a table in braces { key = value, ... }".to_owned(),
-                };
-                Err(self.error(name, format!("found {}", node.words()), expected))
-            }
+            Some(Node::Table(table)) => Ok(Some(self.inside(self.key(name), table, form))),
+            Some(_) => Err(self.no_table(name)),
         }
     }
 
-    /// A table inside that must be there.
-    pub(super) fn required_table(
-        &mut self,
-        name: &'static str,
-        expected: &str,
-    ) -> Result<Section<'a>, CaseError> {
-        self.table(name)?.ok_or_else(|| self.missing(name, expected))
+    /// A table in braces.
+    pub(super) fn table(&self, name: &str) -> Result<Option<Section<'a>>, CaseError> {
+        let form = match self.item(name).map(|item| item.value) {
+            Some(Type::Table(form)) => form,
+            _ => &OPEN,
+        };
+        match self.node(name) {
+            None => Ok(None),
+            Some(Node::Table(table)) => Ok(Some(self.inside(self.key(name), table, form))),
+            Some(_) => Err(self.no_table(name)),
+        }
     }
 
-    /// The tables of a list, none where it is absent.
-    pub(super) fn tables(&mut self, name: &'static str) -> Result<Vec<Section<'a>>, CaseError> {
-        match self.get(name) {
+    /// A table in braces that must be there.
+    pub(super) fn required_table(&self, name: &str) -> Result<Section<'a>, CaseError> {
+        self.table(name)?.ok_or_else(|| self.missing(name, &self.expected(name)))
+    }
+
+    fn no_table(&self, name: &str) -> CaseError {
+        let expected = match self.path.as_str() {
+            "" => format!("expected a section [{name}]"),
+            _ => "expected a table in braces { key = value, ... }".to_owned(),
+        };
+        let found = self.node(name).map_or(String::new(), Node::words);
+        self.error(name, format!("found {found}"), expected)
+    }
+
+    /// The sections of a form, none where they are absent.
+    pub(super) fn list(&self, form: &'static Form) -> Result<Vec<Section<'a>>, CaseError> {
+        let name = form.name;
+        match self.node(name) {
             None => Ok(Vec::new()),
             Some(Node::Tables(tables)) => {
                 let path = |index| format!("{}[{index}]", self.key(name));
-                let section = |(index, table)| self.inside(path(index), table);
+                let section = |(index, table)| self.inside(path(index), table, form);
                 Ok(tables.iter().enumerate().map(section).collect())
             }
-            Some(Node::Value(DeValue::Array(array))) if array.is_empty() => Ok(Vec::new()),
+            // An empty list has no tables in it to be told from a list of values by.
+            Some(Node::Value(value)) if value.as_array().is_some_and(|list| list.is_empty()) => {
+                Ok(Vec::new())
+            }
             Some(node) => {
                 let found = format!("found {}", node.words());
                 Err(self.error(name, found, format!("expected sections [[{name}]]")))
@@ -476,15 +296,20 @@ impl<'a> Section<'a> {
         }
     }
 
-    fn inside(&self, path: String, table: &'a Table<'a>) -> Section<'a> {
-        Section { path, table, places: self.places, asked: Vec::new() }
+    fn inside(&self, path: String, table: &'a Table<'a>, form: &'static Form) -> Section<'a> {
+        Section { path, table, places: self.places, form, scope: self.scope.clone() }
     }
 
-    /// Refuses what was not asked for.
+    /// Refuses what the form does not have here.
     pub(super) fn finish(self) -> Result<(), CaseError> {
-        let unknown = |(name, _): &(&str, &Node)| !self.asked.contains(name);
-        match self.table.entries().find(unknown) {
-            Some((name, _)) => Err(self.unknown(name, &self.asked)),
+        let mut names: Vec<&str> = Vec::new();
+        for item in self.form.applicable(|condition| self.holds(condition)) {
+            if !names.contains(&item.name) {
+                names.push(item.name);
+            }
+        }
+        match self.entries().find(|(name, _)| !names.contains(name)) {
+            Some((name, _)) => Err(self.unknown(name, &names)),
             None => Ok(()),
         }
     }
@@ -494,11 +319,6 @@ impl<'a> Section<'a> {
         let meant = suggestion(nearest(name, names.iter().map(AsRef::as_ref)));
         let allowed = format!("{meant}allowed here: {}", joined(names));
         self.error(&segment(name), "unknown key", allowed)
-    }
-
-    /// Where a key inside stands.
-    pub(super) fn place(&self, name: &str) -> Place {
-        self.places.of(&self.key(name))
     }
 }
 
@@ -543,8 +363,8 @@ impl Resolved {
     }
 
     /// The lines of a section under its header.
-    pub(super) fn under(&self, header: &str) -> String {
+    pub(super) fn under(&self, form: &Form) -> String {
         let lines = self.0.iter().map(|(name, value)| format!("{name} = {value}\n"));
-        format!("\n{header}\n{}", lines.collect::<String>())
+        format!("\n{}\n{}", form.header(), lines.collect::<String>())
     }
 }

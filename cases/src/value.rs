@@ -1,7 +1,86 @@
 //! Typed values out of TOML, and how a message names what was found and what may have been meant.
 
 use super::error::shown;
+use std::fmt::{Display, Formatter};
 use toml::de::{DeArray, DeInteger, DeValue};
+
+/// A value of one of the types of the schema.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Value {
+    Text(String),
+    Texts(Vec<String>),
+    Truth(bool),
+    Count(usize),
+    Whole(u64),
+    Counts(Vec<usize>),
+    WholePair([i64; 2]),
+    Number(f64),
+    Numbers(Vec<f64>),
+    Pair([f64; 2]),
+    Pairs(Vec<[f64; 2]>),
+    Matrix([[f64; 2]; 2]),
+    Rows(Vec<Vec<f64>>),
+}
+
+impl Value {
+    /// A text.
+    pub(super) fn text(&self) -> Option<&str> {
+        match self {
+            Self::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+}
+
+/// A value as what its type stands for.
+macro_rules! from_value {
+    ($($variant:ident: $type:ty;)*) => {
+        $(impl TryFrom<Value> for $type {
+            type Error = Value;
+
+            fn try_from(value: Value) -> Result<Self, Value> {
+                match value {
+                    Value::$variant(own) => Ok(own),
+                    other => Err(other),
+                }
+            }
+        })*
+    };
+}
+
+from_value! {
+    Text: String;
+    Truth: bool;
+    Count: usize;
+    Whole: u64;
+    Counts: Vec<usize>;
+    WholePair: [i64; 2];
+    Number: f64;
+    Numbers: Vec<f64>;
+    Pairs: Vec<[f64; 2]>;
+    Rows: Vec<Vec<f64>>;
+}
+
+/// As TOML; numbers in their shortest form that reads back to the same double.
+impl Display for Value {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Text(text) => write!(formatter, "{}", toml::Value::from(text.as_str())),
+            Self::Texts(texts) => write!(formatter, "{}", toml::Value::from(texts.clone())),
+            Self::Count(count) => write!(formatter, "{count}"),
+            Self::Number(number) => write!(formatter, "{number:?}"),
+            Self::Truth(truth) => write!(formatter, "{truth}"),
+            Self::Whole(whole) => write!(formatter, "{whole}"),
+            Self::Counts(counts) => write!(formatter, "{counts:?}"),
+            Self::WholePair(pair) => write!(formatter, "{pair:?}"),
+            Self::Numbers(numbers) => write!(formatter, "{numbers:?}"),
+            Self::Pairs(pairs) => write!(formatter, "{pairs:?}"),
+            Self::Rows(rows) => write!(formatter, "{rows:?}"),
+            Self::Pair(pair) => write!(formatter, "{pair:?}"),
+            Self::Matrix(matrix) => write!(formatter, "{matrix:?}"),
+        }
+    }
+}
 
 /// Text in one line.
 pub(super) fn text(value: &DeValue) -> Option<String> {

@@ -95,7 +95,7 @@ const DURATION: f64 = 4.0;
 
 /// A pulse in a plane, and a source whose strength is `signal`.
 fn solid(signal: fn(f64) -> f64) -> SolidSimulation<f64, 2> {
-    let medium = Medium::isotropic(&Isotropic::new(1.4, 0.9, 1.2, None).expect("moduli"), 2);
+    let medium = Medium::new(Isotropic::new(1.4, 0.9, 1.2, None).expect("moduli"), 2);
     let (cells, spacing) = ([20, 12], [0.1, 0.1]);
     let steps = TimeSteps::new(std::slice::from_ref(&medium), &spacing, 0.9, 1.0, DURATION);
     let steps = steps.expect("few steps");
@@ -168,6 +168,7 @@ fn flows_go_on_with_the_same_bits() {
         closure: Closure::HarrisGrekova,
         density: 1600.0,
         friction_angle: FRAC_PI_6,
+        rotation_ratio: FRAC_PI_6.sin(),
         cohesion: 100.0,
         pressure: 1000.0,
         velocity_gradient: [[0.0, 2.0 * rate], [0.0, 0.0]],

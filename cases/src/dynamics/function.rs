@@ -1,8 +1,104 @@
 //! Functions of time by which loads are multiplied.
 
+use super::Reader;
+use crate::error::{CaseError, Place, shown};
+use crate::schema::{Condition, Form, Group, Item};
+use crate::section::{Resolved, Section};
+use crate::types::{Range, Type};
 use models::elementary::Elementary;
 use std::f64::consts::PI;
+use std::io::Read;
 use std::sync::Arc;
+
+/// Largest table of a function of time, bytes.
+const LARGEST_TABLE: u64 = 64 << 20;
+
+/// The key of a function of time.
+pub(super) const TIME: Item = Item::required(
+    "time",
+    Type::Table(&FORM),
+    "",
+    "{ kind = \"pulse\", duration = 0.02 }",
+    "the function of time that the amplitude is multiplied by",
+);
+
+const START: Item =
+    Item::with_default("start", Type::Number(Range::Finite), "s", "0.0", "when it begins")
+        .note("when it begins");
+const FREQUENCY: Item = Item::required(
+    "frequency",
+    Type::Number(Range::Positive),
+    "Hz",
+    "50.0",
+    "frequency; of ricker that of the greatest amplitude",
+)
+.note("frequency");
+
+/// The table `time` of a load, a source or a plane pulse.
+pub(super) const FORM: Form = Form::braces(
+    "time",
+    "a function of time without unit",
+    &[
+        Group::always(&[Item::required(
+            "kind",
+            Type::OneOf(|_| TimeFunction::NAMES.map(str::to_owned).to_vec()),
+            "",
+            "\"pulse\"",
+            "step: 1 from start on; triangle: to 1 and back in straight lines; pulse: sin²(π(t − start)/duration); ricker: (1 − 2a) exp(−a) with a = (π frequency (t − delay))²; sine: sin(2π frequency (t − start)) from start on; table: straight lines between samples, 0 outside",
+        )]),
+        Group::when(
+            &[Condition::Is("kind", &["step"])],
+            &[
+                START,
+                Item::optional("duration", Type::Number(Range::Positive), "s", "0.02", "how long it lasts; default for ever")
+                    .note("how long it lasts"),
+            ],
+        ),
+        Group::when(
+            &[Condition::Is("kind", &["triangle", "pulse"])],
+            &[
+                START,
+                Item::required("duration", Type::Number(Range::Positive), "s", "0.02", "how long it lasts")
+                    .note("how long it lasts"),
+            ],
+        ),
+        Group::when(
+            &[Condition::Is("kind", &["ricker"])],
+            &[
+                FREQUENCY,
+                Item::optional("delay", Type::Number(Range::Finite), "s", "0.03", "when it is greatest; default 1.5/frequency")
+                    .note("when it is greatest"),
+            ],
+        ),
+        Group::when(&[Condition::Is("kind", &["sine"])], &[FREQUENCY, START]),
+        Group::when(
+            &[Condition::Is("kind", &["table"])],
+            &[
+                Item::optional(
+                    "samples",
+                    Type::Samples(["[time in s, value]", "times"]),
+                    "",
+                    "[[0.0, 0.0], [0.01, 1.0]]",
+                    "times, s, which increase, and values",
+                ),
+                Item::required(
+                    "file",
+                    Type::Text,
+                    "",
+                    "\"load.csv\"",
+                    "in place of samples: a CSV file of two columns, time in s and value, in a folder as seen from that of the case",
+                )
+                .note(NEEDS)
+                .remark(", or samples = [[t, value], ...]")
+                .when(&[Condition::Absent("samples")]),
+            ],
+        ),
+    ],
+);
+
+/// What a file of samples must be.
+const NEEDS: &str = "name a CSV file of two columns, time in s and value, in a folder as seen from that of the \
+                     case";
 
 /// A function of time without unit; times in s, frequencies in Hz.
 #[derive(Clone, Debug, PartialEq)]
@@ -149,4 +245,128 @@ impl TimeFunction {
             Self::Table(_) => "table",
         }
     }
+
+    /// The function as TOML.
+    pub(super) fn resolved(&self) -> Resolved {
+        let resolved = Resolved::default().text("kind", self.name());
+        match self {
+            Self::Step { start, duration: None } => resolved.number("start", start),
+            Self::Step { start, duration: Some(duration) }
+            | Self::Triangle { start, duration }
+            | Self::Pulse { start, duration } => {
+                resolved.number("start", start).number("duration", duration)
+            }
+            Self::Ricker { frequency, delay } => {
+                resolved.number("frequency", frequency).number("delay", delay)
+            }
+            Self::Sine { frequency, start } => {
+                resolved.number("frequency", frequency).number("start", start)
+            }
+            Self::Table(samples) => resolved.number("samples", samples.samples()),
+        }
+    }
+}
+
+impl Reader<'_> {
+    /// The table `time` of an entry.
+    pub(super) fn function(&self, section: &Section) -> Result<TimeFunction, CaseError> {
+        let section = section.required_table("time")?;
+        let kind = section.choice("kind", &TimeFunction::NAMES, |name| name)?;
+        let function = match kind {
+            "step" => TimeFunction::Step {
+                start: section.or_default("start")?,
+                duration: section.optional("duration")?,
+            },
+            "triangle" => TimeFunction::Triangle {
+                start: section.or_default("start")?,
+                duration: section.required("duration")?,
+            },
+            "pulse" => TimeFunction::Pulse {
+                start: section.or_default("start")?,
+                duration: section.required("duration")?,
+            },
+            "ricker" => {
+                let frequency: f64 = section.required("frequency")?;
+                // The delay that follows from it must be a number as well.
+                if !(1.5 / frequency).is_finite() {
+                    return Err(section.wrong("frequency"));
+                }
+                let delay = section.optional("delay")?;
+                TimeFunction::Ricker { frequency, delay: delay.unwrap_or(1.5 / frequency) }
+            }
+            "sine" => TimeFunction::Sine {
+                frequency: section.required("frequency")?,
+                start: section.or_default("start")?,
+            },
+            _ => TimeFunction::Table(self.samples(&section)?),
+        };
+        section.finish()?;
+        Ok(function)
+    }
+
+    /// The samples of a table, or of the file that it names.
+    fn samples(&self, section: &Section) -> Result<Samples, CaseError> {
+        const FEW: &str = "expected at least two lines of a time in s and a value";
+        if let Some(pairs) = section.optional("samples")? {
+            return Samples::new(pairs).ok_or_else(|| section.wrong("samples"));
+        }
+        let file: String = section.required("file")?;
+        let path = self.folder.join(&file);
+        let unreadable =
+            |cause: &str| section.error("file", format!("'{}': {cause}", shown(&file)), NEEDS);
+        // A pipe that nobody writes to would be waited for.
+        if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
+            return Err(unreadable("not a regular file"));
+        }
+        let mut bytes = Vec::new();
+        std::fs::File::open(&path)
+            .and_then(|file| file.take(LARGEST_TABLE + 1).read_to_end(&mut bytes))
+            .map_err(|error| unreadable(&error.to_string()))?;
+        if bytes.len() as u64 > LARGEST_TABLE {
+            return Err(unreadable("larger than 64 MiB"));
+        }
+        let text = std::str::from_utf8(&bytes).map_err(|_| unreadable("not UTF-8 text"))?;
+        let samples = parse_samples(text).map_err(|(line, found, allowed)| CaseError::Key {
+            place: Place::Line { file: path.display().to_string(), line },
+            key: section.key("file"),
+            found,
+            allowed: allowed.to_owned(),
+        })?;
+        let found = format!("'{}' has {}", shown(&file), plural(samples.len(), "sample"));
+        Samples::new(samples).ok_or_else(|| section.error("file", found, FEW))
+    }
+}
+
+/// `1 number`, `2 numbers`.
+fn plural(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// The samples of a CSV file, or the line that is none, what was found there and what is allowed.
+fn parse_samples(text: &str) -> Result<Vec<[f64; 2]>, (usize, String, &'static str)> {
+    const LINE: &str = "expected two finite numbers with a comma between them, time in s and value";
+    let mut samples: Vec<[f64; 2]> = Vec::new();
+    let mut may_be_header = true;
+    for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let numbers: Vec<Option<f64>> =
+            line.split(',').map(|field| field.trim().parse().ok()).collect();
+        let is_header = may_be_header && numbers.iter().all(Option::is_none);
+        may_be_header = false;
+        match numbers[..] {
+            [Some(time), Some(value)] if time.is_finite() && value.is_finite() => {
+                if let Some([before, _]) = samples.last().filter(|[before, _]| *before >= time) {
+                    let found = format!("found the time {time:?} after {before:?}");
+                    return Err((index + 1, found, "times must increase"));
+                }
+                samples.push([time, value]);
+            }
+            _ if is_header => {}
+            _ => return Err((index + 1, format!("found '{}'", shown(line)), LINE)),
+        }
+    }
+    Ok(samples)
 }

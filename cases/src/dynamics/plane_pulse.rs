@@ -2,10 +2,10 @@
 
 use super::TimeFunction;
 use crate::CaseError;
-use crate::section::{Resolved, Section, number, positive};
+use crate::section::{Resolved, Section};
 use models::elementary::Elementary;
 
-words! {
+named_enum! {
     /// Kind of a plane wave.
     Polarization {
         /// Longitudinal.
@@ -50,29 +50,27 @@ impl PlanePulse {
 
     /// The entry, of which place and function of time are read.
     pub(super) fn read(
-        section: &mut Section,
-        dimensions: usize,
+        section: &Section,
         at: Vec<f64>,
         time: TimeFunction,
     ) -> Result<Self, CaseError> {
         let polarization = section.choice("wave", Polarization::ALL, Polarization::name)?;
-        let expected = "a finite number in degrees";
-        let direction_deg = section.optional("direction_deg", expected, number)?;
-        let (mut elevation_deg, mut polarization_deg) = (None, None);
-        if dimensions == 3 {
-            elevation_deg = section.optional("elevation_deg", expected, number)?;
+        let direction_deg = section.or_default("direction_deg")?;
+        let (mut elevation_deg, mut polarization_deg) = (0.0, 0.0);
+        if section.scope.dimensions() == 3 {
+            elevation_deg = section.or_default("elevation_deg")?;
             if polarization == Polarization::S {
-                polarization_deg = section.optional("polarization_deg", expected, number)?;
+                polarization_deg = section.or_default("polarization_deg")?;
             }
         }
         Ok(Self {
             polarization,
-            direction_deg: direction_deg.unwrap_or(0.0),
-            elevation_deg: elevation_deg.unwrap_or(0.0),
-            polarization_deg: polarization_deg.unwrap_or(0.0),
+            direction_deg,
+            elevation_deg,
+            polarization_deg,
             at,
-            amplitude: section.required("amplitude", "a finite number in m/s", number)?,
-            width: section.optional("width", "a positive number in m", positive)?,
+            amplitude: section.required("amplitude")?,
+            width: section.optional("width")?,
             time,
         })
     }

@@ -1,11 +1,78 @@
 //! Factors of a load along its side.
 
 use super::Samples;
-use super::read::along;
 use crate::CaseError;
-use crate::section::{Node, Resolved, Section, count, number, numbers, positive, rows};
+use crate::schema::{Condition, Form, Group, Item};
+use crate::section::{Resolved, Section};
+use crate::types::{Length, Range, Type};
+use crate::value::count;
 use models::elementary::Elementary;
 use std::f64::consts::{PI, TAU};
+
+const AXIS: Item = Item::optional(
+    "axis",
+    Type::AxisOfSpace,
+    "",
+    "1",
+    "an axis of the side, from 1; in space alone, where it must be there",
+)
+.when(&[Condition::Space]);
+
+/// The table `profile` of a load.
+pub(super) const FORM: Form = Form::braces(
+    "profile",
+    "a factor along the side",
+    &[
+        Group::always(&[Item::required(
+            "kind",
+            Type::OneOf(|_| Profile::NAMES.map(str::to_owned).to_vec()),
+            "",
+            "\"bell\"",
+            "cos: cos(2πx/wavelength + phase); bell: ½(1 + cos(πr/radius)), 0 beyond; table: straight lines between samples, 0 outside",
+        )]),
+        Group::when(
+            &[Condition::Is("kind", &["cos"])],
+            &[
+                AXIS,
+                Item::required(
+                    "wavelength",
+                    Type::Number(Range::Positive),
+                    "m",
+                    "10.0",
+                    "wavelength",
+                ),
+                Item::with_default("phase_deg", Type::Number(Range::Finite), "deg", "0.0", "phase"),
+            ],
+        ),
+        Group::when(
+            &[Condition::Is("kind", &["bell"])],
+            &[
+                Item::required(
+                    "at",
+                    Type::Numbers(Length::SideAxes),
+                    "m",
+                    "0.0",
+                    "where it is 1; in space two numbers",
+                )
+                .note("where it is 1"),
+                Item::required("radius", Type::Number(Range::Positive), "m", "5.0", "radius"),
+            ],
+        ),
+        Group::when(
+            &[Condition::Is("kind", &["table"])],
+            &[
+                AXIS,
+                Item::required(
+                    "samples",
+                    Type::Samples(["[coordinate in m, value]", "coordinates"]),
+                    "",
+                    "[[-5.0, 0.0], [5.0, 1.0]]",
+                    "coordinates, m, which increase, and factors",
+                ),
+            ],
+        ),
+    ],
+);
 
 /// A factor of a load, by the position on its side.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,45 +128,32 @@ impl Profile {
         }
     }
 
-    /// The table `profile` of a load on a side with these axes.
-    pub(super) fn read(section: &mut Section, axes: &[usize]) -> Result<Option<Self>, CaseError> {
-        let Some(mut section) = section.table("profile")? else { return Ok(None) };
-        let axis = |section: &mut Section| match axes {
-            [axis] => Ok(*axis),
+    /// The table `profile` of a load.
+    pub(super) fn read(section: &Section) -> Result<Option<Self>, CaseError> {
+        let Some(section) = section.table("profile")? else { return Ok(None) };
+        let axes = &section.scope.axes;
+        let axis = || match axes[..] {
+            [axis] => Ok(axis),
             _ => {
                 let numbers: Vec<String> = axes.iter().map(|axis| (axis + 1).to_string()).collect();
                 let expected = format!("{} (an axis of the side)", numbers.join(" or "));
-                let own = |node: &Node| count(node)?.checked_sub(1).filter(|a| axes.contains(a));
-                section.required("axis", &expected, own)
+                section.required_as("axis", &expected, |value| {
+                    count(value)?.checked_sub(1).filter(|axis| axes.contains(axis))
+                })
             }
         };
         let profile = match section.choice("kind", &Self::NAMES, |name| name)? {
             "cos" => {
-                let phase = section.optional("phase_deg", "a finite number in degrees", number)?;
-                Self::Cos {
-                    axis: axis(&mut section)?,
-                    wavelength: section.required(
-                        "wavelength",
-                        "a positive number in m",
-                        positive,
-                    )?,
-                    phase_deg: phase.unwrap_or(0.0),
-                }
+                let phase_deg = section.or_default("phase_deg")?;
+                Self::Cos { axis: axis()?, wavelength: section.required("wavelength")?, phase_deg }
             }
-            "bell" => Self::Bell {
-                at: {
-                    let expected = along(axes, "where it is 1");
-                    section.required("at", &expected, numbers(axes.len()))?
-                },
-                radius: section.required("radius", "a positive number in m", positive)?,
-            },
+            "bell" => {
+                Self::Bell { at: section.required("at")?, radius: section.required("radius")? }
+            }
             _ => Self::Table {
-                axis: axis(&mut section)?,
-                samples: {
-                    let expected = "a list of at least two pairs [coordinate in m, value], \
-                                    coordinates increasing";
-                    section.required("samples", expected, |node| Samples::new(rows(node)?))?
-                },
+                axis: axis()?,
+                samples: Samples::new(section.required("samples")?)
+                    .ok_or_else(|| section.wrong("samples"))?,
             },
         };
         section.finish()?;

@@ -1,60 +1,22 @@
 //! From TOML text and `--set` options to values by key, each with its place.
 
+use super::check;
 use super::error::{CaseError, Place, shown};
-use super::keys::{Field, Key, Value, keys};
+use super::keys::{Field, Key, keys};
 use super::kind::{Kind, Medium, names};
+use super::node::{Node, Refused, Table, segment};
 use super::place::{Places, is_inside};
-use super::section::{Node, Refused, Section, Table, segment};
-use super::value::{count, describe, nearest, number, pair, suggestion, text, texts};
+use super::schema::{Scope, all_forms, forms_in_time};
+use super::section::Section;
+use super::value::{Value, describe, nearest, suggestion};
 use models::granular_flow::RotationKind;
 use models::registry;
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
-/// The sections of a case that say how a solid is run in time, in the order in which they are
-/// written; whether each is a list.
-const SOLIDS_IN_TIME: [(&str, bool); 12] = [
-    ("grid", false),
-    ("time", false),
-    ("scheme", false),
-    ("region", true),
-    ("side", true),
-    ("load", true),
-    ("source", true),
-    ("initial", true),
-    ("initial_stress", false),
-    ("gravity", false),
-    ("receiver", true),
-    ("output", false),
-];
-
-/// The same of a flow; the last one is for the plastic potential alone.
-const FLOWS_IN_TIME: [(&str, bool); 6] = [
-    ("grid", false),
-    ("time", false),
-    ("initial", true),
-    ("receiver", true),
-    ("output", false),
-    ("limits", false),
-];
-
-/// The sections that say how such a model is run in time; none where nothing is.
-fn sections_in_time(kind: Kind) -> &'static [(&'static str, bool)] {
-    match kind {
-        Kind::Solid(_) => &SOLIDS_IN_TIME,
-        Kind::Flow(flow) if flow.rotation() == RotationKind::Free => &[],
-        Kind::Flow(flow) if flow.is_coaxial() => &FLOWS_IN_TIME,
-        Kind::Flow(_) => &FLOWS_IN_TIME[..5],
-    }
-}
-
-/// The section that says what `wellposed check` sends.
-const CHECK: &str = "check";
-
 /// Whether a section is no list of keys of the table, but a tree of its own.
 fn is_structured(section: &str) -> bool {
-    let mut in_time = SOLIDS_IN_TIME.iter().chain(&FLOWS_IN_TIME);
-    section == CHECK || in_time.any(|(name, _)| *name == section)
+    all_forms().iter().flat_map(|(_, forms)| forms).any(|form| form.name == section)
 }
 
 /// The values of a case by key, before their meaning is looked at.
@@ -185,8 +147,8 @@ impl<'a> Entries<'a> {
     }
 
     /// The sections that say how a case is run in time, and what is checked.
-    pub(super) fn structured(&self) -> Section<'_> {
-        Section::root(&self.structured, &self.places)
+    pub(super) fn structured(&self, scope: Scope) -> Section<'_> {
+        Section::root(&self.structured, &self.places, scope)
     }
 
     /// Whether the case says how it is run in time, by a section `[grid]`.
@@ -194,9 +156,10 @@ impl<'a> Entries<'a> {
     /// # Errors
     /// A section that such a model has no use for, or one without a grid.
     pub(super) fn is_run_in_time(&self, kind: Kind) -> Result<bool, CaseError> {
-        let root = self.structured();
-        let own = sections_in_time(kind);
-        let is_own = |name: &str| name == CHECK || own.iter().any(|(own, _)| *own == name);
+        let root = self.structured(Scope::default());
+        let own = forms_in_time(kind);
+        let is_own =
+            |name: &str| name == check::FORM.name || own.iter().any(|form| form.name == name);
         if let Some((foreign, _)) = root.entries().find(|(name, _)| !is_own(name)) {
             let found = match kind {
                 Kind::Solid(_) => format!("found for the model {}, a solid", kind.name()),
@@ -216,17 +179,17 @@ impl<'a> Entries<'a> {
                     format!("leave it out: it belongs to {}", names(&owners))
                 }
                 _ => {
-                    let own: Vec<&str> = own.iter().map(|(name, _)| *name).collect();
+                    let own: Vec<&str> = own.iter().map(|form| form.name).collect();
                     format!("leave it out: it belongs to solids; a flow has {}", own.join(", "))
                 }
             };
             return Err(root.error(foreign, found, allowed));
         }
-        let first = own.iter().find(|(name, _)| root.node(name).is_some());
+        let first = own.iter().map(|form| form.name).find(|name| root.has(name));
         match first {
             None => Ok(false),
-            Some(("grid", _)) => Ok(true),
-            Some((name, _)) => {
+            Some("grid") => Ok(true),
+            Some(name) => {
                 let size = if let Kind::Flow(_) = kind { "length" } else { "spacing" };
                 let allowed =
                     format!("add a section [grid] with cells and {size}, or leave this one out");
@@ -242,7 +205,7 @@ impl<'a> Entries<'a> {
 
     /// The values of a region: those of the case, and over them what its tables `model` and `yield`
     /// say. A table that names another kind than the case counts alone.
-    pub(super) fn of_region(&self, region: &mut Section) -> Result<Entries<'static>, CaseError> {
+    pub(super) fn of_region(&self, region: &Section) -> Result<Entries<'static>, CaseError> {
         let (structured, places) = (Table::default(), self.places.clone());
         let mut own = Entries { values: BTreeMap::new(), structured, places };
         let mut given = Vec::new();
@@ -250,7 +213,7 @@ impl<'a> Entries<'a> {
             let table = region.table(section)?;
             let kind = table.as_ref().and_then(|table| table.node("kind"));
             let is_alone = kind.is_some_and(|node| {
-                super::section::text(node).as_deref() != self.get(kind_key).and_then(Value::text)
+                node.text().as_deref() != self.get(kind_key).and_then(Value::text)
             });
             for key in keys().iter().filter(|key| is_inside(key.name, section)) {
                 if is_alone {
@@ -313,12 +276,9 @@ impl<'a> Entries<'a> {
         }
         let mut siblings = names_inside(section, is_usable);
         if section.is_empty() {
-            siblings.push(format!("[{CHECK}]"));
-            let in_time = kind.map_or(&SOLIDS_IN_TIME[..], sections_in_time);
-            siblings.extend(in_time.iter().map(|(name, is_list)| match is_list {
-                true => format!("[[{name}]]"),
-                false => format!("[{name}]"),
-            }));
+            siblings.push(check::FORM.header());
+            let in_time = kind.map_or_else(|| super::dynamics::FORMS.to_vec(), forms_in_time);
+            siblings.extend(in_time.iter().map(|form| form.header()));
         }
         let bare = siblings.iter().map(|sibling| sibling.trim_matches(['[', ']']));
         // The right name in the wrong section, else the nearest name in this one.
@@ -377,7 +337,8 @@ impl<'a> Entries<'a> {
 /// What the table says is allowed for a key.
 pub(super) fn allowed(key: &Key) -> String {
     let unit = if key.unit.is_empty() { String::new() } else { format!(" in {}", key.unit) };
-    format!("expected {}{unit} ({})", key.field.expected(), key.meaning)
+    let words = key.field.value_type().words(&Scope::default());
+    format!("expected {words}{unit} ({})", key.meaning)
 }
 
 /// The line of an offset, both counted in the text; lines from 1.
@@ -430,18 +391,7 @@ fn names_inside(section: &str, is_usable: impl Fn(&Key) -> bool) -> Vec<String> 
 
 /// A value of the type that the table gives to the key.
 fn read_value(key: &Key, value: &DeValue) -> Option<Value> {
-    match key.field {
-        Field::Text => text(value).map(Value::Text),
-        Field::Texts => texts(value).map(Value::Texts),
-        Field::Count | Field::Whole(_) => count(value).map(Value::Count),
-        Field::Plain
-        | Field::Constant(_)
-        | Field::YieldConstant(_)
-        | Field::Number(_)
-        | Field::OptionalNumber(_) => number(value).map(Value::Number),
-        Field::Pair(_) | Field::OptionalPair(_) => pair(value, number).map(Value::Pair),
-        Field::OptionalMatrix(_) => pair(value, |row| pair(row, number)).map(Value::Matrix),
-    }
+    key.field.value_type().parse(value, &Scope::default())
 }
 
 /// The kind of model of that name, for the key that names it.

@@ -1,0 +1,287 @@
+//! The sections `[[side]]`: conditions on sides of the grid.
+
+use super::grid::check_order;
+use super::{Component, Reader, names};
+use crate::error::CaseError;
+use crate::schema::{Condition as When, Form, Group, Item};
+use crate::section::{Resolved, Section, joined};
+use crate::types::{Length, Type};
+
+/// The key of a side.
+pub(super) const SIDE: Item = Item::required(
+    "side",
+    Type::OneOf(|scope| {
+        let dimensions = scope.dimensions.unwrap_or(3);
+        Side::all(dimensions).into_iter().map(Side::name).collect()
+    }),
+    "",
+    "\"x2+\"",
+    "the side: the axis of its normal, and at which end",
+);
+
+const END: Type = Type::Numbers(Length::SideAxes);
+
+/// The ends of a part of a side.
+pub(super) const FROM: Item = Item::optional(
+    "from",
+    END,
+    "m",
+    "-5.0",
+    "with to: a part of the side, of which this is the first end, which is in it; in space two numbers; default all of it",
+)
+.note("an end of the part");
+
+/// The other end.
+pub(super) const TO: Item =
+    Item::optional("to", END, "m", "5.0", "last end of the part, which is not in it")
+        .note("an end of the part");
+
+/// The sections.
+pub(super) const FORM: Form = Form::list(
+    "side",
+    "a condition on a side of the grid; a side that is not named is free, and later entries hold over earlier ones",
+    &[
+        Group::always(&[
+            SIDE,
+            Item::required(
+                "kind",
+                Type::OneOf(|_| Condition::NAMES.map(str::to_owned).to_vec()),
+                "",
+                "\"non-reflecting\"",
+                "what holds there: no traction, no velocity, mirror image, the side across, waves along the normal leave, or held",
+            ),
+        ]),
+        Group::when(
+            &[When::Is("kind", &["mixed"])],
+            &[Item::required(
+                "held",
+                Type::AnyOf(|_| super::all_components(Component::is_velocity)),
+                "",
+                "[\"v2\"]",
+                "velocities and spins that vanish; the tractions and couples of the others do",
+            )],
+        ),
+        Group::when(
+            &[When::Is(
+                "kind",
+                &["free", "fixed", "symmetry", "antisymmetry", "non-reflecting", "mixed"],
+            )],
+            &[FROM, TO],
+        ),
+    ],
+);
+
+/// A side of the grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Side {
+    /// The axis of its normal, from 0.
+    pub axis: usize,
+    /// Whether the coordinate is the greatest there, not the least.
+    pub is_upper: bool,
+}
+
+impl Side {
+    /// All sides in 2 or 3 dimensions.
+    pub fn all(dimensions: usize) -> Vec<Self> {
+        let both = |axis| [false, true].map(|is_upper| Self { axis, is_upper });
+        (0..dimensions).flat_map(both).collect()
+    }
+
+    /// Name in case files: `x1-`.
+    pub fn name(self) -> String {
+        format!("x{}{}", self.axis + 1, if self.is_upper { '+' } else { '-' })
+    }
+
+    /// The side across.
+    pub fn opposite(self) -> Self {
+        Self { is_upper: !self.is_upper, ..self }
+    }
+
+    /// The other axes, ascending: those along which positions on the side are given.
+    pub fn axes(self, dimensions: usize) -> Vec<usize> {
+        (0..dimensions).filter(|&axis| axis != self.axis).collect()
+    }
+}
+
+/// A rectangle of a side, from ≤ x < to along its axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Least coordinates along the other axes ascending, m.
+    pub from: Vec<f64>,
+    /// Greatest coordinates along the other axes ascending, m.
+    pub to: Vec<f64>,
+}
+
+impl Part {
+    /// Whether a position on the side, along its axes ascending, is in it.
+    pub fn contains(&self, position: &[f64]) -> bool {
+        let ends = self.from.iter().zip(&self.to);
+        position.iter().zip(ends).all(|(x, (from, to))| (from..to).contains(&x))
+    }
+
+    /// The part as TOML.
+    pub(super) fn resolved(&self, resolved: Resolved) -> Resolved {
+        resolved.number("from", &self.from).number("to", &self.to)
+    }
+}
+
+/// A condition on a side or a part of one. Sides that no entry names are free; where two entries of
+/// a side overlap the later one holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SideCondition {
+    /// The side.
+    pub side: Side,
+    /// What holds there.
+    pub condition: Condition,
+    /// Where on the side; `None`: on all of it.
+    pub part: Option<Part>,
+}
+
+/// What holds on a side.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Condition {
+    /// No traction.
+    Free,
+    /// No velocity and no spin.
+    Fixed,
+    /// The solid is mirrored there.
+    Symmetry,
+    /// The solid is mirrored there with the opposite sign.
+    Antisymmetry,
+    /// The side across follows.
+    Periodic,
+    /// Waves along the normal leave.
+    NonReflecting,
+    /// Some velocities and spins vanish, and the tractions and couples of all others.
+    Mixed {
+        /// The velocities and spins that vanish.
+        held: Vec<Component>,
+    },
+}
+
+impl Condition {
+    /// All names in case files.
+    pub const NAMES: [&str; 7] =
+        ["free", "fixed", "symmetry", "antisymmetry", "periodic", "non-reflecting", "mixed"];
+
+    /// Name in case files.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Free => "free",
+            Self::Fixed => "fixed",
+            Self::Symmetry => "symmetry",
+            Self::Antisymmetry => "antisymmetry",
+            Self::Periodic => "periodic",
+            Self::NonReflecting => "non-reflecting",
+            Self::Mixed { .. } => "mixed",
+        }
+    }
+}
+
+/// Sides that are periodic when all entries are read, with the entry that says so.
+pub(super) fn periodic_sides(sides: &[SideCondition]) -> impl Iterator<Item = (usize, Side)> {
+    let is_last_whole = |index: usize, side: Side| {
+        !sides[index + 1..].iter().any(|later| later.side == side && later.part.is_none())
+    };
+    sides
+        .iter()
+        .enumerate()
+        .filter(move |(index, entry)| {
+            entry.condition == Condition::Periodic && is_last_whole(*index, entry.side)
+        })
+        .map(|(index, entry)| (index, entry.side))
+}
+
+impl SideCondition {
+    /// The section as TOML.
+    pub(super) fn to_toml(&self) -> String {
+        let mut resolved =
+            Resolved::default().text("side", self.side.name()).text("kind", self.condition.name());
+        if let Condition::Mixed { held } = &self.condition {
+            resolved = resolved.texts("held", held);
+        }
+        let resolved = match &self.part {
+            Some(part) => part.resolved(resolved),
+            None => resolved,
+        };
+        resolved.under(&FORM)
+    }
+}
+
+impl Reader<'_> {
+    /// The side that an entry is about; positions in it are along the other axes.
+    pub(super) fn side(&self, section: &mut Section) -> Result<Side, CaseError> {
+        let side = section.choice("side", &Side::all(self.dimensions()), Side::name)?;
+        section.scope.axes = side.axes(self.dimensions());
+        Ok(side)
+    }
+
+    /// The part of a side between `from` and `to`, if they are given.
+    pub(super) fn part(&self, section: &Section) -> Result<Option<Part>, CaseError> {
+        let (from, to): (Option<Vec<f64>>, _) =
+            (section.optional("from")?, section.optional::<Vec<f64>>("to")?);
+        match (from, to) {
+            (Some(from), Some(to)) => {
+                check_order(section, &from, &to)?;
+                Ok(Some(Part { from, to }))
+            }
+            (None, None) => Ok(None),
+            (from, _) => {
+                let absent = if from.is_none() { "from" } else { "to" };
+                Err(section.error(absent, "missing", "give both ends of a part, from and to"))
+            }
+        }
+    }
+
+    /// Reads the sections.
+    pub(super) fn sides(&self, root: &Section) -> Result<Vec<SideCondition>, CaseError> {
+        let mut sides = Vec::new();
+        for mut section in root.list(&FORM)? {
+            let side = self.side(&mut section)?;
+            let condition = match section.choice("kind", &Condition::NAMES, |name| name)? {
+                "free" => Condition::Free,
+                "fixed" => Condition::Fixed,
+                "symmetry" => Condition::Symmetry,
+                "antisymmetry" => Condition::Antisymmetry,
+                "periodic" => Condition::Periodic,
+                "non-reflecting" => Condition::NonReflecting,
+                _ => Condition::Mixed { held: self.held(&section, side)? },
+            };
+            let part = match condition {
+                Condition::Periodic => None,
+                _ => self.part(&section)?,
+            };
+            section.finish()?;
+            sides.push(SideCondition { side, condition, part });
+        }
+        let periodic: Vec<(usize, Side)> = periodic_sides(&sides).collect();
+        let is_periodic = |side: Side| periodic.iter().any(|(_, own)| *own == side);
+        for (index, side) in &periodic {
+            let (own, across) = (side.name(), side.opposite().name());
+            if !is_periodic(side.opposite()) {
+                let found = format!("found periodic on {own} alone");
+                let allowed = format!("add [[side]] with side = \"{across}\", kind = \"periodic\"");
+                return Err(root.error(&format!("side[{index}].kind"), found, allowed));
+            }
+        }
+        let is_part = |entry: &SideCondition| entry.part.is_some() && is_periodic(entry.side);
+        if let Some(index) = sides.iter().position(is_part) {
+            let found = format!("found a part of {}, which is periodic", sides[index].side.name());
+            let allowed = "leave the part out: a side is periodic as a whole";
+            return Err(root.error(&format!("side[{index}].side"), found, allowed));
+        }
+        Ok(sides)
+    }
+
+    /// The velocities and spins that vanish on a mixed side.
+    fn held(&self, section: &Section, side: Side) -> Result<Vec<Component>, CaseError> {
+        let mut among = Component::on_side(self.theory, self.dimensions(), side.axis);
+        among.retain(|component| component.is_velocity());
+        let names = names(&among);
+        let find = |name: &str| Component::find(name, self.theory, &among);
+        section.different("held", &names, find)?.ok_or_else(|| {
+            let allowed = format!("add held, a list with any of {}", joined(&names));
+            section.error("held", "missing", allowed)
+        })
+    }
+}

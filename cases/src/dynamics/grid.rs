@@ -1,0 +1,216 @@
+//! The section `[grid]` of a solid.
+
+use crate::Kind;
+use crate::dynamics::MOST_CELLS;
+use crate::entries::Entries;
+use crate::error::CaseError;
+use crate::keys::Key;
+use crate::place::Places;
+use crate::schema::{Form, Group, Item, Scope};
+use crate::section::{Resolved, Section, joined};
+use crate::types::{Length, Order, Type};
+use crate::value::Value;
+
+/// The section.
+pub(super) const FORM: Form = Form::section(
+    "grid",
+    "the cells: a rectangular grid, of a plane with two axes or of space with three",
+    &[Group::always(&[
+        Item::required(
+            "cells",
+            Type::Counts { length: [2, 3], least: 1, order: Order::Any },
+            "",
+            "[200, 100]",
+            "cells along each axis; two numbers for plane strain, three for space, and then as many coordinates everywhere",
+        )
+        .note("cells along each axis"),
+        Item::required(
+            "spacing",
+            Type::PerAxis(Length::Axes),
+            "m",
+            "1.0",
+            "edges of a cell; one number, or one for each axis",
+        )
+        .note("edges of a cell"),
+        Item::optional(
+            "origin",
+            Type::Numbers(Length::Axes),
+            "m",
+            "[0.0, 0.0]",
+            "the corner of least coordinates; default 0",
+        )
+        .note("corner of least coordinates"),
+    ])],
+)
+.required("a section [grid] with cells and spacing");
+
+/// A rectangular grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Cells along each axis: two in plane strain, three in space.
+    pub cells: Vec<usize>,
+    /// Edges of a cell, m.
+    pub spacing: Vec<f64>,
+    /// The corner of least coordinates, m.
+    pub origin: Vec<f64>,
+}
+
+impl Grid {
+    /// 2 for plane strain, 3 for space.
+    pub fn dimensions(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// Number of cells.
+    pub fn count(&self) -> usize {
+        self.cells.iter().product()
+    }
+
+    /// First and last coordinate along an axis, m.
+    pub fn extent(&self, axis: usize) -> [f64; 2] {
+        let first = self.origin[axis];
+        [first, first + self.cells[axis] as f64 * self.spacing[axis]]
+    }
+
+    /// Centre along an axis of the cell of that index, m.
+    pub fn centre(&self, axis: usize, index: usize) -> f64 {
+        self.origin[axis] + (index as f64 + 0.5) * self.spacing[axis]
+    }
+
+    /// Whether a point is inside or on a side.
+    pub fn contains(&self, point: &[f64]) -> bool {
+        point.iter().enumerate().all(|(axis, x)| {
+            let [first, last] = self.extent(axis);
+            (first..=last).contains(x)
+        })
+    }
+
+    /// Reads the section.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub(crate) fn read(entries: &Entries) -> Result<Self, CaseError> {
+        let root = entries.structured(Scope::default());
+        let mut section = root.required_section(&FORM)?;
+        if section.has("length") {
+            let allowed = "give spacing, the edges of a cell in m, in its place";
+            return Err(section.error("length", "found for a solid", allowed));
+        }
+        let cells: Vec<usize> = section.required("cells")?;
+        let d = cells.len();
+        section.scope.dimensions = Some(d);
+        let total = cells.iter().try_fold(1usize, |total, &cells| total.checked_mul(cells));
+        if total.is_none_or(|total| total > MOST_CELLS) {
+            let numbers: Vec<String> = cells.iter().map(usize::to_string).collect();
+            let found = format!("a grid of {}", numbers.join(" × "));
+            let allowed = format!("expected at most {MOST_CELLS} cells in all");
+            return Err(section.error("cells", found, allowed));
+        }
+        let spacing = section.required("spacing")?;
+        let origin = section.optional("origin")?.unwrap_or(vec![0.0; d]);
+        let grid = Self { cells, spacing, origin };
+        for axis in 0..d {
+            let [first, last] = grid.extent(axis);
+            let largest = first.abs().max(last.abs());
+            // Centres of neighbours must differ, and halves of cells as well.
+            if !largest.is_finite() || grid.spacing[axis] <= 8.0 * f64::EPSILON * largest {
+                let found =
+                    format!("cells of {:?} m from {first:?} to {last:?}", grid.spacing[axis]);
+                let allowed =
+                    format!("expected coordinates that tell cells apart along x{}", axis + 1);
+                return Err(section.error("spacing", found, allowed));
+            }
+        }
+        section.finish()?;
+        Ok(grid)
+    }
+
+    /// The section as TOML.
+    pub(super) fn to_toml(&self) -> String {
+        Resolved::default()
+            .number("cells", &self.cells)
+            .number("spacing", &self.spacing)
+            .number("origin", &self.origin)
+            .under(&FORM)
+    }
+}
+
+/// Gives a solid the dimensions of the grid if it has none of its own.
+pub(crate) fn provide_dimensions(entries: &mut Entries, kind: Kind, grid: &Grid) {
+    const KEY: &str = "model.dimensions";
+    if Key::find(KEY).is_some_and(|key| key.is_used_by(kind)) {
+        entries.provide(KEY, Value::Count(grid.dimensions()));
+    }
+}
+
+/// That a solid has the dimensions of the grid.
+pub(crate) fn check_dimensions(
+    places: &Places,
+    kind: Kind,
+    dimensions: usize,
+    grid: &Grid,
+) -> Result<(), CaseError> {
+    let d = grid.dimensions();
+    if matches!(kind, Kind::Solid(solid) if solid.is_plane) {
+        let found = format!("found {} in a grid of {d} dimensions", kind.name());
+        let allowed = "it is a solid in plane strain: grid.cells must have 2 entries";
+        return if d == 2 { Ok(()) } else { Err(places.error("model.kind", found, allowed)) };
+    }
+    if dimensions != d {
+        let found = format!("found {dimensions} in a grid of {d} dimensions");
+        let allowed = format!("give as many as entries of grid.cells, {d}, or leave it out");
+        return Err(places.error("model.dimensions", found, allowed));
+    }
+    Ok(())
+}
+
+/// What a coordinate may lie beyond a side, over the length of the grid: cells × spacing + origin misses the decimal that
+/// is meant by rounding (100 × 0.29 is less than 29).
+const SLACK: f64 = 1e-12;
+
+/// That a position along some axes, the value of a key, is between first and last coordinates, those of the
+/// grid or box.
+pub(crate) fn check_inside(
+    section: &Section,
+    key: &str,
+    position: &[f64],
+    axes: &[usize],
+    extents: &[[f64; 2]],
+    whole: &str,
+) -> Result<(), CaseError> {
+    let is_inside = |(x, [first, last]): (&f64, &[f64; 2])| {
+        let slack = SLACK * (last - first);
+        (first - slack..=last + slack).contains(x)
+    };
+    if position.iter().zip(extents).all(is_inside) {
+        return Ok(());
+    }
+    // Without what rounding left.
+    let tidy = |x: f64, length: f64| match x.abs() < SLACK * length {
+        true => 0.0,
+        false => format!("{x:.11e}").parse().unwrap_or(x),
+    };
+    let words: Vec<String> = axes
+        .iter()
+        .zip(extents)
+        .map(|(axis, [first, last])| {
+            let [from, to] = [first, last].map(|x| tidy(*x, last - first));
+            format!("x{} from {from:?} to {to:?} m", axis + 1)
+        })
+        .collect();
+    let found = format!("found {position:?}, outside the {whole}");
+    Err(section.error(key, found, format!("the {whole} has {}", joined(&words))))
+}
+
+/// That `from` is below `to` along each axis.
+pub(crate) fn check_order(section: &Section, from: &[f64], to: &[f64]) -> Result<(), CaseError> {
+    if from.iter().zip(to).all(|(from, to)| from < to) {
+        return Ok(());
+    }
+    let [from, to] = [from, to].map(|end| match end {
+        [one] => format!("{one:?}"),
+        all => format!("{all:?}"),
+    });
+    let found = format!("found {to} with from = {from}");
+    Err(section.error("to", found, "to must be greater than from along each axis"))
+}

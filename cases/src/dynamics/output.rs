@@ -1,0 +1,264 @@
+//! The section `[output]` of a solid, and what its receivers record.
+
+use super::{Component, Reader, all_components};
+use crate::error::CaseError;
+use crate::receivers::{self, Domain, Receiver, receivers};
+use crate::schema::{Form, Group, Item};
+use crate::section::{Resolved, Section};
+use crate::types::{Range, Type};
+use std::fmt;
+
+/// The key of the time between two lines of the ledger; `zero` says what 0 means.
+pub(crate) const fn ledger_interval(zero: &'static str, meaning: &'static str) -> Item {
+    Item::with_default("ledger_interval", Type::Number(Range::NotNegative), "s", "0.0", meaning)
+        .note(zero)
+}
+
+/// The key of the time between two snapshots.
+pub(crate) const SNAPSHOT_INTERVAL: Item = Item::with_default(
+    "snapshot_interval",
+    Type::Number(Range::NotNegative),
+    "s",
+    "0.0",
+    "time between two snapshots of all fields, for ParaView and an animation; 0: none",
+)
+.note("0: none");
+
+/// The key of the lines of a picture.
+pub(crate) const CONTOURS: Item = Item::optional(
+    "contours",
+    Type::List(0, Range::Finite),
+    "the unit of the picture",
+    "[0.01, 0.02]",
+    "lines of equal value; default: at ¼ and ½ of the greatest magnitude of what has a sign; []: none",
+)
+.note("lines of equal value");
+
+/// The sections `[[receiver]]`.
+pub(super) const RECEIVER: Form = Form::list(
+    "receiver",
+    "a point, a line or a grid of points at which the state is recorded",
+    &[Group::always(&[
+        receivers::NAME,
+        receivers::at(
+            "a point of the grid",
+            "[40.0, 0.0]",
+            "any point of the grid, on sides as well",
+        ),
+        receivers::FROM,
+        receivers::TO,
+        receivers::COUNT,
+        Item::optional(
+            "fields",
+            Type::AnyOf(|_| all_components(|_| true).into_iter().chain(all_integrals()).collect()),
+            "",
+            "[\"v1\", \"v2\"]",
+            "what is recorded; default all components, and what integrals of [output] names",
+        ),
+        Item::with_default(
+            "interpolation",
+            Type::OneOf(|_| super::time::names(Interpolation::ALL, Interpolation::name)),
+            "",
+            "\"cubic\"",
+            "between cells; none: the cell that holds the point",
+        ),
+    ])],
+);
+
+/// The section `[output]`.
+pub(super) const OUTPUT: Form = Form::section(
+    "output",
+    "what else is recorded, and what pictures show",
+    &[Group::always(&[
+        ledger_interval(
+            "0: at most 1000 lines",
+            "time between two lines of the energy ledger; 0: at most 1000 lines",
+        ),
+        SNAPSHOT_INTERVAL,
+        Item::optional(
+            "integrals",
+            Type::AnyOf(|_| all_integrals()),
+            "",
+            "[]",
+            "displacements and rotations to be kept: \"u1\", \"phi3\"; default none",
+        ),
+        Item::with_default(
+            "picture",
+            Type::OneOf(|_| {
+                let mut words = vec!["speed".to_owned()];
+                words.extend(all_components(|_| true));
+                words.extend(all_integrals());
+                words.push("dissipation".to_owned());
+                words
+            }),
+            "",
+            "\"speed\"",
+            "what pictures show: speed, a component, one of integrals, or dissipation",
+        ),
+        CONTOURS,
+    ])],
+);
+
+/// The names of all displacements and rotations.
+fn all_integrals() -> Vec<String> {
+    let all = Component::all(models::cosserat::parameters::Theory::Cosserat, 3);
+    all.into_iter().filter_map(Component::integral).collect()
+}
+
+named_enum! {
+    /// How the record of a receiver comes from cells.
+    Interpolation {
+        /// Polynomials of degree 3 along each axis through cells of the medium at the receiver.
+        Cubic = "cubic",
+        /// The cell, or of a flow the point of the grid, that is nearest.
+        Nearest = "none"
+    }
+}
+
+/// A quantity that a receiver records.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Recorded {
+    /// A component of the state.
+    Component(Component),
+    /// The integral in time of a velocity or spin.
+    Integral(Component),
+}
+
+/// The name in case files.
+impl fmt::Display for Recorded {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Component(component) => component.fmt(formatter),
+            Self::Integral(component) => {
+                formatter.write_str(&component.integral().unwrap_or_default())
+            }
+        }
+    }
+}
+
+/// What else is recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// Time between two lines of the energy ledger, s; 0: so that there are at most 1000.
+    pub ledger_interval: f64,
+    /// Time between two snapshots of all fields, s; 0: none.
+    pub snapshot_interval: f64,
+    /// Velocities and spins whose integrals in time, displacements and rotations, are kept.
+    pub integrals: Vec<Component>,
+    /// What pictures show.
+    pub picture: Picture,
+    /// Values of it on which lines are drawn, in its unit; `None`: as suits the picture.
+    pub contours: Option<Vec<f64>>,
+}
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Picture {
+    /// The magnitude of the velocity.
+    #[default]
+    Speed,
+    /// A component of the state.
+    Component(Component),
+    /// The integral in time of a velocity or spin.
+    Integral(Component),
+    /// Plastic dissipation per volume.
+    Dissipation,
+}
+
+impl Picture {
+    /// Name in case files.
+    pub fn name(self) -> String {
+        match self {
+            Self::Speed => "speed".to_owned(),
+            Self::Component(component) => component.to_string(),
+            Self::Integral(component) => component.integral().unwrap_or_default(),
+            Self::Dissipation => "dissipation".to_owned(),
+        }
+    }
+}
+
+impl Output {
+    /// The section as TOML.
+    pub(super) fn to_toml(&self) -> String {
+        let integrals: Vec<String> =
+            self.integrals.iter().filter_map(|own| own.integral()).collect();
+        let resolved = Resolved::default()
+            .number("ledger_interval", self.ledger_interval)
+            .number("snapshot_interval", self.snapshot_interval)
+            .texts("integrals", &integrals)
+            .text("picture", self.picture.name());
+        let resolved = match &self.contours {
+            Some(contours) => resolved.number("contours", contours),
+            None => resolved,
+        };
+        resolved.under(&OUTPUT)
+    }
+}
+
+impl Receiver {
+    /// The section as TOML.
+    pub(super) fn to_toml(&self) -> String {
+        self.resolved().text("interpolation", self.interpolation.name()).under(&RECEIVER)
+    }
+}
+
+impl Reader<'_> {
+    /// Reads the sections `[[receiver]]`.
+    pub(super) fn receivers(
+        &self,
+        root: &Section,
+        integrals: &[Component],
+    ) -> Result<Vec<Receiver>, CaseError> {
+        let all: Vec<Recorded> = (self.components.iter().copied().map(Recorded::Component))
+            .chain(integrals.iter().copied().map(Recorded::Integral))
+            .collect();
+        let find = |name: &str| {
+            let component = Component::find(name, self.theory, &self.components);
+            let integral = || all.iter().copied().find(|own| own.to_string() == name);
+            component.map(Recorded::Component).or_else(integral)
+        };
+        let extents: Vec<[f64; 2]> = (0..self.dimensions()).map(|a| self.grid.extent(a)).collect();
+        let domain = Domain { form: &RECEIVER, extents, whole: "grid", interpolates: true };
+        receivers(root, &all, find, &domain)
+    }
+
+    /// What is recorded and drawn, of media of which one `yields` or none.
+    pub(super) fn output(&self, root: &Section, yields: bool) -> Result<Output, CaseError> {
+        let mut output = Output {
+            ledger_interval: 0.0,
+            snapshot_interval: 0.0,
+            integrals: Vec::new(),
+            picture: Picture::Speed,
+            contours: None,
+        };
+        let Some(section) = root.section(&OUTPUT)? else { return Ok(output) };
+        output.ledger_interval = section.or_default("ledger_interval")?;
+        output.snapshot_interval = section.or_default("snapshot_interval")?;
+        let possible: Vec<(String, Component)> = self
+            .components
+            .iter()
+            .filter_map(|component| Some((component.integral()?, *component)))
+            .collect();
+        let words: Vec<String> = possible.iter().map(|own| own.0.clone()).collect();
+        let find = |name: &str| possible.iter().find(|own| own.0 == name).map(|own| own.1);
+        output.integrals = section.different("integrals", &words, find)?.unwrap_or_default();
+        let mut pictures = vec![Picture::Speed];
+        pictures.extend(self.components.iter().copied().map(Picture::Component));
+        pictures.extend(output.integrals.iter().copied().map(Picture::Integral));
+        pictures.push(Picture::Dissipation);
+        let words: Vec<String> = pictures.iter().map(|picture| picture.name()).collect();
+        if let Some(name) = section.optional_text("picture", &words)? {
+            let own = pictures.iter().copied().find(|picture| picture.name() == name);
+            let component = Component::find(&name, self.theory, &self.components);
+            let own = own.or(component.map(Picture::Component));
+            output.picture = own.ok_or_else(|| section.no_such("picture", &name, &words))?;
+        }
+        if output.picture == Picture::Dissipation && !yields {
+            let allowed = "another picture, or a section [yield]";
+            return Err(section.error("picture", "found 'dissipation' in elastic media", allowed));
+        }
+        output.contours = section.optional("contours")?;
+        section.finish()?;
+        Ok(output)
+    }
+}

@@ -1,0 +1,273 @@
+//! The sections `[[source]]`: loads inside the grid, and the kernels that spread what acts at a point.
+
+use super::{Reader, TimeFunction, function};
+use crate::error::CaseError;
+use crate::schema::{Condition, Form, Group, Item};
+use crate::section::{Resolved, Section};
+use crate::types::{Length, Range, Type};
+use models::cosserat::parameters::Theory;
+
+const PLANE: &[Condition] = &[Condition::Plane];
+const SPACE: &[Condition] = &[Condition::Space];
+
+/// The key of a kernel.
+pub(super) const KERNEL: Item = Item::optional(
+    "kernel",
+    Type::OneOf(|_| Kernel::NAMES.map(str::to_owned).to_vec()),
+    "",
+    "\"bell\"",
+    "over which what acts at a point is spread: spline, smooth, of a few cells; bell, with its radius; cell, the nearest one; default spline, with a radius bell",
+);
+
+/// The key of its radius.
+pub(super) const RADIUS: Item = Item::optional(
+    "radius",
+    Type::Number(Range::NotNegative),
+    "m",
+    "2.0",
+    "radius of the kernel bell; 0: the kernel cell",
+)
+.note("radius of the bell; 0: one cell");
+
+/// The sections.
+pub(super) const FORM: Form = Form::list(
+    "source",
+    "a load inside the grid",
+    &[
+        Group::always(&[Item::required(
+            "kind",
+            Type::OneOf(|_| SourceKind::NAMES.map(str::to_owned).to_vec()),
+            "",
+            "\"force\"",
+            "what acts; a couple in Cosserat solids",
+        )]),
+        Group::when(
+            &[Condition::Is("kind", &["force"])],
+            &[
+                Item::required(
+                    "amplitude",
+                    Type::Numbers(Length::Axes),
+                    "N/m",
+                    "[1e4, 0.0]",
+                    "the force by components",
+                )
+                .note("force by components")
+                .when(PLANE),
+                Item::required(
+                    "amplitude",
+                    Type::Numbers(Length::Axes),
+                    "N",
+                    "[1e4, 0.0, 0.0]",
+                    "the force by components",
+                )
+                .note("force by components")
+                .when(SPACE),
+            ],
+        ),
+        Group::when(
+            &[Condition::Is("kind", &["couple"])],
+            &[Item::required(
+                "amplitude",
+                Type::Numbers(Length::Spins),
+                "N·m",
+                "1e4",
+                "the couple, in plane strain per m; in space three numbers",
+            )
+            .note("couple")],
+        ),
+        Group::when(
+            &[Condition::Is("kind", &["moment"])],
+            &[Item::required(
+                "amplitude",
+                Type::Tensor,
+                "N·m",
+                "[[0.0, 1e4], [1e4, 0.0]]",
+                "the moment tensor by rows, in plane strain per m",
+            )
+            .remark(", by rows")],
+        ),
+        Group::when(
+            &[Condition::Is("kind", &["explosion"])],
+            &[Item::required(
+                "amplitude",
+                Type::Number(Range::Finite),
+                "N·m",
+                "1e4",
+                "the isotropic moment, in plane strain per m",
+            )
+            .note("isotropic moment")],
+        ),
+        Group::always(&[
+            Item::required(
+                "at",
+                Type::Numbers(Length::Axes),
+                "m",
+                "[0.0, -40.0]",
+                "where it acts, inside the grid",
+            )
+            .note("a point of the grid"),
+            KERNEL,
+            RADIUS,
+            function::TIME,
+        ]),
+    ],
+);
+
+/// A load inside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// What acts.
+    pub action: SourceKind,
+    /// Where, m; inside the grid.
+    pub at: Vec<f64>,
+    /// Over which it is spread.
+    pub kernel: Kernel,
+    /// When.
+    pub time: TimeFunction,
+}
+
+/// The kernel by which what acts at a point is spread over cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Kernel {
+    /// A smooth kernel of a few cells, exact for polynomials, without the waves of two cells.
+    #[default]
+    Spline,
+    /// A bell.
+    Bell {
+        /// Its radius, m; positive.
+        radius: f64,
+    },
+    /// The cell or face nearest to the point.
+    Cell,
+}
+
+impl Kernel {
+    /// All names in case files.
+    pub const NAMES: [&str; 3] = ["spline", "bell", "cell"];
+
+    /// Name in case files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Spline => "spline",
+            Self::Bell { .. } => "bell",
+            Self::Cell => "cell",
+        }
+    }
+
+    /// The kernel of what acts at a point, if anything is said of it.
+    pub(super) fn read(section: &Section) -> Result<Option<Self>, CaseError> {
+        let radius: Option<f64> = section.optional("radius")?;
+        let name = section.optional_choice("kernel", &Self::NAMES, |name| name)?;
+        match (name, radius) {
+            (None, None) => Ok(None),
+            (Some("spline"), None) => Ok(Some(Self::Spline)),
+            (None | Some("cell"), Some(0.0)) | (Some("cell"), None) => Ok(Some(Self::Cell)),
+            (None | Some("bell"), Some(radius)) if radius > 0.0 => Ok(Some(Self::Bell { radius })),
+            (Some("bell"), found) => {
+                let found =
+                    found.map_or("missing".to_owned(), |radius| format!("found {radius:?}"));
+                let allowed = "expected a positive number in m (radius of the bell)";
+                Err(section.error("radius", found, allowed))
+            }
+            (name, _) => {
+                let found = format!("found beside kernel = \"{}\"", name.unwrap_or_default());
+                Err(section.error("radius", found, "leave it out, or write kernel = \"bell\""))
+            }
+        }
+    }
+
+    /// The kernel as TOML.
+    pub(super) fn resolved(self, resolved: Resolved) -> Resolved {
+        let resolved = resolved.text("kernel", self.name());
+        match self {
+            Self::Bell { radius } => resolved.number("radius", radius),
+            Self::Spline | Self::Cell => resolved,
+        }
+    }
+}
+
+/// What a source does; amplitudes are multiplied by the function of time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SourceKind {
+    /// A force, N, by components.
+    Force(Vec<f64>),
+    /// A couple, N·m: one number about x₃ in plane strain, three components in space.
+    Couple(Vec<f64>),
+    /// A moment tensor by rows, N·m: the stress glut.
+    Moment(Vec<Vec<f64>>),
+    /// An isotropic moment, N·m.
+    Explosion(f64),
+}
+
+impl SourceKind {
+    /// All names in case files.
+    pub const NAMES: [&str; 4] = ["force", "couple", "moment", "explosion"];
+
+    /// Name in case files.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Force(_) => "force",
+            Self::Couple(_) => "couple",
+            Self::Moment(_) => "moment",
+            Self::Explosion(_) => "explosion",
+        }
+    }
+}
+
+impl Source {
+    /// The section as TOML.
+    pub(super) fn to_toml(&self) -> String {
+        let resolved = Resolved::default().text("kind", self.action.name());
+        let resolved = match &self.action {
+            SourceKind::Couple(couple) if couple.len() == 1 => {
+                resolved.number("amplitude", couple[0])
+            }
+            SourceKind::Force(amplitude) | SourceKind::Couple(amplitude) => {
+                resolved.number("amplitude", amplitude)
+            }
+            SourceKind::Moment(amplitude) => resolved.number("amplitude", amplitude),
+            SourceKind::Explosion(amplitude) => resolved.number("amplitude", amplitude),
+        };
+        let resolved = self.kernel.resolved(resolved.number("at", &self.at));
+        resolved.table("time", &self.time.resolved()).under(&FORM)
+    }
+}
+
+impl Reader<'_> {
+    /// Reads the sections.
+    pub(super) fn sources(&self, root: &Section) -> Result<Vec<Source>, CaseError> {
+        let mut sources = Vec::new();
+        for section in root.list(&FORM)? {
+            let action = match section.choice("kind", &SourceKind::NAMES, |name| name)? {
+                "force" => SourceKind::Force(section.required("amplitude")?),
+                "couple" => {
+                    self.need_spin(&section, "kind", "a couple")?;
+                    SourceKind::Couple(section.required("amplitude")?)
+                }
+                "moment" => SourceKind::Moment(section.required("amplitude")?),
+                _ => SourceKind::Explosion(section.required("amplitude")?),
+            };
+            let at = self.point_inside(&section)?;
+            let kernel = Kernel::read(&section)?.unwrap_or_default();
+            let time = self.function(&section)?;
+            section.finish()?;
+            sources.push(Source { action, at, kernel, time });
+        }
+        Ok(sources)
+    }
+
+    /// That the solid has spins.
+    pub(super) fn need_spin(
+        &self,
+        section: &Section,
+        key: &str,
+        what: &str,
+    ) -> Result<(), CaseError> {
+        if self.theory != Theory::Classical {
+            return Ok(());
+        }
+        let found = format!("found {what} in a solid without spin");
+        let allowed = "a Cosserat solid in model.kind, or another kind here";
+        Err(section.error(key, found, allowed))
+    }
+}

@@ -1,0 +1,200 @@
+//! Sections whose keys are rows of the table: name, yield set, numbers and kinds to compare.
+
+use super::entries::{Entries, allowed, kind};
+use super::error::{CaseError, shown};
+use super::keys::{Key, Presence, keys};
+use super::kind::{Kind, Medium, Yield};
+use super::numbers::Numbers;
+use super::value::{Value, nearest, suggestion};
+use models::registry;
+use std::path::Path;
+
+/// The name of a case: given, or else from its file.
+pub(super) fn name(entries: &Entries, file: &str) -> Result<String, CaseError> {
+    const KEY: &str = "name";
+    let may_stand = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.');
+    // `.` and `..` are folders already.
+    let is_dots = |name: &str| name.chars().all(|c| c == '.');
+    if let Some(Value::Text(name)) = entries.get(KEY) {
+        if is_dots(name) || !name.chars().all(may_stand) {
+            let allowed = Key::find(KEY).map_or(String::new(), allowed);
+            let found = format!("found '{}'", shown(name));
+            return Err(entries.places.error(KEY, found, allowed));
+        }
+        return Ok(name.clone());
+    }
+    let file = Path::new(file).file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
+    let stem = file.rsplit_once('.').map_or(&*file, |(stem, _)| stem);
+    if is_dots(stem) {
+        return Ok("case".to_owned());
+    }
+    // What a resolved case states must read back.
+    Ok(stem.chars().map(|c| if may_stand(c) { c } else { '-' }).collect())
+}
+
+/// The yield set that `[yield]` names; a name among `none` stands for none.
+pub(super) fn yield_set(
+    entries: &Entries,
+    kind: Kind,
+    none: &[&'static str],
+) -> Result<Option<Yield>, CaseError> {
+    const KEY: &str = "yield.kind";
+    if !entries.has_section("yield") {
+        return match entries.has_section("stress") && !kind.yield_sets().is_empty() {
+            true => Err(entries.places.error(
+                "stress",
+                "a stress without a yield set",
+                "add a section [yield], or leave this one out: elastic waves do not see the stress",
+            )),
+            false => Ok(None),
+        };
+    }
+    let sets = kind.yield_sets();
+    if sets.is_empty() {
+        let found = format!("a yield set for the model {}", kind.name());
+        return Err(entries.places.error("yield", found, "leave the section out: flows yield"));
+    }
+    let name = entries.text(KEY)?;
+    if none.contains(&name) {
+        return Ok(None);
+    }
+    let found = registry::yield_set(name).filter(|set| sets.contains(set));
+    found.map(Some).ok_or_else(|| {
+        let names: Vec<&str> =
+            sets.iter().map(|set| set.name).chain(none.iter().copied()).collect();
+        let meant = suggestion(nearest(name, names.iter().copied()));
+        let found = format!("found '{}'", shown(name));
+        let allowed = format!("{meant}allowed for {}: {}", kind.name(), names.join(", "));
+        entries.places.error(KEY, found, allowed)
+    })
+}
+
+/// The conditions of `yield.active`.
+pub(super) fn active(entries: &Entries, medium: Medium) -> Result<Option<Vec<usize>>, CaseError> {
+    const KEY: &str = "yield.active";
+    let Some(Value::Texts(names)) = entries.get(KEY) else { return Ok(None) };
+    if !Key::find(KEY).is_some_and(|key| key.is_used_by(medium)) {
+        let found = format!("not used by {}", medium.title());
+        return Err(entries.places.error(KEY, found, "leave it out (it belongs to interlayer)"));
+    }
+    if entries.has_section("stress") {
+        let found = "active conditions beside a section [stress]";
+        return Err(entries.places.error(KEY, found, "give one of the two: either decides"));
+    }
+    let known = medium.condition_names();
+    let mut active = Vec::new();
+    for name in names {
+        let found = format!("found '{}'", shown(name));
+        let Some(index) = known.iter().position(|known| *known == name.as_str()) else {
+            let meant = suggestion(nearest(name, known.iter().copied()));
+            let allowed = format!("{meant}allowed: {}", known.join(", "));
+            return Err(entries.places.error(KEY, found, allowed));
+        };
+        // Both signs at once: a stress of zero and a strength of zero, where nothing is decided.
+        let stress = |index: usize| known[index].trim_start_matches(['+', '-']);
+        if active.iter().any(|&other| stress(other) == stress(index)) {
+            let allowed = "name each stress once, with one sign";
+            return Err(entries.places.error(KEY, found, allowed));
+        }
+        active.push(index);
+    }
+    if active.is_empty() {
+        let allowed = format!("name at least one of {}", known.join(", "));
+        return Err(entries.places.error(KEY, "an empty list", allowed));
+    }
+    Ok(Some(active))
+}
+
+/// The numbers of a case: defaults, what was given, and nothing that no medium uses.
+pub(super) fn numbers(entries: &Entries, media: &[Medium]) -> Result<Numbers, CaseError> {
+    let is_used = |key: &Key| media.iter().any(|&medium| key.is_used_by(medium));
+    // What is too much says more of a mistake than what is missing.
+    if let Some(key) = keys()
+        .iter()
+        .find(|key| key.field.is_kept() && entries.get(key.name).is_some() && !is_used(key))
+    {
+        let namesake = keys().iter().find(|k| is_used(k) && k.split().1 == key.split().1);
+        let meant = suggestion(namesake.map(|key| key.name));
+        let of_kind = media.iter().any(|medium| key.is_for(medium.kind));
+        let (user, owners): (_, Vec<&str>) = match (of_kind, media[0].yields) {
+            (true, None) => ("an elastic solid".into(), key.set_names()),
+            (true, Some(set)) => (format!("the set {}", set.name), key.set_names()),
+            (false, _) => {
+                let names: Vec<&str> = media.iter().map(|medium| medium.kind.name()).collect();
+                (format!("the model {}", names.join(", ")), key.owners())
+            }
+        };
+        return Err(entries.places.error(
+            key.name,
+            format!("not used by {user}"),
+            format!("{meant}leave it out (it belongs to {})", owners.join(", ")),
+        ));
+    }
+    let mut numbers = Numbers::default();
+    for key in keys().iter().filter(|key| key.field.is_kept()) {
+        key.clear(&mut numbers);
+        match entries.get(key.name) {
+            Some(value) => key.field.store(&mut numbers, value),
+            None if is_used(key) && matches!(key.presence, Presence::Required(_)) => {
+                entries.require(key.name)?;
+            }
+            None => {}
+        }
+    }
+    if let dimensions @ (1 | 4..) = numbers.dimensions {
+        let found = format!("found {dimensions}");
+        let allowed = "2 for plane strain or 3 for space";
+        return Err(entries.places.error("model.dimensions", found, allowed));
+    }
+    let elevation = numbers.wave.elevation_deg;
+    if numbers.dimensions == 2 && elevation != 0.0 {
+        let found = format!("found {elevation:?} in plane strain");
+        let allowed = "0: waves stay in the plane, unless model.dimensions = 3";
+        return Err(entries.places.error("wave.elevation_deg", found, allowed));
+    }
+    if numbers.dimensions == 3 && media[0].yields.is_some_and(|set| set.is_plane) {
+        let found = "found 3 with the yield set interlayer";
+        let allowed = "2: its layers are normal to x1 and x2, in plane strain";
+        return Err(entries.places.error("model.dimensions", found, allowed));
+    }
+    let number = numbers.wave.number;
+    if number <= 0.0 {
+        return Err(wave_number(entries, "wave.number", number));
+    }
+    let greatest = numbers.wave.greatest_number;
+    if greatest < 0.0 {
+        return Err(wave_number(entries, "wave.greatest_number", greatest));
+    }
+    Ok(numbers)
+}
+
+pub(super) fn wave_number(entries: &Entries, key: &str, found: f64) -> CaseError {
+    entries.places.error(key, format!("found {found:?}"), "a wave number must be positive")
+}
+
+/// The kinds of `[compare]`.
+pub(super) fn compare(entries: &Entries) -> Result<Option<Vec<Kind>>, CaseError> {
+    const KEY: &str = "compare.kinds";
+    if !entries.has_section("compare") {
+        return Ok(None);
+    }
+    let mut kinds = Vec::new();
+    if let Value::Texts(names) = entries.require(KEY)? {
+        for name in names {
+            let kind = kind(name, KEY, &entries.places)?;
+            if let Kind::Solid(_) = kind {
+                let allowed = format!("flows alone: {}", crate::names(&Kind::flows()));
+                return Err(entries.places.error(KEY, format!("found {name}, a solid"), allowed));
+            }
+            if kinds.contains(&kind) {
+                let found = format!("found {name} twice");
+                return Err(entries.places.error(KEY, found, "name each kind once"));
+            }
+            kinds.push(kind);
+        }
+    }
+    if kinds.is_empty() {
+        return Err(entries.places.error(KEY, "an empty list", "name at least one kind of model"));
+    }
+    Ok(Some(kinds))
+}

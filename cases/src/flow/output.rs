@@ -1,0 +1,196 @@
+//! The section `[output]` of a flow, and what its receivers record.
+
+use super::Reader;
+use crate::dynamics::output::{CONTOURS, SNAPSHOT_INTERVAL, ledger_interval};
+use crate::error::CaseError;
+use crate::receivers::{self, Domain, Receiver, receivers};
+use crate::schema::{Form, Group, Item, Scope};
+use crate::section::{Resolved, Section};
+use crate::types::Type;
+use models::granular_flow::RotationKind;
+use std::fmt;
+
+/// The picture of the magnitude of the perturbation of the velocity.
+const SPEED: &str = "speed";
+
+/// The sections `[[receiver]]`.
+pub(super) const RECEIVER: Form = Form::list(
+    "receiver",
+    "a point, a line or a grid of points of the box at which fields are recorded",
+    &[Group::always(&[
+        receivers::NAME,
+        receivers::at(
+            "a point of the box",
+            "[0.05, 0.05]",
+            "where it is at the beginning: the nearest point of the box, which moves with it",
+        ),
+        receivers::FROM,
+        receivers::TO,
+        receivers::COUNT,
+        Item::optional(
+            "fields",
+            Type::AnyOf(words),
+            "",
+            "[\"v1\", \"v2\"]",
+            "what is recorded; default all",
+        ),
+    ])],
+);
+
+/// The section `[output]`.
+pub(super) const OUTPUT: Form = Form::section(
+    "output",
+    "what else is recorded, and what pictures show",
+    &[Group::always(&[
+        ledger_interval(
+            "0: a two-hundredth of the duration",
+            "time between two lines of the ledger; 0: a two-hundredth of the duration",
+        ),
+        SNAPSHOT_INTERVAL,
+        Item::with_default(
+            "picture",
+            Type::OneOf(|scope| [SPEED.to_owned()].into_iter().chain(words(scope)).collect()),
+            "",
+            "\"speed\"",
+            "what pictures show: the speed of the perturbation, or a field",
+        ),
+        CONTOURS,
+    ])],
+);
+
+/// The names of the fields of a flow.
+fn words(scope: &Scope) -> Vec<String> {
+    // A flow with spin has all fields.
+    let rotation = scope.kind.and_then(crate::Kind::rotation_in_time);
+    let all = Quantity::all(rotation.unwrap_or(RotationKind::IntrinsicSpin));
+    all.iter().map(Quantity::to_string).collect()
+}
+
+/// A field of the flow, by its name in case files and tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// A component of the velocity: 0 or 1.
+    Velocity(usize),
+    /// The spin ω.
+    Spin,
+    /// The stress angle ψ.
+    StressAngle,
+    /// The pressure.
+    Pressure,
+    /// The shear rate Q_D.
+    ShearRate,
+}
+
+impl Quantity {
+    /// Those that a flow has, velocities first.
+    pub fn all(rotation: RotationKind) -> Vec<Self> {
+        let spin = (rotation == RotationKind::IntrinsicSpin).then_some(Self::Spin);
+        [Self::Velocity(0), Self::Velocity(1)]
+            .into_iter()
+            .chain(spin)
+            .chain([Self::StressAngle, Self::Pressure, Self::ShearRate])
+            .collect()
+    }
+
+    /// Name in case files, tables and pictures, where angles are in degrees.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::StressAngle => "psi_deg",
+            _ => self.array(),
+        }
+    }
+
+    /// Name in archives and snapshots, where angles are in radians.
+    pub const fn array(self) -> &'static str {
+        match self {
+            Self::Velocity(0) => "v1",
+            Self::Velocity(_) => "v2",
+            Self::Spin => "w",
+            Self::StressAngle => "psi",
+            Self::Pressure => "p",
+            Self::ShearRate => "shear_rate",
+        }
+    }
+
+    /// A value in SI units as it stands under the [`name`](Self::name).
+    pub fn shown(self, value: f64) -> f64 {
+        if self == Self::StressAngle { value.to_degrees() } else { value }
+    }
+}
+
+/// The name in case files.
+impl fmt::Display for Quantity {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
+}
+
+/// What else is recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// Time between two lines of the ledger and of the spectrum, s; 0: a two-hundredth of the duration.
+    pub ledger_interval: f64,
+    /// Time between two snapshots of all fields, s; 0: none.
+    pub snapshot_interval: f64,
+    /// What pictures show; `None`: the magnitude of the perturbation of the velocity.
+    pub picture: Option<Quantity>,
+    /// Values of it on which lines are drawn, in its unit; `None`: as suits the picture.
+    pub contours: Option<Vec<f64>>,
+}
+
+impl Output {
+    /// The section as TOML.
+    pub(super) fn to_toml(&self) -> String {
+        let resolved = Resolved::default()
+            .number("ledger_interval", self.ledger_interval)
+            .number("snapshot_interval", self.snapshot_interval)
+            .text("picture", self.picture.map_or(SPEED, Quantity::name));
+        let resolved = match &self.contours {
+            Some(contours) => resolved.number("contours", contours),
+            None => resolved,
+        };
+        resolved.under(&OUTPUT)
+    }
+}
+
+impl Receiver<Quantity> {
+    /// The section as TOML.
+    pub(super) fn to_toml(&self) -> String {
+        self.resolved().under(&RECEIVER)
+    }
+}
+
+fn named(among: &[Quantity], name: &str) -> Option<Quantity> {
+    among.iter().copied().find(|own| own.name() == name)
+}
+
+impl Reader<'_> {
+    /// Reads the sections `[[receiver]]`.
+    pub(super) fn receivers(&self, root: &Section) -> Result<Vec<Receiver<Quantity>>, CaseError> {
+        let all = Quantity::all(self.rotation);
+        let extents = self.grid.lengths.map(|length| [0.0, length]).to_vec();
+        let domain = Domain { form: &RECEIVER, extents, whole: "box", interpolates: false };
+        receivers(root, &all, |name| named(&all, name), &domain)
+    }
+
+    /// What is recorded and drawn.
+    pub(super) fn output(&self, root: &Section) -> Result<Output, CaseError> {
+        let mut output =
+            Output { ledger_interval: 0.0, snapshot_interval: 0.0, picture: None, contours: None };
+        let Some(section) = root.section(&OUTPUT)? else { return Ok(output) };
+        output.ledger_interval = section.or_default("ledger_interval")?;
+        output.snapshot_interval = section.or_default("snapshot_interval")?;
+        let all = Quantity::all(self.rotation);
+        let words: Vec<&str> =
+            [SPEED].into_iter().chain(all.iter().map(|own| own.name())).collect();
+        if let Some(name) = section.optional_text("picture", &words)? {
+            output.picture = named(&all, &name);
+            if output.picture.is_none() && name != SPEED {
+                return Err(section.no_such("picture", &name, &words));
+            }
+        }
+        output.contours = section.optional("contours")?;
+        section.finish()?;
+        Ok(output)
+    }
+}

@@ -1,0 +1,233 @@
+//! The section `[map]`: what `wellposed map` sweeps.
+
+use super::MOST_POINTS;
+use super::case::Case;
+use super::entries::Entries;
+use super::error::{CaseError, shown};
+use super::flat::wave_number;
+use super::keys::{Key, Parameter};
+use super::kind::Medium;
+use super::numbers::Numbers;
+use super::value::{Value, nearest, suggestion};
+use models::granular_flow::InputError;
+
+/// The two parameters of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Map {
+    /// Along the horizontal axis.
+    pub x: Sweep,
+    /// Along the vertical axis.
+    pub y: Sweep,
+}
+
+/// One axis of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sweep {
+    /// What is swept.
+    pub parameter: Parameter,
+    /// First value, in the parameter's unit.
+    pub from: f64,
+    /// Last value, in the parameter's unit.
+    pub to: f64,
+    /// Number of values; at least 1, and 2 values differ.
+    pub points: usize,
+}
+
+impl Sweep {
+    /// The value at `index` < `points`, evenly spaced from `from` to `to`.
+    ///
+    /// One division, last: ends that are whole numbers give whole numbers where they should.
+    pub fn value(&self, index: usize) -> f64 {
+        if index == 0 || self.points < 2 {
+            return self.from;
+        }
+        let (last, index) = ((self.points - 1) as f64, index as f64);
+        let value = (self.from * (last - index) + self.to * index) / last;
+        if value.is_finite() {
+            value
+        } else {
+            // The products of huge ends overflow; the ends themselves do not.
+            self.from * ((last - index) / last) + self.to * (index / last)
+        }
+    }
+}
+
+impl Case {
+    /// The map that the case asks for.
+    ///
+    /// # Errors
+    /// That the case has none, and how to add one.
+    pub fn required_map(&self) -> Result<&Map, CaseError> {
+        self.map.as_ref().ok_or_else(|| {
+            let axis =
+                "{ parameter = \"model.friction_angle_deg\", from = 5, to = 60, points = 56 }";
+            self.places.error(
+                "map",
+                "missing",
+                format!("add a section [map] with x = {axis} and y"),
+            )
+        })
+    }
+
+    /// Adds the place to an error that a model found at a point of the map: a number that is swept
+    /// has its value from `[map]`, not from where its key stands.
+    pub fn locate_in_map(&self, error: InputError) -> CaseError {
+        let axes = self.map.iter().flat_map(|map| [("map.x", &map.x), ("map.y", &map.y)]);
+        let key = self.key_of(error.key);
+        let swept = |(_, sweep): &(&str, &Sweep)| sweep.parameter.key().name == key;
+        match axes.into_iter().find(swept) {
+            Some((axis, _)) => CaseError::Key {
+                place: self.places.of_axis(axis),
+                key: key.to_owned(),
+                found: format!("found {}, a value of the sweep {axis}", error.found),
+                allowed: error.allowed,
+            },
+            None => self.locate(error),
+        }
+    }
+}
+
+/// As TOML.
+impl std::fmt::Display for Sweep {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (name, points) = (Value::Text(self.parameter.name()), self.points);
+        let (from, to) = (Value::Number(self.from), Value::Number(self.to));
+        write!(formatter, "{{ parameter = {name}, from = {from}, to = {to}, points = {points} }}")
+    }
+}
+
+impl Map {
+    /// Reads the section; `numbers` are those of the case, and `has_active` says whether conditions that hold with
+    /// equality are named.
+    pub(super) fn read(
+        entries: &Entries,
+        medium: Medium,
+        numbers: &Numbers,
+        has_active: bool,
+    ) -> Result<Option<Self>, CaseError> {
+        if !entries.has_section("map") {
+            return Ok(None);
+        }
+        let x =
+            sweep(entries, medium, ["map.x.parameter", "map.x.from", "map.x.to", "map.x.points"])?;
+        let y =
+            sweep(entries, medium, ["map.y.parameter", "map.y.from", "map.y.to", "map.y.points"])?;
+        if x.parameter == y.parameter {
+            return Err(entries.places.error(
+                "map.y.parameter",
+                format!("found {} on both axes", y.parameter.name()),
+                "sweep two different parameters",
+            ));
+        }
+        if x.points.checked_mul(y.points).is_none_or(|points| points > MOST_POINTS) {
+            let larger = if x.points > y.points { "map.x.points" } else { "map.y.points" };
+            return Err(entries.places.error(
+                larger,
+                format!("a grid of {} × {} points", x.points, y.points),
+                format!("expected at most {MOST_POINTS} points in all"),
+            ));
+        }
+        let map = Self { x, y };
+        let swept = [("map.x", map.x), ("map.y", map.y)];
+        let of_stress = |sweep: &Sweep| sweep.parameter.key().name.starts_with("stress.");
+        if let (Some((axis, sweep)), true) =
+            (swept.into_iter().find(|s| of_stress(&s.1)), has_active)
+        {
+            let found = format!("a sweep of {} beside yield.active", sweep.parameter.name());
+            let allowed = "leave yield.active out: either decides what yields";
+            return Err(entries.places.error(axis, found, allowed));
+        }
+        let sweeps_elevation =
+            [x, y].iter().any(|sweep| sweep.parameter.name() == "wave.elevation_deg");
+        if sweeps_elevation && numbers.dimensions == 2 {
+            let allowed = "waves stay in the plane, unless model.dimensions = 3";
+            let found = "a sweep of wave.elevation_deg in plane strain";
+            return Err(entries.places.error("map", found, allowed));
+        }
+        Ok(Some(map))
+    }
+}
+
+fn sweep(
+    entries: &Entries,
+    medium: Medium,
+    [parameter_key, from_key, to_key, points_key]: [&'static str; 4],
+) -> Result<Sweep, CaseError> {
+    let name = entries.text(parameter_key)?;
+    let found = Parameter::find(name).filter(|parameter| parameter.key().is_used_by(medium));
+    let Some(parameter) = found else {
+        return Err(no_parameter(entries, medium, parameter_key, name));
+    };
+    let (from, to) = (entries.number(from_key)?, entries.number(to_key)?);
+    let points = match entries.require(points_key)? {
+        Value::Count(points) => *points,
+        _ => 1, // the table says that it is a count
+    };
+    if points > 1 && from == to {
+        let found = format!("found {to:?} at both ends");
+        return Err(entries.places.error(to_key, found, "give two different ends, or 1 point"));
+    }
+    // More points than any map may have are answered for as a grid.
+    if (2..=MOST_POINTS).contains(&points) {
+        check_step(entries, [from_key, to_key, points_key], from, to, points)?;
+    }
+    if parameter.key().name.starts_with("wave.")
+        && parameter.key().unit == "1/m"
+        && from.min(to) <= 0.0
+    {
+        let key = if from <= 0.0 { from_key } else { to_key };
+        return Err(wave_number(entries, key, from.min(to)));
+    }
+    Ok(Sweep { parameter, from, to, points })
+}
+
+/// That neighbouring values of a sweep of at least 2 points differ.
+fn check_step(
+    entries: &Entries,
+    [from_key, to_key, points_key]: [&'static str; 3],
+    from: f64,
+    to: f64,
+    points: usize,
+) -> Result<(), CaseError> {
+    let range = to - from;
+    let largest = from.abs().max(to.abs());
+    if !range.is_finite() {
+        // Either end may be the huge one; the greater answers for both.
+        let key = if from.abs() > to.abs() { from_key } else { to_key };
+        let found = format!("found {from:?} … {to:?}, whose difference overflows");
+        return Err(entries.places.error(key, found, "give ends whose difference is finite"));
+    }
+    // Rounding moves a value of the sweep by at most three halves of this, or one smallest double.
+    let unit = (f64::EPSILON * largest).max(f64::from_bits(1));
+    if range.abs() / (points - 1) as f64 <= 4.0 * unit {
+        let found =
+            format!("found {points} points between {from:?} and {to:?}, too close to differ");
+        return Err(entries.places.error(points_key, found, "give fewer points, or a wider range"));
+    }
+    Ok(())
+}
+
+/// Why a name is no parameter to sweep.
+fn no_parameter(entries: &Entries, medium: Medium, place: &str, name: &str) -> CaseError {
+    let names: Vec<String> = Parameter::all()
+        .filter(|parameter| parameter.key().is_used_by(medium))
+        .map(Parameter::name)
+        .collect();
+    let shown = shown(name);
+    let component = Parameter::find(name).map(Parameter::key);
+    let mut meant = String::new();
+    let found = match Key::find(name).or(component) {
+        Some(key) if !key.is_for(medium.kind) => {
+            format!("'{shown}' is not used by the model {}", medium.kind.name())
+        }
+        Some(key) if !key.is_used_by(medium) => {
+            format!("'{shown}' is not used by {}", medium.title())
+        }
+        Some(_) => format!("'{shown}' is no single number"),
+        None => {
+            meant = suggestion(nearest(name, names.iter().map(String::as_str)));
+            format!("there is no '{shown}' to sweep")
+        }
+    };
+    entries.places.error(place, found, format!("{meant}allowed: {}", names.join(", ")))
+}

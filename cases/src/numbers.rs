@@ -1,0 +1,119 @@
+//! The numbers of a case, by section.
+
+use models::parameter::{Parameter as Constant, Presence};
+
+/// The numbers of a case exactly as its file states them: SI units, angles in degrees, `None`
+/// where a key without default is absent.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Numbers {
+    /// Constants of the model.
+    pub model: Constants,
+    /// Dimensions of a solid; 0 where its kind leaves no choice.
+    pub dimensions: usize,
+    /// Constants of its yield set.
+    pub yields: Constants,
+    /// Rate Λ at which the background of a yielding solid flows, 1/s.
+    pub plastic_rate: f64,
+    /// Stress of a yielding solid.
+    pub stress: StressNumbers,
+    /// State of the flow at the point.
+    pub background: BackgroundNumbers,
+    /// Wave at which roots are listed.
+    pub wave: Wave,
+}
+
+/// Values of constants by name, in the units of a case file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Constants(Vec<(&'static str, f64)>);
+
+impl Constants {
+    /// The value of that name.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        self.place(name).ok().map(|place| self.0[place].1)
+    }
+
+    /// Sets a value.
+    pub fn set(&mut self, name: &'static str, value: f64) {
+        match self.place(name) {
+            Ok(place) => self.0[place].1 = value,
+            Err(place) => self.0.insert(place, (name, value)),
+        }
+    }
+
+    /// Where a name is among all in order, or where it would be.
+    fn place(&self, name: &str) -> Result<usize, usize> {
+        self.0.binary_search_by(|(own, _)| (*own).cmp(name))
+    }
+
+    /// Takes a value back to what holds where none is given.
+    pub(super) fn reset(&mut self, name: &'static str, presence: Presence) {
+        match presence {
+            Presence::Default(value) => self.set(name, value),
+            _ => self.0.retain(|(own, _)| *own != name),
+        }
+    }
+
+    /// The values of a model's constants, in the order in which it lists them, in SI units and rad; NaN for those
+    /// that are absent.
+    pub fn in_order<'a>(
+        &self,
+        parameters: impl IntoIterator<Item = &'a Constant>,
+        values: &mut Vec<f64>,
+    ) {
+        values.clear();
+        let value = |own: &Constant| own.to_si(self.get(own.name).unwrap_or(f64::NAN));
+        values.extend(parameters.into_iter().map(value));
+    }
+}
+
+/// Section `[stress]`; units and meanings in [`keys`](crate::keys()).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(missing_docs)] // one row of `keys` per field says it once
+pub struct StressNumbers {
+    pub pressure: f64,
+    pub deviatoric_stress: f64,
+    pub stress_angle_deg: f64,
+    pub out_of_plane_stress: f64,
+    pub rotational_stress: f64,
+    pub couple_stress: [f64; 2],
+}
+
+/// Section `[background]`; units and meanings in [`keys`](crate::keys()).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(missing_docs)] // one row of `keys` per field says it once
+pub struct BackgroundNumbers {
+    pub density: f64,
+    pub pressure: f64,
+    pub stress_angle_deg: f64,
+    pub shear_rate: f64,
+    pub velocity: [f64; 2],
+    pub half_vorticity: f64,
+    pub noncoaxiality_deg: Option<f64>,
+    pub spin: Option<f64>,
+    pub pressure_gradient: [f64; 2],
+    pub stress_angle_gradient_deg: [f64; 2],
+    pub density_gradient: [f64; 2],
+    pub spin_gradient: [f64; 2],
+    pub spin_acceleration: f64,
+    pub inertia_rate: f64,
+    pub inertia_gradient: [f64; 2],
+    pub rotational_stress: Option<f64>,
+    pub deviatoric_stress: Option<f64>,
+    pub velocity_gradient: Option<[[f64; 2]; 2]>,
+    pub acceleration: Option<[f64; 2]>,
+    pub body_moment: Option<f64>,
+    pub stress_angle_rate_deg: Option<f64>,
+}
+
+/// Section `[wave]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wave {
+    /// Wave number k, 1/m; positive.
+    pub number: f64,
+    /// Direction ψ_K of the wave vector, degrees anticlockwise from x₁.
+    pub direction_deg: f64,
+    /// Its angle above the plane of x₁ and x₂, degrees.
+    pub elevation_deg: f64,
+    /// Greatest wave number of dispersion curves, 1/m; 0 for what suits the solid.
+    pub greatest_number: f64,
+}

@@ -1,0 +1,319 @@
+//! Types of values: how they are read, and what a message says of them.
+
+use crate::schema::{Form, Scope};
+use crate::value::{self, Value, list};
+use std::fmt::Write;
+use toml::de::DeValue;
+
+/// Words that a key may have, of a case of which something is known.
+pub type Words = fn(&Scope) -> Vec<String>;
+
+/// Type and range of a value.
+#[derive(Clone, Copy, Debug)]
+pub enum Type {
+    /// Text in one line.
+    Text,
+    /// A list of texts.
+    Texts,
+    /// Text of letters, digits, `-`, `_` and `.`.
+    Name,
+    /// Eight hexadecimal digits.
+    Hexadecimal,
+    /// True or false.
+    Truth,
+    /// A number.
+    Number(Range),
+    /// A whole number of at least this.
+    Whole(u64),
+    /// An axis by its number: at most the dimensions of the grid.
+    Axis,
+    /// An axis of space by its number.
+    AxisOfSpace,
+    /// Two numbers.
+    Pair,
+    /// Two rows of two numbers.
+    Matrix,
+    /// A list of numbers; one alone needs no brackets.
+    Numbers(Length),
+    /// A positive number for all axes, or one for each.
+    PerAxis(Length),
+    /// A number for each axis, not all 0.
+    Direction,
+    /// A list of at least so many numbers.
+    List(usize, Range),
+    /// A list of whole numbers.
+    Counts {
+        /// Least and greatest length of the list.
+        length: [usize; 2],
+        /// Least number.
+        least: usize,
+        /// What else holds of them.
+        order: Order,
+    },
+    /// Two whole numbers, not both 0.
+    Mode,
+    /// A square matrix with a row for each axis.
+    Tensor,
+    /// At least two pairs of these two quantities, the first one increasing.
+    Samples([&'static str; 2]),
+    /// A point, or a list of points.
+    Points,
+    /// A whole number of at least 2, or a list of such numbers.
+    Divisions,
+    /// One of some words.
+    OneOf(Words),
+    /// A list of different ones of some words.
+    AnyOf(Words),
+    /// A table in braces.
+    Table(&'static Form),
+    /// A table in braces with keys of this section of the case.
+    Part(&'static str),
+}
+
+/// Range of a number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Range {
+    /// Any finite number.
+    Finite,
+    /// Above 0.
+    Positive,
+    /// At least 0.
+    NotNegative,
+    /// Above 0 and at most this.
+    UpTo(f64),
+    /// Above 0 and below 1.
+    Fraction,
+}
+
+/// What holds of a list of whole numbers besides its length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// Nothing.
+    Any,
+    /// They are even.
+    Even,
+    /// Each is greater than the one before.
+    Ascending,
+}
+
+/// Length of a list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Length {
+    /// Two.
+    Two,
+    /// One for each axis of the grid.
+    Axes,
+    /// One for each axis of a side.
+    SideAxes,
+    /// One for each spin: 1 in plane strain, 3 in space.
+    Spins,
+}
+
+impl Range {
+    /// Whether a finite number is in it.
+    pub fn contains(self, x: f64) -> bool {
+        match self {
+            Self::Finite => true,
+            Self::Positive => x > 0.0,
+            Self::NotNegative => x >= 0.0,
+            Self::UpTo(most) => x > 0.0 && x <= most,
+            Self::Fraction => x > 0.0 && x < 1.0,
+        }
+    }
+
+    fn words(self) -> String {
+        match self {
+            Self::Finite => "a finite number".into(),
+            Self::Positive => "a positive number".into(),
+            Self::NotNegative => "a number of at least 0".into(),
+            Self::UpTo(most) => format!("a number above 0 and at most {most}"),
+            Self::Fraction => "a number between 0 and 1".into(),
+        }
+    }
+}
+
+impl Length {
+    /// The length in a case.
+    pub(crate) fn count(self, scope: &Scope) -> usize {
+        match self {
+            Self::Two => 2,
+            Self::Axes => scope.dimensions(),
+            Self::SideAxes => scope.axes.len(),
+            Self::Spins => {
+                if scope.dimensions() == 2 {
+                    1
+                } else {
+                    3
+                }
+            }
+        }
+    }
+}
+
+impl Type {
+    /// The type as a message says what is expected.
+    pub(crate) fn words(&self, scope: &Scope) -> String {
+        match *self {
+            Self::Text | Self::Name => "text in quotes".into(),
+            Self::Texts => "a list of texts in brackets".into(),
+            Self::Hexadecimal => "eight hexadecimal digits in quotes".into(),
+            Self::Truth => "true or false".into(),
+            Self::Number(range) => range.words(),
+            Self::Whole(least) => format!("a whole number of at least {least}"),
+            Self::Axis => format!("a whole number from 1 to {}", scope.dimensions()),
+            Self::AxisOfSpace => "1, 2 or 3".into(),
+            Self::Pair => "a pair of finite numbers [x1, x2]".into(),
+            Self::Matrix => "a matrix of finite numbers [[a11, a12], [a21, a22]]".into(),
+            Self::Numbers(length) => match length.count(scope) {
+                1 => "a finite number".into(),
+                count => format!("a list of {count} finite numbers"),
+            },
+            Self::PerAxis(length) => {
+                format!("a positive number or a list of {} positive numbers", length.count(scope))
+            }
+            Self::Direction => format!("a list of {} numbers, not all 0", scope.dimensions()),
+            Self::List(_, Range::Positive) => "a list of positive numbers".into(),
+            Self::List(..) => "a list of finite numbers".into(),
+            Self::Counts { length: [few, many], least, order } => match order {
+                Order::Any => {
+                    format!("a list of {few} or {many} whole numbers of at least {least}")
+                }
+                Order::Even => format!("a list of {many} even whole numbers of at least {least}"),
+                Order::Ascending => {
+                    format!("two to {many} ascending whole numbers of at least {least}")
+                }
+            },
+            Self::Mode => "a list of 2 whole numbers, not both 0".into(),
+            Self::Tensor => {
+                let d = scope.dimensions();
+                format!("a matrix of {d} by {d} finite numbers")
+            }
+            Self::Samples([pair, first]) => {
+                format!("a list of at least two pairs {pair}, {first} increasing")
+            }
+            Self::Points => {
+                format!("a list of {} finite numbers", scope.dimensions())
+            }
+            Self::Divisions => "a whole number of at least 2".into(),
+            Self::OneOf(words) => format!("one of {}", words(scope).join(", ")),
+            Self::AnyOf(words) => format!("a list with any of {}", words(scope).join(", ")),
+            Self::Table(form) => {
+                let mut text = String::from("a table { kind = ..., ... }");
+                if let Some((item, words)) = form.discriminator() {
+                    let _ = write!(text, " ({}: {})", item.name, words.join(", "));
+                }
+                text
+            }
+            Self::Part(section) => format!("a table with keys of [{section}]"),
+        }
+    }
+
+    /// Along which axes the numbers of a list on a side are, behind the note of a message.
+    pub(crate) fn axes_in_words(&self, scope: &Scope) -> String {
+        match self {
+            Self::Numbers(Length::SideAxes) => {
+                let names: Vec<String> =
+                    scope.axes.iter().map(|axis| format!("x{}", axis + 1)).collect();
+                format!(", along {}", names.join(", "))
+            }
+            _ => String::new(),
+        }
+    }
+
+    /// The value, if it is of this type; words are not looked at, and tables are none.
+    pub(crate) fn parse(&self, value: &DeValue, scope: &Scope) -> Option<Value> {
+        let numbers = |length| list(value, length, value::number);
+        let whole_numbers = || list(value, value.as_array()?.len(), value::count);
+        match *self {
+            Self::Text | Self::OneOf(_) => value::text(value).map(Value::Text),
+            Self::Texts | Self::AnyOf(_) => value::texts(value).map(Value::Texts),
+            Self::Name => {
+                let stands = |c: char| c.is_alphanumeric() || "-_.".contains(c);
+                let text = value::text(value)?;
+                (!text.is_empty() && text.chars().all(stands)).then_some(Value::Text(text))
+            }
+            Self::Hexadecimal => {
+                let digits = value::text(value).filter(|digits| digits.len() == 8)?;
+                u32::from_str_radix(&digits, 16).ok().map(|number| Value::Whole(number.into()))
+            }
+            Self::Truth => value.as_bool().map(Value::Truth),
+            Self::Number(range) => {
+                value::number(value).filter(|x| range.contains(*x)).map(Value::Number)
+            }
+            Self::Whole(1) => value::count(value).map(Value::Count),
+            Self::Whole(least) => {
+                let number = u64::try_from(value::integer(value)?).ok()?;
+                (number >= least).then_some(Value::Whole(number))
+            }
+            Self::Axis | Self::AxisOfSpace => {
+                let most = if let Self::Axis = self { scope.dimensions() } else { 3 };
+                value::count(value).filter(|axis| *axis <= most).map(Value::Count)
+            }
+            Self::Pair => value::pair(value, value::number).map(Value::Pair),
+            Self::Matrix => {
+                value::pair(value, |row| value::pair(row, value::number)).map(Value::Matrix)
+            }
+            Self::Numbers(length) => numbers(length.count(scope)).map(Value::Numbers),
+            Self::PerAxis(length) => {
+                let count = length.count(scope);
+                let one = || value::number(value).map(|all| vec![all; count]);
+                let all = numbers(count).or_else(one)?;
+                all.iter().all(|edge| *edge > 0.0).then_some(Value::Numbers(all))
+            }
+            Self::Direction => {
+                let all = numbers(scope.dimensions())?;
+                all.iter().any(|x| *x != 0.0).then_some(Value::Numbers(all))
+            }
+            Self::List(least, range) => {
+                let all = numbers(value.as_array()?.len())?;
+                let is_in = all.len() >= least && all.iter().all(|x| range.contains(*x));
+                is_in.then_some(Value::Numbers(all))
+            }
+            Self::Counts { length: [few, many], least, order } => {
+                let all = whole_numbers()?;
+                let is_ordered = match order {
+                    Order::Any => true,
+                    Order::Even => all.iter().all(|count| count.is_multiple_of(2)),
+                    Order::Ascending => all.windows(2).all(|pair| pair[0] < pair[1]),
+                };
+                let is_in = (few..=many).contains(&all.len())
+                    && is_ordered
+                    && all.iter().all(|count| *count >= least);
+                is_in.then_some(Value::Counts(all))
+            }
+            Self::Mode => {
+                let pair = value::pair(value, value::integer).filter(|mode| *mode != [0, 0]);
+                pair.map(Value::WholePair)
+            }
+            Self::Tensor => {
+                let d = scope.dimensions();
+                list(value, d, |row| list(row, d, value::number)).map(Value::Rows)
+            }
+            Self::Samples(_) => {
+                let pairs = value.as_array()?.iter();
+                let pairs: Option<Vec<[f64; 2]>> =
+                    pairs.map(|row| value::pair(row.get_ref(), value::number)).collect();
+                pairs.map(Value::Pairs)
+            }
+            Self::Points => points(value, scope.dimensions()).map(Value::Rows),
+            Self::Divisions => {
+                let all = match value.as_array() {
+                    Some(_) => whole_numbers()?,
+                    None => vec![value::count(value)?],
+                };
+                all.iter().all(|count| *count >= 2).then_some(Value::Counts(all))
+            }
+            Self::Table(_) | Self::Part(_) => None,
+        }
+    }
+}
+
+/// A point of so many coordinates, or a list of such points, at most one for each axis.
+fn points(value: &DeValue, dimensions: usize) -> Option<Vec<Vec<f64>>> {
+    if let Some(point) = list(value, dimensions, value::number) {
+        return Some(vec![point]);
+    }
+    let points =
+        list(value, value.as_array()?.len(), |point| list(point, dimensions, value::number))?;
+    (!points.is_empty() && points.len() <= dimensions).then_some(points)
+}
