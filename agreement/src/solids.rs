@@ -6,6 +6,7 @@
 //! has just left it ([`Response::Unloading`]).
 
 mod background;
+mod branch;
 mod experiment;
 mod run;
 

@@ -2,7 +2,6 @@
 
 use super::UniformFlow;
 use super::mean_flow::MeanFlow;
-use super::waves::{COURSE, POINTS, TIMES};
 use crate::{AgreementError, PlaneWave};
 use analysis::kelvin::{Evolution, course, wave_vector, wave_vector_rate};
 use dynamics::flow::spectral::{Mode, greatest_modes};
@@ -10,6 +9,13 @@ use models::elementary::Elementary;
 use models::granular_flow::state::Flow;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
+
+/// Times at which an amplitude is taken, after the beginning.
+pub(super) const TIMES: usize = 8;
+/// Points along each axis of a box of one wave: no shorter wave is in it, which would only make steps stiffer.
+pub(super) const POINTS: usize = 4;
+/// Steps between two times by which the analysis follows a wave.
+const COURSE: usize = 50;
 
 impl PlaneWave<2> {
     /// k, 1/m.

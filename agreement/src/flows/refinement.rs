@@ -2,7 +2,8 @@
 
 use super::UniformFlow;
 use super::linearised::LinearisedFlow;
-use super::waves::{LEAST, TIMES, amplitudes, times};
+use super::linearised::TIMES;
+use super::waves::{LEAST, amplitudes, times};
 use crate::AgreementError;
 use crate::fit::{fit_rate, slope};
 use dynamics::flow::spectral::Mode;

@@ -1,6 +1,6 @@
 //! Waves of one wave vector in a uniform flow, predicted and measured.
 
-use super::linearised::LinearisedFlow;
+use super::linearised::{LinearisedFlow, POINTS, TIMES};
 use super::{ModeResult, StepSequences, UniformFlow};
 use crate::fit::{Rate, fit_rate, rate_error};
 use crate::{AgreementError, NotMeasurable, OnProgress, PlaneWave, Progress};
@@ -13,19 +13,13 @@ use std::f64::consts::TAU;
 
 /// Perturbations relative to the background.
 const AMPLITUDE: f64 = 1e-6;
-/// Times at which an amplitude is taken, after the beginning.
-pub(super) const TIMES: usize = 8;
 /// Steps between two of them, on the coarsest of three sequences; each next one has twice as many. Where steps
 /// are too long for the solver all three are halved, up to the second number.
 const STEPS: [usize; 2] = [4, 64];
-/// Points along each axis of a box of one wave: no shorter wave is in it, which would only make steps stiffer.
-pub(super) const POINTS: usize = 4;
 /// Powers of e by which other waves in the box may grow.
 const FOLDS: f64 = 4.0;
 /// Least amplitude of a wave, over that at the beginning: far above rounding.
 pub(super) const LEAST: f64 = 0.1;
-/// Steps between two times by which the analysis follows a wave.
-pub(super) const COURSE: usize = 50;
 
 /// The transverse velocity of a mode and ω or ψ, in the solver.
 pub(super) fn amplitudes(solver: &Solver, mode: Mode) -> [Complex64; 2] {

@@ -1,6 +1,7 @@
 //! All branches of all waves, predicted, expected and measured.
 
 use super::background::{Background, normals};
+use super::branch::{Branch, Experiment, MARGIN};
 use super::run::Run;
 use super::{BranchResult, GridResult, Measurement, Response, SolverSettings};
 use crate::fit::{Powers, Rate, extrapolate, extrapolation_error, fit_rate, rate_error};
@@ -20,9 +21,6 @@ const MOST_UPDATES: f64 = 2e9;
 /// Roundings of a step, each of half a unit in the last place of the greatest field in units of energy: a
 /// sweep has about ten on a path from field to field, and there are up to seven factors.
 const ROUNDINGS: f64 = 64.0;
-/// Distance of the background from where the wave could take it back over the yield surface, over the greatest
-/// effect of a wave of its energy.
-pub(super) const MARGIN: f64 = 2.0;
 /// Stress of waves over that of the background where the yield surface is flat.
 const ON_FLAT: f64 = 1e-3;
 
@@ -47,36 +45,6 @@ pub fn branch_results(
         (3, 3) => Experiment::<3> { solid, medium, settings }.results(waves, on_progress),
         (solid, medium) => Err(AgreementError::Dimensions { solid, medium }),
     }
-}
-
-/// A solid for the analysis and for the solver.
-pub(super) struct Experiment<'a, const D: usize> {
-    solid: &'a Solid,
-    pub(super) medium: &'a Medium,
-    pub(super) settings: &'a SolverSettings,
-}
-
-/// A wave to be measured.
-pub(super) struct Branch<'a, const D: usize> {
-    /// Index of the wave among those given.
-    wave: usize,
-    /// 1/m.
-    number: f64,
-    /// Wave vector, 1/m.
-    pub(super) vector: [f64; D],
-    pub(super) response: Response,
-    label: String,
-    /// rad/s.
-    predicted: f64,
-    /// The greatest predicted frequency at this wave vector, rad/s.
-    greatest: f64,
-    /// The frequency in `equations`, rad/s: the predicted one but for rounding.
-    frequency: f64,
-    /// In units of energy.
-    amplitude: Option<DVector<Complex64>>,
-    pub(super) equations: &'a Equations<D>,
-    /// [`Equations::bounds`] of the amplitude; 0 where nothing yields.
-    pub(super) bounds: [f64; 2],
 }
 
 impl<const D: usize> Experiment<'_, D> {

@@ -1,7 +1,7 @@
 //! A run of the solver: one wave through a periodic box of one period along each axis.
 
 use super::background::Background;
-use super::experiment::{Branch, Experiment, MARGIN};
+use super::branch::{Branch, Experiment, MARGIN};
 use super::{Response, SolverSettings};
 use crate::NotMeasurable;
 use crate::scheme::Discretisation;
