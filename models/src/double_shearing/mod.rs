@@ -18,7 +18,6 @@ pub static MODEL: FlowModel = FlowModel {
     title: "double shearing",
     parameters: FAMILY,
     rotation: RotationKind::StressAxes,
-    is_coaxial: false,
     build: |constants| Ok(Arc::new(DoubleShearing::from_constants(constants)?)),
 };
 

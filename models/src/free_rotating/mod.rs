@@ -18,7 +18,6 @@ pub static MODEL: FlowModel = FlowModel {
     title: "double-sliding free-rotating",
     parameters: FAMILY,
     rotation: RotationKind::Free,
-    is_coaxial: false,
     build: |constants| Ok(Arc::new(FreeRotating::from_constants(constants)?)),
 };
 

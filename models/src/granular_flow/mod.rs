@@ -7,6 +7,7 @@
 //! ([`state`], [`balance`]), the entry of a model in the registry ([`FlowModel`]) and the model with checked constants
 //! ([`Model`]); what is a model's own stands in its folder.
 
+mod background;
 pub mod balance;
 mod model;
 pub mod state;

@@ -1,6 +1,7 @@
 //! A granular-flow model: its entry in the registry, and the model with checked constants.
 
-use super::state::{self, Background, Coulomb, Flow, FlowRule, Rotation, State};
+use super::background::background;
+use super::state::{Background, Coulomb, Flow, FlowRule, Rotation, State};
 use crate::closed_form::ClosedForm;
 use crate::elementary::Elementary;
 use crate::input::InputError;
@@ -19,8 +20,6 @@ pub struct FlowModel {
     pub parameters: &'static [Parameter],
     /// What it takes for the rotation of the material.
     pub rotation: RotationKind,
-    /// Whether stress and deformation rate are coaxial by definition.
-    pub is_coaxial: bool,
     /// Checks the constants, which are in the order of `parameters`, in SI units and rad.
     pub build: Build,
 }
@@ -37,7 +36,7 @@ pub enum RotationKind {
     StressAxes,
     /// A spin that nothing determines.
     Free,
-    /// None.
+    /// None: stress and deformation rate are coaxial by definition.
     None,
 }
 
@@ -107,7 +106,7 @@ impl Kind {
 
     /// Whether stress and deformation rate are coaxial by definition.
     pub const fn is_coaxial(self) -> bool {
-        self.0.is_coaxial
+        matches!(self.0.rotation, RotationKind::None)
     }
 }
 
@@ -183,7 +182,7 @@ impl Model {
     /// An input out of range, one that the model does not use, or one that contradicts the flow
     /// rule or a balance law, with the residual of the equation that it breaks.
     pub fn background(&self, state: &State) -> Result<Background, InputError> {
-        state::background(self.coulomb(), &self.flow_rule(), self.rotation(), state)
+        background(self.coulomb(), &self.flow_rule(), self.rotation(), state)
     }
 
     /// The greatest wave number on which the background itself varies, 1/m: frozen coefficients

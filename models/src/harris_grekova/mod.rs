@@ -35,7 +35,6 @@ pub static MODEL: FlowModel = FlowModel {
         ),
     ],
     rotation: RotationKind::IntrinsicSpin,
-    is_coaxial: false,
     build: |constants| Ok(Arc::new(HarrisGrekova::from_constants(constants)?)),
 };
 

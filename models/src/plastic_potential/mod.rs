@@ -18,7 +18,6 @@ pub static MODEL: FlowModel = FlowModel {
     title: "plastic potential",
     parameters: FAMILY,
     rotation: RotationKind::None,
-    is_coaxial: true,
     build: |constants| Ok(Arc::new(PlasticPotential::from_constants(constants)?)),
 };
 
