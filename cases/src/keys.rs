@@ -146,6 +146,26 @@ impl Key {
         keys().iter().find(|key| key.name == name)
     }
 
+    /// Type of its values.
+    pub fn value_type(&self) -> Type {
+        self.field.value_type()
+    }
+
+    /// The words that it may have, where it has not any.
+    pub fn words(&self) -> Option<Vec<String>> {
+        let kinds = |kinds: Vec<Kind>| kinds.into_iter().map(|kind| kind.name().to_owned());
+        Some(match self.name {
+            "model.kind" => kinds(Kind::all()).collect(),
+            "compare.kinds" => kinds(Kind::flows()).collect(),
+            "yield.kind" => Yield::ALL.map(|set| set.name().to_owned()).to_vec(),
+            "yield.active" => super::ACTIVE_NAMES.map(str::to_owned).to_vec(),
+            "map.x.parameter" | "map.y.parameter" => {
+                Parameter::all().map(Parameter::name).collect()
+            }
+            _ => return None,
+        })
+    }
+
     /// Section, and name inside it.
     pub fn split(&self) -> (&'static str, &'static str) {
         self.name.rsplit_once('.').unwrap_or(("", self.name))
