@@ -109,6 +109,12 @@ enum Verb {
         #[arg(long)]
         force: bool,
     },
+    /// Print the schema of case files: JSON Schema for editors, or the reference page
+    Schema {
+        /// The reference page, in Markdown
+        #[arg(long)]
+        markdown: bool,
+    },
     /// Print completions for a shell
     Completions {
         /// The shell
@@ -225,6 +231,10 @@ fn carry_out(verb: Verb) -> Result<(), Error> {
             let purpose = if runs { Purpose::Run } else { Purpose::State };
             let path = new::run(medium, purpose, file.as_deref(), force)?;
             let _ = writeln!(std::io::stderr(), "wrote {}", path.display());
+        }
+        Verb::Schema { markdown: true } => write!(stdout, "{}", wellposed::case::reference())?,
+        Verb::Schema { markdown: false } => {
+            writeln!(stdout, "{:#}", wellposed::case::json_schema())?;
         }
         Verb::Completions { shell } => {
             let mut text = Vec::new();

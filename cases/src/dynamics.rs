@@ -252,8 +252,11 @@ fn names(components: &[Component]) -> Vec<String> {
     components.iter().map(Component::to_string).collect()
 }
 
-/// The names of those components that any solid may have.
-fn all_components(is_one: impl Fn(Component) -> bool) -> Vec<String> {
-    let all = Component::all(Theory::Cosserat, 3).into_iter().filter(|own| is_one(*own));
-    all.map(|own| own.to_string()).collect()
+/// The components that a solid has, or any where it is not known which.
+fn components(scope: &Scope) -> Vec<Component> {
+    let theory = match scope.kind {
+        Some(Kind::Solid(solid)) => solid.theory,
+        _ => Theory::Cosserat,
+    };
+    Component::all(theory, scope.dimensions.unwrap_or(3))
 }

@@ -187,6 +187,32 @@ impl Key {
         keys().iter().find(|key| key.name == name)
     }
 
+    /// Type of its values.
+    pub fn value_type(&self) -> Type {
+        self.field.value_type()
+    }
+
+    /// The words that it may have, where it has not any.
+    pub fn words(&self) -> Option<Vec<String>> {
+        let kinds = |kinds: Vec<Kind>| kinds.into_iter().map(|kind| kind.name().to_owned());
+        Some(match self.name {
+            "model.kind" => kinds(Kind::all()).collect(),
+            "compare.kinds" => kinds(Kind::flows()).collect(),
+            "yield.kind" => {
+                registry::yield_sets().into_iter().map(|set| set.name.to_owned()).collect()
+            }
+            "yield.active" => {
+                let sets = registry::yield_sets();
+                let names = sets.iter().flat_map(|set| set.conditions);
+                names.map(|own| own.0.to_owned()).collect()
+            }
+            "map.x.parameter" | "map.y.parameter" => {
+                Parameter::all().map(Parameter::name).collect()
+            }
+            _ => return None,
+        })
+    }
+
     /// Section, and name inside it.
     pub fn split(&self) -> (&'static str, &'static str) {
         self.name.rsplit_once('.').unwrap_or(("", self.name))

@@ -11,6 +11,7 @@ mod entries;
 mod error;
 mod flat;
 pub mod flow;
+mod json_schema;
 mod keys;
 mod kind;
 mod map;
@@ -18,8 +19,10 @@ mod node;
 mod numbers;
 mod place;
 mod receivers;
+mod reference;
 pub mod schema;
 mod section;
+pub mod template;
 pub mod types;
 mod value;
 
@@ -29,10 +32,12 @@ pub use convert::{Converted, radians};
 pub use dynamics::Dynamics;
 pub use error::{CaseError, Place};
 pub use flow::FlowRun;
+pub use json_schema::json_schema;
 pub use keys::{Key, Parameter, Presence, keys};
 pub use kind::{Kind, Medium, NoSuchMedium, Solid, Yield, names};
 pub use map::{Map, Sweep};
 pub use numbers::{BackgroundNumbers, Constants, Numbers, StressNumbers, Wave};
+pub use reference::reference;
 
 /// Largest number of points of a map.
 pub const MOST_POINTS: usize = 100_000_000;

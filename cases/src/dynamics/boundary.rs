@@ -55,7 +55,11 @@ pub(super) const FORM: Form = Form::list(
             &[When::Is("kind", &["mixed"])],
             &[Item::required(
                 "held",
-                Type::AnyOf(|_| super::all_components(Component::is_velocity)),
+                Type::AnyOf(|scope| {
+                    let mut all = super::components(scope);
+                    all.retain(|component| component.is_velocity());
+                    names(&all)
+                }),
                 "",
                 "[\"v2\"]",
                 "velocities and spins that vanish; the tractions and couples of the others do",

@@ -18,7 +18,7 @@ pub(super) const TIME: Item = Item::required(
     "time",
     Type::Table(&FORM),
     "",
-    "{ kind = \"pulse\", duration = 0.02 }",
+    "{ kind = \"pulse\", start = 0.0, duration = 0.02 }",
     "the function of time that the amplitude is multiplied by",
 );
 

@@ -18,7 +18,7 @@ const UNIT_OF_FIELD: &str = "the unit of the field";
 
 const FIELD: Item = Item::required(
     "field",
-    Type::OneOf(|_| super::all_components(|_| true)),
+    Type::OneOf(|scope| super::names(&super::components(scope))),
     "",
     "\"v1\"",
     "any component of the state",
@@ -38,7 +38,7 @@ const ELEVATION: Item = Item::with_default(
     NUMBER,
     "deg",
     "0.0",
-    "its angle above the plane of x₁ and x₂; in space alone",
+    "its angle above the plane of x₁ and x₂",
 )
 .when(SPACE);
 
@@ -97,7 +97,7 @@ pub(super) const FORM: Form = Form::list(
                     NUMBER,
                     "deg",
                     "0.0",
-                    "of S waves the angle of the velocity from the direction of growing azimuth to that of growing elevation; in space alone",
+                    "of S waves the angle of the velocity from the direction of growing azimuth to that of growing elevation",
                 )
                 .when(&[Condition::Space, Condition::Is("wave", &["S"])]),
                 Item::required("at", POINT, "m", "[0.0, -20.0]", "where the velocity is amplitude × time; inside the grid")
@@ -122,7 +122,7 @@ pub(super) const FORM: Form = Form::list(
             &[Condition::Is("kind", &["rotation"])],
             &[
                 Item::required("angle_deg", NUMBER, "deg", "1.0", "the angle, anticlockwise about the axis"),
-                Item::optional("about", Type::AxisOfSpace, "", "3", "the axis, from 1; default 3; in space alone")
+                Item::optional("about", Type::AxisOfSpace, "", "3", "the axis, from 1; default 3")
                     .note("axis of the rotation")
                     .when(SPACE),
             ],

@@ -19,7 +19,7 @@ pub(super) const FORM: Form = Form::list(
             SIDE,
             Item::required(
                 "field",
-                Type::OneOf(|_| super::all_components(|_| true)),
+                Type::OneOf(|scope| super::names(&super::components(scope))),
                 "",
                 "\"sigma22\"",
                 "a stress or couple stress on the side, tension positive, or a velocity or spin of it",

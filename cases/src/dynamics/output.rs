@@ -1,9 +1,9 @@
 //! The section `[output]` of a solid, and what its receivers record.
 
-use super::{Component, Reader, all_components};
+use super::{Component, Reader, components, names};
 use crate::error::CaseError;
 use crate::receivers::{self, Domain, Receiver, receivers};
-use crate::schema::{Form, Group, Item};
+use crate::schema::{Form, Group, Item, Scope};
 use crate::section::{Resolved, Section};
 use crate::types::{Range, Type};
 use std::fmt;
@@ -50,7 +50,11 @@ pub(super) const RECEIVER: Form = Form::list(
         receivers::COUNT,
         Item::optional(
             "fields",
-            Type::AnyOf(|_| all_components(|_| true).into_iter().chain(all_integrals()).collect()),
+            Type::AnyOf(|scope| {
+                let mut words = names(&components(scope));
+                words.extend(all_integrals(scope));
+                words
+            }),
             "",
             "[\"v1\", \"v2\"]",
             "what is recorded; default all components, and what integrals of [output] names",
@@ -77,17 +81,17 @@ pub(super) const OUTPUT: Form = Form::section(
         SNAPSHOT_INTERVAL,
         Item::optional(
             "integrals",
-            Type::AnyOf(|_| all_integrals()),
+            Type::AnyOf(all_integrals),
             "",
             "[]",
             "displacements and rotations to be kept: \"u1\", \"phi3\"; default none",
         ),
         Item::with_default(
             "picture",
-            Type::OneOf(|_| {
+            Type::OneOf(|scope| {
                 let mut words = vec!["speed".to_owned()];
-                words.extend(all_components(|_| true));
-                words.extend(all_integrals());
+                words.extend(names(&components(scope)));
+                words.extend(all_integrals(scope));
                 words.push("dissipation".to_owned());
                 words
             }),
@@ -99,10 +103,9 @@ pub(super) const OUTPUT: Form = Form::section(
     ])],
 );
 
-/// The names of all displacements and rotations.
-fn all_integrals() -> Vec<String> {
-    let all = Component::all(models::cosserat::parameters::Theory::Cosserat, 3);
-    all.into_iter().filter_map(Component::integral).collect()
+/// The names of the displacements and rotations of a solid.
+fn all_integrals(scope: &Scope) -> Vec<String> {
+    components(scope).into_iter().filter_map(Component::integral).collect()
 }
 
 named_enum! {

@@ -14,7 +14,7 @@ const AXIS: Item = Item::optional(
     Type::AxisOfSpace,
     "",
     "1",
-    "an axis of the side, from 1; in space alone, where it must be there",
+    "an axis of the side, from 1, where it must be there",
 )
 .when(&[Condition::Space]);
 

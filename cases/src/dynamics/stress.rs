@@ -6,6 +6,7 @@ use crate::schema::{Form, Group, Item};
 use crate::section::{Resolved, Section};
 use crate::types::{Length, Range, Type};
 use crate::value::number;
+use models::cosserat::parameters::Theory;
 use models::cosserat::waves::Field;
 
 /// The section `[initial_stress]`, whose keys are the stresses of the solid.
@@ -82,6 +83,11 @@ impl Gravity {
             .number("lateral_ratio", self.lateral_ratio)
             .under(&GRAVITY)
     }
+}
+
+/// The stresses and couple stresses that any solid may have.
+pub(crate) fn all() -> impl Iterator<Item = Component> {
+    Component::all(Theory::Cosserat, 3).into_iter().filter(|component| !component.is_velocity())
 }
 
 /// The unit of a stress or couple stress.

@@ -1,0 +1,451 @@
+//! The JSON Schema of case files (draft 2020-12): what editors complete and check.
+//!
+//! It takes every case that the program takes; of what it refuses it knows types, ranges, words, missing and
+//! unknown keys, by kind of model. Relations between numbers are for the program alone.
+
+use crate::dynamics::stress;
+use crate::keys::{Key, Presence, keys};
+use crate::kind::Kind;
+use crate::schema::{Condition, Form, Item, Layout, Need, Scope, forms_in_time};
+use crate::types::{Length, Order, Range, Type};
+use crate::value::text;
+use serde_json::{Map, Value, json};
+use toml::de::DeValue;
+
+/// The schema.
+pub fn json_schema() -> Value {
+    let mut properties = Map::new();
+    let mut branches = Branches::default();
+    for key in keys() {
+        add_key(key, &mut properties, &mut branches);
+    }
+    for section in ["model", "background", "yield", "stress", "wave", "map", "compare"] {
+        properties.entry(section).or_insert_with(|| object(Map::new(), Vec::new()));
+    }
+    properties.insert("check".into(), of_form(&crate::check::FORM));
+    for kind in Kind::all() {
+        let sets: Vec<&str> = kind.yield_sets().iter().map(|set| set.name).collect();
+        let schema = match sets.is_empty() {
+            true => json!(false),
+            false => json!({ "properties": { "kind": { "enum": sets } } }),
+        };
+        let then = branches.under(is_one("model", "kind", &[kind.name()]));
+        inside(then, "properties").insert("yield".into(), schema);
+    }
+    let mut definitions = Map::new();
+    for (name, kinds) in [("solid", Kind::solids()), ("flow", Kind::flows())] {
+        add_forms(name, &kinds, &mut properties, &mut branches, &mut definitions);
+    }
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "wellposed case",
+        "description": "A case file of wellposed. SI units; angles in degrees.",
+        "type": "object",
+        "properties": properties,
+        "required": ["model"],
+        "dependentRequired": { "stress": ["yield"] },
+        "additionalProperties": false,
+        "allOf": branches.into_list(),
+        "$defs": definitions,
+    })
+}
+
+/// What holds under conditions: each condition once, with what it asks for.
+#[derive(Default)]
+struct Branches(Vec<(Value, Map<String, Value>)>);
+
+impl Branches {
+    /// What is asked for under a condition.
+    fn under(&mut self, condition: Value) -> &mut Map<String, Value> {
+        let place = self.0.iter().position(|(own, _)| *own == condition).unwrap_or_else(|| {
+            self.0.push((condition, Map::new()));
+            self.0.len() - 1
+        });
+        &mut self.0[place].1
+    }
+
+    fn into_list(self) -> Vec<Value> {
+        self.0.into_iter().map(|(own, then)| json!({ "if": own, "then": then })).collect()
+    }
+}
+
+/// The object at a name inside, made where it is absent.
+fn inside<'a>(map: &'a mut Map<String, Value>, name: &str) -> &'a mut Map<String, Value> {
+    let slot = map.entry(name).or_insert_with(|| json!({}));
+    if !slot.is_object() {
+        *slot = json!({});
+    }
+    slot.as_object_mut().expect("an object was put there")
+}
+
+/// Adds a name to a list at another one.
+fn append(map: &mut Map<String, Value>, list: &str, name: &str) {
+    let slot = map.entry(list).or_insert_with(|| json!([]));
+    if let Some(names) = slot.as_array_mut().filter(|names| !names.contains(&json!(name))) {
+        names.push(json!(name));
+    }
+}
+
+fn object(properties: Map<String, Value>, required: Vec<&str>) -> Value {
+    let mut schema = json!({ "type": "object", "properties": properties });
+    if !required.is_empty() {
+        schema["required"] = json!(required);
+    }
+    schema["additionalProperties"] = json!(false);
+    schema
+}
+
+/// A condition that a key of a section has one of these values.
+fn is_one(section: &str, key: &str, words: &[&str]) -> Value {
+    json!({
+        "properties": { section: { "properties": { key: { "enum": words } }, "required": [key] } },
+        "required": [section],
+    })
+}
+
+/// A row of the table of keys, with the conditions under which it may or must stand.
+fn add_key(key: &'static Key, properties: &mut Map<String, Value>, branches: &mut Branches) {
+    let path: Vec<&str> = key.name.split('.').collect();
+    let (last, sections) = path.split_last().expect("a name has a part");
+    let mut table = &mut *properties;
+    for section in sections {
+        let slot = table.entry(*section).or_insert_with(|| object(Map::new(), Vec::new()));
+        table = inside(slot.as_object_mut().expect("a table"), "properties");
+    }
+    table.insert((*last).to_owned(), of_key(key));
+    let kinds: Vec<&str> =
+        Kind::all().into_iter().filter(|kind| key.is_for(*kind)).map(Kind::name).collect();
+    let is_required = matches!(key.presence, Presence::Required(_));
+    let (Some(section), true) = (sections.first(), !sections.is_empty()) else { return };
+    if kinds.len() == Kind::all().len() || *section == "compare" || key.name == "yield.kind" {
+        // Required where the section stands.
+        if is_required {
+            let mut slot = &mut *properties;
+            for (depth, section) in sections.iter().enumerate() {
+                let own = inside(slot, section);
+                let name = path[depth + 1];
+                append(own, "required", name);
+                slot = inside(own, "properties");
+            }
+        }
+        return;
+    }
+    let own = is_one("model", "kind", &kinds);
+    let compared = json!({ "properties": { "compare": { "properties": { "kinds": { "contains": { "enum": kinds } } }, "required": ["kinds"] } }, "required": ["compare"] });
+    let is_of_flows = kinds.iter().all(|name| matches!(Kind::from_name(name), Some(Kind::Flow(_))));
+    let mut condition = if is_of_flows { json!({ "anyOf": [own, compared] }) } else { own };
+    let sets = key.set_names();
+    if !sets.is_empty() {
+        condition = json!({ "allOf": [condition, is_one("yield", "kind", &sets)] });
+    }
+    let forbidden = branches.under(json!({ "not": condition }));
+    let table = inside(inside(forbidden, "properties"), section);
+    inside(table, "properties").insert((*last).to_owned(), json!(false));
+    if is_required {
+        // The grid says in how many dimensions a solid is.
+        if key.name == "model.dimensions" {
+            condition = json!({ "allOf": [condition, { "not": { "required": ["grid"] } }] });
+        }
+        let then = branches.under(condition);
+        append(then, "required", section);
+        append(inside(inside(then, "properties"), section), "required", last);
+    }
+}
+
+fn of_key(key: &Key) -> Value {
+    let mut schema = of_type(&key.value_type());
+    if let Some(words) = key.words() {
+        match schema.get_mut("items") {
+            Some(items) => *items = json!({ "enum": words }),
+            None => schema = json!({ "enum": words }),
+        }
+    }
+    schema["title"] = json!(key.label);
+    schema["description"] = json!(description(key.unit, key.meaning));
+    if let (Presence::Default(_), Some(text)) = (key.presence, key.example()) {
+        schema["default"] = json_of(&text);
+    }
+    schema
+}
+
+fn description(unit: &str, meaning: &str) -> String {
+    match unit {
+        "" => meaning.to_owned(),
+        unit => format!("{unit}: {meaning}"),
+    }
+}
+
+/// The sections of solids or flows in time.
+fn add_forms(
+    name: &str,
+    kinds: &[Kind],
+    properties: &mut Map<String, Value>,
+    branches: &mut Branches,
+    definitions: &mut Map<String, Value>,
+) {
+    for kind in kinds {
+        let forms = forms_in_time(*kind);
+        let then = branches.under(is_one("model", "kind", &[kind.name()]));
+        for form in &forms {
+            let own = format!("{name}.{}", form.name);
+            let reference = json!({ "$ref": format!("#/$defs/{own}") });
+            inside(then, "properties").insert(form.name.to_owned(), reference);
+            definitions.entry(own).or_insert_with(|| of_form(form));
+            properties.entry(form.name).or_insert_with(|| json!({}));
+            let needed: Vec<&str> = forms
+                .iter()
+                .filter(|other| other.is_required && other.name != form.name)
+                .map(|other| other.name)
+                .collect();
+            inside(then, "dependentRequired").insert(form.name.to_owned(), json!(needed));
+        }
+    }
+    // What other kinds have is unknown here.
+    let all = Kind::all();
+    for form in all.iter().flat_map(|kind| forms_in_time(*kind)) {
+        for kind in kinds {
+            if forms_in_time(*kind).iter().all(|own| own.name != form.name) {
+                let then = branches.under(is_one("model", "kind", &[kind.name()]));
+                inside(then, "properties").insert(form.name.to_owned(), json!(false));
+            }
+        }
+    }
+}
+
+/// A table, or a list of tables.
+fn of_form(form: &'static Form) -> Value {
+    let mut schema = match form.groups {
+        [] => of_stresses(),
+        _ => of_items(form),
+    };
+    schema["description"] = json!(form.meaning);
+    match form.layout {
+        Layout::List => {
+            json!({ "type": "array", "items": schema, "minItems": usize::from(form.is_required) })
+        }
+        Layout::Section | Layout::Braces => schema,
+    }
+}
+
+/// The table whose keys are stresses.
+fn of_stresses() -> Value {
+    let stresses = stress::all().map(|component| {
+        let schema = json!({ "type": "number", "description": stress::unit(component) });
+        (component.to_string(), schema)
+    });
+    object(stresses.collect(), Vec::new())
+}
+
+fn of_items(form: &'static Form) -> Value {
+    let mut properties = Map::new();
+    let mut required = Vec::new();
+    let mut branches = Branches::default();
+    // Conditions under which a name may stand.
+    let mut allowed: Vec<(&str, Vec<Value>)> = Vec::new();
+    for (when, item) in form.items() {
+        let conditions: Vec<&Condition> = when.iter().chain(item.when).collect();
+        let known: Vec<Value> = conditions.iter().filter_map(|own| of_condition(own)).collect();
+        // In how many dimensions a table is, it does not say itself.
+        let is_everywhere = known.len() == conditions.len();
+        let is_required = matches!(item.need, Need::Required(_)) && is_everywhere;
+        if known.is_empty() {
+            merge(&mut properties, item);
+            if is_required {
+                required.push(item.name);
+            }
+            continue;
+        }
+        properties.entry(item.name).or_insert_with(|| json!({}));
+        let condition = match &known[..] {
+            [one] => one.clone(),
+            all => json!({ "allOf": all }),
+        };
+        match allowed.iter_mut().find(|(name, _)| *name == item.name) {
+            Some((_, all)) if all.contains(&condition) => {}
+            Some((_, all)) => all.push(condition.clone()),
+            None => allowed.push((item.name, vec![condition.clone()])),
+        }
+        let then = branches.under(condition);
+        merge(inside(then, "properties"), item);
+        if is_required {
+            append(then, "required", item.name);
+        }
+    }
+    for (name, conditions) in allowed {
+        let then = branches.under(json!({ "not": { "anyOf": conditions } }));
+        inside(then, "properties").insert(name.to_owned(), json!(false));
+    }
+    let mut schema = object(properties, required);
+    let branches = branches.into_list();
+    if !branches.is_empty() {
+        schema["allOf"] = json!(branches);
+    }
+    schema
+}
+
+/// Adds a key; one of the same name may have another type in other dimensions.
+fn merge(properties: &mut Map<String, Value>, item: &Item) {
+    let schema = of_item(item);
+    let merged = match properties.remove(item.name) {
+        Some(other) if other != json!({}) => json!({ "anyOf": [other, schema] }),
+        _ => schema,
+    };
+    properties.insert(item.name.to_owned(), merged);
+}
+
+fn of_condition(condition: &Condition) -> Option<Value> {
+    match condition {
+        Condition::Is(key, words) => Some(json!({
+            "properties": { *key: { "enum": words } },
+            "required": [key],
+        })),
+        Condition::Present(key) => Some(json!({ "required": [key] })),
+        Condition::Absent(key) => Some(json!({ "not": { "required": [key] } })),
+        Condition::Plane | Condition::Space => None,
+    }
+}
+
+fn of_item(item: &Item) -> Value {
+    let mut schema = of_type(&item.value);
+    schema["description"] = json!(description(item.unit, item.meaning));
+    match item.need {
+        Need::Default(text) => schema["default"] = json_of(text),
+        Need::Required(text) | Need::Optional(text) => schema["examples"] = json!([json_of(text)]),
+    }
+    schema
+}
+
+/// A value in TOML as one in JSON.
+fn json_of(toml: &str) -> Value {
+    fn convert(value: &DeValue) -> Value {
+        match value {
+            DeValue::Boolean(truth) => json!(truth),
+            DeValue::Array(array) => array.iter().map(|item| convert(item.get_ref())).collect(),
+            DeValue::Table(table) => table
+                .iter()
+                .map(|(key, value)| (key.get_ref().to_string(), convert(value.get_ref())))
+                .collect::<Map<String, Value>>()
+                .into(),
+            DeValue::Integer(_) => json!(crate::value::integer(value)),
+            _ => match (text(value), crate::value::number(value)) {
+                (Some(text), _) => json!(text),
+                (None, number) => json!(number),
+            },
+        }
+    }
+    DeValue::parse(toml).map_or(Value::Null, |value| convert(value.get_ref()))
+}
+
+fn of_range(range: Range) -> Value {
+    match range {
+        Range::Finite => json!({ "type": "number" }),
+        Range::Positive => json!({ "type": "number", "exclusiveMinimum": 0 }),
+        Range::NotNegative => json!({ "type": "number", "minimum": 0 }),
+        Range::UpTo(most) => json!({ "type": "number", "exclusiveMinimum": 0, "maximum": most }),
+        Range::Fraction => {
+            json!({ "type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1 })
+        }
+    }
+}
+
+/// A list of so many items.
+fn list_of(items: Value, least: usize, most: usize) -> Value {
+    json!({ "type": "array", "items": items, "minItems": least, "maxItems": most })
+}
+
+/// Least and greatest length of a list, whatever the case.
+fn lengths(length: Length) -> [usize; 2] {
+    match length {
+        Length::Two => [2, 2],
+        Length::Axes => [2, 3],
+        Length::SideAxes => [1, 2],
+        Length::Spins => [1, 3],
+    }
+}
+
+fn of_type(value: &Type) -> Value {
+    let number = || json!({ "type": "number" });
+    let axis = || json!({ "type": "integer", "minimum": 1, "maximum": 3 });
+    match *value {
+        Type::Text => json!({ "type": "string" }),
+        Type::Texts => json!({ "type": "array", "items": { "type": "string" } }),
+        Type::Name => {
+            // Of ASCII letters, digits, '-', '_' and '.'; classes of other letters are not the same in all engines.
+            json!({ "type": "string", "pattern": r"^[^\x00-,/:-@\[-^`{-\x7f]+$" })
+        }
+        Type::Hexadecimal => json!({ "type": "string", "pattern": "^[+0-9A-Fa-f][0-9A-Fa-f]{7}$" }),
+        Type::Truth => json!({ "type": "boolean" }),
+        Type::Number(range) => of_range(range),
+        Type::Whole(least) => json!({ "type": "integer", "minimum": least }),
+        Type::Axis | Type::AxisOfSpace => axis(),
+        Type::Pair => list_of(number(), 2, 2),
+        Type::Matrix => list_of(list_of(number(), 2, 2), 2, 2),
+        Type::Numbers(length) => {
+            let [least, most] = lengths(length);
+            let list = list_of(number(), least, most);
+            // One number alone needs no brackets.
+            if least == 1 { json!({ "anyOf": [number(), list] }) } else { list }
+        }
+        Type::PerAxis(length) => {
+            let [least, most] = lengths(length);
+            let one = of_range(Range::Positive);
+            json!({ "anyOf": [one.clone(), list_of(one, least, most)] })
+        }
+        Type::Direction => {
+            let mut list = list_of(number(), 2, 3);
+            list["contains"] = json!({ "not": { "const": 0 } });
+            list
+        }
+        Type::List(least, range) => {
+            json!({ "type": "array", "items": of_range(range), "minItems": least })
+        }
+        Type::Counts { length: [few, many], least, order } => {
+            let mut items = json!({ "type": "integer", "minimum": least });
+            if order == Order::Even {
+                items["multipleOf"] = json!(2);
+            }
+            list_of(items, few, many)
+        }
+        Type::Mode => {
+            let mut list = list_of(json!({ "type": "integer" }), 2, 2);
+            list["contains"] = json!({ "not": { "const": 0 } });
+            list
+        }
+        Type::Tensor => list_of(list_of(number(), 2, 3), 2, 3),
+        Type::Samples(_) => {
+            json!({ "type": "array", "items": list_of(number(), 2, 2), "minItems": 2 })
+        }
+        Type::Points => {
+            let point = list_of(number(), 2, 3);
+            json!({ "anyOf": [point.clone(), list_of(point, 1, 3)] })
+        }
+        Type::Divisions => {
+            let count = json!({ "type": "integer", "minimum": 2 });
+            json!({ "anyOf": [count.clone(), list_of(count, 1, 3)] })
+        }
+        Type::OneOf(words) => json!({ "enum": words(&Scope::default()) }),
+        Type::AnyOf(words) => {
+            let items = json!({ "enum": words(&Scope::default()) });
+            json!({ "type": "array", "items": items, "uniqueItems": true })
+        }
+        Type::Table(form) => of_form(form),
+        Type::Part(section) => of_part(section),
+    }
+}
+
+/// A table with keys of a section that some solid uses.
+fn of_part(section: &str) -> Value {
+    let is_of_solid = |key: &&Key| Kind::solids().iter().any(|own| key.is_for(*own));
+    let own = keys().iter().filter(|key| key.split().0 == section).filter(is_of_solid);
+    let mut properties = Map::new();
+    for key in own {
+        let mut schema = of_key(key);
+        if key.name == "yield.kind"
+            && let Some(words) = schema.get_mut("enum").and_then(Value::as_array_mut)
+        {
+            words.push(json!(crate::NO_YIELD));
+        }
+        properties.insert(key.split().1.to_owned(), schema);
+    }
+    object(properties, Vec::new())
+}
