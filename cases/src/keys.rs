@@ -12,7 +12,6 @@ use super::kind::{Kind, Medium, Solid, Yield};
 use super::numbers::Numbers;
 use super::types::{Range, Type};
 use super::value::Value;
-use models::cosserat::parameters::Theory;
 use models::granular_flow::Kind as Flow;
 pub use models::parameter::Presence;
 use models::parameter::{ANGLE, Parameter as Constant};
@@ -56,11 +55,13 @@ enum Sets {
 }
 
 impl Sets {
-    fn contain(self, set: Yield, theory: Theory) -> bool {
-        match self {
-            Self::Any(uses) => uses(set),
-            Self::With(name) => set.parameters_for(theory).any(|own| own.name == name),
-        }
+    /// Whether a set of a solid that can have it uses the key.
+    fn contain(self, set: Yield, solid: Solid) -> bool {
+        (set.admits)(solid)
+            && match self {
+                Self::Any(uses) => uses(set),
+                Self::With(name) => set.parameters_for(solid.theory).any(|own| own.name == name),
+            }
     }
 }
 
@@ -223,7 +224,7 @@ impl Key {
         let Medium { kind, yields } = medium.into();
         let Some(sets) = self.sets else { return self.is_for(kind) };
         match (kind, yields) {
-            (Kind::Solid(solid), Some(set)) => self.is_for(kind) && sets.contain(set, solid.theory),
+            (Kind::Solid(solid), Some(set)) => self.is_for(kind) && sets.contain(set, solid),
             _ => false,
         }
     }
@@ -231,7 +232,7 @@ impl Key {
     /// Whether such a model uses the key, if it yields as it must for that.
     pub(super) fn is_for(&self, kind: Kind) -> bool {
         if let (Some(sets), Kind::Solid(solid)) = (self.sets, kind)
-            && !registry::yield_sets().iter().any(|set| sets.contain(*set, solid.theory))
+            && !registry::yield_sets().iter().any(|set| sets.contain(*set, solid))
         {
             return false;
         }
@@ -258,7 +259,7 @@ impl Key {
     /// solid yields.
     pub(super) fn set_names(&self) -> Vec<&'static str> {
         let Some(sets) = self.sets else { return Vec::new() };
-        let uses = |set: &Yield| Theory::ALL.into_iter().any(|theory| sets.contain(*set, theory));
+        let uses = |set: &Yield| registry::solids().into_iter().any(|own| sets.contain(*set, own));
         registry::yield_sets().into_iter().filter(uses).map(|set| set.name).collect()
     }
 

@@ -57,11 +57,6 @@ pub enum Theory {
     Cosserat,
 }
 
-impl Theory {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Classical, Self::Reduced, Self::Cosserat];
-}
-
 /// Wave speeds of an isotropic solid, m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Speeds {
