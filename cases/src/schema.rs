@@ -296,3 +296,57 @@ pub fn all_forms() -> [(&'static str, Vec<&'static Form>); 3] {
         ("check", vec![&crate::check::FORM]),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::value::Value;
+    use toml::de::DeValue;
+
+    fn check(form: &'static Form) {
+        let names: Vec<&str> = form.items().map(|(_, item)| item.name).collect();
+        for (when, item) in form.items() {
+            let conditions = || when.iter().chain(item.when);
+            for condition in conditions() {
+                match condition {
+                    Condition::Is(key, _) | Condition::Present(key) | Condition::Absent(key) => {
+                        assert!(names.contains(key), "{}: {key}", form.name);
+                    }
+                    Condition::Plane | Condition::Space => {}
+                }
+            }
+            if let Type::Table(inner) = item.value {
+                check(inner);
+                continue;
+            }
+            let is_in_space = conditions().any(|condition| *condition == Condition::Space);
+            let dimensions = Some(if is_in_space { 3 } else { 2 });
+            let scope = Scope { kind: None, dimensions, axes: vec![0] };
+            let value = DeValue::parse(item.example()).expect("TOML");
+            let read = item.value.parse(value.get_ref(), &scope);
+            let is_allowed = match (item.value, read) {
+                (Type::Part(_), _) => true,
+                (Type::OneOf(words), Some(Value::Text(word))) => words(&scope).contains(&word),
+                (Type::AnyOf(words), Some(Value::Texts(own))) => {
+                    own.iter().all(|word| words(&scope).contains(word))
+                }
+                (_, read) => read.is_some(),
+            };
+            assert!(is_allowed, "{}.{}: {}", form.name, item.name, item.example());
+        }
+    }
+
+    #[test]
+    fn defaults_and_examples_are_of_their_types_and_conditions_name_keys() {
+        for form in all_forms().iter().flat_map(|(_, forms)| forms) {
+            check(form);
+        }
+    }
+
+    #[test]
+    fn the_default_courant_number_is_that_of_the_schema() {
+        let time = crate::dynamics::FORMS.iter().find(|form| form.name == "time").expect("it");
+        let (_, item) = time.items().find(|(_, item)| item.name == "courant").expect("it");
+        assert_eq!(item.example().parse(), Ok(crate::dynamics::COURANT));
+    }
+}

@@ -114,7 +114,7 @@ pub(super) const FORM: Form = Form::list(
                 Type::OneOf(|scope| Shape::words(scope.dimensions, &Shape::Everywhere)),
                 "",
                 "\"box\"",
-                "where",
+                "where, as in [[region]] and with the same keys, or everywhere",
             )],
         ),
         Group::when(&[Condition::Is("kind", &["rotation", "uniform"])], ITEMS),
