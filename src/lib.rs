@@ -1,7 +1,7 @@
 //! Well-posedness of continuum models of granular media.
 //!
 //! Describe a medium and a state in a case file; `wellposed` says whether its equations are
-//! well-posed. Questions that return values are in [`study`], their reports in [`report`], the verbs of the command line in [`cli`] (others still have one file each: [`map`], [`point`], [`speeds`], [`run`], [`check`], [`plot`], [`cases`], [`new`]);
+//! well-posed. Questions that return values are in [`study`], their reports in [`report`], the verbs of the command line in [`cli`] (others still have one file each: [`speeds`], [`run`], [`check`], [`plot`], [`cases`], [`new`]);
 //! [`mod@case`] reads case files; [`setup`] makes of them what the crates below take; [`output`] keeps folders of
 //! results. No physics and no numerics here.
 #![deny(missing_docs)]
@@ -10,11 +10,9 @@
 pub mod cases;
 pub mod check;
 pub mod cli;
-pub mod map;
 pub mod new;
 pub mod output;
 pub mod plot;
-pub mod point;
 pub mod report;
 pub mod run;
 pub mod setup;
@@ -22,6 +20,7 @@ pub mod speeds;
 pub mod study;
 
 pub use ::cases as case;
+pub use study::{dispersion, map, point};
 
 use std::path::PathBuf;
 

@@ -7,10 +7,10 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use wellposed::case::{Kind, Medium, Yield};
-use wellposed::map::{self, Extras};
 use wellposed::new::{self, Purpose};
 use wellposed::run::{self, Control};
-use wellposed::{Error, Format, Options, VERSION, cases, check, cli, plot, point, speeds};
+use wellposed::study::MapOptions;
+use wellposed::{Error, Format, Options, VERSION, cases, check, cli, plot, speeds};
 
 /// Well-posedness of continuum models of granular media.
 #[derive(Parser)]
@@ -208,10 +208,10 @@ fn carry_out(verb: Verb) -> Result<(), Error> {
     let mut stdout = std::io::stdout().lock();
     match verb {
         Verb::Map { run, bound, growth_rate, model_blind } => {
-            let extras = Extras { bound, growth_rate, model_blind };
-            map::run(&run.into(), extras, &mut stdout)?;
+            let asked = MapOptions { bound, growth_rate, model_blind };
+            cli::map(&run.into(), asked, &mut stdout)?;
         }
-        Verb::Point { run } => point::run(&run.into(), &mut stdout)?,
+        Verb::Point { run } => cli::point(&run.into(), &mut stdout)?,
         Verb::Dispersion { run } => cli::dispersion(&run.into(), &mut stdout)?,
         Verb::Speeds { run } => speeds::run(&run.into(), &mut stdout)?,
         Verb::Run { run, checkpoint_every, accept_ill_posed } => {

@@ -669,7 +669,7 @@ fn ten_thousand_mutants_are_taken_or_refused() {
         if index % 10 == 0 {
             std::fs::write(&file, text).unwrap();
             let options = Options { case: file.clone(), dry_run: true, ..Options::default() };
-            let _ = wellposed::point::run(&options, &mut std::io::sink());
+            let _ = wellposed::cli::point(&options, &mut std::io::sink());
         }
         setup::flow::assess(&case, &mut workspace).is_ok()
     });

@@ -10,7 +10,7 @@ use wellposed::case::dynamics::{
 use wellposed::case::{Case, Kind, Medium, Yield};
 use wellposed::new::{self, Purpose};
 use wellposed::setup;
-use wellposed::{Options, cli, point};
+use wellposed::{Options, cli};
 
 /// Plane strain with everything that it can have; tests refer to its lines.
 const PLANE: &str = "\
@@ -718,7 +718,7 @@ fn other_verbs_take_such_cases() {
     std::fs::write(&file, PLANE).unwrap();
     let options = Options { case: file, dry_run: true, ..Options::default() };
     cli::dispersion(&options, &mut std::io::sink()).unwrap();
-    point::run(&options, &mut std::io::sink()).unwrap();
+    cli::point(&options, &mut std::io::sink()).unwrap();
 }
 
 #[test]

@@ -16,8 +16,8 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 use testkit::flows::Parameters;
-use wellposed::Options;
-use wellposed::map::{self, Extras};
+use wellposed::study::MapOptions;
+use wellposed::{Options, cli};
 
 /// Relative difference of two coefficients that counts as none.
 const COEFFICIENT: f64 = 1e-9;
@@ -312,8 +312,8 @@ fn maps_by_both_routes_are_the_same() {
                 threads: Some(threads),
                 ..Options::default()
             };
-            let extras = Extras { model_blind, ..Extras::default() };
-            map::run(&options, extras, &mut std::io::sink()).expect("a map");
+            let asked = MapOptions { model_blind, ..MapOptions::default() };
+            cli::map(&options, asked, &mut std::io::sink()).expect("a map");
             files::npz::read(&fs::read(out.join("map.npz")).expect("an archive")).expect("arrays")
         };
         let [mixed, blind] = [run(false, 1), run(true, 2)];
@@ -378,8 +378,8 @@ fn growth_rates_come_where_they_are_asked_for() {
         let out = folder.path().join(name);
         let options =
             Options { case: case.clone(), sets, out: Some(out.clone()), ..Options::default() };
-        let extras = Extras { growth_rate, ..Extras::default() };
-        map::run(&options, extras, &mut std::io::sink()).expect("a map");
+        let asked = MapOptions { growth_rate, ..MapOptions::default() };
+        cli::map(&options, asked, &mut std::io::sink()).expect("a map");
         let table = fs::read_to_string(out.join("map.csv")).expect("a table");
         assert_eq!(table.lines().next().expect("a header").contains("growth_rate"), has_column);
         assert_eq!(table.contains("closed-form"), !has_column, "{name}");

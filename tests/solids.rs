@@ -3,8 +3,8 @@
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::path::Path;
-use wellposed::map::{self, Extras};
-use wellposed::{Format, Options, cli, point, speeds};
+use wellposed::study::MapOptions;
+use wellposed::{Format, Options, cli, speeds};
 
 type Verb = fn(&Options, &mut dyn std::io::Write) -> Result<(), wellposed::Error>;
 
@@ -107,7 +107,7 @@ fn flutter_of_layers_is_that_of_the_discriminant() {
         for dilatancy in [-0.2, 0.05, 0.25, 0.6, 1.0] {
             let sets =
                 [set("yield.shear_friction", friction), set("yield.shear_dilatancy", dilatancy)];
-            let report = run(folder.path(), point::run, LAYERS, &sets).expect("a sound case");
+            let report = run(folder.path(), cli::point, LAYERS, &sets).expect("a sound case");
             let expected = flutter(friction, dilatancy);
             if expected > 0.0 {
                 ill += 1;
@@ -208,7 +208,7 @@ fn shear_bands_in_space_start_as_rudnicki_and_rice_say() {
 #[test]
 fn the_stress_is_scaled_onto_yield() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let report = run(folder.path(), point::run, CONE, &[]).expect("a sound case");
+    let report = run(folder.path(), cli::point, CONE, &[]).expect("a sound case");
     let s = |i: usize, j: usize| number(&report["stress"]["force"][i][j]);
     let mean = (s(0, 0) + s(1, 1) + s(2, 2)) / 3.0;
     let mut square = 0.0;
@@ -226,14 +226,14 @@ fn the_stress_is_scaled_onto_yield() {
     // Layers: σ21 = r + q sin 2ψ meets τ₀ − κσ11 first.
     let layers = LAYERS.replace("active = ['+sigma21']\n", "")
         + "[stress]\npressure = 2\ndeviatoric_stress = 0.4\nstress_angle_deg = 10\nrotational_stress = 1\n";
-    let report = run(folder.path(), point::run, &layers, &[]).expect("a sound case");
+    let report = run(folder.path(), cli::point, &layers, &[]).expect("a sound case");
     assert_eq!(report["active"][0], "shear of the layer normal to x1, σ21 > 0");
     assert_eq!(report["active"].as_array().expect("a list").len(), 1);
     let s = |i: usize, j: usize| number(&report["stress"]["force"][i][j]);
     assert!((s(1, 0) - (1.0 - 0.6 * s(0, 0))).abs() < 1e-14);
     assert!(s(0, 1).abs() < 1.0 - 0.6 * s(1, 1));
     // The tangent depends on what is active alone.
-    let named = run(folder.path(), point::run, LAYERS, &[]).expect("a sound case");
+    let named = run(folder.path(), cli::point, LAYERS, &[]).expect("a sound case");
     assert_eq!(named["coefficient"], report["coefficient"]);
 }
 
@@ -243,7 +243,7 @@ fn a_solid_that_keeps_its_energy_is_well_posed() {
     let associated = [set("yield.shear_dilatancy", 0.6)];
     let cone = [set("yield.dilatancy", 0.6)];
     for (case, sets) in [(LAYERS, &associated), (CONE, &cone)] {
-        let report = run(folder.path(), point::run, case, sets).expect("a sound case");
+        let report = run(folder.path(), cli::point, case, sets).expect("a sound case");
         assert_eq!(report["verdict"], "well-posed");
         assert_eq!(report["associated"], true);
         let energy = |key: &str| number(&report["energy"][key]);
@@ -258,7 +258,7 @@ fn a_solid_that_keeps_its_energy_is_well_posed() {
     }
     // Softening along the normal is associated and yet keeps no energy.
     let sets = [set("yield.dilatancy", 0.6), set("yield.hardening", -0.8)];
-    let report = run(folder.path(), point::run, CONE, &sets).expect("a sound case");
+    let report = run(folder.path(), cli::point, CONE, &sets).expect("a sound case");
     assert_eq!(report["verdict"], "ill-posed");
     assert_eq!(report["hyperbolicity"], "shear-band");
 }
@@ -285,7 +285,7 @@ y = { parameter = 'yield.shear_friction', from = 0.05, to = 1.25, points = 7 }
 #[test]
 fn a_map_says_what_its_points_say() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let verb: Verb = |options, stdout| map::run(options, Extras::default(), stdout);
+    let verb: Verb = |options, stdout| cli::map(options, MapOptions::default(), stdout);
     let report = run(folder.path(), verb, &(LAYERS.to_owned() + MAP), &[]).expect("a sound case");
     let table = std::fs::read_to_string(folder.path().join("out/map.csv")).expect("a table");
     let mut lines = table.lines();
@@ -332,7 +332,7 @@ fn threads_change_no_bit_of_a_map_in_space() {
             threads: Some(threads),
             ..Options::default()
         };
-        map::run(&options, Extras::default(), &mut Vec::new()).expect("a sound case");
+        cli::map(&options, MapOptions::default(), &mut Vec::new()).expect("a sound case");
         std::fs::read(out.join("map.csv")).expect("a table")
     });
     assert!(maps[0] == maps[1] && maps[1] == maps[2]);
@@ -344,7 +344,7 @@ fn threads_change_no_bit_of_a_map_in_space() {
 fn wrong_solids_are_refused_with_place_and_remedy() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let refused = |case: &str, words: &[&str]| {
-        let error = run(folder.path(), point::run, case, &[]).expect_err("a wrong case");
+        let error = run(folder.path(), cli::point, case, &[]).expect_err("a wrong case");
         for word in words {
             assert!(error.contains(word), "{error}\nsays nothing of '{word}'");
         }
@@ -402,7 +402,7 @@ pressure = 1
 fn flow_of_the_background_damps_but_changes_no_speed() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let roots = |sets: &[String]| {
-        let report = run(folder.path(), point::run, CONE, sets).expect("a sound case");
+        let report = run(folder.path(), cli::point, CONE, sets).expect("a sound case");
         let list = report["roots"].as_array().expect("a list").clone();
         let roots: Vec<[f64; 2]> =
             list.iter().map(|root| [number(&root[0]), number(&root[1])]).collect();
@@ -479,13 +479,13 @@ couple_dilatancy = 0.1680159567011167
 [wave]
 number = 1e6
 ";
-    let report = run(folder.path(), point::run, case, &[]).expect("a sound case");
+    let report = run(folder.path(), cli::point, case, &[]).expect("a sound case");
     assert_eq!(report["verdict"], "ill-posed");
     assert_eq!(number(&report["order"]), 1.0);
     // The greatest root over directions at a great wave number.
     let coefficient = number(&report["coefficient"]);
     let along = [set("wave.direction_deg", number(&report["direction_deg"]))];
-    let report = run(folder.path(), point::run, case, &along).expect("a sound case");
+    let report = run(folder.path(), cli::point, case, &along).expect("a sound case");
     let greatest = number(&report["roots"][0][0]);
     assert!((greatest / (1e6 * coefficient) - 1.0).abs() < 1e-4, "{greatest} {coefficient}");
 }
@@ -516,7 +516,7 @@ fn sectors_of_imaginary_speeds_end_where_a_speed_vanishes() {
         let at = |direction: f64| {
             let wave = [set("wave.direction_deg", direction)];
             let sets: Vec<String> = sets.iter().cloned().chain(wave).collect();
-            let report = run(folder.path(), point::run, CONE, &sets).expect("a sound case");
+            let report = run(folder.path(), cli::point, CONE, &sets).expect("a sound case");
             let speeds = report["squared_speeds"].as_array().expect("a list").clone();
             speeds.iter().map(|c| number(&c[0])).fold(f64::INFINITY, f64::min)
         };

@@ -3,8 +3,8 @@
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use wellposed::map::{self, Extras};
-use wellposed::{Format, Options, point};
+use wellposed::study::MapOptions;
+use wellposed::{Format, Options, cli};
 
 const CASE: &str = "
 [model]
@@ -46,7 +46,7 @@ fn options(folder: &Path, text: &str, sets: &[&str]) -> Options {
 fn point_of(text: &str, sets: &[&str]) -> Value {
     let folder = tempfile::tempdir().unwrap();
     let mut printed = Vec::new();
-    point::run(&options(folder.path(), text, sets), &mut printed).unwrap();
+    cli::point(&options(folder.path(), text, sets), &mut printed).unwrap();
     let written = fs::read(folder.path().join("out/point.json")).unwrap();
     assert_eq!(printed, written, "what is printed is what is written");
     serde_json::from_slice(&printed).unwrap()
@@ -171,7 +171,7 @@ fn a_map_is_the_same_for_any_number_of_threads_and_agrees_with_its_points() {
         let mut options = options(folder.path(), CASE, &[]);
         options.out = Some(folder.path().join(format!("{threads}")));
         options.threads = Some(threads);
-        map::run(&options, Extras { bound: true, ..Extras::default() }, &mut std::io::sink())
+        cli::map(&options, MapOptions { bound: true, ..MapOptions::default() }, &mut std::io::sink())
             .unwrap();
         let mut files: Vec<_> = fs::read_dir(folder.path().join(format!("{threads}")))
             .unwrap()
@@ -222,7 +222,7 @@ fn a_map_outside_the_model_is_refused_with_line_and_key() {
     let folder = tempfile::tempdir().unwrap();
     let text = CASE.replace("density = 1600", "density = -1600");
     let options = options(folder.path(), &text, &[]);
-    let error = map::run(&options, Extras::default(), &mut std::io::sink()).unwrap_err();
+    let error = cli::map(&options, MapOptions::default(), &mut std::io::sink()).unwrap_err();
     let message = error.to_string();
     assert_eq!(error.exit_code(), 2);
     assert!(
@@ -251,7 +251,7 @@ fn waves_out_of_reach_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     for set in ["wave.number=1e100", "wave.number=1e-100", "background.velocity=[1e308, 0]"] {
         let options = options(folder.path(), CASE, &[set]);
-        let error = point::run(&options, &mut std::io::sink()).unwrap_err();
+        let error = cli::point(&options, &mut std::io::sink()).unwrap_err();
         assert_eq!(error.exit_code(), 2, "{set}");
         assert!(error.to_string().contains("range of doubles"), "{set}: {error}");
     }
@@ -263,7 +263,7 @@ fn the_curves_of_a_point_reach_the_peaks_of_its_layers() {
         .replace("rotational_strength = 0", "rotational_strength = 5\ndilatancy_angle_deg = 10")
         .replace("number = 500", "number = 1e7");
     let folder = tempfile::tempdir().unwrap();
-    point::run(&options(folder.path(), &text, &[]), &mut std::io::sink()).unwrap();
+    cli::point(&options(folder.path(), &text, &[]), &mut std::io::sink()).unwrap();
     let curve = fs::read_to_string(folder.path().join("out/growth_by_direction.csv")).unwrap();
     let greatest = curve
         .lines()
@@ -322,7 +322,7 @@ fn the_greatest_growth_is_above_that_in_any_one_direction_and_on_its_asymptote()
     let text = CASE
         .replace("rotational_strength = 0", "rotational_strength = 5\ndilatancy_angle_deg = 10");
     let folder = tempfile::tempdir().unwrap();
-    point::run(&options(folder.path(), &text, &[]), &mut std::io::sink()).unwrap();
+    cli::point(&options(folder.path(), &text, &[]), &mut std::io::sink()).unwrap();
     let read = |name: &str| fs::read_to_string(folder.path().join("out").join(name)).unwrap();
     let found: Value = serde_json::from_str(&read("point.json")).unwrap();
     let (order, coefficient) =

@@ -1,9 +1,13 @@
 //! The verbs of the command line: from arguments to a study, its report and the folder of results.
 
 mod dispersion;
+mod map;
+mod point;
 pub mod progress;
 
 pub use dispersion::dispersion;
+pub use map::map;
+pub use point::point;
 
 use crate::Error;
 use crate::output::ResultFolder;

@@ -2,6 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
+use std::ops::ControlFlow;
 use std::sync::Once;
 use std::time::{Duration, Instant};
 
@@ -37,12 +38,26 @@ impl Progress {
 
     /// `steps` more are done.
     pub fn tick(&self, steps: u64) {
-        if let Some(bar) = &self.bar {
-            if self.start.elapsed() > PATIENCE {
-                self.show.call_once(|| bar.set_draw_target(ProgressDrawTarget::stderr()));
-            }
+        if let Some(bar) = self.shown() {
             bar.inc(steps);
         }
+    }
+
+    /// So many steps are done, as a study says; it goes on.
+    pub fn reach(&self, done: usize) -> ControlFlow<()> {
+        if let Some(bar) = self.shown() {
+            bar.set_position(done as u64);
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The bar, on the terminal once the work lasts.
+    fn shown(&self) -> Option<&ProgressBar> {
+        let bar = self.bar.as_ref()?;
+        if self.start.elapsed() > PATIENCE {
+            self.show.call_once(|| bar.set_draw_target(ProgressDrawTarget::stderr()));
+        }
+        Some(bar)
     }
 }
 

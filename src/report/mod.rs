@@ -2,6 +2,8 @@
 
 pub mod dispersion;
 pub mod format;
+pub mod map;
+pub mod point;
 
 use crate::case::Case;
 use crate::output::ResultFolder;
@@ -21,6 +23,9 @@ pub trait Report: Serialize {
 
     /// Units by quantity, which stand last in the JSON report.
     const UNITS: &'static [(&'static str, &'static str)] = &[];
+
+    /// Whether what is printed as text ends with the path of the first picture; else with that of the folder.
+    const ENDS_WITH_PICTURE: bool = true;
 
     /// The report in words and numbers for a reader.
     fn text(&self, case: &Case) -> String;
@@ -75,6 +80,19 @@ pub fn json<R: Report>(report: &R) -> Result<Value, Error> {
     Ok(all.into())
 }
 
+/// Names of the files that [`write()`] writes, in no order.
+///
+/// # Errors
+/// One cannot be made.
+pub fn file_names<R: Report>(report: &R, case: &Case) -> Result<Vec<String>, Error> {
+    let mut names = vec![format!("{}.json", R::NAME), format!("{}.txt", R::NAME)];
+    for Picture { stem, .. } in report.pictures(case)? {
+        names.extend([format!("{stem}.png"), format!("{stem}.svg")]);
+    }
+    names.extend(report.tables(case)?.into_iter().map(|(name, _)| name.to_owned()));
+    Ok(names)
+}
+
 /// Writes all files of a report into the folder of results, and the text or the JSON report to standard output.
 ///
 /// # Errors
@@ -104,9 +122,12 @@ pub fn write<R: Report>(
         Format::Json => stdout.write_all(json.as_bytes())?,
         Format::Text => {
             stdout.write_all(text.as_bytes())?;
-            if let Some(Picture { stem, .. }) = pictures.first() {
-                let path = folder.path().join(format!("{stem}.png"));
-                writeln!(stdout, "picture: {}", path.display())?;
+            match pictures.first().filter(|_| R::ENDS_WITH_PICTURE) {
+                Some(Picture { stem, .. }) => {
+                    let path = folder.path().join(format!("{stem}.png"));
+                    writeln!(stdout, "picture: {}", path.display())?;
+                }
+                None => writeln!(stdout, "results: {}", folder.path().display())?,
             }
         }
     }

@@ -4,8 +4,14 @@
 //! such as long curves, is in it as well.
 
 pub mod dispersion;
+pub mod extremes;
+pub mod map;
+pub mod point;
+pub mod words;
 
 pub use dispersion::{Dispersion, dispersion};
+pub use map::{MapOptions, MapResult, check_map, map};
+pub use point::{FlowPoint, PointResult, SolidPoint, point};
 
 use std::ops::ControlFlow;
 

@@ -10,6 +10,9 @@ use models::granular_flow::Model;
 use models::granular_flow::state::{Background, Flow, State};
 use models::{ClosedForm, LinearisedSystem};
 
+/// How states are assessed from their linearised equations.
+pub const FLOW_ROUTE: &str = "exact dispersion polynomial of the linearised equations, all directions (no model's closed form)";
+
 /// Memory for one state after another; one per thread.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {

@@ -1,0 +1,30 @@
+//! `wellposed map`.
+
+use super::progress::Progress;
+use super::would_write;
+use crate::case::Case;
+use crate::output::{self, ResultFolder};
+use crate::study::MapOptions;
+use crate::{Error, Options, report, study};
+use std::io::Write;
+
+/// Runs the verb.
+///
+/// # Errors
+/// The case is wrong everywhere on the map, or results cannot be written.
+pub fn map(options: &Options, asked: MapOptions, stdout: &mut dyn Write) -> Result<(), Error> {
+    let case = Case::load(&options.case, &options.sets)?;
+    let map = *case.required_map()?;
+    let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
+    let states = map.x.points * map.y.points;
+    if options.dry_run {
+        study::check_map(&case)?;
+        writeln!(stdout, "would judge {states} states: {} × {}", map.x, map.y)?;
+        return would_write(&folder, &output::MAP, stdout);
+    }
+    let pool = crate::pool(options.threads)?;
+    let progress = Progress::new("judging states", states as u64);
+    let found = pool.install(|| study::map(&case, asked, &|done, _| progress.reach(done)))?;
+    drop(progress);
+    report::write(&found, &case, &folder, options.format, stdout)
+}

@@ -1,0 +1,26 @@
+//! `wellposed point`.
+
+use super::would_write;
+use crate::case::Case;
+use crate::output::{self, ResultFolder};
+use crate::report::format::case_title;
+use crate::{Error, Options, report, study};
+use std::io::Write;
+
+/// Runs the verb.
+///
+/// # Errors
+/// The case is wrong, or results cannot be written.
+pub fn point(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
+    let case = Case::load(&options.case, &options.sets)?;
+    let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
+    let found = study::point(&case)?;
+    if options.dry_run {
+        writeln!(stdout, "would analyse {}", case_title(&case))?;
+        let written = report::file_names(&found, &case)?;
+        let is_written = |name: &&str| written.iter().any(|own| own == name);
+        let names: Vec<&str> = output::POINT.into_iter().filter(is_written).collect();
+        return would_write(&folder, &names, stdout);
+    }
+    report::write(&found, &case, &folder, options.format, stdout)
+}

@@ -1,0 +1,131 @@
+//! Report on the verdict over two parameters.
+
+mod figure;
+mod tables;
+
+use super::format::{CLOSED_FORM, VALIDITY, case_title, short, superscript, unit};
+use super::{Picture, Report};
+use crate::Error;
+use crate::case::{Case, Kind};
+use crate::study::MapResult;
+use crate::study::map::summary::WorstPoint;
+use analysis::flows::FLOW_ROUTE;
+use analysis::solids::{Hyperbolicity, PLANE_ROUTE, SPACE_ROUTE};
+
+impl Report for MapResult {
+    const NAME: &'static str = "map";
+
+    fn text(&self, case: &Case) -> String {
+        let mut lines = vec![case_title(case)];
+        let (x, y) = (&self.x, &self.y);
+        lines.push(format!(
+            "{}: {} × {} points over {} ({}) and {} ({})",
+            case.medium().title(),
+            x.points,
+            y.points,
+            x.label,
+            x.parameter,
+            y.label,
+            y.parameter
+        ));
+        self.count_lines(case, &mut lines);
+        self.interval_lines(&mut lines);
+        lines.extend(self.worst.as_ref().map(|worst| self.worst_line(worst)));
+        let blind = match (case.kind, case.numbers.dimensions) {
+            (Kind::Flow(_), _) => FLOW_ROUTE,
+            (Kind::Solid(_), 3) => SPACE_ROUTE,
+            (Kind::Solid(_), _) => PLANE_ROUTE,
+        };
+        for ((_, count), route) in self.routes.into_iter().zip([CLOSED_FORM, blind]) {
+            if count > 0 {
+                lines.push(format!("Route of {count} verdicts: {route}"));
+            }
+        }
+        lines.push(VALIDITY.into());
+        lines.join("\n") + "\n"
+    }
+
+    fn pictures(&self, case: &Case) -> Result<Vec<Picture>, Error> {
+        let figure = figure::figure(case, self);
+        Ok(vec![Picture::new(Self::NAME, move |format| figure.draw(format))])
+    }
+
+    fn tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
+        Ok(vec![("map.csv", tables::csv(self)?), ("map.npz", tables::npz(self)?)])
+    }
+}
+
+impl MapResult {
+    fn count_lines(&self, case: &Case, lines: &mut Vec<String>) {
+        let all = self.points.len() as f64;
+        for (name, count) in self.counts {
+            if count > 0 {
+                let share = 100.0 * count as f64 / all;
+                lines.push(format!("  {share:5.1} %  {name} ({count} points)"));
+            }
+        }
+        let of_solid = self.solid.iter().flat_map(|solid| solid.hyperbolicity);
+        for (hyperbolicity, (_, count)) in Hyperbolicity::ALL.into_iter().zip(of_solid) {
+            if count > 0 {
+                lines.push(format!("  {count} points: {}", hyperbolicity.words()));
+            }
+        }
+        if let Some(share) = self.well_posed_share {
+            let which = match case.kind {
+                Kind::Flow(_) => "states that flow",
+                Kind::Solid(_) => "states that respond",
+            };
+            lines.push(format!("Of the {which}, {} % are well-posed.", short(100.0 * share)));
+        }
+        if self.unbounded_at_finite_wave_number > 0 {
+            lines.push(format!(
+                "At {} ill-posed points the growth rate is unbounded at finite wave numbers already.",
+                self.unbounded_at_finite_wave_number
+            ));
+        }
+    }
+
+    fn interval_lines(&self, lines: &mut Vec<String>) {
+        let (x, y) = (&self.x, &self.y);
+        let step = if x.points > 1 { x.values[1] - x.values[0] } else { 0.0 };
+        lines.push(format!(
+            "Where the well-posed states lie, to within a step of {}{} of the grid:",
+            short(step.abs()),
+            unit(x.unit)
+        ));
+        for intervals in &self.well_posed_intervals {
+            let at = format!("  at {} = {}{}:", y.label, short(intervals.y), unit(y.unit));
+            let list: Vec<String> = intervals
+                .x
+                .iter()
+                .map(|[a, b]| format!("{}{u} … {}{u}", short(*a), short(*b), u = unit(x.unit)))
+                .collect();
+            lines.push(if list.is_empty() {
+                format!("{at} nowhere well-posed")
+            } else {
+                format!("{at} well-posed for {} in {}", x.label, list.join(" and "))
+            });
+        }
+    }
+
+    fn worst_line(&self, worst: &WorstPoint) -> String {
+        let (x, y) = (&self.x, &self.y);
+        format!(
+            "Worst growth on this grid: Re ς ≈ {} k{} (1/s, k in 1/m) as k → ∞, for waves at {}°{}, at {} = {}{}, {} = {}{}.",
+            short(worst.coefficient),
+            superscript(worst.order),
+            short(worst.direction_deg),
+            match worst.elevation_deg {
+                Some(up) if !up.is_nan() && up != 0.0 =>
+                    format!(", {}° above the plane", short(up)),
+                _ => String::new(),
+            },
+            x.label,
+            short(worst.x),
+            unit(x.unit),
+            y.label,
+            short(worst.y),
+            unit(y.unit),
+        )
+    }
+}

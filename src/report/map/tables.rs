@@ -1,0 +1,97 @@
+//! Tables and archives of a map.
+
+use crate::Error;
+use crate::study::MapResult;
+use crate::study::map::{MapPoint, PointSpeeds, PointStatus};
+use analysis::flows::Route;
+use analysis::solids::Hyperbolicity;
+
+/// The numbers of all points, by name.
+fn columns(found: &MapResult) -> Vec<(&'static str, Vec<f64>)> {
+    let column = |f: fn(&MapPoint) -> f64| found.points.iter().map(f).collect::<Vec<_>>();
+    let mut columns = vec![
+        ("order", column(|p| p.order)),
+        ("coefficient", column(|p| p.coefficient)),
+        ("direction_deg", column(|p| p.direction_deg)),
+    ];
+    match found.solid {
+        None => columns.push(("noncoaxiality_bound_deg", column(|p| p.noncoaxiality_bound_deg))),
+        Some(_) => {
+            let speed = |f: fn(&PointSpeeds) -> f64| {
+                let points = found.points.iter();
+                points.map(|p| p.speeds.as_ref().map_or(f64::NAN, f)).collect::<Vec<_>>()
+            };
+            columns.extend([
+                ("elevation_deg", column(|p| p.elevation_deg)),
+                ("flutter", speed(|s| s.flutter)),
+                ("least_squared_speed", speed(|s| s.least_squared)),
+                ("slowest_direction_deg", speed(|s| s.least_normal_deg[0])),
+                ("slowest_elevation_deg", speed(|s| s.least_normal_deg[1])),
+            ]);
+        }
+    }
+    if found.options.growth_rate {
+        columns.push(("growth_rate", column(|p| p.growth_rate)));
+    }
+    if found.options.bound {
+        columns.push(("bound", column(|p| p.bound)));
+    }
+    columns
+}
+
+/// One row per point.
+pub(super) fn csv(found: &MapResult) -> Result<Vec<u8>, Error> {
+    let is_solid = found.solid.is_some();
+    let columns = columns(found);
+    let (x, y) = (&found.x, &found.y);
+    let mut header = vec![x.parameter.as_str(), y.parameter.as_str(), "verdict", "route"];
+    header.extend(is_solid.then_some("hyperbolicity"));
+    header.extend(columns.iter().map(|(name, _)| *name));
+    let rows = found.points.iter().enumerate().map(|(index, point)| {
+        let mut row: Vec<files::csv::Cell> = vec![
+            x.values[index % x.points].into(),
+            y.values[index / x.points].into(),
+            point.status.name().into(),
+            point.route.map_or("", Route::name).into(),
+        ];
+        if is_solid {
+            row.push(point.speeds.map_or("", |speeds| speeds.hyperbolicity.name()).into());
+        }
+        row.extend(columns.iter().map(|(_, values)| files::csv::Cell::from(values[index])));
+        row
+    });
+    Ok(files::csv::table(&header, rows)?)
+}
+
+/// Axes stand under their parameters' names; fields have shape (y, x).
+pub(super) fn npz(found: &MapResult) -> Result<Vec<u8>, Error> {
+    let (x, y) = (&found.x, &found.y);
+    let shape = [y.points, x.points];
+    let codes = |f: fn(&MapPoint) -> i8| found.points.iter().map(f).collect::<Vec<_>>();
+    let mut npz = files::npz::Npz::new();
+    npz.add_f64(&x.parameter, &[x.points], &x.values)?;
+    npz.add_f64(&y.parameter, &[y.points], &y.values)?;
+    npz.add_text("axes", &[2], &[&y.parameter, &x.parameter])?;
+    npz.add_text("units", &[2], &[y.unit, x.unit])?;
+    let names = PointStatus::ALL.map(PointStatus::name);
+    npz.add_text("verdict_names", &[names.len()], &names)?;
+    npz.add_i8("verdict", &shape, &codes(|p| p.status as i8))?;
+    let [closed_form, model_blind] = Route::ALL.map(Route::name);
+    npz.add_text("route_names", &[3], &["none", closed_form, model_blind])?;
+    let route = |p: &MapPoint| match p.route {
+        None => 0,
+        Some(Route::ClosedForm) => 1,
+        Some(Route::ModelBlind) => 2,
+    };
+    npz.add_i8("route", &shape, &codes(route))?;
+    if found.solid.is_some() {
+        let names = ["none"].into_iter().chain(Hyperbolicity::ALL.map(Hyperbolicity::name));
+        npz.add_text("hyperbolicity_names", &[5], &names.collect::<Vec<_>>())?;
+        let number = |p: &MapPoint| p.speeds.map_or(0, |speeds| 1 + speeds.hyperbolicity as i8);
+        npz.add_i8("hyperbolicity", &shape, &codes(number))?;
+    }
+    for (name, values) in columns(found) {
+        npz.add_f64(name, &shape, &values)?;
+    }
+    Ok(npz.finish()?)
+}

@@ -1,0 +1,181 @@
+//! The verdict over two parameters of a case.
+
+mod judge;
+pub mod summary;
+
+pub use judge::{MapPoint, PointSpeeds, PointStatus};
+pub use summary::MapResult;
+
+use super::OnProgress;
+use crate::case::{Case, Map, Sweep};
+use crate::{Error, setup};
+use analysis::solids::AcousticTensorCache;
+use judge::Judge;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Points that a thread judges before it says so.
+const BLOCK: usize = 64;
+
+/// What is asked of a map besides the verdicts. Growth rates need the dispersion polynomial of every
+/// state, so with them no verdict is left to a formula.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MapOptions {
+    /// The supremum of the growth rate over all waves at every well-posed point.
+    pub bound: bool,
+    /// The growth rate at the wave of the case; a map that sweeps the wave has it unasked.
+    pub growth_rate: bool,
+    /// Every verdict from the linearised equations, none by a formula.
+    pub model_blind: bool,
+}
+
+impl MapOptions {
+    /// The same for a map that sweeps these parameters.
+    fn for_map(self, map: &Map) -> Self {
+        let sweeps_wave =
+            [map.x, map.y].iter().any(|sweep| sweep.parameter.key().name.starts_with("wave."));
+        Self { growth_rate: self.growth_rate || sweeps_wave, ..self }
+    }
+
+    fn admits_closed_forms(self) -> bool {
+        !(self.bound || self.growth_rate || self.model_blind)
+    }
+}
+
+/// Judges all states of the map of a case, on the surrounding thread pool. The result is the same for any number of
+/// threads: each point is judged alone.
+///
+/// # Errors
+/// The case has no map, or is wrong everywhere on it; there is no memory for it; [`Error::Cancelled`].
+///
+/// # Examples
+/// Harris–Grekova without rotational strength is well-posed up to a non-coaxiality of 45°:
+/// ```
+/// use wellposed::case::Case;
+/// use wellposed::study::{MapOptions, unwatched};
+///
+/// let case = Case::parse(
+///     "
+/// [model]
+/// kind = 'harris-grekova'
+/// friction_angle_deg = 30
+/// moment_of_inertia = 1.25e-7
+/// rotational_strength = 0
+/// [background]
+/// density = 1600
+/// pressure = 1000
+/// shear_rate = 2
+/// [wave]
+/// number = 500
+/// [map]
+/// x = { parameter = 'background.noncoaxiality_deg', from = 0, to = 90, points = 10 }
+/// y = { parameter = 'background.pressure', from = 500, to = 1000, points = 2 }
+/// ",
+///     "map.toml",
+///     &[],
+/// )?;
+/// let found = wellposed::map(&case, MapOptions::default(), &unwatched)?;
+/// assert_eq!(found.points.len(), 20);
+/// let well_posed = &found.well_posed_intervals[0];
+/// assert_eq!((well_posed.y, well_posed.x.as_slice()), (500.0, &[[0.0, 40.0]][..]));
+/// # Ok::<(), wellposed::Error>(())
+/// ```
+pub fn map(case: &Case, options: MapOptions, progress: OnProgress) -> Result<MapResult, Error> {
+    let map = case.required_map()?;
+    let options = options.for_map(map);
+    let points = sweep(case, map, options, progress)?;
+    Ok(MapResult::new(case, map, options, points))
+}
+
+/// Makes sure that some state of the map of a case makes sense.
+///
+/// # Errors
+/// The case has no map, or is wrong everywhere on it.
+pub fn check_map(case: &Case) -> Result<(), Error> {
+    let map = case.required_map()?;
+    let cache = AcousticTensorCache::default();
+    let mut judge = Judge::new(case, map, MapOptions::default(), &cache);
+    let mut first_error = None;
+    let some_state = (0..map.y.points).any(|y| {
+        (0..map.x.points).any(|x| match judge.point(x, y) {
+            Ok(_) => true,
+            Err(error) => {
+                first_error.get_or_insert(error);
+                false
+            }
+        })
+    });
+    match first_error {
+        Some(error) if !some_state => Err(setup::locate_in_map(case, error)),
+        _ => Ok(()),
+    }
+}
+
+/// All points, x running fastest.
+fn sweep(
+    case: &Case,
+    map: &Map,
+    options: MapOptions,
+    progress: OnProgress,
+) -> Result<Vec<MapPoint>, Error> {
+    let (nx, ny) = (map.x.points, map.y.points);
+    let mut points: Vec<MapPoint> = Vec::new();
+    points.try_reserve_exact(nx * ny).map_err(|_| Error::Memory { points: nx * ny })?;
+    points.resize(nx * ny, MapPoint::empty(PointStatus::OutsideModel));
+
+    // What elastic moduli make in space is used again as long as they stay.
+    let is_modulus = |sweep: &Sweep| sweep.parameter.name().starts_with("model.");
+    let is_transposed = is_modulus(&map.x) && !is_modulus(&map.y) && case.yields.is_some();
+    let place = |index: usize| match is_transposed {
+        true => [index / ny, index % ny],
+        false => [index % nx, index / nx],
+    };
+    let cache = AcousticTensorCache::default();
+    let (done, is_cancelled) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let first_error = points
+        .par_chunks_mut(BLOCK)
+        .enumerate()
+        .map_init(
+            || Judge::new(case, map, options, &cache),
+            |judge, (chunk, block)| {
+                let mut first_error = None;
+                if is_cancelled.load(Ordering::Relaxed) {
+                    return first_error;
+                }
+                for (offset, point) in block.iter_mut().enumerate() {
+                    let index = chunk * BLOCK + offset;
+                    let [x, y] = place(index);
+                    match judge.point(x, y) {
+                        Ok(judged) => *point = judged,
+                        Err(error) => {
+                            first_error.get_or_insert((index, error));
+                        }
+                    }
+                }
+                let steps = done.fetch_add(block.len(), Ordering::Relaxed) + block.len();
+                if progress(steps, nx * ny).is_break() {
+                    is_cancelled.store(true, Ordering::Relaxed);
+                }
+                first_error
+            },
+        )
+        .flatten()
+        .min_by_key(|(index, _)| *index);
+    if is_cancelled.into_inner() {
+        return Err(Error::Cancelled);
+    }
+    if is_transposed {
+        let by_column = points.clone();
+        for (index, point) in by_column.into_iter().enumerate() {
+            let [x, y] = place(index);
+            points[y * nx + x] = point;
+        }
+    }
+    // A map may reach beyond the model's range; a map that lies outside altogether is a mistake.
+    match first_error {
+        Some((_, error)) if points.iter().all(|p| p.status == PointStatus::OutsideModel) => {
+            Err(setup::locate_in_map(case, error))
+        }
+        _ => Ok(points),
+    }
+}

@@ -1,0 +1,209 @@
+//! What a map says in numbers.
+
+use super::{MapOptions, MapPoint, PointStatus};
+use crate::case::{Case, Kind, Map, Sweep};
+use analysis::flows::Route;
+use analysis::solids::Hyperbolicity;
+use serde::{Serialize, Serializer};
+
+/// The verdict over two parameters.
+#[derive(Clone, Debug, Serialize)]
+pub struct MapResult {
+    /// Title of the case.
+    pub title: String,
+    /// Kind of the model.
+    pub model: &'static str,
+    /// The parameter along the horizontal axis.
+    pub x: MapAxis,
+    /// The parameter along the vertical axis.
+    pub y: MapAxis,
+    /// Number of points by the name of their [`PointStatus`], in the order of [`PointStatus::ALL`].
+    #[serde(rename = "points", serialize_with = "as_object")]
+    pub counts: [(&'static str, usize); 7],
+    /// Ill-posed points without order: unbounded at finite wave numbers.
+    pub unbounded_at_finite_wave_number: usize,
+    /// Share of the states that are well-posed.
+    pub well_posed_share: Option<f64>,
+    /// For some values of y: the intervals of x that are well-posed.
+    pub well_posed_intervals: Vec<WellPosedIntervals>,
+    /// The worst growth: highest order, then greatest coefficient.
+    pub worst: Option<WorstPoint>,
+    /// Number of verdicts by the name of their [`Route`], in the order of [`Route::ALL`].
+    #[serde(rename = "route", serialize_with = "as_object")]
+    pub routes: [(&'static str, usize); 2],
+    /// What there is of a solid alone.
+    #[serde(flatten)]
+    pub solid: Option<SolidMap>,
+    /// All points, x running fastest.
+    #[serde(skip)]
+    pub points: Vec<MapPoint>,
+    /// What was asked for; a map that sweeps the wave has growth rates.
+    #[serde(skip)]
+    pub options: MapOptions,
+}
+
+/// Pairs of names and values as an object.
+fn as_object<S: Serializer>(
+    pairs: &[(&'static str, usize)],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(pairs.iter().copied())
+}
+
+/// A parameter that is swept.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MapAxis {
+    /// Its name in case files.
+    pub parameter: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// First value.
+    pub from: f64,
+    /// Last value.
+    pub to: f64,
+    /// Number of values.
+    pub points: usize,
+    /// Quantity and symbol for people.
+    #[serde(skip)]
+    pub label: String,
+    /// All values.
+    #[serde(skip)]
+    pub values: Vec<f64>,
+}
+
+impl From<&Sweep> for MapAxis {
+    fn from(sweep: &Sweep) -> Self {
+        let Sweep { parameter, from, to, points } = *sweep;
+        Self {
+            parameter: parameter.name(),
+            unit: parameter.unit(),
+            from,
+            to,
+            points,
+            label: parameter.label(),
+            values: (0..points).map(|index| sweep.value(index)).collect(),
+        }
+    }
+}
+
+/// Where well-posed states lie along x.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WellPosedIntervals {
+    /// The value of y.
+    pub y: f64,
+    /// First and last value of x of each run of neighbouring well-posed points.
+    pub x: Vec<[f64; 2]>,
+}
+
+/// The point with the worst growth.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct WorstPoint {
+    /// Its value of x.
+    pub x: f64,
+    /// Its value of y.
+    pub y: f64,
+    /// Order of growth in k.
+    pub order: f64,
+    /// lim Re ς / k^order, m^order/s.
+    pub coefficient: f64,
+    /// Direction of the wave vector, degrees.
+    pub direction_deg: f64,
+    /// Its angle above the plane of x₁ and x₂, degrees; solids.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub elevation_deg: Option<f64>,
+}
+
+/// What a map says of solids alone.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SolidMap {
+    /// Name of the yield set.
+    #[serde(rename = "yield")]
+    pub yield_set: Option<&'static str>,
+    /// Number of states by the name of their [`Hyperbolicity`], in the order of [`Hyperbolicity::ALL`].
+    #[serde(serialize_with = "as_object")]
+    pub hyperbolicity: [(&'static str, usize); 4],
+}
+
+impl MapResult {
+    pub(super) fn new(
+        case: &Case,
+        map: &Map,
+        options: MapOptions,
+        points: Vec<MapPoint>,
+    ) -> Self {
+        let count = |is: &dyn Fn(&MapPoint) -> bool| points.iter().filter(|p| is(p)).count();
+        let counts = PointStatus::ALL.map(|status| (status, count(&|p| p.status == status)));
+        let states: usize =
+            counts.iter().filter(|(status, _)| status.is_state()).map(|(_, count)| count).sum();
+        let well_posed = counts[PointStatus::WellPosed as usize].1;
+        let is_solid = matches!(case.kind, Kind::Solid(_));
+        Self {
+            title: case.title.clone(),
+            model: case.kind.name(),
+            x: MapAxis::from(&map.x),
+            y: MapAxis::from(&map.y),
+            counts: counts.map(|(status, count)| (status.name(), count)),
+            unbounded_at_finite_wave_number: count(&|p| {
+                p.status == PointStatus::IllPosed && p.order.is_nan()
+            }),
+            well_posed_share: (states > 0).then(|| well_posed as f64 / states as f64),
+            well_posed_intervals: intervals(map, &points),
+            worst: worst(map, &points, is_solid),
+            routes: Route::ALL.map(|route| (route.name(), count(&|p| p.route == Some(route)))),
+            solid: is_solid.then(|| SolidMap {
+                yield_set: case.yields.map(|set| set.name),
+                hyperbolicity: Hyperbolicity::ALL.map(|h| {
+                    (h.name(), count(&|p| p.speeds.is_some_and(|s| s.hyperbolicity == h)))
+                }),
+            }),
+            points,
+            options,
+        }
+    }
+}
+
+fn worst(map: &Map, points: &[MapPoint], is_solid: bool) -> Option<WorstPoint> {
+    let mut worst: Option<(usize, &MapPoint)> = None;
+    for (index, point) in points.iter().enumerate() {
+        let key = |p: &MapPoint| (p.order, p.coefficient);
+        if point.order.is_finite() && worst.is_none_or(|(_, w)| key(point) > key(w)) {
+            worst = Some((index, point));
+        }
+    }
+    let (index, point) = worst?;
+    Some(WorstPoint {
+        x: map.x.value(index % map.x.points),
+        y: map.y.value(index / map.x.points),
+        order: point.order,
+        coefficient: point.coefficient,
+        direction_deg: point.direction_deg,
+        elevation_deg: is_solid.then_some(point.elevation_deg),
+    })
+}
+
+fn intervals(map: &Map, points: &[MapPoint]) -> Vec<WellPosedIntervals> {
+    let last = map.y.points - 1;
+    let mut rows = vec![0, last / 4, last / 2, 3 * last / 4, last];
+    rows.dedup();
+    let intervals = rows.into_iter().map(|row| {
+        let along_x = &points[row * map.x.points..][..map.x.points];
+        WellPosedIntervals { y: map.y.value(row), x: well_posed_intervals(&map.x, along_x) }
+    });
+    intervals.collect()
+}
+
+/// First and last value of x of each run of neighbouring well-posed points.
+fn well_posed_intervals(x: &Sweep, row: &[MapPoint]) -> Vec<[f64; 2]> {
+    let mut intervals: Vec<[f64; 2]> = Vec::new();
+    let mut was_well = false;
+    for (i, point) in row.iter().enumerate() {
+        let is_well = point.status == PointStatus::WellPosed;
+        match intervals.last_mut() {
+            Some(last) if is_well && was_well => last[1] = x.value(i),
+            _ if is_well => intervals.push([x.value(i); 2]),
+            _ => {}
+        }
+        was_well = is_well;
+    }
+    intervals
+}

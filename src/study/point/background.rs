@@ -1,0 +1,90 @@
+//! The background of a flow, and the wave at which it is analysed.
+
+use crate::case::Wave;
+use models::granular_flow::state::{Flow, Stress};
+use serde::Serialize;
+
+/// A wave in the plane of the flow.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PlaneWave {
+    /// Wave number k, 1/m.
+    pub number: f64,
+    /// Direction of the wave vector from x₁, degrees.
+    pub direction_deg: f64,
+}
+
+impl From<&Wave> for PlaneWave {
+    fn from(wave: &Wave) -> Self {
+        Self { number: wave.number, direction_deg: wave.direction_deg }
+    }
+}
+
+/// The background of a flow, given and derived.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FlowBackground {
+    /// Density, kg/m³.
+    pub density: f64,
+    /// Magnitude of the deviatoric deformation rate, 1/s.
+    pub shear_rate: f64,
+    /// Non-coaxiality Δ, degrees.
+    pub noncoaxiality_deg: f64,
+    /// Velocity, m/s.
+    pub velocity: [f64; 2],
+    /// Half the vorticity, 1/s.
+    pub half_vorticity: f64,
+    /// Velocity gradient ∂ⱼVᵢ, 1/s.
+    pub velocity_gradient: [[f64; 2]; 2],
+    /// Intrinsic spin, rad/s, for models that have one.
+    pub spin: Option<f64>,
+    /// Material acceleration less body force, m/s².
+    pub acceleration: [f64; 2],
+    /// Body moment per unit mass, m²/s².
+    pub body_moment: Option<f64>,
+    /// Material rate of the stress angle, °/s, where the flow rule determines it.
+    pub stress_angle_rate_deg: Option<f64>,
+}
+
+impl From<&Flow> for FlowBackground {
+    fn from(flow: &Flow) -> Self {
+        Self {
+            density: flow.density,
+            shear_rate: flow.shear_rate,
+            noncoaxiality_deg: flow.noncoaxiality.to_degrees(),
+            velocity: flow.velocity,
+            half_vorticity: flow.half_vorticity,
+            velocity_gradient: flow.velocity_gradient.map(|row| row.map(|x| x.value)),
+            spin: flow.spin.map(|spin| spin.value),
+            // No sign on a zero.
+            acceleration: flow.acceleration.map(|a| a.value + 0.0),
+            body_moment: flow.body_moment,
+            stress_angle_rate_deg: flow.stress_angle_rate.map(f64::to_degrees),
+        }
+    }
+}
+
+/// The stress of a flow.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FlowStress {
+    /// Pressure p, Pa.
+    pub pressure: f64,
+    /// Deviatoric stress q, Pa.
+    pub deviatoric_stress: f64,
+    /// Rotational stress r, Pa.
+    pub rotational_stress: f64,
+    /// Angle of the greater principal stress from x₁, degrees.
+    pub stress_angle_deg: f64,
+    /// The stress tensor, Pa; second index: face normal.
+    pub tensor: [[f64; 2]; 2],
+}
+
+impl From<&Stress> for FlowStress {
+    fn from(stress: &Stress) -> Self {
+        Self {
+            pressure: stress.pressure,
+            deviatoric_stress: stress.deviator.value,
+            rotational_stress: stress.rotational,
+            stress_angle_deg: stress.angle.to_degrees(),
+            tensor: stress.tensor(),
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! The state of a flow: its own model, and those that it is compared with.
+
+use super::background::{FlowStress, PlaneWave};
+use super::flow_state::YieldingState;
+use crate::case::{Case, Kind, radians};
+use crate::{Error, setup};
+use analysis::bound;
+use analysis::characteristics;
+use analysis::flows::growth_curves::{self as curves, FittedOrder};
+use analysis::flows::{FrozenState, Workspace};
+use analysis::growth::Assessment;
+use analysis::pencil::Roots;
+use models::granular_flow::state::{Background, Flow};
+use models::granular_flow::{InputError, Model};
+use serde::{Serialize, Serializer};
+
+/// The state of a flow, analysed.
+#[derive(Clone, Debug, Serialize)]
+pub struct FlowPoint {
+    /// By the model of the case.
+    #[serde(flatten)]
+    pub own: FlowAnalysis,
+    /// By the models of `[compare]`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub compare: Vec<FlowAnalysis>,
+}
+
+/// One model on the state.
+#[derive(Clone, Debug, Serialize)]
+pub struct FlowAnalysis {
+    /// The model.
+    #[serde(rename = "model", serialize_with = "kind_name")]
+    pub kind: Kind,
+    /// The state.
+    #[serde(flatten)]
+    pub state: FlowState,
+    /// Non-coaxiality of the compared state that this model, being coaxial, cannot have, degrees.
+    #[serde(skip)]
+    pub lost_noncoaxiality_deg: Option<f64>,
+}
+
+fn kind_name<S: Serializer>(kind: &Kind, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(kind.name())
+}
+
+impl FlowAnalysis {
+    /// The state where it is fully deforming.
+    pub fn yielding(&self) -> Option<&YieldingState> {
+        match &self.state {
+            FlowState::Yielding(state) => Some(state),
+            FlowState::NotYielding(_) => None,
+        }
+    }
+}
+
+/// A state of a flow.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum FlowState {
+    /// Fully deforming, and analysed.
+    Yielding(Box<YieldingState>),
+    /// Not fully deforming: there are no equations to analyse.
+    NotYielding(NotYieldingState),
+}
+
+/// A state that is not fully deforming.
+#[derive(Clone, Debug, Serialize)]
+pub struct NotYieldingState {
+    /// Where the state lies relative to the yield conditions.
+    pub region: &'static str,
+    #[serde(flatten)]
+    nothing: NoAnalysis,
+    /// The wave of the case.
+    pub wave: PlaneWave,
+    /// The stress.
+    pub stress: FlowStress,
+    words: &'static str,
+}
+
+/// What a yielding state has and this one has not: null in JSON.
+#[derive(Clone, Debug)]
+struct NoAnalysis;
+
+impl Serialize for NoAnalysis {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let keys = [
+            "verdict",
+            "order",
+            "coefficient",
+            "direction_deg",
+            "fitted_order",
+            "fitted_wave_numbers",
+            "bound",
+            "bound_at",
+            "noncoaxiality_bound_deg",
+            "power",
+            "roots",
+            "infinite_roots",
+            "characteristics",
+        ];
+        serializer.collect_map(keys.map(|key| (key, ())))
+    }
+}
+
+impl NotYieldingState {
+    fn new(background: &Background, wave: PlaneWave) -> Self {
+        Self {
+            region: background.region().name(),
+            nothing: NoAnalysis,
+            wave,
+            stress: background.stress().into(),
+            words: "the state is not fully deforming: nothing to analyse",
+        }
+    }
+}
+
+/// Analyses the state of a flow.
+///
+/// # Errors
+/// The case is out of its model's range, or cannot be analysed.
+pub fn flow(case: &Case) -> Result<FlowPoint, Error> {
+    // Keys that only a compared kind uses are nothing to this one.
+    let mut own = Analysed::new(&case.for_kind(case.kind))?;
+    let noncoaxiality =
+        own.analysis.yielding().map(|state| state.flow.noncoaxiality.to_degrees());
+    let mut compared = Vec::new();
+    for &kind in case.compare.iter().flatten() {
+        let converted = case.for_kind_with(kind, noncoaxiality);
+        let mut other = Analysed::new(&converted.case)?;
+        other.analysis.lost_noncoaxiality_deg = converted.lost_noncoaxiality_deg;
+        compared.push(other);
+    }
+    add_curves(case, &mut own, &mut compared);
+    Ok(FlowPoint {
+        own: own.analysis,
+        compare: compared.into_iter().map(|other| other.analysis).collect(),
+    })
+}
+
+/// One model on the state, while growth rates are still to be sampled.
+struct Analysed {
+    analysis: FlowAnalysis,
+    workspace: Workspace,
+}
+
+impl Analysed {
+    fn new(case: &Case) -> Result<Self, Error> {
+        let mut workspace = Workspace::default();
+        let (model, frozen) =
+            setup::flow::assess(case, &mut workspace).map_err(|error| setup::locate(case, error))?;
+        let state = match frozen {
+            FrozenState::NotYielding(background) => {
+                let wave = (&case.numbers.wave).into();
+                FlowState::NotYielding(NotYieldingState::new(&background, wave))
+            }
+            FrozenState::Yielding { flow, assessment } => {
+                let state = analyse(case, &model, flow, assessment, &workspace)?;
+                FlowState::Yielding(Box::new(state))
+            }
+        };
+        let analysis = FlowAnalysis { kind: case.kind, state, lost_noncoaxiality_deg: None };
+        Ok(Self { analysis, workspace })
+    }
+
+    /// The assessment of a state whose equations determine their unknowns.
+    fn regular(&self) -> Option<&Assessment> {
+        let state = self.analysis.yielding().filter(|_| !self.workspace.pencil.is_singular())?;
+        Some(&state.assessment)
+    }
+}
+
+fn analyse(
+    case: &Case,
+    model: &Model,
+    flow: Flow,
+    assessment: Assessment,
+    workspace: &Workspace,
+) -> Result<YieldingState, Error> {
+    let wave = &case.numbers.wave;
+    let pencil = &workspace.pencil;
+    let out_of_reach = |key, found: f64, allowed: &str| {
+        case.locate(InputError { key, found: format!("{found:?}"), allowed: allowed.into() })
+    };
+    if !pencil.is_singular() && !workspace.reaches(wave.number) {
+        let allowed =
+            "a wave number that far from the state's own scale leaves the range of doubles";
+        return Err(out_of_reach("wave.number", wave.number, allowed).into());
+    }
+    let roots = pencil.roots(wave.number, radians(wave.direction_deg));
+    if let Roots::Regular { finite, .. } = &roots
+        && finite.iter().any(|root| !root.is_finite())
+    {
+        let allowed = "k·V leaves the range of doubles";
+        return Err(out_of_reach("background.velocity", flow.velocity[0], allowed).into());
+    }
+    let found = characteristics::characteristics(&workspace.system).ok();
+    let supremum = bound::supremum(pencil, &assessment, model.gradient_wave_number(&flow));
+    Ok(YieldingState::new(wave.into(), model, flow, assessment)
+        .with_roots(&roots)
+        .with_characteristics(found)
+        .with_supremum(supremum))
+}
+
+/// Samples the growth rates of all models, over the same wave numbers.
+fn add_curves(case: &Case, own: &mut Analysed, compared: &mut [Analysed]) {
+    let wave = case.numbers.wave;
+    let direction = radians(wave.direction_deg);
+    let decades = std::iter::once(&*own)
+        .chain(&*compared)
+        .filter_map(|a| Some(curves::decades(&a.workspace, a.regular()?, wave.number)))
+        .max();
+    let Some(decades) = decades else { return };
+    for a in std::iter::once(own).chain(compared) {
+        let Some(assessment) = a.regular() else { continue };
+        let by_direction = curves::by_direction(&a.workspace, assessment, wave.number);
+        let by_wave_number =
+            curves::by_wave_number(&a.workspace, assessment, wave.number, direction, decades);
+        let fitted = curves::fitted_order(&by_wave_number);
+        if let FlowState::Yielding(state) = &mut a.analysis.state {
+            state.fitted_order = fitted.map(|FittedOrder { order, .. }| order);
+            state.fitted_wave_numbers = fitted.map(|FittedOrder { numbers, .. }| numbers);
+            (state.by_direction, state.by_wave_number) = (by_direction, by_wave_number);
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! A fully deforming state of a flow, as one model has it.
+
+use super::background::{FlowBackground, FlowStress, PlaneWave};
+use super::order_and_coefficient;
+use crate::study::words::evidence;
+use analysis::bound::{self, Place, Supremum};
+use analysis::characteristics::{self, Characteristics, Type};
+use analysis::flows::FLOW_ROUTE;
+use analysis::flows::growth_curves::AtWaveNumber;
+use analysis::growth::{Assessment, Verdict};
+use analysis::pencil::Roots;
+use models::granular_flow::Model;
+use models::granular_flow::state::{Flow, Region};
+use num_complex::Complex64;
+use serde::Serialize;
+
+/// All that a model says of a fully deforming state.
+#[derive(Clone, Debug, Serialize)]
+pub struct YieldingState {
+    /// Name of the verdict.
+    pub verdict: &'static str,
+    /// Where ill-posed: the order of growth in k; `None` where it is unbounded at finite wave numbers already.
+    pub order: Option<f64>,
+    /// lim Re ς / k^order, m^order/s.
+    pub coefficient: Option<f64>,
+    /// Where ill-posed: direction of the wave vector of the fastest growth, degrees.
+    pub direction_deg: Option<f64>,
+    /// Order fitted to the greatest growth rate over all directions.
+    pub fitted_order: Option<f64>,
+    /// Least and greatest wave number of the fit, 1/m.
+    pub fitted_wave_numbers: Option<[f64; 2]>,
+    /// Supremum of Re ς over all waves, 1/s, where it is finite.
+    pub bound: Option<f64>,
+    /// Where the supremum lies.
+    pub bound_at: Option<SupremumPlace>,
+    /// Relative tolerance to which it is located.
+    pub bound_tolerance: Option<f64>,
+    /// The model's own bound on |Δ| for the leading order of growth, degrees.
+    pub noncoaxiality_bound_deg: Option<f64>,
+    /// Where the state lies relative to the yield conditions.
+    pub region: &'static str,
+    /// Internal power, W/m³.
+    pub power: f64,
+    /// The wave of the case.
+    pub wave: PlaneWave,
+    /// Finite roots at that wave, Re ς and Im ς, 1/s; `None` where every ς is a root.
+    pub roots: Option<Vec<[f64; 2]>>,
+    /// Number of infinite roots: algebraic equations.
+    pub infinite_roots: Option<usize>,
+    /// Real characteristics of the steady equations; `None` where these do not determine their unknowns.
+    pub characteristics: Option<Vec<Characteristic>>,
+    /// Complex characteristics.
+    pub complex_characteristics: Option<Vec<ComplexCharacteristic>>,
+    /// Families of fields for which every direction is characteristic.
+    pub arbitrary_characteristics: Option<Vec<String>>,
+    /// Type of the steady equations.
+    pub steady_type: Option<&'static str>,
+    /// What the verdict rests on.
+    pub evidence: Evidence,
+    /// The background, given and derived.
+    pub background: FlowBackground,
+    /// The stress.
+    pub stress: FlowStress,
+    /// Wave number below which the background is not constant over a wave, 1/m.
+    pub gradient_wave_number: f64,
+    /// The background with rounding bounds.
+    #[serde(skip)]
+    pub flow: Flow,
+    /// The verdict with rounding bounds.
+    #[serde(skip)]
+    pub assessment: Assessment,
+    /// Rank of the equations where every ς is a root.
+    #[serde(skip)]
+    pub rank: Option<usize>,
+    /// Greatest Re ς of all roots at the wave number of the case against the direction: degrees, 1/s. Empty where
+    /// every ς is a root.
+    #[serde(skip)]
+    pub by_direction: Vec<[f64; 2]>,
+    /// Growth rates against the wave number.
+    #[serde(skip)]
+    pub by_wave_number: Vec<AtWaveNumber>,
+}
+
+impl YieldingState {
+    /// What the model, the background and the verdict give.
+    pub(super) fn new(wave: PlaneWave, model: &Model, flow: Flow, assessment: Assessment) -> Self {
+        let [order, coefficient] = order_and_coefficient(&assessment.verdict);
+        let direction_deg = match assessment.verdict {
+            Verdict::IllPosed { direction, .. } => Some(direction.to_degrees()),
+            _ => None,
+        };
+        Self {
+            verdict: assessment.verdict.name(),
+            order,
+            coefficient,
+            direction_deg,
+            fitted_order: None,
+            fitted_wave_numbers: None,
+            bound: None,
+            bound_at: None,
+            bound_tolerance: None,
+            noncoaxiality_bound_deg: model.noncoaxiality_bound().map(f64::to_degrees),
+            region: Region::FullyDeforming.name(),
+            power: flow.power,
+            wave,
+            roots: None,
+            infinite_roots: None,
+            characteristics: None,
+            complex_characteristics: None,
+            arbitrary_characteristics: None,
+            steady_type: None,
+            evidence: Evidence::from(&assessment),
+            background: FlowBackground::from(&flow),
+            stress: FlowStress::from(&flow.stress),
+            gradient_wave_number: model.gradient_wave_number(&flow),
+            flow,
+            assessment,
+            rank: None,
+            by_direction: Vec::new(),
+            by_wave_number: Vec::new(),
+        }
+    }
+
+    /// The same with the roots at the wave of the case.
+    pub(super) fn with_roots(self, roots: &Roots) -> Self {
+        match roots {
+            Roots::Regular { finite, infinite } => Self {
+                roots: Some(finite.iter().map(pair).collect()),
+                infinite_roots: Some(*infinite),
+                ..self
+            },
+            Roots::Singular { rank } => Self { rank: Some(*rank), ..self },
+        }
+    }
+
+    /// The same with the characteristics of the steady equations.
+    pub(super) fn with_characteristics(self, found: Option<Characteristics>) -> Self {
+        let Some(Characteristics { real, complex, arbitrary, kind }) = found else { return self };
+        let complex = complex.into_iter().map(|(tangent, family)| ComplexCharacteristic {
+            tangent: pair(&tangent),
+            family,
+        });
+        Self {
+            characteristics: Some(real.into_iter().map(Characteristic::from).collect()),
+            complex_characteristics: Some(complex.collect()),
+            arbitrary_characteristics: Some(arbitrary),
+            steady_type: kind.map(type_name),
+            ..self
+        }
+    }
+
+    /// The same with the supremum of the growth rate.
+    pub(super) fn with_supremum(self, supremum: Option<Supremum>) -> Self {
+        Self {
+            bound: supremum.map(|supremum| supremum.rate),
+            bound_at: supremum.map(SupremumPlace::from),
+            bound_tolerance: supremum.map(|_| bound::TOLERANCE),
+            ..self
+        }
+    }
+}
+
+fn pair(z: &Complex64) -> [f64; 2] {
+    [z.re, z.im]
+}
+
+fn type_name(kind: Type) -> &'static str {
+    match kind {
+        Type::Hyperbolic => "hyperbolic",
+        Type::Mixed => "mixed",
+        Type::Elliptic => "elliptic",
+    }
+}
+
+/// Where the supremum of the growth rate lies.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SupremumPlace {
+    /// Wave number at which it is attained, 1/m.
+    pub number: Option<f64>,
+    /// Direction of the wave vector, degrees.
+    pub direction_deg: f64,
+    /// The waves that approach it, where none attains it.
+    pub limit: Option<WaveLimit>,
+}
+
+/// Waves that approach a supremum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum WaveLimit {
+    /// The longest of the range.
+    #[serde(rename = "longest waves")]
+    LongWaves,
+    /// As k → ∞.
+    #[serde(rename = "shortest waves")]
+    ShortWaves,
+}
+
+impl From<Supremum> for SupremumPlace {
+    fn from(supremum: Supremum) -> Self {
+        let (number, limit) = match supremum.place {
+            Place::At(number) => (Some(number), None),
+            Place::LongWaves => (None, Some(WaveLimit::LongWaves)),
+            Place::ShortWaves => (None, Some(WaveLimit::ShortWaves)),
+        };
+        Self { number, direction_deg: supremum.direction.to_degrees(), limit }
+    }
+}
+
+/// A real characteristic direction.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Characteristic {
+    /// Angle of the characteristic curve from x₁, degrees, in \[0, 180).
+    pub angle_deg: f64,
+    /// Multiplicity as a root of the whole determinant.
+    pub multiplicity: usize,
+    /// The fields that jump across it.
+    pub family: String,
+}
+
+impl From<characteristics::Characteristic> for Characteristic {
+    fn from(found: characteristics::Characteristic) -> Self {
+        let characteristics::Characteristic { angle, multiplicity, family, .. } = found;
+        Self { angle_deg: angle.to_degrees(), multiplicity, family }
+    }
+}
+
+/// A complex characteristic direction.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ComplexCharacteristic {
+    /// Tangent of the complex angle: real and imaginary part.
+    pub tangent: [f64; 2],
+    /// The fields that it belongs to.
+    pub family: String,
+}
+
+/// What a verdict rests on.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Evidence {
+    /// In words.
+    pub words: String,
+    /// Unbounded roots in a general direction, highest order first.
+    pub orders: Vec<OrderCount>,
+    /// Directions of the wave vector in which a leading coefficient vanishes, degrees.
+    pub degenerate_directions_deg: Vec<f64>,
+    /// The method.
+    pub route: &'static str,
+}
+
+/// How many roots grow or decay with an order of k.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct OrderCount {
+    /// The order.
+    pub order: f64,
+    /// Number of roots.
+    pub roots: usize,
+}
+
+impl From<&Assessment> for Evidence {
+    fn from(assessment: &Assessment) -> Self {
+        let orders = assessment.orders.iter();
+        let degenerate = assessment.degenerate.iter();
+        Self {
+            words: evidence(&assessment.verdict),
+            orders: orders
+                .map(|&(order, roots)| OrderCount { order: order.value(), roots })
+                .collect(),
+            degenerate_directions_deg: degenerate.map(|d| d.angle.to_degrees()).collect(),
+            route: FLOW_ROUTE,
+        }
+    }
+}

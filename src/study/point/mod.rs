@@ -1,0 +1,89 @@
+//! Everything about one state: background, characteristics, roots, growth, verdict.
+
+pub mod background;
+pub mod flow;
+pub mod flow_state;
+pub mod solid;
+
+pub use flow::{FlowAnalysis, FlowPoint, FlowState};
+pub use flow_state::YieldingState;
+pub use solid::SolidPoint;
+
+use crate::Error;
+use crate::case::{Case, Kind};
+use analysis::growth::Verdict;
+use serde::Serialize;
+
+/// The state of a case, analysed.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum PointResult {
+    /// A flow.
+    Flow(FlowPoint),
+    /// A solid.
+    Solid(Box<SolidPoint>),
+}
+
+impl PointResult {
+    /// The verdict on the case's own model; `None` for a state that is not fully deforming.
+    pub fn verdict(&self) -> Option<&Verdict> {
+        match self {
+            Self::Flow(flow) => flow.own.yielding().map(|state| &state.assessment.verdict),
+            Self::Solid(solid) => Some(&solid.assessment.verdict),
+        }
+    }
+}
+
+/// Analyses the state of a case.
+///
+/// # Errors
+/// The case is out of its model's range, or cannot be analysed.
+///
+/// # Examples
+/// Double shearing grows in proportion to the wave number:
+/// ```
+/// use wellposed::case::Case;
+/// use wellposed::study::PointResult;
+///
+/// let case = Case::parse(
+///     "
+/// [model]
+/// kind = 'double-shearing'
+/// friction_angle_deg = 30
+/// [background]
+/// density = 1600
+/// pressure = 1000
+/// shear_rate = 2
+/// noncoaxiality_deg = 20
+/// [wave]
+/// number = 500
+/// ",
+///     "state.toml",
+///     &[],
+/// )?;
+/// let found = wellposed::point(&case)?;
+/// assert_eq!(found.verdict().map(|verdict| verdict.name()), Some("ill-posed"));
+///
+/// let PointResult::Flow(flow) = &found else { unreachable!("double shearing is a flow") };
+/// let state = flow.own.yielding().expect("a fully deforming state");
+/// assert_eq!(state.order, Some(1.0));
+/// println!("Re ς ≈ {:?} k at {:?}°", state.coefficient, state.direction_deg);
+/// # Ok::<(), wellposed::Error>(())
+/// ```
+pub fn point(case: &Case) -> Result<PointResult, Error> {
+    match case.kind {
+        Kind::Flow(_) => Ok(PointResult::Flow(flow::flow(case)?)),
+        Kind::Solid(_) => Ok(PointResult::Solid(Box::new(solid::solid(case)?))),
+    }
+}
+
+/// The order of growth of an ill-posed state in k, and its coefficient, m^order/s; `None` where growth is unbounded
+/// at finite wave numbers already.
+fn order_and_coefficient(verdict: &Verdict) -> [Option<f64>; 2] {
+    match verdict {
+        Verdict::IllPosed { growth: Some(growth), .. } => {
+            [Some(growth.order.value()), Some(growth.coefficient)]
+        }
+        _ => [None; 2],
+    }
+}

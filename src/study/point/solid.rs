@@ -1,0 +1,249 @@
+//! The state of a solid.
+
+use super::order_and_coefficient;
+use crate::case::{Case, Wave};
+use crate::setup::solid::normal;
+use crate::study::dispersion::WaveVector;
+use crate::study::extremes::{Flutter, Slowest};
+use crate::{Error, setup};
+use analysis::bound;
+use analysis::energy;
+use analysis::solids::{self, AcousticTensorCache, SolidAssessment, SolidAssessor};
+use analysis::waves::Waves;
+use models::cosserat::stress::Stress;
+use models::elastoplastic::Solid;
+use models::elementary::Elementary;
+use models::plasticity::symbol::NoResponse;
+use num_complex::Complex64;
+use serde::Serialize;
+
+/// Directions of the curve against direction.
+const DIRECTIONS: usize = 720;
+/// Wave numbers per decade, and decades to both sides of the case's, of the curve against them.
+const PER_DECADE: i32 = 12;
+const DECADES: i32 = 4;
+
+/// All that is known of a solid.
+#[derive(Clone, Debug, Serialize)]
+pub struct SolidPoint {
+    /// Kind of the solid.
+    pub model: &'static str,
+    /// Its yield set.
+    #[serde(rename = "yield")]
+    pub yield_set: Option<&'static str>,
+    /// 2 in plane strain, 3 in space.
+    pub dimensions: usize,
+    /// Name of the verdict.
+    pub verdict: &'static str,
+    /// Where ill-posed: the order of growth in k; `None` where it is unbounded at finite wave numbers already.
+    pub order: Option<f64>,
+    /// lim Re ς / k^order, m^order/s.
+    pub coefficient: Option<f64>,
+    /// Direction of the waves that grow fastest where ill-posed, in the plane of x₁ and x₂, degrees.
+    pub direction_deg: Option<f64>,
+    /// Their angle above that plane, degrees.
+    pub elevation_deg: Option<f64>,
+    /// Supremum of Re ς, 1/s, where it is known to be finite.
+    pub bound: Option<f64>,
+    /// Type of the speeds over all directions.
+    pub hyperbolicity: &'static str,
+    /// The strongest flutter.
+    pub flutter: Option<Flutter>,
+    /// The slowest wave.
+    pub slowest: Slowest,
+    /// Whether flow is associated; so it is without any.
+    pub associated: bool,
+    /// Names of the active conditions of the yield set.
+    pub active: Option<Vec<&'static str>>,
+    /// The stress on yield.
+    pub stress: Option<YieldStress>,
+    /// The wave of the case.
+    pub wave: WaveVector,
+    /// Roots at that wave that are not zero at every wave number, Re ς and Im ς, 1/s.
+    pub roots: Vec<[f64; 2]>,
+    /// c² along that wave, real and imaginary part, m²/s².
+    pub squared_speeds: Vec<[f64; 2]>,
+    /// The same while the solid does not yield.
+    pub elastic_squared_speeds: Vec<[f64; 2]>,
+    /// How well the energy is kept.
+    pub energy: Energy,
+    /// Unknowns of the rate equations.
+    pub unknowns: usize,
+    /// Roots that are zero at every wave number.
+    pub zero_roots: usize,
+    /// The method of the verdict.
+    pub route: &'static str,
+    /// The solid.
+    #[serde(skip)]
+    pub solid: Solid,
+    /// The verdict with rounding bounds.
+    #[serde(skip)]
+    pub assessment: SolidAssessment,
+    /// Greatest Re ς at the wave number of the case against the direction: degrees, 1/s.
+    #[serde(skip)]
+    pub by_direction: Vec<[f64; 2]>,
+    /// Greatest Re ς in the direction of the case against the wave number: 1/m, 1/s.
+    #[serde(skip)]
+    pub by_wave_number: Vec<[f64; 2]>,
+    /// The same in the direction in which short waves grow fastest; empty unless ill-posed.
+    #[serde(skip)]
+    pub in_worst_direction: Vec<[f64; 2]>,
+}
+
+/// A stress on the yield set.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct YieldStress {
+    /// σ, Pa; second index: face normal.
+    pub force: [[f64; 3]; 3],
+    /// m, N/m; second index: face normal.
+    pub couple: [[f64; 3]; 3],
+}
+
+impl From<Stress> for YieldStress {
+    fn from(Stress { force, couple }: Stress) -> Self {
+        Self { force, couple }
+    }
+}
+
+/// How well the energy is kept, all relative to the largest of what is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Energy {
+    /// Least eigenvalue of the symmetriser of the elastic equations, over its diagonal.
+    pub definiteness: f64,
+    /// ‖A − Aᵀ‖ of the symmetriser A, or ‖B − Bᵀ‖ of the elastic equations times it: the greater.
+    pub asymmetry: f64,
+    /// ‖Q + Qᵀ‖, likewise.
+    pub antisymmetry: f64,
+    /// Greatest |Re ς|/|ς| of elastic waves of many lengths and directions.
+    pub elastic_growth: f64,
+    /// The same while yielding.
+    pub growth: f64,
+}
+
+impl From<&energy::Energy> for Energy {
+    fn from(found: &energy::Energy) -> Self {
+        let energy::Energy {
+            definiteness, asymmetry, antisymmetry, elastic_growth, growth, ..
+        } = *found;
+        Self { definiteness, asymmetry, antisymmetry, elastic_growth, growth }
+    }
+}
+
+/// Analyses the solid of a case.
+///
+/// # Errors
+/// Its constants are out of range, its stress does not yield, or it cannot be analysed.
+pub fn solid(case: &Case) -> Result<SolidPoint, Error> {
+    let located = |error: NoResponse| setup::locate(case, error.into());
+    let wave = case.numbers.wave;
+    let solid = setup::solid::solid(case).map_err(|error| case.locate(error))?;
+    let cache = AcousticTensorCache::default();
+    let mut assessor = SolidAssessor::new(&cache);
+    let (assessment, of_polynomial) =
+        assessor.assess(&solid).map_err(|error| setup::locate(case, error))?;
+    let supremum =
+        of_polynomial.and_then(|found| bound::supremum(&assessor.plane.pencil, &found, 0.0));
+    let bound = match supremum {
+        Some(supremum) => Some(supremum.rate),
+        None => solid.keeps_energy().then_some(0.0),
+    };
+    let curves = Curves::new(&solid, wave, &assessment).map_err(located)?;
+    let energy = energy(&solid, wave.number).map_err(located)?;
+    let squared_speeds = |elastic: bool| {
+        let waves = solids::waves(&solid, normal(&wave), elastic).map_err(located)?;
+        Ok::<_, Error>(pairs(&squared_speeds(&waves)))
+    };
+    let [order, coefficient] = order_and_coefficient(&assessment.verdict);
+    let normal_deg = assessment.direction_deg();
+    let plastic = solid.plastic.as_ref();
+    Ok(SolidPoint {
+        model: case.kind.name(),
+        yield_set: case.yields.map(|set| set.name),
+        dimensions: solid.dimensions,
+        verdict: assessment.verdict.name(),
+        order,
+        coefficient,
+        direction_deg: normal_deg.map(|angles| angles[0]),
+        elevation_deg: normal_deg.map(|angles| angles[1]),
+        bound,
+        hyperbolicity: assessment.hyperbolicity.name(),
+        flutter: assessment.extremes.flutter.map(Flutter::from),
+        slowest: assessment.extremes.slowest.into(),
+        associated: solid.is_associated(),
+        active: plastic.map(|plastic| plastic.active.iter().map(|active| active.name).collect()),
+        stress: plastic.and_then(|plastic| plastic.stress).map(YieldStress::from),
+        wave: wave.into(),
+        squared_speeds: squared_speeds(false)?,
+        roots: pairs(&solids::roots(&solid, normal(&wave), wave.number).map_err(located)?),
+        elastic_squared_speeds: squared_speeds(true)?,
+        energy: Energy::from(&energy),
+        unknowns: energy.unknowns,
+        zero_roots: energy.zeros,
+        route: assessment.route,
+        by_direction: curves.by_direction,
+        by_wave_number: curves.by_wave_number,
+        in_worst_direction: curves.in_worst_direction,
+        solid,
+        assessment,
+    })
+}
+
+fn energy(solid: &Solid, number: f64) -> Result<energy::Energy, NoResponse> {
+    Ok(match solid.dimensions {
+        2 => energy::energy::<2>(&solid.elastic_rates(), &solid.rates()?, number),
+        _ => energy::energy::<3>(&solid.elastic_rates(), &solid.rates()?, number),
+    })
+}
+
+fn pairs(list: &[Complex64]) -> Vec<[f64; 2]> {
+    list.iter().map(|z| [z.re, z.im]).collect()
+}
+
+/// c² along the wave of the case, by descending real part; zeros of rounding size as zeros.
+fn squared_speeds(waves: &Waves) -> Vec<Complex64> {
+    let mut all: Vec<Complex64> =
+        waves.families.iter().flat_map(|family| family.squared_speeds()).collect();
+    let largest = all.iter().map(|c| c.norm()).fold(0.0, f64::max);
+    for square in &mut all {
+        if square.norm() <= 1e-13 * largest {
+            *square = Complex64::from(0.0);
+        }
+    }
+    all.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+    all
+}
+
+/// Growth rates of a solid.
+struct Curves {
+    by_direction: Vec<[f64; 2]>,
+    by_wave_number: Vec<[f64; 2]>,
+    in_worst_direction: Vec<[f64; 2]>,
+}
+
+impl Curves {
+    fn new(solid: &Solid, wave: Wave, assessment: &SolidAssessment) -> Result<Self, NoResponse> {
+        let rate = |wave: Wave| solids::growth_rate(solid, normal(&wave), wave.number);
+        let by_direction = (0..=DIRECTIONS)
+            .map(|i| {
+                let direction_deg = 180.0 * i as f64 / DIRECTIONS as f64;
+                Ok([direction_deg, rate(Wave { direction_deg, ..wave })?])
+            })
+            .collect::<Result<_, NoResponse>>()?;
+        let along = |wave: Wave| {
+            (-DECADES * PER_DECADE..=DECADES * PER_DECADE)
+                .map(|step| {
+                    let decades = f64::from(step) / f64::from(PER_DECADE);
+                    let number = wave.number * 10f64.cr_powf(decades);
+                    Ok([number, rate(Wave { number, ..wave })?])
+                })
+                .collect::<Result<Vec<_>, NoResponse>>()
+        };
+        let in_worst_direction = match assessment.direction_deg() {
+            Some([direction_deg, elevation_deg]) => {
+                along(Wave { direction_deg, elevation_deg, ..wave })?
+            }
+            None => Vec::new(),
+        };
+        Ok(Self { by_direction, by_wave_number: along(wave)?, in_worst_direction })
+    }
+}
