@@ -1,14 +1,15 @@
 //! Well-posedness of continuum models of granular media.
 //!
 //! Describe a medium and a state in a case file; `wellposed` says whether its equations are
-//! well-posed. Questions that return values are in [`study`], their reports in [`report`], the verbs of the command line in [`cli`] (others still have one file each: [`map`], [`point`], [`speeds`], [`run`], [`check`], [`plot`], [`cases`], [`new`]);
+//! well-posed. Questions that return values are in [`study`] (and here: [`dispersion`], [`speeds`], [`check`]), their
+//! reports in [`report`], the verbs of the command line in [`cli`] (others still have one file each: [`map`], [`point`],
+//! [`run`], [`plot`], [`cases`], [`new`]);
 //! [`mod@case`] reads case files; [`setup`] makes of them what the crates below take; [`output`] keeps folders of
 //! results. No physics and no numerics here.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod cases;
-pub mod check;
 pub mod cli;
 pub mod map;
 pub mod new;
@@ -18,10 +19,10 @@ pub mod point;
 pub mod report;
 pub mod run;
 pub mod setup;
-pub mod speeds;
 pub mod study;
 
 pub use ::cases as case;
+pub use study::{check::check, dispersion::dispersion, speeds::speeds};
 
 use std::path::PathBuf;
 
@@ -88,7 +89,7 @@ pub enum Error {
     IllPosed(run::IllPosed),
     /// What was measured is not what was predicted.
     #[error(transparent)]
-    Disagrees(#[from] check::Disagreement),
+    Disagrees(#[from] cli::Disagreement),
     /// Somebody ended a run, which may go on.
     #[error("interrupted at {time} s; wellposed resume {folder} goes on")]
     Interrupted {

@@ -1,9 +1,13 @@
 //! The verbs of the command line: from arguments to a study, its report and the folder of results.
 
+mod check;
 mod dispersion;
 pub mod progress;
+mod speeds;
 
+pub use check::{Disagreement, check};
 pub use dispersion::dispersion;
+pub use speeds::speeds;
 
 use crate::Error;
 use crate::output::ResultFolder;

@@ -1,0 +1,58 @@
+//! The strongest flutter and the slowest wave of a solid over all directions.
+
+use analysis::solids::angles_deg;
+use analysis::sphere::{Flutter, Slowest};
+use serde::Serialize;
+
+/// A wave normal.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct WaveNormal {
+    /// Unit vector.
+    pub vector: [f64; 3],
+    /// Direction in the plane of x₁ and x₂ from x₁, degrees.
+    pub direction_deg: f64,
+    /// Angle above that plane, degrees.
+    pub elevation_deg: f64,
+}
+
+impl From<[f64; 3]> for WaveNormal {
+    fn from(vector: [f64; 3]) -> Self {
+        let [direction_deg, elevation_deg] = angles_deg(vector);
+        Self { vector, direction_deg, elevation_deg }
+    }
+}
+
+/// The strongest flutter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FlutterWave {
+    /// Supremum of |Im c| over the directions with complex c², m/s: short waves grow as this times k.
+    pub growth: f64,
+    /// Real and imaginary part of c² there, m²/s²; the conjugate is a c² too.
+    pub squared_speed: [f64; 2],
+    /// The wave normal.
+    pub normal: WaveNormal,
+}
+
+impl From<Flutter> for FlutterWave {
+    fn from(Flutter { growth, speed_squared, normal }: Flutter) -> Self {
+        let squared_speed = [speed_squared.re, speed_squared.im];
+        Self { growth, squared_speed, normal: normal.into() }
+    }
+}
+
+/// The slowest wave among those with real c².
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SlowestWave {
+    /// Least real c², m²/s²; infinite if no direction has one (null in JSON).
+    pub squared_speed: f64,
+    /// How far rounding may have moved it, m²/s².
+    pub rounding: f64,
+    /// The wave normal.
+    pub normal: WaveNormal,
+}
+
+impl From<Slowest> for SlowestWave {
+    fn from(Slowest { speed_squared, normal, rounding }: Slowest) -> Self {
+        Self { squared_speed: speed_squared, rounding, normal: normal.into() }
+    }
+}
