@@ -1,14 +1,15 @@
 //! Well-posedness of continuum models of granular media.
 //!
 //! Describe a medium and a state in a case file; `wellposed` says whether its equations are
-//! well-posed. Questions that return values are in [`study`], their reports in [`report`], the verbs of the command line in [`cli`] (others still have one file each: [`speeds`], [`run`], [`check`], [`plot`], [`cases`], [`new`]);
+//! well-posed. Questions that return values are in [`study`] and here: [`point()`], [`map()`], [`dispersion()`], [`speeds()`],
+//! [`check()`]; their reports in [`report`], the verbs of the command line in [`cli`] (others still have one file each:
+//! [`run`], [`plot`], [`cases`], [`new`]);
 //! [`mod@case`] reads case files; [`setup`] makes of them what the crates below take; [`output`] keeps folders of
 //! results. No physics and no numerics here.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod cases;
-pub mod check;
 pub mod cli;
 pub mod new;
 pub mod output;
@@ -16,11 +17,10 @@ pub mod plot;
 pub mod report;
 pub mod run;
 pub mod setup;
-pub mod speeds;
 pub mod study;
 
 pub use ::cases as case;
-pub use study::{dispersion, map, point};
+pub use study::{check::check, dispersion::dispersion, map::map, point::point, speeds::speeds};
 
 use std::path::PathBuf;
 
@@ -87,7 +87,7 @@ pub enum Error {
     IllPosed(run::IllPosed),
     /// What was measured is not what was predicted.
     #[error(transparent)]
-    Disagrees(#[from] check::Disagreement),
+    Disagrees(#[from] cli::Disagreement),
     /// Somebody ended a run, which may go on.
     #[error("interrupted at {time} s; wellposed resume {folder} goes on")]
     Interrupted {

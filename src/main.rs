@@ -10,7 +10,7 @@ use wellposed::case::{Kind, Medium, Yield};
 use wellposed::new::{self, Purpose};
 use wellposed::run::{self, Control};
 use wellposed::study::MapOptions;
-use wellposed::{Error, Format, Options, VERSION, cases, check, cli, plot, speeds};
+use wellposed::{Error, Format, Options, VERSION, cases, cli, plot};
 
 /// Well-posedness of continuum models of granular media.
 #[derive(Parser)]
@@ -213,12 +213,12 @@ fn carry_out(verb: Verb) -> Result<(), Error> {
         }
         Verb::Point { run } => cli::point(&run.into(), &mut stdout)?,
         Verb::Dispersion { run } => cli::dispersion(&run.into(), &mut stdout)?,
-        Verb::Speeds { run } => speeds::run(&run.into(), &mut stdout)?,
+        Verb::Speeds { run } => cli::speeds(&run.into(), &mut stdout)?,
         Verb::Run { run, checkpoint_every, accept_ill_posed } => {
             let options = Options { accept_ill_posed, ..run.into() };
             run::run(&options, Control { checkpoint_every }, &mut stdout)?;
         }
-        Verb::Check { run } => check::run(&run.into(), &mut stdout)?,
+        Verb::Check { run } => cli::check(&run.into(), &mut stdout)?,
         Verb::Resume { folder, threads, checkpoint_every, format } => {
             let threads = threads.map(usize::from);
             let control = Control { checkpoint_every };

@@ -4,11 +4,15 @@ use agreement::solids::{BranchResult, SolverSettings};
 use dynamics::problem::{Placement, Splitting};
 use serde_json::Value;
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use wellposed::case::{Case, Kind, Parameter};
-use wellposed::check::solid::{Plan, rows};
-use wellposed::check::{self, Extent, plan};
-use wellposed::{Error, Format, Options};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use wellposed::case::{Case, Parameter};
+use wellposed::setup::check::solid::WavePlan;
+use wellposed::study::check::Extent;
+use wellposed::study::check::solid::rows;
+use wellposed::study::{self, unwatched};
+use wellposed::{Error, Format, Options, cli};
 
 fn bundled(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(name)
@@ -24,7 +28,7 @@ fn checked(file: PathBuf, sets: &[&str]) -> (Value, Result<(), Error>) {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let mut printed = Vec::new();
     let out = folder.path().join("out");
-    let ended = check::run(&options(file, sets, Some(out.clone())), &mut printed);
+    let ended = cli::check(&options(file, sets, Some(out.clone())), &mut printed);
     let report: Value = serde_json::from_slice(&printed).unwrap_or_default();
     if ended.is_ok() {
         assert_eq!(fs::read(out.join("check.json")).expect("a report"), printed);
@@ -40,8 +44,13 @@ fn off(row: &BranchResult) -> f64 {
     row.difference().expect("a measurement").max_norm()
 }
 
+/// The waves of a case of one medium.
+fn plan(case: &Case, extent: Extent) -> WavePlan {
+    WavePlan::new(case, case, extent)
+}
+
 /// A plan with other settings.
-fn with(plan: &Plan, change: impl Fn(&mut SolverSettings)) -> Plan {
+fn with(plan: &WavePlan, change: impl Fn(&mut SolverSettings)) -> WavePlan {
     let mut plan = plan.clone();
     change(&mut plan.settings);
     plan
@@ -68,7 +77,7 @@ fn elastic_waves_are_as_predicted() {
         let two_cyclic = with(&own, |settings| {
             (settings.splitting, settings.courant) = (Splitting::TwoCyclic, 1.0);
         });
-        let of = |plan| rows(&case, &case, plan).expect("a solver");
+        let of = |plan| rows(&case, &case, plan, &unwatched).expect("a solver");
         let (first, second) = (of(&own), of(&two_cyclic));
         assert_eq!(first.len(), branches * own.waves.len(), "{name}");
         for row in first.into_iter().chain(second) {
@@ -97,8 +106,8 @@ fn loading_and_unloading_waves_are_as_predicted() {
         // In the limit the correction that is of first order leaves more.
         let two_cyclic = with(&own, |settings| settings.splitting = Splitting::TwoCyclic);
         let second = with(&two_cyclic, |settings| settings.placement = Placement::Middle);
-        let of = |plan: &Plan, most: f64| {
-            let all = rows(&case, &case, plan).expect("a solver");
+        let of = |plan: &WavePlan, most: f64| {
+            let all = rows(&case, &case, plan, &unwatched).expect("a solver");
             for row in &all {
                 assert_eq!(row.agrees(), Some(true), "{name}: {row:?}");
                 assert!(off(row) < most, "{name}: {row:?}");
@@ -126,7 +135,7 @@ fn speeds_of_a_yielding_metal() {
     let plan = with(&plan(&case, Extent::Short), |settings| {
         (settings.placement, settings.splitting) = (Placement::Middle, Splitting::TwoCyclic);
     });
-    let rows = rows(&case, &case, &plan).expect("a solver");
+    let rows = rows(&case, &case, &plan, &unwatched).expect("a solver");
     for (response, modulus) in [("unloading", 2.32e11), ("loading", 1.52e11)] {
         let speed = (modulus / 7815.0f64).sqrt();
         let row = rows
@@ -151,7 +160,7 @@ fn a_wrong_modulus_is_caught() {
         let parameter = Parameter::find(&format!("model.{name}")).expect("a number");
         let mut other = case.clone();
         other.set(parameter, parameter.get(&case.numbers).expect("a number") * (1.0 + 1e-9));
-        let rows = rows(&case, &other, &plan).expect("a solver");
+        let rows = rows(&case, &other, &plan, &unwatched).expect("a solver");
         assert!(rows.iter().any(|row| row.agrees() == Some(false)), "{name}");
         assert!(rows.iter().all(|row| off(row) < 1e-4), "{name}");
     }
@@ -164,7 +173,7 @@ fn a_wrong_yield_set_is_caught() {
     let case = Case::load(&file, &[]).expect("a case");
     let sets = ["yield.shear_friction=0.601", "yield.shear_dilatancy=0.601"].map(str::to_owned);
     let other = Case::load(&file, &sets).expect("a case");
-    let rows = rows(&case, &other, &plan(&case, Extent::Short)).expect("a solver");
+    let rows = rows(&case, &other, &plan(&case, Extent::Short), &unwatched).expect("a solver");
     for row in rows.iter().filter(|row| row.response.name() == "unloading") {
         assert_eq!(row.agrees(), Some(true), "{row:?}");
     }
@@ -208,7 +217,7 @@ fn what_has_no_solver_is_not_measurable() {
         let folder = tempfile::tempdir().expect("a scratch folder");
         let mut printed = Vec::new();
         let out = folder.path().join("out");
-        check::run(&options(bundled(name), sets, Some(out.clone())), &mut printed)
+        cli::check(&options(bundled(name), sets, Some(out.clone())), &mut printed)
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_eq!(fs::read(out.join("check.json")).expect("a report"), printed);
         let report: Value = serde_json::from_slice(&printed).expect("a report");
@@ -305,179 +314,6 @@ fn numbers_that_overflow_are_located() {
     }
 }
 
-/// Mass, length and time of a unit, as powers of one each, of all that a unit is a product of.
-fn dimensions(unit: &str) -> Option<[i32; 3]> {
-    let mut sum = [0; 3];
-    let mut sign = 1;
-    let mut rest = unit.trim_matches(|c| c == '(' || c == ')').replace(['(', ')'], "");
-    for (from, to) in [("·", " "), ("/", " / ")] {
-        rest = rest.replace(from, to);
-    }
-    for factor in rest.split_whitespace() {
-        if factor == "/" {
-            sign = -1;
-            continue;
-        }
-        let name = factor.trim_end_matches(['²', '³', '⁴']);
-        let power = match factor.chars().last() {
-            Some('²') => 2,
-            Some('³') => 3,
-            Some('⁴') => 4,
-            _ => 1,
-        };
-        let base = match name {
-            "kg" => [1, 0, 0],
-            "m" => [0, 1, 0],
-            "s" => [0, 0, 1],
-            "Pa" => [1, -1, -2],
-            "N" => [1, 1, -2],
-            "1" | "rad" | "°" | "deg" | "–" | "-" => [0; 3],
-            _ => return None,
-        };
-        (0..3).for_each(|i| sum[i] += sign * power * base[i]);
-    }
-    Some(sum)
-}
-
-/// The case in units that are 2^−powers of those of mass, length and time.
-fn in_other_units(case: &Case, powers: [i32; 3]) -> Case {
-    let mut scaled = case.clone();
-    for parameter in Parameter::all() {
-        let Some(value) = parameter.get(&case.numbers).filter(|own| *own != 0.0) else {
-            continue;
-        };
-        let unit = dimensions(parameter.unit())
-            .unwrap_or_else(|| panic!("{}: {}", parameter.name(), parameter.unit()));
-        let power: i32 = unit.iter().zip(powers).map(|(a, b)| a * b).sum();
-        scaled.set(parameter, value * 2f64.powi(power));
-    }
-    if let Some(numbers) = scaled.check.as_mut().and_then(|own| own.numbers.as_mut()) {
-        numbers.iter_mut().for_each(|own| *own *= 2f64.powi(-powers[1]));
-    }
-    if let Some(dynamics) = &mut scaled.dynamics {
-        for region in &mut dynamics.regions {
-            region.case = in_other_units(&region.case, powers);
-        }
-    }
-    scaled
-}
-
-/// All rows of a report.
-fn rows_of(report: &Value) -> Vec<&Value> {
-    let media = report["media"].as_array().into_iter().flatten();
-    let all = media.chain([report]).filter_map(|own| own["rows"].as_array());
-    all.flatten().collect()
-}
-
-/// Holds a case in other units against its report in its own: the same rows, verdicts and words; rates with all digits
-/// that are printed. Solids keep their bits where the powers are even, and roots of products are powers of two again.
-fn compare(name: &str, case: &Case, first: &Value, extent: Extent, powers: [i32; 3]) {
-    let of = format!("{name} {powers:?}");
-    let scaled = in_other_units(case, powers);
-    let found = check::report(&scaled, extent).unwrap_or_else(|error| panic!("{of}: {error}"));
-    assert_eq!(found["agrees"], first["agrees"], "{of}: {found:#}");
-    assert_eq!(found["not_measurable"].is_string(), first["not_measurable"].is_string(), "{of}");
-    let (all, own) = (rows_of(&found), rows_of(first));
-    assert_eq!(all.len(), own.len(), "{of}");
-    let is_solid = matches!(case.kind, Kind::Solid(_));
-    let is_exact = is_solid && powers.iter().all(|own| own % 2 == 0);
-    let to_rate = 2f64.powi(powers[2]);
-    let least = case.get("background.shear_rate").unwrap_or(0.0);
-    for (found, first) in all.into_iter().zip(own) {
-        for key in ["branch", "response", "mode", "agrees"] {
-            assert_eq!(found[key], first[key], "{of} {key}: {found:#} for {first:#}");
-        }
-        assert_eq!(found["not_measurable"].is_string(), first["not_measurable"].is_string());
-        let pair = |key: &str, part: &str| {
-            let value = |own: &Value| own[key][part].as_f64();
-            (value(found).map(|own| own * to_rate), value(first))
-        };
-        let parts = ["frequency", "growth_rate"];
-        let scale = parts
-            .iter()
-            .filter_map(|part| pair("predicted", part).1)
-            .fold(least, |sum, own| sum.max(own.abs()));
-        for (key, part) in
-            ["predicted", "limit", "frozen"].iter().flat_map(|key| parts.map(|part| (key, part)))
-        {
-            let (found, first) = pair(key, part);
-            if is_exact {
-                assert_eq!(found, first, "{of} {key} {part}");
-            } else if let (Some(found), Some(first)) = (found, first) {
-                let off = (found - first).abs();
-                assert!(off <= 1e-8 * scale, "{of} {key} {part}: {found} for {first}");
-            }
-        }
-        let (found, first) = pair("limit", "tolerance");
-        if is_solid {
-            let (found, first) = (found.expect("a number"), first.expect("a number"));
-            assert!((found / first - 1.0).abs() <= if is_exact { 0.0 } else { 1e-6 }, "{of}");
-        }
-    }
-}
-
-/// Mass, length and time in other units change no row of any bundled case, and no verdict.
-fn units_change_nothing(extent: Extent, powers: &[[i32; 3]]) {
-    let mut files = Vec::new();
-    for folder in ["check", "cosserat", "dynamics", "flow", "granular-flow"] {
-        let entries = fs::read_dir(bundled(folder)).expect("a folder");
-        files.extend(entries.map(|entry| entry.expect("an entry").path()));
-    }
-    files.retain(|file| file.extension().is_some_and(|own| own == "toml"));
-    files.sort();
-    assert!(files.len() >= 29);
-    for (index, file) in files.iter().enumerate() {
-        let name = file.file_name().expect("a name").to_string_lossy();
-        let mut case = Case::load(file, &[]).expect("a case");
-        let is_flow = matches!(case.kind, Kind::Flow(_));
-        let mut asked = case.check.clone().unwrap_or_default();
-        if is_flow {
-            // Boxes of perturbations are no numbers of a case: their units stay.
-            asked.cells = None;
-        }
-        if extent == Extent::Short {
-            // Coarser grids and fewer waves: a unit is in all of them.
-            let is_plane = case.get("model.dimensions").is_none_or(|own| own == 2.0);
-            let cells = if is_plane { vec![12, 16] } else { vec![8, 10] };
-            asked.cells = (!is_flow).then_some(cells);
-            asked.directions_deg = Some(vec![30.0]);
-        }
-        case.check = Some(asked);
-        let first = check::report(&case, extent).unwrap_or_else(|error| panic!("{name}: {error}"));
-        // In short two after the other for each case.
-        let count = if extent == Extent::Short { 2 } else { powers.len() };
-        for powers in powers.iter().cycle().skip(2 * index).take(count) {
-            compare(&name, &case, &first, extent, *powers);
-        }
-    }
-}
-
-/// Even powers and odd ones.
-const POWERS: [[i32; 3]; 10] = [
-    [0, 40, 0],
-    [1, 0, 0],
-    [0, -40, 0],
-    [0, -3, 0],
-    [40, 40, -40],
-    [0, 0, 39],
-    [-40, -20, 40],
-    [-39, 37, -35],
-    [40, -40, -40],
-    [-33, -1, 40],
-];
-
-#[test]
-fn units_change_no_row() {
-    units_change_nothing(Extent::Short, &POWERS);
-}
-
-/// The long form of the same: by hand.
-#[test]
-#[ignore = "takes long"]
-fn units_change_no_row_of_the_long_form() {
-    units_change_nothing(Extent::Full, &POWERS);
-}
-
 #[test]
 fn wrong_sections_are_located() {
     let wrong = [
@@ -528,7 +364,7 @@ fn a_folder_is_walked() {
         fs::copy(bundled(from), folder.path().join(to)).expect("a copy");
     }
     let mut printed = Vec::new();
-    check::run(&options(folder.path().to_owned(), &[], None), &mut printed).expect("agreement");
+    cli::check(&options(folder.path().to_owned(), &[], None), &mut printed).expect("agreement");
     let report: Value = serde_json::from_slice(&printed).expect("a report");
     let cases = report["cases"].as_array().expect("cases");
     let left: Vec<bool> = cases.iter().map(|own| own["not_measurable"].is_string()).collect();
@@ -544,7 +380,7 @@ fn any_number_of_threads_gives_the_same_bits() {
         let mut printed = Vec::new();
         let out = Some(folder.path().join("out"));
         let own = options(bundled("check/cubic-plane.toml"), &[], out);
-        check::run(&Options { threads: Some(threads), ..own }, &mut printed).expect("agreement");
+        cli::check(&Options { threads: Some(threads), ..own }, &mut printed).expect("agreement");
         printed
     });
     assert_eq!(bits[0], bits[1]);
@@ -609,6 +445,39 @@ fn finer_grids_make_of_a_perturbation_what_is_predicted() {
         for which in ["predicted", "measured"] {
             let found = orders[which].as_f64().expect("an order");
             assert!((found - order).abs() < 0.1, "{own}");
+        }
+    }
+}
+
+/// Both are told of the same steps, and end where they are told to.
+#[test]
+fn progress_is_told_and_cancels() {
+    type Study = fn(&Case, study::OnProgress) -> Result<(), Error>;
+    let check: Study =
+        |case, on_progress| wellposed::check(case, Extent::Short, on_progress).map(drop);
+    let speeds: Study = |case, on_progress| wellposed::speeds(case, on_progress).map(drop);
+    for (name, study) in [
+        ("check/cubic-plane.toml", check),
+        ("granular-flow/noncoaxiality-bound.toml", check),
+        ("dynamics/lamb-3d.toml", speeds),
+    ] {
+        let case = Case::load(&bundled(name), &[]).expect("a case");
+        let (calls, steps) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let counted = |done: usize, all: usize| {
+            calls.fetch_add(1, Ordering::Relaxed);
+            steps.store(all, Ordering::Relaxed);
+            assert!(done <= all, "{name}: {done} of {all}");
+            ControlFlow::Continue(())
+        };
+        study(&case, &counted).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(calls.into_inner(), steps.into_inner() + 1, "{name}");
+        for last in [0, 1] {
+            let stopped = |done: usize, _: usize| match done < last {
+                true => ControlFlow::Continue(()),
+                false => ControlFlow::Break(()),
+            };
+            let ended = study(&case, &stopped);
+            assert!(matches!(ended, Err(Error::Cancelled)), "{name}: {ended:?}");
         }
     }
 }

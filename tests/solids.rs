@@ -4,7 +4,7 @@ use serde_json::Value;
 use std::f64::consts::PI;
 use std::path::Path;
 use wellposed::study::MapOptions;
-use wellposed::{Format, Options, cli, speeds};
+use wellposed::{Format, Options, cli};
 
 type Verb = fn(&Options, &mut dyn std::io::Write) -> Result<(), wellposed::Error>;
 
@@ -133,7 +133,7 @@ fn flutter_of_layers_is_that_of_the_discriminant() {
 #[test]
 fn sectors_and_vanishing_speeds_of_layers() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let report = run(folder.path(), speeds::run, LAYERS, &[]).expect("a sound case");
+    let report = run(folder.path(), cli::speeds, LAYERS, &[]).expect("a sound case");
     let sectors = report["flutter_sectors_deg"].as_array().expect("a list");
     assert_eq!(sectors.len(), 1);
     for (edge, inwards) in [(0, 1e-6), (1, -1e-6)] {
@@ -194,7 +194,7 @@ fn shear_bands_in_space_start_as_rudnicki_and_rice_say() {
                 set("yield.dilatancy", dilatancy),
                 set("yield.hardening", critical + offset),
             ];
-            let report = run(folder.path(), speeds::run, CONE, &sets).expect("a sound case");
+            let report = run(folder.path(), cli::speeds, CONE, &sets).expect("a sound case");
             let squared = number(&report["slowest"]["squared_speed"]);
             assert_eq!(squared < 0.0, is_banded, "{out_of_plane}: {critical} {squared:e}");
             let verdict = if is_banded { "ill-posed" } else { "well-posed" };
@@ -432,7 +432,7 @@ fn flow_of_the_background_damps_but_changes_no_speed() {
 fn waves_of_a_softening_solid_grow_in_dispersion_too() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let sets = [set("yield.dilatancy", 0.6), set("yield.hardening", -0.8)];
-    let report = run(folder.path(), speeds::run, CONE, &sets).expect("a sound case");
+    let report = run(folder.path(), cli::speeds, CONE, &sets).expect("a sound case");
     let slowest = &report["slowest"];
     let squared = number(&slowest["squared_speed"]);
     assert!(squared < 0.0);
@@ -500,7 +500,7 @@ fn a_speed_that_always_vanishes_is_said_once() {
         .replace("inertia = 1\n", "")
         .replace("'+sigma21'", "'+sigma21', '+sigma12'");
     let sets = [set("yield.shear_dilatancy", 0.6)];
-    let report = run(folder.path(), speeds::run, &case, &sets).expect("a sound case");
+    let report = run(folder.path(), cli::speeds, &case, &sets).expect("a sound case");
     assert_eq!(report["always_still"], true);
     assert_eq!(report["vanishing"].as_array().expect("a list").len(), 0);
 }
@@ -509,7 +509,7 @@ fn a_speed_that_always_vanishes_is_said_once() {
 fn sectors_of_imaginary_speeds_end_where_a_speed_vanishes() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let sets = [set("stress.stress_angle_deg", 0.0), set("stress.out_of_plane_stress", 0.0)];
-    let report = run(folder.path(), speeds::run, CONE, &sets).expect("a sound case");
+    let report = run(folder.path(), cli::speeds, CONE, &sets).expect("a sound case");
     let sectors = report["imaginary_sectors_deg"].as_array().expect("a list");
     assert_eq!(sectors.len(), 2);
     for edge in sectors.iter().flat_map(|s| [number(&s[0]), number(&s[1])]) {

@@ -171,8 +171,12 @@ fn a_map_is_the_same_for_any_number_of_threads_and_agrees_with_its_points() {
         let mut options = options(folder.path(), CASE, &[]);
         options.out = Some(folder.path().join(format!("{threads}")));
         options.threads = Some(threads);
-        cli::map(&options, MapOptions { bound: true, ..MapOptions::default() }, &mut std::io::sink())
-            .unwrap();
+        cli::map(
+            &options,
+            MapOptions { bound: true, ..MapOptions::default() },
+            &mut std::io::sink(),
+        )
+        .unwrap();
         let mut files: Vec<_> = fs::read_dir(folder.path().join(format!("{threads}")))
             .unwrap()
             .map(|entry| entry.unwrap())

@@ -1,6 +1,6 @@
 //! `wellposed map`.
 
-use super::progress::Progress;
+use super::progress::watched;
 use super::would_write;
 use crate::case::Case;
 use crate::output::{self, ResultFolder};
@@ -23,8 +23,7 @@ pub fn map(options: &Options, asked: MapOptions, stdout: &mut dyn Write) -> Resu
         return would_write(&folder, &output::MAP, stdout);
     }
     let pool = crate::pool(options.threads)?;
-    let progress = Progress::new("judging states", states as u64);
-    let found = pool.install(|| study::map(&case, asked, &|done, _| progress.reach(done)))?;
-    drop(progress);
+    let found =
+        watched(&pool, "judging states", |on_progress| study::map(&case, asked, on_progress))?;
     report::write(&found, &case, &folder, options.format, stdout)
 }

@@ -1,13 +1,17 @@
 //! The verbs of the command line: from arguments to a study, its report and the folder of results.
 
+mod check;
 mod dispersion;
 mod map;
 mod point;
 pub mod progress;
+mod speeds;
 
+pub use check::{Disagreement, check};
 pub use dispersion::dispersion;
 pub use map::map;
 pub use point::point;
+pub use speeds::speeds;
 
 use crate::Error;
 use crate::output::ResultFolder;

@@ -1,13 +1,30 @@
 //! Progress with the time left, on a terminal, for work that lasts over a second.
 
+use crate::study::OnProgress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use rayon::ThreadPool;
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
-use std::sync::Once;
+use std::sync::{Once, OnceLock};
 use std::time::{Duration, Instant};
 
 /// Work shorter than this is not worth a bar.
 const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Carries out a study on the threads of a pool, with a bar called `name` while it lasts.
+pub fn watched<T: Send>(
+    pool: &ThreadPool,
+    name: &'static str,
+    study: impl FnOnce(OnProgress) -> T + Send,
+) -> T {
+    let progress = OnceLock::new();
+    let on_progress = |done: usize, all: usize| {
+        let progress = progress.get_or_init(|| Progress::new(name, all as u64));
+        progress.advance_to(done as u64, all as u64);
+        ControlFlow::Continue(())
+    };
+    pool.install(|| study(&on_progress))
+}
 
 /// A bar on standard error that several threads may push. Gone when dropped.
 pub struct Progress {
@@ -38,26 +55,25 @@ impl Progress {
 
     /// `steps` more are done.
     pub fn tick(&self, steps: u64) {
-        if let Some(bar) = self.shown() {
+        if let Some(bar) = &self.bar {
+            self.show_after_a_while(bar);
             bar.inc(steps);
         }
     }
 
-    /// So many steps are done, as a study says; it goes on.
-    pub fn reach(&self, done: usize) -> ControlFlow<()> {
-        if let Some(bar) = self.shown() {
-            bar.set_position(done as u64);
+    /// So many steps of so many are done. Steps of several threads may be told in any order.
+    fn advance_to(&self, done: u64, all: u64) {
+        if let Some(bar) = &self.bar {
+            self.show_after_a_while(bar);
+            bar.set_length(all);
+            bar.set_position(done.max(bar.position()));
         }
-        ControlFlow::Continue(())
     }
 
-    /// The bar, on the terminal once the work lasts.
-    fn shown(&self) -> Option<&ProgressBar> {
-        let bar = self.bar.as_ref()?;
+    fn show_after_a_while(&self, bar: &ProgressBar) {
         if self.start.elapsed() > PATIENCE {
             self.show.call_once(|| bar.set_draw_target(ProgressDrawTarget::stderr()));
         }
-        Some(bar)
     }
 }
 

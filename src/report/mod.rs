@@ -1,9 +1,11 @@
 //! From the value of a study to what people and programs read: text, JSON, tables, pictures. One way for all studies.
 
+pub mod check;
 pub mod dispersion;
 pub mod format;
 pub mod map;
 pub mod point;
+pub mod speeds;
 
 use crate::case::Case;
 use crate::output::ResultFolder;
@@ -26,6 +28,10 @@ pub trait Report: Serialize {
 
     /// Whether what is printed as text ends with the path of the first picture; else with that of the folder.
     const ENDS_WITH_PICTURE: bool = true;
+    /// The same where they depend on the value.
+    fn units(&self) -> &'static [(&'static str, &'static str)] {
+        Self::UNITS
+    }
 
     /// The report in words and numbers for a reader.
     fn text(&self, case: &Case) -> String;
@@ -73,8 +79,9 @@ pub fn json<R: Report>(report: &R) -> Result<Value, Error> {
         Value::Object(own) => all.extend(own),
         own => _ = all.insert(R::NAME.to_owned(), own),
     }
-    if !R::UNITS.is_empty() {
-        let units = R::UNITS.iter().map(|(name, unit)| ((*name).to_owned(), (*unit).into()));
+    let units = report.units();
+    if !units.is_empty() {
+        let units = units.iter().map(|(name, unit)| ((*name).to_owned(), (*unit).into()));
         all.insert("units".to_owned(), Map::from_iter(units).into());
     }
     Ok(all.into())

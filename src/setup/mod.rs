@@ -1,5 +1,6 @@
 //! From a case to what the crates below take, and their errors with the place in the case file.
 
+pub mod check;
 pub mod flow;
 pub mod solid;
 

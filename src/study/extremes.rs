@@ -1,12 +1,12 @@
-//! Extremes of the characteristic speeds of a solid over all directions, as they stand in values.
+//! The strongest flutter and the slowest wave of a solid over all directions.
 
 use analysis::solids::angles_deg;
-use analysis::sphere;
+use analysis::sphere::{Flutter, Slowest};
 use serde::Serialize;
 
-/// The normal of a wave.
+/// A wave normal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Normal {
+pub struct WaveNormal {
     /// Unit vector.
     pub vector: [f64; 3],
     /// Direction in the plane of x₁ and x₂ from x₁, degrees.
@@ -15,7 +15,7 @@ pub struct Normal {
     pub elevation_deg: f64,
 }
 
-impl From<[f64; 3]> for Normal {
+impl From<[f64; 3]> for WaveNormal {
     fn from(vector: [f64; 3]) -> Self {
         let [direction_deg, elevation_deg] = angles_deg(vector);
         Self { vector, direction_deg, elevation_deg }
@@ -24,42 +24,35 @@ impl From<[f64; 3]> for Normal {
 
 /// The strongest flutter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Flutter {
-    /// Greatest |Im c|, m/s: short waves grow as this times k.
+pub struct FlutterWave {
+    /// Supremum of |Im c| over the directions with complex c², m/s: short waves grow as this times k.
     pub growth: f64,
-    /// Re c² and Im c², m²/s²; the conjugate is a c² too.
+    /// Real and imaginary part of c² there, m²/s²; the conjugate is a c² too.
     pub squared_speed: [f64; 2],
-    /// Normal of the wave.
-    pub normal: Normal,
+    /// The wave normal.
+    pub normal: WaveNormal,
 }
 
-impl From<sphere::Flutter> for Flutter {
-    fn from(flutter: sphere::Flutter) -> Self {
-        Self {
-            growth: flutter.growth,
-            squared_speed: [flutter.speed_squared.re, flutter.speed_squared.im],
-            normal: flutter.normal.into(),
-        }
+impl From<Flutter> for FlutterWave {
+    fn from(Flutter { growth, speed_squared, normal }: Flutter) -> Self {
+        let squared_speed = [speed_squared.re, speed_squared.im];
+        Self { growth, squared_speed, normal: normal.into() }
     }
 }
 
 /// The slowest wave among those with real c².
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Slowest {
-    /// Least real c², m²/s²; infinite if no direction has a real one (null in JSON).
+pub struct SlowestWave {
+    /// Least real c², m²/s²; infinite if no direction has one (null in JSON).
     pub squared_speed: f64,
     /// How far rounding may have moved it, m²/s².
     pub rounding: f64,
-    /// Normal of the wave.
-    pub normal: Normal,
+    /// The wave normal.
+    pub normal: WaveNormal,
 }
 
-impl From<sphere::Slowest> for Slowest {
-    fn from(slowest: sphere::Slowest) -> Self {
-        Self {
-            squared_speed: slowest.speed_squared,
-            rounding: slowest.rounding,
-            normal: slowest.normal.into(),
-        }
+impl From<Slowest> for SlowestWave {
+    fn from(Slowest { speed_squared, normal, rounding }: Slowest) -> Self {
+        Self { squared_speed: speed_squared, rounding, normal: normal.into() }
     }
 }

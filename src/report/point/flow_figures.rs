@@ -194,8 +194,7 @@ fn directions_figure(case: &Case, own: &Shown) -> DirectionsFigure {
         let [v1, v2] = flow.velocity;
         directions.push(axis("velocity", v2.cr_atan2(v1), Style::Velocity));
     }
-    let kind =
-        state.steady_type.map_or(String::new(), |kind| format!(", steady equations {kind}"));
+    let kind = state.steady_type.map_or(String::new(), |kind| format!(", steady equations {kind}"));
     DirectionsFigure {
         title: case_title(case),
         subtitle: format!("{title}: characteristic directions{kind}"),

@@ -194,10 +194,7 @@ fn figure(case: &Case, found: &SolidPoint) -> GrowthFigure {
     let mut guides = Vec::new();
     if let (Some(direction), Some(elevation)) = (found.direction_deg, found.elevation_deg) {
         curves.push(Line {
-            label: format!(
-                "{}, where short waves grow fastest",
-                along([direction, elevation])
-            ),
+            label: format!("{}, where short waves grow fastest", along([direction, elevation])),
             points: found.in_worst_direction.clone(),
         });
         if let (Some(order), Some(coefficient)) = (found.order, found.coefficient) {

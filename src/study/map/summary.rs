@@ -125,12 +125,7 @@ pub struct SolidMap {
 }
 
 impl MapResult {
-    pub(super) fn new(
-        case: &Case,
-        map: &Map,
-        options: MapOptions,
-        points: Vec<MapPoint>,
-    ) -> Self {
+    pub(super) fn new(case: &Case, map: &Map, options: MapOptions, points: Vec<MapPoint>) -> Self {
         let count = |is: &dyn Fn(&MapPoint) -> bool| points.iter().filter(|p| is(p)).count();
         let counts = PointStatus::ALL.map(|status| (status, count(&|p| p.status == status)));
         let states: usize =

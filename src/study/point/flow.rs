@@ -121,8 +121,7 @@ impl NotYieldingState {
 pub fn flow(case: &Case) -> Result<FlowPoint, Error> {
     // Keys that only a compared kind uses are nothing to this one.
     let mut own = Analysed::new(&case.for_kind(case.kind))?;
-    let noncoaxiality =
-        own.analysis.yielding().map(|state| state.flow.noncoaxiality.to_degrees());
+    let noncoaxiality = own.analysis.yielding().map(|state| state.flow.noncoaxiality.to_degrees());
     let mut compared = Vec::new();
     for &kind in case.compare.iter().flatten() {
         let converted = case.for_kind_with(kind, noncoaxiality);
@@ -146,8 +145,8 @@ struct Analysed {
 impl Analysed {
     fn new(case: &Case) -> Result<Self, Error> {
         let mut workspace = Workspace::default();
-        let (model, frozen) =
-            setup::flow::assess(case, &mut workspace).map_err(|error| setup::locate(case, error))?;
+        let (model, frozen) = setup::flow::assess(case, &mut workspace)
+            .map_err(|error| setup::locate(case, error))?;
         let state = match frozen {
             FrozenState::NotYielding(background) => {
                 let wave = (&case.numbers.wave).into();

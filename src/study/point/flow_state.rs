@@ -136,10 +136,9 @@ impl YieldingState {
     /// The same with the characteristics of the steady equations.
     pub(super) fn with_characteristics(self, found: Option<Characteristics>) -> Self {
         let Some(Characteristics { real, complex, arbitrary, kind }) = found else { return self };
-        let complex = complex.into_iter().map(|(tangent, family)| ComplexCharacteristic {
-            tangent: pair(&tangent),
-            family,
-        });
+        let complex = complex
+            .into_iter()
+            .map(|(tangent, family)| ComplexCharacteristic { tangent: pair(&tangent), family });
         Self {
             characteristics: Some(real.into_iter().map(Characteristic::from).collect()),
             complex_characteristics: Some(complex.collect()),

@@ -4,7 +4,7 @@ use super::order_and_coefficient;
 use crate::case::{Case, Wave};
 use crate::setup::solid::normal;
 use crate::study::dispersion::WaveVector;
-use crate::study::extremes::{Flutter, Slowest};
+use crate::study::extremes::{FlutterWave, SlowestWave};
 use crate::{Error, setup};
 use analysis::bound;
 use analysis::energy;
@@ -48,9 +48,9 @@ pub struct SolidPoint {
     /// Type of the speeds over all directions.
     pub hyperbolicity: &'static str,
     /// The strongest flutter.
-    pub flutter: Option<Flutter>,
+    pub flutter: Option<FlutterWave>,
     /// The slowest wave.
-    pub slowest: Slowest,
+    pub slowest: SlowestWave,
     /// Whether flow is associated; so it is without any.
     pub associated: bool,
     /// Names of the active conditions of the yield set.
@@ -167,7 +167,7 @@ pub fn solid(case: &Case) -> Result<SolidPoint, Error> {
         elevation_deg: normal_deg.map(|angles| angles[1]),
         bound,
         hyperbolicity: assessment.hyperbolicity.name(),
-        flutter: assessment.extremes.flutter.map(Flutter::from),
+        flutter: assessment.extremes.flutter.map(FlutterWave::from),
         slowest: assessment.extremes.slowest.into(),
         associated: solid.is_associated(),
         active: plastic.map(|plastic| plastic.active.iter().map(|active| active.name).collect()),

@@ -1,0 +1,31 @@
+//! `wellposed speeds`.
+
+use super::progress::watched;
+use super::would_write;
+use crate::case::Case;
+use crate::output::{self, ResultFolder};
+use crate::{Error, Options, report, setup, study};
+use analysis::solids::DirectionalSpeeds;
+use std::io::Write;
+
+/// Runs the verb.
+///
+/// # Errors
+/// The case is wrong, or results cannot be written.
+pub fn speeds(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
+    let case = Case::load(&options.case, &options.sets)?;
+    let solid = setup::solid::solid(&case).map_err(|error| case.locate(error))?;
+    let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
+    if options.dry_run {
+        writeln!(stdout, "would find speeds in {} directions", DirectionalSpeeds::DIRECTIONS)?;
+        let in_plane = output::SPEEDS.iter().filter(|name| !name.starts_with("sphere"));
+        let names: Vec<&str> = match solid.dimensions {
+            3 => output::SPEEDS.to_vec(),
+            _ => in_plane.copied().collect(),
+        };
+        return would_write(&folder, &names, stdout);
+    }
+    let pool = crate::pool(options.threads)?;
+    let found = watched(&pool, "speeds", |on_progress| study::speeds(&case, on_progress))?;
+    report::write(&found, &case, &folder, options.format, stdout)
+}

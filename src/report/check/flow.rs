@@ -1,0 +1,172 @@
+//! The results of a flow: table and pictures.
+
+use super::{
+    digits, exponent, greatest_difference_words, signed_exponent, unmeasured_words, verdict_words,
+};
+use crate::case::Case;
+use crate::report::format::{case_title, coaxial_words, order_words, short};
+use crate::study::check::flow::{FlowCheck, ModeCheck, RateCurve};
+use crate::study::check::refinement::{FastestModeCheck, Orders, RefinementCheck};
+use figures::{Line, SpectrumFigure};
+use std::fmt::Write as _;
+
+pub(super) const UNITS: [(&str, &str); 5] = [
+    ("growth_rate", "1/s"),
+    ("frequency", "rad/s"),
+    ("tolerance", "1/s"),
+    ("number", "1/m"),
+    ("duration", "s"),
+];
+
+/// Names of a wave's modes, the fastest growing first.
+const MODES: [&str; 2] = ["first", "second"];
+
+impl FlowCheck {
+    pub(super) fn text(&self, case: &Case) -> String {
+        let mut text = format!("{}\n{}\n", case_title(case), case.medium().title());
+        text.push_str(
+            "growth rates γ in 1/s of waves that the mean flow carries along; differences as parts of the \
+             rate, or of the shear rate Q_D where that is greater\n\n",
+        );
+        let _ = writeln!(
+            text,
+            "{:<24}{:>13}{:>13}{:>10}{:>10}{:>7}{:>15}",
+            "", "predicted", "measured", "differs", "within", "order", "frozen, in Q_D"
+        );
+        let mut last = None;
+        for row in &self.rows {
+            if last != Some(row.wave) {
+                let (k, along) = (short(row.wave.number), short(row.wave.direction_deg));
+                let _ = writeln!(text, "k = {k} 1/m at {along}°");
+                last = Some(row.wave);
+            }
+            row.write(self.shear_rate, &mut text);
+        }
+        for refinement in &self.refinements {
+            refinement.write(&mut text);
+        }
+        let [all, failed] = self.counts();
+        let found = match (failed, self.agrees()) {
+            (_, None) => String::new(),
+            (0, _) => ": all agree".to_owned(),
+            (some, _) => format!(": {some} of {all} DISAGREE"),
+        };
+        let off = greatest_difference_words(self.greatest_difference());
+        let _ = writeln!(text, "\n{off}{found}{}", unmeasured_words(self.unmeasured()));
+        text
+    }
+
+    /// Rates against the wave number: curves from the analysis, rings from the solver.
+    pub(super) fn figure(&self, case: &Case) -> SpectrumFigure {
+        let line = |curve: &RateCurve| {
+            let sign = if curve.grows { "grows" } else { "decays" };
+            Line {
+                label: format!("at {}°: {sign}", short(curve.direction_deg)),
+                points: curve.predicted.clone(),
+            }
+        };
+        SpectrumFigure {
+            title: case_title(case),
+            subtitle: format!(
+                "{}: curves from the analysis, rings from the solver{}",
+                case.medium().title(),
+                unmeasured_words(self.unmeasured()),
+            ),
+            x_label: "wave number k at the beginning, 1/m".to_owned(),
+            y_label: "growth or decay rate |γ|, 1/s".to_owned(),
+            lines: self.curves.iter().map(line).collect(),
+            rings: self.curves.iter().map(|curve| curve.measured.clone()).collect(),
+        }
+    }
+
+    /// Rates of the fastest growing wave of each grid, model by model.
+    pub(super) fn refinement_figure(&self, case: &Case) -> Option<SpectrumFigure> {
+        let points =
+            |own: &RefinementCheck, value: fn(&FastestModeCheck) -> f64| -> Vec<[f64; 2]> {
+                let grids = own.grids.iter().filter(|_| own.orders.is_some());
+                grids.map(|grid| [grid.number, value(grid)]).collect()
+            };
+        let first = self.refinements.first()?;
+        let counts: Vec<String> =
+            first.grids.iter().map(|grid| format!("{}²", grid.points[0])).collect();
+        let line = |own: &RefinementCheck| Line {
+            label: match own.orders {
+                Some(_) => own.title.to_owned(),
+                None => format!("{}: nothing grows", own.title),
+            },
+            points: points(own, |grid| grid.predicted),
+        };
+        Some(SpectrumFigure {
+            title: case_title(case),
+            subtitle: "the fastest growing wave of each grid: lines from the analysis, rings from the solver"
+                .to_owned(),
+            x_label: format!("its wave number k on {} points, 1/m", counts.join(", ")),
+            y_label: "growth rate γ, 1/s".to_owned(),
+            lines: self.refinements.iter().map(line).collect(),
+            rings: self.refinements.iter().map(|own| points(own, |grid| grid.measured)).collect(),
+        })
+    }
+}
+
+impl ModeCheck {
+    fn write(&self, shear_rate: f64, text: &mut String) {
+        let name = MODES[(self.mode - 1).min(1)];
+        let predicted = self.predicted.growth_rate;
+        let (Some(limit), Some(difference), Some(tolerance)) =
+            (self.limit, self.difference, self.tolerance)
+        else {
+            let reason = self.not_measurable.as_deref().unwrap_or_default();
+            let growth = digits(predicted);
+            let _ = writeln!(text, "  {name:<22}{growth:>13}  not measurable: {reason}");
+            return;
+        };
+        let _ = writeln!(
+            text,
+            "  {:<22}{:>13}{:>13}{:>10}{:>10}{:>7}{:>15}  {}",
+            name,
+            digits(predicted),
+            digits(limit.growth_rate),
+            signed_exponent(difference.growth / self.scale),
+            exponent(tolerance / self.scale),
+            self.order.map_or("–".into(), |order| format!("{order:.2}")),
+            format!("{:+.3}", (self.frozen.growth_rate - predicted) / shear_rate),
+            verdict_words(self.agrees == Some(true)),
+        );
+    }
+}
+
+impl RefinementCheck {
+    fn write(&self, text: &mut String) {
+        let title = self.title;
+        let _ = writeln!(text, "\n{title}: the fastest growing wave of each grid, rates in 1/s");
+        if let Some(delta) = self.lost_noncoaxiality_deg {
+            let _ = writeln!(text, "  {}", coaxial_words(delta));
+        }
+        for grid in &self.grids {
+            let [columns, rows] = grid.points;
+            let scale = grid.predicted.abs().max(self.shear_rate);
+            let _ = writeln!(
+                text,
+                "  {:<22}{:>13}{:>13}{:>10}  {}",
+                format!("{columns} × {rows} points"),
+                digits(grid.predicted),
+                digits(grid.measured),
+                signed_exponent((grid.measured - grid.predicted) / scale),
+                verdict_words(grid.agrees),
+            );
+        }
+        let verdict = verdict_words(self.agrees);
+        let _ = match self.orders {
+            Some(Orders { predicted, measured }) => writeln!(
+                text,
+                "  order in k: predicted {predicted:.4}, measured {measured:.4}, as k → ∞ {}  {verdict}",
+                order_words(self.limit_of_the_order),
+            ),
+            None => writeln!(
+                text,
+                "  nothing grows faster than the mean flow deforms{}  {verdict}",
+                if self.limit_of_the_order > 0.0 { ": too coarse for an order" } else { "" },
+            ),
+        };
+    }
+}

@@ -1,0 +1,108 @@
+//! From a case to the problems that are checked: waves, grids and how they are measured.
+
+pub mod flow;
+pub mod solid;
+
+use crate::case::{Case, CaseError, Kind, Parameter};
+use crate::{Error, setup};
+use agreement::AgreementError;
+use flow::FlowPlan;
+use models::granular_flow::InputError;
+use solid::MediumPlan;
+
+/// How thorough a check is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extent {
+    /// All waves of the case, or the chosen ones.
+    Full,
+    /// One wave number in two directions: for many cases one after the other.
+    Short,
+}
+
+/// What of a case is checked.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CheckPlan {
+    /// The media of a solid.
+    Solid(Vec<MediumPlan>),
+    /// The waves and perturbations of a flow.
+    Flow(FlowPlan),
+    /// Nothing, since no solver takes the case: why.
+    NotMeasurable(String),
+}
+
+impl CheckPlan {
+    /// The plan of a case.
+    ///
+    /// # Errors
+    /// The case is wrong.
+    pub fn new(case: &Case, extent: Extent) -> Result<Self, Error> {
+        check_range(case)?;
+        if let Kind::Solid(_) = case.kind {
+            return Ok(match solid::media(case, extent).map_err(|error| case.locate(error))? {
+                Ok(media) => Self::Solid(media),
+                Err(error) => Self::NotMeasurable(reason(case.locate(error))),
+            });
+        }
+        case.model()?.background(&case.state()).map_err(|error| case.locate(error))?;
+        match case.rotation_in_time().and(case.mean_flow()) {
+            Ok(_) => FlowPlan::new(case, extent).map(Self::Flow),
+            Err(error) => Ok(Self::NotMeasurable(reason(error))),
+        }
+    }
+}
+
+/// Why no solver takes a case.
+fn reason(error: CaseError) -> String {
+    match error {
+        CaseError::Key { key, found, allowed, .. } => {
+            format!("{key}: {found}; analysis alone ({allowed})")
+        }
+        other => other.to_string(),
+    }
+}
+
+/// That products of a few numbers of a flow neither overflow nor vanish.
+fn check_range(case: &Case) -> Result<(), CaseError> {
+    const SIZES: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
+    let asked = case.check.iter().flat_map(|own| own.numbers.iter().flatten());
+    let keys = Parameter::all().filter_map(|key| Some((key.key().name, key.get(&case.numbers)?)));
+    let mut all = keys.chain(asked.map(|number| ("check.numbers", *number)));
+    match all.find(|(_, value)| *value != 0.0 && !SIZES.contains(&value.abs())) {
+        None => Ok(()),
+        Some((key, value)) => {
+            let (found, allowed) = (format!("{value:?}"), "0, or a size from 1e-60 to 1e60".into());
+            Err(case.locate(InputError { key, found, allowed }))
+        }
+    }
+}
+
+/// The error with the key that it is due to, and a remedy.
+pub fn locate(case: &Case, error: AgreementError) -> Error {
+    let found = error.to_string();
+    let (key, allowed) = match error {
+        AgreementError::NoResponse(error) => return setup::locate(case, error.into()),
+        AgreementError::Cancelled => return Error::Cancelled,
+        AgreementError::TooLong { most, .. } => {
+            let allowed = format!("at most {most:.0e}: a greater wave number, or fewer cells");
+            return case.locate(InputError { key: "check.numbers", found, allowed }).into();
+        }
+        AgreementError::Energy => {
+            ("model", "moduli, and conditions that hold independently of each other")
+        }
+        AgreementError::ActiveConditions => {
+            ("yield", "positive strengths, or a section [stress] that decides")
+        }
+        AgreementError::PlasticFlow => ("yield", "conditions that flow together"),
+        AgreementError::Undetermined | AgreementError::Flow(_) | AgreementError::Left(_) => {
+            ("background", "a state further from the border of the fully deforming region")
+        }
+        AgreementError::NothingMoves => {
+            ("initial", "noise of v, say, up to the greatest mode number of the finest")
+        }
+        // No case leads to these.
+        AgreementError::Dimensions { .. } => ("model.dimensions", "the same for both"),
+        AgreementError::NoGrids => ("check.cells", "at least one grid"),
+        AgreementError::Points { .. } => ("initial", "a value at each point"),
+    };
+    case.locate(InputError { key, found, allowed: allowed.to_owned() }).into()
+}

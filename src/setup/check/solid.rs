@@ -1,0 +1,162 @@
+//! Solids: the media of a case, and the waves that are sent through each.
+
+use super::Extent;
+use crate::case::dynamics::{Correction, Scheme, Splitting as Sweeps};
+use crate::case::{Case, Check, Wave};
+use crate::setup;
+use agreement::PlaneWave;
+use agreement::solids::SolverSettings;
+use dynamics::problem::{Placement, Splitting};
+use models::granular_flow::InputError;
+
+/// A medium of a solid, and its waves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MediumPlan {
+    /// Where it is in the case; empty if it is everywhere.
+    pub place: String,
+    /// The case that describes it.
+    pub case: Case,
+    /// Its waves.
+    pub waves: WavePlan,
+}
+
+/// The waves of a medium, and how they are measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WavePlan {
+    /// The waves.
+    pub waves: Vec<Wave>,
+    /// Grids and time step.
+    pub settings: SolverSettings,
+}
+
+/// The media of a solid that a solver takes; or why no solver takes one of them.
+///
+/// # Errors
+/// The case is wrong.
+pub(super) fn media(
+    case: &Case,
+    extent: Extent,
+) -> Result<Result<Vec<MediumPlan>, InputError>, InputError> {
+    let regions = case.dynamics.iter().flat_map(|dynamics| &dynamics.regions);
+    let mut media: Vec<(String, Case)> = Vec::new();
+    for (index, region) in regions.enumerate() {
+        let own = &region.case;
+        let is_same = |(_, other): &(String, Case)| {
+            (own.medium(), &own.numbers) == (other.medium(), &other.numbers)
+        };
+        if !media.iter().any(is_same) {
+            media.push((format!("region[{index}]"), own.clone()));
+        }
+    }
+    if media.is_empty() {
+        media.push((String::new(), case.clone()));
+    }
+    for (_, own) in &media {
+        let solid = setup::solid::solid(own)?;
+        if let Err(error) = crate::run::medium(own, solid.dimensions) {
+            return Ok(Err(error));
+        }
+        if let Some(plastic) = solid.plastic.filter(|plastic| plastic.rate > 0.0) {
+            return Ok(Err(InputError {
+                key: "yield.plastic_rate",
+                found: format!("{:?}", plastic.rate),
+                allowed: "waves are sent through backgrounds at rest: 0".to_owned(),
+            }));
+        }
+    }
+    let plan = |(place, own): (String, Case)| MediumPlan {
+        waves: WavePlan::new(case, &own, extent),
+        place,
+        case: own,
+    };
+    Ok(Ok(media.into_iter().map(plan).collect()))
+}
+
+impl WavePlan {
+    /// The waves of one of the media of a case, `own`, whose time step and scheme are those of the case.
+    pub fn new(case: &Case, own: &Case, extent: Extent) -> Self {
+        let solid = setup::solid::solid(own);
+        let dimensions = solid.as_ref().map_or(2, |solid| solid.dimensions);
+        let yields = solid.as_ref().is_ok_and(|solid| solid.plastic.is_some());
+        let natural = solid.ok().and_then(|solid| solid.elastic.characteristic_wave_number());
+        let asked = own.check.clone().unwrap_or_default();
+        let Check { numbers, directions_deg, cells } = asked;
+        let mut numbers =
+            numbers.unwrap_or_else(|| wave_numbers(natural, yields, own.numbers.wave.number));
+        let mut directions = directions(directions_deg, dimensions == 2, yields, own.numbers.wave);
+        if extent == Extent::Short {
+            numbers.truncate(1);
+            directions.truncate(2);
+        }
+        let waves = numbers.iter().flat_map(|&number| {
+            directions.iter().map(move |&[direction_deg, elevation_deg]| Wave {
+                number,
+                direction_deg,
+                elevation_deg,
+                ..own.numbers.wave
+            })
+        });
+        let default = if dimensions == 2 { vec![20, 30, 40] } else { vec![20, 25, 30] };
+        Self { waves: waves.collect(), settings: settings(case, cells.unwrap_or(default)) }
+    }
+
+    /// The waves by their unit vectors.
+    pub fn plane_waves(&self) -> Vec<PlaneWave<3>> {
+        self.waves.iter().map(plane_wave).collect()
+    }
+}
+
+/// A wave by its unit vector.
+fn plane_wave(wave: &Wave) -> PlaneWave<3> {
+    PlaneWave { number: wave.number, normal: setup::solid::normal(wave) }
+}
+
+/// Wave numbers where none are asked for, from that of the solid itself, if it has one, or of the case, 1/m.
+fn wave_numbers(natural: Option<f64>, yields: bool, given: f64) -> Vec<f64> {
+    match natural {
+        // Long waves see another solid than short ones.
+        Some(own) if !yields => [1.0, 0.25, 0.5, 2.0, 4.0].map(|part| part * own).to_vec(),
+        Some(own) => vec![own],
+        None => vec![given],
+    }
+}
+
+/// Directions and elevations, degrees: those asked for, or that of the case and a few oblique ones.
+fn directions(
+    asked_deg: Option<Vec<f64>>,
+    is_plane: bool,
+    yields: bool,
+    wave: Wave,
+) -> Vec<[f64; 2]> {
+    if let Some(asked) = asked_deg {
+        return asked.into_iter().map(|own| [own, wave.elevation_deg]).collect();
+    }
+    let oblique: &[[f64; 2]] = match (is_plane, yields) {
+        (true, false) => &[[30.0, 0.0], [0.0, 0.0], [105.0, 0.0]],
+        (true, true) => &[[30.0, 0.0], [0.0, 0.0]],
+        (false, false) => &[[30.0, 35.0], [0.0, 0.0], [105.0, -20.0]],
+        (false, true) => &[[30.0, 0.0], [0.0, 0.0]],
+    };
+    let own = [wave.direction_deg, wave.elevation_deg];
+    let others = oblique.iter().copied().filter(|other| *other != own);
+    [own].into_iter().chain(others).collect()
+}
+
+/// The solver as a run of the case has it, on such grids.
+fn settings(case: &Case, cells: Vec<usize>) -> SolverSettings {
+    let time = case.dynamics.as_ref().map(|dynamics| &dynamics.time);
+    let scheme = case.dynamics.as_ref().map_or_else(Scheme::default, |dynamics| dynamics.scheme);
+    SolverSettings {
+        cells,
+        courant: time.map_or(crate::case::dynamics::COURANT, |time| time.courant),
+        rotation: time.map_or(30.0, |time| time.rotation_deg).to_radians(),
+        placement: match scheme.correction {
+            Correction::FirstOrder => Placement::Last,
+            Correction::SecondOrder => Placement::Middle,
+        },
+        splitting: match scheme.splitting {
+            Sweeps::Alternating => Splitting::Alternating,
+            Sweeps::TwoCyclic => Splitting::TwoCyclic,
+        },
+    }
+}

@@ -1,0 +1,234 @@
+//! Flows: waves that the mean flow carries along, and a perturbation on finer and finer grids.
+
+use super::greatest;
+use super::refinement::{RefinementCheck, refine};
+use crate::Error;
+use crate::case::Case;
+use crate::setup::check::flow::{FlowPlan, FlowWave, uniform_flow, verdict};
+use crate::setup::check::locate;
+use crate::study::{OnProgress, report_progress};
+use agreement::fit::Rate;
+use agreement::flows::{ModeResult, UniformFlow, wave_results};
+use agreement::{AgreementError, PlaneWave};
+use models::elementary::Elementary;
+use serde::Serialize;
+
+/// The results of a flow.
+#[derive(Clone, Debug, Serialize)]
+pub struct FlowCheck {
+    /// The modes of the waves.
+    pub rows: Vec<ModeCheck>,
+    /// One perturbation on finer and finer grids, model by model.
+    pub refinements: Vec<RefinementCheck>,
+    /// Q_D of the mean flow, 1/s.
+    #[serde(skip)]
+    pub shear_rate: f64,
+    /// Predicted rates against the wave number, of modes that grow or decay faster than the mean flow deforms.
+    #[serde(skip)]
+    pub curves: Vec<RateCurve>,
+}
+
+/// A mode of a wave.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ModeCheck {
+    /// The wave.
+    pub wave: FlowWave,
+    /// Its place among the modes of this wave, by descending growth at the beginning, from 1.
+    pub mode: usize,
+    /// Duration over which it was followed, s.
+    pub duration: f64,
+    /// By the linearised equations along k(t).
+    pub predicted: ComplexRate,
+    /// By the pencil of the frozen wave vector.
+    pub frozen: ComplexRate,
+    /// By the solver in ever shorter steps.
+    pub measured: Vec<SequenceRate>,
+    /// The limit of short steps.
+    pub limit: Option<ComplexRate>,
+    /// Bound on the error of the limit, 1/s.
+    pub tolerance: Option<f64>,
+    /// Why there is no measurement.
+    pub not_measurable: Option<String>,
+    /// Order of convergence in the step; `None` where the error is rounding.
+    pub order: Option<f64>,
+    /// Whether measured and predicted rate agree; `None` where there is no measurement.
+    pub agrees: Option<bool>,
+    /// Measured minus predicted rate.
+    #[serde(skip)]
+    pub difference: Option<Rate>,
+    /// The scale of relative differences, 1/s: the predicted rate, or the shear rate where that is greater.
+    #[serde(skip)]
+    pub scale: f64,
+}
+
+/// A rate of growth and oscillation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ComplexRate {
+    /// γ, 1/s.
+    pub growth_rate: f64,
+    /// ω, rad/s.
+    pub frequency: f64,
+}
+
+impl From<Rate> for ComplexRate {
+    fn from(Rate { frequency, growth }: Rate) -> Self {
+        Self { growth_rate: growth, frequency }
+    }
+}
+
+/// A rate that the solver shows in so many steps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SequenceRate {
+    /// The rate.
+    #[serde(flatten)]
+    pub rate: ComplexRate,
+    /// Number of steps.
+    pub steps: usize,
+}
+
+/// Growth or decay of one mode in one direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RateCurve {
+    /// Direction of the waves, degrees.
+    pub direction_deg: f64,
+    /// Whether they grow.
+    pub grows: bool,
+    /// Wave numbers at the beginning, 1/m, and predicted |γ| there, 1/s.
+    pub predicted: Vec<[f64; 2]>,
+    /// Wave numbers, 1/m, and measured |γ|, 1/s.
+    pub measured: Vec<[f64; 2]>,
+}
+
+/// Checks the waves of a flow, and a perturbation on finer and finer grids if the case asks for it.
+pub(super) fn check(
+    case: &Case,
+    plan: &FlowPlan,
+    on_progress: OnProgress,
+) -> Result<FlowCheck, Error> {
+    let FlowPlan { waves, kinds, grids } = plan;
+    let problem = uniform_flow(case)?;
+    verdict(case, &problem)?;
+    let all = waves.len() + kinds.len() * grids.len();
+    let plane_waves: Vec<PlaneWave<2>> = waves.iter().map(FlowWave::plane_wave).collect();
+    let results = wave_results(&problem, &plane_waves, &|done, _| on_progress(done, all))
+        .map_err(|error| locate(case, error))?;
+    let noncoaxiality_deg = problem.flow.noncoaxiality.to_degrees();
+    let mut done = waves.len();
+    let mut refinements = Vec::new();
+    for kind in kinds {
+        let own = case.for_kind_with(*kind, Some(noncoaxiality_deg));
+        if let Some(run) = &case.flow {
+            refinements.push(refine(own, run, grids, &mut || {
+                done += 1;
+                report_progress(on_progress, done, all)
+            })?);
+        }
+    }
+    let shear_rate = problem.flow.shear_rate;
+    let curves =
+        curves(&problem, waves, &results, shear_rate).map_err(|error| locate(case, error))?;
+    let row = |result: &ModeResult| ModeCheck::new(waves[result.wave], result, shear_rate);
+    Ok(FlowCheck { rows: results.iter().map(row).collect(), refinements, shear_rate, curves })
+}
+
+/// Predicted rates against the wave number, with the measured ones.
+fn curves(
+    problem: &UniformFlow,
+    waves: &[FlowWave],
+    results: &[ModeResult],
+    shear_rate: f64,
+) -> Result<Vec<RateCurve>, AgreementError> {
+    let numbers = || results.iter().map(|row| waves[row.wave].number);
+    let (least, most) =
+        (0.5 * numbers().fold(f64::MAX, f64::min), 2.0 * numbers().fold(0.0, f64::max));
+    let mut directions: Vec<f64> = Vec::new();
+    for row in results {
+        let direction_deg = waves[row.wave].direction_deg;
+        if !directions.contains(&direction_deg) {
+            directions.push(direction_deg);
+        }
+    }
+    // What grows or decays no faster than the mean flow deforms is not short waves' doing; and next to a degenerate
+    // direction the rate at the beginning is not that of the way.
+    let is_slow = |row: &&ModeResult| row.predicted.growth.abs() < 3.0 * shear_rate;
+    let has_turned = |row: &&ModeResult| {
+        (row.frozen - row.predicted).max_norm() > 0.1 * row.predicted.max_norm()
+    };
+    let mut curves = Vec::new();
+    for (direction_deg, mode) in directions.iter().flat_map(|own| [(*own, 1), (*own, 2)]) {
+        let is_own =
+            |row: &&ModeResult| waves[row.wave].direction_deg == direction_deg && row.mode == mode;
+        let own: Vec<&ModeResult> = results.iter().filter(is_own).collect();
+        let Some(first) = own.first() else { continue };
+        if own.iter().all(is_slow) || own.iter().any(has_turned) {
+            continue;
+        }
+        let point = |index: u32| {
+            let number = least * (most / least).cr_powf(f64::from(index) / 80.0);
+            let rates = problem.initial_rates(&FlowWave { number, direction_deg }.plane_wave())?;
+            Ok([number, rates.get(mode - 1).map_or(f64::NAN, |own| own.re.abs())])
+        };
+        let ring = |row: &&ModeResult| {
+            let own = row.measured.as_ref().ok()?;
+            Some([waves[row.wave].number, own.limit.growth.abs()])
+        };
+        curves.push(RateCurve {
+            direction_deg,
+            grows: first.predicted.growth > 0.0,
+            predicted: (0..=80).map(point).collect::<Result<_, AgreementError>>()?,
+            measured: own.iter().filter_map(ring).collect(),
+        });
+    }
+    Ok(curves)
+}
+
+impl FlowCheck {
+    /// Whether everything that was measured agrees; `None` where nothing was.
+    pub fn agrees(&self) -> Option<bool> {
+        let is_anything = self.rows.iter().any(|row| row.limit.is_some());
+        let [_, failed] = self.counts();
+        (is_anything || !self.refinements.is_empty()).then_some(failed == 0)
+    }
+
+    /// Number of waves without a measurement.
+    pub fn unmeasured(&self) -> usize {
+        self.rows.iter().filter(|row| row.not_measurable.is_some()).count()
+    }
+
+    /// Number of modes and refinements, and of those that disagree.
+    pub fn counts(&self) -> [usize; 2] {
+        let failed = self.rows.iter().filter(|row| row.agrees == Some(false)).count()
+            + self.refinements.iter().filter(|own| !own.agrees).count();
+        [self.rows.len() + self.refinements.len(), failed]
+    }
+
+    /// The greatest relative difference of the rates of a measured wave; `None` where none was measured.
+    pub fn greatest_difference(&self) -> Option<f64> {
+        let relative = |row: &ModeCheck| Some(row.difference?.max_norm() / row.scale);
+        greatest(self.rows.iter().filter_map(relative))
+    }
+}
+
+impl ModeCheck {
+    fn new(wave: FlowWave, result: &ModeResult, shear_rate: f64) -> Self {
+        let measured = result.measured.as_ref().ok();
+        let sequences = measured.iter().flat_map(|own| &own.sequences);
+        Self {
+            wave,
+            mode: result.mode,
+            duration: result.duration,
+            predicted: result.predicted.into(),
+            frozen: result.frozen.into(),
+            measured: sequences
+                .map(|&(steps, rate)| SequenceRate { rate: rate.into(), steps })
+                .collect(),
+            limit: measured.map(|own| own.limit.into()),
+            tolerance: measured.map(|own| own.tolerance),
+            not_measurable: result.measured.as_ref().err().map(ToString::to_string),
+            order: result.order(),
+            agrees: result.agrees(),
+            difference: result.difference(),
+            scale: result.scale(shear_rate),
+        }
+    }
+}

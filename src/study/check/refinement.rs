@@ -1,0 +1,100 @@
+//! One perturbation of a flow on finer and finer grids.
+
+use crate::Error;
+use crate::case::Converted;
+use crate::case::flow::FlowRun;
+use crate::setup::check::flow::{perturbation_on, uniform_flow, verdict};
+use crate::setup::check::locate;
+use agreement::flows::{FastestMode, Refinement, fastest_mode};
+use analysis::growth::Verdict;
+use analysis::newton::Order;
+use serde::Serialize;
+
+/// One perturbation on finer and finer grids in a model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RefinementCheck {
+    /// Name of the model.
+    pub model: &'static str,
+    /// The case's Δ, degrees, where this model can have none but 0.
+    pub lost_noncoaxiality_deg: Option<f64>,
+    /// The order of growth in k as k → ∞, by the verdict; 0 where the flow is well-posed.
+    pub limit_of_the_order: f64,
+    /// Orders on these grids; `None` where nothing grows faster than the mean flow deforms.
+    pub orders: Option<Orders>,
+    /// Grid by grid.
+    pub grids: Vec<FastestModeCheck>,
+    /// Whether rates and orders agree, and the order is next to that of the verdict.
+    pub agrees: bool,
+    /// The model in words.
+    #[serde(skip)]
+    pub title: &'static str,
+    /// Q_D of the mean flow in this model, 1/s.
+    #[serde(skip)]
+    pub shear_rate: f64,
+}
+
+/// Orders of growth in the wave number.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Orders {
+    /// Of predicted rates.
+    pub predicted: f64,
+    /// Of measured rates.
+    pub measured: f64,
+}
+
+/// The fastest growing mode of one grid.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FastestModeCheck {
+    /// Points along each axis.
+    pub points: [usize; 2],
+    /// Periods of the mode along each axis.
+    pub mode: [i32; 2],
+    /// Its wave number at the beginning, 1/m.
+    pub number: f64,
+    /// Its growth rate by the linearised equations, 1/s.
+    pub predicted: f64,
+    /// Its growth rate in the solver, 1/s.
+    pub measured: f64,
+    /// Whether they agree.
+    pub agrees: bool,
+}
+
+/// The perturbation of a run on grids of so many points along each axis, in the model of a case.
+pub(super) fn refine(
+    Converted { case, lost_noncoaxiality_deg }: Converted,
+    run: &FlowRun,
+    grids: &[usize],
+    grid_is_done: &mut dyn FnMut() -> Result<(), Error>,
+) -> Result<RefinementCheck, Error> {
+    let problem = uniform_flow(&case)?;
+    let verdict_order = match verdict(&case, &problem)? {
+        Verdict::IllPosed { growth: Some(growth), .. } => Order::value(growth.order),
+        _ => 0.0,
+    };
+    let mut fastest = |&points: &usize| {
+        let perturbation = perturbation_on(run, &problem, points)?;
+        let found = fastest_mode(&problem, &perturbation).map_err(|error| locate(&case, error))?;
+        grid_is_done()?;
+        Ok(found)
+    };
+    let grids = grids.iter().map(&mut fastest).collect::<Result<_, Error>>()?;
+    let own = Refinement { verdict_order, grids, shear_rate: problem.flow.shear_rate };
+    let grid = |grid: &FastestMode| FastestModeCheck {
+        points: grid.points,
+        mode: grid.mode,
+        number: grid.number,
+        predicted: grid.predicted,
+        measured: grid.measured,
+        agrees: own.grid_agrees(grid),
+    };
+    Ok(RefinementCheck {
+        model: case.kind.name(),
+        lost_noncoaxiality_deg,
+        limit_of_the_order: verdict_order,
+        orders: own.orders().map(|[predicted, measured]| Orders { predicted, measured }),
+        grids: own.grids.iter().map(grid).collect(),
+        agrees: own.agrees(),
+        title: case.kind.title(),
+        shear_rate: own.shear_rate,
+    })
+}

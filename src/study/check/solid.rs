@@ -1,0 +1,271 @@
+//! Solids: the branches of all waves, predicted, expected and measured.
+
+use super::greatest;
+use crate::case::{Case, Wave};
+use crate::setup::check::locate;
+use crate::setup::check::solid::{MediumPlan, WavePlan};
+use crate::study::OnProgress;
+use crate::study::dispersion::WaveVector;
+use crate::{Error, run, setup};
+use agreement::fit::Rate;
+use agreement::solids::{BandGap, BranchResult, GridResult, Response, band_gaps, branch_results};
+use analysis::solids::{BranchGroup, branches};
+use models::elastoplastic::Solid;
+use serde::{Serialize, Serializer};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The results of a solid.
+#[derive(Clone, Debug, Serialize)]
+pub struct SolidCheck {
+    /// Its media.
+    pub media: Vec<MediumCheck>,
+}
+
+/// The results of a medium.
+#[derive(Clone, Debug, Serialize)]
+pub struct MediumCheck {
+    /// Where it is in the case; empty if it is everywhere.
+    pub place: String,
+    /// The medium in words.
+    pub model: String,
+    /// Whether everything that was measured agrees; `None` where nothing was.
+    pub agrees: Option<bool>,
+    /// The branches of all waves.
+    pub rows: Vec<BranchCheck>,
+    /// The forbidden bands of an elastic solid.
+    pub forbidden_bands: Vec<ForbiddenBandCheck>,
+    /// The solid.
+    #[serde(skip)]
+    pub solid: Solid,
+    /// Predicted branches in the direction of the first wave, by response.
+    #[serde(skip)]
+    pub branches: Vec<(Response, Vec<BranchGroup>)>,
+}
+
+/// A branch at one wave vector.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BranchCheck {
+    /// Which equations hold.
+    #[serde(serialize_with = "name")]
+    pub response: Response,
+    /// Name of the branch.
+    pub branch: String,
+    /// The wave.
+    pub wave: WaveVector,
+    /// By the analysis.
+    pub predicted: ComplexFrequency,
+    /// Measured in the limit of small cells.
+    pub limit: Option<GridCheck>,
+    /// Measured by grid, the coarsest first.
+    pub grids: Vec<GridCheck>,
+    /// Why there is no measurement.
+    pub not_measurable: Option<String>,
+    /// Order of convergence; `None` where the error is rounding.
+    pub order: Option<f64>,
+    /// Whether it agrees on every grid and in the limit; `None` where there is no measurement.
+    pub agrees: Option<bool>,
+    /// Measured minus predicted rate in the limit of small cells, relative to the predicted frequency.
+    #[serde(skip)]
+    pub difference: Option<Rate>,
+    /// The same by the symbol of the scheme.
+    #[serde(skip)]
+    pub expected_difference: Option<Rate>,
+}
+
+/// A complex frequency.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ComplexFrequency {
+    /// ω, rad/s.
+    pub frequency: f64,
+    /// γ, 1/s.
+    pub growth_rate: f64,
+}
+
+/// A measured rate.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct GridCheck {
+    /// Cells to a period along each axis; `None` in the limit of small cells.
+    pub cells: Option<usize>,
+    /// Measured ω, rad/s.
+    pub frequency: f64,
+    /// Measured γ, 1/s.
+    pub growth_rate: f64,
+    /// ω by the symbol of the scheme, rad/s.
+    pub expected_frequency: f64,
+    /// γ by the symbol of the scheme, 1/s.
+    pub expected_growth_rate: f64,
+    /// Measured minus predicted frequency, relative to the latter.
+    pub difference: f64,
+    /// Bound on the difference of measured and expected rates, 1/s.
+    pub tolerance: f64,
+    /// Whether they agree.
+    pub agrees: bool,
+}
+
+/// Frequencies at which no wave of a polarisation propagates.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ForbiddenBandCheck {
+    /// The polarisation.
+    pub polarisation: &'static str,
+    /// Lower end, rad/s.
+    pub from: f64,
+    /// Upper end, rad/s.
+    pub to: f64,
+    /// The measured frequencies next to it, below and above, rad/s.
+    pub nearest: [Option<f64>; 2],
+    /// Whether none was measured inside.
+    pub agrees: bool,
+}
+
+fn name<S: Serializer>(response: &Response, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(response.name())
+}
+
+/// Checks the media of a solid.
+pub(super) fn check(media: Vec<MediumPlan>, on_progress: OnProgress) -> Result<SolidCheck, Error> {
+    let (mut checked, mut before) = (Vec::new(), 0);
+    let mut left = media.len();
+    for medium in media {
+        let own = AtomicUsize::new(0);
+        // How many runs the other media need is known when their turn comes; till then each counts as this one.
+        let on_progress = |done: usize, all: usize| {
+            own.store(all, Ordering::Relaxed);
+            on_progress(before + done, before + all * left)
+        };
+        checked.push(MediumCheck::new(medium, &on_progress)?);
+        before += own.into_inner();
+        left -= 1;
+    }
+    Ok(SolidCheck { media: checked })
+}
+
+/// The branches of the waves of a solid, predicted by `predicted` and measured on `measured`, which is the same case but
+/// where the check itself is tested.
+///
+/// # Errors
+/// The case is wrong, the solver does not take it, or the study was cancelled.
+pub fn rows(
+    predicted: &Case,
+    measured: &Case,
+    plan: &WavePlan,
+    on_progress: OnProgress,
+) -> Result<Vec<BranchResult>, Error> {
+    let solid = setup::solid::solid(predicted).map_err(|error| predicted.locate(error))?;
+    let medium = run::medium(measured, solid.dimensions).map_err(|error| measured.locate(error))?;
+    branch_results(&solid, &medium, &plan.plane_waves(), &plan.settings, on_progress)
+        .map_err(|error| locate(predicted, error))
+}
+
+impl SolidCheck {
+    /// Whether everything that was measured agrees; `None` where nothing was.
+    pub fn agrees(&self) -> Option<bool> {
+        let all: Vec<bool> = self.media.iter().filter_map(|own| own.agrees).collect();
+        (!all.is_empty()).then(|| all.into_iter().all(|own| own))
+    }
+
+    /// Number of branches and forbidden bands, and of those that disagree.
+    pub fn counts(&self) -> [usize; 2] {
+        let rows = || self.media.iter().flat_map(|own| &own.rows);
+        let bands = || self.media.iter().flat_map(|own| &own.forbidden_bands);
+        let failed = rows().filter(|row| row.agrees == Some(false)).count()
+            + bands().filter(|band| !band.agrees).count();
+        [rows().count() + bands().count(), failed]
+    }
+}
+
+impl MediumCheck {
+    fn new(medium: MediumPlan, on_progress: OnProgress) -> Result<Self, Error> {
+        let MediumPlan { place, case, waves: plan } = medium;
+        let results = rows(&case, &case, &plan, on_progress)?;
+        let solid = setup::solid::solid(&case).map_err(|error| case.locate(error))?;
+        let bands = band_gaps(&solid, &plan.plane_waves(), &results)
+            .map_err(|error| locate(&case, error))?;
+        let rows: Vec<BranchCheck> = results
+            .iter()
+            .map(|result| BranchCheck::new(plan.waves[result.wave], result))
+            .collect();
+        let first = results.first().map_or(case.numbers.wave, |result| plan.waves[result.wave]);
+        let greatest = rows.iter().map(|row| row.wave.number).fold(0.0, f64::max);
+        let responses: &[(Response, bool)] = match solid.plastic {
+            None => &[(Response::Elastic, true)],
+            Some(_) => &[(Response::Unloading, true), (Response::Loading, false)],
+        };
+        let mut predicted = Vec::new();
+        for &(response, stays_elastic) in responses {
+            let groups = branches(&solid, setup::solid::normal(&first), greatest, stays_elastic)
+                .map_err(|error| setup::locate(&case, error.into()))?;
+            predicted.push((response, groups));
+        }
+        let measured: Vec<bool> = rows.iter().filter_map(|row| row.agrees).collect();
+        let all_agree =
+            bands.iter().all(|band| band.agrees) && measured.iter().all(|agrees| *agrees);
+        Ok(Self {
+            place,
+            model: case.medium().title(),
+            agrees: (!measured.is_empty()).then_some(all_agree),
+            rows,
+            forbidden_bands: bands.iter().map(ForbiddenBandCheck::from).collect(),
+            solid,
+            branches: predicted,
+        })
+    }
+
+    /// Number of rows without a measurement.
+    pub fn unmeasured(&self) -> usize {
+        self.rows.iter().filter(|row| row.not_measurable.is_some()).count()
+    }
+
+    /// The greatest difference of a measured rate in the limit of small cells, relative to the predicted frequency;
+    /// `None` where nothing was measured.
+    pub fn greatest_difference(&self) -> Option<f64> {
+        greatest(self.differences())
+    }
+
+    /// Differences of the measured rates, relative to the predicted frequencies.
+    pub(super) fn differences(&self) -> impl Iterator<Item = f64> {
+        self.rows.iter().filter_map(|row| Some(row.difference?.max_norm()))
+    }
+}
+
+impl BranchCheck {
+    fn new(wave: Wave, result: &BranchResult) -> Self {
+        let measured = result.measured.as_ref().ok();
+        let limit = measured.map(|own| GridCheck::new(result, &own.limit));
+        let grids = measured.iter().flat_map(|own| &own.grids);
+        Self {
+            response: result.response,
+            branch: result.branch.clone(),
+            wave: wave.into(),
+            predicted: ComplexFrequency { frequency: result.predicted, growth_rate: 0.0 },
+            limit: limit.map(|limit| GridCheck { cells: None, ..limit }),
+            grids: grids.map(|grid| GridCheck::new(result, grid)).collect(),
+            not_measurable: result.measured.as_ref().err().map(ToString::to_string),
+            order: result.order(),
+            agrees: result.agrees(),
+            difference: result.difference(),
+            expected_difference: result.expected_difference(),
+        }
+    }
+}
+
+impl GridCheck {
+    fn new(row: &BranchResult, grid: &GridResult) -> Self {
+        Self {
+            cells: Some(grid.cells),
+            frequency: grid.measured.frequency,
+            growth_rate: grid.measured.growth,
+            expected_frequency: grid.expected.frequency,
+            expected_growth_rate: grid.expected.growth,
+            difference: row.relative(grid.measured).frequency,
+            tolerance: grid.tolerance,
+            agrees: grid.agrees(),
+        }
+    }
+}
+
+impl From<&BandGap> for ForbiddenBandCheck {
+    fn from(gap: &BandGap) -> Self {
+        let BandGap { polarisation, from, to, nearest, agrees } = *gap;
+        Self { polarisation: polarisation.name(), from, to, nearest, agrees }
+    }
+}
