@@ -5,7 +5,7 @@ use crate::Error;
 use crate::case::flow::{Disturbed, FlowRun, Initial};
 use crate::case::{Case, Converted, Kind};
 use crate::cli::progress::Progress;
-use crate::run::perturbation;
+use crate::setup::flow_run::perturbation;
 use agreement::PlaneWave;
 use agreement::flows::{ModeResult, Perturbation, Refinement, fastest_mode, wave_results};
 use analysis::growth::Verdict;

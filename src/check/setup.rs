@@ -5,8 +5,8 @@ use super::solid::Plan;
 use crate::Error;
 use crate::case::dynamics::{Correction, Scheme, Splitting as Sweeps};
 use crate::case::{Case, CaseError, Check, Parameter, Wave};
-use crate::run::flow_problem;
 use crate::setup;
+use crate::setup::flow_run::flow_problem;
 use agreement::flows::UniformFlow;
 use agreement::solids::SolverSettings;
 use agreement::{AgreementError, PlaneWave};
@@ -97,7 +97,7 @@ pub(super) fn media(case: &Case) -> Result<Result<Media, InputError>, InputError
     }
     for (_, own) in &media {
         let solid = setup::solid::solid(own)?;
-        if let Err(error) = crate::run::medium(own, solid.dimensions) {
+        if let Err(error) = setup::solid::medium(own, solid.dimensions) {
             return Ok(Err(error));
         }
         if let Some(plastic) = solid.plastic.filter(|plastic| plastic.rate > 0.0) {

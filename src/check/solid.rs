@@ -1,10 +1,9 @@
 //! Solids: the waves that a case asks for, by the analysis and by the solver.
 
 use super::setup::{locate, plane_wave};
-use crate::Error;
 use crate::case::{Case, Wave};
 use crate::cli::progress::Progress;
-use crate::{run, setup};
+use crate::{Error, setup};
 use agreement::PlaneWave;
 use agreement::solids::{BandGap, BranchResult, SolverSettings, band_gaps, branch_results};
 use std::ops::ControlFlow;
@@ -32,7 +31,8 @@ impl Plan {
 /// The case is wrong, or the solver does not take it.
 pub fn rows(predicted: &Case, measured: &Case, plan: &Plan) -> Result<Vec<BranchResult>, Error> {
     let solid = setup::solid::solid(predicted).map_err(|error| predicted.locate(error))?;
-    let medium = run::medium(measured, solid.dimensions).map_err(|error| measured.locate(error))?;
+    let medium =
+        setup::solid::medium(measured, solid.dimensions).map_err(|error| measured.locate(error))?;
     let progress = OnceLock::new();
     let on_progress = |done: usize, total: usize| {
         let progress = progress.get_or_init(|| Progress::new("waves in time", total as u64));

@@ -1,9 +1,15 @@
 //! The verbs of the command line: from arguments to a study, its report and the folder of results.
 
 mod dispersion;
+mod plot;
 pub mod progress;
+mod resume;
+mod run;
 
 pub use dispersion::dispersion;
+pub use plot::plot;
+pub use resume::resume;
+pub use run::{CHECKPOINT_EVERY, Control, run};
 
 use crate::Error;
 use crate::output::ResultFolder;

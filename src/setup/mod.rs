@@ -1,7 +1,9 @@
 //! From a case to what the crates below take, and their errors with the place in the case file.
 
 pub mod flow;
+pub(crate) mod flow_run;
 pub mod solid;
+pub(crate) mod solid_run;
 
 use crate::Error;
 use crate::case::{Case, Kind};

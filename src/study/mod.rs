@@ -4,8 +4,10 @@
 //! such as long curves, is in it as well.
 
 pub mod dispersion;
+pub mod simulate;
 
 pub use dispersion::{Dispersion, dispersion};
+pub use simulate::{RunResult, simulate};
 
 use std::ops::ControlFlow;
 
