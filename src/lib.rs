@@ -1,9 +1,9 @@
 //! Well-posedness of continuum models of granular media.
 //!
 //! Describe a medium and a state in a case file; `wellposed` says whether its equations are
-//! well-posed. Questions that return values are in [`study`] and here: [`point()`], [`map()`], [`dispersion()`], [`speeds()`],
-//! [`check()`]; their reports in [`report`], the verbs of the command line in [`cli`] (others still have one file each:
-//! [`run`], [`plot`], [`cases`], [`new`]);
+//! well-posed. [`load`] reads a case; each question about it is answered by a value: [`point()`], [`map()`],
+//! [`dispersion()`], [`speeds()`], [`simulate()`], [`check()`] ([`study`]). Their reports are in [`report`], the verbs of the
+//! command line in [`cli`], [`cases`] and [`new`];
 //! [`mod@case`] reads case files; [`setup`] makes of them what the crates below take; [`output`] keeps folders of
 //! results. No physics and no numerics here.
 #![deny(missing_docs)]
@@ -13,19 +13,37 @@ pub mod cases;
 pub mod cli;
 pub mod new;
 pub mod output;
-pub mod plot;
 pub mod report;
-pub mod run;
 pub mod setup;
 pub mod study;
 
 pub use ::cases as case;
-pub use study::{check::check, dispersion::dispersion, map::map, point::point, speeds::speeds};
+pub use study::{
+    check::check, dispersion::dispersion, map::map, point::point, simulate::simulate,
+    speeds::speeds,
+};
 
-use std::path::PathBuf;
+use case::Case;
+use std::path::{Path, PathBuf};
 
 /// Version, and commit where the program was built from a repository: `0.1.0 (abcdef123)`.
 pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("WELLPOSED_COMMIT"), ")");
+
+/// Reads a case file, with `key=value` settings over it, of which the last one of a key holds.
+///
+/// # Errors
+/// The file cannot be read, or what is wrong in it or in a setting, where, and what is allowed.
+///
+/// # Examples
+/// ```
+/// let case = wellposed::load("cases/cosserat/forbidden-band.toml", &["wave.number=3"])?;
+/// assert_eq!(case.numbers.wave.number, 3.0);
+/// # Ok::<(), wellposed::Error>(())
+/// ```
+pub fn load(path: impl AsRef<Path>, settings: &[&str]) -> Result<Case, Error> {
+    let settings: Vec<String> = settings.iter().map(|&setting| setting.to_owned()).collect();
+    Ok(Case::load(path.as_ref(), &settings)?)
+}
 
 /// What the verbs that run a case are asked for.
 #[derive(Clone, Debug, Default)]
@@ -81,10 +99,10 @@ pub enum Error {
     Output(#[from] output::OutputError),
     /// A run ended by its own state.
     #[error(transparent)]
-    Stopped(#[from] run::Stopped),
+    Stopped(#[from] study::simulate::Stopped),
     /// A flow that is not to be run in time unasked.
     #[error("{0}; --accept-ill-posed runs it all the same")]
-    IllPosed(run::IllPosed),
+    IllPosed(study::simulate::IllPosed),
     /// What was measured is not what was predicted.
     #[error(transparent)]
     Disagrees(#[from] cli::Disagreement),

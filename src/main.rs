@@ -7,10 +7,10 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use wellposed::case::{Kind, Medium, Yield};
+use wellposed::cli::{self, Control};
 use wellposed::new::{self, Purpose};
-use wellposed::run::{self, Control};
 use wellposed::study::MapOptions;
-use wellposed::{Error, Format, Options, VERSION, cases, cli, plot};
+use wellposed::{Error, Format, Options, VERSION, cases};
 
 /// Well-posedness of continuum models of granular media.
 #[derive(Parser)]
@@ -56,7 +56,7 @@ enum Verb {
         #[command(flatten)]
         run: Common,
         /// Seconds between two checkpoints, from which an interrupted run resumes
-        #[arg(long, value_name = "SECONDS", default_value_t = run::CHECKPOINT_EVERY,
+        #[arg(long, value_name = "SECONDS", default_value_t = cli::CHECKPOINT_EVERY,
             value_parser = seconds)]
         checkpoint_every: f64,
         /// Run a flow although its equations are ill-posed: finer grids give other solutions
@@ -76,7 +76,7 @@ enum Verb {
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
         threads: Option<u16>,
         /// Seconds between two checkpoints
-        #[arg(long, value_name = "SECONDS", default_value_t = run::CHECKPOINT_EVERY,
+        #[arg(long, value_name = "SECONDS", default_value_t = cli::CHECKPOINT_EVERY,
             value_parser = seconds)]
         checkpoint_every: f64,
         /// Form of what is printed
@@ -216,15 +216,15 @@ fn carry_out(verb: Verb) -> Result<(), Error> {
         Verb::Speeds { run } => cli::speeds(&run.into(), &mut stdout)?,
         Verb::Run { run, checkpoint_every, accept_ill_posed } => {
             let options = Options { accept_ill_posed, ..run.into() };
-            run::run(&options, Control { checkpoint_every }, &mut stdout)?;
+            cli::run(&options, Control { checkpoint_every }, &mut stdout)?;
         }
         Verb::Check { run } => cli::check(&run.into(), &mut stdout)?,
         Verb::Resume { folder, threads, checkpoint_every, format } => {
             let threads = threads.map(usize::from);
             let control = Control { checkpoint_every };
-            run::resume(&folder, threads, control, format.into(), &mut stdout)?;
+            cli::resume(&folder, threads, control, format.into(), &mut stdout)?;
         }
-        Verb::Plot { folder } => plot::run(&folder, &mut stdout)?,
+        Verb::Plot { folder } => cli::plot(&folder, &mut stdout)?,
         Verb::Cases => cases::run(&mut stdout)?,
         Verb::New { kind, yields, runs, file, force } => {
             let medium = Medium::new(kind, yields)?;

@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 use wellposed::case::flow::{Disturbed, FlowRun, Initial, Quantity};
 use wellposed::case::{Case, Kind};
+use wellposed::cli::{self, Control};
 use wellposed::new::{self, Purpose};
-use wellposed::run::{self, Control};
 use wellposed::{Error, Options};
 
 /// Everything that a flow can have; tests refer to its lines.
@@ -305,7 +305,7 @@ fn dry_run(folder: &Path, case: &str) -> Result<String, Error> {
     let out = Some(folder.join("out"));
     let options = Options { case: file, out, dry_run: true, ..Options::default() };
     let mut stdout = Vec::new();
-    run::run(&options, CONTROL, &mut stdout)?;
+    cli::run(&options, CONTROL, &mut stdout)?;
     assert!(!folder.join("out").exists());
     Ok(String::from_utf8(stdout).unwrap())
 }

@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use wellposed::case::Case;
+use wellposed::cli::{self, Control};
 use wellposed::report::format::short;
-use wellposed::run::{self, Control};
-use wellposed::{Error, Options, plot};
+use wellposed::{Error, Options};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");
 const CONTROL: Control = Control { checkpoint_every: 1e9 };
@@ -72,7 +72,7 @@ fn carried_out(folder: &Path, case: &str, threads: usize) -> Result<String, Erro
         ..Options::default()
     };
     let mut stdout = Vec::new();
-    run::run(&options, CONTROL, &mut stdout)?;
+    cli::run(&options, CONTROL, &mut stdout)?;
     Ok(String::from_utf8(stdout).unwrap())
 }
 
@@ -210,11 +210,11 @@ fn perturbations_decay_inside_the_bound() {
     for picture in ["v1", "v2", "w", "psi_deg", "p", "shear_rate"] {
         let drawn = resolved.replace("picture = \"speed\"", &format!("picture = \"{picture}\""));
         fs::write(out.join("case.toml"), drawn).unwrap();
-        plot::run(&out, &mut Vec::new()).unwrap();
+        cli::plot(&out, &mut Vec::new()).unwrap();
         assert!(fs::read(out.join("run.svg")).unwrap() != before, "{picture}");
     }
     fs::write(out.join("case.toml"), &resolved).unwrap();
-    plot::run(&out, &mut Vec::new()).unwrap();
+    cli::plot(&out, &mut Vec::new()).unwrap();
     assert!(fs::read(out.join("run.svg")).unwrap() == before);
 }
 
@@ -404,11 +404,11 @@ fn bundled_flows_do_what_they_say() {
         if grows {
             // Not unasked, and nothing is written.
             let unasked = Options { accept_ill_posed: false, ..options.clone() };
-            let error = run::run(&unasked, CONTROL, &mut Vec::new()).unwrap_err();
+            let error = cli::run(&unasked, CONTROL, &mut Vec::new()).unwrap_err();
             assert!(matches!(error, Error::IllPosed(_)) && error.exit_code() == 2, "{error}");
             assert!(!out.exists());
         }
-        match run::run(&options, CONTROL, &mut Vec::new()) {
+        match cli::run(&options, CONTROL, &mut Vec::new()) {
             Ok(()) => {}
             Err(error) => assert!(grows && error.exit_code() == 3, "{name}: {error}"),
         }
@@ -429,7 +429,7 @@ fn ill_posed_flows_are_told_before_they_run() {
     let case =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/flow/plastic-potential-in-time.toml");
     let options = Options { case, ..Options::default() };
-    let error = run::run(&options, CONTROL, &mut Vec::new()).unwrap_err().to_string();
+    let error = cli::run(&options, CONTROL, &mut Vec::new()).unwrap_err().to_string();
     let coefficient = 500.0 * 15f64.to_radians().tan().powi(2) / (2.0 * 1600.0 * 5.0);
     let number = 21.0 * 2.0 * std::f64::consts::PI / 0.1;
     let tenfold = 10f64.ln() / (coefficient * number * number);

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::fs;
 use wellposed::Options;
-use wellposed::run::{self, Control};
+use wellposed::cli::{self, Control};
 
 const CONTROL: Control = Control { checkpoint_every: 1e9 };
 
@@ -32,7 +32,7 @@ fn results(name: &str, sets: &[String]) -> Results {
         out: Some(out.clone()),
         ..Options::default()
     };
-    run::run(&options, CONTROL, &mut Vec::new()).expect("a sound case");
+    cli::run(&options, CONTROL, &mut Vec::new()).expect("a sound case");
     let arrays = |file: &str| -> HashMap<String, Vec<f64>> {
         let arrays = read(&fs::read(out.join(file)).expect("a file")).expect("arrays");
         let numbers = arrays.into_iter().filter_map(|array| match array.values {

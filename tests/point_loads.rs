@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::fs;
 use wellposed::Options;
-use wellposed::run::{self, Control};
+use wellposed::cli::{self, Control};
 
 const CONTROL: Control = Control { checkpoint_every: 1e9 };
 const MEDIUM: &str = "[model]\nkind='classical'\nlambda=1e8\nmu=1e8\ndensity=3000\n";
@@ -19,7 +19,7 @@ fn arrays(case: &str, file: &str) -> HashMap<String, Vec<f64>> {
     fs::write(&path, case).expect("a scratch file");
     let out = folder.path().join("out");
     let options = Options { case: path, out: Some(out.clone()), ..Options::default() };
-    run::run(&options, CONTROL, &mut Vec::new()).expect("a sound case");
+    cli::run(&options, CONTROL, &mut Vec::new()).expect("a sound case");
     let arrays = read(&fs::read(out.join(file)).expect("a file")).expect("arrays");
     let numbers = arrays.into_iter().filter_map(|array| match array.values {
         Values::F64(values) => Some((array.name, values)),
@@ -215,6 +215,6 @@ fn forces_across_a_plane_of_symmetry_are_refused() {
     fs::write(&path, case).expect("a scratch file");
     let out = Some(folder.path().join("out"));
     let options = Options { case: path, out, ..Options::default() };
-    let error = run::run(&options, CONTROL, &mut Vec::new()).expect_err("nothing acts").to_string();
+    let error = cli::run(&options, CONTROL, &mut Vec::new()).expect_err("nothing acts").to_string();
     assert!(error.contains("source[0].at: what drives v1 is on a plane of symmetry"), "{error}");
 }

@@ -2,7 +2,7 @@
 
 use std::fs;
 use wellposed::case::Case;
-use wellposed::run::{self, Control};
+use wellposed::cli::{self, Control};
 use wellposed::{Error, Options};
 
 const SOLID: &str = "
@@ -35,7 +35,7 @@ fn carried_out(case: &str) -> Result<[Columns; 2], Error> {
     fs::write(&file, case).expect("a scratch file");
     let out = folder.path().join("out");
     let options = Options { case: file, out: Some(out.clone()), ..Options::default() };
-    run::run(&options, Control { checkpoint_every: 1e9 }, &mut Vec::new())?;
+    cli::run(&options, Control { checkpoint_every: 1e9 }, &mut Vec::new())?;
     let read = |name: &str| columns(&fs::read_to_string(out.join(name)).expect("a table"));
     Ok([read("receivers.csv"), read("ledger.csv")])
 }

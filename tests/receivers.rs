@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 use wellposed::Options;
-use wellposed::run::{self, Control};
+use wellposed::cli::{self, Control};
 
 const CONTROL: Control = Control { checkpoint_every: 1e9 };
 
@@ -19,7 +19,7 @@ fn carried_out(folder: &Path, case: &str, threads: usize) {
         threads: Some(threads),
         ..Options::default()
     };
-    run::run(&options, CONTROL, &mut Vec::new()).expect("a sound case");
+    cli::run(&options, CONTROL, &mut Vec::new()).expect("a sound case");
 }
 
 /// Rows of the receivers' table, with its header.

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
-use wellposed::run::{self, Control};
+use wellposed::cli::{self, Control};
 use wellposed::{Error, Options};
 
 const CONTROL: Control = Control { checkpoint_every: 1e9 };
@@ -42,7 +42,7 @@ fn options(folder: &Path, case: &str) -> Options {
 
 fn carried_out(folder: &Path, case: &str) -> Result<String, Error> {
     let mut stdout = Vec::new();
-    run::run(&options(folder, case), CONTROL, &mut stdout)?;
+    cli::run(&options(folder, case), CONTROL, &mut stdout)?;
     Ok(String::from_utf8(stdout).expect("text"))
 }
 
@@ -204,7 +204,7 @@ fn threads_change_no_bit() {
     for threads in [1, 2, 3, 7] {
         let folder = tempfile::tempdir().expect("a scratch folder");
         let options = Options { threads: Some(threads), ..options(folder.path(), &rich(STRUCK)) };
-        run::run(&options, CONTROL, &mut Vec::new()).expect("a sound case");
+        cli::run(&options, CONTROL, &mut Vec::new()).expect("a sound case");
         let out = folder.path().join("out");
         let mut names: Vec<_> =
             fs::read_dir(&out).expect("results").map(|e| e.expect("a file").file_name()).collect();
@@ -482,7 +482,7 @@ fn dry_runs_write_nothing() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let options = Options { dry_run: true, ..options(folder.path(), &rich(STRUCK)) };
     let mut stdout = Vec::new();
-    run::run(&options, CONTROL, &mut stdout).expect("a sound case");
+    cli::run(&options, CONTROL, &mut stdout).expect("a sound case");
     let text = String::from_utf8(stdout).expect("text");
     assert!(text.contains("30 × 24 cells of 6 fields") && text.contains("run.png"), "{text}");
     assert!(!folder.path().join("out").exists());

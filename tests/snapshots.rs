@@ -5,7 +5,7 @@ use files::vti::{plain_time, plain_values};
 use std::fs;
 use std::path::Path;
 use wellposed::Options;
-use wellposed::run::{self, Control};
+use wellposed::cli::{self, Control};
 
 const SOLID: &str = "
 [model]
@@ -69,7 +69,7 @@ fn carried_out(folder: &Path, case: &str) {
     fs::write(&file, case).expect("a scratch file");
     let out = Some(folder.join("out"));
     let options = Options { case: file, out, force: true, threads: Some(2), ..Options::default() };
-    run::run(&options, Control { checkpoint_every: 1e9 }, &mut Vec::new()).expect("a sound case");
+    cli::run(&options, Control { checkpoint_every: 1e9 }, &mut Vec::new()).expect("a sound case");
 }
 
 fn folder() -> tempfile::TempDir {

@@ -8,8 +8,8 @@ use std::f64::consts::PI;
 use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use wellposed::run::{self, Control};
-use wellposed::{Format, Options, cli};
+use wellposed::cli::{self, Control};
+use wellposed::{Format, Options};
 
 const CONTROL: Control = Control { checkpoint_every: 1e9 };
 
@@ -55,7 +55,7 @@ fn bundled(name: &str) -> PathBuf {
 
 fn carried_out(file: PathBuf, sets: &[String]) -> Results {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    run::run(&options(file, folder.path(), sets), CONTROL, &mut Vec::new()).expect("a sound case");
+    cli::run(&options(file, folder.path(), sets), CONTROL, &mut Vec::new()).expect("a sound case");
     let text = fs::read_to_string(folder.path().join("out/receivers.csv")).expect("a table");
     let mut lines = text.lines();
     let header = lines.next().expect("a header").split(',');

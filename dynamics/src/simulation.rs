@@ -165,7 +165,7 @@ pub trait Observer<S: Simulation> {
         simulation: &S,
         index: usize,
         time: f64,
-        fields: &S::Fields,
+        fields: S::Fields,
     ) -> Result<(), Self::Error>;
 
     /// A look at the simulation between two batches of steps, when all output that is due has been taken: its
@@ -282,7 +282,7 @@ impl<S: Simulation, O: Observer<S>> Driver<'_, S, O> {
         while let Some(time) = self.due(times, self.snapshots) {
             let fields = self.simulation.fields_at(time).map_err(Stop::Fault)?;
             self.observer
-                .snapshot(self.simulation, self.snapshots, time, &fields)
+                .snapshot(self.simulation, self.snapshots, time, fields)
                 .map_err(Stop::Observer)?;
             self.snapshots += 1;
         }

@@ -41,7 +41,7 @@ impl<S: Simulation<Account: Debug, Fields: Debug>> Observer<S> for Log {
         Ok(())
     }
 
-    fn snapshot(&mut self, _: &S, index: usize, time: f64, own: &S::Fields) -> Result<(), State> {
+    fn snapshot(&mut self, _: &S, index: usize, time: f64, own: S::Fields) -> Result<(), State> {
         self.snapshots.push(format!("{index} {time:?} {own:?}"));
         Ok(())
     }

@@ -3,14 +3,20 @@
 mod check;
 mod dispersion;
 mod map;
+mod plot;
 mod point;
 pub mod progress;
+mod resume;
+mod run;
 mod speeds;
 
 pub use check::{Disagreement, check};
 pub use dispersion::dispersion;
 pub use map::map;
+pub use plot::plot;
 pub use point::point;
+pub use resume::resume;
+pub use run::{CHECKPOINT_EVERY, Control, run};
 pub use speeds::speeds;
 
 use crate::Error;

@@ -28,22 +28,6 @@ pub fn unit(unit: &str) -> String {
     }
 }
 
-/// The unit of what is shown, by its name in files.
-pub fn unit_of(name: &str) -> &'static str {
-    match name.trim_end_matches(|c: char| c.is_ascii_digit()) {
-        "v" => "m/s",
-        "w" => "rad/s",
-        "sigma" => "Pa",
-        "m" => "N/m",
-        "u" => "m",
-        "phi" | "psi" => "rad",
-        "psi_deg" => "deg",
-        "p" => "Pa",
-        "shear_rate" => "1/s",
-        _ => "J/m3",
-    }
-}
-
 /// That a model is coaxial, though the case says Δ, degrees.
 pub fn coaxial_words(noncoaxiality_deg: f64) -> String {
     format!("(coaxial: Δ = 0 in place of {}°)", short(noncoaxiality_deg))

@@ -5,6 +5,7 @@ pub mod dispersion;
 pub mod format;
 pub mod map;
 pub mod point;
+pub mod run;
 pub mod speeds;
 
 use crate::case::Case;
@@ -100,6 +101,85 @@ pub fn file_names<R: Report>(report: &R, case: &Case) -> Result<Vec<String>, Err
     Ok(names)
 }
 
+/// A report that stands ready to be written.
+pub struct Rendered {
+    name: &'static str,
+    json: String,
+    text: String,
+    pictures: Vec<Picture>,
+    tables: Vec<(&'static str, Vec<u8>)>,
+    ends_with_picture: bool,
+}
+
+impl Rendered {
+    /// All of a report but for the drawing of its pictures.
+    ///
+    /// # Errors
+    /// Something cannot be made.
+    pub fn new<R: Report>(report: &R, case: &Case) -> Result<Self, Error> {
+        Ok(Self {
+            name: R::NAME,
+            json: format!("{:#}\n", json(report)?),
+            text: report.text(case),
+            pictures: report.pictures(case)?,
+            tables: report.tables(case)?,
+            ends_with_picture: R::ENDS_WITH_PICTURE,
+        })
+    }
+
+    /// Writes all files into a folder that is open, the JSON report last.
+    ///
+    /// # Errors
+    /// Something cannot be drawn or written.
+    pub fn write(&self, folder: &ResultFolder) -> Result<(), Error> {
+        draw(&self.pictures, folder)?;
+        for (name, table) in &self.tables {
+            folder.write(name, table)?;
+        }
+        folder.write(&format!("{}.txt", self.name), self.text.as_bytes())?;
+        Ok(folder.write(&format!("{}.json", self.name), self.json.as_bytes())?)
+    }
+
+    /// Prints the text or the JSON report.
+    ///
+    /// # Errors
+    /// Standard output does not take it.
+    pub fn print(
+        &self,
+        folder: &ResultFolder,
+        format: Format,
+        stdout: &mut dyn Write,
+    ) -> Result<(), Error> {
+        match format {
+            Format::Json => stdout.write_all(self.json.as_bytes())?,
+            Format::Text => {
+                stdout.write_all(self.text.as_bytes())?;
+                match self.pictures.first().filter(|_| self.ends_with_picture) {
+                    Some(Picture { stem, .. }) => {
+                        let path = folder.path().join(format!("{stem}.png"));
+                        writeln!(stdout, "picture: {}", path.display())?;
+                    }
+                    None => writeln!(stdout, "results: {}", folder.path().display())?,
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Writes pictures into a folder of results.
+///
+/// # Errors
+/// One cannot be drawn or written.
+pub fn draw(pictures: &[Picture], folder: &ResultFolder) -> Result<(), Error> {
+    use figures::Format::{Png, Svg};
+    for Picture { stem, draw } in pictures {
+        folder.write(&format!("{stem}.png"), &draw(Png)?)?;
+        folder.write(&format!("{stem}.svg"), &draw(Svg)?)?;
+    }
+    Ok(())
+}
+
 /// Writes all files of a report into the folder of results, and the text or the JSON report to standard output.
 ///
 /// # Errors
@@ -111,32 +191,8 @@ pub fn write<R: Report>(
     format: Format,
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
-    use figures::Format::{Png, Svg};
-    let json = format!("{:#}\n", json(report)?);
-    let text = report.text(case);
-    let pictures = report.pictures(case)?;
+    let rendered = Rendered::new(report, case)?;
     folder.open()?;
-    for Picture { stem, draw } in &pictures {
-        folder.write(&format!("{stem}.png"), &draw(Png)?)?;
-        folder.write(&format!("{stem}.svg"), &draw(Svg)?)?;
-    }
-    for (name, table) in report.tables(case)? {
-        folder.write(name, &table)?;
-    }
-    folder.write(&format!("{}.json", R::NAME), json.as_bytes())?;
-    folder.write(&format!("{}.txt", R::NAME), text.as_bytes())?;
-    match format {
-        Format::Json => stdout.write_all(json.as_bytes())?,
-        Format::Text => {
-            stdout.write_all(text.as_bytes())?;
-            match pictures.first().filter(|_| R::ENDS_WITH_PICTURE) {
-                Some(Picture { stem, .. }) => {
-                    let path = folder.path().join(format!("{stem}.png"));
-                    writeln!(stdout, "picture: {}", path.display())?;
-                }
-                None => writeln!(stdout, "results: {}", folder.path().display())?,
-            }
-        }
-    }
-    Ok(())
+    rendered.write(folder)?;
+    rendered.print(folder, format, stdout)
 }

@@ -2,7 +2,9 @@
 
 pub mod check;
 pub mod flow;
+pub(crate) mod flow_run;
 pub mod solid;
+pub(crate) mod solid_run;
 
 use crate::Error;
 use crate::case::{Case, Kind};

@@ -1,6 +1,7 @@
 //! From a case to a solid.
 
 use crate::case::{Case, Kind, Wave, names, radians};
+use dynamics::medium::Medium;
 use models::cosserat::stress::Stress;
 use models::elastoplastic::{Plastic, Solid};
 use models::elementary::Elementary;
@@ -25,6 +26,20 @@ pub fn solid(case: &Case) -> Result<Solid, InputError> {
 pub fn elastic_law_and_set(case: &Case) -> Result<(ElasticLaw, Option<YieldSet>), InputError> {
     let set = case.yields.map(|set| yield_set(case, set)).transpose()?;
     Ok((elastic_law(case)?, set))
+}
+
+/// What a case's solid is to the solver.
+///
+/// # Errors
+/// The constant that is out of range; that the flow is not one that a run knows; that the case is one of a
+/// flow.
+pub fn medium(case: &Case, dimensions: usize) -> Result<Medium, InputError> {
+    let (elastic, set) = elastic_law_and_set(case)?;
+    let medium = Medium::new(elastic, dimensions);
+    let Some(set) = set else { return Ok(medium) };
+    // A run knows no other flow.
+    set.check_ideal_and_associated()?;
+    Ok(medium.yielding(set))
 }
 
 /// Unit vector along a wave.

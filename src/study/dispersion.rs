@@ -86,6 +86,14 @@ pub struct Branch {
 ///
 /// # Errors
 /// The case is none of a solid, its constants are out of range, its background flows, or its waves cannot be followed.
+///
+/// # Examples
+/// ```
+/// let case = wellposed::load("cases/cosserat/forbidden-band.toml", &[])?;
+/// let found = wellposed::dispersion(&case)?;
+/// assert!(found.families.iter().any(|family| !family.forbidden_bands.is_empty()));
+/// # Ok::<(), wellposed::Error>(())
+/// ```
 pub fn dispersion(case: &Case) -> Result<Dispersion, Error> {
     let solid = setup::solid::solid(case).map_err(|error| case.locate(error))?;
     if solid.plastic.as_ref().is_some_and(|plastic| plastic.rate > 0.0) {

@@ -8,6 +8,7 @@ pub mod dispersion;
 pub mod extremes;
 pub mod map;
 pub mod point;
+pub mod simulate;
 pub mod speeds;
 pub mod words;
 
@@ -15,6 +16,7 @@ pub use check::{CheckResult, check};
 pub use dispersion::{Dispersion, dispersion};
 pub use map::{MapOptions, MapResult, check_map, map};
 pub use point::{FlowPoint, PointResult, SolidPoint, point};
+pub use simulate::{RunResult, simulate};
 pub use speeds::{Speeds, speeds};
 
 use crate::Error;

@@ -3,7 +3,7 @@
 use super::Extent;
 use crate::case::flow::{Disturbed, FlowRun, Initial};
 use crate::case::{Case, Kind};
-use crate::run::{flow_problem, perturbation};
+use crate::setup::flow_run::{flow_problem, perturbation};
 use crate::{Error, setup};
 use agreement::PlaneWave;
 use agreement::flows::{Perturbation, UniformFlow};

@@ -53,7 +53,7 @@ pub(super) fn media(
     }
     for (_, own) in &media {
         let solid = setup::solid::solid(own)?;
-        if let Err(error) = crate::run::medium(own, solid.dimensions) {
+        if let Err(error) = setup::solid::medium(own, solid.dimensions) {
             return Ok(Err(error));
         }
         if let Some(plastic) = solid.plastic.filter(|plastic| plastic.rate > 0.0) {

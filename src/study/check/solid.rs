@@ -6,7 +6,7 @@ use crate::setup::check::locate;
 use crate::setup::check::solid::{MediumPlan, WavePlan};
 use crate::study::OnProgress;
 use crate::study::dispersion::WaveVector;
-use crate::{Error, run, setup};
+use crate::{Error, setup};
 use agreement::fit::Rate;
 use agreement::solids::{BandGap, BranchResult, GridResult, Response, band_gaps, branch_results};
 use analysis::solids::{BranchGroup, branches};
@@ -151,7 +151,8 @@ pub fn rows(
     on_progress: OnProgress,
 ) -> Result<Vec<BranchResult>, Error> {
     let solid = setup::solid::solid(predicted).map_err(|error| predicted.locate(error))?;
-    let medium = run::medium(measured, solid.dimensions).map_err(|error| measured.locate(error))?;
+    let medium =
+        setup::solid::medium(measured, solid.dimensions).map_err(|error| measured.locate(error))?;
     branch_results(&solid, &medium, &plan.plane_waves(), &plan.settings, on_progress)
         .map_err(|error| locate(predicted, error))
 }

@@ -1,12 +1,12 @@
 //! What ends a run early, and when checkpoints are due.
 
 use super::Run;
+use super::appended::Files;
 use super::checkpoint::Checkpoint;
-use super::files::Files;
 use crate::output::ResultFolder;
 use crate::report::format::short;
+use crate::study::simulate::Moment;
 use crate::{Error, INTERRUPTED_CODE};
-use dynamics::simulation::Simulation;
 use std::io::{IsTerminal, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -58,21 +58,17 @@ impl<'a> CheckpointTimer<'a> {
     ///
     /// # Errors
     /// The run is interrupted, or the checkpoint cannot be written.
-    pub(super) fn write_if_due(
-        &mut self,
-        files: &mut Files,
-        simulation: &impl Simulation,
-    ) -> Result<(), Error> {
+    pub(super) fn write_if_due(&mut self, files: &mut Files, moment: &Moment) -> Result<(), Error> {
         let is_interrupted = INTERRUPTED.load(Ordering::Relaxed);
         if !is_interrupted && self.last.elapsed().as_secs_f64() <= self.run.control.checkpoint_every
         {
             return Ok(());
         }
-        let checkpoint = Checkpoint { tables: files.sync()?, state: simulation.state() };
+        let checkpoint = Checkpoint { tables: files.sync()?, state: (moment.state)() };
         checkpoint.write(self.run.folder)?;
         files.log(&format!("checkpoint at step {}", checkpoint.state.steps));
         self.last = Instant::now();
-        if is_interrupted && !simulation.is_finished() {
+        if is_interrupted && !moment.is_finished {
             return Err(Error::Interrupted {
                 time: short(checkpoint.state.time),
                 folder: self.run.folder.path().display().to_string(),

@@ -5,7 +5,7 @@ use dynamics::probe::Probe;
 use models::elementary::Elementary;
 
 /// The middle of a cell, m.
-pub(in crate::run) fn centre(dynamics: &Dynamics, cell: usize) -> Vec<f64> {
+pub(crate) fn centre(dynamics: &Dynamics, cell: usize) -> Vec<f64> {
     let mut rest = cell;
     let along = dynamics.grid.cells.iter().enumerate();
     along
@@ -18,7 +18,7 @@ pub(in crate::run) fn centre(dynamics: &Dynamics, cell: usize) -> Vec<f64> {
 }
 
 /// The cell that holds a point; of points on a joint the cell behind it, of those on a side the one there.
-pub(in crate::run) fn cell_at(dynamics: &Dynamics, point: &[f64]) -> usize {
+pub(crate) fn cell_at(dynamics: &Dynamics, point: &[f64]) -> usize {
     let mut cell = 0;
     for (axis, x) in point.iter().enumerate().rev() {
         let grid = &dynamics.grid;
@@ -57,7 +57,7 @@ pub(super) fn whole_side(dynamics: &Dynamics, side: Side) -> Option<&SideConditi
 }
 
 /// Where a receiver is in the grid; `of_cell` are the media.
-pub(in crate::run) fn probe(dynamics: &Dynamics, of_cell: &[u16], receiver: &Receiver) -> Probe {
+pub(crate) fn probe(dynamics: &Dynamics, of_cell: &[u16], receiver: &Receiver) -> Probe {
     let grid = &dynamics.grid;
     let home = cell_at(dynamics, &receiver.at);
     if receiver.interpolation == Interpolation::Nearest {

@@ -1,50 +1,44 @@
 //! Pictures of a flow in time.
 
-use super::{Fields, animation, array, label, ledger, seismograms, table, write};
-use crate::Error;
+use super::animation::array;
+use super::label;
+use super::records::{ledger, seismograms};
 use crate::case::Case;
 use crate::case::flow::{FlowRun, Quantity};
-use crate::output::{AppendedFile, ResultFolder};
-use crate::report::format::{case_title, short, unit_of};
+use crate::report::Picture;
+use crate::report::format::{case_title, short};
+use crate::study::simulate::{Fields, Records, Table, unit_of};
 use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind, Line, SpectrumFigure};
 use models::elementary::Elementary;
 
-/// Draws all pictures of a run.
-pub(super) fn draw(
+/// All pictures of a run but for the animation.
+pub(super) fn pictures(
     case: &Case,
     run: &FlowRun,
     fields: &Fields,
-    folder: &ResultFolder,
-) -> Result<(), Error> {
-    let of = |name: &str| fields.of(name).map(<[f64]>::to_vec).unwrap_or_default();
+    records: &Records,
+) -> Vec<Picture> {
+    let of = |name: &str| fields.get(name).unwrap_or_default();
     let values = match run.output.picture {
-        None => of("v1").iter().zip(of("v2")).map(|(v1, v2)| v1.root_sum_square(v2)).collect(),
+        None => of("v1").iter().zip(of("v2")).map(|(v1, v2)| v1.root_sum_square(*v2)).collect(),
         Some(own) => of(own.array()).iter().map(|value| own.shown(*value)).collect(),
     };
-    let figure = figure(case, run, fields.time(), values);
-    write(folder, "run", |format| figure.draw(format))?;
-    if !run.receivers.is_empty() {
-        seismograms(case, folder)?;
-    }
+    let figure = figure(case, run, fields.time, values);
+    let mut pictures = vec![Picture::new("run", move |format| figure.draw(format))];
+    pictures.extend(records.receivers.as_ref().map(|table| seismograms(case, table)));
     let words = |name: &str| match name {
         "kinetic" => "kinetic energy of the perturbation",
         "background" => "given by the mean flow",
         "stress" => "work of the stress",
         _ => "left over: error of the steps",
     };
-    let mut columns = table(folder, AppendedFile::Ledger)?;
-    columns.retain(|column| column.0 != "power");
-    ledger(case, folder, "J/m³", columns, words)?;
-    spectrum(case, folder)?;
-    if run.output.snapshot_interval > 0.0 {
-        let of_snapshot = |bytes: &[u8]| of_snapshot(bytes, run);
-        animation(folder, of_snapshot, |time, values| self::figure(case, run, time, values))?;
-    }
-    Ok(())
+    pictures.extend(ledger(case, &records.ledger, words));
+    pictures.extend(records.spectrum.as_ref().and_then(|table| spectrum(case, table)));
+    pictures
 }
 
 /// What a snapshot has of the picture, or why it has nothing; what has a mean, less that.
-fn of_snapshot(bytes: &[u8], run: &FlowRun) -> Result<Vec<f64>, String> {
+pub(super) fn of_snapshot(bytes: &[u8], run: &FlowRun) -> Result<Vec<f64>, String> {
     let count = run.grid.count();
     let velocity = || array(bytes, "velocity [m/s]", 3 * count);
     let values: Vec<f64> = match run.output.picture {
@@ -60,7 +54,7 @@ fn of_snapshot(bytes: &[u8], run: &FlowRun) -> Result<Vec<f64>, String> {
 
 /// A field in the box as it was at the beginning. What has a mean, less that: perturbations would not be
 /// seen beside it.
-fn figure(case: &Case, run: &FlowRun, time: f64, mut values: Vec<f64>) -> FieldFigure {
+pub(super) fn figure(case: &Case, run: &FlowRun, time: f64, mut values: Vec<f64>) -> FieldFigure {
     let picture = run.output.picture;
     let mut subtitle = format!("t = {} s, in the box that moves with the mean flow", short(time));
     let label = match picture {
@@ -104,17 +98,17 @@ fn figure(case: &Case, run: &FlowRun, time: f64, mut values: Vec<f64>) -> FieldF
 }
 
 /// The energy of the shells of modes at some of the times.
-fn spectrum(case: &Case, folder: &ResultFolder) -> Result<(), Error> {
+fn spectrum(case: &Case, table: &Table) -> Option<Picture> {
     /// Lines of the picture, at most.
     const MOST: usize = 6;
-    let columns = table(folder, AppendedFile::Spectrum)?;
-    let Some(((_, times), shells)) = columns.split_first() else { return Ok(()) };
+    let (times, shells) = table.columns.split_first()?;
+    let times = &times.values;
     let last = times.len().saturating_sub(1);
     let count = MOST.min(times.len());
     let rows = (0..count).map(|line| line * last / (count - 1).max(1));
     let lines = rows.map(|row| Line {
         label: format!("t = {} s", short(times[row])),
-        points: (1..).zip(shells).map(|(n, shell)| [f64::from(n), shell.1[row]]).collect(),
+        points: (1..).zip(shells).map(|(n, shell)| [f64::from(n), shell.values[row]]).collect(),
     });
     let figure = SpectrumFigure {
         title: case_title(case),
@@ -124,5 +118,5 @@ fn spectrum(case: &Case, folder: &ResultFolder) -> Result<(), Error> {
         lines: lines.collect(),
         rings: Vec::new(),
     };
-    write(folder, "spectrum", |format| figure.draw(format))
+    Some(Picture::new("spectrum", move |format| figure.draw(format)))
 }

@@ -9,11 +9,11 @@ use std::collections::BTreeMap;
 use std::io::ErrorKind;
 
 /// A checkpoint of a solid or a flow.
-pub(super) struct Checkpoint {
+pub(in crate::cli) struct Checkpoint {
     /// What stands in the tables.
     pub(super) tables: Vec<Written>,
     /// The state.
-    pub(super) state: State,
+    pub(in crate::cli) state: State,
 }
 
 impl Checkpoint {
@@ -40,7 +40,7 @@ impl Checkpoint {
     ///
     /// # Errors
     /// It is damaged, or of another case.
-    pub(super) fn read(folder: &ResultFolder) -> Result<Option<Self>, OutputError> {
+    pub(in crate::cli) fn read(folder: &ResultFolder) -> Result<Option<Self>, OutputError> {
         let path = folder.path_of(AppendedFile::Checkpoint);
         let damaged = |cause: &str| OutputError::unusable(&path, cause);
         let sections = match read_sealed(&path).map_err(|error| error.problem) {

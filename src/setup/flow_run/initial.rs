@@ -8,18 +8,18 @@ use files::npz::{Values, read};
 use models::granular_flow::RotationKind;
 
 /// Perturbations at the points, the first axis running fastest.
-pub(super) struct Fields {
+pub(crate) struct Fields {
     /// Of the velocity, m/s.
-    pub(super) velocity: [Vec<f64>; 2],
+    pub(crate) velocity: [Vec<f64>; 2],
     /// Of the spin, rad/s, or of the stress angle, rad; zero where neither evolves.
-    pub(super) inner: Vec<f64>,
+    pub(crate) inner: Vec<f64>,
 }
 
 /// The sum of all parts.
 ///
 /// # Errors
 /// The archive that a part names is not what it should be.
-pub(super) fn fields(run: &FlowRun, problem: &Problem) -> Result<Fields, CaseError> {
+pub(crate) fn fields(run: &FlowRun, problem: &Problem) -> Result<Fields, CaseError> {
     let lattice = Lattice { count: run.grid.cells, lengths: run.grid.lengths };
     let zeros = || vec![0.0; run.grid.count()];
     let mut fields = Fields { velocity: [zeros(), zeros()], inner: zeros() };

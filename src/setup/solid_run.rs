@@ -1,4 +1,4 @@
-//! From a case to the problem that the solver takes.
+//! From a case to a solid in time: the problem that the solver takes, and the state at its beginning.
 
 mod boundary;
 mod geometry;
@@ -12,28 +12,28 @@ use crate::case::dynamics::{
     Component, Correction, Dynamics, Ledger as LedgerKind, Order, Side, Splitting as Sweeps, Time,
 };
 use crate::case::{Case, CaseError};
-use crate::setup::solid::elastic_law_and_set;
+use crate::setup::solid;
 use dynamics::boundary::Boundary;
 use dynamics::line::Slopes;
 use dynamics::medium::Medium;
 use dynamics::problem::{Detail, DomainError, Grid, Placement, Problem, Scheme, Splitting};
 use dynamics::simulation::TimeSteps;
-pub(super) use geometry::{cell_at, centre, probe};
+pub(crate) use geometry::{cell_at, centre, probe};
 use models::cosserat::waves::Field;
-use models::granular_flow::InputError;
 
 /// What a case comes to: a problem and the state at its beginning.
-pub(super) struct Setup<const D: usize> {
-    pub(super) problem: Problem<D>,
-    pub(super) steps: TimeSteps,
+pub(crate) struct Setup<const D: usize> {
+    pub(crate) problem: Problem<D>,
+    pub(crate) steps: TimeSteps,
     /// Values of the fields that are not zero, by cell.
-    pub(super) initial: Vec<(Field, Vec<f64>)>,
+    pub(crate) initial: Vec<(Field, Vec<f64>)>,
 }
 
 /// The media of a case in their order, with the cases that describe them.
-pub(super) fn media(case: &Case, dynamics: &Dynamics) -> Result<Vec<Medium>, Error> {
+pub(crate) fn media(case: &Case, dynamics: &Dynamics) -> Result<Vec<Medium>, Error> {
     let dimensions = dynamics.grid.dimensions();
-    let medium = |own: &Case| medium(own, dimensions).map_err(|error| own.locate(error).into());
+    let medium =
+        |own: &Case| solid::medium(own, dimensions).map_err(|error| own.locate(error).into());
     if dynamics.regions.is_empty() {
         return medium(case).map(|medium| vec![medium]);
     }
@@ -48,20 +48,6 @@ pub(super) fn media(case: &Case, dynamics: &Dynamics) -> Result<Vec<Medium>, Err
     Ok(all)
 }
 
-/// What a case's solid is to the solver.
-///
-/// # Errors
-/// The constant that is out of range; that the flow is not one that a run knows; that the case is one of a
-/// flow.
-pub(crate) fn medium(case: &Case, dimensions: usize) -> Result<Medium, InputError> {
-    let (elastic, set) = elastic_law_and_set(case)?;
-    let medium = Medium::new(elastic, dimensions);
-    let Some(set) = set else { return Ok(medium) };
-    // A run knows no other flow.
-    set.check_ideal_and_associated()?;
-    Ok(medium.yielding(set))
-}
-
 /// The name of a field among the unknowns of the analysis.
 pub(crate) fn unknown_name(field: Field) -> String {
     Component(field).to_string().replace("sigma", "σ").replace('w', "ω")
@@ -69,7 +55,7 @@ pub(crate) fn unknown_name(field: Field) -> String {
 
 /// The longest steps that the case lets waves and the natural rotation have, shortened until they end with
 /// the run.
-pub(super) fn time_steps(dynamics: &Dynamics, media: &[Medium]) -> Result<TimeSteps, CaseError> {
+pub(crate) fn time_steps(dynamics: &Dynamics, media: &[Medium]) -> Result<TimeSteps, CaseError> {
     let Time { duration, courant, rotation_deg } = dynamics.time;
     let rotation = rotation_deg.to_radians();
     let steps = TimeSteps::new(media, &dynamics.grid.spacing, courant, rotation, duration);
@@ -80,7 +66,7 @@ pub(super) fn time_steps(dynamics: &Dynamics, media: &[Medium]) -> Result<TimeSt
 }
 
 impl<const D: usize> Setup<D> {
-    pub(super) fn new(case: &Case, dynamics: &Dynamics, media: Vec<Medium>) -> Result<Self, Error> {
+    pub(crate) fn new(case: &Case, dynamics: &Dynamics, media: Vec<Medium>) -> Result<Self, Error> {
         let cells = std::array::from_fn(|axis| dynamics.grid.cells[axis]);
         let spacing = std::array::from_fn(|axis| dynamics.grid.spacing[axis]);
         let steps = time_steps(dynamics, &media)?;

@@ -1,0 +1,34 @@
+//! `wellposed resume`.
+
+use super::run::{Checkpoint, Control, Run, carry_out};
+use crate::case::InTime;
+use crate::output::ResultFolder;
+use crate::study::simulate::job;
+use crate::{Error, Format};
+use std::io::Write;
+use std::path::Path;
+
+/// Goes on with a run that was interrupted or killed.
+///
+/// # Errors
+/// The folder holds no run, a finished one, or a damaged checkpoint; then as [`run`](super::run()).
+pub fn resume(
+    path: &Path,
+    threads: Option<usize>,
+    control: Control,
+    format: Format,
+    stdout: &mut dyn Write,
+) -> Result<(), Error> {
+    let (folder, case) = ResultFolder::of_run(path)?;
+    let job = job(&case)?;
+    let plan = job.plan(false)?;
+    let found = Checkpoint::read(&folder)?;
+    let duration = match case.in_time()? {
+        InTime::Solid(dynamics) => dynamics.time.duration,
+        InTime::Flow(flow) => flow.time.duration,
+    };
+    let start = found.as_ref().map_or(0.0, |found| found.state.time);
+    let _ = writeln!(std::io::stderr(), "{plan}\nfrom {:.1} %", 100.0 * start / duration);
+    let run = Run { case: &case, folder: &folder, control, threads };
+    carry_out(&run, &*job, found, format, stdout)
+}

@@ -1,0 +1,156 @@
+//! Writes what a simulation delivers to files, and interrupts it.
+
+use super::Run;
+use super::appended::{Files, check_snapshots, records};
+use super::checkpoint::Checkpoint;
+use super::control::{CheckpointTimer, computed};
+use crate::Error;
+use crate::cli::progress::Progress;
+use crate::report::format::short;
+use crate::report::run::image;
+use crate::study::simulate::{Effort, Fields, Head, Moment, Recorder, Records, TableKind};
+use dynamics::simulation::{RegularTimes, State};
+use std::time::Instant;
+
+/// Parts of the duration that a bar of progress tells apart.
+const PARTS: f64 = 1000.0;
+
+/// Writes a run's files. It keeps other runs out of the folder until it is dropped.
+pub(super) struct FileRecorder<'a> {
+    run: &'a Run<'a>,
+    /// What the run goes on from, until it does.
+    from: Option<Checkpoint>,
+    is_resumed: bool,
+    files: Files<'a>,
+    timer: CheckpointTimer<'a>,
+    snapshots: Option<RegularTimes>,
+    progress: Progress,
+    /// Parts of the duration that the bar shows.
+    parts: u64,
+    /// When this part of the run began, and after how many steps.
+    start: (Instant, usize),
+}
+
+impl<'a> FileRecorder<'a> {
+    pub(super) fn new(run: &'a Run<'a>, from: Option<Checkpoint>) -> Self {
+        Self {
+            run,
+            is_resumed: from.is_some(),
+            from,
+            files: Files::new(run.folder),
+            timer: CheckpointTimer::new(run),
+            snapshots: None,
+            progress: Progress::new("run", PARTS as u64),
+            parts: 0,
+            start: (Instant::now(), 0),
+        }
+    }
+
+    /// Shows the part of the duration, s, that is over.
+    fn tick(&mut self, time: f64, duration: f64) {
+        let parts = (PARTS * time / duration) as u64;
+        self.progress.tick(parts - self.parts);
+        self.parts = parts;
+    }
+
+    /// Steps of this part of the run, and the time that they took, s.
+    fn rate(&self, moment: &Moment) -> (usize, f64) {
+        let (clock, first) = self.start;
+        (moment.steps - first, clock.elapsed().as_secs_f64())
+    }
+
+    /// The name of the file of a snapshot.
+    fn snapshot_name(&self, index: usize) -> String {
+        // Those of flows are in a box that deforms.
+        let extension = if self.run.case.flow.is_some() { "vts" } else { "vti" };
+        format!("snapshot-{index:08}.{extension}")
+    }
+}
+
+impl Recorder for FileRecorder<'_> {
+    fn is_resumed(&self) -> bool {
+        self.is_resumed
+    }
+
+    fn start(
+        &mut self,
+        tables: &[Head],
+        snapshots: Option<RegularTimes>,
+        restore: &mut dyn FnMut(&State) -> Option<usize>,
+    ) -> Result<(), Error> {
+        match self.from.take() {
+            None => self.files.create(tables, snapshots.is_some())?,
+            Some(from) => {
+                let due = self.files.resume(tables, &from, restore)?;
+                check_snapshots(self.run.folder, (0..due).map(|index| self.snapshot_name(index)))?;
+                self.start.1 = from.state.steps;
+            }
+        }
+        self.snapshots = snapshots;
+        self.timer = CheckpointTimer::new(self.run);
+        self.start.0 = Instant::now();
+        Ok(())
+    }
+
+    fn row(&mut self, table: TableKind, row: &[f64]) -> Result<(), Error> {
+        self.files.write(table.into(), row)
+    }
+
+    fn snapshot(&mut self, index: usize, fields: Fields) -> Result<(), Error> {
+        let Some(times) = self.snapshots else { return Ok(()) };
+        let image = image(self.run.case, &fields)?;
+        drop(fields);
+        let name = |index| Some((times.time(index)?, self.snapshot_name(index)));
+        let list: Vec<(f64, String)> = (0..=index).map_while(name).collect();
+        self.files.snapshot(&image, &list)
+    }
+
+    fn after_steps(&mut self, moment: &Moment) -> Result<(), Error> {
+        self.tick(moment.time, moment.duration);
+        self.progress.note(note(moment, self.rate(moment)));
+        self.timer.write_if_due(&mut self.files, moment)
+    }
+
+    fn finish(&mut self, moment: &Moment) -> Result<Records, Error> {
+        computed();
+        self.files.sync()?;
+        self.files.log(&log(moment, self.rate(moment)));
+        records(self.run.case, self.run.folder)
+    }
+}
+
+/// How far a run has come, in words; `rate` are its steps so far and the time that they took, s.
+fn note(moment: &Moment, rate: (usize, f64)) -> String {
+    let time = short(moment.time);
+    match moment.effort {
+        Effort::Solid { energy, cells, .. } => format!(
+            "t = {time} s, energy {}, {:.0} million cell-updates/s",
+            short(energy),
+            cell_updates(cells, rate)
+        ),
+        Effort::Flow { energy, stages, evaluations, iterations, .. } => format!(
+            "t = {time} s, energy {}, step {} of {stages} stages, {:.1} iterations of the pressure",
+            short(energy),
+            moment.steps,
+            iterations as f64 / evaluations.max(1) as f64
+        ),
+    }
+}
+
+/// What a run took, in words.
+fn log(moment: &Moment, (steps, seconds): (usize, f64)) -> String {
+    match moment.effort {
+        Effort::Solid { cells, threads, .. } => format!(
+            "{steps} steps in {seconds:.2} s with {threads} threads: {:.1} million cell-updates/s",
+            cell_updates(cells, (steps, seconds))
+        ),
+        Effort::Flow { threads, .. } => {
+            format!("{steps} steps in {seconds:.2} s with {threads} threads")
+        }
+    }
+}
+
+/// Millions of cell-updates per second: two of each cell in a step.
+fn cell_updates(cells: usize, (steps, seconds): (usize, f64)) -> f64 {
+    2.0 * steps as f64 * cells as f64 / seconds / 1e6
+}

@@ -1,0 +1,74 @@
+//! Where the results of a folder come from.
+
+use super::names::{CASE, PROGRAM, is_half_written, is_result};
+use super::{OutputError, names_in};
+use serde_json::Value;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::Path;
+
+/// What [`PROGRAM`] holds.
+pub(super) fn program(undrawn: &str) -> Value {
+    serde_json::json!({
+        "name": env!("CARGO_PKG_NAME"),
+        "version": env!("CARGO_PKG_VERSION"),
+        "commit": env!("WELLPOSED_COMMIT"),
+        "case": format!("{:08x}", files::checksum(undrawn.as_bytes())),
+    })
+}
+
+/// Where the results of a folder come from.
+pub(super) struct Origin {
+    /// Whether from this version of the program.
+    pub(super) is_version: bool,
+    /// Whether from this case, whatever is drawn of it.
+    pub(super) is_case: bool,
+}
+
+impl Origin {
+    /// By what [`PROGRAM`] holds in the folder, if it is there.
+    pub(super) fn of(folder: &Path, undrawn: &str) -> Result<Self, OutputError> {
+        let path = folder.join(PROGRAM);
+        let bytes = match fs::read(&path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
+            bytes => bytes.map_err(|error| OutputError::unreadable(&path, &error))?,
+        };
+        let found: Value = serde_json::from_slice(&bytes).unwrap_or_default();
+        let own = program(undrawn);
+        let is_same = |key: &str| found[key] == own[key];
+        let is_version = ["name", "version", "commit"].into_iter().all(is_same);
+        Ok(Self { is_version, is_case: is_same("case") })
+    }
+}
+
+pub(super) fn holds(path: &Path, text: &str) -> bool {
+    fs::read(path).is_ok_and(|bytes| bytes == text.as_bytes())
+}
+
+/// Why what stands in the folder is not to be overwritten unasked, if anything.
+pub(super) fn foreign(
+    folder: &Path,
+    case: &str,
+    undrawn: &str,
+) -> Result<Option<&'static str>, OutputError> {
+    let mut names = names_in(folder)?;
+    names.retain(|name| !is_half_written(name));
+    if names.is_empty() {
+        return Ok(None);
+    }
+    if !holds(&folder.join(CASE), case) {
+        return Ok(Some("the folder holds something other than results of this case"));
+    }
+    // A run killed early may have left the case alone; there is no result to be taken for another.
+    let has_origin = names.iter().any(|name| name == PROGRAM || is_result(name));
+    let origin = Origin::of(folder, undrawn)?;
+    Ok(match has_origin {
+        true if !origin.is_version => {
+            Some("the folder holds results of another version of this program")
+        }
+        true if !origin.is_case => {
+            Some("the folder holds results of another case than its case.toml")
+        }
+        _ => None,
+    })
+}

@@ -1,0 +1,75 @@
+//! Archives of the fields at the end of a run and of what receivers saw.
+
+use crate::Error;
+use crate::study::simulate::{Fields, Quantity, Table};
+use files::npz::{Array, Npz, NpzError, Values, read};
+
+/// The archive of the fields of a state.
+///
+/// # Errors
+/// It cannot be made.
+pub(super) fn fields(fields: &Fields) -> Result<Vec<u8>, Error> {
+    let mut archive = Npz::new();
+    for (axis, along) in fields.coordinates.iter().enumerate() {
+        archive.add_f64(&format!("x{}", axis + 1), &[along.len()], along)?;
+    }
+    archive.add_f64("time", &[], &[fields.time])?;
+    if let Some(deformation) = &fields.deformation {
+        archive.add_f64("deformation", &[2, 2], deformation.as_flattened())?;
+    }
+    let names: Vec<&str> = fields.quantities.iter().map(|own| own.name.as_str()).collect();
+    let units: Vec<&str> = fields.quantities.iter().map(|own| own.unit).collect();
+    archive.add_text("names", &[names.len()], &names)?;
+    archive.add_text("units", &[units.len()], &units)?;
+    // The first axis runs fastest.
+    let shape: Vec<usize> = fields.coordinates.iter().rev().map(Vec::len).collect();
+    for own in &fields.quantities {
+        archive.add_f64(&own.name, &shape, &own.values)?;
+    }
+    if !fields.dissipation.is_empty() {
+        archive.add_f64("dissipation", &shape, &fields.dissipation)?;
+    }
+    if !fields.regions.is_empty() {
+        let regions: Vec<i32> = fields.regions.iter().map(|&region| i32::from(region)).collect();
+        archive.add_i32("region", &shape, &regions)?;
+    }
+    Ok(archive.finish()?)
+}
+
+/// The fields of an archive, as far as it has what is drawn.
+///
+/// # Errors
+/// It is no such archive.
+pub fn read_fields(bytes: &[u8]) -> Result<Fields, NpzError> {
+    let mut fields = Fields::default();
+    for Array { name, values, .. } in read(bytes)? {
+        match (name.as_str(), values) {
+            ("time", Values::F64(time)) => fields.time = time.first().copied().unwrap_or(0.0),
+            ("x1" | "x2" | "x3", Values::F64(along)) => fields.coordinates.push(along),
+            ("dissipation", Values::F64(values)) => fields.dissipation = values,
+            ("region", Values::I32(regions)) => {
+                fields.regions = regions.iter().map(|&region| region as u16).collect();
+            }
+            ("deformation", _) => {}
+            (_, Values::F64(values)) => fields.quantities.push(Quantity::new(name, values)),
+            _ => {}
+        }
+    }
+    Ok(fields)
+}
+
+/// The archive of a table, whose arrays have the names of its columns.
+///
+/// # Errors
+/// It cannot be made.
+pub(super) fn table(table: &Table) -> Result<Vec<u8>, Error> {
+    let mut archive = Npz::new();
+    let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
+    let units: Vec<&str> = table.columns.iter().map(|column| column.unit).collect();
+    archive.add_text("names", &[names.len()], &names)?;
+    archive.add_text("units", &[units.len()], &units)?;
+    for column in &table.columns {
+        archive.add_f64(&column.name, &[column.values.len()], &column.values)?;
+    }
+    Ok(archive.finish()?)
+}

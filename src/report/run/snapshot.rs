@@ -1,0 +1,49 @@
+//! Snapshots for ParaView.
+
+use crate::Error;
+use crate::case::{Case, InTime};
+use crate::study::simulate::Fields;
+use files::vti::{Grid, ImageData, Storage};
+
+/// The fields of a time: of a flow where the box is.
+///
+/// # Errors
+/// The case does not say how it is run in time, or the fields are not of its grid.
+pub fn image(case: &Case, fields: &Fields) -> Result<ImageData, Error> {
+    let grid = match case.in_time()? {
+        InTime::Solid(dynamics) => {
+            let own = &dynamics.grid;
+            Grid {
+                cells: own.cells.clone(),
+                origin: own.origin.clone(),
+                spacing: own.spacing.clone(),
+            }
+        }
+        InTime::Flow(run) => Grid {
+            cells: run.grid.cells.to_vec(),
+            origin: vec![0.0; 2],
+            spacing: [0, 1]
+                .map(|axis| run.grid.lengths[axis] / run.grid.cells[axis] as f64)
+                .to_vec(),
+        },
+    };
+    let mut image = match fields.deformation {
+        Some(deformation) => ImageData::deformed(grid, deformation, Storage::Plain)?,
+        None => ImageData::new(grid, Storage::Plain)?,
+    };
+    image.set_time(fields.time)?;
+    let of_velocity = fields.quantities.iter().filter(|own| own.name.starts_with('v'));
+    let axes: Vec<&[f64]> = of_velocity.map(|own| own.values.as_slice()).collect();
+    image.add_vector("velocity [m/s]", &axes)?;
+    for own in fields.quantities.iter().filter(|own| !own.name.starts_with('v')) {
+        image.add(&format!("{} [{}]", own.name, own.unit), 1, &own.values)?;
+    }
+    if !fields.dissipation.is_empty() {
+        image.add("dissipation [J/m3]", 1, &fields.dissipation)?;
+    }
+    if !fields.regions.is_empty() {
+        let regions: Vec<i32> = fields.regions.iter().map(|&region| i32::from(region)).collect();
+        image.add("region", 1, &regions)?;
+    }
+    Ok(image)
+}

@@ -1,0 +1,197 @@
+//! Pictures of a solid in time.
+
+use super::animation::array;
+use super::label;
+use super::records::{ledger, seismograms, some_of};
+use crate::case::Case;
+use crate::case::dynamics::{Component, Dynamics, Picture as Shown};
+use crate::report::Picture;
+use crate::report::format::{case_title, short};
+use crate::study::simulate::{Fields, Records, unit_of};
+use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
+use models::cosserat::waves::Field;
+use models::elementary::Elementary;
+use std::fmt::Write as _;
+
+/// All pictures of a run but for the animation.
+pub(super) fn pictures(
+    case: &Case,
+    dynamics: &Dynamics,
+    fields: &Fields,
+    records: &Records,
+) -> Vec<Picture> {
+    let final_state = |stem, shown| {
+        let figure = figure(case, dynamics, fields, shown);
+        Picture::new(stem, move |format| figure.draw(format))
+    };
+    let mut pictures = vec![final_state("run", dynamics.output.picture)];
+    pictures.extend(records.receivers.as_ref().map(|table| seismograms(case, table)));
+    let words = |name: &str| match name {
+        "kinetic" => "kinetic energy",
+        "stored" => "stored energy",
+        "sides" => "work at the sides",
+        "sources" => "work of sources and weight",
+        "initial_stress" => "released by the initial stress",
+        "plastic" => "plastic dissipation",
+        "numerical" => "dissipation of the scheme",
+        "residual" => "left over",
+        _ => "balance: the scheme's, not counted",
+    };
+    pictures.extend(ledger(case, &records.ledger, words));
+    if !fields.dissipation.is_empty() && dynamics.output.picture != Shown::Dissipation {
+        pictures.push(final_state("dissipation", Shown::Dissipation));
+    }
+    pictures
+}
+
+/// The final state: of a space a section across x₂ through its first source, or its middle.
+fn figure(case: &Case, dynamics: &Dynamics, fields: &Fields, shown: Shown) -> FieldFigure {
+    let section = Section::new(dynamics);
+    let values: Vec<f64> = match shown {
+        Shown::Speed => {
+            let of_axis = |i| fields.get(&format!("v{i}"));
+            let axes: Vec<&[f64]> = (1..=dynamics.grid.dimensions()).filter_map(of_axis).collect();
+            let of_cell = |cell: usize| {
+                let along = axes.iter().map(|values| value(values, cell));
+                along.fold(0.0, Elementary::root_sum_square)
+            };
+            section.cells().map(of_cell).collect()
+        }
+        Shown::Dissipation => {
+            section.cells().map(|cell| value(&fields.dissipation, cell)).collect()
+        }
+        other => {
+            let values = fields.get(&other.name()).unwrap_or_default();
+            section.cells().map(|cell| value(values, cell)).collect()
+        }
+    };
+    let mut figure = section.figure(case, shown, fields.time, values);
+    if dynamics.regions.len() > 1 {
+        let region = |cell: usize| fields.regions.get(cell).copied().unwrap_or(0);
+        figure.outlines = section.cells().map(region).collect();
+    }
+    if !fields.dissipation.is_empty() && shown != Shown::Dissipation {
+        figure.plastic =
+            section.cells().map(|cell| value(&fields.dissipation, cell) > 0.0).collect();
+    }
+    figure
+}
+
+/// That of a cell; 0 where there is none.
+fn value(values: &[f64], cell: usize) -> f64 {
+    values.get(cell).copied().unwrap_or(0.0)
+}
+
+/// The plane that is drawn.
+pub(super) struct Section<'a> {
+    dynamics: &'a Dynamics,
+    /// Its axes.
+    axes: [usize; 2],
+    /// Of a space, the layer across x₂.
+    layer: Option<usize>,
+}
+
+impl<'a> Section<'a> {
+    pub(super) fn new(dynamics: &'a Dynamics) -> Self {
+        let grid = &dynamics.grid;
+        let layer = (grid.dimensions() == 3).then(|| {
+            let [first, last] = grid.extent(1);
+            let at = dynamics.sources.first().map_or(0.5 * (first + last), |source| source.at[1]);
+            let index = ((at - grid.origin[1]) / grid.spacing[1]).floor().max(0.0) as usize;
+            index.min(grid.cells[1] - 1)
+        });
+        Self { dynamics, axes: if layer.is_none() { [0, 1] } else { [0, 2] }, layer }
+    }
+
+    /// Its cells, x₁ running fastest.
+    fn cells(&self) -> impl Iterator<Item = usize> {
+        let cells = &self.dynamics.grid.cells;
+        let [columns, rows] = self.axes.map(|axis| cells[axis]);
+        let (layer, depth) = (self.layer, cells[1]);
+        (0..rows).flat_map(move |j| {
+            (0..columns).map(move |i| match layer {
+                None => j * columns + i,
+                Some(layer) => (j * depth + layer) * columns + i,
+            })
+        })
+    }
+
+    /// What a snapshot has of the picture, or why it has nothing.
+    pub(super) fn of_snapshot(&self, bytes: &[u8], picture: Shown) -> Result<Vec<f64>, String> {
+        let name = match picture {
+            Shown::Speed | Shown::Component(Component(Field::Velocity(_))) => {
+                "velocity [m/s]".to_owned()
+            }
+            _ => format!("{} [{}]", picture.name(), unit_of(&picture.name())),
+        };
+        let all = array(bytes, &name, self.dynamics.grid.count())?;
+        let of = |cell: usize| match picture {
+            Shown::Speed => all[3 * cell..3 * cell + 3]
+                .iter()
+                .fold(0.0, |s, v| Elementary::root_sum_square(s, *v)),
+            Shown::Component(Component(Field::Velocity(i))) => all[3 * cell + i],
+            _ => all[cell],
+        };
+        Ok(self.cells().map(of).collect())
+    }
+
+    pub(super) fn figure(
+        &self,
+        case: &Case,
+        picture: Shown,
+        time: f64,
+        values: Vec<f64>,
+    ) -> FieldFigure {
+        let dynamics = self.dynamics;
+        let grid = &dynamics.grid;
+        let mut subtitle = format!("t = {} s", short(time));
+        if let Some(layer) = self.layer {
+            let _ = write!(subtitle, ", section x₂ = {} m", short(grid.centre(1, layer)));
+        }
+        let axis = |axis: usize| {
+            let [from, to] = grid.extent(axis);
+            FieldAxis { label: format!("x{}, m", ["₁", "₂", "₃"][axis]), from, to }
+        };
+        let mark = |at: &[f64], name: &str, kind: FieldMarkKind| {
+            let is_near = self
+                .layer
+                .is_none_or(|layer| (at[1] - grid.centre(1, layer)).abs() <= 0.5 * grid.spacing[1]);
+            let at = self.axes.map(|axis| at[axis]);
+            is_near.then(|| FieldMark { at, name: name.to_owned(), kind })
+        };
+        let named: Vec<usize> = some_of(dynamics.receivers.len()).collect();
+        let name = |index: usize| match named.contains(&index) {
+            true => dynamics.receivers[index].name.as_str(),
+            false => "",
+        };
+        let receivers = dynamics.receivers.iter().enumerate();
+        let sources = dynamics.sources.iter();
+        FieldFigure {
+            title: case_title(case),
+            subtitle,
+            x: axis(self.axes[0]),
+            y: axis(self.axes[1]),
+            columns: grid.cells[self.axes[0]],
+            rows: grid.cells[self.axes[1]],
+            values,
+            label: match picture {
+                Shown::Speed => "speed |v|, m/s".to_owned(),
+                _ => label(&picture.name()),
+            },
+            is_signed: !matches!(picture, Shown::Speed | Shown::Dissipation),
+            limit: None,
+            scale: None,
+            // They are values of the picture of the case.
+            curves: dynamics.output.contours.clone().filter(|_| picture == dynamics.output.picture),
+            outlines: Vec::new(),
+            plastic: Vec::new(),
+            marks: receivers
+                .filter_map(|(index, own)| mark(&own.at, name(index), FieldMarkKind::Receiver))
+                .chain(
+                    sources
+                        .filter_map(|own| mark(&own.at, own.action.name(), FieldMarkKind::Source)),
+                )
+                .collect(),
+        }
+    }
+}

@@ -1,0 +1,292 @@
+//! A solid in time.
+
+use super::plan::number_of_snapshots;
+use super::record::energy_unit;
+use super::watch::{Found, View, output_times, receivers_table, run};
+use super::{
+    Bytes, Effort, Fields, FinalLedger, Head, IllPosed, Job, Plan, Quantity, Receiver, Recorder,
+    RunResult, StopCause, Stopped, TableKind, Warning, Work,
+};
+use crate::Error;
+use crate::case::dynamics::{
+    Action, Component, Dynamics, Kernel, Ledger as LedgerKind, Load, Precision, TimeFunction,
+};
+use crate::case::{Case, CaseError};
+use crate::setup::solid_run::{Setup, cell_at, centre, media, probe, time_steps};
+use dynamics::domain::memory;
+use dynamics::ledger::{Energy, Ledger};
+use dynamics::medium::Medium;
+use dynamics::real::Real;
+use dynamics::simulation::{
+    Simulation as _, SolidAccount, SolidFault, SolidFields, SolidSimulation, TimeSteps,
+};
+
+/// Lines of the ledger where the case does not say how many.
+const LINES: usize = 1000;
+
+/// A solid and its media.
+pub(super) struct SolidJob<'a> {
+    case: &'a Case,
+    dynamics: &'a Dynamics,
+    media: Vec<Medium>,
+    /// Names of what is shown of a cell, in the order in which it is: fields, then integrals in time.
+    names: Vec<String>,
+}
+
+impl<'a> SolidJob<'a> {
+    pub(super) fn new(case: &'a Case, dynamics: &'a Dynamics) -> Result<Self, Error> {
+        let media = media(case, dynamics)?;
+        let fields = media[0].fields.iter().map(|field| Component(*field).to_string());
+        let integrals = dynamics.output.integrals.iter().filter_map(|own| own.integral());
+        let names = fields.chain(integrals).collect();
+        Ok(Self { case, dynamics, media, names })
+    }
+
+    /// Memory of a run, bytes: the fields, and copies of them for a checkpoint and for the results.
+    fn memory(&self, keeps_snapshots: bool) -> Bytes {
+        let dynamics = self.dynamics;
+        let fields = self.media[0].fields.len();
+        let own = match dynamics.scheme.precision {
+            Precision::F64 => memory::<f64>(&dynamics.grid.cells, fields),
+            Precision::F32 => memory::<f32>(&dynamics.grid.cells, fields),
+        };
+        // A snapshot between two steps needs both.
+        let interval = dynamics.output.snapshot_interval;
+        let shown = fields + dynamics.output.integrals.len() + 1;
+        let snapshot = if interval > 0.0 { shown } else { 0 };
+        let copies = snapshot
+            + 2 * fields
+            + dynamics.initial.len()
+            + 2 * dynamics.output.integrals.len()
+            + 1;
+        let kept = match keeps_snapshots {
+            true => number_of_snapshots(interval, dynamics.time.duration) * shown as f64,
+            false => 0.0,
+        };
+        let number = size_of::<f64>() as f64;
+        Bytes(own + dynamics.grid.count() as f64 * (copies as f64 + kept) * number)
+    }
+}
+
+impl Job for SolidJob<'_> {
+    fn plan(&self, keeps_snapshots: bool) -> Result<Plan, Error> {
+        let (dynamics, media) = (self.dynamics, &self.media);
+        let TimeSteps { count, step, limit, .. } = time_steps(dynamics, media)?;
+        let cells = dynamics.grid.cells.clone();
+        let work = Work::Solid { cells, fields: media[0].fields.len(), steps: count, step, limit };
+        let plan = Plan { work, memory: self.memory(keeps_snapshots) };
+        plan.if_memory_suffices(|found| {
+            let allowed = "ask for fewer cells, or for scheme.precision = \"f32\"";
+            dynamics.locate("grid.cells", found, allowed)
+        })
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        let media = self.media.clone();
+        match self.dynamics.grid.dimensions() {
+            2 => drop(Setup::<2>::new(self.case, self.dynamics, media)?),
+            _ => drop(Setup::<3>::new(self.case, self.dynamics, media)?),
+        }
+        Ok(())
+    }
+
+    fn warnings(&self) -> Result<Vec<Warning>, Error> {
+        const FEW: f64 = 4.0;
+        let step = time_steps(self.dynamics, &self.media)?.step;
+        let loads = self.dynamics.loads.iter().map(|load| ("load", &load.time)).enumerate();
+        let sources = self.dynamics.sources.iter().map(|own| ("source", &own.time)).enumerate();
+        let warning = |(index, (name, time)): (usize, (&str, &TimeFunction))| {
+            let shortest = time.shortest().filter(|time| *time < FEW * step)?;
+            let entry = format!("{name}[{index}]");
+            Some(Warning::FewSteps { entry, steps: shortest / step })
+        };
+        let mut warnings: Vec<Warning> = loads.chain(sources).filter_map(warning).collect();
+        if self.dynamics.time.courant == 1.0 {
+            let loads = self.dynamics.loads.iter().enumerate();
+            let of_load = |own: &Load| match &own.action {
+                Action::Point { kernel, .. } => *kernel == Kernel::Cell,
+                Action::Whole | Action::Part(_) => false,
+            };
+            let loads = loads.filter(|own| of_load(own.1)).map(|own| ("load", own.0));
+            let sources = self.dynamics.sources.iter().enumerate();
+            let sources =
+                sources.filter(|own| own.1.kernel == Kernel::Cell).map(|own| ("source", own.0));
+            warnings.extend(
+                loads
+                    .chain(sources)
+                    .map(|(name, index)| Warning::Sawtooth { entry: format!("{name}[{index}]") }),
+            );
+        }
+        Ok(warnings)
+    }
+
+    fn ill_posed(&self) -> Result<Option<IllPosed>, Error> {
+        // Elastic, or with associated flow without softening: all others are refused.
+        Ok(None)
+    }
+
+    fn carry_out(&self, recorder: &mut dyn Recorder) -> Result<RunResult, Error> {
+        match (self.dynamics.grid.dimensions(), self.dynamics.scheme.precision) {
+            (2, Precision::F64) => self.simulate::<f64, 2>(recorder),
+            (2, Precision::F32) => self.simulate::<f32, 2>(recorder),
+            (_, Precision::F64) => self.simulate::<f64, 3>(recorder),
+            (_, Precision::F32) => self.simulate::<f32, 3>(recorder),
+        }
+    }
+}
+
+/// How many steps lie between two lines.
+fn interval(seconds: f64, step: f64) -> usize {
+    ((seconds / step).round() as usize).max(1)
+}
+
+impl SolidJob<'_> {
+    fn simulate<T: Real, const D: usize>(
+        &self,
+        recorder: &mut dyn Recorder,
+    ) -> Result<RunResult, Error> {
+        let dynamics = self.dynamics;
+        let simulation = self.simulation::<T, D>()?;
+        if let (false, Some(cell)) = (recorder.is_resumed(), simulation.first_beyond_yield()) {
+            return Err(self.beyond_yield(cell).into());
+        }
+        let steps = simulation.time_steps();
+        let lines = match dynamics.output.ledger_interval {
+            0.0 => steps.count.div_ceil(LINES),
+            seconds => interval(seconds, steps.step),
+        };
+        let duration = dynamics.time.duration;
+        let accounts = lines as f64 * steps.step;
+        let output = output_times(accounts, dynamics.output.snapshot_interval, duration);
+        let found = run(self, simulation, &output, duration, recorder)?;
+        Ok(self.result(steps, found))
+    }
+
+    /// The solid at its beginning.
+    fn simulation<T: Real, const D: usize>(&self) -> Result<SolidSimulation<T, D>, Error> {
+        let dynamics = self.dynamics;
+        let Setup { problem, steps, initial } =
+            Setup::<D>::new(self.case, dynamics, self.media.clone())?;
+        let of_cell = &problem.of_cell;
+        let probes = dynamics.receivers.iter().map(|own| probe(dynamics, of_cell, own)).collect();
+        let threads = rayon::current_num_threads();
+        let simulation = SolidSimulation::new(problem, steps, initial, probes, threads);
+        Ok(simulation
+            .map_err(|error| dynamics.locate("grid", error.to_string(), "see the README"))?)
+    }
+
+    /// That a stress is beyond yield at the beginning.
+    fn beyond_yield(&self, cell: usize) -> CaseError {
+        let place = centre(self.dynamics, cell);
+        let found = format!("a stress beyond yield in the cell at {place:?}");
+        let allowed =
+            "initial stresses, and those of [initial_stress] with them, within the yield set";
+        self.dynamics.locate("initial", found, allowed)
+    }
+
+    fn result(&self, steps: TimeSteps, found: Found<SolidAccount>) -> RunResult {
+        let dynamics = self.dynamics;
+        let SolidAccount { energy, ledger, initial_energy, .. } = found.last;
+        let mut terms = vec![
+            ("kinetic", energy.kinetic),
+            ("stored", energy.stored),
+            ("at_start", initial_energy),
+            ("sides", ledger.inflow),
+            ("sources", ledger.sources),
+            ("initial_stress", ledger.released),
+            ("plastic", ledger.plastic),
+        ];
+        let is_full = dynamics.scheme.ledger == LedgerKind::Full;
+        if is_full {
+            terms.push(("numerical", ledger.numerical));
+        }
+        terms.push((if is_full { "residual" } else { "balance" }, found.last.balance()));
+        let receiver = |own: &crate::case::dynamics::Receiver| Receiver {
+            name: own.name.clone(),
+            at: own.at.clone(),
+            cell: Some(centre(dynamics, cell_at(dynamics, &own.at))),
+            interpolation: Some(own.interpolation.name()),
+            point: None,
+        };
+        RunResult {
+            title: self.case.title.clone(),
+            model: None,
+            cells: dynamics.grid.cells.clone(),
+            length: None,
+            steps: found.steps,
+            step: Some(steps.step),
+            time: found.time,
+            precision: Some(dynamics.scheme.precision.name()),
+            order: Some(dynamics.scheme.order.name()),
+            velocity_gradient: None,
+            deformation: None,
+            fields: found.fields,
+            ledger: FinalLedger { unit: energy_unit(self.case), terms },
+            receivers: dynamics.receivers.iter().map(receiver).collect(),
+            stopped: found.stopped,
+            records: found.records,
+        }
+    }
+}
+
+impl<T: Real, const D: usize> View<SolidSimulation<T, D>> for SolidJob<'_> {
+    fn receivers(&self) -> Option<(Head, Vec<usize>)> {
+        receivers_table(self.case, &self.dynamics.receivers, &self.names)
+    }
+
+    fn tables(&self) -> Vec<Head> {
+        let mut header =
+            vec!["time", "kinetic", "stored", "sides", "sources", "initial_stress", "plastic"];
+        header.extend(match self.dynamics.scheme.ledger {
+            LedgerKind::Full => ["numerical", "residual"].as_slice(),
+            LedgerKind::Light => &["balance"],
+        });
+        let header = header.into_iter().map(str::to_owned).collect();
+        vec![Head::new(self.case, TableKind::Ledger, header)]
+    }
+
+    fn rows(&self, account: &SolidAccount) -> Vec<Vec<f64>> {
+        let Ledger { inflow, sources, released, plastic, numerical, .. } = account.ledger;
+        let Energy { kinetic, stored } = account.energy;
+        let mut row = vec![account.time, kinetic, stored, inflow, sources, released, plastic];
+        if self.dynamics.scheme.ledger == LedgerKind::Full {
+            row.push(numerical);
+        }
+        row.push(account.balance());
+        vec![row]
+    }
+
+    fn fields(&self, simulation: &SolidSimulation<T, D>, fields: SolidFields, time: f64) -> Fields {
+        let grid = &self.dynamics.grid;
+        let middles = |axis| (0..grid.cells[axis]).map(|i| grid.centre(axis, i)).collect();
+        let has_regions = !self.dynamics.regions.is_empty();
+        let named = self.names.iter().zip(fields.values);
+        Fields {
+            time,
+            coordinates: (0..grid.dimensions()).map(middles).collect(),
+            deformation: None,
+            quantities: named.map(|(name, own)| Quantity::new(name.clone(), own)).collect(),
+            dissipation: fields.dissipated,
+            regions: match has_regions {
+                true => simulation.problem().of_cell.clone(),
+                false => Vec::new(),
+            },
+        }
+    }
+
+    fn effort(&self, simulation: &SolidSimulation<T, D>, _last: &SolidAccount) -> Effort {
+        Effort::Solid {
+            energy: simulation.account().energy.total(),
+            cells: simulation.problem().grid.count(),
+            threads: simulation.parts(),
+        }
+    }
+
+    fn stopped(&self, fault: &SolidFault, saved: f64) -> Stopped {
+        let cause = match fault.place {
+            Some((field, cell)) => StopCause::Field { field, place: centre(self.dynamics, cell) },
+            None => StopCause::Energy,
+        };
+        Stopped { cause, time: fault.time, saved }
+    }
+}

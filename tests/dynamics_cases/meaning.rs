@@ -1,0 +1,200 @@
+//! What templates, shapes, functions of time and names stand for.
+
+use super::{PLANE, SPACE, dynamics, parse, with};
+use models::cosserat::parameters::Theory;
+use models::registry;
+use wellposed::case::dynamics::{Component, Shape, TimeFunction};
+use wellposed::case::{Kind, Medium};
+use wellposed::new::{self, Purpose};
+
+/// A line of a template: the key with its value, and whether it is taken in as it stands.
+fn template_line(line: &str) -> Option<(&str, &str, bool)> {
+    let inner = line.strip_prefix("# ");
+    let (line, is_active) = (inner.unwrap_or(line), inner.is_none());
+    let is_key = |key: &str| key.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
+    let (key, _) = line.split_once(" = ").filter(|(key, _)| is_key(key))?;
+    Some((key, line, is_active))
+}
+
+/// The template of a run has every key that a run takes, and every entry of it is a sound one.
+#[test]
+fn new_runs_show_every_key() {
+    for medium in Medium::all().filter(|medium| matches!(medium.kind, Kind::Solid(_))) {
+        let text = new::text_for(medium, Purpose::Run);
+        parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    }
+    let cosserat = Medium::from(Kind::Solid(registry::COSSERAT));
+    let text = new::text_for(cosserat, Purpose::Run);
+    let (model, template) = text.split_at(text.find("\n[grid]\n").unwrap());
+    // By header, all entries: the lines to take in, and all keys.
+    let blocks = template.split("\n\n").map(str::trim).filter_map(|block| {
+        let (header, lines) = block.split_once('\n')?;
+        let (header, is_active) = match header.strip_prefix("# ") {
+            Some(header) => (header, false),
+            None => (header, true),
+        };
+        let header = header.split('#').next().unwrap().trim();
+        let lines: Vec<_> = lines.lines().filter_map(template_line).collect();
+        let is_taken = |line: &(&str, &str, bool)| {
+            (line.2 || !is_active) && !line.1.contains("in space alone")
+        };
+        let taken = lines.iter().filter(|line| is_taken(line)).map(|line| format!("{}\n", line.1));
+        let text = format!("{header}\n{}", taken.collect::<String>());
+        header.starts_with('[').then_some((header, text, lines))
+    });
+    let blocks: Vec<_> = blocks.collect();
+    let document = |header: &str, text: &str| {
+        let others = blocks.iter().filter(|own| ["[grid]", "[time]"].contains(&own.0));
+        let others: String =
+            others.filter(|own| own.0 != header).map(|own| own.1.clone()).collect();
+        format!("{model}\n{others}{text}")
+    };
+    let is_shown = |header: &str, key: &str| {
+        blocks.iter().any(|own| own.0 == header && own.2.iter().any(|line| line.0 == key))
+    };
+    // What is allowed in place of what is not.
+    let allowed = |header: &str, text: &str, before: &str| -> Vec<String> {
+        let error = parse(&document(header, text)).expect_err(text);
+        let (_, list) = error.split_once(before).unwrap_or_else(|| panic!("{error}"));
+        list.split(", ").map(str::to_owned).collect()
+    };
+    for (header, text, lines) in &blocks {
+        parse(&document(header, text)).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        if *header != "[initial_stress]" {
+            for key in allowed(header, &format!("{text}odd = 0\n"), "allowed here: ") {
+                assert!(is_shown(header, &key), "{key} is missing in {header}");
+            }
+        }
+        // Words that stand for a choice.
+        for (key, line, _) in lines {
+            let choices = ["kind", "shape", "order", "correction", "precision", "ledger"];
+            if choices.contains(key) {
+                let own = format!("{text}\n");
+                let own = own.replace(&format!("{line}\n"), "") + &format!("{key} = 'odd'\n");
+                for word in allowed(header, &own, "allowed: ") {
+                    assert!(template.contains(&word), "{word} is missing for {key} in {header}");
+                }
+            }
+        }
+        for (_, line, _) in lines.iter().filter(|line| line.0 == "time" && !line.1.contains("file"))
+        {
+            let (start, _) = line.split_once(" }").unwrap();
+            let source = "[[source]]\nkind = 'explosion'\namplitude = 1\nat = [0, -1]\n";
+            parse(&document("", &format!("{source}{line}\n"))).unwrap();
+            let odd = format!("{source}{start}, odd = 0 }}\n");
+            for key in allowed("", &odd, "allowed here: ").iter().filter(|_| *header == "[[load]]")
+            {
+                assert!(start.contains(&format!("{key} = ")), "{key} is missing in {line}");
+            }
+        }
+    }
+    for key in ["elevation_deg", "about"] {
+        assert!(is_shown("[[initial]]", key), "{key}");
+    }
+    for name in TimeFunction::NAMES {
+        assert!(template.contains(&format!("time = {{ kind = \"{name}\", ")), "{name}");
+    }
+    assert!(template.contains("kind = \"table\", file ="));
+}
+
+#[test]
+fn every_cell_has_one_medium() {
+    let media = |text: &str| dynamics(text).media_of_cells().map_err(|error| error.to_string());
+    let plane = media(PLANE).unwrap();
+    let count = |medium: u16| plane.iter().filter(|own| **own == medium).count();
+    // Half of the grid, the centres within 1.5 m of (2.5, 5), and the rest.
+    assert_eq!((plane.len(), count(0), count(1), count(2)), (200, 100, 12, 88));
+    assert_eq!(plane[..11], [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2]);
+    // Layers and half-spaces adjoin without gaps, though centres may lie on the plane.
+    assert_eq!(media(SPACE).unwrap().iter().filter(|own| **own == 0).count(), 4 * 6 * 4);
+    let (model, _) = SPACE.split_once("[[region]]").unwrap();
+    let halves = format!(
+        "{model}[[region]]\nshape = 'half-space'\npoint = [1.25, 0, 0]\nnormal = [-1, 0, 0]\n\
+         [[region]]\nshape = 'half-space'\npoint = [1.25, 0, 0]\nnormal = [1, 0, 0]\n"
+    );
+    assert_eq!(media(&halves).unwrap()[..4], [0, 0, 1, 1]);
+    assert_eq!(media(model).unwrap(), [0; 4 * 6 * 8]);
+
+    let error = media(&with(PLANE, "to = [0, 10]", "to = [1.5, 10]")).unwrap_err();
+    let end = "region[1]: overlaps region[0] (folder/x.toml:30) in the cell at [1.25, 4.5]; give \
+               every cell to one region: move or shrink one of the two";
+    assert_eq!(error, format!("folder/x.toml:35: {end}"));
+    let text = with(PLANE, "shape = 'rest'", "shape = 'box'\nfrom = [0, 0]\nto = [5, 4]");
+    let error = media(&text).unwrap_err();
+    let end = "region: no region holds the cell at [0.25, 4.5]; add [[region]] with shape = \
+               \"rest\", or make the regions larger";
+    assert_eq!(error, format!("folder/x.toml:30: {end}"));
+    let error = media(&with(PLANE, "center = [2.5, 5]", "center = [25, 5]")).unwrap_err();
+    let end = "region[1]: no cell has its centre in it; make it larger than a cell, move it into \
+               the grid, or leave it out";
+    assert_eq!(error, format!("folder/x.toml:35: {end}"));
+}
+
+#[test]
+fn shapes_hold_what_they_should() {
+    let ball = Shape::Ball { center: vec![0.0, 0.0], radius: 5.0 };
+    assert!(ball.contains(&[3.0, 3.9]) && !ball.contains(&[3.0, 4.0]));
+    let boxed = Shape::Box { from: vec![0.0, 0.0], to: vec![1.0, 2.0] };
+    assert!(boxed.contains(&[0.0, 1.9]) && !boxed.contains(&[1.0, 1.0]));
+    let layer = Shape::Layer { axis: 1, from: 0.0, to: 1.0 };
+    assert!(layer.contains(&[9.0, 0.0]) && !layer.contains(&[9.0, 1.0]));
+    let half = |normal: [f64; 2]| Shape::HalfSpace { point: vec![1.0, 1.0], normal: normal.into() };
+    for normal in [[1.0, 1.0], [0.0, 2.0], [-1.0, 3.0]] {
+        let [one, other] = [half(normal), half(normal.map(|n| -n))];
+        for x in [[1.0, 1.0], [0.0, 2.0], [2.0, 1.0], [-3.0, 1.0]] {
+            assert_ne!(one.contains(&x), other.contains(&x), "{normal:?} {x:?}");
+        }
+    }
+    assert!(half([0.0, 1.0]).contains(&[0.0, 5.0]) && !half([0.0, 1.0]).contains(&[0.0, 0.0]));
+    assert!(Shape::Everywhere.contains(&[0.0, 0.0]));
+}
+
+#[test]
+fn functions_of_time_have_their_values() {
+    let step = TimeFunction::Step { start: 1.0, duration: Some(2.0) };
+    assert_eq!([0.9, 1.0, 2.9, 3.0].map(|t| step.value(t)), [0.0, 1.0, 1.0, 0.0]);
+    let step = TimeFunction::Step { start: 1.0, duration: None };
+    assert_eq!([0.9, 1.0, 1e9].map(|t| step.value(t)), [0.0, 1.0, 1.0]);
+    let triangle = TimeFunction::Triangle { start: 1.0, duration: 4.0 };
+    assert_eq!(
+        [0.0, 1.0, 2.0, 3.0, 4.0, 5.0].map(|t| triangle.value(t)),
+        [0.0, 0.0, 0.5, 1.0, 0.5, 0.0]
+    );
+    let pulse = TimeFunction::Pulse { start: 1.0, duration: 4.0 };
+    assert_eq!((pulse.value(1.0), pulse.value(3.0), pulse.value(5.0)), (0.0, 1.0, 0.0));
+    assert!((pulse.value(2.0) - 0.5).abs() < 1e-15);
+    let ricker = TimeFunction::Ricker { frequency: 10.0, delay: 0.15 };
+    assert_eq!((ricker.value(0.15), ricker.value(1e300)), (1.0, 0.0));
+    // It is 0 where a = ½.
+    let zero = 0.15 + 0.5f64.sqrt() / (10.0 * std::f64::consts::PI);
+    assert!(ricker.value(zero).abs() < 1e-14);
+    let sine = TimeFunction::Sine { frequency: 2.0, start: 1.0 };
+    assert_eq!((sine.value(0.9), sine.value(1.125)), (0.0, 1.0));
+    let table = TimeFunction::from_samples(vec![[1.0, 2.0], [2.0, 4.0], [4.0, -1.0]]).unwrap();
+    let times = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 4.5];
+    assert_eq!(times.map(|t| table.value(t)), [0.0, 2.0, 3.0, 4.0, 1.5, -1.0, 0.0]);
+    assert_eq!(TimeFunction::from_samples(vec![[1.0, 2.0], [1.0, 4.0]]), None);
+    assert_eq!(TimeFunction::from_samples(vec![[1.0, 2.0]]), None);
+}
+
+#[test]
+fn components_have_names_and_sides() {
+    for theory in [Theory::Classical, Theory::Reduced, Theory::Cosserat] {
+        for dimensions in [2, 3] {
+            let all = Component::all(theory, dimensions);
+            for component in &all {
+                let name = component.to_string();
+                assert_eq!(Component::find(&name, theory, &all), Some(*component), "{name}");
+            }
+        }
+    }
+    let on = |theory, dimensions, axis| {
+        let all = Component::on_side(theory, dimensions, axis);
+        all.iter().map(Component::to_string).collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(on(Theory::Classical, 2, 0), "v1 v2 sigma11 sigma12");
+    assert_eq!(on(Theory::Classical, 3, 1), "v1 v2 v3 sigma12 sigma22 sigma23");
+    assert_eq!(on(Theory::Reduced, 2, 1), "v1 v2 sigma12 sigma22");
+    assert_eq!(on(Theory::Cosserat, 2, 0), "v1 v2 w3 sigma11 sigma21 m31");
+    assert_eq!(on(Theory::Cosserat, 3, 2), "v1 v2 v3 w1 w2 w3 sigma13 sigma23 sigma33 m13 m23 m33");
+}

@@ -1,0 +1,314 @@
+//! What is read, from all ways in which it may be written.
+
+use super::{PLANE, SPACE, dynamics, parse, parse_with, with};
+use models::cosserat::parameters::Isotropic;
+use models::registry;
+use wellposed::case::dynamics::{
+    Action, Centre, Component, Condition, Initial, Kernel, Picture, Recorded, Side, SourceKind,
+    TimeFunction,
+};
+use wellposed::case::{Case, Kind, Yield};
+use wellposed::setup;
+use wellposed::{Options, cli};
+
+#[test]
+fn a_case_is_read_as_written() {
+    let dynamics = dynamics(PLANE);
+    assert_eq!(dynamics.grid.extent(0), [-5.0, 5.0]);
+    assert_eq!((dynamics.grid.count(), dynamics.time.courant), (200, 0.9));
+    assert_eq!(dynamics.scheme.order.name(), "godunov");
+    assert_eq!(dynamics.scheme.correction.name(), "first-order");
+    let names = |list: &[Component]| list.iter().map(Component::to_string).collect::<Vec<_>>();
+    let Condition::Mixed { held } = &dynamics.sides[1].condition else { panic!() };
+    assert_eq!(names(held), ["v2", "w3"]);
+    assert_eq!(
+        dynamics.loads[1].action,
+        Action::Point { at: vec![0.5], kernel: Kernel::Bell { radius: 0.25 } }
+    );
+    assert_eq!(dynamics.loads[1].time, TimeFunction::Ricker { frequency: 30.0, delay: 1.5 / 30.0 });
+    assert_eq!(dynamics.loads[2].side, Side { axis: 0, is_upper: false });
+    assert_eq!(dynamics.sources[1].action, SourceKind::Couple(vec![7.0]));
+    assert!(matches!(
+        dynamics.initial[1],
+        Initial::Pulse { centre: Centre::Plane { axis: 1, at: 3.0 }, .. }
+    ));
+    assert!(matches!(dynamics.initial[3], Initial::Rotation { axis: 2, .. }));
+    let stresses: Vec<(String, f64)> =
+        dynamics.initial_stress.iter().map(|(c, value)| (c.to_string(), *value)).collect();
+    let expected = [
+        ("sigma11", -1e5),
+        ("sigma12", 0.0),
+        ("sigma21", 0.0),
+        ("sigma22", 0.0),
+        ("sigma33", -2e5),
+        ("m31", 4.0),
+        ("m32", 0.0),
+        ("m13", 0.0),
+        ("m23", 0.0),
+    ];
+    assert_eq!(stresses, expected.map(|(name, value)| (name.to_owned(), value)));
+    let gravity = dynamics.gravity.unwrap();
+    assert!(gravity.is_balanced && gravity.lateral_ratio == 0.5);
+    assert_eq!(dynamics.receivers[0].name, "r1");
+    assert_eq!(dynamics.receivers[0].fields.len(), 12);
+    let recorded = |list: &[Recorded]| list.iter().map(Recorded::to_string).collect::<Vec<_>>();
+    assert_eq!(recorded(&dynamics.receivers[1].fields), ["v1", "sigma21"]);
+    assert!(matches!(dynamics.output.picture, Picture::Component(_)));
+    assert_eq!(dynamics.output.contours, Some(vec![-1.0, 0.5]));
+
+    // Integrals that are kept are recorded where they are asked for, or nothing in particular is.
+    let sets = ["output.integrals=['u2']", "receiver[1].fields=['u2', 'v1']"];
+    let dynamics = parse_with(PLANE, &sets).unwrap().dynamics.unwrap();
+    assert_eq!(recorded(&dynamics.receivers[0].fields).last().unwrap(), "u2");
+    assert_eq!(recorded(&dynamics.receivers[1].fields), ["u2", "v1"]);
+    let error = parse_with(PLANE, &sets[1..]).unwrap_err();
+    assert!(error.contains("receiver[1].fields: found 'u2'; did you mean 'v2'?"), "{error}");
+
+    // The grid says in how many dimensions the solid is.
+    let case = parse(PLANE).unwrap();
+    assert_eq!(case.numbers.dimensions, 2);
+    // Without sections for it a case is not run in time.
+    assert_eq!(parse(&wellposed::new::text(case.medium())).unwrap().dynamics, None);
+}
+
+#[test]
+fn regions_inherit_what_they_do_not_have() {
+    let case = parse(PLANE).unwrap();
+    let regions = &case.dynamics.as_ref().unwrap().regions;
+    let modulus = |case: &Case| {
+        let law = setup::solid::solid(case).unwrap().elastic;
+        let solid = law.downcast::<Isotropic>().unwrap();
+        [solid.lambda, solid.mu]
+    };
+    assert_eq!(modulus(&regions[0].case), [2e9, 3e9]);
+    assert_eq!(modulus(&regions[1].case), [2e9, 1e9]);
+    let sets: Vec<Option<Yield>> = regions.iter().map(|region| region.case.yields).collect();
+    assert_eq!(sets, [Some(registry::COSSERAT_MISES), None, Some(registry::VON_MISES)]);
+    assert_eq!(regions[0].case.numbers.yields, case.numbers.yields);
+    let other = &regions[2].case.numbers.yields;
+    assert_eq!((other.get("strength"), other.get("friction")), (Some(5.0), None));
+
+    // Another kind has nothing of the case's own, and its own yield set where that is possible.
+    let text = with(
+        PLANE,
+        "yield = { kind = 'none' }",
+        "model = { kind = 'reduced-cosserat', lambda = 1, mu = 1, alpha = 1, density = 1, \
+         inertia = 1 }",
+    );
+    let other = &dynamics(&text).regions[1].case;
+    assert_eq!(other.kind, Kind::Solid(registry::REDUCED_COSSERAT));
+    assert_eq!(other.yields, Some(registry::COSSERAT_MISES));
+    assert_eq!((other.numbers.dimensions, other.numbers.model.get("beta")), (2, None));
+}
+
+#[test]
+fn the_resolved_case_reads_back_to_itself() {
+    let spinning = SPACE
+        .replacen("'classical'", "'cosserat'", 1)
+        .replace("sigma31", "sigma13")
+        .replace("sigma32", "sigma23")
+        .replacen("mu =", "alpha = 1\nbeta = 1\ngamma = 1\neta = 1\ninertia = 1\nmu =", 1)
+        + "[[initial]]
+kind = 'rotation'
+shape = 'layer'
+axis = 1
+from = 0
+to = 1
+about = 2
+angle_deg = 3
+[[source]]
+kind = 'couple'
+amplitude = [1, 2, 3]
+at = [1, 1, 1]
+time = { kind = 'step' }
+";
+    let spinning = spinning.replace("lambda = 0, mu = 5e8", "lambda = 0, mu = 5e8, density = 1");
+    for text in [PLANE, SPACE, &spinning] {
+        let case = parse(text).unwrap();
+        let resolved = case.to_toml();
+        let again = parse(&resolved).unwrap_or_else(|error| panic!("{error}\n{resolved}"));
+        assert_eq!(again, case, "{resolved}");
+        assert_eq!(again.to_toml(), resolved);
+        for default in ["correction = \"first-order\"", "start = 0.0", "fields = [\"v1\", \"v2\""] {
+            assert!(resolved.contains(default), "{default} is missing in\n{resolved}");
+        }
+        // A difference in a run is a difference between cases.
+        let other = parse_with(text, &["time.duration=7"]).unwrap();
+        assert_ne!(other, case);
+    }
+}
+
+#[test]
+fn options_reach_all_sections() {
+    let case = parse_with(
+        PLANE,
+        &[
+            "grid.cells=[40, 20]",
+            "grid.spacing=[0.25, 0.5]",
+            "time.duration=0.1",
+            "load[0].amplitude=2e6",
+            "load[2].time={ kind = 'step', start = 3 }",
+            "load[2].time.start=4",
+            "region[0].model.mu=1e9",
+            "region[1].yield.kind=von-mises",
+            "region[1].yield.strength=8",
+            "output.picture=speed",
+            "scheme.ledger=full",
+            "side[0].kind=free",
+            "receiver[0].name=here",
+        ],
+    )
+    .unwrap();
+    let dynamics = case.dynamics.unwrap();
+    assert_eq!((dynamics.grid.cells, dynamics.time.duration), (vec![40, 20], 0.1));
+    assert_eq!(dynamics.loads[0].amplitude, 2e6);
+    assert_eq!(dynamics.loads[2].time, TimeFunction::Step { start: 4.0, duration: None });
+    assert_eq!(dynamics.regions[0].case.numbers.model.get("mu"), Some(1e9));
+    assert_eq!(dynamics.regions[1].case.numbers.yields.get("strength"), Some(8.0));
+    assert_eq!(dynamics.output.picture, Picture::Speed);
+    assert_eq!(dynamics.scheme.ledger.name(), "full");
+    assert_eq!(dynamics.sides[0].condition, Condition::Free);
+    assert_eq!(dynamics.receivers[0].name, "here");
+    // A case without sections gets them.
+    let (model, _) = PLANE.split_once("[grid]").unwrap();
+    let sets = ["grid.cells=[2,2]", "grid.spacing=1", "time.duration=1"];
+    assert_eq!(parse_with(model, &sets).unwrap().dynamics.unwrap().grid.origin, [0.0, 0.0]);
+
+    for (set, message) in [
+        ("load[3].amplitude=1", "load: the index 3 of 3; expected an index from 0 to 2"),
+        ("load.amplitude=1", "load: a list of 3; write load[0] with an index from 0 to 2"),
+        ("grid[0].cells=1", "grid: the index 0; grid is no list"),
+        ("grid.cells[0]=1", "grid.cells: the index 0; set the value as a whole"),
+        ("grid.cells.x=1", "grid.cells: no section; a key inside it cannot be set"),
+        (
+            "load[x].at=1",
+            "load[x].at: no key; write section.key or section[0].key, the index counted from 0",
+        ),
+        (
+            "load[0]=1",
+            "load[0]: found the integer 1; name a key inside it, or give a table in braces",
+        ),
+        ("grid=1", "grid: found the integer 1; expected a section [grid]"),
+        ("load=1", "load: found the integer 1; expected sections [[load]]"),
+        (
+            "time.courant=1.5",
+            "time.courant: found the number 1.5; expected a number above 0 and at most 1 (Courant \
+             number): a sweep is unstable above 1",
+        ),
+        (
+            "load[2].time={ kind = 'step', stat = 3 }",
+            "load[2].time.stat: unknown key; did you mean 'start'? allowed here: kind, start, \
+             duration",
+        ),
+        (
+            "region[1].model.mv=1",
+            "region[1].model.mv: unknown key; did you mean 'mu'? allowed here: kind, dimensions, \
+             lambda, mu, alpha, beta, gamma, eta, density, inertia",
+        ),
+        (
+            "grid.cells=[3]",
+            "grid.cells: found [3]; expected a list of 2 or 3 whole numbers of at least 1 (cells along each axis)",
+        ),
+    ] {
+        let error = parse_with(PLANE, &[set]).expect_err(set);
+        assert_eq!(error, format!("--set {set}: {message}"));
+    }
+    let flow = wellposed::new::text(Kind::flows()[0]);
+    let error = parse_with(&flow, &["grid.spacing=1"]).unwrap_err();
+    let start = "--set grid.spacing=1: grid.spacing: found for a flow; give length, the edges of";
+    assert!(error.starts_with(start), "{error}");
+    let error = parse_with(SPACE, &["receiver[1].at=[0,0,0]"]).unwrap_err();
+    assert!(
+        error.ends_with("receiver: the index 1 of 1; expected an index from 0 to 0"),
+        "{error}"
+    );
+    let error = parse_with(model, &["load[0].at=1"]).unwrap_err();
+    let end = "load: the index 0 of no entry; add [[load]] to the file first";
+    assert_eq!(error, format!("--set load[0].at=1: {end}"));
+}
+
+#[test]
+fn tables_are_read_next_to_the_case() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("data")).unwrap();
+    let table = folder.path().join("data/load.csv");
+    let old = "time = { kind = 'triangle', duration = 0.01 }";
+    let text = with(PLANE, old, "time = { kind = 'table', file = 'data/load.csv' }");
+    let file = folder.path().join("x.toml");
+    std::fs::write(&file, text).unwrap();
+    let load = || Case::load(&file, &[]).map_err(|error| error.to_string());
+
+    std::fs::write(&table, "# measured\n\ntime, value\n0, 1\n0.5,-2e3\n# more\n 1 , 0\n").unwrap();
+    let case = load().unwrap();
+    let TimeFunction::Table(samples) = &case.dynamics.as_ref().unwrap().loads[0].time else {
+        panic!()
+    };
+    assert_eq!(samples.samples(), [[0.0, 1.0], [0.5, -2e3], [1.0, 0.0]]);
+    let resolved = case.to_toml();
+    // Whole in itself: it reads the same wherever it is taken.
+    let samples = "samples = [[0.0, 1.0], [0.5, -2000.0], [1.0, 0.0]]";
+    assert!(resolved.contains(&format!("time = {{ kind = \"table\", {samples} }}")));
+    let named = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, &resolved).unwrap();
+    assert_eq!(load().unwrap(), case);
+    std::fs::write(&file, named).unwrap();
+
+    let table_name = table.display().to_string();
+    for (content, line, end) in [
+        ("0,1\n0,2\n", 2, "found the time 0.0 after 0.0; times must increase"),
+        (
+            "0,1\n1,x\n",
+            2,
+            "found '1,x'; expected two finite numbers with a comma between them, time in s and value",
+        ),
+        (
+            "t,v\nt,v\n",
+            2,
+            "found 't,v'; expected two finite numbers with a comma between them, time in s and value",
+        ),
+        (
+            "# a\n0,inf\n",
+            2,
+            "found '0,inf'; expected two finite numbers with a comma between them, time in s and value",
+        ),
+    ] {
+        std::fs::write(&table, content).unwrap();
+        assert_eq!(load().unwrap_err(), format!("{table_name}:{line}: load[0].time.file: {end}"));
+    }
+    for (content, end) in [
+        (
+            "0,1\n",
+            "'data/load.csv' has 1 sample; expected at least two lines of a time in s and a value",
+        ),
+        (
+            "",
+            "'data/load.csv' has 0 samples; expected at least two lines of a time in s and a value",
+        ),
+    ] {
+        std::fs::write(&table, content).unwrap();
+        let error = load().unwrap_err();
+        assert!(error.ends_with(&format!(": load[0].time.file: {end}")), "{error}");
+    }
+    std::fs::write(&table, b"0,\xff\n").unwrap();
+    assert!(load().unwrap_err().contains(": load[0].time.file: 'data/load.csv': not UTF-8 text; "));
+
+    // What is no file is not opened: a pipe without a writer would never answer.
+    let is_refused = || load().unwrap_err().contains("'data/load.csv': not a regular file; name a");
+    std::fs::remove_file(&table).unwrap();
+    std::fs::create_dir(&table).unwrap();
+    assert!(is_refused());
+    std::fs::remove_dir(&table).unwrap();
+    if std::process::Command::new("mkfifo").arg(&table).status().is_ok_and(|made| made.success()) {
+        assert!(is_refused());
+    }
+}
+
+#[test]
+fn other_verbs_take_such_cases() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("x.toml");
+    std::fs::write(&file, PLANE).unwrap();
+    let options = Options { case: file, dry_run: true, ..Options::default() };
+    cli::dispersion(&options, &mut std::io::sink()).unwrap();
+    cli::point(&options, &mut std::io::sink()).unwrap();
+}

@@ -1,0 +1,223 @@
+//! What is refused, and in which words.
+
+use super::{PLANE, SPACE, parse, parse_with, with};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use wellposed::case::Kind;
+use wellposed::setup;
+
+#[test]
+fn an_error_of_a_model_names_the_line_of_the_region() {
+    let located = |text: &str, sets: &[&str]| {
+        let case = parse_with(text, sets).unwrap();
+        let region = &case.dynamics.as_ref().unwrap().regions[0].case;
+        region.locate(setup::solid::solid(region).unwrap_err()).to_string()
+    };
+    let text = with(PLANE, "mu = 3e9", "mu = -3e9");
+    let start = "folder/x.toml:34: region[0].model.mu: found -3000000000";
+    let error = located(&text, &[]);
+    assert!(error.starts_with(start), "{error}");
+    // What is inherited stands where it stands.
+    let error = located(&with(PLANE, "alpha = 5e8", "alpha = -5"), &[]);
+    assert!(error.starts_with("folder/x.toml:6: model.alpha: found -5"), "{error}");
+    let error = located(PLANE, &["region[0].model.mu=-1"]);
+    let start = "--set region[0].model.mu=-1: region[0].model.mu: found -1";
+    assert!(error.starts_with(start), "{error}");
+    let case = parse(PLANE).unwrap();
+    let error = case.dynamics.unwrap().locate("load[1].at", "too near", "move it").to_string();
+    assert_eq!(error, "folder/x.toml:62: load[1].at: too near; move it");
+}
+
+/// Replaces a part of [`PLANE`] and expects the whole message.
+#[test]
+fn bad_input_is_answered_with_line_key_and_remedy() {
+    const FIELDS: &str =
+        "v1, v2, w3, sigma11, sigma12, sigma21, sigma22, sigma33, m31, m32, m13, m23";
+    #[rustfmt::skip]
+    let table: &[(&str, &str, &str)] = &[
+        // sections and keys
+        ("[grid]", "[grdi]", "19: grdi: unknown key; did you mean 'grid'? allowed here: title, name, [model], [yield], [stress], [wave], [map], [check], [grid], [time], [scheme], [[region]], [[side]], [[load]], [[source]], [[initial]], [initial_stress], [gravity], [[receiver]], [output]"),
+        ("[[receiver]]", "[[reciever]]", "134: reciever: unknown key; did you mean 'receiver'? allowed here: "),
+        ("spacing = [0.5, 1]", "spacin = 1", "19: grid.spacing: missing; add spacing to [grid]: expected a positive number or a list of 2 positive numbers in m (edges of a cell)"),
+        ("origin = [-5, 0]", "orign = [-5, 0]", "22: grid.orign: unknown key; did you mean 'origin'? allowed here: cells, spacing, origin"),
+        ("courant = 0.9", "courant = 1.5", "25: time.courant: found the number 1.5; expected a number above 0 and at most 1 (Courant number): a sweep is unstable above 1"),
+        ("courant = 0.9", "courat = 0.9", "25: time.courat: unknown key; did you mean 'courant'? allowed here: duration, courant, rotation_deg"),
+        ("duration = 0.25", "duration = 0", "24: time.duration: found the integer 0; expected a positive number in s"),
+        ("duration = 0.25\n", "", "23: time.duration: missing; add duration to [time]: expected a positive number in s"),
+        ("[time]\nduration = 0.25\ncourant = 0.9\n", "", ": time: missing; add a section [time] with duration in s"),
+        ("'godunov'", "'godunow'", "27: scheme.order: found 'godunow'; did you mean 'godunov'? allowed: fourth-order, eno2, godunov"),
+        ("'godunov'", "2", "27: scheme.order: found the integer 2; expected one of fourth-order, eno2, godunov"),
+        // grid
+        ("cells = [20, 10]", "cells = [20, 10, 5, 3]", "20: grid.cells: found [20, 10, 5, 3]; expected a list of 2 or 3 whole numbers of at least 1 (cells along each axis)"),
+        ("cells = [20, 10]", "cells = [20, 0]", "20: grid.cells: found [20, 0]; expected a list of 2 or 3 whole numbers of at least 1 (cells along each axis)"),
+        ("cells = [20, 10]", "cells = [2000000, 1000000]", "20: grid.cells: a grid of 2000000 × 1000000; expected at most 4000000000 cells in all"),
+        ("spacing = [0.5, 1]", "spacing = 1e-300", "21: grid.spacing: cells of 1e-300 m from -5.0 to -5.0; expected coordinates that tell cells apart along x1"),
+        ("lambda = 2e9", "dimensions = 3\nlambda = 2e9", "4: model.dimensions: found 3 in a grid of 2 dimensions; give as many as entries of grid.cells, 2, or leave it out"),
+        // regions
+        ("model = { mu = 3e9 }", "model = { mu = 3e9, a1 = 4 }", "34: region[0].model.a1: not used by the model cosserat; leave it out (it belongs to cosserat-compliances)"),
+        ("model = { mu = 3e9 }", "model = { mu = '3e9' }", "34: region[0].model.mu: found the text '3e9'; expected a finite number in Pa (shear modulus μ; > 0)"),
+        ("model = { mu = 3e9 }", "model = { kind = 'classical' }", "34: region[0].model.kind: found classical, which cannot yield by cosserat-mises; add yield = { kind = ... } with one of none, interlayer, von-mises, drucker-prager"),
+        ("model = { mu = 3e9 }", "model = { kind = 'reduced-cosserat', mu = 1, lambda = 1, density = 1, inertia = 1 }", "34: region[0].model.alpha: missing; add alpha to region[0].model: expected a finite number in Pa (modulus α of the antisymmetric strain; > 0)"),
+        ("model = { mu = 3e9 }", "model = { dimensions = 3 }", "34: region[0].model.dimensions: found 3 in a grid of 2 dimensions; give as many as entries of grid.cells, 2, or leave it out"),
+        ("model = { mu = 3e9 }", "model = { kind = 'double-shearing' }", "34: region[0].model.kind: found double-shearing, a flow; solids alone: classical, reduced-cosserat, cosserat, cosserat-compliances"),
+        ("model = { mu = 3e9 }", "model = 3", "34: region[0].model: found the integer 3; expected a table in braces { key = value, ... }"),
+        ("model = { mu = 3e9 }", "modl = { mu = 3e9 }", "34: region[0].modl: unknown key; did you mean 'model'? allowed here: shape, from, to, model, yield"),
+        ("yield = { kind = 'none' }", "yield = { kind = 'non' }", "39: region[1].yield.kind: found 'non'; did you mean 'none'? allowed for cosserat: interlayer, von-mises, drucker-prager, cosserat-mises, none"),
+        ("yield = { kind = 'none' }", "yield = { kind = 'none', strength = 1 }", "39: region[1].yield.strength: not used by an elastic solid; leave it out (it belongs to von-mises, drucker-prager, cosserat-mises)"),
+        ("yield = { kind = 'von-mises', strength = 5 }", "yield = { kind = 'von-mises' }", "42: region[2].yield.strength: missing; add strength to region[2].yield: expected a finite number in Pa (strength k in shear; > 0)"),
+        ("shape = 'circle'", "shape = 'rest'", "37: region[1].center: unknown key; allowed here: shape, model, yield"),
+        ("shape = 'circle'\ncenter = [2.5, 5]\nradius = 1.5", "shape = 'rest'", "39: region[2].shape: a second rest besides region[1] (folder/x.toml:35); give one region the rest"),
+        ("shape = 'circle'", "shape = 'sphere'", "36: region[1].shape: found 'sphere' in a grid of 2 dimensions; write circle"),
+        ("to = [0, 10]", "to = [0, 0]", "33: region[0].to: found [0.0, 0.0] with from = [-5.0, 0.0]; to must be greater than from along each axis"),
+        ("radius = 1.5", "radius = 0", "38: region[1].radius: found the integer 0; expected a positive number in m"),
+        // sides and loads
+        ("side = 'x2-'\nkind = 'fixed'", "side = 'x3-'\nkind = 'fixed'", "45: side[0].side: found 'x3-'; did you mean 'x1-'? allowed: x1-, x1+, x2-, x2+"),
+        ("kind = 'fixed'", "kind = 'periodic'", "46: side[0].kind: found periodic on x2- alone; add [[side]] with side = \"x2+\", kind = \"periodic\""),
+        ("kind = 'fixed'", "kind = 'fixd'", "46: side[0].kind: found 'fixd'; did you mean 'fixed'? allowed: free, fixed, symmetry, antisymmetry, periodic, non-reflecting, mixed"),
+        ("from = [-1]\n", "", "47: side[1].from: missing; give both ends of a part, from and to"),
+        ("held = ['v2', 'w3']", "held = ['v2', 'w1']", "52: side[1].held: found 'w1'; did you mean 'v1'? allowed: v1, v2, w3"),
+        ("held = ['v2', 'w3']\n", "", "47: side[1].held: missing; add held, a list with any of v1, v2, w3"),
+        ("side = 'x2+'\nfield = 'sigma22'", "side = 'x3+'\nfield = 'sigma22'", "54: load[0].side: found 'x3+'; did you mean 'x1+'? allowed: x1-, x1+, x2-, x2+"),
+        ("field = 'sigma22'", "field = 'sigma21'", "55: load[0].field: found 'sigma21'; did you mean 'sigma12'? allowed: v1, v2, w3, sigma12, sigma22, m32"),
+        ("at = [0.5]", "at = [50]", "62: load[1].at: found [50.0], outside the grid; the grid has x1 from -5.0 to 5.0 m"),
+        ("at = [0.5]\n", "", "62: load[1].radius: found without at; add at, the point that it is about, or leave it out"),
+        ("from = [2]\nto = [4]", "at = [4]", "69: load[2].at: found for the velocity v1; a stress or couple stress, or from and to in place of at"),
+        ("time = { kind = 'triangle', duration = 0.01 }", "time = { kind = 'triangel' }", "57: load[0].time.kind: found 'triangel'; did you mean 'triangle'? allowed: step, triangle, pulse, ricker, sine, table"),
+        ("time = { kind = 'triangle', duration = 0.01 }", "time = { kind = 'triangle' }", "57: load[0].time.duration: missing; add duration to load[0].time: expected a positive number in s (how long it lasts)"),
+        ("time = { kind = 'triangle', duration = 0.01 }", "time = { kind = 'table', file = 'none.csv' }", "57: load[0].time.file: 'none.csv': No such file or directory (os error 2); name a CSV file of two columns, time in s and value, in a folder as seen from that of the case"),
+        ("time = { kind = 'triangle', duration = 0.01 }\n", "", "53: load[0].time: missing; add time to load[0]: expected a table { kind = ..., ... } (kind: step, triangle, pulse, ricker, sine, table)"),
+        // sources and the initial state
+        ("at = [0, 5]\nradius = 1", "at = [0, 50]\nradius = 1", "76: source[0].at: found [0.0, 50.0], outside the grid; the grid has x1 from -5.0 to 5.0 m, x2 from 0.0 to 10.0 m"),
+        ("amplitude = [1, 2]", "amplitude = 1", "75: source[0].amplitude: found the integer 1; expected a list of 2 finite numbers in N/m (force by components)"),
+        ("branch = 2", "branch = 4", "110: initial[2].branch: found the integer 4; expected a whole number from 1 to 3 (1 is the greatest frequency)"),
+        ("field = 'sigma33'", "field = 'sigma34'", &format!("123: initial[4].field: found 'sigma34'; did you mean 'sigma33'? allowed: {FIELDS}")),
+        ("normal = [0, 1]", "normal = [0, 0]", "118: initial[3].normal: found [0, 0]; expected a list of 2 numbers, not all 0 (points into the shape)"),
+        ("m31 = 4", "m33 = 4", "129: initial_stress.m33: unknown key; did you mean 'm31'? allowed here: sigma11, sigma12, sigma21, sigma22, sigma33, m31, m32, m13, m23"),
+        ("acceleration = [0, -9.81]", "acceleration = [1, -9.81]", "130: gravity.balanced: found true, the default, with the acceleration [1.0, -9.81]; give an acceleration along one axis, or set balanced = false"),
+        // what is recorded
+        ("at = [5, 10]", "at = [5.5, 10]", "138: receiver[1].at: found [5.5, 10.0], outside the grid; the grid has x1 from -5.0 to 5.0 m, x2 from 0.0 to 10.0 m"),
+        ("'surface.1'", "'r1'", "137: receiver[1].name: found 'r1', the name of receiver[0] (folder/x.toml:134); give each receiver its own name"),
+        ("'surface.1'", "'a b'", "137: receiver[1].name: found the text 'a b'; expected text in quotes (letters, digits, '-', '_' and '.')"),
+        ("['v1', 'sigma21']", "['v1', 'v1']", "139: receiver[1].fields: found 'v1' twice; name each once"),
+        ("picture = 'w3'", "picture = 'sped'", &format!("142: output.picture: found 'sped'; did you mean 'speed'? allowed: speed, {FIELDS}, dissipation")),
+        ("contours = [-1, 0.5]", "contours = [1, 'a']", "143: output.contours: found a list that holds the text 'a'; expected a list of finite numbers in the unit of the picture (lines of equal value)"),
+    ];
+    for (old, new, message) in table {
+        let error = parse(&with(PLANE, old, new)).expect_err(new);
+        let file = if message.starts_with(':') { "folder/x.toml" } else { "folder/x.toml:" };
+        let message = format!("{file}{message}");
+        match message.ends_with(": ") {
+            true => assert!(error.starts_with(&message), "{new}:\n{message}\n{error}"),
+            false => assert_eq!(error, message, "{new}"),
+        }
+    }
+}
+
+#[test]
+fn a_run_in_time_needs_a_solid_and_a_grid() {
+    let (model, rest) = PLANE.split_once("[grid]\n").unwrap();
+    let (_, rest) = rest.split_once("[time]").unwrap();
+    let error = parse(&format!("{model}[time]{rest}")).unwrap_err();
+    let end = "time: found without a grid; add a section [grid] with cells and spacing, or leave \
+               this one out";
+    assert_eq!(error, format!("folder/x.toml:19: {end}"));
+
+    let plane =
+        wellposed::new::text(Kind::solids()[3]) + "[grid]\ncells = [2, 2, 2]\nspacing = 1\n";
+    let error = parse(&plane).unwrap_err();
+    let end = "model.kind: found cosserat-compliances in a grid of 3 dimensions; it is a solid in \
+               plane strain: grid.cells must have 2 entries";
+    assert!(error.ends_with(end), "{error}");
+
+    let classical = wellposed::new::text(Kind::solids()[0])
+        + "[grid]\ncells = [2, 2, 2]\nspacing = 1\n[time]\nduration = 1\n";
+    for (entry, end) in [
+        (
+            "[[initial]]\nkind = 'rotation'\n",
+            "initial[0].kind: found a microrotation in a solid without spin; a Cosserat solid in \
+             model.kind, or another kind here",
+        ),
+        (
+            "[[source]]\nkind = 'couple'\n",
+            "source[0].kind: found a couple in a solid without spin; a Cosserat solid in \
+             model.kind, or another kind here",
+        ),
+        (
+            "[initial_stress]\nsigma12 = 1\nsigma21 = 1\n",
+            "initial_stress.sigma21: a second value of sigma12; give one: shear stresses of a \
+             classical solid are equal",
+        ),
+        (
+            "[[side]]\nside = 'x1-'\nkind = 'periodic'\n[[side]]\nside = 'x1+'\nkind = 'periodic'\n\
+             [[load]]\nside = 'x1+'\n",
+            "load[0].side: found x1+, which is periodic; a periodic side has no load; give \
+             [[source]], or another side",
+        ),
+        (
+            "[[side]]\nside = 'x1-'\nkind = 'periodic'\n[[side]]\nside = 'x1+'\nkind = 'periodic'\n\
+             [[side]]\nside = 'x1+'\nkind = 'free'\nfrom = [0, 0]\nto = [1, 1]\n",
+            "side[2].side: found a part of x1+, which is periodic; leave the part out: a side is \
+             periodic as a whole",
+        ),
+        ("side = 3\n", "time.side: unknown key; allowed here: duration, courant, rotation_deg"),
+    ] {
+        let error = parse(&format!("{classical}{entry}")).unwrap_err();
+        assert!(error.ends_with(end), "{error}");
+    }
+}
+
+/// Lines taken out, doubled, swapped, and given other values: nothing panics, and what is taken
+/// reads back.
+#[test]
+fn spoiled_cases_are_taken_or_refused() {
+    const VALUES: [&str; 14] = [
+        "0",
+        "-1",
+        "1e308",
+        "5e-324",
+        "nan",
+        "true",
+        "'x'",
+        "[]",
+        "[1]",
+        "[1, 2]",
+        "[[1, 2], [3, 4]]",
+        "{}",
+        "[{}]",
+        "{ kind = 'step', start = 1e308 }",
+    ];
+    let (mut taken, mut count) = (0, 0);
+    for original in [PLANE, SPACE] {
+        let lines: Vec<&str> = original.lines().collect();
+        let mut mutants = Vec::new();
+        for at in 0..lines.len() {
+            let replaced = |with: &[&str]| {
+                let parts = [&lines[..at], with, &lines[at + 1..]];
+                parts.concat().join("\n")
+            };
+            mutants.push(replaced(&[]));
+            mutants.push(replaced(&[lines[at], lines[at]]));
+            mutants.push(replaced(&[lines[(at * 7 + 3) % lines.len()]]));
+            if let Some((key, _)) = lines[at].split_once(" = ") {
+                let value = |value: &&str| replaced(&[&format!("{key} = {value}")]);
+                mutants.extend(VALUES.iter().map(value));
+            }
+        }
+        for text in mutants {
+            count += 1;
+            let run = || {
+                let case = parse(&text).ok()?;
+                let resolved = case.to_toml();
+                assert!(parse(&resolved) == Ok(case.clone()), "{resolved}");
+                if let Some(dynamics) = case.dynamics.filter(|own| own.grid.count() < 10_000) {
+                    let _ = dynamics.media_of_cells();
+                }
+                Some(())
+            };
+            match catch_unwind(AssertUnwindSafe(run)) {
+                Ok(case) => taken += usize::from(case.is_some()),
+                Err(_) => panic!("{text}"),
+            }
+        }
+    }
+    assert!(taken > count / 20 && taken < count * 3 / 4, "{taken} of {count} were taken");
+}
