@@ -23,7 +23,7 @@ use crate::Error;
 use std::ops::ControlFlow;
 
 /// Called with the number of steps done and of all, from any thread; a study that is told to break ends with
-/// [`Error::Cancelled`](crate::Error::Cancelled).
+/// [`Error::Cancelled`].
 pub type OnProgress<'a> = &'a (dyn Fn(usize, usize) -> ControlFlow<()> + Sync);
 
 /// For a study that nobody watches.

@@ -84,7 +84,7 @@ pub fn decades(workspace: &Workspace, assessment: &Assessment, number: f64) -> i
     seen.copied().unwrap_or(DECADES)
 }
 
-/// Growth rates against the wave number, from [`DECADES`] below the given one to `decades` above it.
+/// Growth rates against the wave number, from four decades below the given one to `decades` above it.
 pub fn by_wave_number(
     workspace: &Workspace,
     assessment: &Assessment,

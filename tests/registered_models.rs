@@ -1,0 +1,444 @@
+//! A flow model, a solid and a yield set that the project does not have, each added by one call of the registry
+//! through public interfaces: verdict, map, run and check treat them like the others.
+
+use analysis::growth::Verdict;
+use models::LinearisedSystem;
+use models::Rounded;
+use models::cosserat::parameters::Theory;
+use models::cosserat::stress::{Component, Stress};
+use models::cosserat::waves::{Field, Pair};
+use models::granular_flow::InputError;
+use models::granular_flow::balance::{Columns, flow_rule, mass, momentum};
+use models::granular_flow::state::{Coulomb, Flow, FlowRule, Rotation};
+use models::granular_flow::{
+    COHESION, DILATANCY_ANGLE, FRICTION_ANGLE, FlowLaw, FlowModel, RotationKind,
+};
+use models::parameter::{Parameter, constants};
+use models::plasticity::parameters::{ActiveCondition, contract};
+use models::plasticity::projection::Projection;
+use models::registry;
+use models::solid::{ElasticLaw, Elasticity, SolidModel};
+use models::system::Matrix;
+use models::yield_set::{
+    Needs, Unusable, YieldConditions, YieldSet, YieldSetModel, check_associated, room,
+};
+use std::sync::{Arc, Once};
+use wellposed::case::{Case, Kind, Medium};
+use wellposed::study::check::Extent;
+use wellposed::study::simulate::Settings;
+use wellposed::study::{MapOptions, unwatched};
+
+/// Double shearing in which the material rotates by a factor more slowly than the slip lines make it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SlowRotation {
+    coulomb: Coulomb,
+    dilatancy_angle: f64,
+    factor: f64,
+}
+
+impl SlowRotation {
+    fn new(given: &[f64]) -> Result<Self, InputError> {
+        let [friction_angle, dilatancy_angle, cohesion, factor] = constants(given)?;
+        let coulomb = Coulomb::new(friction_angle, cohesion)?;
+        if !(factor > 0.0 && factor.is_finite()) {
+            return Err(InputError {
+                key: "rotation_factor",
+                found: format!("{factor:?}"),
+                allowed: "a positive number".to_owned(),
+            });
+        }
+        Ok(Self { coulomb, dilatancy_angle, factor })
+    }
+}
+
+impl FlowLaw for SlowRotation {
+    fn set(&mut self, constants: &[f64]) -> Result<(), InputError> {
+        *self = Self::new(constants)?;
+        Ok(())
+    }
+
+    fn coulomb(&self) -> &Coulomb {
+        &self.coulomb
+    }
+
+    fn flow_rule(&self) -> FlowRule {
+        let rule = FlowRule::double_shearing(self.coulomb.friction_angle, self.dilatancy_angle);
+        FlowRule { rotation: Rounded::given(self.factor) * rule.rotation, ..rule }
+    }
+
+    fn rotation(&self) -> Rotation {
+        Rotation::StressAxes
+    }
+
+    fn symbol(&self, flow: &Flow, system: &mut LinearisedSystem<2>) {
+        const EQUATIONS: [&str; 5] =
+            ["momentum 1", "momentum 2", "flow rule: volume", "flow rule: rotation", "mass"];
+        let rule = self.flow_rule();
+        let columns = Columns::reset(system, false, &EQUATIONS, &rule, flow);
+        momentum(system, &columns, &self.coulomb, flow);
+        flow_rule(system, 2, &columns, &rule, flow);
+        mass(system, 4, &columns, flow);
+        // 2 e_r Dψ/Dt
+        let rotation = 2.0 * rule.rotation;
+        system.a[(3, columns.angle)] = rotation;
+        for j in 0..2 {
+            system.c[(3, columns.velocity[j])] =
+                rotation * Rounded::angle(flow.stress_angle_gradient[j]);
+        }
+    }
+}
+
+static SLOW_ROTATION: FlowModel = FlowModel {
+    name: "slow-rotation",
+    title: "double shearing with slow rotation",
+    parameters: &[
+        FRICTION_ANGLE,
+        DILATANCY_ANGLE,
+        COHESION,
+        Parameter::required(["rotation_factor", "rotation factor", ""], "factor; > 0", 2.0),
+    ],
+    rotation: RotationKind::StressAxes,
+    build: |given| Ok(Arc::new(SlowRotation::new(given)?)),
+};
+
+/// An orthotropic solid in plane strain whose axes are x₁ and x₂.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Orthotropic {
+    c11: f64,
+    c22: f64,
+    c12: f64,
+    c66: f64,
+    density: f64,
+}
+
+impl Elasticity for Orthotropic {
+    fn theory(&self) -> Theory {
+        Theory::Classical
+    }
+
+    fn is_plane(&self) -> bool {
+        true
+    }
+
+    fn density(&self) -> f64 {
+        self.density
+    }
+
+    fn stiffness(&self, stresses: &[Component]) -> Matrix {
+        Matrix::from_fn(stresses.len(), stresses.len(), |row, column| {
+            let Component::Symmetric(i, j) = stresses[row] else { return Rounded::ZERO };
+            let Component::Symmetric(k, l) = stresses[column] else { return Rounded::ZERO };
+            match ((i, j), (k, l)) {
+                ((0, 0), (0, 0)) => Rounded::given(self.c11),
+                ((1, 1), (1, 1)) => Rounded::given(self.c22),
+                ((0, 0), (1, 1)) | ((1, 1), (0, 0)) => Rounded::given(self.c12),
+                ((0, 1), (0, 1)) => Rounded::given(self.c66),
+                _ => Rounded::ZERO,
+            }
+        })
+    }
+
+    fn pairs(&self, _dimensions: usize, axis: usize) -> Vec<Pair> {
+        let along = [self.c11, self.c22][axis];
+        let pair = |i: usize| Pair {
+            velocity: Field::Velocity(i),
+            stress: Field::Stress(i.min(axis), i.max(axis)),
+            inertia: self.density,
+            modulus: if i == axis { along } else { self.c66 },
+            followers: match i == axis {
+                true => vec![(Field::Stress(1 - axis, 1 - axis), self.c12 / along)],
+                false => Vec::new(),
+            },
+        };
+        vec![pair(0), pair(1)]
+    }
+
+    fn stored_energy(&self, stress: &Stress) -> f64 {
+        let [s11, s22, s12] = [stress.force[0][0], stress.force[1][1], stress.force[0][1]];
+        let determinant = self.c11 * self.c22 - self.c12 * self.c12;
+        let normal = self.c22 * s11 * s11 - 2.0 * self.c12 * s11 * s22 + self.c11 * s22 * s22;
+        0.5 * (normal / determinant + s12 * s12 / self.c66)
+    }
+}
+
+const fn modulus(name: &'static str, example: f64) -> Parameter {
+    Parameter::required([name, name, "Pa"], "stiffness; positive definite", example)
+}
+
+static ORTHOTROPIC: SolidModel = SolidModel {
+    name: "orthotropic",
+    title: "orthotropic solid",
+    parameters: &[
+        modulus("c11", 9e9),
+        modulus("c22", 4e9),
+        modulus("c12", 2e9),
+        modulus("c66", 1.5e9),
+        Parameter::required(["density", "density ρ", "kg/m³"], "density ρ; > 0", 2000.0),
+    ],
+    theory: Theory::Classical,
+    is_plane: true,
+    build: |given| {
+        let [c11, c22, c12, c66, density] = constants(given)?;
+        if !(c11 > 0.0 && c22 > 0.0 && c11 * c22 > c12 * c12 && c66 > 0.0 && density > 0.0) {
+            return Err(InputError {
+                key: "c11",
+                found: format!("{given:?}"),
+                allowed: "a positive definite stiffness".to_owned(),
+            });
+        }
+        Ok(ElasticLaw::from(Orthotropic { c11, c22, c12, c66, density }))
+    },
+};
+
+/// |σ₁₂| ≤ k in plane strain: layers normal to x₁ and x₂ that slip without friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct ShearLimit {
+    strength: f64,
+}
+
+impl ShearLimit {
+    fn conditions(&self) -> [(ActiveCondition, f64); 2] {
+        [("σ12 > 0", 0.5), ("σ12 < 0", -0.5)].map(|(name, half)| {
+            let mut normal = Stress::default();
+            (normal.force[0][1], normal.force[1][0]) = (half, half);
+            (ActiveCondition { name, normal, flow: normal, hardening: 0.0 }, self.strength)
+        })
+    }
+}
+
+impl YieldConditions for ShearLimit {
+    fn value(&self, stress: &Stress) -> f64 {
+        stress.force[0][1].abs() - self.strength
+    }
+
+    fn active(&self, stress: &Stress, tolerance: f64) -> Vec<ActiveCondition> {
+        let is_active = |own: &(ActiveCondition, f64)| {
+            contract(&own.0.normal, stress) >= self.strength * (1.0 - tolerance)
+        };
+        self.conditions().into_iter().filter(is_active).map(|own| own.0).collect()
+    }
+
+    fn check_ideal_and_associated(&self) -> Result<(), InputError> {
+        check_associated("strength", self.strength, self.strength)
+    }
+
+    fn reach(&self, start: &Stress, direction: &Stress) -> Result<f64, Unusable> {
+        let mut least = f64::INFINITY;
+        for (condition, strength) in self.conditions() {
+            let used = contract(&condition.normal, start);
+            least = least.min(room(used, strength, contract(&condition.normal, direction))?);
+        }
+        Ok(least)
+    }
+
+    fn project(&self, law: &ElasticLaw, trial: &Stress) -> Projection<Stress> {
+        let mut stress = *trial;
+        let shear = trial.force[0][1].clamp(-self.strength, self.strength);
+        (stress.force[0][1], stress.force[1][0]) = (shear, shear);
+        // Shear is apart from the normal stresses in isotropic and orthotropic solids.
+        let energy_lost = law.stored_energy(trial) - law.stored_energy(&stress);
+        Projection { stress, energy_lost }
+    }
+
+    fn half_spaces(&self) -> Option<Vec<(ActiveCondition, f64)>> {
+        Some(self.conditions().to_vec())
+    }
+}
+
+static SHEAR_LIMIT: YieldSetModel = YieldSetModel {
+    name: "shear-limit",
+    title: "limit of shear",
+    parameters: &[(
+        Parameter::required(["strength", "shear strength k", "Pa"], "strength; > 0", 1e6),
+        Needs::All,
+    )],
+    is_plane: true,
+    is_curved: false,
+    conditions: &[("+sigma12", Needs::All), ("-sigma12", Needs::All)],
+    admits: |solid| solid.theory == Theory::Classical,
+    build: |_, given| {
+        let [strength] = constants(given)?;
+        Ok(YieldSet::from(ShearLimit { strength }))
+    },
+};
+
+fn register() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        registry::register_flow(&SLOW_ROTATION).expect("a new flow");
+        registry::register_solid(&ORTHOTROPIC).expect("a new solid");
+        registry::register_yield_set(&SHEAR_LIMIT).expect("a new yield set");
+    });
+}
+
+fn case(text: &str) -> Case {
+    register();
+    Case::parse(text, "toy.toml", &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+const FLOW: &str = "
+[model]
+kind = 'slow-rotation'
+friction_angle_deg = 30
+rotation_factor = 1.5
+[background]
+density = 1600
+pressure = 1000
+stress_angle_deg = 45
+shear_rate = 25
+half_vorticity = -25
+";
+
+const IN_TIME: &str = "
+[grid]
+cells = [16, 16]
+length = 0.1
+[time]
+duration = 1e-4
+[[initial]]
+kind = 'noise'
+field = 'v'
+from = 1
+to = 3
+amplitude = 1e-6
+seed = 1
+";
+
+#[test]
+fn a_flow_gets_verdict_map_run_and_check() {
+    // Ill-posed as double shearing is: growth in proportion to k.
+    let point = wellposed::point(&case(FLOW)).expect("a state");
+    let Some(Verdict::IllPosed { growth: Some(growth), .. }) = point.verdict() else {
+        panic!("{:?}", point.verdict());
+    };
+    assert_eq!(growth.order.value(), 1.0);
+    // Factor 1 is double shearing itself, which says the same by its own equations and by its closed form.
+    let same = FLOW.replace("rotation_factor = 1.5", "rotation_factor = 1");
+    let double =
+        same.replace("slow-rotation", "double-shearing").replace("rotation_factor = 1", "");
+    let [own, double] = [same, double].map(|text| match wellposed::point(&case(&text)) {
+        Ok(point) => match point.verdict() {
+            Some(Verdict::IllPosed { growth: Some(growth), .. }) => growth.coefficient,
+            other => panic!("{other:?}"),
+        },
+        Err(error) => panic!("{error}"),
+    });
+    assert!((own / double - 1.0).abs() < 1e-9, "{own} {double}");
+
+    let map = "[map]
+x = { parameter = 'model.rotation_factor', from = 0.5, to = 2, points = 4 }
+y = { parameter = 'background.pressure', from = 500, to = 2000, points = 3 }";
+    let map = wellposed::map(&case(&format!("{FLOW}{map}")), MapOptions::default(), &unwatched);
+    let points = map.expect("a map").points;
+    assert!(points.len() == 12 && points.iter().all(|point| point.order == 1.0));
+
+    let run = case(&format!("{FLOW}{IN_TIME}"));
+    let settings = Settings { accept_ill_posed: true };
+    let result = wellposed::simulate(&run, settings, &unwatched).expect("a run");
+    assert!(result.stopped.is_none() && result.fields.get("psi").is_some());
+    let checked = wellposed::check(&case(FLOW), Extent::Short, &unwatched).expect("a check");
+    assert_eq!(checked.agrees, Some(true), "{checked:?}");
+}
+
+const SOLID: &str = "
+[model]
+kind = 'orthotropic'
+c11 = 9e9
+c22 = 4e9
+c12 = 2e9
+c66 = 1.5e9
+density = 2000
+[wave]
+number = 2.0
+direction_deg = 45
+";
+
+#[test]
+fn a_solid_gets_verdict_waves_map_run_and_check() {
+    let point = wellposed::point(&case(SOLID)).expect("a state");
+    assert_eq!(point.verdict(), Some(&Verdict::WellPosed));
+    // Christoffel's equation along 45°: ρc² are the eigenvalues of ½[c11 + c66, c12 + c66; c12 + c66, c22 + c66].
+    let found = wellposed::dispersion(&case(SOLID)).expect("waves");
+    let mut speeds: Vec<f64> =
+        found.families.iter().flat_map(|own| own.characteristic_speeds.clone()).collect();
+    speeds.sort_by(f64::total_cmp);
+    let (a, b, c): (f64, f64, f64) = (5.25e9, 1.75e9, 2.75e9);
+    let (mean, half) = (0.5 * (a + c), (0.25 * (a - c).powi(2) + b * b).sqrt());
+    for (speed, square) in speeds.iter().zip([mean - half, mean + half]) {
+        assert!((speed - (square / 2000.0).sqrt()).abs() < 1e-9 * speed, "{speeds:?}");
+    }
+
+    let map = "[map]
+x = { parameter = 'model.c12', from = 0, to = 3e9, points = 3 }
+y = { parameter = 'model.density', from = 1000, to = 2000, points = 2 }";
+    let map = wellposed::map(&case(&format!("{SOLID}{map}")), MapOptions::default(), &unwatched);
+    assert_eq!(map.expect("a map").points.len(), 6);
+    let checked = wellposed::check(&case(SOLID), Extent::Short, &unwatched).expect("a check");
+    assert_eq!(checked.agrees, Some(true), "{checked:?}");
+}
+
+/// A shear load on the upper side of a block that yields in shear.
+#[test]
+fn a_yield_set_gets_verdict_run_and_check() {
+    let text = "
+[model]
+kind = 'classical'
+dimensions = 2
+lambda = 2e9
+mu = 2e9
+density = 2000
+[yield]
+kind = 'shear-limit'
+strength = 1e6
+";
+    let active = text.replace("strength = 1e6", "strength = 1e6\nactive = ['+sigma12']");
+    let point = wellposed::point(&case(&active)).expect("a state");
+    assert_eq!(point.verdict(), Some(&Verdict::WellPosed));
+    let checked = wellposed::check(&case(&active), Extent::Short, &unwatched).expect("a check");
+    assert_eq!(checked.agrees, Some(true), "{checked:?}");
+
+    let run = "
+[grid]
+cells = [4, 60]
+spacing = 1.0
+[time]
+duration = 0.03
+[[side]]
+side = 'x1-'
+kind = 'periodic'
+[[side]]
+side = 'x1+'
+kind = 'periodic'
+[[load]]
+side = 'x2+'
+field = 'sigma12'
+amplitude = 3e6
+time = { kind = 'step', duration = 0.02 }
+";
+    let settings = Settings { accept_ill_posed: false };
+    let result = wellposed::simulate(&case(&format!("{text}{run}")), settings, &unwatched);
+    let fields = result.expect("a run").fields;
+    let shear = fields.get("sigma12").expect("the shear stress");
+    let greatest = shear.iter().fold(0.0f64, |most, value| most.max(value.abs()));
+    assert!((0.99e6..=1e6 * (1.0 + 1e-12)).contains(&greatest), "{greatest}");
+    assert!(fields.dissipation.iter().sum::<f64>() > 0.0);
+}
+
+#[test]
+fn names_are_listed_everywhere_and_taken_once() {
+    register();
+    let kinds: Vec<&str> = Kind::all().into_iter().map(Kind::name).collect();
+    assert!(kinds.contains(&"slow-rotation") && kinds.contains(&"orthotropic"));
+    // A template is a case, and every registered medium has one.
+    for medium in Medium::all() {
+        let text = wellposed::new::text(medium);
+        Case::parse(&text, "new.toml", &[]).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    }
+    for again in [
+        registry::register_flow(&SLOW_ROTATION),
+        registry::register_solid(&ORTHOTROPIC),
+        registry::register_yield_set(&SHEAR_LIMIT),
+    ] {
+        assert!(matches!(again, Err(registry::RegistryError::NameTaken(_))), "{again:?}");
+    }
+}
