@@ -54,7 +54,7 @@ integrals = ['u2']
 /// A flow with a receiver and snapshots.
 fn flow() -> Case {
     let sets = [
-        "grid.cells=[36, 36]",
+        "grid.cells=[64, 64]",
         "time.duration=2e-4",
         "output.snapshot_interval=1e-4",
         "output.ledger_interval=1e-5",
@@ -190,7 +190,7 @@ fn progress_is_told_and_ends_a_run() {
 
 #[test]
 fn ill_posed_flows_run_where_they_are_accepted() {
-    let sets = ["grid.cells=[36, 36]", "time.duration=1e-5"];
+    let sets = ["grid.cells=[64, 64]", "time.duration=1e-5"];
     let file = "cases/flow/plastic-potential-in-time.toml";
     let case = wellposed::load(file, &sets).expect("a shipped case");
     let error = wellposed::simulate(&case, Settings::default(), &unwatched).unwrap_err();

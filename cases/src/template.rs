@@ -245,6 +245,16 @@ fn example_map(medium: Medium) -> [String; 2] {
     let keys = || keys().iter().filter(move |key| key.is_used_by(medium));
     let named =
         |end: &str| keys().find(|key| key.name.starts_with("yield.") && key.name.ends_with(end));
+    // The first constant of a section, around its example.
+    let around = |section: &str| {
+        let constants = keys().filter(|key| key.name.starts_with(section));
+        let example = |key: &Key| match key.presence {
+            Presence::Required(value) if key.unit != "" => Some((key.name, value)),
+            _ => None,
+        };
+        let (name, value) = constants.filter_map(example).next().unwrap_or(("wave.number", 1.0));
+        axis(name, 0.5 * value, 1.5 * value, 11)
+    };
     match (medium.kind, medium.yields, named("dilatancy"), named("friction")) {
         (Kind::Flow(_), ..) => [
             axis("model.dilatancy_angle_deg", 0.0, 25.0, 26),
@@ -253,22 +263,11 @@ fn example_map(medium: Medium) -> [String; 2] {
         (_, Some(_), Some(dilatancy), Some(friction)) => {
             [axis(dilatancy.name, 0.0, 1.0, 41), axis(friction.name, 0.0, 1.0, 41)]
         }
-        (_, Some(_), ..) => [
+        (_, Some(_), ..) if keys().any(|key| key.name == "yield.hardening") => [
             axis("stress.out_of_plane_stress", -1.0, 1.0, 41),
-            match Key::find("yield.hardening").filter(|key| key.is_used_by(medium)) {
-                Some(hardening) => axis(hardening.name, -1e9, 1e9, 41),
-                None => axis("stress.pressure", 0.0, 1e6, 41),
-            },
+            axis("yield.hardening", -1e9, 1e9, 41),
         ],
-        (Kind::Solid(solid), None, ..) => {
-            // The first constant that may take any size.
-            let first = solid.parameters.first().map_or("density", |own| own.name);
-            let name = format!("model.{first}");
-            let example = Key::find(&name).map_or(1.0, |key| match key.presence {
-                Presence::Required(value) | Presence::Default(value) => value,
-                Presence::Optional => 1.0,
-            });
-            [axis(&name, 0.5 * example, 1.5 * example, 11), axis("wave.number", 0.1, 10.0, 11)]
-        }
+        (_, Some(_), ..) => [around("yield."), around("model.")],
+        (_, None, ..) => [around("model."), axis("wave.number", 0.1, 10.0, 11)],
     }
 }

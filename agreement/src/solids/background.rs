@@ -4,7 +4,7 @@ use crate::AgreementError;
 use crate::scheme::Equations;
 use models::cosserat::stress::{Component, Stress};
 use models::elastoplastic::{Plastic, Solid};
-use models::plasticity::parameters::ActiveCondition;
+use models::plasticity::parameters::{ActiveCondition, contract};
 use nalgebra::DVector;
 
 /// A stress on the yield surface.
@@ -81,9 +81,16 @@ fn stress_of(plastic: &Plastic) -> Stress {
     for (condition, strength) in plastic.set.half_spaces().into_iter().flatten() {
         if plastic.active.contains(&condition) {
             let own = condition.normal;
+            let mut shear = Stress::default();
             for face in 0..2 {
-                stress.force[1 - face][face] += own.force[1 - face][face] * strength;
-                stress.couple[2][face] += own.couple[2][face] * strength;
+                shear.force[1 - face][face] = own.force[1 - face][face];
+                shear.couple[2][face] = own.couple[2][face];
+            }
+            // The multiple of it that meets the condition with equality.
+            let scale = strength / contract(&own, &shear);
+            for face in 0..2 {
+                stress.force[1 - face][face] += shear.force[1 - face][face] * scale;
+                stress.couple[2][face] += shear.couple[2][face] * scale;
             }
         }
     }
