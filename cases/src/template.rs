@@ -249,7 +249,7 @@ fn example_map(medium: Medium) -> [String; 2] {
     let around = |section: &str| {
         let constants = keys().filter(|key| key.name.starts_with(section));
         let example = |key: &Key| match key.presence {
-            Presence::Required(value) if key.unit != "" => Some((key.name, value)),
+            Presence::Required(value) if !key.unit.is_empty() => Some((key.name, value)),
             _ => None,
         };
         let (name, value) = constants.filter_map(example).next().unwrap_or(("wave.number", 1.0));
