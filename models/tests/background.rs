@@ -498,7 +498,7 @@ fn elsewhere_there_is_no_flow() {
     assert_eq!(background.stress().deviator.value, 1e9);
 }
 
-/// Names lead back to their models, and a refusal reads as key, what was found, what is allowed.
+/// Names lead back to their models, and a refusal reads as input, what was found, what is allowed.
 #[test]
 fn names_and_messages() {
     for kind in registry::STANDARD_FLOWS {
@@ -511,7 +511,7 @@ fn names_and_messages() {
         assert_eq!(model.noncoaxiality_bound().is_some(), kind == registry::HARRIS_GREKOVA);
         let error = (Parameters { cohesion: -2.5, ..parameters }).model(kind).unwrap_err();
         let text = error.to_string();
-        assert!(text.starts_with("model.cohesion: found -2.5; "), "{text}");
+        assert!(text.starts_with("cohesion: found -2.5; "), "{text}");
         assert!(text.ends_with(&error.allowed));
     }
     assert_eq!(registry::flow("harris_grekova"), None);
