@@ -44,7 +44,7 @@ pub struct Settings {
 /// ```
 /// use wellposed::study::{simulate::Settings, unwatched};
 ///
-/// let settings = ["grid.cells=[36, 36]", "time.duration=1e-4"];
+/// let settings = ["grid.cells=[36, 36]", "initial[0].to=8", "time.duration=1e-4"];
 /// let case = wellposed::load("cases/flow/decay.toml", &settings)?;
 /// let found = wellposed::simulate(&case, Settings::default(), &unwatched)?;
 /// assert!(found.stopped.is_none());

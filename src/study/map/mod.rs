@@ -65,6 +65,7 @@ impl MapOptions {
 /// density = 1600
 /// pressure = 1000
 /// shear_rate = 2
+/// stress_angle_deg = 0
 /// [wave]
 /// number = 500
 /// [map]

@@ -54,6 +54,7 @@ impl PointResult {
 /// density = 1600
 /// pressure = 1000
 /// shear_rate = 2
+/// stress_angle_deg = 0
 /// noncoaxiality_deg = 20
 /// [wave]
 /// number = 500
