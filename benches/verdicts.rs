@@ -10,8 +10,8 @@ mod states;
 
 use analysis::flows::Workspace;
 use analysis::growth::Verdict;
-use models::granular_flow::state::{Flow, State};
-use models::granular_flow::{Kind, Model};
+use models::flow::state::{Flow, State};
+use models::flow::{FlowKind, Model};
 use models::registry;
 use rayon::prelude::*;
 use states::{Range, seeded};
@@ -32,7 +32,7 @@ struct Sample {
 }
 
 /// States of a model, half of them with ν > 0, half of those with gradients and accelerations.
-fn samples(kind: Kind) -> Vec<Sample> {
+fn samples(kind: FlowKind) -> Vec<Sample> {
     (0..STATES)
         .map(|seed| {
             let random = &mut seeded(seed);

@@ -6,15 +6,15 @@ use analysis::pencil::Pencil;
 use dynamics::flow::spectral::Mode;
 use dynamics::flow::{Closure, Flow, Problem};
 use models::LinearisedSystem;
-use models::granular_flow::state::{self, State};
-use models::granular_flow::{Kind, Model};
+use models::flow::state::{self, State};
+use models::flow::{FlowKind, Model};
 use models::registry;
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 use testkit::flows::Parameters;
 use testkit::random::Random;
 
-const KINDS: [Kind; 3] =
+const KINDS: [FlowKind; 3] =
     [registry::HARRIS_GREKOVA, registry::DOUBLE_SHEARING, registry::PLASTIC_POTENTIAL];
 
 /// On one thread: boxes are so small that others would only wait.
@@ -25,13 +25,13 @@ fn alone(work: impl FnOnce() + Send) {
 
 /// A homogeneous background in which the stress angle is steady.
 struct Background {
-    kind: Kind,
+    kind: FlowKind,
     model: Model,
     flow: state::Flow,
 }
 
 impl Background {
-    fn new(kind: Kind, friction_angle: f64, cohesion: f64, given: State) -> Self {
+    fn new(kind: FlowKind, friction_angle: f64, cohesion: f64, given: State) -> Self {
         let parameters = Parameters {
             friction_angle,
             cohesion,
@@ -55,7 +55,7 @@ impl Background {
         Self { kind, model, flow }
     }
 
-    fn random(kind: Kind, random: &mut Random) -> Self {
+    fn random(kind: FlowKind, random: &mut Random) -> Self {
         let state = State {
             density: random.within(500.0, 3000.0),
             pressure: random.within(100.0, 5000.0),

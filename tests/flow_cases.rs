@@ -1,6 +1,6 @@
 //! What case files say of flows in time: what is read, what is refused and in which words.
 
-use models::granular_flow::RotationKind;
+use models::flow::RotationKind;
 use std::fs;
 use std::path::Path;
 use wellposed::case::flow::{Disturbed, FlowRun, Initial, Quantity};

@@ -2,23 +2,21 @@
 //! through public interfaces: verdict, map, run and check treat them like the others.
 
 use analysis::growth::Verdict;
+use models::InputError;
 use models::LinearisedSystem;
 use models::Rounded;
-use models::cosserat::parameters::Theory;
-use models::cosserat::stress::{Component, Stress};
-use models::cosserat::waves::{Field, Pair};
-use models::granular_flow::InputError;
-use models::granular_flow::balance::{Columns, flow_rule, mass, momentum};
-use models::granular_flow::state::{Coulomb, Flow, FlowRule, Rotation};
-use models::granular_flow::{
-    COHESION, DILATANCY_ANGLE, FRICTION_ANGLE, FlowLaw, FlowModel, RotationKind,
-};
-use models::parameter::{Parameter, constants};
-use models::plasticity::parameters::{ActiveCondition, contract};
-use models::plasticity::projection::Projection;
+use models::common::parameter::{Parameter, constants};
+use models::common::system::Matrix;
+use models::flow::balance::{Columns, flow_rule, mass, momentum};
+use models::flow::state::{Coulomb, Flow, FlowRule, Rotation};
+use models::flow::{COHESION, DILATANCY_ANGLE, FRICTION_ANGLE, FlowLaw, FlowModel, RotationKind};
 use models::registry;
+use models::solid::parameters::Theory;
+use models::solid::stress::{Component, Stress};
+use models::solid::waves::{Field, Pair};
 use models::solid::{ElasticLaw, Elasticity, SolidModel};
-use models::system::Matrix;
+use models::yield_set::parameters::{ActiveCondition, contract};
+use models::yield_set::projection::Projection;
 use models::yield_set::{
     Needs, Unusable, YieldConditions, YieldSet, YieldSetModel, check_associated, room,
 };
@@ -42,7 +40,7 @@ impl SlowRotation {
         let coulomb = Coulomb::new(friction_angle, cohesion)?;
         if !(factor > 0.0 && factor.is_finite()) {
             return Err(InputError {
-                key: "rotation_factor",
+                input: "rotation_factor",
                 found: format!("{factor:?}"),
                 allowed: "a positive number".to_owned(),
             });
@@ -181,7 +179,7 @@ static ORTHOTROPIC: SolidModel = SolidModel {
         let [c11, c22, c12, c66, density] = constants(given)?;
         if !(c11 > 0.0 && c22 > 0.0 && c11 * c22 > c12 * c12 && c66 > 0.0 && density > 0.0) {
             return Err(InputError {
-                key: "c11",
+                input: "c11",
                 found: format!("{given:?}"),
                 allowed: "a positive definite stiffness".to_owned(),
             });

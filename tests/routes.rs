@@ -6,8 +6,8 @@ mod states;
 use analysis::flows::Workspace;
 use analysis::growth::Verdict;
 use models::ClosedForm;
-use models::granular_flow::Kind;
-use models::granular_flow::state::State;
+use models::flow::FlowKind;
+use models::flow::state::State;
 use models::registry;
 use rayon::prelude::*;
 use states::{Range, seeded};
@@ -34,7 +34,12 @@ struct Judged {
 }
 
 impl Judged {
-    fn new(workspace: &mut Workspace, kind: Kind, parameters: &Parameters, state: &State) -> Self {
+    fn new(
+        workspace: &mut Workspace,
+        kind: FlowKind,
+        parameters: &Parameters,
+        state: &State,
+    ) -> Self {
         let (model, flow) = states::flow(kind, parameters, state);
         let closed_form = model.closed_form(&flow);
         let assessed = workspace.assess(&model, &flow).expect("finite coefficients").verdict;
@@ -96,7 +101,7 @@ fn difference(
 ///
 /// The plastic potential is symmetric about the principal axes of stress. In dilatant Harris–Grekova
 /// the highest coefficient a − b cos β + d sin β vanishes for two β with the mean −atan2(d, b).
-fn equally_bad(kind: Kind, parameters: &Parameters, state: &State, direction: f64) -> f64 {
+fn equally_bad(kind: FlowKind, parameters: &Parameters, state: &State, direction: f64) -> f64 {
     let psi = state.stress_angle;
     match kind {
         own if own == registry::PLASTIC_POTENTIAL => 2.0 * psi - direction,
@@ -114,7 +119,7 @@ fn equally_bad(kind: Kind, parameters: &Parameters, state: &State, direction: f6
 
 /// Judges states in parallel; panics with the first few that differ, counts what the formula says.
 fn agree(
-    states: impl IndexedParallelIterator<Item = (Kind, Parameters, State)>,
+    states: impl IndexedParallelIterator<Item = (FlowKind, Parameters, State)>,
 ) -> BTreeMap<(&'static str, &'static str), usize> {
     let judged: Vec<_> = states
         .map_init(Workspace::default, |workspace, (kind, parameters, state)| {
@@ -179,7 +184,7 @@ const DISTANCES: [(f64, Option<bool>); 9] = [
 
 /// States on both sides of a boundary: `shifted` puts a random state at a signed distance from it.
 fn agree_beside(
-    kind: Kind,
+    kind: FlowKind,
     dilatant: bool,
     gradients: bool,
     shifted: impl Fn(&mut Parameters, &mut State, f64) + Sync,

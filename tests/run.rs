@@ -2,7 +2,7 @@
 //! rest under balanced weight; and what cannot be run.
 
 use files::npz::{Values, read};
-use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 use std::fs;

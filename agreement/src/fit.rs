@@ -1,6 +1,6 @@
 //! Fits of complex frequencies to amplitudes, and their limit on small cells.
 
-use models::elementary::{Elementary, cr_arg};
+use models::common::elementary::{Elementary, cr_arg};
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 use std::ops::Sub;

@@ -13,9 +13,9 @@ use crate::fit::Rate;
 use crate::{AgreementError, NotMeasurable, PlaneWave};
 use dynamics::flow::Problem;
 use linearised::LinearisedFlow;
-use models::elementary::Elementary;
-use models::granular_flow::Model;
-use models::granular_flow::state::{Flow, State};
+use models::common::elementary::Elementary;
+use models::flow::Model;
+use models::flow::state::{Flow, State};
 use num_complex::Complex64;
 
 /// A uniform flow v = Γx, for the analysis and for the solver.

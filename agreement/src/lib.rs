@@ -17,7 +17,7 @@
 //! ```
 //! use dynamics::medium::Medium;
 //! use dynamics::problem::{Placement, Splitting};
-//! use models::cosserat::parameters::Isotropic;
+//! use models::solid::parameters::Isotropic;
 //! use models::elastoplastic::Solid;
 //! use models::solid::ElasticLaw;
 //! use std::ops::ControlFlow;
@@ -51,7 +51,7 @@ pub mod flows;
 pub mod scheme;
 pub mod solids;
 
-use models::plasticity::symbol::NoResponse;
+use models::yield_set::tangent::NoResponse;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

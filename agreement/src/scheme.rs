@@ -25,9 +25,9 @@
 //! Shares nothing with the solver but these formulas and the names of its options.
 
 use dynamics::problem::{Placement, Splitting};
-use models::elementary::{Elementary, cr_cis};
-use models::product::triple_product;
-use models::rates::SymmetricForm;
+use models::common::elementary::{Elementary, cr_cis};
+use models::common::product::triple_product;
+use models::common::rates::SymmetricForm;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use num_complex::Complex64;
 

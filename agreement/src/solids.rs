@@ -17,8 +17,8 @@ use crate::{AgreementError, NotMeasurable, PlaneWave};
 use analysis::solids::branches;
 use analysis::waves::Polarisation;
 use dynamics::problem::{Placement, Splitting};
+use models::common::elementary::Elementary;
 use models::elastoplastic::Solid;
-use models::elementary::Elementary;
 
 /// The linearised equations that a solid obeys under a wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

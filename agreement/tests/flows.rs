@@ -1,8 +1,8 @@
 //! Waves and perturbations of a uniform flow by the plastic potential.
 
 use dynamics::flow::{Closure, Problem};
-use models::granular_flow::Model;
-use models::granular_flow::state::{Background, State};
+use models::flow::Model;
+use models::flow::state::{Background, State};
 use models::registry;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;

@@ -2,9 +2,9 @@
 
 use dynamics::medium::Medium;
 use dynamics::problem::{Placement, Splitting};
-use models::cosserat::parameters::{Isotropic, Microrotation};
 use models::elastoplastic::Solid;
 use models::solid::ElasticLaw;
+use models::solid::parameters::{Isotropic, Microrotation};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use wellposed_agreement::solids::{BranchResult, SolverSettings, band_gaps, branch_results};

@@ -4,9 +4,9 @@
 #[path = "../tests/support/mod.rs"]
 mod support;
 
-use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
-use models::cosserat::stress::Stress;
-use models::plasticity::parameters::Mises;
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
+use models::solid::stress::Stress;
+use models::yield_set::parameters::Mises;
 use std::hint::black_box;
 use std::time::Instant;
 use support::states::seeded;

@@ -5,7 +5,7 @@
 
 use crate::growth::{Assessment, Verdict};
 use crate::pencil::Pencil;
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 use std::f64::consts::PI;
 
 /// A finite supremum of the growth rate.

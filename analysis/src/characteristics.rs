@@ -7,7 +7,7 @@
 
 use crate::form::Form;
 use crate::{polynomial, roots};
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 use models::{LinearisedSystem, Rounded};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};

@@ -13,9 +13,9 @@
 
 use crate::search::{bisect, place_of_maximum, sectors};
 use crate::sphere::{Extremes, Flutter, Slowest};
-use models::elementary::Elementary;
-use models::product::triple_product;
-use models::rates::RateEquations;
+use models::common::elementary::Elementary;
+use models::common::product::triple_product;
+use models::common::rates::RateEquations;
 use nalgebra::{DMatrix, Matrix3};
 use num_complex::Complex64;
 use std::f64::consts::PI;

@@ -6,10 +6,10 @@
 
 use crate::dense::eigenvalues;
 use models::LinearisedSystem;
-use models::elementary::Elementary;
-use models::product::{product, triple_product};
-use models::rates::RateEquations;
-use models::system::Matrix;
+use models::common::elementary::Elementary;
+use models::common::product::{product, triple_product};
+use models::common::rates::RateEquations;
+use models::common::system::Matrix;
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 use std::f64::consts::PI;

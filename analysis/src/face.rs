@@ -9,7 +9,7 @@ use crate::newton::gcd;
 use crate::puiseux::{Root, binomial, roots_of};
 use crate::roots;
 use crate::value::Value;
-use models::elementary::{Elementary, cr_arg, cr_from_polar};
+use models::common::elementary::{Elementary, cr_arg, cr_from_polar};
 use num_complex::Complex64;
 use std::cell::OnceCell;
 use std::f64::consts::PI;

@@ -3,7 +3,7 @@
 use crate::list::{List, list};
 use crate::roots;
 use models::Rounded;
-use models::elementary::{Elementary, cr_arg};
+use models::common::elementary::{Elementary, cr_arg};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI};
 

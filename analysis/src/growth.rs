@@ -20,7 +20,7 @@ use crate::search::place_of_maximum;
 use crate::value::{Value, imaginary_power};
 use crate::worst::Worst;
 use models::Rounded;
-use models::elementary::{Elementary, cr_arg};
+use models::common::elementary::{Elementary, cr_arg};
 use std::cell::OnceCell;
 use std::f64::consts::PI;
 

@@ -7,8 +7,8 @@
 //! evolution, which the frozen pencil does not see.
 
 use models::LinearisedSystem;
-use models::elementary::Elementary;
-use models::rounding::Rounded;
+use models::common::elementary::Elementary;
+use models::common::rounding::Rounded;
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 

@@ -15,7 +15,7 @@ use crate::puiseux::{self, DOUBTFUL, Monomial, Root, binomial, lcm};
 use crate::value::Value;
 use crate::worst::Worst;
 use models::Rounded;
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 use num_complex::Complex64;
 use std::cell::RefCell;
 use std::f64::consts::{FRAC_PI_2, PI};

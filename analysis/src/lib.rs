@@ -49,8 +49,8 @@ mod value;
 pub mod waves;
 mod worst;
 
-use models::granular_flow::InputError;
-use models::plasticity::symbol::NoResponse;
+use models::InputError;
+use models::yield_set::tangent::NoResponse;
 use sphere::SphereError;
 
 /// A system that cannot be analysed.

@@ -11,7 +11,7 @@ use crate::polynomial::DispersionPolynomial;
 use crate::qz::Qz;
 use crate::scaling::ScaledSystem;
 use models::LinearisedSystem;
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 use num_complex::Complex64;
 
 /// The roots at one wave.

@@ -2,7 +2,7 @@
 
 use crate::extended::ExtendedComplex;
 use crate::list::{List, list};
-use models::elementary::{Elementary, cr_from_polar};
+use models::common::elementary::{Elementary, cr_from_polar};
 use num_complex::Complex64;
 
 const ITERATIONS: usize = 200;

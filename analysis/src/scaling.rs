@@ -7,8 +7,8 @@
 use crate::AnalysisError;
 use crate::list::List;
 use models::LinearisedSystem;
-use models::elementary::Elementary;
-use models::system::Matrix;
+use models::common::elementary::Elementary;
+use models::common::system::Matrix;
 use smallvec::smallvec;
 
 /// A system in its own units: ς = `rate` ς̂, k = `wave_number` k̂.

@@ -31,9 +31,9 @@
 //! localization of plastic deformation, 14th IUTAM Congress (1976); B. Loret, J. H. Prevost &
 //! O. Harireche, Eur. J. Mech. A 9 (1990) 225–231; G. H. Golub, SIAM Review 15 (1973) 318–334.
 
-use models::elementary::cr_from_polar;
-use models::product::triple_product;
-use models::rates::RateEquations;
+use models::common::elementary::cr_from_polar;
+use models::common::product::triple_product;
+use models::common::rates::RateEquations;
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 use std::collections::HashMap;

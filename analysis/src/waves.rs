@@ -15,9 +15,9 @@
 use crate::dense;
 use crate::qz::Qz;
 use models::LinearisedSystem;
-use models::elementary::Elementary;
-use models::product::triple_product;
-use models::rates::RateEquations;
+use models::common::elementary::Elementary;
+use models::common::product::triple_product;
+use models::common::rates::RateEquations;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 

@@ -1,8 +1,8 @@
 //! The located supremum of the growth rate against what the exact relation says of it.
 
 use models::LinearisedSystem;
-use models::granular_flow::Model;
-use models::granular_flow::state::{Flow, State};
+use models::flow::Model;
+use models::flow::state::{Flow, State};
 use models::registry;
 use std::f64::consts::PI;
 use testkit::flows::Parameters;

@@ -3,8 +3,8 @@
 
 mod support;
 
-use models::granular_flow::Kind;
-use models::granular_flow::state::State;
+use models::flow::FlowKind;
+use models::flow::state::State;
 use models::registry;
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_4, PI};
@@ -34,7 +34,7 @@ fn take(list: &mut Vec<Characteristic>, angle: f64, multiplicity: usize, family:
 }
 
 /// Velocity at a distance from the stress characteristics, so that no two directions meet.
-fn generic(random: &mut Random, kind: Kind, dilatancy: Dilatancy, gradients: bool) -> Sample {
+fn generic(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy, gradients: bool) -> Sample {
     loop {
         let sample = tame(random, kind, dilatancy, gradients);
         let stream = sample.state.velocity[1].atan2(sample.state.velocity[0]);

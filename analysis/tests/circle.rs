@@ -3,12 +3,12 @@
 mod support;
 
 use models::LinearisedSystem;
-use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
-use models::cosserat::stress::Stress;
-use models::plasticity::parameters::{ActiveCondition, Interlayer, InterlayerCouple, Mises};
-use models::plasticity::symbol::tangent;
-use models::rates::RateEquations;
+use models::common::rates::RateEquations;
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
+use models::solid::stress::Stress;
 use models::yield_set::YieldSet;
+use models::yield_set::parameters::{ActiveCondition, Interlayer, InterlayerCouple, Mises};
+use models::yield_set::tangent::tangent;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 use support::slipping::Slipping;

@@ -5,7 +5,7 @@ mod support;
 
 use models::LinearisedSystem;
 use models::Rounded;
-use models::granular_flow::state::State;
+use models::flow::state::State;
 use models::registry;
 use rayon::prelude::*;
 use std::collections::BTreeMap;

@@ -3,7 +3,7 @@
 
 mod support;
 
-use models::granular_flow::state::State;
+use models::flow::state::State;
 use models::registry;
 use num_complex::Complex64;
 use std::f64::consts::PI;

@@ -3,8 +3,8 @@
 mod support;
 
 use models::LinearisedSystem;
-use models::granular_flow::state::{Flow, State};
-use models::granular_flow::{Kind, Model};
+use models::flow::state::{Flow, State};
+use models::flow::{FlowKind, Model};
 use models::registry;
 use num_complex::Complex64;
 use support::states::{Random, seeded};
@@ -12,11 +12,11 @@ use testkit::flows::Parameters;
 use wellposed_analysis::kelvin::{Evolution, course, wave_vector, wave_vector_rate};
 use wellposed_analysis::pencil::Pencil;
 
-const KINDS: [Kind; 3] =
+const KINDS: [FlowKind; 3] =
     [registry::HARRIS_GREKOVA, registry::DOUBLE_SHEARING, registry::PLASTIC_POTENTIAL];
 
 /// A uniform, incompressible flow.
-fn flow(kind: Kind, random: &mut Random) -> (Model, Flow) {
+fn flow(kind: FlowKind, random: &mut Random) -> (Model, Flow) {
     let parameters = Parameters {
         friction_angle: random.within(0.1, 1.2),
         cohesion: random.within(0.0, 500.0),

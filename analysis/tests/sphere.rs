@@ -3,11 +3,11 @@
 
 mod support;
 
-use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
-use models::cosserat::stress::{Component, Stress};
-use models::plasticity::parameters::{ActiveCondition, Mises};
-use models::rates::RateEquations;
-use models::rounding::Rounded;
+use models::common::rates::RateEquations;
+use models::common::rounding::Rounded;
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
+use models::solid::stress::{Component, Stress};
+use models::yield_set::parameters::{ActiveCondition, Mises};
 use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 use support::states::{Random, seeded};
 use wellposed_analysis::sphere::{Extremes, RankOne, Sphere, SphereError};

@@ -3,10 +3,10 @@
 mod support;
 
 use models::LinearisedSystem;
-use models::double_shearing::parameters::DoubleShearing;
-use models::granular_flow::state::State;
-use models::harris_grekova::parameters::HarrisGrekova;
-use models::plastic_potential::parameters::PlasticPotential;
+use models::flow::double_shearing::parameters::DoubleShearing;
+use models::flow::harris_grekova::parameters::HarrisGrekova;
+use models::flow::plastic_potential::parameters::PlasticPotential;
+use models::flow::state::State;
 use models::registry;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};

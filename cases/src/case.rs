@@ -15,7 +15,8 @@ use super::numbers::Numbers;
 use super::place::Places;
 use super::section::Section;
 use super::value::Value;
-use models::granular_flow::{InputError, RotationKind};
+use models::InputError;
+use models::flow::RotationKind;
 use std::fmt::Write;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -256,7 +257,7 @@ impl Case {
 
     /// Adds the place to an error that a model found.
     pub fn locate(&self, error: InputError) -> CaseError {
-        let key = self.key_of(error.key);
+        let key = self.key_of(error.input);
         self.places.error(key, format!("found {}", error.found), error.allowed)
     }
 

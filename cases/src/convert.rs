@@ -4,8 +4,9 @@ use super::case::Case;
 use super::error::CaseError;
 use super::keys::keys;
 use super::kind::{Kind, names};
-use models::granular_flow::state::State;
-use models::granular_flow::{InputError, Kind as Flow, Model};
+use models::InputError;
+use models::flow::state::State;
+use models::flow::{FlowKind as Flow, Model};
 
 /// The state of a case for another kind of model.
 #[derive(Clone, Debug, PartialEq)]
@@ -123,7 +124,7 @@ impl Case {
         match self.kind {
             Kind::Flow(flow) => Ok(flow),
             Kind::Solid(_) => Err(InputError {
-                key: "kind",
+                input: "kind",
                 found: format!("{}, a solid", self.kind.name()),
                 allowed: format!(
                     "this needs a flow ({}); for solids see wellposed dispersion and speeds",

@@ -73,7 +73,7 @@ use crate::entries::Entries;
 use crate::schema::{Form, Scope};
 use crate::section::Section;
 use boundary::periodic_sides;
-use models::cosserat::parameters::Theory;
+use models::solid::parameters::Theory;
 use std::path::Path;
 
 /// Most cells of a grid.

@@ -9,7 +9,7 @@ use super::place::{Places, is_inside};
 use super::schema::{Scope, all_forms, forms_in_time};
 use super::section::Section;
 use super::value::{Value, describe, nearest, suggestion};
-use models::granular_flow::RotationKind;
+use models::flow::RotationKind;
 use models::registry;
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};

@@ -19,8 +19,8 @@ use super::value::Value;
 use super::{Case, CaseError, Kind};
 use crate::entries::Entries;
 use crate::schema::{Form, Scope};
-use models::granular_flow::RotationKind;
-use models::granular_flow::state::{Background, Flow, Region};
+use models::flow::RotationKind;
+use models::flow::state::{Background, Flow, Region};
 use std::path::Path;
 
 /// Most points of a box.

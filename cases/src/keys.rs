@@ -12,9 +12,9 @@ use super::kind::{Kind, Medium, Solid, Yield};
 use super::numbers::Numbers;
 use super::types::{Range, Type};
 use super::value::Value;
-use models::granular_flow::Kind as Flow;
-pub use models::parameter::Presence;
-use models::parameter::{ANGLE, Parameter as Constant};
+pub use models::common::parameter::Presence;
+use models::common::parameter::{ANGLE, Parameter as Constant};
+use models::flow::FlowKind as Flow;
 use models::registry;
 
 /// A row of the table.

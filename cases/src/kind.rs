@@ -1,6 +1,6 @@
 //! Kinds of model that a case can name.
 
-use models::granular_flow::{Kind as Flow, RotationKind};
+use models::flow::{FlowKind as Flow, RotationKind};
 use models::registry;
 pub use models::solid::SolidKind as Solid;
 pub use models::yield_set::YieldSetKind as Yield;

@@ -9,7 +9,7 @@ use super::keys::{Key, Parameter};
 use super::kind::Medium;
 use super::numbers::Numbers;
 use super::value::{Value, nearest, suggestion};
-use models::granular_flow::InputError;
+use models::InputError;
 
 /// The two parameters of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +73,7 @@ impl Case {
     /// has its value from `[map]`, not from where its key stands.
     pub fn locate_in_map(&self, error: InputError) -> CaseError {
         let axes = self.map.iter().flat_map(|map| [("map.x", &map.x), ("map.y", &map.y)]);
-        let key = self.key_of(error.key);
+        let key = self.key_of(error.input);
         let swept = |(_, sweep): &(&str, &Sweep)| sweep.parameter.key().name == key;
         match axes.into_iter().find(swept) {
             Some((axis, _)) => CaseError::Key {

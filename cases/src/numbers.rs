@@ -1,6 +1,6 @@
 //! The numbers of a case, by section.
 
-use models::parameter::{Parameter as Constant, Presence};
+use models::common::parameter::{Parameter as Constant, Presence};
 
 /// The numbers of a case exactly as its file states them: SI units, angles in degrees, `None`
 /// where a key without default is absent.

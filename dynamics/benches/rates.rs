@@ -6,9 +6,9 @@
 #[path = "../tests/support/mod.rs"]
 mod support;
 
-use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
-use models::plasticity::parameters::Mises;
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
 use models::yield_set::YieldSet;
+use models::yield_set::parameters::Mises;
 use std::time::Instant;
 use wellposed_dynamics::boundary::Boundary;
 use wellposed_dynamics::kernel::Instructions;

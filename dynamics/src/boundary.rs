@@ -1,7 +1,7 @@
 //! What lies beyond the sides of a domain, and what acts on them and inside.
 
 use crate::medium::Medium;
-use models::cosserat::waves::Field;
+use models::solid::waves::Field;
 use std::sync::Arc;
 
 /// A function of time, s, without unit.

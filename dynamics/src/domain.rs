@@ -72,8 +72,8 @@ use crate::row::RowEnds;
 use crate::side::{Side, set_time};
 use complete::ClosingSides;
 use local::combined;
-use models::cosserat::stress::Stress;
-use models::cosserat::waves::Field;
+use models::solid::stress::Stress;
+use models::solid::waves::Field;
 use plastic::Sets;
 use std::ops::Range;
 

@@ -23,7 +23,7 @@ mod view;
 use chebyshev::{reach, scheme, stages};
 pub use closure::Closure;
 use equations::Equations;
-use models::elementary::{Elementary, cr_cis};
+use models::common::elementary::{Elementary, cr_cis};
 use num_complex::Complex64;
 use pressure::combine;
 

@@ -1,10 +1,10 @@
 //! What solids begin with: weight in equilibrium, plane waves and plane pulses.
 
 use crate::medium::Medium;
-use models::cosserat::parameters::Isotropic;
-use models::cosserat::stress::Stress;
-use models::cosserat::waves::Field;
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
+use models::solid::parameters::Isotropic;
+use models::solid::stress::Stress;
+use models::solid::waves::Field;
 use num_complex::Complex64;
 
 /// Two densities in one layer.

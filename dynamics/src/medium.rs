@@ -1,10 +1,10 @@
 //! What a solid is to the sweeps.
 
-use models::cosserat::stress::Stress;
-use models::cosserat::waves::{Field, Pair, Rotation};
-use models::plasticity::projection::Projection;
 use models::solid::ElasticLaw;
+use models::solid::stress::Stress;
+use models::solid::waves::{Field, Pair, Rotation};
 use models::yield_set::YieldSet;
+use models::yield_set::projection::Projection;
 
 /// A solid as pairs of waves along the axes, a rotation, and the set in which its stress stays.
 #[derive(Clone, Debug, PartialEq)]

@@ -18,8 +18,8 @@
 //! share goes by linear extrapolation to the two cells at the side, which keeps the sum and the first moments. A bell
 //! is cut off there.
 
-use models::cosserat::waves::Field;
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
+use models::solid::waves::Field;
 use nalgebra::{DMatrix, DVector};
 
 /// Cells from that in front of the point, and one more behind it, within which the spline lies.

@@ -3,8 +3,8 @@
 use crate::boundary::{Boundary, Condition, Load, Source};
 use crate::line::{HALO, Slopes};
 use crate::medium::Medium;
-use models::cosserat::stress::Stress;
-use models::cosserat::waves::Field;
+use models::solid::stress::Stress;
+use models::solid::waves::Field;
 
 /// A rectangular grid of `D` dimensions.
 #[derive(Clone, Copy, Debug, PartialEq)]

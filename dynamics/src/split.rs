@@ -13,7 +13,7 @@ use crate::ledger::{Energy, Ledger, Total};
 use crate::line::HALO;
 use crate::problem::{DomainError, Problem};
 use crate::real::Real;
-use models::cosserat::waves::Field;
+use models::solid::waves::Field;
 use std::ops::Range;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 

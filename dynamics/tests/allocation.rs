@@ -1,9 +1,9 @@
 //! Steps allocate nothing once they are under way.
 
-use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
-use models::cosserat::waves::Field;
-use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises};
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
+use models::solid::waves::Field;
 use models::yield_set::YieldSet;
+use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::Arc;

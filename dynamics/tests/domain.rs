@@ -2,9 +2,9 @@
 
 mod support;
 
-use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
-use models::cosserat::waves::Field;
-use models::rates::{RateEquations, SymmetricForm};
+use models::common::rates::{RateEquations, SymmetricForm};
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
+use models::solid::waves::Field;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::PI;

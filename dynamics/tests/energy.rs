@@ -5,9 +5,9 @@
 
 mod support;
 
-use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances};
-use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises};
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances};
 use models::yield_set::YieldSet;
+use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
 use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition};
 use wellposed_dynamics::domain::Domain;

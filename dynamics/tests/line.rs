@@ -1,6 +1,6 @@
 //! A pair of fields along a line: exact steps, order, reflection, energy, symmetry.
 
-use models::cosserat::parameters::Isotropic;
+use models::solid::parameters::Isotropic;
 use std::f64::consts::PI;
 use wellposed_dynamics::line::{Account, Cell, GHOSTS, Slopes, energy, sweep};
 

@@ -3,10 +3,10 @@
 
 mod support;
 
-use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
-use models::cosserat::waves::Field;
-use models::plasticity::parameters::Mises;
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
+use models::solid::waves::Field;
 use models::yield_set::YieldSet;
+use models::yield_set::parameters::Mises;
 use std::sync::Arc;
 use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Source};

@@ -2,11 +2,11 @@
 
 mod support;
 
-use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
-use models::cosserat::stress::Stress;
-use models::cosserat::waves::Field;
-use models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises};
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
+use models::solid::stress::Stress;
+use models::solid::waves::Field;
 use models::yield_set::YieldSet;
+use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
 use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition};
 use wellposed_dynamics::domain::Domain;

@@ -6,11 +6,11 @@ mod simple_waves;
 #[path = "support/uniaxial.rs"]
 mod uniaxial;
 
-use models::cosserat::parameters::Isotropic;
-use models::cosserat::stress::Stress;
-use models::cosserat::waves::Field;
-use models::plasticity::parameters::Mises;
+use models::solid::parameters::Isotropic;
+use models::solid::stress::Stress;
+use models::solid::waves::Field;
 use models::yield_set::YieldSet;
+use models::yield_set::parameters::Mises;
 use simple_waves::Impact;
 use uniaxial::{Bar, End, Profile, State};
 use wellposed_dynamics::boundary::{Boundary, Condition, Load};

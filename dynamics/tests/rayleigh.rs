@@ -1,7 +1,7 @@
 //! Rayleigh waves along a free side against the exact ones, beside plane S waves of the same length and path.
 
-use models::cosserat::parameters::Isotropic;
-use models::cosserat::waves::Field;
+use models::solid::parameters::Isotropic;
+use models::solid::waves::Field;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use wellposed_dynamics::boundary::Boundary;

@@ -1,7 +1,7 @@
 //! The driver: what it delivers, that interruptions change no bit of it, and how faults end it.
 
-use models::cosserat::parameters::Isotropic;
-use models::cosserat::waves::Field;
+use models::solid::parameters::Isotropic;
+use models::solid::waves::Field;
 use std::f64::consts::{FRAC_PI_6, TAU};
 use std::fmt::Debug;
 use std::sync::Arc;

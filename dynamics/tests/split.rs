@@ -2,12 +2,10 @@
 
 mod support;
 
-use models::cosserat::parameters::{
-    CoupleModuli, Isotropic, Microrotation, PlaneCompliances, Theory,
-};
-use models::cosserat::waves::Field;
-use models::plasticity::parameters::Mises;
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances, Theory};
+use models::solid::waves::Field;
 use models::yield_set::YieldSet;
+use models::yield_set::parameters::Mises;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use support::noise;

@@ -1,9 +1,9 @@
 //! Whole problems against exact solutions: line sources in an infinite plane, a pulse of spin in a Cosserat
 //! solid, a wave that meets another medium, sides and bodies that are moved.
 
-use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
-use models::cosserat::waves::Field;
-use models::rates::RateEquations;
+use models::common::rates::RateEquations;
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
+use models::solid::waves::Field;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::PI;

@@ -1,7 +1,17 @@
 //! Physical models of granular media.
 //!
-//! The ground floor of `wellposed`: no discretisation, no files, no threads. A model is one folder
-//! of independent statements of the same physics:
+//! The ground floor of `wellposed`: no discretisation, no files, no threads.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`common`] | numbers with rounding bounds, linearised systems, symmetric rate equations, constants with units |
+//! | [`flow`] | granular flows: what they share, and one folder per model |
+//! | [`solid`] | elastic laws, their symbol, and their waves in closed form |
+//! | [`yield_set`] | yield sets: conditions, return mapping, tangent of the flow rule |
+//! | [`elastoplastic`] | a solid with an elastic law and a yield set |
+//! | [`registry`] | all of them by name: to add one is one call |
+//!
+//! The folder of a flow holds independent statements of the same physics, compared by tests:
 //!
 //! - `parameters`: constants with units, their checks, and growth rates in closed form;
 //! - `symbol`: the linearised equations with frozen coefficients, written from the equations;
@@ -12,28 +22,14 @@
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-pub mod closed_form;
-pub mod cosserat;
-pub mod double_shearing;
-mod dyn_eq;
+pub mod common;
 pub mod elastoplastic;
-pub mod elementary;
-pub mod fourier;
-pub mod free_rotating;
-pub mod granular_flow;
-pub mod harris_grekova;
-mod input;
-pub mod parameter;
-pub mod plastic_potential;
-pub mod plasticity;
-pub mod product;
-pub mod rates;
+pub mod flow;
 pub mod registry;
-pub mod rounding;
 pub mod solid;
-pub mod system;
 pub mod yield_set;
 
-pub use closed_form::ClosedForm;
-pub use rounding::Rounded;
-pub use system::LinearisedSystem;
+pub use common::input::InputError;
+pub use common::rounding::Rounded;
+pub use common::system::LinearisedSystem;
+pub use flow::closed_form::ClosedForm;

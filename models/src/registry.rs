@@ -3,24 +3,24 @@
 //! The first of each list are those of this crate. A program adds its own by [`register_flow`], [`register_solid`] or
 //! [`register_yield_set`]; from then on they can be named in case files and are treated like the others.
 
-use crate::granular_flow::{FlowModel, Kind};
-use crate::parameter::Parameter;
+use crate::common::parameter::Parameter;
+use crate::flow::{FlowKind, FlowModel};
+use crate::flow::{double_shearing, free_rotating, harris_grekova, plastic_potential};
 use crate::solid::{SolidKind, SolidModel, cubic_plane, isotropic};
 use crate::yield_set::{YieldSetKind, YieldSetModel, interlayer, mises};
-use crate::{double_shearing, free_rotating, harris_grekova, plastic_potential};
 use std::sync::{PoisonError, RwLock};
 
 /// Harris & Grekova (2005).
-pub const HARRIS_GREKOVA: Kind = Kind::new(&harris_grekova::MODEL);
+pub const HARRIS_GREKOVA: FlowKind = FlowKind::new(&harris_grekova::MODEL);
 /// Spencer (1964); Mehrabadi & Cowin (1978) for ν > 0.
-pub const DOUBLE_SHEARING: Kind = Kind::new(&double_shearing::MODEL);
+pub const DOUBLE_SHEARING: FlowKind = FlowKind::new(&double_shearing::MODEL);
 /// Coaxial plastic potential with its own dilatancy angle.
-pub const PLASTIC_POTENTIAL: Kind = Kind::new(&plastic_potential::MODEL);
+pub const PLASTIC_POTENTIAL: FlowKind = FlowKind::new(&plastic_potential::MODEL);
 /// Double-sliding free-rotating (de Josselin de Jong 1977).
-pub const FREE_ROTATING: Kind = Kind::new(&free_rotating::MODEL);
+pub const FREE_ROTATING: FlowKind = FlowKind::new(&free_rotating::MODEL);
 
 /// The granular flows of this crate, in the order in which they are listed.
-pub const STANDARD_FLOWS: [Kind; 4] =
+pub const STANDARD_FLOWS: [FlowKind; 4] =
     [HARRIS_GREKOVA, DOUBLE_SHEARING, PLASTIC_POTENTIAL, FREE_ROTATING];
 
 /// Classical elasticity: λ, μ.
@@ -49,7 +49,7 @@ pub const COSSERAT_MISES: YieldSetKind = YieldSetKind::new(&mises::COSSERAT_MISE
 pub const STANDARD_YIELD_SETS: [YieldSetKind; 4] =
     [INTERLAYER, VON_MISES, DRUCKER_PRAGER, COSSERAT_MISES];
 
-static FLOWS: List<Kind> = List { standard: &STANDARD_FLOWS, added: RwLock::new(Vec::new()) };
+static FLOWS: List<FlowKind> = List { standard: &STANDARD_FLOWS, added: RwLock::new(Vec::new()) };
 static SOLIDS: List<SolidKind> =
     List { standard: &STANDARD_SOLIDS, added: RwLock::new(Vec::new()) };
 static YIELD_SETS: List<YieldSetKind> =
@@ -74,7 +74,7 @@ pub enum RegistryError {
 }
 
 /// All granular flows, those of this crate first.
-pub fn flows() -> Vec<Kind> {
+pub fn flows() -> Vec<FlowKind> {
     FLOWS.all()
 }
 
@@ -89,7 +89,7 @@ pub fn yield_sets() -> Vec<YieldSetKind> {
 }
 
 /// The granular flow of that name.
-pub fn flow(name: &str) -> Option<Kind> {
+pub fn flow(name: &str) -> Option<FlowKind> {
     FLOWS.find(name)
 }
 
@@ -108,7 +108,7 @@ pub fn yield_set(name: &str) -> Option<YieldSetKind> {
 /// # Errors
 /// Its name is taken, or a parameter has another unit in another model.
 pub fn register_flow(model: &'static FlowModel) -> Result<(), RegistryError> {
-    let flow = Kind::new(model);
+    let flow = FlowKind::new(model);
     solids().into_iter().try_for_each(|other| check(flow, other))?;
     FLOWS.add(flow)
 }
@@ -137,13 +137,13 @@ trait Entry: Copy + 'static {
     fn parameters(self) -> Vec<&'static Parameter>;
 }
 
-impl Entry for Kind {
+impl Entry for FlowKind {
     fn name(self) -> &'static str {
-        Kind::name(self)
+        FlowKind::name(self)
     }
 
     fn parameters(self) -> Vec<&'static Parameter> {
-        Kind::parameters(self).iter().collect()
+        FlowKind::parameters(self).iter().collect()
     }
 }
 

@@ -6,8 +6,9 @@ mod support;
 use support::states::{self, Dilatancy, VARIANTS};
 use support::{Random, Real, wide};
 use testkit::flows::Parameters;
-use wellposed_models::granular_flow::state::{Background, Coulomb, Region, State, Stress};
-use wellposed_models::granular_flow::{InputError, Kind, Model};
+use wellposed_models::InputError;
+use wellposed_models::flow::state::{Background, Coulomb, Region, State, Stress};
+use wellposed_models::flow::{FlowKind, Model};
 use wellposed_models::registry;
 
 const STATES: usize = 250;
@@ -180,7 +181,7 @@ fn spin_instead_of_noncoaxiality() {
                 assert_eq!(region(&model, &printed), Region::FullyDeforming);
                 let wrong = delta + 1e-3 * (1.0 + random.within(0.0, 1.0));
                 let error = refusal(&model, &State { noncoaxiality: Some(wrong), ..only });
-                assert_eq!(error.key, "spin");
+                assert_eq!(error.input, "spin");
                 let expected = (2.0 * delta).sin() - (2.0 * wrong).sin();
                 assert!((residual(&error).abs() / expected.abs() - 1.0).abs() < 1e-6);
 
@@ -190,7 +191,7 @@ fn spin_instead_of_noncoaxiality() {
                     noncoaxiality: None,
                     ..state
                 };
-                assert_eq!(refusal(&model, &too_much).key, "spin");
+                assert_eq!(refusal(&model, &too_much).input, "spin");
             }
         }
     }
@@ -243,7 +244,7 @@ fn contradictions_are_refused_with_their_residual() {
                 let wrong = [0, 1]
                     .map(|i: usize| [0, 1].map(|j: usize| gradient[i][j] + step * change[i][j]));
                 let error = refusal(&model, &State { velocity_gradient: Some(wrong), ..all });
-                assert_eq!(error.key, "velocity_gradient");
+                assert_eq!(error.input, "velocity_gradient");
                 assert!(error.allowed.contains(part), "{}", error.allowed);
                 assert!((residual(&error) / (factor * step) - 1.0).abs() < 1e-6);
             }
@@ -252,7 +253,7 @@ fn contradictions_are_refused_with_their_residual() {
                 let mut wrong = acceleration;
                 wrong[i] += 1e-6 * size;
                 let error = refusal(&model, &State { acceleration: Some(wrong), ..all });
-                assert_eq!(error.key, "acceleration");
+                assert_eq!(error.input, "acceleration");
                 assert!(error.allowed.contains(["first", "second"][i]), "{}", error.allowed);
                 assert!((residual(&error) / (1e-6 * size) - 1.0).abs() < 1e-6);
             }
@@ -262,19 +263,19 @@ fn contradictions_are_refused_with_their_residual() {
                     + 2.0 * (flow.stress.rotational / state.density).abs();
                 let wrong = moment + 1e-6 * size;
                 let error = refusal(&model, &State { body_moment: Some(wrong), ..all });
-                assert_eq!(error.key, "body_moment");
+                assert_eq!(error.input, "body_moment");
                 assert!((residual(&error) / (1e-6 * size) - 1.0).abs() < 1e-6);
             }
             if let Some(rate) = flow.stress_angle_rate {
                 let size = rate.abs() + 2.0 * state.half_vorticity.abs();
                 let wrong = rate + 1e-6 * size;
                 let error = refusal(&model, &State { stress_angle_rate: Some(wrong), ..all });
-                assert_eq!(error.key, "stress_angle_rate");
+                assert_eq!(error.input, "stress_angle_rate");
                 let expected = (1e-6 * size).to_degrees();
                 assert!((residual(&error) / expected - 1.0).abs() < 1e-3);
             } else {
                 let given = State { stress_angle_rate: Some(0.1), ..all };
-                assert_eq!(refusal(&model, &given).key, "stress_angle_rate");
+                assert_eq!(refusal(&model, &given).input, "stress_angle_rate");
             }
         }
     }
@@ -292,14 +293,15 @@ fn constants_out_of_range_are_refused_by_key() {
         rotational_strength: Some(30.0),
     };
     let nan_inf = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
-    let refused = |kind: Kind, key: &str, change: &dyn Fn(&mut Parameters, f64), bad: &[f64]| {
-        for &value in bad.iter().chain(&nan_inf) {
-            let mut parameters = good;
-            change(&mut parameters, value);
-            let error = parameters.model(kind).expect_err("out of range");
-            assert_eq!(error.key, key, "{kind:?} {value}");
-        }
-    };
+    let refused =
+        |kind: FlowKind, key: &str, change: &dyn Fn(&mut Parameters, f64), bad: &[f64]| {
+            for &value in bad.iter().chain(&nan_inf) {
+                let mut parameters = good;
+                change(&mut parameters, value);
+                let error = parameters.model(kind).expect_err("out of range");
+                assert_eq!(error.input, key, "{kind:?} {value}");
+            }
+        };
     for kind in registry::STANDARD_FLOWS {
         assert!(good.model(kind).is_ok());
         refused(kind, "friction_angle", &|p, x| p.friction_angle = x, &[0.0, -0.1, right, 2.0]);
@@ -323,7 +325,7 @@ fn constants_out_of_range_are_refused_by_key() {
         ("moment_of_inertia", Parameters { moment_of_inertia: None, ..good }),
         ("rotational_strength", Parameters { rotational_strength: None, ..good }),
     ] {
-        assert_eq!(missing.model(kind).expect_err("missing").key, key);
+        assert_eq!(missing.model(kind).expect_err("missing").input, key);
     }
 }
 
@@ -341,7 +343,7 @@ fn states_out_of_range_are_refused_by_key() {
             for &value in bad.iter().chain(&nan_inf) {
                 let mut wrong = state;
                 change(&mut wrong, value);
-                assert_eq!(refusal(&model, &wrong).key, key, "{kind:?} {value}");
+                assert_eq!(refusal(&model, &wrong).input, key, "{kind:?} {value}");
             }
         };
         refused("density", &|s, x| s.density = x, &[0.0, -1.0]);
@@ -354,13 +356,13 @@ fn states_out_of_range_are_refused_by_key() {
 
         if kind == registry::PLASTIC_POTENTIAL {
             let turned = State { noncoaxiality: Some(0.1), ..state };
-            assert_eq!(refusal(&model, &turned).key, "noncoaxiality");
+            assert_eq!(refusal(&model, &turned).input, "noncoaxiality");
             let coaxial = State { noncoaxiality: Some(0.0), ..state };
             assert_eq!(region(&model, &coaxial), Region::FullyDeforming);
         }
         if dilatancy == Dilatancy::Zero {
             let varying = State { density_gradient: [0.0, 1.0], ..state };
-            assert_eq!(refusal(&model, &varying).key, "density_gradient");
+            assert_eq!(refusal(&model, &varying).input, "density_gradient");
         }
     }
 }

@@ -10,7 +10,7 @@ mod support;
 use support::states::{self, Dilatancy, VARIANTS};
 use support::{Complex, Random, Real, Wide, complex, number_determinant, permanent, wide};
 use wellposed_models::LinearisedSystem;
-use wellposed_models::granular_flow::state::Flow;
+use wellposed_models::flow::state::Flow;
 use wellposed_models::registry;
 
 const STATES: usize = 300;

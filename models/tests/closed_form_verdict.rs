@@ -7,8 +7,8 @@ use std::f64::consts::{PI, TAU};
 use support::states::{self, Dilatancy};
 use support::{Polynomial, Random, Real, wide};
 use testkit::flows::Parameters;
-use wellposed_models::granular_flow::state::{Flow, State};
-use wellposed_models::granular_flow::{Kind, Model};
+use wellposed_models::flow::state::{Flow, State};
+use wellposed_models::flow::{FlowKind, Model};
 use wellposed_models::registry;
 use wellposed_models::{ClosedForm, LinearisedSystem};
 
@@ -20,14 +20,14 @@ const DIRECTIONS: usize = 240;
 const SHORT: f64 = 1e12;
 
 /// A state with all gradients and accelerations but without velocity, which only adds −ik·V.
-fn sample(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> (Parameters, State) {
+fn sample(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> (Parameters, State) {
     let parameters = states::random_parameters(random, kind, dilatancy);
     let state = states::random_state(random, kind, dilatancy);
     (parameters, State { velocity: [0.0; 2], ..state })
 }
 
 /// The same without gradients, accelerations and rotational stress.
-fn uniform(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> (Parameters, State) {
+fn uniform(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> (Parameters, State) {
     let (mut parameters, full) = sample(random, kind, dilatancy);
     parameters.rotational_strength = parameters.rotational_strength.map(|_| 0.0);
     let state = State {
@@ -44,7 +44,7 @@ fn uniform(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> (Parameters
 
 /// The linearised equations of a state, and what the model says of it in closed form.
 fn judged(
-    kind: Kind,
+    kind: FlowKind,
     parameters: &Parameters,
     state: &State,
 ) -> (LinearisedSystem<2>, Flow, Option<ClosedForm>) {

@@ -9,16 +9,16 @@ mod support;
 use support::states::{self, Dilatancy};
 use support::{Complex, Polynomial, Random, Real, Wide, complex, evaluate, quadratic_roots, wide};
 use testkit::flows::Parameters;
-use wellposed_models::double_shearing::parameters::DoubleShearing;
-use wellposed_models::granular_flow::state::{Flow, State};
-use wellposed_models::granular_flow::{Kind, Model};
-use wellposed_models::harris_grekova::parameters::HarrisGrekova;
-use wellposed_models::plastic_potential::parameters::PlasticPotential;
+use wellposed_models::flow::double_shearing::parameters::DoubleShearing;
+use wellposed_models::flow::harris_grekova::parameters::HarrisGrekova;
+use wellposed_models::flow::plastic_potential::parameters::PlasticPotential;
+use wellposed_models::flow::state::{Flow, State};
+use wellposed_models::flow::{FlowKind, Model};
 use wellposed_models::registry;
 
 const STATES: usize = 300;
 
-fn uniform(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> (Parameters, State) {
+fn uniform(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> (Parameters, State) {
     let parameters = states::random_parameters(random, kind, dilatancy);
     let full = states::random_state(random, kind, dilatancy);
     let state = State {

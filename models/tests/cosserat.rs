@@ -7,13 +7,13 @@ mod support;
 use nalgebra::{Complex, DMatrix, DVector, Matrix3, SymmetricEigen};
 use support::Random;
 use wellposed_models::LinearisedSystem;
-use wellposed_models::cosserat::parameters::{
+use wellposed_models::common::rates::{RateEquations, SymmetricForm};
+use wellposed_models::solid::parameters::{
     CoupleModuli, Isotropic, Microrotation, PlaneCompliances,
 };
-use wellposed_models::cosserat::stress::Component::{self, Couple, Force, Symmetric};
-use wellposed_models::cosserat::stress::Stress;
-use wellposed_models::cosserat::symbol::{Velocity, plane, space};
-use wellposed_models::rates::{RateEquations, SymmetricForm};
+use wellposed_models::solid::stress::Component::{self, Couple, Force, Symmetric};
+use wellposed_models::solid::stress::Stress;
+use wellposed_models::solid::symbol::{Velocity, plane, space};
 
 fn decades(random: &mut Random, from: f64, to: f64) -> f64 {
     10f64.powf(random.within(from, to))
@@ -175,7 +175,7 @@ fn plane_equations_are_the_published_ones() {
         // −A⁻¹B and −A⁻¹Q.
         let mut linear = LinearisedSystem::default();
         rates.linearise(&mut linear);
-        let value = |m: &wellposed_models::system::Matrix| m.map(|entry| entry.value);
+        let value = |m: &wellposed_models::common::system::Matrix| m.map(|entry| entry.value);
         let mut a = DMatrix::identity(9, 9);
         (a[(0, 0)], a[(1, 1)]) = (compliances.density, compliances.density);
         a[(2, 2)] = compliances.inertia;
@@ -633,7 +633,7 @@ fn broken_inequalities_are_refused() {
             let error =
                 Isotropic::new(broken.lambda, broken.mu, broken.density, broken.microrotation)
                     .unwrap_err();
-            assert_eq!(error.key, key);
+            assert_eq!(error.input, key);
             let text = error.to_string();
             assert!(text.contains(inequality), "{text}");
             let number =
@@ -667,14 +667,14 @@ fn broken_inequalities_are_refused() {
         let mut broken = plane;
         set(&mut broken);
         let error = broken.check().unwrap_err();
-        assert_eq!(error.key, key);
+        assert_eq!(error.input, key);
         assert!(error.allowed.contains(inequality), "{error}");
         assert!(error.found.contains(number), "{error}");
     }
     // Not isotropic, though 3λ + 2μ > 0 alone would allow it: each inequality stands for itself.
     let dense_foam = CoupleModuli { beta: -1.0, gamma: 1.5, eta: 1.0 };
     let foam = Microrotation { couple: Some(dense_foam), ..microrotation };
-    assert_eq!(Isotropic::new(1.0, 1.0, 1.0, Some(foam)).unwrap_err().key, "beta");
+    assert_eq!(Isotropic::new(1.0, 1.0, 1.0, Some(foam)).unwrap_err().input, "beta");
 }
 
 #[test]

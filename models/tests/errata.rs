@@ -17,8 +17,8 @@ use support::{
     quadratic_roots, wide,
 };
 use testkit::flows::Parameters;
-use wellposed_models::granular_flow::state::{Coulomb, Flow, State};
-use wellposed_models::harris_grekova::parameters::HarrisGrekova;
+use wellposed_models::flow::harris_grekova::parameters::HarrisGrekova;
+use wellposed_models::flow::state::{Coulomb, Flow, State};
 use wellposed_models::registry;
 
 const STATES: usize = 250;

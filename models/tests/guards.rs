@@ -5,7 +5,7 @@ mod support;
 use support::states::{self, Dilatancy};
 use support::{RIGHT_ANGLE, Random, Real, wide};
 use wellposed_models::Rounded;
-use wellposed_models::granular_flow::state::State;
+use wellposed_models::flow::state::State;
 use wellposed_models::registry;
 
 /// Δ from a given spin goes through an arc sine, whose error is 1/cos 2Δ times that of its argument.
@@ -117,7 +117,7 @@ fn spin_of_a_model_without_one_is_refused() {
         let model = states::model(kind, &parameters);
         let state = states::random_state(&mut random, kind, Dilatancy::Zero);
         let state = State { spin: Some(0.1), noncoaxiality: None, ..state };
-        assert_eq!(model.background(&state).expect_err("no such unknown").key, "spin");
+        assert_eq!(model.background(&state).expect_err("no such unknown").input, "spin");
     }
 }
 

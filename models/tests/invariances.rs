@@ -7,7 +7,7 @@ use std::f64::consts::FRAC_PI_2;
 use support::Random;
 use support::states::{self, VARIANTS};
 use testkit::flows::Parameters;
-use wellposed_models::granular_flow::state::State;
+use wellposed_models::flow::state::State;
 use wellposed_models::{LinearisedSystem, Rounded};
 
 const STATES: usize = 250;

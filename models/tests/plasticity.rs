@@ -6,16 +6,16 @@ mod support;
 use nalgebra::{DMatrix, DVector};
 use support::{Random, Wide, wide};
 use wellposed_models::Rounded;
-use wellposed_models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
-use wellposed_models::cosserat::stress::{Component, Stress};
-use wellposed_models::cosserat::symbol::{plane, space};
-use wellposed_models::plasticity::parameters::{
+use wellposed_models::common::rounding::UNIT_ROUNDOFF;
+use wellposed_models::common::system::Matrix;
+use wellposed_models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
+use wellposed_models::solid::stress::{Component, Stress};
+use wellposed_models::solid::symbol::{plane, space};
+use wellposed_models::yield_set::YieldSet;
+use wellposed_models::yield_set::parameters::{
     ActiveCondition, Interlayer, InterlayerCouple, Mises,
 };
-use wellposed_models::plasticity::symbol::tangent;
-use wellposed_models::rounding::UNIT_ROUNDOFF;
-use wellposed_models::system::Matrix;
-use wellposed_models::yield_set::YieldSet;
+use wellposed_models::yield_set::tangent::tangent;
 
 fn solid(random: &mut Random, theory: Theory) -> Isotropic {
     let mu = random.within(0.5, 2.0);
@@ -207,7 +207,7 @@ fn constants_are_checked() {
         ("antisymmetric_length", Mises { antisymmetric_length: Some(-1.0), ..sound }),
     ];
     for (key, set) in broken {
-        assert_eq!(set.check().unwrap_err().key, key);
+        assert_eq!(set.check().unwrap_err().input, key);
     }
     let sound = interlayer(&mut Random::new(3));
     let with = |change: fn(&mut InterlayerCouple)| {
@@ -224,7 +224,7 @@ fn constants_are_checked() {
         ("couple_dilatancy", with(|c| c.dilatancy = f64::NAN)),
     ];
     for (key, set) in broken {
-        assert_eq!(set.check().unwrap_err().key, key);
+        assert_eq!(set.check().unwrap_err().input, key);
     }
 }
 

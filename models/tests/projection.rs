@@ -13,12 +13,12 @@ use clarabel::solver::{
     SolverStatus, SupportedConeT,
 };
 use support::{Random, Wide, wide};
-use wellposed_models::cosserat::parameters::{
+use wellposed_models::solid::parameters::{
     CoupleModuli, Isotropic, Microrotation, PlaneCompliances,
 };
-use wellposed_models::cosserat::stress::Stress;
-use wellposed_models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises};
-use wellposed_models::plasticity::projection::PlaneMetric;
+use wellposed_models::solid::stress::Stress;
+use wellposed_models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
+use wellposed_models::yield_set::projection::PlaneMetric;
 
 /// The accuracy asked of every condition of optimality, relative to the terms that it compares.
 const OPTIMALITY: f64 = 1e-12;

@@ -4,7 +4,7 @@ mod support;
 
 use support::{Random, Real, Wide, wide};
 use wellposed_models::Rounded;
-use wellposed_models::rounding::UNIT_ROUNDOFF;
+use wellposed_models::common::rounding::UNIT_ROUNDOFF;
 
 /// A rounded number, the number that it stands for, and the largest magnitude on the way to it,
 /// against which 31 digits count.

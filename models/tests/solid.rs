@@ -1,13 +1,13 @@
 //! Solids: one elastic law by moduli and by compliances, and stresses scaled onto yield.
 
-use wellposed_models::cosserat::parameters::{
+use wellposed_models::elastoplastic::{Plastic, Solid, scale_onto_yield};
+use wellposed_models::solid::parameters::{
     CoupleModuli, Isotropic, Microrotation, PlaneCompliances,
 };
-use wellposed_models::cosserat::stress::Stress;
-use wellposed_models::elastoplastic::{Plastic, Solid, scale_onto_yield};
-use wellposed_models::plasticity::parameters::{Interlayer, InterlayerCouple, Mises};
+use wellposed_models::solid::stress::Stress;
 use wellposed_models::solid::{ElasticLaw, Elasticity};
 use wellposed_models::yield_set::YieldSet;
+use wellposed_models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
 
 fn cosserat() -> Isotropic {
     let couple = CoupleModuli { beta: 1e3, gamma: 2e3, eta: 3e3 };

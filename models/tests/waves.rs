@@ -5,11 +5,11 @@ mod support;
 use nalgebra::DMatrix;
 use support::Random;
 use wellposed_models::LinearisedSystem;
-use wellposed_models::cosserat::parameters::{
+use wellposed_models::common::rates::RateEquations;
+use wellposed_models::solid::parameters::{
     CoupleModuli, Isotropic, Microrotation, PlaneCompliances, Theory,
 };
-use wellposed_models::cosserat::waves::{Field, Pair, Rotation, fields};
-use wellposed_models::rates::RateEquations;
+use wellposed_models::solid::waves::{Field, Pair, Rotation, fields};
 
 const THEORIES: [Theory; 3] = [Theory::Classical, Theory::Reduced, Theory::Cosserat];
 
@@ -38,7 +38,7 @@ struct Matrices<const D: usize> {
 fn matrices<const D: usize>(equations: &RateEquations<D>) -> Matrices<D> {
     let mut system = LinearisedSystem::default();
     equations.linearise(&mut system);
-    let solved = |matrix: &wellposed_models::system::Matrix| {
+    let solved = |matrix: &wellposed_models::common::system::Matrix| {
         DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| {
             -matrix[(i, j)].value / system.a[(i, i)].value
         })
@@ -199,7 +199,7 @@ fn stored_energy_is_that_of_hookes_law() {
         let list: Vec<_> = solid.layout::<3>().all_stresses().collect();
         let stiffness = solid.stiffness(list.iter().copied()).map(|entry| entry.value);
         let values = nalgebra::DVector::from_fn(list.len(), |_, _| random.within(-1.0, 1.0));
-        let mut stress = wellposed_models::cosserat::stress::Stress::default();
+        let mut stress = wellposed_models::solid::stress::Stress::default();
         for (component, value) in list.iter().zip(values.iter()) {
             component.set(&mut stress, *value);
         }

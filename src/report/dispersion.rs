@@ -6,7 +6,7 @@ use crate::Error;
 use crate::case::Case;
 use crate::study::dispersion::{BranchFamily, Dispersion};
 use figures::{Band, Branch, DispersionFigure, Level};
-use models::cosserat::parameters::Isotropic;
+use models::solid::parameters::Isotropic;
 use std::fmt::Write as _;
 
 impl Report for Dispersion {

@@ -3,7 +3,7 @@
 use crate::case::Case;
 use analysis::StateError;
 use analysis::flows::{FrozenState, Workspace};
-use models::granular_flow::Model;
+use models::flow::Model;
 
 /// The model of a case, and the assessment of the case's state from its linearised equations.
 ///

@@ -9,7 +9,7 @@ pub(crate) mod solid_run;
 use crate::Error;
 use crate::case::{Case, Kind};
 use analysis::StateError;
-use models::granular_flow::InputError;
+use models::InputError;
 
 /// The error of a case's state with its place in the case file.
 pub fn locate(case: &Case, error: StateError) -> Error {
@@ -29,5 +29,5 @@ fn into_input(case: &Case, error: StateError) -> InputError {
         StateError::NoResponse(error) => ("yield", error.to_string()),
         StateError::Sphere(error) => ("model", error.to_string()),
     };
-    InputError { key, found: "a state that cannot be analysed".into(), allowed }
+    InputError { input: key, found: "a state that cannot be analysed".into(), allowed }
 }

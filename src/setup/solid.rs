@@ -2,10 +2,10 @@
 
 use crate::case::{Case, Kind, Wave, names, radians};
 use dynamics::medium::Medium;
-use models::cosserat::stress::Stress;
+use models::InputError;
+use models::common::elementary::Elementary;
 use models::elastoplastic::{Plastic, Solid};
-use models::elementary::Elementary;
-use models::granular_flow::InputError;
+use models::solid::stress::Stress;
 use models::solid::{ElasticLaw, SolidKind};
 use models::yield_set::{YieldSet, YieldSetKind};
 
@@ -62,7 +62,7 @@ fn solid_kind(case: &Case) -> Result<SolidKind, InputError> {
     match case.kind {
         Kind::Solid(solid) => Ok(solid),
         Kind::Flow(_) => Err(InputError {
-            key: "kind",
+            input: "kind",
             found: format!("{}, a flow", case.kind.name()),
             allowed: format!(
                 "this needs a solid ({}); for flows see wellposed point and map",

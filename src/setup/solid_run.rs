@@ -19,7 +19,7 @@ use dynamics::medium::Medium;
 use dynamics::problem::{Detail, DomainError, Grid, Placement, Problem, Scheme, Splitting};
 use dynamics::simulation::TimeSteps;
 pub(crate) use geometry::{cell_at, centre, probe};
-use models::cosserat::waves::Field;
+use models::solid::waves::Field;
 
 /// What a case comes to: a problem and the state at its beginning.
 pub(crate) struct Setup<const D: usize> {

@@ -3,8 +3,8 @@
 use crate::case::{Case, Wave};
 use crate::{Error, setup};
 use analysis::solids::{BranchGroup, BranchPoint, branches};
+use models::InputError;
 use models::elastoplastic::Solid;
-use models::granular_flow::InputError;
 use serde::Serialize;
 
 /// The waves of a solid along one direction.
@@ -98,7 +98,7 @@ pub fn dispersion(case: &Case) -> Result<Dispersion, Error> {
     let solid = setup::solid::solid(case).map_err(|error| case.locate(error))?;
     if solid.plastic.as_ref().is_some_and(|plastic| plastic.rate > 0.0) {
         let error = InputError {
-            key: "plastic_rate",
+            input: "plastic_rate",
             found: format!("{:?}", case.numbers.plastic_rate),
             allowed: "0: branches are followed of waves that nothing damps; wellposed point has \
                       the roots of damped ones"
@@ -117,7 +117,7 @@ pub fn dispersion(case: &Case) -> Result<Dispersion, Error> {
     let ends = [wave.number, greatest_number];
     if !ends.iter().all(|&k| groups.iter().all(|group| group.at(k).iter().all(is_finite))) {
         let error = InputError {
-            key: "model",
+            input: "model",
             found: "numbers whose waves cannot be followed".into(),
             allowed: "moduli, inertias and wave numbers whose frequencies are finite".into(),
         };

@@ -7,9 +7,9 @@ use crate::{Error, setup};
 use analysis::solids::{
     AcousticTensorCache, DirectionalSpeeds, SolidAssessment, SolidAssessor, slowest_speed,
 };
+use models::common::elementary::Elementary;
+use models::common::rates::RateEquations;
 use models::elastoplastic::Solid;
-use models::elementary::Elementary;
-use models::rates::RateEquations;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -1,7 +1,7 @@
 //! Numbers, orders and verdicts as words that stand in values: reports take them as they are.
 
 use analysis::growth::Verdict;
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 
 /// A number for a reader: four significant digits.
 pub fn short(x: f64) -> String {

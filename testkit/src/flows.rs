@@ -1,6 +1,7 @@
 //! Constants of the granular-flow models by name.
 
-use models::granular_flow::{InputError, Kind, Model};
+use models::InputError;
+use models::flow::{FlowKind, Model};
 
 /// The constants that the models of `models` have among them; a model takes those that it has.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +26,7 @@ impl Parameters {
     ///
     /// # Panics
     /// The model has a constant that is not listed here.
-    pub fn model(&self, kind: Kind) -> Result<Model, InputError> {
+    pub fn model(&self, kind: FlowKind) -> Result<Model, InputError> {
         Model::new(kind, &self.constants(kind))
     }
 
@@ -33,7 +34,7 @@ impl Parameters {
     ///
     /// # Panics
     /// The model has a constant that is not listed here.
-    pub fn constants(&self, kind: Kind) -> Vec<f64> {
+    pub fn constants(&self, kind: FlowKind) -> Vec<f64> {
         let value = |name| match name {
             "friction_angle" => self.friction_angle,
             "dilatancy_angle" => self.dilatancy_angle,

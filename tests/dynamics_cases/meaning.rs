@@ -1,8 +1,8 @@
 //! What templates, shapes, functions of time and names stand for.
 
 use super::{PLANE, SPACE, dynamics, parse, with};
-use models::cosserat::parameters::Theory;
 use models::registry;
+use models::solid::parameters::Theory;
 use wellposed::case::dynamics::{Component, Shape, TimeFunction};
 use wellposed::case::{Kind, Medium};
 use wellposed::new::{self, Purpose};

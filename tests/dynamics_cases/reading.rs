@@ -1,8 +1,8 @@
 //! What is read, from all ways in which it may be written.
 
 use super::{PLANE, SPACE, dynamics, parse, parse_with, with};
-use models::cosserat::parameters::Isotropic;
 use models::registry;
+use models::solid::parameters::Isotropic;
 use wellposed::case::dynamics::{
     Action, Centre, Component, Condition, Initial, Kernel, Picture, Recorded, Side, SourceKind,
     TimeFunction,

@@ -1,7 +1,7 @@
 //! Random fully deforming states of every model, for the tests and the benchmark of the two routes.
 
-use models::granular_flow::state::{Background, Flow, State};
-use models::granular_flow::{Kind, Model};
+use models::flow::state::{Background, Flow, State};
+use models::flow::{FlowKind, Model};
 use models::registry;
 use std::f64::consts::{FRAC_PI_2, PI};
 use testkit::flows::Parameters;
@@ -28,7 +28,7 @@ pub enum Range {
 /// Constants and state of a model, with or without gradients and accelerations.
 pub fn random(
     random: &mut Random,
-    kind: Kind,
+    kind: FlowKind,
     range: Range,
     dilatant: bool,
     gradients: bool,
@@ -98,7 +98,7 @@ pub fn random(
 }
 
 /// The model and its background.
-pub fn flow(kind: Kind, parameters: &Parameters, state: &State) -> (Model, Flow) {
+pub fn flow(kind: FlowKind, parameters: &Parameters, state: &State) -> (Model, Flow) {
     let model = parameters.model(kind).expect("constants within their ranges");
     match model.background(state).expect("an admissible state") {
         Background::FullyDeforming(flow) => (model, flow),

@@ -5,8 +5,8 @@ use super::mean_flow::MeanFlow;
 use crate::{AgreementError, PlaneWave};
 use analysis::kelvin::{Evolution, course, wave_vector, wave_vector_rate};
 use dynamics::flow::spectral::{Mode, greatest_modes};
-use models::elementary::Elementary;
-use models::granular_flow::state::Flow;
+use models::common::elementary::Elementary;
+use models::flow::state::Flow;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 

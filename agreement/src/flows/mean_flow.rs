@@ -6,9 +6,9 @@
 //! - Harris & Grekova with DΩ/Dt ≠ 0: sin 2(ψ − ψ_D) = sin φ (Ω(t) − s₂₁)/Q_D (2005, eq. 42).
 
 use models::LinearisedSystem;
-use models::elementary::Elementary;
-use models::granular_flow::state::{Background, Flow, State};
-use models::granular_flow::{Model, RotationKind};
+use models::common::elementary::Elementary;
+use models::flow::state::{Background, Flow, State};
+use models::flow::{Model, RotationKind};
 use nalgebra::{Matrix2, Vector2};
 
 /// A uniform mean flow at any time.

@@ -8,7 +8,7 @@ use crate::AgreementError;
 use crate::fit::{fit_rate, slope};
 use dynamics::flow::spectral::Mode;
 use dynamics::flow::{Closure, Flow as Solver, Problem};
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 use num_complex::Complex64;
 use rayon::prelude::*;
 

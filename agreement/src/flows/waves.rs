@@ -6,7 +6,7 @@ use crate::fit::{Rate, fit_rate, rate_error};
 use crate::{AgreementError, NotMeasurable, OnProgress, PlaneWave, Progress};
 use dynamics::flow::spectral::Mode;
 use dynamics::flow::{Flow as Solver, Problem};
-use models::elementary::{Elementary, cr_cis};
+use models::common::elementary::{Elementary, cr_cis};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;

@@ -2,9 +2,9 @@
 
 use crate::AgreementError;
 use crate::scheme::Equations;
-use models::cosserat::stress::{Component, Stress};
 use models::elastoplastic::{Plastic, Solid};
-use models::plasticity::parameters::{ActiveCondition, contract};
+use models::solid::stress::{Component, Stress};
+use models::yield_set::parameters::{ActiveCondition, contract};
 use nalgebra::DVector;
 
 /// A stress on the yield surface.

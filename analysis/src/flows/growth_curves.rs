@@ -3,7 +3,7 @@
 use super::Workspace;
 use crate::growth::{Assessment, Verdict};
 use crate::search::golden_section;
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 use std::f64::consts::PI;
 
 /// Samples of the growth rate over directions, two per degree; layers around the degenerate ones are

@@ -6,8 +6,8 @@ use crate::growth::{self, Assessment, Growth, Verdict};
 use crate::newton::Order;
 use crate::pencil::Pencil;
 use crate::{AnalysisError, StateError};
-use models::granular_flow::Model;
-use models::granular_flow::state::{Background, Flow, State};
+use models::flow::Model;
+use models::flow::state::{Background, Flow, State};
 use models::{ClosedForm, LinearisedSystem};
 
 /// How states are assessed from their linearised equations.

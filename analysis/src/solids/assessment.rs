@@ -8,11 +8,11 @@ use crate::growth::{self, Assessment, Growth, Verdict};
 use crate::newton::Order;
 use crate::sphere::{self, Extremes, Flutter, RankOne, Slowest, Sphere, SphereError};
 use crate::waves::squared_speeds;
+use models::common::elementary::Elementary;
+use models::common::rates::RateEquations;
 use models::elastoplastic::Solid;
-use models::elementary::Elementary;
-use models::plasticity::symbol::NoResponse;
-use models::rates::RateEquations;
 use models::solid::ElasticLaw;
+use models::yield_set::tangent::NoResponse;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 

@@ -3,7 +3,7 @@
 use super::waves;
 use crate::waves::{Family, ForbiddenBand, Mode};
 use models::elastoplastic::Solid;
-use models::plasticity::symbol::NoResponse;
+use models::yield_set::tangent::NoResponse;
 use num_complex::Complex64;
 
 /// Wave numbers of a curve.

@@ -13,7 +13,7 @@ pub use branches::{BranchGroup, BranchPoint, branches};
 pub use plane_waves::{growth_rate, roots, waves};
 pub use speeds::{DirectionalSpeeds, ZeroSpeed, slowest_speed};
 
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 
 /// Direction in the plane, in [0, 180), and elevation above it, of a normal; degrees. Opposite normals are
 /// the same.

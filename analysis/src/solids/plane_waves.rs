@@ -2,7 +2,7 @@
 
 use crate::waves::{self, Waves};
 use models::elastoplastic::Solid;
-use models::plasticity::symbol::NoResponse;
+use models::yield_set::tangent::NoResponse;
 use num_complex::Complex64;
 
 /// The waves along the unit vector `normal`, and those of the elastic solid if `stays_elastic`.

@@ -3,11 +3,11 @@
 use crate::circle::Circle;
 use crate::search::sectors;
 use crate::waves::squared_speeds;
-use models::cosserat::stress::Stress;
+use models::common::elementary::Elementary;
+use models::common::rates::RateEquations;
 use models::elastoplastic::Solid;
-use models::elementary::Elementary;
-use models::plasticity::symbol::NoResponse;
-use models::rates::RateEquations;
+use models::solid::stress::Stress;
+use models::yield_set::tangent::NoResponse;
 use num_complex::Complex64;
 
 /// Directions over half a turn, both ends included.

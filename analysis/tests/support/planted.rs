@@ -1,6 +1,6 @@
 //! Systems built by hand, entry by entry.
 
-use models::system::Unknown;
+use models::common::system::Unknown;
 use models::{LinearisedSystem, Rounded};
 
 const NAMES: [&str; 8] = ["1", "2", "3", "4", "5", "6", "7", "8"];

@@ -1,11 +1,11 @@
 //! One slipping layer, with its acoustic tensor in closed form.
 
-use models::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation};
-use models::cosserat::stress::Stress;
-use models::plasticity::parameters::Interlayer;
-use models::plasticity::symbol::tangent;
-use models::rates::RateEquations;
+use models::common::rates::RateEquations;
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
+use models::solid::stress::Stress;
 use models::yield_set::YieldSet;
+use models::yield_set::parameters::Interlayer;
+use models::yield_set::tangent::tangent;
 
 /// A plane solid with μ = ρ = 1 and one layer slipping.
 #[derive(Clone, Copy)]

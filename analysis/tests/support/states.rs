@@ -4,8 +4,8 @@
 use super::exact::WideSystem;
 use super::wide::Wide;
 use models::LinearisedSystem;
-use models::granular_flow::state::{Background, Flow, State};
-use models::granular_flow::{Kind, Model};
+use models::flow::state::{Background, Flow, State};
+use models::flow::{FlowKind, Model};
 use models::registry;
 use testkit::flows::Parameters;
 pub use testkit::random::Random;
@@ -25,7 +25,7 @@ pub enum Dilatancy {
     Associated,
 }
 
-pub const VARIANTS: [(Kind, Dilatancy); 7] = [
+pub const VARIANTS: [(FlowKind, Dilatancy); 7] = [
     (registry::HARRIS_GREKOVA, Dilatancy::Zero),
     (registry::HARRIS_GREKOVA, Dilatancy::Positive),
     (registry::DOUBLE_SHEARING, Dilatancy::Zero),
@@ -46,7 +46,7 @@ pub struct Sample {
 }
 
 impl Sample {
-    pub fn new(kind: Kind, parameters: Parameters, state: State) -> Self {
+    pub fn new(kind: FlowKind, parameters: Parameters, state: State) -> Self {
         let model = parameters.model(kind).expect("constants within their ranges");
         let flow = match model.background(&state).expect("an admissible state") {
             Background::FullyDeforming(flow) => flow,
@@ -57,14 +57,14 @@ impl Sample {
         Self { parameters, state, model, flow, system }
     }
 
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> FlowKind {
         self.model.kind()
     }
 }
 
 /// The widest ranges: densities 1e2…1e4 kg/m³, pressures 1…1e6 Pa, shear rates 1e-3…1e3 1/s,
 /// moments of inertia 1e-9…1e-2 m², all angles.
-pub fn wild(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> Sample {
+pub fn wild(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> Sample {
     let friction_angle = random.within(0.03, 1.5);
     let cosserat = kind == registry::HARRIS_GREKOVA;
     let pressure = random.decades(1.0, 1e6);
@@ -117,7 +117,7 @@ pub fn wild(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> Sample {
 }
 
 /// Constants of comparable size, so that the asymptotic behaviour shows at moderate wave numbers.
-pub fn tame(random: &mut Random, kind: Kind, dilatancy: Dilatancy, gradients: bool) -> Sample {
+pub fn tame(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy, gradients: bool) -> Sample {
     let friction_angle = random.within(0.2, 1.2);
     let cosserat = kind == registry::HARRIS_GREKOVA;
     let parameters = Parameters {

@@ -1,7 +1,7 @@
 //! Names of the components of the state of a solid.
 
-use models::cosserat::parameters::Theory;
-use models::cosserat::waves::{Field, fields};
+use models::solid::parameters::Theory;
+use models::solid::waves::{Field, fields};
 use std::fmt;
 
 /// A component of the state of a solid: `v1`, `w3`, `sigma12`, `m31`. The second index of a stress

@@ -5,7 +5,7 @@ use crate::error::{CaseError, Place, shown};
 use crate::schema::{Condition, Form, Group, Item};
 use crate::section::{Resolved, Section};
 use crate::types::{Range, Type};
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 use std::f64::consts::PI;
 use std::io::Read;
 use std::sync::Arc;

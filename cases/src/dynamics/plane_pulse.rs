@@ -3,7 +3,7 @@
 use super::TimeFunction;
 use crate::CaseError;
 use crate::section::{Resolved, Section};
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 
 named_enum! {
     /// Kind of a plane wave.

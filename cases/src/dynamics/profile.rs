@@ -6,7 +6,7 @@ use crate::schema::{Condition, Form, Group, Item};
 use crate::section::{Resolved, Section};
 use crate::types::{Length, Range, Type};
 use crate::value::count;
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 use std::f64::consts::{PI, TAU};
 
 const AXIS: Item = Item::optional(

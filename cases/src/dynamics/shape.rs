@@ -6,7 +6,7 @@ use crate::error::CaseError;
 use crate::schema::{Condition, Item};
 use crate::section::{Resolved, Section};
 use crate::types::{Length, Range, Type};
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 
 const POINT: Type = Type::Numbers(Length::Axes);
 const LENGTH: Type = Type::Number(Range::Positive);

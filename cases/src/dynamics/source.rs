@@ -5,7 +5,7 @@ use crate::error::CaseError;
 use crate::schema::{Condition, Form, Group, Item};
 use crate::section::{Resolved, Section};
 use crate::types::{Length, Range, Type};
-use models::cosserat::parameters::Theory;
+use models::solid::parameters::Theory;
 
 const PLANE: &[Condition] = &[Condition::Plane];
 const SPACE: &[Condition] = &[Condition::Space];

@@ -6,8 +6,8 @@ use crate::schema::{Form, Group, Item};
 use crate::section::{Resolved, Section};
 use crate::types::{Length, Range, Type};
 use crate::value::number;
-use models::cosserat::parameters::Theory;
-use models::cosserat::waves::Field;
+use models::solid::parameters::Theory;
+use models::solid::waves::Field;
 
 /// The section `[initial_stress]`, whose keys are the stresses of the solid.
 pub(super) const INITIAL_STRESS: Form = Form::section(

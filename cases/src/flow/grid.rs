@@ -5,7 +5,7 @@ use crate::error::CaseError;
 use crate::schema::{Form, Group, Item};
 use crate::section::{Resolved, Section};
 use crate::types::{Length, Order, Range, Type};
-use models::fourier::greatest_modes;
+use models::common::fourier::greatest_modes;
 
 /// The section `[grid]`.
 pub(super) const GRID: Form = Form::section(

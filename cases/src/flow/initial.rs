@@ -7,7 +7,7 @@ use crate::schema::{Condition, Form, Group, Item};
 use crate::section::{Resolved, Section};
 use crate::types::{Length, Range, Type};
 use crate::value::number;
-use models::granular_flow::RotationKind;
+use models::flow::RotationKind;
 use std::path::Path;
 
 const NUMBER: Type = Type::Number(Range::Finite);

@@ -7,7 +7,7 @@ use crate::receivers::{self, Domain, Receiver, receivers};
 use crate::schema::{Form, Group, Item, Scope};
 use crate::section::{Resolved, Section};
 use crate::types::Type;
-use models::granular_flow::RotationKind;
+use models::flow::RotationKind;
 use std::fmt;
 
 /// The picture of the magnitude of the perturbation of the velocity.

@@ -1,10 +1,10 @@
 //! The rows of the table.
 
 use super::{Field, Key, Presence, Sets, Users};
-use models::cosserat::parameters::Theory;
-use models::granular_flow::RotationKind;
-use models::parameter::Parameter as Constant;
+use models::common::parameter::Parameter as Constant;
+use models::flow::RotationKind;
 use models::registry;
+use models::solid::parameters::Theory;
 use std::sync::{PoisonError, RwLock};
 
 use Field::{

@@ -11,8 +11,8 @@ use crate::medium::{Medium, energy_terms};
 use crate::problem::{Detail, Placement, Problem, Scheme};
 use crate::real::{Group, Number, Real};
 use crate::side::{GhostCoefficients, Mirror, Side, Slot};
-use models::cosserat::waves::Field;
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
+use models::solid::waves::Field;
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 

@@ -5,8 +5,8 @@ use super::{Domain, MOST_FIELDS, Tile, Turn};
 use crate::ledger::Energy;
 use crate::medium::component;
 use crate::real::{Group, MOST_LANES, Real, Vector, Work};
-use models::cosserat::stress::Stress;
-use models::cosserat::waves::Field;
+use models::solid::stress::Stress;
+use models::solid::waves::Field;
 use std::ops::Range;
 
 /// Steps from one time when traces are forgotten to the next: few, so that little decays past the least normal number in

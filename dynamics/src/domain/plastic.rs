@@ -1,5 +1,5 @@
 //! The correction of stresses beyond their yield set, many at once: Mises' set in all its forms, and what
-//! it costs. Its terms are those of [`Mises::project`](models::plasticity::parameters::Mises::project),
+//! it costs. Its terms are those of [`Mises::project`](models::yield_set::parameters::Mises::project),
 //! where they are derived; what is rare, the apex and the half-line before it, is left to that. Of the other
 //! sets all conditions are looked at together, and what is beyond one is corrected alone. So is everything
 //! where there is an initial stress, a reflection instead of the projection, or sets of both kinds.
@@ -8,9 +8,9 @@
 
 use crate::medium::{Medium, component};
 use crate::real::{Group, MOST_LANES, Number, Real, Vector, Work};
-use models::cosserat::parameters::Isotropic;
-use models::cosserat::waves::Field;
-use models::plasticity::parameters::{ActiveCondition, Mises};
+use models::solid::parameters::Isotropic;
+use models::solid::waves::Field;
+use models::yield_set::parameters::{ActiveCondition, Mises};
 
 /// Parts of the stress on which Hooke's law acts by a number: deviator, antisymmetric stress, deviator, mean
 /// and antisymmetric part of the couple stress.

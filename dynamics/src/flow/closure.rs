@@ -1,7 +1,7 @@
 //! What determines the stress angle ψ at a point (ν = 0).
 
 use super::Field;
-use models::granular_flow::{Kind, RotationKind};
+use models::flow::{FlowKind, RotationKind};
 
 /// What determines the stress angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,7 +16,7 @@ pub enum Closure {
 
 impl Closure {
     /// That of a model, if it has one.
-    pub fn of(kind: Kind) -> Option<Self> {
+    pub fn of(kind: FlowKind) -> Option<Self> {
         Self::from_rotation(kind.rotation())
     }
 

@@ -13,7 +13,7 @@ use super::closure::{Closure, Deformation, double_shearing, harris_grekova, plas
 use super::pressure::{Equation, Solved, Solver, right_hand_side};
 use super::spectral::{Series, Wave, Waves};
 use super::{Left, Problem};
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 use num_complex::Complex64;
 use rayon::prelude::*;
 

@@ -1,7 +1,7 @@
 //! Perturbations of a flow at the points of its box: waves, wave packets and random Fourier series.
 
 use super::spectral::greatest_modes;
-use models::elementary::{Elementary, cr_cis, cr_from_polar};
+use models::common::elementary::{Elementary, cr_cis, cr_from_polar};
 use num_complex::Complex64;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;

@@ -15,7 +15,7 @@
 //! equation says 0 = 0, and P₀ takes its place, as a bordered system would have it.
 
 use super::spectral::{Series, Wave, Waves};
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 use num_complex::Complex64;
 use rayon::prelude::*;
 

@@ -30,7 +30,7 @@ pub struct Series {
     half: Vec<Complex64>,
 }
 
-pub use models::fourier::greatest_modes;
+pub use models::common::fourier::greatest_modes;
 
 impl Series {
     /// Series on so many points along each axis: even numbers of at least 4.

@@ -3,7 +3,7 @@
 use super::equations::exponential;
 use super::spectral::Mode;
 use super::{Closure, Control, Energy, Field, Flow, Snapshot};
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 use num_complex::Complex64;
 
 impl Flow {

@@ -11,7 +11,7 @@ use crate::probe::Probe;
 use crate::problem::{DomainError, Problem};
 use crate::real::Real;
 use crate::split::{Snapshot, Split};
-use models::cosserat::waves::Field;
+use models::solid::waves::Field;
 use std::cmp::Ordering;
 
 /// Steps between two looks whether all values are finite, at most.

@@ -19,7 +19,7 @@
 //! Their ordinary differential equations are integrated by Runge–Kutta's method of fourth order. The velocity of the
 //! side comes out: what is given is how far both waves go.
 
-use models::cosserat::parameters::Isotropic;
+use models::solid::parameters::Isotropic;
 
 /// Steps of each simple wave.
 const STEPS: usize = 4000;

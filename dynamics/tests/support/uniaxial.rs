@@ -11,7 +11,7 @@
 //! rest across which φ jumps. Piecewise constant states stay so: fronts are moved to their next encounter, and there the
 //! Riemann problem between the outer states is solved.
 
-use models::cosserat::parameters::Isotropic;
+use models::solid::parameters::Isotropic;
 
 /// Fronts with jumps below this part of the elastic limit are dropped: encounters make ever more and ever smaller ones.
 const LEAST_JUMP: f64 = 1e-9;

@@ -4,12 +4,12 @@ mod plastic;
 
 pub use plastic::{Plastic, scale_onto_yield};
 
-use crate::cosserat::stress::Component;
-use crate::plasticity::parameters::ActiveCondition;
-use crate::plasticity::symbol::{NoResponse, tangent};
-use crate::rates::RateEquations;
-use crate::rounding::Rounded;
+use crate::common::rates::RateEquations;
+use crate::common::rounding::Rounded;
 use crate::solid::ElasticLaw;
+use crate::solid::stress::Component;
+use crate::yield_set::parameters::ActiveCondition;
+use crate::yield_set::tangent::{NoResponse, tangent};
 
 /// A solid with checked constants: elastic, or yielding at some stress.
 #[derive(Clone, Debug, PartialEq)]

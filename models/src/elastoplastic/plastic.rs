@@ -1,8 +1,8 @@
 //! The yield set of a solid, and the state of stress at which it yields.
 
-use crate::cosserat::stress::Stress;
-use crate::input::InputError;
-use crate::plasticity::parameters::ActiveCondition;
+use crate::common::input::InputError;
+use crate::solid::stress::Stress;
+use crate::yield_set::parameters::ActiveCondition;
 use crate::yield_set::{Unusable, YieldSet};
 
 /// Conditions that the scaled stress meets to within this, relative to the terms that they compare,
@@ -41,7 +41,7 @@ impl Plastic {
         }
         if rate < 0.0 {
             return Err(InputError {
-                key: "plastic_rate",
+                input: "plastic_rate",
                 found: format!("{rate:?}"),
                 allowed: "the plastic rate must be Λ ≥ 0, in 1/s".into(),
             });
@@ -59,7 +59,7 @@ impl Plastic {
             set.half_spaces().into_iter().flatten().map(|(condition, _)| condition).collect();
         let condition = |&index: &usize| {
             all.get(index).copied().ok_or_else(|| InputError {
-                key: "active",
+                input: "active",
                 found: format!("condition {index}"),
                 allowed: format!("one of {} conditions, counted from 0", all.len()),
             })
@@ -85,14 +85,14 @@ pub fn scale_onto_yield(
     }
     let scale = set.reach(&stress, direction).map_err(|unusable| match unusable {
         Unusable::NoStrength => InputError {
-            key: "yield",
+            input: "yield",
             found: "no strength under this pressure".into(),
             allowed: "strength or friction that a stress can grow to; yield.active may name the \
                       conditions instead"
                 .into(),
         },
         Unusable::Outside => InputError {
-            key: "pressure",
+            input: "pressure",
             found: format!("{pressure:?}"),
             allowed: "a pressure within the yield set: greater than −strength/friction".into(),
         },
@@ -112,7 +112,7 @@ pub fn scale_onto_yield(
 
 fn never_yields(found: &str) -> InputError {
     InputError {
-        key: "stress",
+        input: "stress",
         found: found.into(),
         allowed: "a deviatoric, rotational or couple stress that reaches the yield set; for \
                   interlayer, yield.active may name the conditions instead"

@@ -3,11 +3,11 @@
 use super::isotropic::{DENSITY, INERTIA};
 use super::model::SolidModel;
 use super::{ElasticLaw, Elasticity};
-use crate::cosserat::parameters::{PlaneCompliances, Theory};
-use crate::cosserat::stress::{Component, Stress};
-use crate::cosserat::waves::{Pair, Rotation};
-use crate::parameter::{Parameter, constants};
-use crate::system::Matrix;
+use crate::common::parameter::{Parameter, constants};
+use crate::common::system::Matrix;
+use crate::solid::parameters::{PlaneCompliances, Theory};
+use crate::solid::stress::{Component, Stress};
+use crate::solid::waves::{Pair, Rotation};
 
 /// The entry in the registry.
 pub static COSSERAT_COMPLIANCES: SolidModel = SolidModel {

@@ -1,12 +1,12 @@
 //! The elastic law of a solid, whichever constants state it.
 
-use crate::cosserat::parameters::Theory;
-use crate::cosserat::stress::{Component, Stress};
-use crate::cosserat::symbol::{Layout, plane, space};
-use crate::cosserat::waves::{Field, Pair, Rotation, fields};
-use crate::dyn_eq::DynEq;
-use crate::rates::RateEquations;
-use crate::system::Matrix;
+use crate::common::DynEq;
+use crate::common::rates::RateEquations;
+use crate::common::system::Matrix;
+use crate::solid::parameters::Theory;
+use crate::solid::stress::{Component, Stress};
+use crate::solid::symbol::{Layout, plane, space};
+use crate::solid::waves::{Field, Pair, Rotation, fields};
 use std::fmt::Debug;
 use std::sync::Arc;
 

@@ -2,12 +2,12 @@
 
 use super::model::SolidModel;
 use super::{ElasticLaw, Elasticity};
-use crate::cosserat::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
-use crate::cosserat::stress::{Component, Stress};
-use crate::cosserat::waves::{Pair, Rotation};
-use crate::input::InputError;
-use crate::parameter::{Parameter, constants};
-use crate::system::Matrix;
+use crate::common::input::InputError;
+use crate::common::parameter::{Parameter, constants};
+use crate::common::system::Matrix;
+use crate::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
+use crate::solid::stress::{Component, Stress};
+use crate::solid::waves::{Pair, Rotation};
 
 const LAMBDA: Parameter =
     Parameter::required(["lambda", "Lamé modulus λ", "Pa"], "Lamé modulus λ; 3λ + 2μ > 0", 8.1e9);

@@ -1,9 +1,9 @@
 //! An elastic solid as the registry lists it.
 
 use super::ElasticLaw;
-use crate::cosserat::parameters::Theory;
-use crate::input::InputError;
-use crate::parameter::Parameter;
+use crate::common::input::InputError;
+use crate::common::parameter::Parameter;
+use crate::solid::parameters::Theory;
 use std::fmt;
 
 /// An elastic solid as the [registry](crate::registry) lists it.

@@ -2,15 +2,15 @@
 
 use super::Needs::{All, Couples};
 use super::{Needs, Unusable, YieldConditions, YieldSet, YieldSetModel, check_associated, room};
-use crate::cosserat::parameters::{Isotropic, PlaneCompliances, Theory};
-use crate::cosserat::stress::Stress;
-use crate::input::InputError;
-use crate::parameter::{Parameter, constants};
-use crate::plasticity::parameters::{
+use crate::common::input::InputError;
+use crate::common::parameter::{Parameter, constants};
+use crate::solid::ElasticLaw;
+use crate::solid::parameters::{Isotropic, PlaneCompliances, Theory};
+use crate::solid::stress::Stress;
+use crate::yield_set::parameters::{
     ActiveCondition, Interlayer, InterlayerCouple, absolute, contract,
 };
-use crate::plasticity::projection::{PlaneMetric, Projection};
-use crate::solid::ElasticLaw;
+use crate::yield_set::projection::{PlaneMetric, Projection};
 
 const fn required(
     label: [&'static str; 3],

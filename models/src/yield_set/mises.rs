@@ -2,13 +2,13 @@
 
 use super::Needs::{All, Couples, Rotation};
 use super::{Needs, Unusable, YieldConditions, YieldSet, YieldSetModel, check_associated, room};
-use crate::cosserat::parameters::{Isotropic, Theory};
-use crate::cosserat::stress::{Component, Stress};
-use crate::input::{InputError, ensure};
-use crate::parameter::{Parameter, constants};
-use crate::plasticity::parameters::{ActiveCondition, Mises, mean};
-use crate::plasticity::projection::Projection;
+use crate::common::input::{InputError, ensure};
+use crate::common::parameter::{Parameter, constants};
 use crate::solid::ElasticLaw;
+use crate::solid::parameters::{Isotropic, Theory};
+use crate::solid::stress::{Component, Stress};
+use crate::yield_set::parameters::{ActiveCondition, Mises, mean};
+use crate::yield_set::projection::Projection;
 use nalgebra::DMatrix;
 
 const STRENGTH: (Parameter, Needs) = (

@@ -2,15 +2,18 @@
 
 pub mod interlayer;
 pub mod mises;
+pub mod parameters;
+pub mod projection;
+pub mod tangent;
 
-use crate::cosserat::parameters::Theory;
-use crate::cosserat::stress::{Component, Stress};
-use crate::dyn_eq::DynEq;
-use crate::input::{InputError, ensure};
-use crate::parameter::Parameter;
-use crate::plasticity::parameters::ActiveCondition;
-use crate::plasticity::projection::Projection;
+use crate::common::DynEq;
+use crate::common::input::{InputError, ensure};
+use crate::common::parameter::Parameter;
+use crate::solid::parameters::Theory;
+use crate::solid::stress::{Component, Stress};
 use crate::solid::{ElasticLaw, SolidKind};
+use crate::yield_set::parameters::ActiveCondition;
+use crate::yield_set::projection::Projection;
 use nalgebra::DMatrix;
 use std::fmt::{self, Debug};
 use std::sync::Arc;

@@ -4,8 +4,8 @@
 use super::equations::{self, Fields, Prescribed, Rotation};
 use super::{Complex, Polynomial, Random, Real, Wide, determinant, permanent, wide};
 use testkit::flows::Parameters;
-use wellposed_models::granular_flow::state::{Background, Flow, State};
-use wellposed_models::granular_flow::{Kind, Model, RotationKind};
+use wellposed_models::flow::state::{Background, Flow, State};
+use wellposed_models::flow::{FlowKind, Model, RotationKind};
 use wellposed_models::registry;
 use wellposed_models::{LinearisedSystem, Rounded};
 
@@ -18,7 +18,7 @@ pub enum Dilatancy {
 }
 
 /// Every model with every kind of dilatancy that it admits.
-pub const VARIANTS: [(Kind, Dilatancy); 9] = [
+pub const VARIANTS: [(FlowKind, Dilatancy); 9] = [
     (registry::HARRIS_GREKOVA, Dilatancy::Zero),
     (registry::HARRIS_GREKOVA, Dilatancy::Positive),
     (registry::DOUBLE_SHEARING, Dilatancy::Zero),
@@ -30,7 +30,7 @@ pub const VARIANTS: [(Kind, Dilatancy); 9] = [
     (registry::FREE_ROTATING, Dilatancy::Positive),
 ];
 
-pub fn random_parameters(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> Parameters {
+pub fn random_parameters(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> Parameters {
     let friction_angle = random.within(0.15, 1.2);
     let cosserat = kind == registry::HARRIS_GREKOVA;
     Parameters {
@@ -49,7 +49,7 @@ pub fn random_parameters(random: &mut Random, kind: Kind, dilatancy: Dilatancy) 
 }
 
 /// Everything non-zero that the model admits; |Δ| up to 85 degrees.
-pub fn random_state(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> State {
+pub fn random_state(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> State {
     let mut pair =
         |least: f64, most: f64| [random.generic(least, most), random.generic(least, most)];
     let velocity = pair(0.3, 3.0);
@@ -77,7 +77,7 @@ pub fn random_state(random: &mut Random, kind: Kind, dilatancy: Dilatancy) -> St
     }
 }
 
-pub fn model(kind: Kind, parameters: &Parameters) -> Model {
+pub fn model(kind: FlowKind, parameters: &Parameters) -> Model {
     parameters.model(kind).expect("the constants are within their ranges")
 }
 
@@ -100,7 +100,7 @@ pub fn symbol(model: &Model, flow: &Flow) -> LinearisedSystem<2> {
 pub fn point(
     random: &mut Random,
     parameters: &Parameters,
-    kind: Kind,
+    kind: FlowKind,
     state: &State,
     flow: &Flow,
 ) -> (Prescribed<Wide>, Fields<Wide>) {
@@ -169,7 +169,7 @@ pub fn point(
 pub fn exact_point(
     random: &mut Random,
     parameters: &Parameters,
-    kind: Kind,
+    kind: FlowKind,
     state: &State,
     flow: &Flow,
 ) -> (Prescribed<Wide>, Fields<Wide>) {

@@ -9,7 +9,7 @@ use crate::Error;
 use crate::case::Case;
 use crate::study::check::{CheckResult, Outcome};
 use figures::NoteFigure;
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 
 impl Report for CheckResult {
     const NAME: &'static str = "check";

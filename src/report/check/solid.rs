@@ -9,7 +9,7 @@ use crate::study::check::solid::{BranchCheck, MediumCheck, SolidCheck};
 use crate::study::dispersion::WaveVector;
 use agreement::solids::Response;
 use figures::{Band, Branch, DispersionFigure};
-use models::cosserat::parameters::Isotropic;
+use models::solid::parameters::Isotropic;
 use std::fmt::Write as _;
 
 pub(super) const UNITS: [(&str, &str); 4] =

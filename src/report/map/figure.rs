@@ -7,7 +7,7 @@ use crate::study::map::summary::MapAxis;
 use crate::study::map::{MapPoint, PointStatus};
 use analysis::solids::Hyperbolicity;
 use figures::{Axis, Category, Curve, Look, VerdictMap};
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 
 /// Order of growth, and in solids the kind of speeds.
 type Growing = (f64, Option<Hyperbolicity>);

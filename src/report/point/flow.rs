@@ -8,7 +8,7 @@ use crate::report::format::{
 use crate::study::point::flow_state::{SupremumPlace, WaveLimit};
 use crate::study::point::{FlowAnalysis, FlowPoint, FlowState, YieldingState};
 use models::Rounded;
-use models::granular_flow::RotationKind;
+use models::flow::RotationKind;
 use std::fmt::Write as _;
 
 impl FlowPoint {

@@ -8,7 +8,7 @@ use figures::{
     Direction, DirectionsFigure, GrowthFigure, Line, Mark, Panel, PolarFigure, Spoke, SpokeStyle,
     Style,
 };
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 
 /// Growth where it was sampled, characteristics where the state is fully deforming.
 pub(super) fn pictures(case: &Case, found: &FlowPoint) -> Vec<Picture> {

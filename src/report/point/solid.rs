@@ -9,8 +9,8 @@ use crate::study::words::evidence;
 use analysis::growth::Verdict;
 use analysis::solids::Hyperbolicity;
 use figures::{GrowthFigure, Line, Mark, Panel};
-use models::cosserat::parameters::Theory;
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
+use models::solid::parameters::Theory;
 use num_complex::Complex64;
 use std::fmt::Write as _;
 

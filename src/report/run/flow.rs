@@ -9,7 +9,7 @@ use crate::report::Picture;
 use crate::report::format::{case_title, short};
 use crate::study::simulate::{Fields, Records, Table, unit_of};
 use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind, Line, SpectrumFigure};
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 
 /// All pictures of a run but for the animation.
 pub(super) fn pictures(

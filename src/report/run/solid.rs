@@ -9,8 +9,8 @@ use crate::report::Picture;
 use crate::report::format::{case_title, short};
 use crate::study::simulate::{Fields, Records, unit_of};
 use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
-use models::cosserat::waves::Field;
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
+use models::solid::waves::Field;
 use std::fmt::Write as _;
 
 /// All pictures of a run but for the animation.

@@ -5,7 +5,7 @@ use crate::report::format::{short, superscript};
 use crate::study::simulate::{Bytes, IllPosed, Plan, StopCause, Stopped, Warning, Work};
 use analysis::growth::Growth;
 use dynamics::simulation::StepLimit;
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 use std::fmt::{Display, Formatter, Result};
 
 impl Display for Plan {

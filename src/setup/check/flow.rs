@@ -10,8 +10,8 @@ use agreement::flows::{Perturbation, UniformFlow};
 use analysis::flows::Workspace;
 use analysis::growth::Verdict;
 use dynamics::flow::Problem;
-use models::elementary::Elementary;
-use models::granular_flow::InputError;
+use models::InputError;
+use models::common::elementary::Elementary;
 use serde::Serialize;
 
 /// Most points along an axis of a grid on which a perturbation of a flow is refined.
@@ -93,7 +93,7 @@ fn directions(case: &Case) -> Result<Vec<f64>, Error> {
 fn check_grids(case: &Case, grids: &[usize]) -> Result<(), Error> {
     let refuse = |found: String, allowed: &str| {
         let allowed = allowed.to_owned();
-        Err(case.locate(InputError { key: "check.cells", found, allowed }).into())
+        Err(case.locate(InputError { input: "check.cells", found, allowed }).into())
     };
     if !grids.is_empty() && case.flow.is_none() {
         let found = format!("{grids:?} without a perturbation");
@@ -121,7 +121,7 @@ fn kinds(case: &Case) -> Result<Vec<Kind>, Error> {
     if kinds.len() > 1 && !parts.all(is_velocity) {
         let found = "a perturbation of more than the velocity for several models".to_owned();
         let allowed = "parts with field = \"v\" alone, which all of them have".to_owned();
-        return Err(case.locate(InputError { key: "initial", found, allowed }).into());
+        return Err(case.locate(InputError { input: "initial", found, allowed }).into());
     }
     Ok(kinds)
 }

@@ -7,7 +7,7 @@ use crate::case::{Case, CaseError, Kind, Parameter};
 use crate::{Error, setup};
 use agreement::AgreementError;
 use flow::FlowPlan;
-use models::granular_flow::InputError;
+use models::InputError;
 use solid::MediumPlan;
 
 /// How thorough a check is.
@@ -71,7 +71,7 @@ fn check_range(case: &Case) -> Result<(), CaseError> {
         None => Ok(()),
         Some((key, value)) => {
             let (found, allowed) = (format!("{value:?}"), "0, or a size from 1e-60 to 1e60".into());
-            Err(case.locate(InputError { key, found, allowed }))
+            Err(case.locate(InputError { input: key, found, allowed }))
         }
     }
 }
@@ -84,7 +84,7 @@ pub fn locate(case: &Case, error: AgreementError) -> Error {
         AgreementError::Cancelled => return Error::Cancelled,
         AgreementError::TooLong { most, .. } => {
             let allowed = format!("at most {most:.0e}: a greater wave number, or fewer cells");
-            return case.locate(InputError { key: "check.numbers", found, allowed }).into();
+            return case.locate(InputError { input: "check.numbers", found, allowed }).into();
         }
         AgreementError::Energy => {
             ("model", "moduli, and conditions that hold independently of each other")
@@ -104,5 +104,5 @@ pub fn locate(case: &Case, error: AgreementError) -> Error {
         AgreementError::NoGrids => ("check.cells", "at least one grid"),
         AgreementError::Points { .. } => ("initial", "a value at each point"),
     };
-    case.locate(InputError { key, found, allowed: allowed.to_owned() }).into()
+    case.locate(InputError { input: key, found, allowed: allowed.to_owned() }).into()
 }

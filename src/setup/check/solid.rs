@@ -7,7 +7,7 @@ use crate::setup;
 use agreement::PlaneWave;
 use agreement::solids::SolverSettings;
 use dynamics::problem::{Placement, Splitting};
-use models::granular_flow::InputError;
+use models::InputError;
 
 /// A medium of a solid, and its waves.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +58,7 @@ pub(super) fn media(
         }
         if let Some(plastic) = solid.plastic.filter(|plastic| plastic.rate > 0.0) {
             return Ok(Err(InputError {
-                key: "yield.plastic_rate",
+                input: "yield.plastic_rate",
                 found: format!("{:?}", plastic.rate),
                 allowed: "waves are sent through backgrounds at rest: 0".to_owned(),
             }));

@@ -5,7 +5,7 @@ use crate::case::{CaseError, radians};
 use dynamics::flow::Problem;
 use dynamics::flow::perturbation::{Lattice, PlaneWave, noise, wave};
 use files::npz::{Values, read};
-use models::granular_flow::RotationKind;
+use models::flow::RotationKind;
 
 /// Perturbations at the points, the first axis running fastest.
 pub(crate) struct Fields {

@@ -2,7 +2,7 @@
 
 use crate::case::dynamics::{Condition, Dynamics, Interpolation, Receiver, Side, SideCondition};
 use dynamics::probe::Probe;
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 
 /// The middle of a cell, m.
 pub(crate) fn centre(dynamics: &Dynamics, cell: usize) -> Vec<f64> {

@@ -9,8 +9,8 @@ use crate::case::{Case, Wave};
 use crate::setup::solid::{elastic_law_and_set, normal};
 use analysis::waves::plane_waves;
 use dynamics::initial::with_unit_velocity;
-use models::cosserat::waves::Field;
-use models::elementary::{Elementary, cr_cis};
+use models::common::elementary::{Elementary, cr_cis};
+use models::solid::waves::Field;
 use num_complex::Complex64;
 
 impl Place<'_> {

@@ -6,8 +6,8 @@ use crate::case::dynamics::{Dynamics, PlanePulse as Given, Polarization};
 use crate::case::{Case, Wave};
 use crate::setup::solid::{elastic_law_and_set, normal};
 use dynamics::initial::PlanePulse;
-use models::cosserat::parameters::Isotropic;
-use models::cosserat::waves::Field;
+use models::solid::parameters::Isotropic;
+use models::solid::waves::Field;
 
 /// Greatest part of the amplitude that may lie in other media.
 const OUTSIDE: f64 = 1e-6;

@@ -8,7 +8,7 @@ use crate::case::dynamics::{
 };
 use dynamics::boundary::{Signal, Source};
 use dynamics::point_kernel::{Axis, End, bell_shares, nearest_share, spline_shares};
-use models::cosserat::waves::Field;
+use models::solid::waves::Field;
 use std::sync::Arc;
 
 /// What a field meets beyond a side, seen from a point of the grid.

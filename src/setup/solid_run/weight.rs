@@ -5,8 +5,8 @@ use super::geometry::centre;
 use crate::case::CaseError;
 use dynamics::initial::{UnevenLayer, add_lithostatic, layer_densities};
 use dynamics::medium::Medium;
-use models::cosserat::stress::Stress;
-use models::cosserat::waves::Field;
+use models::solid::stress::Stress;
+use models::solid::waves::Field;
 
 impl Place<'_> {
     /// What gravity does: an acceleration, or an initial stress that balances it, to which the uniform one

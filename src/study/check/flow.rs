@@ -10,7 +10,7 @@ use crate::study::{OnProgress, report_progress};
 use agreement::fit::Rate;
 use agreement::flows::{ModeResult, UniformFlow, wave_results};
 use agreement::{AgreementError, PlaneWave};
-use models::elementary::Elementary;
+use models::common::elementary::Elementary;
 use serde::Serialize;
 
 /// The results of a flow.

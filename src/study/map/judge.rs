@@ -9,8 +9,8 @@ use analysis::bound;
 use analysis::flows::{Route, Workspace};
 use analysis::growth::Verdict;
 use analysis::solids::{self, AcousticTensorCache, Hyperbolicity, SolidAssessor, angles_deg};
-use models::granular_flow::Model;
-use models::granular_flow::state::Background;
+use models::flow::Model;
+use models::flow::state::Background;
 
 /// The verdict at one point of a map; numbers are NaN where there is none.
 #[derive(Clone, Copy, Debug)]

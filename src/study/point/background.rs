@@ -1,7 +1,7 @@
 //! The background of a flow, and the wave at which it is analysed.
 
 use crate::case::Wave;
-use models::granular_flow::state::{Flow, Stress};
+use models::flow::state::{Flow, Stress};
 use serde::Serialize;
 
 /// A wave in the plane of the flow.

@@ -10,8 +10,9 @@ use analysis::flows::growth_curves::{self as curves, FittedOrder};
 use analysis::flows::{FrozenState, Workspace};
 use analysis::growth::Assessment;
 use analysis::pencil::Roots;
-use models::granular_flow::state::{Background, Flow};
-use models::granular_flow::{InputError, Model};
+use models::InputError;
+use models::flow::Model;
+use models::flow::state::{Background, Flow};
 use serde::{Serialize, Serializer};
 
 /// The state of a flow, analysed.
@@ -178,7 +179,7 @@ fn analyse(
     let wave = &case.numbers.wave;
     let pencil = &workspace.pencil;
     let out_of_reach = |key, found: f64, allowed: &str| {
-        case.locate(InputError { key, found: format!("{found:?}"), allowed: allowed.into() })
+        case.locate(InputError { input: key, found: format!("{found:?}"), allowed: allowed.into() })
     };
     if !pencil.is_singular() && !workspace.reaches(wave.number) {
         let allowed =

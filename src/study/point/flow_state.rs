@@ -9,8 +9,8 @@ use analysis::flows::FLOW_ROUTE;
 use analysis::flows::growth_curves::AtWaveNumber;
 use analysis::growth::{Assessment, Verdict};
 use analysis::pencil::Roots;
-use models::granular_flow::Model;
-use models::granular_flow::state::{Flow, Region};
+use models::flow::Model;
+use models::flow::state::{Flow, Region};
 use num_complex::Complex64;
 use serde::Serialize;
 

@@ -10,10 +10,10 @@ use analysis::bound;
 use analysis::energy;
 use analysis::solids::{self, AcousticTensorCache, SolidAssessment, SolidAssessor};
 use analysis::waves::Waves;
-use models::cosserat::stress::Stress;
+use models::common::elementary::Elementary;
 use models::elastoplastic::Solid;
-use models::elementary::Elementary;
-use models::plasticity::symbol::NoResponse;
+use models::solid::stress::Stress;
+use models::yield_set::tangent::NoResponse;
 use num_complex::Complex64;
 use serde::Serialize;
 

@@ -2,7 +2,7 @@
 
 use analysis::growth::Growth;
 use dynamics::flow::Left;
-use models::cosserat::waves::Field;
+use models::solid::waves::Field;
 
 /// A run that ended by its own state.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,0 +1,14 @@
+//! What all models share: rounding bounds, linearised systems, symmetric rate equations, parameter metadata, functions
+//! with the same bits on every platform.
+
+mod dyn_eq;
+pub mod elementary;
+pub mod fourier;
+pub(crate) mod input;
+pub mod parameter;
+pub mod product;
+pub mod rates;
+pub mod rounding;
+pub mod system;
+
+pub use dyn_eq::DynEq;

@@ -1,0 +1,143 @@
+//! Rate equations of a solid as data.
+//!
+//! Elastic and elastoplastic solids alike: with generalised velocities v (translations, spins) and
+//! the stresses s that work on them,
+//!
+//! ```text
+//! M v̇ = Σ ∂ᵢ(Gⁱᵀ s) − Zᵀ s,    ṡ = D (Σ Gⁱ ∂ᵢv + Z v − R s).
+//! ```
+//!
+//! Gⁱ and Z say how velocities strain the solid; the balance of momentum has their transposes, which
+//! is the conservation of energy. D is the tangent stiffness. R is what plastic flow of the background
+//! adds: with the stress the direction of flow turns on a curved yield surface.
+
+use crate::common::product::triple_product;
+use crate::common::rounding::Rounded;
+use crate::common::system::{LinearisedSystem, Matrix, Unknown};
+use nalgebra::DMatrix;
+
+/// Rate equations in `D` space dimensions; see the [module](self).
+#[derive(Clone, Debug, PartialEq)]
+pub struct RateEquations<const D: usize> {
+    /// Names of the unknowns: velocities v, then stresses s.
+    pub unknowns: &'static [Unknown],
+    /// Names of the equations: balances, then laws.
+    pub equations: &'static [&'static str],
+    /// The diagonal of M, one per velocity: kg/m³ for translations, kg/m for spins.
+    pub inertia: Vec<Rounded>,
+    /// Tangent stiffness D: stresses × stresses, Pa or N.
+    pub stiffness: Matrix,
+    /// Gⁱ: stresses × velocities, dimensionless.
+    pub gradient: [DMatrix<f64>; D],
+    /// Z: stresses × velocities, dimensionless.
+    pub rotation: DMatrix<f64>,
+    /// R: stresses × stresses, 1/(Pa·s); zero unless the background flows.
+    pub relaxation: Matrix,
+}
+
+/// A symmetric-hyperbolic system `A U̇ = Σ Bⁱ ∂ᵢU + Q U`, as Sadovskii & Sadovskaya (2019, "Elastic
+/// Cosserat continuum") write it: A symmetric positive definite, Bⁱ symmetric, Q
+/// antisymmetric.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SymmetricForm<const D: usize> {
+    /// A; its quadratic form is twice the energy density.
+    pub a: DMatrix<f64>,
+    /// Bⁱ.
+    pub b: [DMatrix<f64>; D],
+    /// Q; with plastic flow of the background antisymmetric less R, a damping where flow is associated.
+    pub q: DMatrix<f64>,
+}
+
+impl<const D: usize> RateEquations<D> {
+    /// Number of velocities.
+    pub fn velocities(&self) -> usize {
+        self.inertia.len()
+    }
+
+    /// Number of stresses.
+    pub fn stresses(&self) -> usize {
+        self.stiffness.nrows()
+    }
+
+    /// The tangent stiffness without its rounding bounds.
+    pub fn stiffness_values(&self) -> DMatrix<f64> {
+        self.stiffness.map(|entry| entry.value)
+    }
+
+    /// Writes the linearised system `A ∂ₜz + Σ Bⁱ∂ᵢz + C z = 0` in the material's frame, solved for
+    /// the stress rates.
+    pub fn linearise(&self, system: &mut LinearisedSystem<D>) {
+        let (nv, ns) = (self.velocities(), self.stresses());
+        system.reset(self.unknowns, self.equations, [0.0; D]);
+        for (i, &inertia) in self.inertia.iter().enumerate() {
+            system.a[(i, i)] = inertia;
+            for s in 0..ns {
+                for axis in 0..D {
+                    system.b[axis][(i, nv + s)] = Rounded::exact(-self.gradient[axis][(s, i)]);
+                }
+                system.c[(i, nv + s)] = Rounded::exact(self.rotation[(s, i)]);
+            }
+        }
+        let strained = |law: usize, strain: &DMatrix<f64>, velocity: usize| {
+            (0..ns)
+                .map(|s| strain[(s, velocity)] * -self.stiffness[(law, s)])
+                .fold(Rounded::ZERO, std::ops::Add::add)
+        };
+        for law in 0..ns {
+            system.a[(nv + law, nv + law)] = Rounded::ONE;
+            for stress in 0..ns {
+                system.c[(nv + law, nv + stress)] = (0..ns)
+                    .map(|s| self.stiffness[(law, s)] * self.relaxation[(s, stress)])
+                    .fold(Rounded::ZERO, std::ops::Add::add);
+            }
+            for velocity in 0..nv {
+                for axis in 0..D {
+                    system.b[axis][(nv + law, velocity)] =
+                        strained(law, &self.gradient[axis], velocity);
+                }
+                system.c[(nv + law, velocity)] = strained(law, &self.rotation, velocity);
+            }
+        }
+    }
+
+    /// The symmetric-hyperbolic form; `None` where the stiffness is not symmetric positive definite.
+    pub fn symmetric(&self) -> Option<SymmetricForm<D>> {
+        let (nv, ns) = (self.velocities(), self.stresses());
+        let stiffness = self.stiffness_values();
+        if (&stiffness - stiffness.transpose()).amax() > 1e-12 * stiffness.amax() {
+            return None;
+        }
+        let compliance = stiffness.cholesky()?.inverse();
+        let n = nv + ns;
+        let mut a = DMatrix::zeros(n, n);
+        for (i, inertia) in self.inertia.iter().enumerate() {
+            a[(i, i)] = inertia.value;
+        }
+        a.view_mut((nv, nv), (ns, ns)).copy_from(&compliance);
+        let b = std::array::from_fn(|axis| {
+            let mut b = DMatrix::zeros(n, n);
+            b.view_mut((nv, 0), (ns, nv)).copy_from(&self.gradient[axis]);
+            b.view_mut((0, nv), (nv, ns)).copy_from(&self.gradient[axis].transpose());
+            b
+        });
+        let mut q = DMatrix::zeros(n, n);
+        q.view_mut((nv, 0), (ns, nv)).copy_from(&self.rotation);
+        q.view_mut((0, nv), (nv, ns)).copy_from(&-self.rotation.transpose());
+        q.view_mut((nv, nv), (ns, ns)).copy_from(&-self.relaxation.map(|entry| entry.value));
+        Some(SymmetricForm { a, b, q })
+    }
+}
+
+impl<const D: usize> SymmetricForm<D> {
+    /// The same on the subspace spanned by the columns of `basis`: what is left while U keeps to the
+    /// tangent of a yield surface (Sadovskii & Sadovskaya 2019, "Elastic-plastic Cosserat
+    /// continuum"). Still symmetric-hyperbolic.
+    pub fn restricted(&self, basis: &DMatrix<f64>) -> Self {
+        let restrict = |m: &DMatrix<f64>| triple_product(&basis.transpose(), m, basis);
+        Self {
+            a: restrict(&self.a),
+            b: std::array::from_fn(|axis| restrict(&self.b[axis])),
+            q: restrict(&self.q),
+        }
+    }
+}

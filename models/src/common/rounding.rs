@@ -1,0 +1,213 @@
+//! Numbers that know how far rounding may have moved them.
+//!
+//! A verdict rests on signs. To assert a sign one needs the value *and* a bound on its error, so
+//! the linearised equations are written in [`Rounded`]: a double with a running error bound
+//! (Wilkinson's running error analysis). A value whose bound is zero is exact; a structural zero
+//! stays one.
+
+use crate::common::elementary::Elementary;
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+/// Half a unit in the last place of 1: the relative error of one rounding.
+pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
+
+/// Bounds are themselves rounded to nearest; this factor takes them up.
+const UPWARDS: f64 = 1.0 + 2.0 * f64::EPSILON;
+
+/// The smallest positive double: the error of a product that underflows.
+const SMALLEST: f64 = f64::from_bits(1);
+
+/// A double `value` within `bound` of the number that it stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rounded {
+    /// The double.
+    pub value: f64,
+    /// |value − exact| ≤ bound.
+    pub bound: f64,
+}
+
+impl Rounded {
+    /// The exact zero.
+    pub const ZERO: Self = Self::exact(0.0);
+    /// The exact one.
+    pub const ONE: Self = Self::exact(1.0);
+
+    /// A double that is meant literally.
+    pub const fn exact(value: f64) -> Self {
+        Self { value, bound: 0.0 }
+    }
+
+    /// A double that came out of one rounding: a decimal from a file.
+    pub fn given(value: f64) -> Self {
+        Self { value, bound: UNIT_ROUNDOFF * value.abs() }
+    }
+
+    /// An angle in radians that was a decimal in degrees: the decimal, π/180 and their product
+    /// were rounded.
+    pub fn angle(radians: f64) -> Self {
+        Self { value: radians, bound: 3.0 * UNIT_ROUNDOFF * radians.abs() * UPWARDS }
+    }
+
+    /// Whether the value is exactly zero by structure, not by rounding.
+    pub fn is_structural_zero(self) -> bool {
+        self.value == 0.0 && self.bound == 0.0
+    }
+
+    /// The sign, where rounding leaves no doubt: 1, −1, or `None`. A structural zero has sign 0.
+    pub fn sign(self) -> Option<i8> {
+        if self.value.abs() > self.bound {
+            Some(if self.value > 0.0 { 1 } else { -1 })
+        } else if self.bound == 0.0 {
+            Some(0)
+        } else {
+            None
+        }
+    }
+
+    /// Sine; the function is taken to be right to one unit in the last place.
+    pub fn sin(self) -> Self {
+        if self.is_structural_zero() {
+            return Self::ZERO;
+        }
+        let value = self.value.cr_sin();
+        Self::after_rounding(value, self.bound + UNIT_ROUNDOFF * value.abs())
+    }
+
+    /// Cosine; the function is taken to be right to one unit in the last place.
+    pub fn cos(self) -> Self {
+        let value = self.value.cr_cos();
+        Self::after_rounding(value, self.bound + UNIT_ROUNDOFF * value.abs())
+    }
+
+    /// Arc sine of a number whose exact value lies in [−1, 1]; the bound is the distance to the
+    /// arc sines of the ends of the interval that the argument may lie in.
+    pub fn asin(self) -> Self {
+        let at = |x: f64| x.clamp(-1.0, 1.0).cr_asin();
+        let value = at(self.value);
+        let (low, high) = (at(self.value - self.bound), at(self.value + self.bound));
+        let spread = (value - low).max(high - value);
+        Self::after_rounding(value, spread + 3.0 * UNIT_ROUNDOFF * value.abs())
+    }
+
+    /// Square root of a number that is not negative: |√x − √v| ≤ |x − v|/√v.
+    pub fn sqrt(self) -> Self {
+        if self.is_structural_zero() {
+            return Self::ZERO;
+        }
+        let value = self.value.sqrt();
+        Self::after_rounding(value, self.bound / value)
+    }
+
+    fn after_rounding(value: f64, bound: f64) -> Self {
+        Self { value, bound: (bound + UNIT_ROUNDOFF * value.abs()) * UPWARDS + SMALLEST }
+    }
+}
+
+impl From<f64> for Rounded {
+    fn from(value: f64) -> Self {
+        Self::given(value)
+    }
+}
+
+impl Add for Rounded {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        if self.is_structural_zero() {
+            return other;
+        }
+        if other.is_structural_zero() {
+            return self;
+        }
+        Self::after_rounding(self.value + other.value, self.bound + other.bound)
+    }
+}
+
+impl Sub for Rounded {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl Neg for Rounded {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self { value: -self.value, bound: self.bound }
+    }
+}
+
+impl Mul for Rounded {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        if self.is_structural_zero() || other.is_structural_zero() {
+            return Self::ZERO;
+        }
+        Self::after_rounding(
+            self.value * other.value,
+            self.value.abs() * other.bound
+                + other.value.abs() * self.bound
+                + self.bound * other.bound,
+        )
+    }
+}
+
+/// Where rounding cannot exclude a zero divisor, the bound is infinite.
+impl Div for Rounded {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        let value = self.value / other.value;
+        let least = other.value.abs() - other.bound;
+        if least > 0.0 {
+            if self.is_structural_zero() {
+                return Self::ZERO;
+            }
+            Self::after_rounding(value, (self.bound + value.abs() * other.bound) / least)
+        } else {
+            Self { value, bound: f64::INFINITY }
+        }
+    }
+}
+
+/// A literal factor such as the 2 of `2 sin φ`: exact.
+impl Mul<Rounded> for f64 {
+    type Output = Rounded;
+    fn mul(self, other: Rounded) -> Rounded {
+        Rounded::exact(self) * other
+    }
+}
+
+impl AddAssign for Rounded {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cosine_of_a_right_angle_has_no_sign() {
+        let right_angle = 2.0 * Rounded::angle(std::f64::consts::FRAC_PI_4);
+        assert_eq!(right_angle.cos().sign(), None);
+        assert_eq!((right_angle + Rounded::given(1e-14)).cos().sign(), Some(-1));
+        assert_eq!((right_angle - Rounded::given(1e-14)).cos().sign(), Some(1));
+    }
+
+    #[test]
+    fn the_bound_covers_a_catastrophic_cancellation() {
+        // (1/3 + 2/3) − 1 − tiny: the exact result is −1e-17, far below what doubles carry.
+        let third = Rounded::given(1.0 / 3.0);
+        let rest = third + 2.0 * third - Rounded::ONE - Rounded::exact(1e-17);
+        assert!((rest.value + 1e-17).abs() <= rest.bound);
+        assert_eq!(rest.sign(), None);
+    }
+
+    #[test]
+    fn structural_zeros_stay_exact() {
+        let x = Rounded::given(0.1);
+        assert!((Rounded::ZERO * x).is_structural_zero());
+        assert_eq!(Rounded::ZERO + x, x);
+        assert_eq!((x - x).sign(), None);
+    }
+}

@@ -1,0 +1,80 @@
+//! A linearised system as data: all that the analysis ever sees of a model.
+
+use crate::common::rounding::Rounded;
+use nalgebra::DMatrix;
+
+/// A matrix of coefficients, each with its rounding bound.
+pub type Matrix = DMatrix<Rounded>;
+
+/// Linearised equations with frozen coefficients in `D` space dimensions,
+///
+/// ```text
+/// A (∂ₜ + V·∇) z + Σ Bⁱ ∂ᵢ z + C z = 0.
+/// ```
+///
+/// `V` is the velocity of the frame in which the equations look simplest: for a flow the velocity
+/// of the material, so that every time derivative stands as a material one; for a solid zero. A
+/// frame's velocity only turns ς into ς − ik·V, so growth does not depend on it, and keeping it
+/// apart keeps Galilean invariance exact in floating point.
+///
+/// Rows are equations, columns unknowns; there may be fewer rows than columns. Fill with
+/// [`reset`](Self::reset) and index assignments: a system that is filled again allocates nothing.
+#[derive(Clone, Debug)]
+pub struct LinearisedSystem<const D: usize> {
+    /// Names of the unknowns z, one per column.
+    pub unknowns: &'static [Unknown],
+    /// Names of the equations, one per row.
+    pub equations: &'static [&'static str],
+    /// Velocity V of the frame, m/s.
+    pub velocity: [f64; D],
+    /// Coefficients A of the material time derivatives.
+    pub a: Matrix,
+    /// Coefficients Bⁱ of the space derivatives, less those that `A V·∇` accounts for.
+    pub b: [Matrix; D],
+    /// Coefficients C of the unknowns themselves.
+    pub c: Matrix,
+}
+
+/// An unknown of a linearised system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Unknown {
+    /// Name, as printed.
+    pub name: &'static str,
+    /// The fields it belongs to when characteristics are named: "velocity", "stress", …
+    pub family: &'static str,
+}
+
+impl<const D: usize> Default for LinearisedSystem<D> {
+    fn default() -> Self {
+        let empty = || Matrix::from_element(0, 0, Rounded::ZERO);
+        Self {
+            unknowns: &[],
+            equations: &[],
+            velocity: [0.0; D],
+            a: empty(),
+            b: std::array::from_fn(|_| empty()),
+            c: empty(),
+        }
+    }
+}
+
+impl<const D: usize> LinearisedSystem<D> {
+    /// All coefficients zero, with these unknowns and equations.
+    pub fn reset(
+        &mut self,
+        unknowns: &'static [Unknown],
+        equations: &'static [&'static str],
+        velocity: [f64; D],
+    ) {
+        (self.unknowns, self.equations, self.velocity) = (unknowns, equations, velocity);
+        let (rows, columns) = (equations.len(), unknowns.len());
+        let matrices = [&mut self.a, &mut self.c].into_iter().chain(&mut self.b);
+        for matrix in matrices {
+            if matrix.shape() == (rows, columns) {
+                matrix.fill(Rounded::ZERO);
+            } else {
+                *matrix = Matrix::from_element(rows, columns, Rounded::ZERO);
+            }
+        }
+    }
+}

@@ -1,0 +1,365 @@
+//! The background of a flow: all that flow rule and balance laws make of a state, and what contradicts them.
+
+use super::state::{Background, Coulomb, Flow, FlowRule, Region, Rotation, State, Stress};
+use crate::common::elementary::Elementary;
+use crate::common::input::{InputError, degrees, ensure};
+use crate::common::rounding::Rounded;
+
+/// Relative tolerance to which over-determined input must agree.
+const AGREEMENT: f64 = 1e-9;
+
+/// Relative tolerance to which stresses must lie on the yield surfaces.
+const ON_YIELD: f64 = 1e-12;
+
+/// The background that a state, a yield condition, a flow rule and the balance laws determine.
+pub(super) fn background(
+    coulomb: &Coulomb,
+    rule: &FlowRule,
+    rotation: Rotation,
+    state: &State,
+) -> Result<Background, InputError> {
+    check_ranges(coulomb, rule, rotation, state)?;
+    let noncoaxiality = noncoaxiality(rule, state)?;
+
+    // Rotation against half the vorticity: second line of the flow rule with
+    // (d₁₁ − d₂₂) sin 2ψ − 2 d₁₂ cos 2ψ = −2 Q_D sin 2Δ.
+    let twice = 2.0 * noncoaxiality;
+    let shear_rate = Rounded::given(state.shear_rate);
+    let relative_rotation = if rotation == Rotation::None {
+        Rounded::ZERO
+    } else {
+        -(rule.shear / rule.rotation * shear_rate * twice.sin())
+    };
+
+    let (stress, region) = stress_and_region(coulomb, rotation, state, relative_rotation)?;
+    if region != Region::FullyDeforming {
+        return Ok(Background::Elsewhere { region, stress });
+    }
+
+    let velocity_gradient = velocity_gradient(rule, state, noncoaxiality);
+    let acceleration = acceleration(coulomb, state, &stress);
+    let mut flow = Flow {
+        density: state.density,
+        stress,
+        shear_rate: state.shear_rate,
+        noncoaxiality: noncoaxiality.value,
+        noncoaxiality_rounding: noncoaxiality.bound,
+        velocity: state.velocity,
+        velocity_gradient,
+        relative_rotation,
+        half_vorticity: state.half_vorticity,
+        spin: match rotation {
+            Rotation::IntrinsicSpin { .. } | Rotation::Free => {
+                Some(relative_rotation + Rounded::given(state.half_vorticity))
+            }
+            Rotation::StressAxes | Rotation::None => None,
+        },
+        acceleration,
+        body_moment: None,
+        stress_angle_rate: (rotation == Rotation::StressAxes)
+            .then(|| (relative_rotation + Rounded::given(state.half_vorticity)).value),
+        pressure_gradient: state.pressure_gradient,
+        stress_angle_gradient: state.stress_angle_gradient,
+        spin_gradient: state.spin_gradient,
+        density_gradient: state.density_gradient,
+        inertia_rate: state.inertia_rate,
+        inertia_gradient: state.inertia_gradient,
+        power: 0.0,
+    };
+    if let Rotation::IntrinsicSpin { moment_of_inertia, .. } = rotation {
+        // Balance of spin (eq. 9) with r uniform, for the body moment.
+        let spin = flow.spin.unwrap_or_default().value;
+        flow.body_moment = Some(
+            moment_of_inertia * state.spin_acceleration + state.inertia_rate * spin
+                - 2.0 * stress.rotational / state.density,
+        );
+    }
+    flow.power = internal_power(rule, &flow);
+    check_agreement(rotation, state, &flow)?;
+    Ok(Background::FullyDeforming(flow))
+}
+
+/// Every number of a state, by its key.
+fn numbers(state: &State) -> impl Iterator<Item = (&'static str, f64)> {
+    let pairs = [
+        ("velocity", Some(state.velocity)),
+        ("pressure_gradient", Some(state.pressure_gradient)),
+        ("stress_angle_gradient", Some(state.stress_angle_gradient)),
+        ("spin_gradient", Some(state.spin_gradient)),
+        ("density_gradient", Some(state.density_gradient)),
+        ("inertia_gradient", Some(state.inertia_gradient)),
+        ("acceleration", state.acceleration),
+        ("velocity_gradient", state.velocity_gradient.map(|g| g[0])),
+        ("velocity_gradient", state.velocity_gradient.map(|g| g[1])),
+    ];
+    let single = [
+        ("density", Some(state.density)),
+        ("pressure", Some(state.pressure)),
+        ("deviatoric_stress", state.deviatoric_stress),
+        ("rotational_stress", state.rotational_stress),
+        ("stress_angle", Some(state.stress_angle)),
+        ("shear_rate", Some(state.shear_rate)),
+        ("half_vorticity", Some(state.half_vorticity)),
+        ("noncoaxiality", state.noncoaxiality),
+        ("spin", state.spin),
+        ("spin_acceleration", Some(state.spin_acceleration)),
+        ("inertia_rate", Some(state.inertia_rate)),
+        ("body_moment", state.body_moment),
+        ("stress_angle_rate", state.stress_angle_rate),
+    ];
+    let pairs =
+        pairs.into_iter().flat_map(|(key, pair)| pair.into_iter().flatten().map(move |x| (key, x)));
+    pairs.chain(single.into_iter().filter_map(|(key, x)| Some((key, x?))))
+}
+
+fn check_ranges(
+    coulomb: &Coulomb,
+    rule: &FlowRule,
+    rotation: Rotation,
+    state: &State,
+) -> Result<(), InputError> {
+    for (key, x) in numbers(state) {
+        ensure(x.is_finite(), key, x, "a finite number is needed")?;
+    }
+    let has_balance = matches!(rotation, Rotation::IntrinsicSpin { .. });
+    ensure(
+        state.spin.is_none() || has_balance || rotation == Rotation::Free,
+        "spin",
+        state.spin.unwrap_or_default(),
+        "this model has no spin of its own: leave the key out",
+    )?;
+    ensure(
+        state.body_moment.is_none() || has_balance,
+        "body_moment",
+        state.body_moment.unwrap_or_default(),
+        "this model has no balance of spin: leave the key out",
+    )?;
+    let positive = |key, value: f64, what: &str| {
+        ensure(
+            value > 0.0 && value.is_finite(),
+            key,
+            value,
+            format_args!("{what} must be positive"),
+        )
+    };
+    positive("density", state.density, "the density")?;
+    positive("shear_rate", state.shear_rate, "the shear rate Q_D")?;
+    let on_yield = coulomb.yield_deviator(state.pressure);
+    ensure(
+        on_yield.value > 0.0 && on_yield.value.is_finite(),
+        "pressure",
+        state.pressure,
+        format_args!(
+            "the pressure must exceed −c cot φ = {} Pa, where the material has no strength left",
+            -coulomb.cohesion / coulomb.friction_angle.cr_tan()
+        ),
+    )?;
+    ensure(
+        state.noncoaxiality.is_none_or(|delta| delta == 0.0) || rotation != Rotation::None,
+        "noncoaxiality",
+        degrees(state.noncoaxiality.unwrap_or_default()),
+        "the plastic potential is coaxial: leave the key out or set it to 0",
+    )?;
+    ensure(
+        rule.dilatant || state.density_gradient == [0.0; 2],
+        "density_gradient",
+        format_args!("{:?}", state.density_gradient),
+        "the density is constant when the dilatancy angle is 0: leave the key out or set it to 0",
+    )?;
+    ensure(
+        state.stress_angle_rate.is_none() || rotation == Rotation::StressAxes,
+        "stress_angle_rate",
+        degrees(state.stress_angle_rate.unwrap_or_default()),
+        "only the double-shearing model determines the rate of the stress angle: leave the key out",
+    )
+}
+
+/// Δ as given, or the root with cos 2Δ > 0 for a given spin, or 0.
+fn noncoaxiality(rule: &FlowRule, state: &State) -> Result<Rounded, InputError> {
+    let given = Rounded::angle(state.noncoaxiality.unwrap_or(0.0));
+    let Some(spin) = state.spin else { return Ok(given) };
+    // sin 2Δ = −(ω − s₂₁) sin(φ − ν) / (Q_D cos ν)
+    let factor = rule.rotation / rule.shear / Rounded::given(state.shear_rate);
+    let sine = (Rounded::given(state.half_vorticity) - Rounded::given(spin)) * factor;
+    if state.noncoaxiality.is_some() {
+        let residual = sine.value - (2.0 * given.value).cr_sin();
+        let size = 1.0f64.max((spin.abs() + state.half_vorticity.abs()) * factor.value);
+        return ensure(
+            residual.abs() <= AGREEMENT * size,
+            "spin",
+            spin,
+            format_args!(
+                "spin and non-coaxiality contradict each other: the flow rule leaves the residual \
+                 {residual:e} in sin 2Δ; give one of them"
+            ),
+        )
+        .map(|()| given);
+    }
+    ensure(
+        sine.value.abs() <= 1.0,
+        "spin",
+        spin,
+        format_args!(
+            "the flow rule allows spins within {:e} rad/s of the half vorticity",
+            1.0 / factor.value
+        ),
+    )?;
+    Ok(0.5 * sine.asin())
+}
+
+fn stress_and_region(
+    coulomb: &Coulomb,
+    rotation: Rotation,
+    state: &State,
+    relative_rotation: Rounded,
+) -> Result<(Stress, Region), InputError> {
+    let on_yield = coulomb.yield_deviator(state.pressure);
+    let strength = match rotation {
+        Rotation::IntrinsicSpin { strength, .. } => strength,
+        _ => 0.0,
+    };
+    let mut region = Region::FullyDeforming;
+
+    let deviator = match state.deviatoric_stress {
+        None => on_yield,
+        Some(q) => {
+            ensure(
+                q >= 0.0 && q.is_finite(),
+                "deviatoric_stress",
+                q,
+                "the deviatoric stress q is a magnitude of at least 0 Pa",
+            )?;
+            if (q - on_yield.value).abs() <= ON_YIELD * on_yield.value {
+                on_yield
+            } else {
+                region = if q > on_yield.value {
+                    Region::OutsideYield
+                } else {
+                    Region::RigidOrIndeterminate
+                };
+                Rounded::given(q)
+            }
+        }
+    };
+    let rotational = match state.rotational_stress {
+        None => -strength * f64::from(relative_rotation.sign().unwrap_or(0)),
+        Some(r) => {
+            let near = |target: f64| (r - target).abs() <= ON_YIELD * strength;
+            match [0.0, strength, -strength].into_iter().find(|&target| near(target)) {
+                Some(target) => target,
+                None => {
+                    if r.abs() > strength {
+                        region = Region::OutsideYield;
+                    } else if region == Region::FullyDeforming {
+                        region = Region::RigidOrIndeterminate;
+                    }
+                    r
+                }
+            }
+        }
+    };
+    // −0 would print as such.
+    let rotational = rotational + 0.0;
+    let stress =
+        Stress { pressure: state.pressure, deviator, rotational, angle: state.stress_angle };
+    Ok((stress, region))
+}
+
+/// ∂ⱼVᵢ from the deviatoric rate (Q_D, Ψ_D), the flow rule's tr d and the half vorticity.
+fn velocity_gradient(rule: &FlowRule, state: &State, delta: Rounded) -> [[Rounded; 2]; 2] {
+    let rate = Rounded::given(state.shear_rate);
+    let angle = 2.0 * (Rounded::angle(state.stress_angle) + delta);
+    let half_trace =
+        if rule.dilatant { rule.dilatation() * rate * (2.0 * delta).cos() } else { Rounded::ZERO };
+    let (normal, shear) = (rate * angle.cos(), rate * angle.sin());
+    let spin = Rounded::given(state.half_vorticity);
+    [[half_trace + normal, shear - spin], [shear + spin, half_trace - normal]]
+}
+
+/// DV/Dt − F from the balance of momentum (eqs 16, 17).
+fn acceleration(coulomb: &Coulomb, state: &State, stress: &Stress) -> [Rounded; 2] {
+    let angle = 2.0 * Rounded::angle(stress.angle);
+    let (s2, c2) = (angle.sin(), angle.cos());
+    let sin_phi = Rounded::angle(coulomb.friction_angle).sin();
+    let [p1, p2] = state.pressure_gradient.map(Rounded::given);
+    let [a1, a2] = state.stress_angle_gradient.map(Rounded::angle);
+    let q = stress.deviator;
+    let force = [
+        (Rounded::ONE - sin_phi * c2) * p1 - sin_phi * s2 * p2 + 2.0 * (q * (s2 * a1 - c2 * a2)),
+        (Rounded::ONE + sin_phi * c2) * p2 - sin_phi * s2 * p1 - 2.0 * (q * (c2 * a1 + s2 * a2)),
+    ];
+    force.map(|f| -(f / Rounded::given(state.density)))
+}
+
+/// `2 Q_D cos 2Δ (q − p tr d/(2 Q_D cos 2Δ)) − 2 r (ω − s₂₁)`, W/m³.
+fn internal_power(rule: &FlowRule, flow: &Flow) -> f64 {
+    let cosine = (2.0 * flow.rounded_noncoaxiality()).cos().value;
+    let dilatation = if rule.dilatant { rule.dilatation().value } else { 0.0 };
+    2.0 * flow.shear_rate
+        * cosine
+        * (flow.stress.deviator.value - flow.stress.pressure * dilatation)
+        - 2.0 * flow.stress.rotational * flow.relative_rotation.value
+}
+
+/// What may be given besides must agree with what follows.
+fn check_agreement(rotation: Rotation, state: &State, flow: &Flow) -> Result<(), InputError> {
+    let agree = |key, equation: &str, given: f64, derived: f64, size: f64| {
+        ensure(
+            (given - derived).abs() <= AGREEMENT * size,
+            key,
+            given,
+            format_args!(
+                "{equation} gives {derived}: residual {:e}; leave the key out",
+                given - derived
+            ),
+        )
+    };
+    if let Some(given) = state.velocity_gradient {
+        let derived = flow.velocity_gradient.map(|row| row.map(|x| x.value));
+        let key = "velocity_gradient";
+        let size = state.shear_rate + state.half_vorticity.abs();
+        let parts = |g: [[f64; 2]; 2]| {
+            [
+                ("the flow rule for the volume (tr d)", g[0][0] + g[1][1]),
+                (
+                    "shear_rate with the angle of the deformation rate (d₁₁ − d₂₂)",
+                    g[0][0] - g[1][1],
+                ),
+                ("shear_rate with the angle of the deformation rate (2 d₁₂)", g[0][1] + g[1][0]),
+                ("half_vorticity (∂₁V₂ − ∂₂V₁)", g[1][0] - g[0][1]),
+            ]
+        };
+        for ((equation, given), (_, derived)) in parts(given).into_iter().zip(parts(derived)) {
+            agree(key, equation, given, derived, size)?;
+        }
+    }
+    if let Some(given) = state.acceleration {
+        let size = |i: usize| flow.acceleration[i].value.abs() + 1e3 * flow.acceleration[i].bound;
+        let size = size(0).max(size(1));
+        for (equation, (given, derived)) in [
+            "the first component of the balance of momentum",
+            "the second component of the balance of momentum",
+        ]
+        .into_iter()
+        .zip(given.into_iter().zip(flow.acceleration))
+        {
+            agree("acceleration", equation, given, derived.value, size)?;
+        }
+    }
+    if let (Some(given), Some(derived), Rotation::IntrinsicSpin { moment_of_inertia, .. }) =
+        (state.body_moment, flow.body_moment, rotation)
+    {
+        let spin = flow.spin.unwrap_or_default().value;
+        let size = (moment_of_inertia * state.spin_acceleration).abs()
+            + (state.inertia_rate * spin).abs()
+            + (2.0 * flow.stress.rotational / flow.density).abs();
+        agree("body_moment", "the balance of spin", given, derived, size)?;
+    }
+    if let (Some(given), Some(derived)) = (state.stress_angle_rate, flow.stress_angle_rate) {
+        let size = flow.relative_rotation.value.abs() + state.half_vorticity.abs();
+        let key = "stress_angle_rate";
+        let equation = "the flow rule, in degrees per second,";
+        agree(key, equation, degrees(given), degrees(derived), degrees(size))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,163 @@
+//! The linearised rows that the granular-flow models share.
+//!
+//! Written from Harris & Grekova (2005), eqs (16)–(18), (41), (42), linearised about a background
+//! as in section 5 there, with the printed errors of eqs (83) and (86) corrected; with ν > 0 the
+//! density is an unknown. Primes (perturbations) are left out; capitals are the background.
+
+use super::state::{Coulomb, Flow, FlowRule};
+use crate::common::rounding::Rounded;
+use crate::common::system::{LinearisedSystem, Unknown};
+
+const VELOCITY_1: Unknown = Unknown { name: "velocity 1", family: "velocity" };
+const VELOCITY_2: Unknown = Unknown { name: "velocity 2", family: "velocity" };
+const SPIN: Unknown = Unknown { name: "spin", family: "spin" };
+const PRESSURE: Unknown = Unknown { name: "pressure", family: "stress" };
+const ANGLE: Unknown = Unknown { name: "stress angle", family: "stress" };
+const DENSITY: Unknown = Unknown { name: "density", family: "density" };
+
+// The density stands last: without dilatancy it is left off.
+const UNKNOWNS: &[Unknown] = &[VELOCITY_1, VELOCITY_2, PRESSURE, ANGLE, DENSITY];
+const WITH_SPIN: &[Unknown] = &[VELOCITY_1, VELOCITY_2, SPIN, PRESSURE, ANGLE, DENSITY];
+
+/// Column of the intrinsic spin ω, in a model that has one.
+pub const SPIN_COLUMN: usize = 2;
+
+/// Columns of the other unknowns.
+#[derive(Clone, Copy, Debug)]
+pub struct Columns {
+    /// Velocity v₁, v₂.
+    pub velocity: [usize; 2],
+    /// Pressure p.
+    pub pressure: usize,
+    /// Stress angle ψ.
+    pub angle: usize,
+    /// Density ρ, where it evolves.
+    pub density: Option<usize>,
+}
+
+impl Columns {
+    /// Resets `system` to the unknowns of a model with or without intrinsic spin, and to these
+    /// equations, the last of which is the balance of mass; without dilatancy, density and balance
+    /// of mass drop out.
+    pub fn reset(
+        system: &mut LinearisedSystem<2>,
+        with_spin: bool,
+        equations: &'static [&'static str],
+        rule: &FlowRule,
+        flow: &Flow,
+    ) -> Self {
+        let left_off = usize::from(!rule.dilatant);
+        let all = if with_spin { WITH_SPIN } else { UNKNOWNS };
+        let unknowns = &all[..all.len() - left_off];
+        system.reset(unknowns, &equations[..equations.len() - left_off], flow.velocity);
+        let after_velocity = if with_spin { SPIN_COLUMN + 1 } else { 2 };
+        Self {
+            velocity: [0, 1],
+            pressure: after_velocity,
+            angle: after_velocity + 1,
+            density: rule.dilatant.then_some(after_velocity + 2),
+        }
+    }
+}
+
+/// sin 2Ψ, cos 2Ψ of the stress angle.
+fn double_angle(flow: &Flow) -> [Rounded; 2] {
+    let angle = 2.0 * Rounded::angle(flow.stress.angle);
+    [angle.sin(), angle.cos()]
+}
+
+/// Balance of momentum in rows 0 and 1.
+///
+/// ```text
+/// ρ Dv₁/Dt + (1 − sin φ cos 2ψ) ∂₁p − sin φ sin 2ψ ∂₂p + 2q (sin 2ψ ∂₁ψ − cos 2ψ ∂₂ψ) = ρF₁
+/// ρ Dv₂/Dt − sin φ sin 2ψ ∂₁p + (1 + sin φ cos 2ψ) ∂₂p − 2q (cos 2ψ ∂₁ψ + sin 2ψ ∂₂ψ) = ρF₂
+/// ```
+/// with `q = p sin φ + c cos φ`; the uniform rotational stress has no divergence.
+pub fn momentum(
+    system: &mut LinearisedSystem<2>,
+    columns: &Columns,
+    coulomb: &Coulomb,
+    flow: &Flow,
+) {
+    let density = Rounded::given(flow.density);
+    let sin_phi = Rounded::angle(coulomb.friction_angle).sin();
+    let [s2, c2] = double_angle(flow);
+    let (sin_s2, sin_c2) = (sin_phi * s2, sin_phi * c2);
+    let twice_q = 2.0 * flow.stress.deviator;
+    let [p1, p2] = flow.pressure_gradient.map(Rounded::given);
+    let [a1, a2] = flow.stress_angle_gradient.map(Rounded::angle);
+    let Columns { velocity, pressure, angle, .. } = *columns;
+
+    system.b[0][(0, pressure)] = Rounded::ONE - sin_c2;
+    system.b[1][(0, pressure)] = -sin_s2;
+    system.b[0][(0, angle)] = twice_q * s2;
+    system.b[1][(0, angle)] = -(twice_q * c2);
+    system.b[0][(1, pressure)] = -sin_s2;
+    system.b[1][(1, pressure)] = Rounded::ONE + sin_c2;
+    system.b[0][(1, angle)] = -(twice_q * c2);
+    system.b[1][(1, angle)] = -(twice_q * s2);
+
+    // Derivatives of the coefficients above times the background's gradients; ∂q/∂p = sin φ.
+    let (along, across) = (s2 * a1 - c2 * a2, c2 * a1 + s2 * a2);
+    system.c[(0, pressure)] = 2.0 * (sin_phi * along);
+    system.c[(1, pressure)] = -(2.0 * (sin_phi * across));
+    system.c[(0, angle)] = 2.0 * (sin_s2 * p1 - sin_c2 * p2) + 2.0 * (twice_q * across);
+    system.c[(1, angle)] = -(2.0 * (sin_c2 * p1 + sin_s2 * p2)) + 2.0 * (twice_q * along);
+
+    for i in 0..2 {
+        system.a[(i, velocity[i])] = density;
+        for (column, gradient) in velocity.into_iter().zip(flow.velocity_gradient[i]) {
+            system.c[(i, column)] = density * gradient;
+        }
+        if let Some(column) = columns.density {
+            system.c[(i, column)] = flow.acceleration[i];
+        }
+    }
+}
+
+/// Balance of mass, `Dρ/Dt + ρ ∇·v = 0`, in `row`, where the density evolves.
+pub fn mass(system: &mut LinearisedSystem<2>, row: usize, columns: &Columns, flow: &Flow) {
+    let Some(density) = columns.density else { return };
+    system.a[(row, density)] = Rounded::ONE;
+    system.c[(row, density)] = flow.velocity_gradient[0][0] + flow.velocity_gradient[1][1];
+    for j in 0..2 {
+        system.b[j][(row, columns.velocity[j])] = Rounded::given(flow.density);
+        system.c[(row, columns.velocity[j])] = Rounded::given(flow.density_gradient[j]);
+    }
+}
+
+/// The two lines of [`FlowRule`], in rows `row` (volume) and `row + 1` (rotation), without the
+/// material's rotation ω itself, whose coefficient in the second is 2 e_r:
+///
+/// ```text
+/// e_v tr d − s_v [(d₁₁ − d₂₂) cos 2ψ + 2 d₁₂ sin 2ψ] = 0
+/// 2 e_r ω + e_r (∂₂v₁ − ∂₁v₂) − c_r [(d₁₁ − d₂₂) sin 2ψ − 2 d₁₂ cos 2ψ] = 0
+/// ```
+pub fn flow_rule(
+    system: &mut LinearisedSystem<2>,
+    row: usize,
+    columns: &Columns,
+    rule: &FlowRule,
+    flow: &Flow,
+) {
+    let [s2, c2] = double_angle(flow);
+    let [v1, v2] = columns.velocity;
+    let (volume, rotation) = (row, row + 1);
+
+    system.b[0][(volume, v1)] = rule.volume - rule.dilatancy * c2;
+    system.b[1][(volume, v1)] = -(rule.dilatancy * s2);
+    system.b[0][(volume, v2)] = -(rule.dilatancy * s2);
+    system.b[1][(volume, v2)] = rule.volume + rule.dilatancy * c2;
+
+    system.b[0][(rotation, v1)] = -(rule.shear * s2);
+    system.b[1][(rotation, v1)] = rule.rotation + rule.shear * c2;
+    system.b[0][(rotation, v2)] = -rule.rotation + rule.shear * c2;
+    system.b[1][(rotation, v2)] = rule.shear * s2;
+
+    // With D₁₁ − D₂₂ = 2 Q_D cos 2Ψ_D, 2 D₁₂ = 2 Q_D sin 2Ψ_D the derivatives of the brackets
+    // with respect to ψ are −4 Q_D sin 2(Ψ_Σ − Ψ_D) and 4 Q_D cos 2(Ψ_Σ − Ψ_D).
+    let twice_delta = 2.0 * flow.rounded_noncoaxiality();
+    let rate = 4.0 * Rounded::given(flow.shear_rate);
+    system.c[(volume, columns.angle)] = -(rule.dilatancy * rate * twice_delta.sin());
+    system.c[(rotation, columns.angle)] = -(rule.shear * rate * twice_delta.cos());
+}

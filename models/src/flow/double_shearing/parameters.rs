@@ -1,0 +1,55 @@
+//! Constants of the double-shearing model and what is known of it in closed form.
+
+use crate::common::elementary::Elementary;
+use crate::common::input::InputError;
+use crate::common::parameter::constants;
+use crate::flow::state::{Coulomb, FlowRule, check_dilatancy};
+
+/// Checked constants (Spencer 1964; Mehrabadi & Cowin 1978).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DoubleShearing {
+    /// Yield condition.
+    pub coulomb: Coulomb,
+    /// Angle of dilatancy ν, rad; 0 ≤ ν < φ.
+    pub dilatancy_angle: f64,
+}
+
+impl DoubleShearing {
+    /// From the constants in the order of the model's parameters.
+    ///
+    /// # Errors
+    /// The constant that is out of range.
+    pub fn from_constants(given: &[f64]) -> Result<Self, InputError> {
+        let [friction_angle, dilatancy_angle, cohesion] = constants(given)?;
+        let coulomb = Coulomb::new(friction_angle, cohesion)?;
+        Self::new(coulomb, dilatancy_angle)
+    }
+
+    /// Checks the constants.
+    ///
+    /// # Errors
+    /// The constant that is out of range.
+    pub fn new(coulomb: Coulomb, dilatancy_angle: f64) -> Result<Self, InputError> {
+        check_dilatancy(
+            dilatancy_angle,
+            coulomb.friction_angle,
+            "the dilatancy angle must be at least 0 and below the friction angle",
+        )?;
+        Ok(Self { coulomb, dilatancy_angle })
+    }
+
+    /// The flow rule.
+    pub fn flow_rule(&self) -> FlowRule {
+        FlowRule::double_shearing(self.coulomb.friction_angle, self.dilatancy_angle)
+    }
+
+    /// Leading growth rate over k for ν = 0, m/s:
+    /// `|cos β − sin φ| √(q / [ρ sin φ (1 − sin φ cos β)])`, β = 2(Ψ_Σ − ψ_K).
+    ///
+    /// `deviator` q in Pa, `density` in kg/m³.
+    pub fn leading_coefficient(&self, deviator: f64, density: f64, beta: f64) -> f64 {
+        let sin_phi = self.coulomb.friction_angle.cr_sin();
+        (beta.cr_cos() - sin_phi).abs()
+            * (deviator / (density * sin_phi * (1.0 - sin_phi * beta.cr_cos()))).sqrt()
+    }
+}

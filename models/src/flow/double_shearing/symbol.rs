@@ -1,0 +1,31 @@
+//! The double-shearing equations linearised with frozen coefficients.
+//!
+//! The rotation of the material is that of the principal axes of stress, Dψ/Dt (Spencer 1964;
+//! Mehrabadi & Cowin 1978 for ν > 0).
+
+use super::parameters::DoubleShearing;
+use crate::common::rounding::Rounded;
+use crate::common::system::LinearisedSystem;
+use crate::flow::balance::{Columns, flow_rule, mass, momentum};
+use crate::flow::state::Flow;
+
+const EQUATIONS: [&str; 5] =
+    ["momentum 1", "momentum 2", "flow rule: volume", "flow rule: rotation", "mass"];
+
+/// Writes the linearised system about `flow`.
+pub fn write(model: &DoubleShearing, flow: &Flow, system: &mut LinearisedSystem<2>) {
+    let rule = model.flow_rule();
+    let columns = Columns::reset(system, false, &EQUATIONS, &rule, flow);
+
+    momentum(system, &columns, &model.coulomb, flow);
+    flow_rule(system, 2, &columns, &rule, flow);
+    mass(system, 4, &columns, flow);
+
+    // 2 e_r Dψ/Dt
+    let rotation = 2.0 * rule.rotation;
+    system.a[(3, columns.angle)] = rotation;
+    for j in 0..2 {
+        system.c[(3, columns.velocity[j])] =
+            rotation * Rounded::angle(flow.stress_angle_gradient[j]);
+    }
+}

@@ -1,0 +1,22 @@
+//! Constants of the double-sliding free-rotating model.
+
+use crate::common::input::InputError;
+use crate::common::parameter::constants;
+use crate::flow::double_shearing::parameters::DoubleShearing;
+use crate::flow::state::Coulomb;
+
+/// Checked constants, which are those of double shearing (de Josselin de Jong 1977).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FreeRotating(pub DoubleShearing);
+
+impl FreeRotating {
+    /// From the constants in the order of the model's parameters.
+    ///
+    /// # Errors
+    /// The constant that is out of range.
+    pub fn from_constants(given: &[f64]) -> Result<Self, InputError> {
+        let [friction_angle, dilatancy_angle, cohesion] = constants(given)?;
+        let coulomb = Coulomb::new(friction_angle, cohesion)?;
+        Ok(Self(DoubleShearing::new(coulomb, dilatancy_angle)?))
+    }
+}

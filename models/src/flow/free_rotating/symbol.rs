@@ -1,0 +1,21 @@
+//! The double-sliding free-rotating equations linearised with frozen coefficients (de Josselin de
+//! Jong 1977): those of Harris & Grekova without a balance of spin, so one equation too few.
+
+use crate::common::system::LinearisedSystem;
+use crate::flow::balance::{Columns, SPIN_COLUMN, flow_rule, mass, momentum};
+use crate::flow::double_shearing::parameters::DoubleShearing;
+use crate::flow::state::Flow;
+
+const EQUATIONS: [&str; 5] =
+    ["momentum 1", "momentum 2", "flow rule: volume", "flow rule: rotation", "mass"];
+
+/// Writes the linearised system about `flow`: one row fewer than columns.
+pub fn write(model: &DoubleShearing, flow: &Flow, system: &mut LinearisedSystem<2>) {
+    let rule = model.flow_rule();
+    let columns = Columns::reset(system, true, &EQUATIONS, &rule, flow);
+
+    momentum(system, &columns, &model.coulomb, flow);
+    flow_rule(system, 2, &columns, &rule, flow);
+    system.c[(3, SPIN_COLUMN)] = 2.0 * rule.rotation;
+    mass(system, 4, &columns, flow);
+}

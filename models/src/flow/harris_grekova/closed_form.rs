@@ -1,0 +1,108 @@
+//! The growth of short waves in the Harris–Grekova model.
+
+use super::parameters::HarrisGrekova;
+use crate::common::elementary::Elementary;
+use crate::common::rounding::Rounded;
+use crate::flow::closed_form::{ClosedForm, clear_sign, is_below_right_angle, is_of_moderate_size};
+use crate::flow::state::Flow;
+use std::f64::consts::PI;
+
+/// For ν = 0 in every background; for ν > 0 in a uniform, unaccelerated one without rotational
+/// stress.
+pub fn closed_form(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
+    let is_moderate = is_below_right_angle(model.coulomb.friction_angle)
+        && is_of_moderate_size(flow)
+        && (1e-30..1e30).contains(&model.moment_of_inertia);
+    if !is_moderate {
+        None
+    } else if model.dilatancy_angle == 0.0 {
+        without_dilatancy(model, flow)
+    } else if is_uniform(flow) && flow.stress.rotational == 0.0 {
+        with_dilatancy(model, flow)
+    } else {
+        None
+    }
+}
+
+/// ν = 0, whatever the gradients and accelerations of the background (Harris & Grekova 2005,
+/// eqs 149–152, corrected).
+///
+/// The dispersion polynomial is a quadratic in ς. Its leading root is
+/// [`HarrisGrekova::leading_coefficient`] k², its other root and both roots in the layers around
+/// 𝒜 = cos β − sin φ = 0 are −ik·V + O(1). So the model is well-posed while cos 2Δ > 0. For
+/// cos 2Δ < 0 the coefficient as a function of cos β has one minimum, 0 at cos β = sin φ, and is
+/// greatest at β = π: (cos β − sin φ)²/(1 − sin φ cos β) is 1 + sin φ there and 1 − sin φ at β = 0.
+///
+/// ```text
+/// Re ς/k² → q (1 + sin φ) / (2 ρ Q_D |cos 2Δ|)
+/// ```
+fn without_dilatancy(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
+    let cosine = (2.0 * flow.rounded_noncoaxiality()).cos();
+    if clear_sign(cosine)? > 0 {
+        return Some(ClosedForm::WellPosed);
+    }
+    let sin_phi = Rounded::angle(model.coulomb.friction_angle).sin();
+    let rates = Rounded::given(flow.density) * Rounded::given(flow.shear_rate) * -cosine;
+    let coefficient = flow.stress.deviator * (Rounded::ONE + sin_phi) / (2.0 * rates);
+    ClosedForm::grows(2, coefficient, flow, PI)
+}
+
+/// ν > 0 in a uniform, unaccelerated background without rotational stress.
+///
+/// In the notation of [the double-shearing model](crate::flow::double_shearing::closed_form), the spin
+/// decouples, ς is of order k², and
+///
+/// ```text
+/// ς ≈ −k² q cos(φ − 2ν) 𝒜² / (2 ρ Q_D D),
+/// D = cos ν cos 2Δ [cos e + sin ν sin φ − (cos e sin φ + sin ν) cos β]
+///     + sin ν cos φ cos e sin 2Δ sin β.
+/// ```
+///
+/// D = a − b cos β + d sin β keeps its sign in all directions while a² > b² + d², that is
+///
+/// ```text
+/// cos²ν cos φ cos(φ − 2ν) cos²2Δ > sin²ν cos²e sin²2Δ
+/// ```
+///
+/// ([`HarrisGrekova::noncoaxiality_bound`]). Then the model is well-posed for cos 2Δ > 0; for
+/// cos 2Δ < 0 it is not, and the greatest coefficient is the root of a quartic, which is left to
+/// the analysis of the linearised equations. Otherwise D vanishes in two directions and changes
+/// sign there.
+fn with_dilatancy(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
+    let phi = Rounded::angle(model.coulomb.friction_angle);
+    let nu = Rounded::angle(model.dilatancy_angle);
+    let twice_delta = 2.0 * flow.rounded_noncoaxiality();
+    let (cosine, sine) = (twice_delta.cos(), twice_delta.sin());
+    let rule = model.flow_rule();
+    let (cos_e, sin_nu, cos_nu) = (rule.volume, rule.dilatancy, rule.shear);
+    let (sin_phi, cos_phi) = (phi.sin(), phi.cos());
+
+    let along = cos_nu * cosine;
+    let across = sin_nu * cos_e * sine;
+    let excess = cos_phi * (phi - 2.0 * nu).cos() * along * along - across * across;
+    if clear_sign(excess)? > 0 {
+        return (clear_sign(cosine)? > 0).then_some(ClosedForm::WellPosed);
+    }
+    // b cos β − d sin β = a: of the two directions the one farther from 𝒜 = 0, as the other may lie
+    // there, where ς does not pass through infinity.
+    let a = (along * (cos_e + sin_nu * sin_phi)).value;
+    let b = (along * (cos_e * sin_phi + sin_nu)).value;
+    let d = (across * cos_phi).value;
+    let (shift, half_angle) = (d.cr_atan2(b), (a / b.root_sum_square(d)).cr_acos());
+    let distance = |beta: f64| (beta.cr_cos() - sin_phi.value).abs();
+    let (first, second) = (half_angle - shift, -half_angle - shift);
+    let beta = if distance(first) >= distance(second) { first } else { second };
+    Some(ClosedForm::unbounded(flow, beta))
+}
+
+/// No gradients besides that of the velocity, and no accelerations.
+fn is_uniform(flow: &Flow) -> bool {
+    let gradients = [
+        flow.pressure_gradient,
+        flow.stress_angle_gradient,
+        flow.spin_gradient,
+        flow.density_gradient,
+        flow.inertia_gradient,
+    ];
+    flow.inertia_rate == 0.0 && gradients.as_flattened().iter().all(|&x| x == 0.0)
+}

@@ -1,0 +1,71 @@
+//! Harris & Grekova (2005): double shearing of a reduced Cosserat continuum with intrinsic spin.
+
+pub mod closed_form;
+pub mod parameters;
+pub mod symbol;
+
+use crate::common::input::InputError;
+use crate::common::parameter::Parameter;
+use crate::common::system::LinearisedSystem;
+use crate::flow::closed_form::ClosedForm;
+use crate::flow::state::{Coulomb, Flow, FlowRule, Rotation};
+use crate::flow::{COHESION, DILATANCY_ANGLE, FRICTION_ANGLE, FlowLaw, FlowModel, RotationKind};
+use parameters::HarrisGrekova;
+use std::sync::Arc;
+
+/// The entry in the registry.
+pub static MODEL: FlowModel = FlowModel {
+    name: "harris-grekova",
+    title: "Harris–Grekova",
+    parameters: &[
+        FRICTION_ANGLE,
+        DILATANCY_ANGLE,
+        COHESION,
+        Parameter::required(
+            ["moment_of_inertia", "moment of inertia I", "m²"],
+            "moment of inertia per unit mass I; > 0, for discs of diameter d it is d²/8",
+            1.25e-7,
+        ),
+        Parameter::required(
+            ["rotational_strength", "rotational strength m", "Pa"],
+            "rotational yield strength m; ≥ 0",
+            0.0,
+        ),
+    ],
+    rotation: RotationKind::IntrinsicSpin,
+    build: |constants| Ok(Arc::new(HarrisGrekova::from_constants(constants)?)),
+};
+
+impl FlowLaw for HarrisGrekova {
+    fn set(&mut self, constants: &[f64]) -> Result<(), InputError> {
+        *self = Self::from_constants(constants)?;
+        Ok(())
+    }
+
+    fn coulomb(&self) -> &Coulomb {
+        &self.coulomb
+    }
+
+    fn flow_rule(&self) -> FlowRule {
+        HarrisGrekova::flow_rule(self)
+    }
+
+    fn rotation(&self) -> Rotation {
+        Rotation::IntrinsicSpin {
+            moment_of_inertia: self.moment_of_inertia,
+            strength: self.rotational_strength,
+        }
+    }
+
+    fn symbol(&self, flow: &Flow, system: &mut LinearisedSystem<2>) {
+        symbol::write(self, flow, system);
+    }
+
+    fn closed_form(&self, flow: &Flow) -> Option<ClosedForm> {
+        closed_form::closed_form(self, flow)
+    }
+
+    fn noncoaxiality_bound(&self) -> Option<f64> {
+        Some(HarrisGrekova::noncoaxiality_bound(self))
+    }
+}

@@ -1,0 +1,114 @@
+//! Constants of the Harris–Grekova model and what is known of it in closed form.
+
+use crate::common::elementary::Elementary;
+use crate::common::input::{InputError, ensure};
+use crate::common::parameter::constants;
+use crate::flow::state::{Coulomb, FlowRule, check_dilatancy};
+
+/// Checked constants (Harris & Grekova 2005, section 2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HarrisGrekova {
+    /// Yield condition of the symmetric part of the stress.
+    pub coulomb: Coulomb,
+    /// Angle of dilatancy ν, rad; 0 ≤ ν < φ.
+    pub dilatancy_angle: f64,
+    /// Moment of inertia per unit mass I, m²; > 0.
+    pub moment_of_inertia: f64,
+    /// Rotational yield strength m, Pa; ≥ 0.
+    pub rotational_strength: f64,
+}
+
+impl HarrisGrekova {
+    /// From the constants in the order of the model's parameters.
+    ///
+    /// # Errors
+    /// The constant that is out of range.
+    pub fn from_constants(given: &[f64]) -> Result<Self, InputError> {
+        let [friction_angle, dilatancy_angle, cohesion, moment_of_inertia, rotational_strength] =
+            constants(given)?;
+        let coulomb = Coulomb::new(friction_angle, cohesion)?;
+        let model =
+            HarrisGrekova::new(coulomb, dilatancy_angle, moment_of_inertia, rotational_strength)?;
+        Ok(model)
+    }
+
+    /// Checks the constants.
+    ///
+    /// # Errors
+    /// The constant that is out of range.
+    pub fn new(
+        coulomb: Coulomb,
+        dilatancy_angle: f64,
+        moment_of_inertia: f64,
+        rotational_strength: f64,
+    ) -> Result<Self, InputError> {
+        check_dilatancy(
+            dilatancy_angle,
+            coulomb.friction_angle,
+            "the dilatancy angle must be at least 0 and below the friction angle",
+        )?;
+        ensure(
+            moment_of_inertia > 0.0 && moment_of_inertia.is_finite(),
+            "moment_of_inertia",
+            moment_of_inertia,
+            "the moment of inertia per unit mass must be positive, in m²",
+        )?;
+        ensure(
+            rotational_strength >= 0.0 && rotational_strength.is_finite(),
+            "rotational_strength",
+            rotational_strength,
+            "the rotational strength must be a finite stress of at least 0 Pa",
+        )?;
+        Ok(Self { coulomb, dilatancy_angle, moment_of_inertia, rotational_strength })
+    }
+
+    /// The flow rule (eqs 41, 42).
+    pub fn flow_rule(&self) -> FlowRule {
+        FlowRule::double_shearing(self.coulomb.friction_angle, self.dilatancy_angle)
+    }
+
+    /// Bound on |Δ| inside which the leading growth rate is nowhere positive, rad.
+    ///
+    /// For ν = 0 it is π/4 (eq. 152). For ν > 0, with β = 2(Ψ_Σ − ψ_K) and e = φ − ν, the coefficient
+    /// of the highest power of ς is proportional to
+    /// `cos 2Δ cos ν [cos e + sin ν sin φ − (sin φ cos e + sin ν) cos β] + sin 2Δ sin ν cos φ cos e sin β`,
+    /// which keeps its sign in all directions exactly while
+    ///
+    /// ```text
+    /// |tan 2Δ| < cot ν √(cos φ cos(φ − 2ν)) / cos(φ − ν).
+    /// ```
+    ///
+    /// Beyond it, up to π/2 less it, the growth rate is unbounded at finite wave numbers already (or of
+    /// order 3, with a gradient of the stress angle); above, of order 2.
+    pub fn noncoaxiality_bound(&self) -> f64 {
+        let (phi, nu) = (self.coulomb.friction_angle, self.dilatancy_angle);
+        let opposite = (phi.cr_cos() * (phi - 2.0 * nu).cr_cos()).sqrt() * nu.cr_cos();
+        0.5 * opposite.cr_atan2(nu.cr_sin() * (phi - nu).cr_cos())
+    }
+
+    /// Leading growth rate over k² for ν = 0, `lim ς/k²` as k → ∞, m²/s (eq. 149 with the printed
+    /// factor corrected):
+    ///
+    /// ```text
+    /// −q (cos β − sin φ)² / [2 ρ Q_D cos 2Δ (1 − sin φ cos β)],  β = 2(Ψ_Σ − ψ_K).
+    /// ```
+    ///
+    /// `deviator` q in Pa, `density` in kg/m³, `shear_rate` Q_D in 1/s, angles in rad.
+    pub fn leading_coefficient(
+        &self,
+        deviator: f64,
+        density: f64,
+        shear_rate: f64,
+        noncoaxiality: f64,
+        beta: f64,
+    ) -> f64 {
+        let sin_phi = self.coulomb.friction_angle.cr_sin();
+        let gap = beta.cr_cos() - sin_phi;
+        -deviator * gap * gap
+            / (2.0
+                * density
+                * shear_rate
+                * (2.0 * noncoaxiality).cr_cos()
+                * (1.0 - sin_phi * beta.cr_cos()))
+    }
+}

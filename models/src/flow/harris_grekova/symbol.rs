@@ -1,0 +1,44 @@
+//! The Harris–Grekova equations linearised with frozen coefficients.
+//!
+//! Momentum, spin, mass (where ν > 0) and the two lines of the flow rule with the intrinsic spin
+//! for the rotation; Harris & Grekova (2005), eqs (81)–(87) for ν = 0, corrected, and the same
+//! with the density evolving for ν > 0, which the paper leaves out.
+
+use super::parameters::HarrisGrekova;
+use crate::common::rounding::Rounded;
+use crate::common::system::LinearisedSystem;
+use crate::flow::balance::{Columns, SPIN_COLUMN, flow_rule, mass, momentum};
+use crate::flow::state::Flow;
+
+const EQUATIONS: [&str; 6] =
+    ["momentum 1", "momentum 2", "spin", "flow rule: volume", "flow rule: rotation", "mass"];
+/// Row of the balance of spin.
+const SPIN: usize = 2;
+
+/// Writes the linearised system about `flow`.
+pub fn write(model: &HarrisGrekova, flow: &Flow, system: &mut LinearisedSystem<2>) {
+    let rule = model.flow_rule();
+    let columns = Columns::reset(system, true, &EQUATIONS, &rule, flow);
+
+    momentum(system, &columns, &model.coulomb, flow);
+    flow_rule(system, 3, &columns, &rule, flow);
+    system.c[(4, SPIN_COLUMN)] = 2.0 * rule.rotation;
+    mass(system, 5, &columns, flow);
+
+    // Spin (eq. 9): ρ I Dω/Dt + ρ (DI/Dt) ω − 2r − ρG = 0. The perturbed velocity carries both
+    // the spin and the moment of inertia; the perturbed density meets I DΩ/Dt + Ω DI/Dt − G,
+    // which the background makes 2R/ρ.
+    let rho = Rounded::given(flow.density);
+    let inertia = Rounded::given(model.moment_of_inertia);
+    let spin = flow.spin.unwrap_or_default();
+    system.a[(SPIN, SPIN_COLUMN)] = rho * inertia;
+    system.c[(SPIN, SPIN_COLUMN)] = rho * Rounded::given(flow.inertia_rate);
+    for j in 0..2 {
+        system.c[(SPIN, columns.velocity[j])] = rho
+            * (inertia * Rounded::given(flow.spin_gradient[j])
+                + spin * Rounded::given(flow.inertia_gradient[j]));
+    }
+    if let Some(density) = columns.density {
+        system.c[(SPIN, density)] = 2.0 * Rounded::given(flow.stress.rotational) / rho;
+    }
+}

@@ -1,0 +1,23 @@
+//! Planar flow of a Mohr–Coulomb granular material: what all the models of the family share.
+//!
+//! Harris & Grekova (2005), double shearing (Spencer 1964; Mehrabadi & Cowin 1978), the plastic
+//! potential and the double-sliding free-rotating model (de Josselin de Jong 1977) share the
+//! balance of momentum and of mass, the yield condition and the form of the flow rule; they differ
+//! in what they take for the rotation of the material. This module holds the shared half
+//! ([`state`], [`balance`]), the entry of a model in the registry ([`FlowModel`]) and the model with checked constants
+//! ([`Model`]); what is a model's own stands in its folder.
+
+mod background;
+pub mod balance;
+pub mod closed_form;
+pub mod double_shearing;
+pub mod free_rotating;
+pub mod harris_grekova;
+mod model;
+pub mod plastic_potential;
+pub mod state;
+
+pub use model::{
+    COHESION, DILATANCY_ANGLE, FAMILY, FRICTION_ANGLE, FlowKind, FlowLaw, FlowModel, Model,
+    RotationKind,
+};

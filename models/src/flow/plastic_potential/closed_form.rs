@@ -1,0 +1,35 @@
+//! The growth of short waves in the plastic-potential model.
+
+use super::parameters::PlasticPotential;
+use crate::common::elementary::Elementary;
+use crate::common::rounding::Rounded;
+use crate::flow::closed_form::{ClosedForm, is_below_right_angle, is_of_moderate_size};
+use crate::flow::state::Flow;
+
+/// Least |φ − ν|, rad, at which the formula decides. The depth of the sector of growth goes as its
+/// square, and to ten digits the linearised equations themselves do not know it any nearer to the
+/// associated flow rule.
+const THINNEST: f64 = 1e-3;
+
+/// Order 2 in every background, unless nearly associated.
+///
+/// To leading order in k, where ς is of order k² and all gradients of the background and the density
+/// drop out, the worst direction is that of [`PlasticPotential::worst`]. It is
+/// `cos β = sin h/cos d` with h = (φ + ν)/2, d = (φ − ν)/2, so `sin²β = cos φ cos ν/cos²d`; the
+/// directions ±β are equally bad.
+pub fn closed_form(model: &PlasticPotential, flow: &Flow) -> Option<ClosedForm> {
+    let (phi, nu) = (model.coulomb.friction_angle, model.dilatancy_angle);
+    let decides = (phi - nu).abs() >= THINNEST
+        && is_below_right_angle(phi)
+        && is_below_right_angle(nu)
+        && is_of_moderate_size(flow);
+    if !decides {
+        return None;
+    }
+    let half_difference = 0.5 * (Rounded::angle(phi) - Rounded::angle(nu));
+    let tangent = half_difference.sin() / half_difference.cos();
+    let coefficient = flow.stress.deviator * tangent * tangent
+        / (2.0 * Rounded::given(flow.density) * Rounded::given(flow.shear_rate));
+    let beta = (phi.cr_cos() * nu.cr_cos()).sqrt().cr_atan2((0.5 * (phi + nu)).cr_sin());
+    ClosedForm::grows(2, coefficient, flow, beta)
+}

@@ -1,0 +1,95 @@
+//! Constants of the plastic-potential model and what is known of it in closed form.
+
+use crate::common::elementary::Elementary;
+use crate::common::input::InputError;
+use crate::common::parameter::constants;
+use crate::common::rounding::Rounded;
+use crate::flow::state::{Coulomb, FlowRule, check_dilatancy};
+
+/// Checked constants; associated when ν = φ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlasticPotential {
+    /// Yield condition.
+    pub coulomb: Coulomb,
+    /// Angle of dilatancy ν, rad; 0 ≤ ν < π/2.
+    pub dilatancy_angle: f64,
+}
+
+impl PlasticPotential {
+    /// From the constants in the order of the model's parameters.
+    ///
+    /// # Errors
+    /// The constant that is out of range.
+    pub fn from_constants(given: &[f64]) -> Result<Self, InputError> {
+        let [friction_angle, dilatancy_angle, cohesion] = constants(given)?;
+        let coulomb = Coulomb::new(friction_angle, cohesion)?;
+        Self::new(coulomb, dilatancy_angle)
+    }
+
+    /// Checks the constants.
+    ///
+    /// # Errors
+    /// The constant that is out of range.
+    pub fn new(coulomb: Coulomb, dilatancy_angle: f64) -> Result<Self, InputError> {
+        check_dilatancy(
+            dilatancy_angle,
+            std::f64::consts::FRAC_PI_2,
+            "the dilatancy angle of a plastic potential must be at least 0 and below 90 degrees",
+        )?;
+        Ok(Self { coulomb, dilatancy_angle })
+    }
+
+    /// The flow rule: tr d = 2 Q_D sin ν, coaxial.
+    pub fn flow_rule(&self) -> FlowRule {
+        let dilatant = self.dilatancy_angle > 0.0;
+        FlowRule {
+            volume: Rounded::ONE,
+            dilatancy: if dilatant {
+                Rounded::angle(self.dilatancy_angle).sin()
+            } else {
+                Rounded::ZERO
+            },
+            rotation: Rounded::ZERO,
+            shear: Rounded::ONE,
+            dilatant,
+        }
+    }
+
+    /// Leading growth rate over k², m²/s, in the direction with β = 2(Ψ_Σ − ψ_K):
+    ///
+    /// ```text
+    /// −q (cos β − sin ν)(cos β − sin φ) / {2 ρ Q_D [1 + sin ν sin φ − (sin ν + sin φ) cos β]}
+    /// ```
+    ///
+    /// positive exactly where cos β lies between sin ν and sin φ. `deviator` q in Pa, `density` in
+    /// kg/m³, `shear_rate` Q_D in 1/s.
+    pub fn leading_coefficient(
+        &self,
+        deviator: f64,
+        density: f64,
+        shear_rate: f64,
+        beta: f64,
+    ) -> f64 {
+        let (sin_phi, sin_nu) =
+            (self.coulomb.friction_angle.cr_sin(), self.dilatancy_angle.cr_sin());
+        let cos = beta.cr_cos();
+        -deviator * (cos - sin_nu) * (cos - sin_phi)
+            / (2.0 * density * shear_rate * (1.0 + sin_nu * sin_phi - (sin_nu + sin_phi) * cos))
+    }
+
+    /// The sector |β| of growth, from and to, rad: between π/2 less the greater and π/2 less the smaller
+    /// of φ and ν; empty where they agree.
+    pub fn sector(&self) -> [f64; 2] {
+        let (phi, nu) = (self.coulomb.friction_angle, self.dilatancy_angle);
+        [phi.max(nu), phi.min(nu)].map(|angle| std::f64::consts::FRAC_PI_2 - angle)
+    }
+
+    /// The greatest leading growth rate over k², `q tan²((φ − ν)/2) / (2 ρ Q_D)` in m²/s, and
+    /// cos β where it is reached, `sin((φ + ν)/2) / cos((φ − ν)/2)`.
+    pub fn worst(&self, deviator: f64, density: f64, shear_rate: f64) -> (f64, f64) {
+        let half_difference = 0.5 * (self.coulomb.friction_angle - self.dilatancy_angle);
+        let half_sum = 0.5 * (self.coulomb.friction_angle + self.dilatancy_angle);
+        let rate = deviator * half_difference.cr_tan().powi(2) / (2.0 * density * shear_rate);
+        (rate, half_sum.cr_sin() / half_difference.cr_cos())
+    }
+}

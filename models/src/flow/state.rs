@@ -1,0 +1,302 @@
+//! The state of a granular flow at a point, and all that flow rule and balance laws make of it.
+
+use crate::common::elementary::Elementary;
+use crate::common::input::{InputError, degrees, ensure};
+use crate::common::rounding::Rounded;
+
+/// The Mohr–Coulomb yield condition `q ≤ p sin φ + c cos φ` (Harris & Grekova 2005, eq. 13).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coulomb {
+    /// Angle of internal friction φ, rad.
+    pub friction_angle: f64,
+    /// Cohesion c, Pa.
+    pub cohesion: f64,
+}
+
+impl Coulomb {
+    /// Checks 0 < φ < π/2 and c ≥ 0.
+    ///
+    /// # Errors
+    /// The constant that is out of range.
+    pub fn new(friction_angle: f64, cohesion: f64) -> Result<Self, InputError> {
+        ensure(
+            friction_angle > 0.0 && friction_angle < std::f64::consts::FRAC_PI_2,
+            "friction_angle",
+            degrees(friction_angle),
+            "the friction angle must lie strictly between 0 and 90 degrees",
+        )?;
+        ensure(
+            cohesion >= 0.0 && cohesion.is_finite(),
+            "cohesion",
+            cohesion,
+            "the cohesion must be a finite stress of at least 0 Pa",
+        )?;
+        Ok(Self { friction_angle, cohesion })
+    }
+
+    /// The deviatoric stress on yield, `p sin φ + c cos φ`, Pa.
+    pub fn yield_deviator(&self, pressure: f64) -> Rounded {
+        let phi = Rounded::angle(self.friction_angle);
+        Rounded::given(pressure) * phi.sin() + Rounded::given(self.cohesion) * phi.cos()
+    }
+}
+
+/// Checks 0 ≤ ν < `limit` (the friction angle, or a right angle).
+pub(crate) fn check_dilatancy(nu: f64, limit: f64, allowed: &str) -> Result<(), InputError> {
+    ensure(nu >= 0.0 && nu < limit, "dilatancy_angle", degrees(nu), allowed)
+}
+
+/// The flow rule of a model in the form that the family shares,
+///
+/// ```text
+/// e_v tr d      = s_v [(d₁₁ − d₂₂) cos 2ψ + 2 d₁₂ sin 2ψ]
+/// 2 e_r (ω − s₂₁) = c_r [(d₁₁ − d₂₂) sin 2ψ − 2 d₁₂ cos 2ψ]
+/// ```
+///
+/// where ω is what the model takes for the rotation of the material (Harris & Grekova 2005,
+/// eqs 41, 42, multiplied out; with e_r = 0 the second line says that the model is coaxial).
+#[derive(Clone, Copy, Debug)]
+pub struct FlowRule {
+    /// e_v: cos(φ − ν), or 1 for the plastic potential.
+    pub volume: Rounded,
+    /// s_v: sin ν.
+    pub dilatancy: Rounded,
+    /// e_r: sin(φ − ν), or 0 for a coaxial model.
+    pub rotation: Rounded,
+    /// c_r: cos ν, or 1 for the plastic potential.
+    pub shear: Rounded,
+    /// Whether ν > 0, so that the density evolves.
+    pub dilatant: bool,
+}
+
+impl FlowRule {
+    /// Double shearing, whatever is taken for the rotation (eqs 41, 42).
+    pub fn double_shearing(friction_angle: f64, dilatancy_angle: f64) -> Self {
+        let nu = Rounded::angle(dilatancy_angle);
+        let difference = Rounded::angle(friction_angle) - nu;
+        Self {
+            volume: difference.cos(),
+            dilatancy: if dilatancy_angle == 0.0 { Rounded::ZERO } else { nu.sin() },
+            rotation: difference.sin(),
+            shear: nu.cos(),
+            dilatant: dilatancy_angle > 0.0,
+        }
+    }
+
+    /// e_r/c_r: times the relative rotation (ω − s₂₁)/Q_D this is sin 2(ψ − ψ_D).
+    pub fn rotation_ratio(&self) -> f64 {
+        (self.rotation / self.shear).value
+    }
+
+    /// tr d / (2 Q_D cos 2Δ).
+    pub fn dilatation(&self) -> Rounded {
+        self.dilatancy / self.volume
+    }
+}
+
+/// What a model takes for the rotation of the material in the second line of its [`FlowRule`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rotation {
+    /// An intrinsic spin with a balance of its own.
+    IntrinsicSpin {
+        /// Moment of inertia per unit mass I, m².
+        moment_of_inertia: f64,
+        /// Rotational yield strength m, Pa.
+        strength: f64,
+    },
+    /// The rotation of the principal axes of stress.
+    StressAxes,
+    /// A rotation that nothing determines.
+    Free,
+    /// None: the model is coaxial.
+    None,
+}
+
+/// A state as a case gives it; SI units, radians. Absent numbers are derived.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct State {
+    /// Density ρ, kg/m³; > 0.
+    pub density: f64,
+    /// Pressure p, Pa, compression-positive; beyond −c cot φ.
+    pub pressure: f64,
+    /// Deviatoric stress q, Pa; absent: on yield.
+    pub deviatoric_stress: Option<f64>,
+    /// Rotational stress r = ½(σ₁₂ − σ₂₁) in the index order of Harris & Grekova, Pa; absent:
+    /// −m sign(ω − s₂₁), for which the rotational power is never negative.
+    pub rotational_stress: Option<f64>,
+    /// Angle Ψ_Σ of the greater principal stress from x₁, rad.
+    pub stress_angle: f64,
+    /// Magnitude Q_D of the deviatoric deformation rate, 1/s; > 0.
+    pub shear_rate: f64,
+    /// Velocity V, m/s.
+    pub velocity: [f64; 2],
+    /// Half the vorticity s₂₁ = ½(∂₁V₂ − ∂₂V₁), 1/s.
+    pub half_vorticity: f64,
+    /// Non-coaxiality Δ = Ψ_D − Ψ_Σ, rad; absent: from the spin, or 0.
+    pub noncoaxiality: Option<f64>,
+    /// Intrinsic spin Ω, rad/s; absent: from the non-coaxiality.
+    pub spin: Option<f64>,
+    /// Gradient of the pressure, Pa/m.
+    pub pressure_gradient: [f64; 2],
+    /// Gradient of the stress angle, rad/m.
+    pub stress_angle_gradient: [f64; 2],
+    /// Gradient of the spin, rad/(s·m).
+    pub spin_gradient: [f64; 2],
+    /// Gradient of the density, kg/m⁴; only where ν > 0.
+    pub density_gradient: [f64; 2],
+    /// Material rate DΩ/Dt of the spin, rad/s²; enters the body moment alone.
+    pub spin_acceleration: f64,
+    /// Material rate DI/Dt of the moment of inertia, m²/s.
+    pub inertia_rate: f64,
+    /// Gradient of the moment of inertia, m.
+    pub inertia_gradient: [f64; 2],
+    /// Velocity gradient, entry \[i\]\[j\] = ∂ⱼVᵢ, 1/s; checked when given.
+    pub velocity_gradient: Option<[[f64; 2]; 2]>,
+    /// Material acceleration less body force DV/Dt − F, m/s²; checked when given.
+    pub acceleration: Option<[f64; 2]>,
+    /// Body moment per unit mass G, m²/s²; checked when given.
+    pub body_moment: Option<f64>,
+    /// Material rate of the stress angle, rad/s; checked when given (double shearing alone).
+    pub stress_angle_rate: Option<f64>,
+}
+
+/// Where a state lies with respect to the yield conditions (Harris & Grekova 2005, section 2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Region {
+    /// On both yield conditions: q = p sin φ + c cos φ and r ∈ {0, ±m}.
+    FullyDeforming,
+    /// Inside one of them: rigid, or undetermined.
+    RigidOrIndeterminate,
+    /// Outside one of them: no admissible state.
+    OutsideYield,
+}
+
+impl Region {
+    /// Name in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::FullyDeforming => "fully-deforming",
+            Self::RigidOrIndeterminate => "rigid-or-indeterminate",
+            Self::OutsideYield => "outside-yield",
+        }
+    }
+}
+
+/// Planar stress by its invariants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stress {
+    /// Pressure p, Pa.
+    pub pressure: f64,
+    /// Deviatoric stress q, Pa.
+    pub deviator: Rounded,
+    /// Rotational stress r, Pa (sign as in [`State::rotational_stress`]).
+    pub rotational: f64,
+    /// Angle ψ_σ of the greater principal stress of the symmetric part, rad.
+    pub angle: f64,
+}
+
+impl Stress {
+    /// The stress tensor, second index = face normal, Pa.
+    ///
+    /// This is the one place where the index order of Harris & Grekova (first index = face normal,
+    /// eq. 6) becomes the order used throughout: the transpose.
+    pub fn tensor(&self) -> [[f64; 2]; 2] {
+        let (p, q, r) = (self.pressure, self.deviator.value, self.rotational);
+        let (sin, cos) = (2.0 * self.angle).cr_sin_cos();
+        [[-p + q * cos, q * sin - r], [q * sin + r, -p - q * cos]]
+    }
+}
+
+/// The background of an analysis.
+#[expect(clippy::large_enum_variant, reason = "copied once per state, and most states flow")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Background {
+    /// Fully deforming: there is a flow to analyse.
+    FullyDeforming(Flow),
+    /// Anything else: there is not.
+    Elsewhere {
+        /// Where the state lies.
+        region: Region,
+        /// Its stress.
+        stress: Stress,
+    },
+}
+
+impl Background {
+    /// Where the state lies.
+    pub fn region(&self) -> Region {
+        match self {
+            Self::FullyDeforming(_) => Region::FullyDeforming,
+            Self::Elsewhere { region, .. } => *region,
+        }
+    }
+
+    /// The stress.
+    pub fn stress(&self) -> &Stress {
+        match self {
+            Self::FullyDeforming(flow) => &flow.stress,
+            Self::Elsewhere { stress, .. } => stress,
+        }
+    }
+
+    /// The flow, where there is one.
+    pub fn flow(&self) -> Option<&Flow> {
+        match self {
+            Self::FullyDeforming(flow) => Some(flow),
+            Self::Elsewhere { .. } => None,
+        }
+    }
+}
+
+/// A fully deforming background: what was given and what follows from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flow {
+    /// Density ρ, kg/m³.
+    pub density: f64,
+    /// Stress.
+    pub stress: Stress,
+    /// Magnitude Q_D of the deviatoric deformation rate, 1/s.
+    pub shear_rate: f64,
+    /// Non-coaxiality Δ = Ψ_D − Ψ_Σ, rad.
+    pub noncoaxiality: f64,
+    /// Bound on the error of `noncoaxiality`, rad: large where it follows from a spin near the
+    /// greatest one.
+    pub noncoaxiality_rounding: f64,
+    /// Velocity V, m/s.
+    pub velocity: [f64; 2],
+    /// Velocity gradient, entry \[i\]\[j\] = ∂ⱼVᵢ, 1/s.
+    pub velocity_gradient: [[Rounded; 2]; 2],
+    /// Rotation ω − s₂₁ of the material against half the vorticity, 1/s; 0 for a coaxial model.
+    pub relative_rotation: Rounded,
+    /// Half the vorticity s₂₁, 1/s.
+    pub half_vorticity: f64,
+    /// Intrinsic spin Ω, rad/s, for the models that have one.
+    pub spin: Option<Rounded>,
+    /// Material acceleration less body force, m/s².
+    pub acceleration: [Rounded; 2],
+    /// Body moment per unit mass, m²/s², for Harris–Grekova.
+    pub body_moment: Option<f64>,
+    /// Material rate of the stress angle, rad/s, where the flow rule determines it.
+    pub stress_angle_rate: Option<f64>,
+    /// Gradient of the pressure, Pa/m.
+    pub pressure_gradient: [f64; 2],
+    /// Gradient of the stress angle, rad/m.
+    pub stress_angle_gradient: [f64; 2],
+    /// Gradient of the spin, rad/(s·m).
+    pub spin_gradient: [f64; 2],
+    /// Gradient of the density, kg/m⁴.
+    pub density_gradient: [f64; 2],
+    /// Material rate of the moment of inertia, m²/s.
+    pub inertia_rate: f64,
+    /// Gradient of the moment of inertia, m.
+    pub inertia_gradient: [f64; 2],
+    /// Internal power per unit volume, W/m³.
+    pub power: f64,
+}
+
+impl Flow {
+    /// Non-coaxiality with its bound, rad.
+    pub fn rounded_noncoaxiality(&self) -> Rounded {
+        Rounded { value: self.noncoaxiality, bound: self.noncoaxiality_rounding }
+    }
+}

@@ -1,0 +1,260 @@
+//! Moduli of elastic solids, their checks, and wave speeds in closed form.
+//!
+//! Energy densities, with Λ̇ᵢⱼ = ∂ⱼvᵢ + εᵢⱼₖωₖ and Ṁᵢⱼ = ∂ⱼωᵢ (Frobenius norms, s and a for the
+//! symmetric and antisymmetric parts):
+//!
+//! ```text
+//! ½λ (tr Λ)² + μ|Λˢ|² + α|Λᵃ|² + ½β (tr M)² + γ|Mˢ|² + η|Mᵃ|².
+//! ```
+
+use super::stress::{Stress, split, square};
+use crate::common::input::{InputError, ensure};
+
+/// An isotropic elastic solid: classical without `microrotation`, reduced Cosserat without couple
+/// stress, else Cosserat. The three are systems of their own: none is reached by dividing by zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Isotropic {
+    /// Lamé modulus λ, Pa; 3λ + 2μ > 0.
+    pub lambda: f64,
+    /// Shear modulus μ, Pa; > 0.
+    pub mu: f64,
+    /// Density ρ, kg/m³; > 0.
+    pub density: f64,
+    /// What its particles' own rotation adds.
+    pub microrotation: Option<Microrotation>,
+}
+
+/// Constants of the particles' own rotation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Microrotation {
+    /// Modulus α of the antisymmetric strain, Pa; > 0.
+    pub alpha: f64,
+    /// Moment of inertia per unit volume j, kg/m; > 0.
+    pub inertia: f64,
+    /// Resistance to gradients of the rotation; `None` in the reduced Cosserat solid.
+    pub couple: Option<CoupleModuli>,
+}
+
+/// Moduli of the couple stress.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoupleModuli {
+    /// β, N; 3β + 2γ > 0.
+    pub beta: f64,
+    /// γ, N; > 0.
+    pub gamma: f64,
+    /// η, N; > 0.
+    pub eta: f64,
+}
+
+/// Which of the elastic theories a solid belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Theory {
+    /// No rotation of its own.
+    Classical,
+    /// Own rotation, no couple stress.
+    Reduced,
+    /// Own rotation and couple stress.
+    Cosserat,
+}
+
+/// Wave speeds of an isotropic solid, m/s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Speeds {
+    /// Longitudinal waves, c_p² = (λ + 2μ)/ρ.
+    pub longitudinal: f64,
+    /// Shear waves that are too short for the rotation to follow, c_s² = (μ + α)/ρ (classical:
+    /// μ/ρ).
+    pub shear: f64,
+    /// Waves of rotation about the wave vector, c_m² = (β + 2γ)/j.
+    pub torsion: Option<f64>,
+    /// Waves of rotation about an axis across the wave vector, c_ω² = (γ + η)/j.
+    pub rotation: Option<f64>,
+}
+
+impl Isotropic {
+    /// Checks the moduli: together the inequalities make the energy positive definite.
+    ///
+    /// # Errors
+    /// The inequality that is broken, with the numbers.
+    pub fn new(
+        lambda: f64,
+        mu: f64,
+        density: f64,
+        microrotation: Option<Microrotation>,
+    ) -> Result<Self, InputError> {
+        const BULK: &str = "the energy is positive definite only for 3λ + 2μ > 0";
+        positive("mu", mu, "the energy is positive definite only for μ > 0, in Pa")?;
+        combined("lambda", 3.0 * lambda + 2.0 * mu, "3λ + 2μ", BULK)?;
+        positive("density", density, "the density must be positive, ρ > 0, in kg/m³")?;
+        if let Some(Microrotation { alpha, inertia, couple }) = microrotation {
+            const ALPHA: &str = "the energy is positive definite only for α > 0, in Pa; without \
+                                 microrotation the solid is classical";
+            positive("alpha", alpha, ALPHA)?;
+            positive("inertia", inertia, "the moment of inertia must be j > 0, in kg/m")?;
+            if let Some(CoupleModuli { beta, gamma, eta }) = couple {
+                const TORSION: &str = "the energy is positive definite only for 3β + 2γ > 0";
+                const ETA: &str = "the energy is positive definite only for η > 0, in N";
+                positive("gamma", gamma, "the energy is positive definite only for γ > 0, in N")?;
+                combined("beta", 3.0 * beta + 2.0 * gamma, "3β + 2γ", TORSION)?;
+                positive("eta", eta, ETA)?;
+            }
+        }
+        Ok(Self { lambda, mu, density, microrotation })
+    }
+
+    /// The theory that it belongs to.
+    pub fn theory(&self) -> Theory {
+        match self.microrotation {
+            None => Theory::Classical,
+            Some(Microrotation { couple: None, .. }) => Theory::Reduced,
+            Some(_) => Theory::Cosserat,
+        }
+    }
+
+    /// Moduli of the couple stress.
+    pub fn couple(&self) -> Option<CoupleModuli> {
+        self.microrotation.and_then(|m| m.couple)
+    }
+
+    /// Energy stored by a stress, J/m³: ½σ·C·σ + ½m·C·m. What the solid has no modulus for stores nothing.
+    pub fn stored_energy(&self, stress: &Stress) -> f64 {
+        let over = |value: f64, modulus: f64| if modulus > 0.0 { value / modulus } else { 0.0 };
+        let part = |tensor: &[[f64; 3]; 3], [trace, symmetric, antisymmetric]: [f64; 3]| {
+            let (mean, deviator, spin) = split(tensor);
+            over(0.25 * square(&deviator), symmetric)
+                + over(0.25 * square(&spin), antisymmetric)
+                + over(1.5 * mean * mean, 3.0 * trace + 2.0 * symmetric)
+        };
+        let alpha = self.microrotation.map_or(0.0, |m| m.alpha);
+        let couple = self.couple().map_or([0.0; 3], |c| [c.beta, c.gamma, c.eta]);
+        part(&stress.force, [self.lambda, self.mu, alpha]) + part(&stress.couple, couple)
+    }
+
+    /// Wave speeds: what the symbol's characteristic speeds must come to.
+    pub fn speeds(&self) -> Speeds {
+        let alpha = self.microrotation.map_or(0.0, |m| m.alpha);
+        let rotational = |modulus: fn(CoupleModuli) -> f64| {
+            self.microrotation.and_then(|m| Some((modulus(m.couple?) / m.inertia).sqrt()))
+        };
+        Speeds {
+            longitudinal: ((self.lambda + 2.0 * self.mu) / self.density).sqrt(),
+            shear: ((self.mu + alpha) / self.density).sqrt(),
+            torsion: rotational(|c| c.beta + 2.0 * c.gamma),
+            rotation: rotational(|c| c.gamma + c.eta),
+        }
+    }
+}
+
+impl Microrotation {
+    /// Natural frequency of the rotation without displacement, ω* = √(4α/j), rad/s.
+    pub fn natural_frequency(&self) -> f64 {
+        (4.0 * self.alpha / self.inertia).sqrt()
+    }
+}
+
+/// A Cosserat solid in plane strain by its compliances (Sadovskii & Sadovskaya 2019, "Plane strain
+/// state"):
+///
+/// ```text
+/// a₁σ̇₁₁ − b₁σ̇₂₂ = v₁,₁    a₂σ̇₂₁ − b₂σ̇₁₂ = v₂,₁ − ω₃    μ̇₃₁ = α₂ω₃,₁
+/// a₁σ̇₂₂ − b₁σ̇₁₁ = v₂,₂    a₂σ̇₁₂ − b₂σ̇₂₁ = v₁,₂ + ω₃    μ̇₃₂ = α₂ω₃,₂
+/// ```
+///
+/// Isotropic exactly if a₁ + b₁ = a₂ − b₂ (= 1/2μ), else cubic: speeds depend on direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneCompliances {
+    /// a₁, 1/Pa; > |b₁|.
+    pub a1: f64,
+    /// b₁, 1/Pa.
+    pub b1: f64,
+    /// a₂, 1/Pa; > |b₂|.
+    pub a2: f64,
+    /// b₂, 1/Pa.
+    pub b2: f64,
+    /// α₂, N; > 0.
+    pub alpha2: f64,
+    /// Density ρ₀, kg/m³; > 0.
+    pub density: f64,
+    /// Moment of inertia per unit volume J₀, kg/m; > 0.
+    pub inertia: f64,
+}
+
+impl PlaneCompliances {
+    /// Checks the compliances.
+    ///
+    /// # Errors
+    /// The inequality that is broken, with the numbers.
+    pub fn check(self) -> Result<Self, InputError> {
+        let Self { a1, b1, a2, b2, alpha2, density, inertia } = self;
+        combined(
+            "a1",
+            a1 - b1.abs(),
+            "a₁ − |b₁|",
+            "the energy is positive definite only for a₁ > |b₁|",
+        )?;
+        combined(
+            "a2",
+            a2 - b2.abs(),
+            "a₂ − |b₂|",
+            "the energy is positive definite only for a₂ > |b₂|",
+        )?;
+        positive("alpha2", alpha2, "the energy is positive definite only for α₂ > 0, in N")?;
+        positive("density", density, "the density must be positive, ρ₀ > 0, in kg/m³")?;
+        positive("inertia", inertia, "the moment of inertia must be J₀ > 0, in kg/m")?;
+        Ok(self)
+    }
+
+    /// Energy that the stress in the plane stores, J/m³.
+    pub fn stored_energy(&self, stress: &Stress) -> f64 {
+        let pair = |a: f64, b: f64, x: f64, y: f64| 0.5 * a * (x * x + y * y) - b * x * y;
+        let (force, couple) = (&stress.force, &stress.couple[2]);
+        pair(self.a1, self.b1, force[0][0], force[1][1])
+            + pair(self.a2, self.b2, force[0][1], force[1][0])
+            + 0.5 * (couple[0] * couple[0] + couple[1] * couple[1]) / self.alpha2
+    }
+
+    /// The compliances of an isotropic Cosserat solid; `None` without couple stress.
+    pub fn of(solid: &Isotropic) -> Option<Self> {
+        let Microrotation { alpha, inertia, couple } = solid.microrotation?;
+        let CoupleModuli { gamma, eta, .. } = couple?;
+        let (lambda, mu) = (solid.lambda, solid.mu);
+        Some(Self {
+            a1: (lambda + 2.0 * mu) / (4.0 * mu * (lambda + mu)),
+            b1: lambda / (4.0 * mu * (lambda + mu)),
+            a2: (mu + alpha) / (4.0 * mu * alpha),
+            b2: (mu - alpha) / (4.0 * mu * alpha),
+            alpha2: gamma + eta,
+            density: solid.density,
+            inertia,
+        })
+    }
+
+    /// (a₁ + b₁)/(a₂ − b₂) − 1: zero exactly for isotropic solids.
+    pub fn anisotropy(&self) -> f64 {
+        (self.a1 + self.b1) / (self.a2 - self.b2) - 1.0
+    }
+
+    /// λ, μ and α of an isotropic solid in plane strain.
+    ///
+    /// # Errors
+    /// The compliances are cubic by more than rounding: there is no such solid.
+    pub fn isotropic_moduli(&self) -> Result<[f64; 3], InputError> {
+        let Self { a1, b1, a2, b2, .. } = *self;
+        ensure(
+            self.anisotropy().abs() <= 1e-12,
+            "a1",
+            format_args!("a₁ + b₁ = {}, a₂ − b₂ = {}", a1 + b1, a2 - b2),
+            "λ, μ and α exist only where a₁ + b₁ = a₂ − b₂: this solid is cubic",
+        )?;
+        let mu = 0.5 / (a1 + b1);
+        Ok([b1 / ((a1 - b1) * (a1 + b1)), mu, 0.5 / (a2 + b2)])
+    }
+}
+
+fn positive(key: &'static str, value: f64, allowed: &str) -> Result<(), InputError> {
+    ensure(value > 0.0 && value.is_finite(), key, value, allowed)
+}
+
+fn combined(key: &'static str, value: f64, name: &str, allowed: &str) -> Result<(), InputError> {
+    ensure(value > 0.0 && value.is_finite(), key, format_args!("{name} = {value}"), allowed)
+}

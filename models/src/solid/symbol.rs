@@ -1,0 +1,403 @@
+//! Rate equations of elastic solids, written from the balances of momentum and of spin
+//!
+//! ```text
+//! ρ v̇ᵢ = ∂ⱼσᵢⱼ,    j ω̇ₖ = ∂ⱼmₖⱼ − εₖᵢⱼσᵢⱼ,
+//! ```
+//!
+//! the strain rates Λ̇ᵢⱼ = ∂ⱼvᵢ + εᵢⱼₖωₖ and Ṁₖⱼ = ∂ⱼωₖ, and Hooke's law
+//! (Sadovskii & Sadovskaya 2019, "Elastic Cosserat continuum").
+
+use super::parameters::{Isotropic, PlaneCompliances, Theory};
+use super::stress::Component::{self, Couple, Force, Symmetric};
+use crate::common::rates::RateEquations;
+use crate::common::rounding::Rounded;
+use crate::common::system::{Matrix, Unknown};
+use nalgebra::DMatrix;
+
+/// A generalised velocity; axes from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Velocity {
+    /// vᵢ.
+    Translation(usize),
+    /// ωₖ.
+    Spin(usize),
+}
+use Velocity::{Spin, Translation};
+
+/// The unknowns of a theory in space or in plane strain.
+#[derive(Debug)]
+pub struct Layout {
+    /// Velocities, then all stresses.
+    unknowns: &'static [Unknown],
+    /// Balances, then laws.
+    equations: &'static [&'static str],
+    /// Velocities.
+    pub velocities: &'static [Velocity],
+    /// Stresses that are unknowns.
+    pub stresses: &'static [Component],
+    /// These, and the carried ones: stresses of plane strain that neither enter the balances nor are
+    /// strained, but that yield conditions and energies see. Nothing is strained across the plane, and
+    /// yet there is stress.
+    all: &'static [Component],
+}
+
+const fn unknown(name: &'static str, family: &'static str) -> Unknown {
+    Unknown { name, family }
+}
+
+/// Names of unknowns and equations.
+macro_rules! names {
+    ($($name:literal $family:literal $equation:literal;)*) => {
+        (&[$(unknown($name, $family)),*], &[$($equation),*])
+    };
+}
+
+type Names<const N: usize> = (&'static [Unknown; N], &'static [&'static str; N]);
+
+static PLANE_CLASSICAL: Names<6> = names! {
+    "v1" "velocity" "momentum 1";
+    "v2" "velocity" "momentum 2";
+    "σ11" "stress" "law of σ11";
+    "σ22" "stress" "law of σ22";
+    "σ12" "stress" "law of σ12";
+    "σ33" "stress" "law of σ33";
+};
+
+static PLANE_REDUCED: Names<8> = names! {
+    "v1" "velocity" "momentum 1";
+    "v2" "velocity" "momentum 2";
+    "ω3" "spin" "spin 3";
+    "σ11" "stress" "law of σ11";
+    "σ22" "stress" "law of σ22";
+    "σ21" "stress" "law of σ21";
+    "σ12" "stress" "law of σ12";
+    "σ33" "stress" "law of σ33";
+};
+
+static PLANE_COSSERAT: Names<12> = names! {
+    "v1" "velocity" "momentum 1";
+    "v2" "velocity" "momentum 2";
+    "ω3" "spin" "spin 3";
+    "σ11" "stress" "law of σ11";
+    "σ22" "stress" "law of σ22";
+    "σ21" "stress" "law of σ21";
+    "σ12" "stress" "law of σ12";
+    "m31" "couple stress" "law of m31";
+    "m32" "couple stress" "law of m32";
+    "σ33" "stress" "law of σ33";
+    "m13" "couple stress" "law of m13";
+    "m23" "couple stress" "law of m23";
+};
+
+static SPACE_CLASSICAL: Names<9> = names! {
+    "v1" "velocity" "momentum 1";
+    "v2" "velocity" "momentum 2";
+    "v3" "velocity" "momentum 3";
+    "σ11" "stress" "law of σ11";
+    "σ22" "stress" "law of σ22";
+    "σ33" "stress" "law of σ33";
+    "σ23" "stress" "law of σ23";
+    "σ13" "stress" "law of σ13";
+    "σ12" "stress" "law of σ12";
+};
+
+static SPACE_COSSERAT: Names<24> = names! {
+    "v1" "velocity" "momentum 1";
+    "v2" "velocity" "momentum 2";
+    "v3" "velocity" "momentum 3";
+    "ω1" "spin" "spin 1";
+    "ω2" "spin" "spin 2";
+    "ω3" "spin" "spin 3";
+    "σ11" "stress" "law of σ11";
+    "σ12" "stress" "law of σ12";
+    "σ13" "stress" "law of σ13";
+    "σ21" "stress" "law of σ21";
+    "σ22" "stress" "law of σ22";
+    "σ23" "stress" "law of σ23";
+    "σ31" "stress" "law of σ31";
+    "σ32" "stress" "law of σ32";
+    "σ33" "stress" "law of σ33";
+    "m11" "couple stress" "law of m11";
+    "m12" "couple stress" "law of m12";
+    "m13" "couple stress" "law of m13";
+    "m21" "couple stress" "law of m21";
+    "m22" "couple stress" "law of m22";
+    "m23" "couple stress" "law of m23";
+    "m31" "couple stress" "law of m31";
+    "m32" "couple stress" "law of m32";
+    "m33" "couple stress" "law of m33";
+};
+
+const IN_PLANE: [Velocity; 3] = [Translation(0), Translation(1), Spin(2)];
+const IN_SPACE: [Velocity; 6] =
+    [Translation(0), Translation(1), Translation(2), Spin(0), Spin(1), Spin(2)];
+
+// Carried ones last.
+const CLASSICAL_PLANE_STRESSES: [Component; 4] =
+    [Symmetric(0, 0), Symmetric(1, 1), Symmetric(0, 1), Symmetric(2, 2)];
+const REDUCED_PLANE_STRESSES: [Component; 5] =
+    [Force(0, 0), Force(1, 1), Force(1, 0), Force(0, 1), Force(2, 2)];
+const COSSERAT_PLANE_STRESSES: [Component; 9] = [
+    Force(0, 0),
+    Force(1, 1),
+    Force(1, 0),
+    Force(0, 1),
+    Couple(2, 0),
+    Couple(2, 1),
+    Force(2, 2),
+    Couple(0, 2),
+    Couple(1, 2),
+];
+const CLASSICAL_STRESSES: [Component; 6] = [
+    Symmetric(0, 0),
+    Symmetric(1, 1),
+    Symmetric(2, 2),
+    Symmetric(1, 2),
+    Symmetric(0, 2),
+    Symmetric(0, 1),
+];
+const SPACE_STRESSES: [Component; 18] = [
+    Force(0, 0),
+    Force(0, 1),
+    Force(0, 2),
+    Force(1, 0),
+    Force(1, 1),
+    Force(1, 2),
+    Force(2, 0),
+    Force(2, 1),
+    Force(2, 2),
+    Couple(0, 0),
+    Couple(0, 1),
+    Couple(0, 2),
+    Couple(1, 0),
+    Couple(1, 1),
+    Couple(1, 2),
+    Couple(2, 0),
+    Couple(2, 1),
+    Couple(2, 2),
+];
+
+/// The unknowns in plane strain.
+pub fn plane(theory: Theory) -> Layout {
+    match theory {
+        Theory::Classical => Layout {
+            unknowns: PLANE_CLASSICAL.0,
+            equations: PLANE_CLASSICAL.1,
+            velocities: &IN_PLANE[..2],
+            stresses: &CLASSICAL_PLANE_STRESSES[..3],
+            all: &CLASSICAL_PLANE_STRESSES,
+        },
+        Theory::Reduced => Layout {
+            unknowns: PLANE_REDUCED.0,
+            equations: PLANE_REDUCED.1,
+            velocities: &IN_PLANE,
+            stresses: &REDUCED_PLANE_STRESSES[..4],
+            all: &REDUCED_PLANE_STRESSES,
+        },
+        Theory::Cosserat => Layout {
+            unknowns: PLANE_COSSERAT.0,
+            equations: PLANE_COSSERAT.1,
+            velocities: &IN_PLANE,
+            stresses: &COSSERAT_PLANE_STRESSES[..6],
+            all: &COSSERAT_PLANE_STRESSES,
+        },
+    }
+}
+
+/// The unknowns in space.
+pub fn space(theory: Theory) -> Layout {
+    match theory {
+        Theory::Classical => Layout {
+            unknowns: SPACE_CLASSICAL.0,
+            equations: SPACE_CLASSICAL.1,
+            velocities: &IN_SPACE[..3],
+            stresses: &CLASSICAL_STRESSES,
+            all: &CLASSICAL_STRESSES,
+        },
+        Theory::Reduced => Layout {
+            unknowns: &SPACE_COSSERAT.0[..15],
+            equations: &SPACE_COSSERAT.1[..15],
+            velocities: &IN_SPACE,
+            stresses: &SPACE_STRESSES[..9],
+            all: &SPACE_STRESSES[..9],
+        },
+        Theory::Cosserat => Layout {
+            unknowns: SPACE_COSSERAT.0,
+            equations: SPACE_COSSERAT.1,
+            velocities: &IN_SPACE,
+            stresses: &SPACE_STRESSES,
+            all: &SPACE_STRESSES,
+        },
+    }
+}
+
+/// εᵢⱼₖ.
+fn permutation(i: usize, j: usize, k: usize) -> f64 {
+    match (i, j, k) {
+        (0, 1, 2) | (1, 2, 0) | (2, 0, 1) => 1.0,
+        (2, 1, 0) | (1, 0, 2) | (0, 2, 1) => -1.0,
+        _ => 0.0,
+    }
+}
+
+impl Layout {
+    /// Stresses that enter the equations, then the carried ones.
+    pub fn all_stresses(&self) -> impl Iterator<Item = Component> + Clone {
+        self.all.iter().copied()
+    }
+
+    /// The same with the carried stresses among the unknowns, where they act on the others: by what
+    /// flow does while the stress changes.
+    pub fn carrying(self) -> Self {
+        Self { stresses: self.all, ..self }
+    }
+
+    /// The same without carried stresses.
+    pub(crate) fn without_carried(self) -> Self {
+        Self { all: self.stresses, ..self }
+    }
+
+    /// Names of the unknowns: velocities, then stresses.
+    pub fn unknowns(&self) -> &'static [Unknown] {
+        &self.unknowns[..self.velocities.len() + self.stresses.len()]
+    }
+
+    /// Names of the equations: balances, then laws.
+    pub fn equations(&self) -> &'static [&'static str] {
+        &self.equations[..self.velocities.len() + self.stresses.len()]
+    }
+
+    /// Gⁱ for the `axis` i: the part of the strain rates that ∂ᵢ makes.
+    pub fn gradient(&self, axis: usize) -> DMatrix<f64> {
+        DMatrix::from_fn(self.stresses.len(), self.velocities.len(), |s, v| {
+            let strains = match (self.stresses[s], self.velocities[v]) {
+                (Force(i, j), Translation(a)) => a == i && axis == j,
+                (Symmetric(i, j), Translation(a)) => (a == i && axis == j) || (a == j && axis == i),
+                (Couple(k, j), Spin(a)) => a == k && axis == j,
+                _ => false,
+            };
+            f64::from(u8::from(strains))
+        })
+    }
+
+    /// Z: the part of the strain rates that spins make without gradients.
+    pub fn rotation(&self) -> DMatrix<f64> {
+        DMatrix::from_fn(self.stresses.len(), self.velocities.len(), |s, v| {
+            match (self.stresses[s], self.velocities[v]) {
+                (Force(i, j), Spin(k)) => permutation(i, j, k),
+                _ => 0.0,
+            }
+        })
+    }
+
+    /// Rate equations with that stiffness of [`all_stresses`](Self::all_stresses): carried ones take
+    /// no part.
+    pub fn rates<const D: usize>(
+        &self,
+        stiffness: &Matrix,
+        density: f64,
+        inertia: f64,
+    ) -> RateEquations<D> {
+        let size = self.stresses.len();
+        let of = |v: &Velocity| match v {
+            Translation(_) => Rounded::given(density),
+            Spin(_) => Rounded::given(inertia),
+        };
+        RateEquations {
+            unknowns: self.unknowns(),
+            equations: self.equations(),
+            inertia: self.velocities.iter().map(of).collect(),
+            stiffness: stiffness.view((0, 0), (size, size)).into_owned(),
+            gradient: std::array::from_fn(|axis| self.gradient(axis)),
+            rotation: self.rotation(),
+            relaxation: Matrix::from_element(size, size, Rounded::ZERO),
+        }
+    }
+}
+
+impl Isotropic {
+    /// The unknowns in `D` = 2 (plane strain) or 3 dimensions.
+    pub fn layout<const D: usize>(&self) -> Layout {
+        const { assert!(D == 2 || D == 3) };
+        if D == 2 { plane(self.theory()) } else { space(self.theory()) }
+    }
+
+    /// Hooke's law between the stresses of the list, Pa or N:
+    /// σ = λ tr(Λ) δ + 2μ Λˢ + 2α Λᵃ and m = β tr(M) δ + 2γ Mˢ + 2η Mᵃ.
+    pub fn stiffness(&self, stresses: impl Iterator<Item = Component> + Clone) -> Matrix {
+        let given = Rounded::given;
+        let (lambda, mu) = (given(self.lambda), given(self.mu));
+        let alpha = self.microrotation.map_or(Rounded::ZERO, |m| given(m.alpha));
+        let [beta, gamma, eta] = self
+            .couple()
+            .map_or([Rounded::ZERO; 3], |c| [given(c.beta), given(c.gamma), given(c.eta)]);
+        let isotropic = |[trace, symmetric, antisymmetric]: [Rounded; 3],
+                         (i, j): (usize, usize),
+                         (k, l): (usize, usize)| {
+            let mut entry = Rounded::ZERO;
+            if i == j && k == l {
+                entry += trace;
+            }
+            if (i, j) == (k, l) {
+                entry += symmetric + antisymmetric;
+            }
+            if (i, j) == (l, k) {
+                entry += symmetric - antisymmetric;
+            }
+            entry
+        };
+        let list: Vec<Component> = stresses.collect();
+        Matrix::from_fn(list.len(), list.len(), |row, column| match (list[row], list[column]) {
+            (Force(i, j), Force(k, l)) => isotropic([lambda, mu, alpha], (i, j), (k, l)),
+            // Its strain rate is twice the tensor's off the diagonal: half of each of two equal
+            // entries.
+            (Symmetric(i, j), Symmetric(k, l)) => {
+                isotropic([lambda, mu, Rounded::ZERO], (i, j), (k, l))
+            }
+            (Couple(i, j), Couple(k, l)) => isotropic([beta, gamma, eta], (i, j), (k, l)),
+            _ => Rounded::ZERO,
+        })
+    }
+
+    /// The rate equations in `D` = 2 (plane strain) or 3 dimensions.
+    pub fn rates<const D: usize>(&self) -> RateEquations<D> {
+        let layout = self.layout::<D>();
+        let inertia = self.microrotation.map_or(0.0, |m| m.inertia);
+        layout.rates(&self.stiffness(layout.all_stresses()), self.density, inertia)
+    }
+}
+
+impl PlaneCompliances {
+    /// The unknowns.
+    pub fn layout(&self) -> Layout {
+        let layout = plane(Theory::Cosserat);
+        Layout { all: layout.stresses, ..layout }
+    }
+
+    /// The inverse of the compliances, in the order of the [`layout`](Self::layout).
+    pub fn stiffness(&self) -> Matrix {
+        let given = Rounded::given;
+        let inverse = |a: f64, b: f64| {
+            let (a, b) = (given(a), given(b));
+            let determinant = (a - b) * (a + b);
+            (a / determinant, b / determinant)
+        };
+        let (normal, cross) = inverse(self.a1, self.b1);
+        let (shear, transposed) = inverse(self.a2, self.b2);
+        let mut stiffness = Matrix::from_element(6, 6, Rounded::ZERO);
+        for ([i, j], own, other) in [([0, 1], normal, cross), ([2, 3], shear, transposed)] {
+            stiffness[(i, i)] = own;
+            stiffness[(j, j)] = own;
+            stiffness[(i, j)] = other;
+            stiffness[(j, i)] = other;
+        }
+        stiffness[(4, 4)] = given(self.alpha2);
+        stiffness[(5, 5)] = given(self.alpha2);
+        stiffness
+    }
+
+    /// The rate equations.
+    pub fn rates(&self) -> RateEquations<2> {
+        self.layout().rates(&self.stiffness(), self.density, self.inertia)
+    }
+}

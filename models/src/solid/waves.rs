@@ -1,0 +1,233 @@
+//! One-dimensional waves of elastic solids along a coordinate axis in closed form, for solvers in time.
+//!
+//! Along x_a velocities and stresses fall into pairs that drive each other,
+//!
+//! ```text
+//! m v̇ = ∂ₐs,    ṡ = M ∂ₐv,    c = √(M/m),    z = √(mM),
+//! ```
+//!
+//! and other stresses follow s in a fixed ratio: s′ − r s is an invariant of speed zero
+//! (Sadovskii & Sadovskaya 2019, "Elastic Cosserat continuum"). What couples spins and antisymmetric
+//! stress without gradients is a rotation by the natural frequency 2√(α/j).
+//!
+//! Independent of [`symbol`](super::symbol), which says the same as matrices; a test holds them together.
+
+use super::parameters::{Isotropic, PlaneCompliances, Theory};
+use crate::common::elementary::Elementary;
+use std::fmt;
+
+/// A component of the state; axes from 0. The second index of a stress is the face normal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Field {
+    /// vᵢ, m/s.
+    Velocity(usize),
+    /// ωₖ, rad/s.
+    Spin(usize),
+    /// σᵢⱼ, Pa; in classical solids i ≤ j stands for both.
+    Stress(usize, usize),
+    /// mₖⱼ, N/m.
+    Couple(usize, usize),
+}
+use Field::{Couple, Spin, Stress, Velocity};
+
+/// The name of the same component among the unknowns of the [rate equations](crate::common::rates): `v1`, `ω3`, `σ12`, `m31`.
+impl fmt::Display for Field {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Velocity(i) => write!(formatter, "v{}", i + 1),
+            Spin(k) => write!(formatter, "ω{}", k + 1),
+            Stress(i, j) => write!(formatter, "σ{}{}", i + 1, j + 1),
+            Couple(k, j) => write!(formatter, "m{}{}", k + 1, j + 1),
+        }
+    }
+}
+
+/// A velocity and a stress that drive each other along an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pair {
+    /// v: a translation or a spin.
+    pub velocity: Field,
+    /// s.
+    pub stress: Field,
+    /// m: density, kg/m³, or moment of inertia, kg/m.
+    pub inertia: f64,
+    /// M, Pa or N.
+    pub modulus: f64,
+    /// The stresses that follow, with r = ds′/ds.
+    pub followers: Vec<(Field, f64)>,
+}
+
+impl Pair {
+    /// Speed c, m/s.
+    pub fn speed(&self) -> f64 {
+        (self.modulus / self.inertia).sqrt()
+    }
+
+    /// Impedance z = mc, kg/(m²s) for translations.
+    pub fn impedance(&self) -> f64 {
+        (self.inertia * self.modulus).sqrt()
+    }
+}
+
+/// The rotation of spins against antisymmetric stress: with aₖ = ½εₖᵢⱼσᵢⱼ
+///
+/// ```text
+/// j ω̇ₖ = −2 aₖ,    ȧₖ = 2α ωₖ.
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rotation {
+    /// Natural frequency 2√(α/j), rad/s.
+    pub frequency: f64,
+    /// √(αj), the ratio of a to ω, Pa·s.
+    pub ratio: f64,
+}
+
+impl Rotation {
+    fn new(alpha: f64, inertia: f64) -> Self {
+        Self { frequency: 2.0 * (alpha / inertia).sqrt(), ratio: (alpha * inertia).sqrt() }
+    }
+
+    /// ω and a after the time `duration` (s), exactly.
+    pub fn turn(&self, [spin, stress]: [f64; 2], duration: f64) -> [f64; 2] {
+        let (sin, cos) = (self.frequency * duration).cr_sin_cos();
+        [spin * cos - stress / self.ratio * sin, stress * cos + self.ratio * spin * sin]
+    }
+}
+
+/// The state of a theory in `dimensions` = 2 (plane strain, with the stresses across the plane that yield
+/// conditions and energies see) or 3.
+pub fn fields(theory: Theory, dimensions: usize) -> Vec<Field> {
+    let axes = 0..dimensions;
+    let mut fields: Vec<Field> = axes.clone().map(Velocity).collect();
+    if theory != Theory::Classical {
+        fields.extend(if dimensions == 2 {
+            vec![Spin(2)]
+        } else {
+            axes.clone().map(Spin).collect()
+        });
+    }
+    for i in axes.clone() {
+        for j in axes.clone().filter(|&j| theory != Theory::Classical || i <= j) {
+            fields.push(Stress(i, j));
+        }
+    }
+    if dimensions == 2 {
+        fields.push(Stress(2, 2));
+    }
+    if theory == Theory::Cosserat {
+        if dimensions == 2 {
+            fields.extend([Couple(2, 0), Couple(2, 1), Couple(0, 2), Couple(1, 2)]);
+        } else {
+            fields.extend(axes.clone().flat_map(|k| axes.clone().map(move |j| Couple(k, j))));
+        }
+    }
+    fields
+}
+
+/// Moduli of a law t = a tr(T) δ + b T + c Tᵀ: that of T(axis, axis) or else of T(i, axis), and the
+/// ratios in which other components follow.
+struct Law {
+    trace: f64,
+    own: f64,
+    transposed: f64,
+}
+
+impl Law {
+    fn new(trace: f64, symmetric: f64, antisymmetric: f64) -> Self {
+        Self { trace, own: symmetric + antisymmetric, transposed: symmetric - antisymmetric }
+    }
+
+    fn modulus(&self, is_along: bool) -> f64 {
+        match is_along {
+            true => self.trace + self.own + self.transposed,
+            false => self.own,
+        }
+    }
+
+    fn ratio(&self, is_along: bool) -> f64 {
+        let follower = if is_along { self.trace } else { self.transposed };
+        follower / self.modulus(is_along)
+    }
+}
+
+impl Isotropic {
+    /// The pairs along `axis`, in 2 or 3 dimensions.
+    pub fn pairs(&self, dimensions: usize, axis: usize) -> Vec<Pair> {
+        let alpha = self.microrotation.map_or(0.0, |m| m.alpha);
+        let force = Law::new(self.lambda, self.mu, alpha);
+        let is_classical = self.theory() == Theory::Classical;
+        let normals = move || (0..3).filter(move |&k| k != axis);
+        let mut pairs: Vec<Pair> = (0..dimensions)
+            .map(|i| {
+                let followers = match (i == axis, is_classical) {
+                    (true, _) => normals().map(|k| (Stress(k, k), force.ratio(true))).collect(),
+                    (false, true) => Vec::new(),
+                    (false, false) => vec![(Stress(axis, i), force.ratio(false))],
+                };
+                let [first, second] = match is_classical {
+                    true => [i.min(axis), i.max(axis)],
+                    false => [i, axis],
+                };
+                Pair {
+                    velocity: Velocity(i),
+                    stress: Stress(first, second),
+                    inertia: self.density,
+                    modulus: force.modulus(i == axis),
+                    followers,
+                }
+            })
+            .collect();
+        if let (Some(couple), Some(rotation)) = (self.couple(), self.microrotation) {
+            let law = Law::new(couple.beta, couple.gamma, couple.eta);
+            let spins = if dimensions == 2 { 2..3 } else { 0..3 };
+            pairs.extend(spins.map(|k| Pair {
+                velocity: Spin(k),
+                stress: Couple(k, axis),
+                inertia: rotation.inertia,
+                modulus: law.modulus(k == axis),
+                followers: match k == axis {
+                    true => normals().map(|l| (Couple(l, l), law.ratio(true))).collect(),
+                    false => vec![(Couple(axis, k), law.ratio(false))],
+                },
+            }));
+        }
+        pairs
+    }
+
+    /// The rotation; `None` in classical solids.
+    pub fn rotation(&self) -> Option<Rotation> {
+        self.microrotation.map(|m| Rotation::new(m.alpha, m.inertia))
+    }
+}
+
+impl PlaneCompliances {
+    /// The pairs along `axis` in plane strain: a₁ and b₁ between normal stresses, a₂ and b₂ between shear
+    /// stresses.
+    pub fn pairs(&self, axis: usize) -> Vec<Pair> {
+        let pair = |i: usize| {
+            let (a, b) = if i == axis { (self.a1, self.b1) } else { (self.a2, self.b2) };
+            let other = 1 - axis;
+            let follower = if i == axis { Stress(other, other) } else { Stress(axis, i) };
+            Pair {
+                velocity: Velocity(i),
+                stress: Stress(i, axis),
+                inertia: self.density,
+                modulus: a / ((a - b) * (a + b)),
+                followers: vec![(follower, b / a)],
+            }
+        };
+        let rotation = Pair {
+            velocity: Spin(2),
+            stress: Couple(2, axis),
+            inertia: self.inertia,
+            modulus: self.alpha2,
+            followers: Vec::new(),
+        };
+        vec![pair(0), pair(1), rotation]
+    }
+
+    /// The rotation: α = ½/(a₂ + b₂).
+    pub fn rotation(&self) -> Rotation {
+        Rotation::new(0.5 / (self.a2 + self.b2), self.inertia)
+    }
+}

@@ -1,0 +1,313 @@
+//! Yield sets: convex, closed, with zero stress inside; their checks, values and normals.
+//!
+//! A set is a list of conditions f(σ, m) ≤ 0 in pascal. Flow follows the gradient of another
+//! function, f with the dilatancy in place of the friction; where both agree the flow is associated
+//! and obeys the variational inequality of Sadovskii & Sadovskaya (2019, "Elastic-plastic Cosserat
+//! continuum").
+
+use crate::common::input::{InputError, ensure};
+use crate::solid::stress::{Component, Stress, split, square};
+use nalgebra::DMatrix;
+
+/// Yielding controlled by the layers between blocks whose faces are normal to x₁ and x₂
+/// (Sadovskii & Sadovskaya 2019, "Plane strain state"), tension positive:
+///
+/// ```text
+/// |σ₂₁| ≤ τ₀ − κ_τ σ₁₁,  |σ₁₂| ≤ τ₀ − κ_τ σ₂₂,  |m₃₁| ≤ μ₀ − κ_μ σ₁₁,  |m₃₂| ≤ μ₀ − κ_μ σ₂₂.
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interlayer {
+    /// Shear strength τ₀ without normal stress, Pa; ≥ 0.
+    pub shear_strength: f64,
+    /// Friction κ_τ; ≥ 0.
+    pub shear_friction: f64,
+    /// Dilatancy κ̂_τ, in place of κ_τ in the flow rule; associated if equal.
+    pub shear_dilatancy: f64,
+    /// What rolling and bending meet; `None` in solids without couple stress.
+    pub couple: Option<InterlayerCouple>,
+}
+
+/// The part of [`Interlayer`] that limits couple stresses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InterlayerCouple {
+    /// Couple strength μ₀ without normal stress, N/m; ≥ 0.
+    pub strength: f64,
+    /// κ_μ, m; ≥ 0.
+    pub friction: f64,
+    /// κ̂_μ, m, in place of κ_μ in the flow rule.
+    pub dilatancy: f64,
+}
+
+/// A cone or cylinder about the axis of hydrostatic stress,
+///
+/// ```text
+/// τ̄ ≤ k − κ σ_m,   τ̄² = ½|sˢ|² + ½ h |σᵃ|² + ½|mˢ|²/ℓ_s² + ½|mᵃ|²/ℓ_a²,
+/// ```
+///
+/// with the mean stress σ_m = ⅓ tr σ and the deviator s of σ. von Mises: k alone. Drucker–Prager
+/// (1952), which is the Mises–Schleicher condition linear in σ_m: with κ. Cosserat–Mises: with h and
+/// the internal lengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mises {
+    /// Strength in shear k, Pa; > 0.
+    pub strength: f64,
+    /// Friction κ; ≥ 0.
+    pub friction: f64,
+    /// Dilatancy κ̂, in place of κ in the flow rule; associated if equal.
+    pub dilatancy: f64,
+    /// Weight h of the antisymmetric stress; ≥ 0.
+    pub antisymmetric_weight: f64,
+    /// Internal length ℓ_s of the symmetric couple stress, m; > 0, `None` for no limit.
+    pub symmetric_length: Option<f64>,
+    /// Internal length ℓ_a of the antisymmetric couple stress, m; > 0, `None` for no limit.
+    pub antisymmetric_length: Option<f64>,
+    /// Plastic modulus H = −df/dγᵖ, Pa; 0 for ideal plasticity, negative while softening.
+    pub hardening: f64,
+}
+
+/// A condition that holds with equality, at some stress.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ActiveCondition {
+    /// The condition.
+    pub name: &'static str,
+    /// Gradient n of f by the stress.
+    pub normal: Stress,
+    /// Direction m of the plastic strain rate; n where the flow is associated.
+    pub flow: Stress,
+    /// Plastic modulus H, Pa.
+    pub hardening: f64,
+}
+
+impl Interlayer {
+    /// Checks the constants.
+    ///
+    /// # Errors
+    /// The constant that is out of range.
+    pub fn check(self) -> Result<Self, InputError> {
+        not_negative(
+            "shear_strength",
+            self.shear_strength,
+            "the shear strength must be τ₀ ≥ 0, in Pa",
+        )?;
+        not_negative("shear_friction", self.shear_friction, "the friction must be κ_τ ≥ 0")?;
+        finite("shear_dilatancy", self.shear_dilatancy)?;
+        if let Some(couple) = self.couple {
+            not_negative(
+                "couple_strength",
+                couple.strength,
+                "the couple strength must be μ₀ ≥ 0, in N/m",
+            )?;
+            not_negative("couple_friction", couple.friction, "the friction must be κ_μ ≥ 0, in m")?;
+            finite("couple_dilatancy", couple.dilatancy)?;
+        }
+        Ok(self)
+    }
+
+    /// Its half-spaces n·s ≤ k: name, normal n, flow direction, strength k.
+    pub fn half_spaces(&self) -> impl Iterator<Item = (ActiveCondition, f64)> {
+        const SHEAR: [[&str; 2]; 2] = [
+            [
+                "shear of the layer normal to x1, σ21 > 0",
+                "shear of the layer normal to x1, σ21 < 0",
+            ],
+            [
+                "shear of the layer normal to x2, σ12 > 0",
+                "shear of the layer normal to x2, σ12 < 0",
+            ],
+        ];
+        const COUPLE: [[&str; 2]; 2] = [
+            [
+                "couple on the layer normal to x1, m31 > 0",
+                "couple on the layer normal to x1, m31 < 0",
+            ],
+            [
+                "couple on the layer normal to x2, m32 > 0",
+                "couple on the layer normal to x2, m32 < 0",
+            ],
+        ];
+        let own = *self;
+        let faces = (0..2).flat_map(|face| [(face, 0, 1.0), (face, 1, -1.0)]);
+        let shear = faces.clone().map(move |(face, index, sign)| {
+            let gradient = |friction: f64| {
+                let mut gradient = Stress::default();
+                gradient.force[face][face] = friction;
+                gradient.force[1 - face][face] = sign;
+                gradient
+            };
+            let condition = ActiveCondition {
+                name: SHEAR[face][index],
+                normal: gradient(own.shear_friction),
+                flow: gradient(own.shear_dilatancy),
+                hardening: 0.0,
+            };
+            (condition, own.shear_strength)
+        });
+        let couple = own.couple.into_iter().flat_map(move |couple| {
+            faces.clone().map(move |(face, index, sign)| {
+                let gradient = |friction: f64| {
+                    let mut gradient = Stress::default();
+                    gradient.force[face][face] = friction;
+                    gradient.couple[2][face] = sign;
+                    gradient
+                };
+                let condition = ActiveCondition {
+                    name: COUPLE[face][index],
+                    normal: gradient(couple.friction),
+                    flow: gradient(couple.dilatancy),
+                    hardening: 0.0,
+                };
+                (condition, couple.strength)
+            })
+        });
+        shear.chain(couple)
+    }
+}
+
+impl Mises {
+    /// von Mises' set (1913): √(½ s:s) ≤ k.
+    pub const fn von_mises(strength: f64) -> Self {
+        Self {
+            strength,
+            friction: 0.0,
+            dilatancy: 0.0,
+            antisymmetric_weight: 0.0,
+            symmetric_length: None,
+            antisymmetric_length: None,
+            hardening: 0.0,
+        }
+    }
+
+    /// Drucker & Prager's cone (1952): √(½ s:s) + κ σ_m ≤ k.
+    pub const fn drucker_prager(strength: f64, friction: f64, dilatancy: f64) -> Self {
+        Self { friction, dilatancy, ..Self::von_mises(strength) }
+    }
+
+    /// Checks the constants.
+    ///
+    /// # Errors
+    /// The constant that is out of range.
+    pub fn check(self) -> Result<Self, InputError> {
+        let positive = |key: &'static str, value: f64, allowed: &str| {
+            ensure(value > 0.0 && value.is_finite(), key, value, allowed)
+        };
+        positive("strength", self.strength, "the strength must be k > 0, in Pa")?;
+        not_negative("friction", self.friction, "the friction must be κ ≥ 0")?;
+        finite("dilatancy", self.dilatancy)?;
+        not_negative(
+            "antisymmetric_weight",
+            self.antisymmetric_weight,
+            "the weight must be h ≥ 0",
+        )?;
+        if let Some(length) = self.symmetric_length {
+            positive("symmetric_length", length, "the length must be ℓ_s > 0, in m")?;
+        }
+        if let Some(length) = self.antisymmetric_length {
+            positive("antisymmetric_length", length, "the length must be ℓ_a > 0, in m")?;
+        }
+        finite("hardening", self.hardening)?;
+        Ok(self)
+    }
+
+    /// Weights of mˢ and mᵃ in τ̄², 1/m².
+    pub(super) fn couple_weights(&self) -> [f64; 2] {
+        [self.symmetric_length, self.antisymmetric_length]
+            .map(|length| length.map_or(0.0, |l| 1.0 / (l * l)))
+    }
+
+    /// Gradient of ½τ̄² by the stress: half of sˢ + h σᵃ and of mˢ/ℓ_s² + mᵃ/ℓ_a².
+    fn half_gradient(&self, stress: &Stress) -> Stress {
+        let [symmetric, antisymmetric] = self.couple_weights();
+        let (_, deviator, spin) = split(&stress.force);
+        let (mean, couple_deviator, couple_spin) = split(&stress.couple);
+        let mut gradient = Stress::default();
+        for i in 0..3 {
+            for j in 0..3 {
+                let force = deviator[i][j] + self.antisymmetric_weight * spin[i][j];
+                let spherical = if i == j { mean } else { 0.0 };
+                let couple = symmetric * (couple_deviator[i][j] + spherical)
+                    + antisymmetric * couple_spin[i][j];
+                (gradient.force[i][j], gradient.couple[i][j]) = (0.5 * force, 0.5 * couple);
+            }
+        }
+        gradient
+    }
+
+    /// τ̄, Pa.
+    pub fn equivalent_shear(&self, stress: &Stress) -> f64 {
+        let [symmetric, antisymmetric] = self.couple_weights();
+        let (_, deviator, spin) = split(&stress.force);
+        let (mean, couple_deviator, couple_spin) = split(&stress.couple);
+        let force = square(&deviator) + self.antisymmetric_weight * square(&spin);
+        let couple = symmetric * (square(&couple_deviator) + 3.0 * mean * mean)
+            + antisymmetric * square(&couple_spin);
+        (0.5 * (force + couple)).sqrt()
+    }
+
+    /// Second derivatives of τ̄ by the components of the list, 1/Pa: symmetric, not negative. `None` on
+    /// the axis.
+    pub fn curvature(&self, stress: &Stress, components: &[Component]) -> Option<DMatrix<f64>> {
+        let shear = self.equivalent_shear(stress);
+        if shear <= 0.0 {
+            return None;
+        }
+        // With τ̄² = ½ s·Ws: ∇τ̄ = ½Ws/τ̄ and ∇²τ̄ = ½W/τ̄ − ∇τ̄ ∇τ̄ᵀ/τ̄.
+        let slope = self.half_gradient(stress);
+        let slopes: Vec<f64> = components.iter().map(|c| c.derivative(&slope) / shear).collect();
+        Some(DMatrix::from_fn(components.len(), components.len(), |i, j| {
+            let mut unit = Stress::default();
+            components[j].set(&mut unit, 1.0);
+            let image = components[i].derivative(&self.half_gradient(&unit));
+            (image - slopes[i] * slopes[j]) / shear
+        }))
+    }
+
+    /// The condition as active at `stress`; `None` on the axis, where the cone has no normal.
+    pub fn condition(&self, stress: &Stress) -> Option<ActiveCondition> {
+        let shear = self.equivalent_shear(stress);
+        if shear <= 0.0 {
+            return None;
+        }
+        let half = self.half_gradient(stress);
+        let gradient = |friction: f64| {
+            let scaled = |t: [[f64; 3]; 3]| t.map(|row| row.map(|x| x / shear));
+            let mut gradient = Stress { force: scaled(half.force), couple: scaled(half.couple) };
+            for i in 0..3 {
+                gradient.force[i][i] += friction / 3.0;
+            }
+            gradient
+        };
+        Some(ActiveCondition {
+            name: "yield",
+            normal: gradient(self.friction),
+            flow: gradient(self.dilatancy),
+            hardening: self.hardening,
+        })
+    }
+}
+
+/// Mean stress σ_m = ⅓ tr σ, Pa, tension positive.
+pub fn mean(stress: &Stress) -> f64 {
+    (stress.force[0][0] + stress.force[1][1] + stress.force[2][2]) / 3.0
+}
+
+/// A gradient times a stress.
+pub fn contract(gradient: &Stress, stress: &Stress) -> f64 {
+    let parts = [(&gradient.force, &stress.force), (&gradient.couple, &stress.couple)];
+    let products = |(a, b): (&[[f64; 3]; 3], &[[f64; 3]; 3])| {
+        a.iter().flatten().zip(b.iter().flatten()).map(|(x, y)| x * y).sum::<f64>()
+    };
+    parts.into_iter().map(products).sum()
+}
+
+pub(crate) fn absolute(stress: &Stress) -> Stress {
+    let absolute = |t: [[f64; 3]; 3]| t.map(|row| row.map(f64::abs));
+    Stress { force: absolute(stress.force), couple: absolute(stress.couple) }
+}
+
+fn not_negative(key: &'static str, value: f64, allowed: &str) -> Result<(), InputError> {
+    ensure(value >= 0.0 && value.is_finite(), key, value, allowed)
+}
+
+fn finite(key: &'static str, value: f64) -> Result<(), InputError> {
+    ensure(value.is_finite(), key, value, "a finite number is needed")
+}

@@ -1,0 +1,504 @@
+//! Projection onto yield sets in the norm of the elastic energy,
+//!
+//! ```text
+//! P(s̄) = argmin over s ∈ F of ½ (s − s̄)·D⁻¹(s − s̄):
+//! ```
+//!
+//! what the variational inequality of associated flow makes of an elastic trial stress s̄ (Sadovskii
+//! & Sadovskaya 2019, "Elastic-plastic Cosserat continuum"). Dilatancies play no part.
+//!
+//! With multipliers λ ≥ 0 of the conditions f(s) = n·s − k ≤ 0 (n the gradient where F is curved),
+//! s̄ − s = D Σ λn. The elastic energy falls by
+//!
+//! ```text
+//! ½ s̄·D⁻¹s̄ − ½ s·D⁻¹s = s·D⁻¹(s̄ − s) + ½ (s̄ − s)·D⁻¹(s̄ − s) = Σ λk + ½ (s̄ − s)·D⁻¹(s̄ − s) ≥ 0.
+//! ```
+//!
+//! A stress outside by no more than rounding counts as inside and keeps its bits, so that what was
+//! projected once stays where it is.
+
+use super::parameters::{Interlayer, Mises};
+use crate::common::elementary::Elementary;
+use crate::solid::parameters::{Isotropic, PlaneCompliances, Theory};
+use crate::solid::stress::{Stress, split, square};
+use crate::solid::symbol::plane;
+
+/// A stress in F, and what the way there cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projection<S> {
+    /// P(s̄).
+    pub stress: S,
+    /// Elastic energy lost, J/m³; ≥ 0.
+    pub energy_lost: f64,
+}
+
+/// Rounding of a condition's value, relative to the terms that it compares.
+const ROUNDING: f64 = 32.0 * f64::EPSILON;
+
+/// What rounding leaves of a number that cancels, after it was corrected once more: ε² with room for
+/// normals that are nearly dependent, and far below all that such a number could mean.
+const CANCELLED: f64 = 65536.0 * f64::EPSILON * f64::EPSILON;
+
+/// A part of the stress that Hooke's law multiplies by a number.
+#[derive(Clone, Copy)]
+struct Part {
+    /// ½ p |s̄|², Pa², where p is its weight in τ̄².
+    square: f64,
+    /// D p, Pa.
+    rate: f64,
+    /// |s̄|²/D, J/m³, twice its energy.
+    energy: f64,
+}
+
+impl Part {
+    /// Parts without stiffness are zero in their solid: they are left alone, as those without weight
+    /// are.
+    fn new(square: f64, [weight, stiffness]: [f64; 2]) -> Self {
+        if weight > 0.0 && stiffness > 0.0 {
+            Self {
+                square: 0.5 * weight * square,
+                rate: stiffness * weight,
+                energy: square / stiffness,
+            }
+        } else {
+            Self { square: 0.0, rate: 0.0, energy: 0.0 }
+        }
+    }
+}
+
+impl Mises {
+    /// Weights p in τ̄² and stiffnesses D (Pa or N) of the parts of the stress that Hooke's law multiplies
+    /// by a number: deviator, antisymmetric stress, deviator, mean and antisymmetric part of the couple
+    /// stress.
+    pub fn parts(&self, solid: &Isotropic) -> [[f64; 2]; 5] {
+        let [symmetric, antisymmetric] = self.couple_weights();
+        let alpha = solid.microrotation.map_or(0.0, |m| m.alpha);
+        let [spherical, gamma, eta] =
+            solid.couple().map_or([0.0; 3], |c| [3.0 * c.beta + 2.0 * c.gamma, c.gamma, c.eta]);
+        [
+            [1.0, 2.0 * solid.mu],
+            [self.antisymmetric_weight, 2.0 * alpha],
+            [symmetric, 2.0 * gamma],
+            [symmetric, spherical],
+            [antisymmetric, 2.0 * eta],
+        ]
+    }
+
+    /// The projection of a trial stress of that solid.
+    ///
+    /// The deviator (D = 2μ), the mean (K = λ + ⅔μ), the antisymmetric stress (2α), and of the couple
+    /// stress the symmetric deviator (2γ), the mean (3β + 2γ) and the antisymmetric part (2η) are
+    /// eigenvectors of Hooke's law. With p their weights in τ̄² = ½ Σ p|s|² and x = λ/2τ̄ ≥ 0,
+    ///
+    /// ```text
+    /// s = s̄/(1 + xDp),   σ_m = σ̄_m − κKλ,   h(x) = τ̄(x)(1 − ax) − r = 0,   a = 2κ²K,  r = k − κσ̄_m.
+    /// ```
+    ///
+    /// h decreases strictly, so that its root is the only one: every 1/(1 + xDp) decreases, and every
+    /// x/(1 + xDp) increases, hence τ̄ falls and −xτ̄ too. Where even h(∞) ≥ 0, P is the apex.
+    ///
+    /// Newton's method needs no safeguard once h is divided by τ̄, as 1/τ̄(x) is a power mean, exponent
+    /// −2, of the straight lines 1 + xDp and so concave: for r ≥ 0 the function 1 − ax − r/τ̄(x) is
+    /// convex and decreases; for r < 0 and y = 1/x the function y − a + |r|/(xτ̄) is concave in y (a
+    /// power mean of y + Dp) and increases. From zero the iterates rise to the root and never pass it;
+    /// with one value of Dp they are there after one step.
+    pub fn project(&self, solid: &Isotropic, trial: &Stress) -> Projection<Stress> {
+        let inside = Projection { stress: *trial, energy_lost: 0.0 };
+        let (pressure, deviator, antisymmetric) = split(&trial.force);
+        let (couple_mean, couple_deviator, couple_antisymmetric) = split(&trial.couple);
+        let squares = [
+            square(&deviator),
+            square(&antisymmetric),
+            square(&couple_deviator),
+            3.0 * couple_mean * couple_mean,
+            square(&couple_antisymmetric),
+        ];
+        let weights = self.parts(solid);
+        let parts: [Part; 5] = std::array::from_fn(|part| Part::new(squares[part], weights[part]));
+        let bulk = solid.lambda + 2.0 / 3.0 * solid.mu;
+        let (friction, strength) = (self.friction, self.strength);
+
+        let shear = parts.iter().map(|part| part.square).sum::<f64>().sqrt();
+        let room = strength - friction * pressure;
+        // The components are rounded, and not the parts.
+        let force = self.antisymmetric_weight.max(1.0) * square(&trial.force);
+        let couple = weights[2][0].max(weights[4][0]) * square(&trial.couple);
+        let rounded = (force + couple).sqrt();
+        let size = shear + friction * pressure.abs() + strength + rounded;
+        let excess = shear - room;
+        // A stress that is not a number comes back as it is.
+        if excess.is_nan() || excess <= ROUNDING * size {
+            return inside;
+        }
+
+        // 1/τ̄ for (u, v) = (1, x), 1/(xτ̄) for (y, 1), and its derivative by x or y.
+        let reciprocal = |u: f64, v: f64, by_u: bool| {
+            let (mut norm, mut slope) = (0.0, 0.0);
+            for part in &parts {
+                let fraction = 1.0 / (u + v * part.rate);
+                if part.square > 0.0 {
+                    norm += part.square * fraction * fraction;
+                    let inner = if by_u { 1.0 } else { part.rate };
+                    slope += part.square * fraction * fraction * fraction * inner;
+                }
+            }
+            let reciprocal = 1.0 / norm.sqrt();
+            (reciprocal, slope / norm * reciprocal)
+        };
+        let a = 2.0 * friction * friction * bulk;
+        let at_apex = room < 0.0 && a + room * reciprocal(0.0, 1.0, true).0 <= 0.0;
+        let (mut u, mut v) = if room < 0.0 { (0.0, 1.0) } else { (1.0, 0.0) };
+        // At the apex u = 0 is the answer: the step from there is none, and ends the loop.
+        loop {
+            let (value, slope) = reciprocal(u, v, room < 0.0);
+            let before = (u, v);
+            if room < 0.0 {
+                u += ((a - u + room * value) / (1.0 - room * slope)).max(0.0);
+            } else {
+                v += ((1.0 - a * v - room * value) / (a + room * slope)).max(0.0);
+            }
+            if (u, v) == before {
+                break;
+            }
+        }
+
+        let (multiplier, mean) = if at_apex {
+            let apex = strength / friction;
+            ((pressure - apex) / (friction * bulk), apex)
+        } else {
+            let value = reciprocal(u, v, false).0;
+            let (multiplier, shear) = (2.0 * v / value, u / value);
+            let shift = friction * bulk * multiplier;
+            // From the condition, where the difference would lose more digits.
+            let mean = if strength + shear < friction * (pressure.abs() + shift) {
+                (strength - shear) / friction
+            } else {
+                pressure - shift
+            };
+            (multiplier, mean)
+        };
+
+        // s/s̄ and (s̄ − s)/s̄.
+        let shares = parts.map(|part| match part.rate {
+            0.0 => (1.0, 0.0),
+            rate => (u / (u + v * rate), v * rate / (u + v * rate)),
+        });
+        let kept = shares.map(|(kept, _)| kept);
+        let mut energy_lost = strength * multiplier + 0.25 * a * multiplier * multiplier;
+        for (part, (_, lost)) in parts.iter().zip(shares) {
+            energy_lost += 0.5 * part.energy * lost * lost;
+        }
+        let mut stress = *trial;
+        for i in 0..3 {
+            for j in 0..3 {
+                let diagonal = f64::from(u8::from(i == j));
+                stress.force[i][j] =
+                    kept[0] * deviator[i][j] + kept[1] * antisymmetric[i][j] + mean * diagonal;
+                stress.couple[i][j] = kept[2] * couple_deviator[i][j]
+                    + kept[3] * couple_mean * diagonal
+                    + kept[4] * couple_antisymmetric[i][j];
+            }
+        }
+        Projection { stress, energy_lost }
+    }
+}
+
+/// Hooke's law between the stresses of a plane, (σ₁₁, σ₂₂, σ₂₁, σ₁₂, m₃₁, m₃₂), by the square roots of
+/// its eigenvalues: D = L Lᵀ with
+///
+/// ```text
+/// L = [p p; p −p] where p = √½(D₁₁₁₁ + D₁₁₂₂) stands in the first column, √½(D₁₁₁₁ − D₁₁₂₂) in the second,
+/// ```
+///
+/// for the normal stresses, the same for the shear stresses, and √α₂ for the couple stresses.
+/// Vanishing roots (α = 0 and α₂ = 0) leave the solids without own rotation or couple stress.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneMetric {
+    normal: [f64; 2],
+    shear: [f64; 2],
+    couple: f64,
+}
+
+impl From<&Isotropic> for PlaneMetric {
+    fn from(solid: &Isotropic) -> Self {
+        let alpha = solid.microrotation.map_or(0.0, |m| m.alpha);
+        Self {
+            normal: [(solid.lambda + solid.mu).sqrt(), solid.mu.sqrt()],
+            shear: [solid.mu.sqrt(), alpha.sqrt()],
+            couple: solid.couple().map_or(0.0, |c| (c.gamma + c.eta).sqrt()),
+        }
+    }
+}
+
+impl From<&PlaneCompliances> for PlaneMetric {
+    fn from(solid: &PlaneCompliances) -> Self {
+        let roots = |a: f64, b: f64| [(0.5 / (a - b)).sqrt(), (0.5 / (a + b)).sqrt()];
+        Self {
+            normal: roots(solid.a1, solid.b1),
+            // σ₂₁ + σ₁₂ is strained by 1/(a₂ − b₂) as σ₁₁ + σ₂₂ is by 1/(a₁ − b₁).
+            shear: roots(solid.a2, solid.b2),
+            couple: solid.alpha2.sqrt(),
+        }
+    }
+}
+
+type Plane = [f64; 6];
+
+fn dot(x: &Plane, y: &Plane) -> f64 {
+    x.iter().zip(y).map(|(x, y)| x * y).sum()
+}
+
+fn dot_absolute(x: &Plane, y: &Plane) -> f64 {
+    x.iter().zip(y).map(|(x, y)| (x * y).abs()).sum()
+}
+
+impl PlaneMetric {
+    /// L z.
+    fn apply(&self, z: &Plane) -> Plane {
+        let ([p, q], [r, t]) = (self.normal, self.shear);
+        [
+            p * z[0] + q * z[1],
+            p * z[0] - q * z[1],
+            r * z[2] + t * z[3],
+            r * z[2] - t * z[3],
+            self.couple * z[4],
+            self.couple * z[5],
+        ]
+    }
+
+    /// √D of one component: the norm of its row of L.
+    fn row_norm(&self, component: usize) -> f64 {
+        match component {
+            0 | 1 => self.normal[0].root_sum_square(self.normal[1]),
+            2 | 3 => self.shear[0].root_sum_square(self.shear[1]),
+            _ => self.couple,
+        }
+    }
+
+    /// Lᵀ n.
+    fn apply_transposed(&self, n: &Plane) -> Plane {
+        [
+            self.normal[0] * (n[0] + n[1]),
+            self.normal[1] * (n[0] - n[1]),
+            self.shear[0] * (n[2] + n[3]),
+            self.shear[1] * (n[2] - n[3]),
+            self.couple * n[4],
+            self.couple * n[5],
+        ]
+    }
+}
+
+/// The half-space n·s ≤ k.
+#[derive(Clone, Copy, Default)]
+struct HalfSpace {
+    normal: Plane,
+    strength: f64,
+    /// Lᵀ n.
+    scaled: Plane,
+    /// |Lᵀ n|.
+    norm: f64,
+}
+
+impl HalfSpace {
+    /// Sum of the magnitudes of the terms that it compares.
+    fn size(&self, stress: &Plane) -> f64 {
+        dot_absolute(&self.normal, stress) + self.strength
+    }
+}
+
+/// Active half-spaces with the factors of their scaled normals, Lᵀ(n₁ … n_q) = Q R.
+#[derive(Default)]
+struct Active {
+    index: [usize; 6],
+    multiplier: [f64; 6],
+    count: usize,
+    orthonormal: [Plane; 6],
+    triangle: [[f64; 6]; 6],
+}
+
+impl Active {
+    /// Splits a vector into what the active normals span, returned by its coordinates in Q, and the
+    /// rest. Twice, since once leaves rounding of the size of the vector.
+    fn split(&self, vector: &Plane, count: usize) -> ([f64; 6], Plane) {
+        let (mut coordinates, mut rest) = ([0.0; 6], *vector);
+        for _ in 0..2 {
+            for (coordinate, direction) in coordinates.iter_mut().zip(&self.orthonormal).take(count)
+            {
+                let along = dot(direction, &rest);
+                *coordinate += along;
+                for (x, y) in rest.iter_mut().zip(direction) {
+                    *x -= along * y;
+                }
+            }
+        }
+        (coordinates, rest)
+    }
+
+    fn factorise(&mut self, half_spaces: &[HalfSpace]) {
+        for column in 0..self.count {
+            let (coordinates, rest) = self.split(&half_spaces[self.index[column]].scaled, column);
+            let length = dot(&rest, &rest).sqrt();
+            self.triangle[column] = coordinates;
+            self.triangle[column][column] = length;
+            self.orthonormal[column] = rest.map(|x| x / length);
+        }
+    }
+
+    /// R⁻¹ c; the columns of R are the rows of `triangle`.
+    fn solve(&self, mut c: [f64; 6]) -> [f64; 6] {
+        for i in (0..self.count).rev() {
+            c[i] /= self.triangle[i][i];
+            for j in 0..i {
+                c[j] -= self.triangle[i][j] * c[i];
+            }
+        }
+        c
+    }
+
+    /// R⁻ᵀ c.
+    fn solve_transposed(&self, mut c: [f64; 6]) -> [f64; 6] {
+        for i in 0..self.count {
+            for j in 0..i {
+                c[i] -= self.triangle[i][j] * c[j];
+            }
+            c[i] /= self.triangle[i][i];
+        }
+        c
+    }
+
+    fn remove(&mut self, position: usize, half_spaces: &[HalfSpace]) {
+        self.index.copy_within(position + 1..self.count, position);
+        self.multiplier.copy_within(position + 1..self.count, position);
+        self.count -= 1;
+        self.factorise(half_spaces);
+    }
+}
+
+impl Interlayer {
+    /// The projection of trial stresses (σ₁₁, σ₂₂, σ₂₁, σ₁₂, m₃₁, m₃₂) in plane strain.
+    ///
+    /// With s = s̄ − L z it is the shortest z with (Lᵀn)·z ≥ n·s̄ − k for the up to eight half-spaces,
+    /// found by Goldfarb & Idnani's (1983) dual method: the most violated half-space is added, active
+    /// ones whose multiplier would turn negative leave, and the distance grows with each step, so that
+    /// no set of active ones returns. Those depending linearly on the active ones (apex, edges of zero
+    /// strength) only ever replace them.
+    ///
+    /// The stress σ₃₃ across the plane is in no condition. It follows by Hooke's law from the same
+    /// plastic strain, Δσ₃₃ = ν (Δσ₁₁ + Δσ₂₂) with ν = λ/2(λ + μ) in an isotropic solid; minimising the
+    /// energy over all stresses, σ₃₃ included, gives this and the same stresses in the plane.
+    pub fn project(&self, metric: &PlaneMetric, trial: &[f64; 6]) -> Projection<[f64; 6]> {
+        let components = plane(Theory::Cosserat).stresses;
+        let mut storage = [HalfSpace::default(); 8];
+        let mut total = 0;
+        for (place, (condition, strength)) in storage.iter_mut().zip(self.half_spaces()) {
+            let normal = std::array::from_fn(|i| components[i].of(&condition.normal));
+            let scaled = metric.apply_transposed(&normal);
+            *place = HalfSpace { normal, strength, scaled, norm: dot(&scaled, &scaled).sqrt() };
+            total += 1;
+        }
+        let half_spaces = &storage[..total];
+        let mut active = Active::default();
+        let (mut stress, mut path, mut reach) = (*trial, [0.0; 6], 0.0f64);
+
+        // 2⁸ sets at most, and none twice; met are fewer than a dozen.
+        for _ in 0..256 {
+            // The most violated, by its distance in the energy norm.
+            let mut worst = (0.0, None);
+            for (index, half_space) in half_spaces.iter().enumerate() {
+                let HalfSpace { normal, strength, norm, .. } = half_space;
+                let excess = dot(normal, &stress) - strength;
+                if excess > ROUNDING * half_space.size(&stress) + CANCELLED * norm * reach
+                    && excess > worst.0 * norm
+                    && !active.index[..active.count].contains(&index)
+                {
+                    worst = (excess / norm, Some((index, excess)));
+                }
+            }
+            let Some((index, mut excess)) = worst.1 else { break };
+            let entering = &half_spaces[index];
+            let mut multiplier = 0.0;
+            loop {
+                // One more unit of the entering multiplier changes the others by −R⁻¹Qᵀ(Lᵀn), z by what
+                // Q does not span of Lᵀn.
+                let (coordinates, rest) = active.split(&entering.scaled, active.count);
+                let change = active.solve(coordinates);
+                let length = dot(&rest, &rest).sqrt();
+                let independent = active.count < 6 && length > 1e-12 * entering.norm;
+                let full = if independent { excess / (length * length) } else { f64::INFINITY };
+                let mut blocking = (full, None);
+                for (position, change) in change.iter().enumerate().take(active.count) {
+                    let ratio = active.multiplier[position].max(0.0) / change;
+                    if *change > 0.0 && ratio < blocking.0 {
+                        blocking = (ratio, Some(position));
+                    }
+                }
+                let (step, leaving) = blocking;
+                if !step.is_finite() {
+                    // Zero stress is in every half-space: rounding alone comes here.
+                    break;
+                }
+                multiplier += step;
+                for (own, change) in active.multiplier.iter_mut().zip(change).take(active.count) {
+                    *own -= step * change;
+                }
+                if let Some(position) = leaving {
+                    if independent {
+                        excess -= step * length * length;
+                    }
+                    active.remove(position, half_spaces);
+                } else {
+                    active.index[active.count] = index;
+                    active.multiplier[active.count] = multiplier;
+                    active.count += 1;
+                    active.factorise(half_spaces);
+                    break;
+                }
+            }
+
+            // s, z and λ from the active half-spaces alone; what rounding leaves outside is taken back
+            // at the size that s has by then.
+            (stress, path) = (*trial, [0.0; 6]);
+            for _ in 0..3 {
+                let mut excess = [0.0; 6];
+                for (excess, &index) in excess.iter_mut().zip(&active.index[..active.count]) {
+                    *excess =
+                        dot(&half_spaces[index].normal, &stress) - half_spaces[index].strength;
+                }
+                let coordinates = active.solve_transposed(excess);
+                let mut step = [0.0; 6];
+                for (along, direction) in
+                    coordinates.iter().zip(&active.orthonormal).take(active.count)
+                {
+                    for (x, y) in step.iter_mut().zip(direction) {
+                        *x += along * y;
+                    }
+                }
+                let change = metric.apply(&step);
+                for i in 0..6 {
+                    path[i] += step[i];
+                    stress[i] -= change[i];
+                }
+            }
+            let (coordinates, _) = active.split(&path, active.count);
+            active.multiplier = active.solve(coordinates);
+            // No component of L z is larger than its row of L times |z|, none of what corrects the
+            // active conditions larger than that row times their terms as distances.
+            reach = dot(&path, &path).sqrt();
+            for &index in &active.index[..active.count] {
+                reach = reach.max(half_spaces[index].size(&stress) / half_spaces[index].norm);
+            }
+            for i in 0..6 {
+                if stress[i].abs() <= CANCELLED * (trial[i].abs() + metric.row_norm(i) * reach) {
+                    stress[i] = 0.0;
+                }
+            }
+        }
+
+        let mut energy_lost = 0.5 * dot(&path, &path);
+        for position in 0..active.count {
+            let strength = half_spaces[active.index[position]].strength;
+            energy_lost += strength * active.multiplier[position].max(0.0);
+        }
+        Projection { stress, energy_lost }
+    }
+}

@@ -1,0 +1,79 @@
+//! Hooke's law while yielding: with normals n and flow directions m of the active conditions,
+//!
+//! ```text
+//! σ̇ = D (ε̇ − Σ λ̇ₐ mₐ),  nₐ·σ̇ = Hₐ λ̇ₐ   ⇒   D_t = D − Σ over conditions (D m)(nᵀD)/(H + nᵀD m),
+//! ```
+//!
+//! one condition after the other, each acting on what the ones before have left.
+
+use super::parameters::ActiveCondition;
+use crate::common::rounding::{Rounded, UNIT_ROUNDOFF};
+use crate::common::system::Matrix;
+use crate::solid::stress::Component;
+
+/// The solid has no rate of response to a condition: H + nᵀD m is not positive.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "no response while yielding ({condition}): H + n·Dm = {value:e} Pa must be positive; less \
+     difference between friction and dilatancy, or more hardening"
+)]
+pub struct NoResponse {
+    /// The condition.
+    pub condition: &'static str,
+    /// H + nᵀD m, Pa.
+    pub value: f64,
+}
+
+/// The tangent stiffness between the stresses of the list while these conditions stay active.
+///
+/// A normal that depends linearly on the ones before adds nothing and is passed over.
+///
+/// # Errors
+/// See [`NoResponse`].
+pub fn tangent(
+    elastic: &Matrix,
+    stresses: &[Component],
+    active: &[ActiveCondition],
+) -> Result<Matrix, NoResponse> {
+    let mut tangent = elastic.clone();
+    let size = stresses.len();
+    for (index, condition) in active.iter().enumerate() {
+        // A normal comes out of a few roundings of the size of its largest component.
+        let vector = |gradient: &crate::solid::stress::Stress| -> Vec<Rounded> {
+            let values: Vec<f64> = stresses.iter().map(|c| c.derivative(gradient)).collect();
+            let largest = values.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+            let bounded = |&value: &f64| match value {
+                0.0 => Rounded::ZERO,
+                _ => Rounded { value, bound: 8.0 * UNIT_ROUNDOFF * largest },
+            };
+            values.iter().map(bounded).collect()
+        };
+        let (normal, flow) = (vector(&condition.normal), vector(&condition.flow));
+        let sum = |terms: &mut dyn Iterator<Item = Rounded>| {
+            terms.fold(Rounded::ZERO, std::ops::Add::add)
+        };
+        let image =
+            |matrix: &Matrix, i: usize| sum(&mut (0..size).map(|j| matrix[(i, j)] * flow[j]));
+        let covector =
+            |matrix: &Matrix, j: usize| sum(&mut (0..size).map(|i| normal[i] * matrix[(i, j)]));
+        let stretch = sum(&mut (0..size).map(|i| normal[i] * image(&tangent, i)));
+        // What the conditions before have left of a dependent normal is rounding.
+        let before = sum(&mut (0..size).map(|i| normal[i] * image(elastic, i)));
+        let is_spent = stretch.value.abs() <= 1e-12 * before.value.abs();
+        if index > 0 && condition.hardening == 0.0 && is_spent {
+            continue;
+        }
+        let pivot = Rounded::given(condition.hardening) + stretch;
+        if pivot.value <= pivot.bound {
+            return Err(NoResponse { condition: condition.name, value: pivot.value });
+        }
+        let images: Vec<Rounded> = (0..size).map(|i| image(&tangent, i)).collect();
+        let covectors: Vec<Rounded> = (0..size).map(|j| covector(&tangent, j)).collect();
+        for i in 0..size {
+            for j in 0..size {
+                tangent[(i, j)] = tangent[(i, j)] - images[i] * covectors[j] / pivot;
+            }
+        }
+    }
+    Ok(tangent)
+}
