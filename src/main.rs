@@ -6,11 +6,11 @@ use models::registry;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use wellposed::VERSION;
 use wellposed::case::{Kind, Medium, Yield};
-use wellposed::cli::{self, Control};
-use wellposed::new::{self, Purpose};
+use wellposed::cli::new::{self, Purpose};
+use wellposed::cli::{self, Control, Error, Format, Options, cases};
 use wellposed::study::MapOptions;
-use wellposed::{Error, Format, Options, VERSION, cases};
 
 /// Well-posedness of continuum models of granular media.
 #[derive(Parser)]

@@ -7,9 +7,9 @@ use models::registry;
 use mutation::{mutants, shrunk, without_marks};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
-use wellposed::Options;
 use wellposed::case::{Case, Kind, Medium, Parameter, Presence, keys, radians};
-use wellposed::cases::CASES;
+use wellposed::cli::Options;
+use wellposed::cli::cases::CASES;
 use wellposed::setup;
 
 /// A case with every section; tests refer to its lines.
@@ -123,7 +123,7 @@ fn every_number_of_the_table_reaches_the_models() {
         let medium = Medium::all().find(|&m| parameter.key().is_used_by(m)).unwrap();
         let kind = medium.kind;
         // A layer's stress counts where no conditions are named.
-        let text = wellposed::new::text(medium).replace("active =", "# active =");
+        let text = wellposed::cli::new::text(medium).replace("active =", "# active =");
         let mut case = parse(&text).unwrap();
         // In general position: what multiplies a zero reaches nothing.
         for (name, value) in [
@@ -176,7 +176,7 @@ fn another_kind_takes_what_it_uses() {
 
 #[test]
 fn the_resolved_case_reads_back_to_itself() {
-    let new = Medium::all().map(|medium| without_marks(&wellposed::new::text(medium)));
+    let new = Medium::all().map(|medium| without_marks(&wellposed::cli::new::text(medium)));
     let bundled = CASES.iter().map(|(_, text)| (*text).to_owned());
     let odd = CASE
         .replace("'All sections'", r#""quotes \" ' and \\ Ψ""#)
@@ -203,7 +203,7 @@ fn the_resolved_case_reads_back_to_itself() {
 #[test]
 fn new_cases_are_complete_and_valid() {
     for medium in Medium::all() {
-        let text = wellposed::new::text(medium);
+        let text = wellposed::cli::new::text(medium);
         let case = parse(&text).unwrap();
         assert_eq!(case.medium(), medium);
         if let Kind::Solid(_) = medium.kind {

@@ -8,11 +8,11 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use wellposed::case::{Case, Parameter};
+use wellposed::cli::{self, Error, Format, Options};
 use wellposed::setup::check::solid::WavePlan;
 use wellposed::study::check::Extent;
 use wellposed::study::check::solid::rows;
 use wellposed::study::{self, unwatched};
-use wellposed::{Error, Format, Options, cli};
 
 fn bundled(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(name)
@@ -452,7 +452,7 @@ fn finer_grids_make_of_a_perturbation_what_is_predicted() {
 /// Both are told of the same steps, and end where they are told to.
 #[test]
 fn progress_is_told_and_cancels() {
-    type Study = fn(&Case, study::OnProgress) -> Result<(), Error>;
+    type Study = fn(&Case, study::OnProgress) -> Result<(), wellposed::Error>;
     let check: Study =
         |case, on_progress| wellposed::check(case, Extent::Short, on_progress).map(drop);
     let speeds: Study = |case, on_progress| wellposed::speeds(case, on_progress).map(drop);
@@ -477,7 +477,7 @@ fn progress_is_told_and_cancels() {
                 false => ControlFlow::Break(()),
             };
             let ended = study(&case, &stopped);
-            assert!(matches!(ended, Err(Error::Cancelled)), "{name}: {ended:?}");
+            assert!(matches!(ended, Err(wellposed::Error::Cancelled)), "{name}: {ended:?}");
         }
     }
 }

@@ -3,10 +3,11 @@
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
+use wellposed::Error;
 use wellposed::case::{Case, Kind, Parameter};
+use wellposed::report;
 use wellposed::study::check::Extent;
 use wellposed::study::unwatched;
-use wellposed::{Error, report};
 
 fn bundled(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(name)

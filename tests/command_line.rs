@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use wellposed::case::{Case, InTime, Kind};
-use wellposed::cases::CASES;
-use wellposed::output::results;
+use wellposed::cli::cases::CASES;
+use wellposed::cli::folder::results;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");
 
@@ -293,7 +293,7 @@ fn the_case_file_is_never_overwritten() {
 #[test]
 fn a_resolved_case_gives_the_same_bits_again() {
     let here = folder("again");
-    let text = wellposed::new::text(Kind::from_name("double-shearing").expect("a kind"));
+    let text = wellposed::cli::new::text(Kind::from_name("double-shearing").expect("a kind"));
     let text: String =
         text.lines().filter(|l| !l.starts_with("title")).map(|l| format!("{l}\n")).collect();
     fs::write(here.join("untitled.toml"), text).unwrap();

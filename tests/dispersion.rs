@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use std::path::Path;
-use wellposed::{Format, Options, cli};
+use wellposed::cli::{self, Format, Options};
 
 const CASE: &str = "
 [model]
@@ -78,7 +78,7 @@ fn the_forbidden_band_of_the_reduced_solid() {
         near(&shear["at_wave"][branch]["group_speed"], slope, 1e-6);
     }
     near(&family(&report, "longitudinal")["characteristic_speeds"][0], 3000.0, 1e-12);
-    for name in wellposed::output::DISPERSION {
+    for name in wellposed::cli::folder::DISPERSION {
         assert!(folder.path().join("out").join(name).metadata().is_ok_and(|m| m.len() > 0));
     }
 }
@@ -124,7 +124,7 @@ fn broken_inequalities_are_refused_where_they_stand() {
     }
     let error = run(folder.path(), &CASE.replace("1.005e9", "0"), &[]).expect_err("no α");
     assert!(error.contains("solid.toml:7: model.alpha: "), "{error}");
-    let flow = wellposed::new::text(wellposed::case::Kind::flows()[0]);
+    let flow = wellposed::cli::new::text(wellposed::case::Kind::flows()[0]);
     let error = run(folder.path(), &flow, &[]).expect_err("a flow");
     assert!(error.contains("harris-grekova, a flow"), "{error}");
 }

@@ -5,9 +5,9 @@ use std::fs;
 use std::path::Path;
 use wellposed::case::flow::{Disturbed, FlowRun, Initial, Quantity};
 use wellposed::case::{Case, Kind};
+use wellposed::cli::new::{self, Purpose};
 use wellposed::cli::{self, Control};
-use wellposed::new::{self, Purpose};
-use wellposed::{Error, Options};
+use wellposed::cli::{Error, Options};
 
 /// Everything that a flow can have; tests refer to its lines.
 const FLOW: &str = "\
@@ -380,7 +380,7 @@ fn dry_runs_say_what_would_be_computed() {
     let start = "would compute 32 × 24 points, Harris–Grekova, 0.001 s, wave numbers from 31.42 to 439.8 1/m, memory ";
     assert!(text.starts_with(start) && text.contains("run.png"), "{text}");
     for (path, text) in
-        wellposed::cases::CASES.iter().filter(|own| own.0.starts_with("cases/flow/"))
+        wellposed::cli::cases::CASES.iter().filter(|own| own.0.starts_with("cases/flow/"))
     {
         dry_run(folder.path(), text).unwrap_or_else(|error| panic!("{path}: {error}"));
     }

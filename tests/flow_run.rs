@@ -8,8 +8,8 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use wellposed::case::Case;
 use wellposed::cli::{self, Control};
+use wellposed::cli::{Error, Options};
 use wellposed::report::format::short;
-use wellposed::{Error, Options};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");
 const CONTROL: Control = Control { checkpoint_every: 1e9 };

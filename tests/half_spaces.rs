@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::fs;
-use wellposed::Options;
+use wellposed::cli::Options;
 use wellposed::cli::{self, Control};
 
 const CONTROL: Control = Control { checkpoint_every: 1e9 };

@@ -5,7 +5,7 @@ use files::npz::{Values, read};
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::fs;
-use wellposed::Options;
+use wellposed::cli::Options;
 use wellposed::cli::{self, Control};
 
 const CONTROL: Control = Control { checkpoint_every: 1e9 };

@@ -3,7 +3,7 @@
 use std::fs;
 use wellposed::case::Case;
 use wellposed::cli::{self, Control};
-use wellposed::{Error, Options};
+use wellposed::cli::{Error, Options};
 
 const SOLID: &str = "
 [model]

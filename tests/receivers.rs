@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
-use wellposed::Options;
+use wellposed::cli::Options;
 use wellposed::cli::{self, Control};
 
 const CONTROL: Control = Control { checkpoint_every: 1e9 };

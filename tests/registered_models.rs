@@ -429,7 +429,7 @@ fn names_are_listed_everywhere_and_taken_once() {
     assert!(kinds.contains(&"slow-rotation") && kinds.contains(&"orthotropic"));
     // A template is a case, and every registered medium has one.
     for medium in Medium::all() {
-        let text = wellposed::new::text(medium);
+        let text = wellposed::cli::new::text(medium);
         Case::parse(&text, "new.toml", &[]).unwrap_or_else(|error| panic!("{error}\n{text}"));
     }
     for again in [

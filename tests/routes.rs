@@ -16,8 +16,8 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 use testkit::flows::Parameters;
+use wellposed::cli::{self, Options};
 use wellposed::study::MapOptions;
-use wellposed::{Options, cli};
 
 /// Relative difference of two coefficients that counts as none.
 const COEFFICIENT: f64 = 1e-9;

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 use wellposed::cli::{self, Control};
-use wellposed::{Error, Options};
+use wellposed::cli::{Error, Options};
 
 const CONTROL: Control = Control { checkpoint_every: 1e9 };
 
@@ -301,7 +301,7 @@ fn runs_that_cannot_be_are_refused() {
         // Before anything else that is missing.
         (CLASSICAL.to_owned(), ": grid: missing; add a section [grid]"),
         (
-            wellposed::new::text(wellposed::case::Kind::flows()[0]),
+            wellposed::cli::new::text(wellposed::case::Kind::flows()[0]),
             ": grid: missing; add a section [grid] with cells = [64, 64] and length = 0.1",
         ),
         (

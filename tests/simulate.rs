@@ -5,12 +5,13 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Mutex;
+use wellposed::Error;
 use wellposed::case::Case;
+use wellposed::cli::Options;
 use wellposed::cli::{self, Control};
 use wellposed::report;
 use wellposed::study::simulate::{Fields, RunResult, Settings, Table};
 use wellposed::study::unwatched;
-use wellposed::{Error, Options};
 
 /// A plane of two media that yield, struck on one side.
 const SOLID: &str = "

@@ -4,7 +4,7 @@ use files::npz::read;
 use files::vti::{plain_time, plain_values};
 use std::fs;
 use std::path::Path;
-use wellposed::Options;
+use wellposed::cli::Options;
 use wellposed::cli::{self, Control};
 
 const SOLID: &str = "

@@ -3,10 +3,10 @@
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::path::Path;
+use wellposed::cli::{self, Format, Options};
 use wellposed::study::MapOptions;
-use wellposed::{Format, Options, cli};
 
-type Verb = fn(&Options, &mut dyn std::io::Write) -> Result<(), wellposed::Error>;
+type Verb = fn(&Options, &mut dyn std::io::Write) -> Result<(), wellposed::cli::Error>;
 
 const LAYERS: &str = "
 [model]
@@ -393,8 +393,9 @@ pressure = 1
         ),
         &["a stress without a yield set"],
     );
-    let flow =
-        wellposed::new::text(wellposed::case::Kind::from_name("double-shearing").expect("a kind"));
+    let flow = wellposed::cli::new::text(
+        wellposed::case::Kind::from_name("double-shearing").expect("a kind"),
+    );
     refused(&(flow + "\n[yield]\nkind = 'von-mises'\n"), &["yield", "flows yield"]);
 }
 

@@ -3,8 +3,8 @@
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
+use wellposed::cli::{self, Format, Options};
 use wellposed::study::MapOptions;
-use wellposed::{Format, Options, cli};
 
 const CASE: &str = "
 [model]

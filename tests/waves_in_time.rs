@@ -9,7 +9,7 @@ use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use wellposed::cli::{self, Control};
-use wellposed::{Format, Options};
+use wellposed::cli::{Format, Options};
 
 const CONTROL: Control = Control { checkpoint_every: 1e9 };
 

@@ -1,33 +1,26 @@
 //! `wellposed check`: a case, or all cases in a folder.
 
 use super::progress::watched;
-use super::would_write;
+use super::write::{would_write, write};
 use crate::case::Case;
-use crate::output::{self, OutputError, ResultFolder};
+use crate::cli::folder::{self, OutputError, ResultFolder};
+use crate::cli::options::pool;
+use crate::cli::{Error, Format, Options};
 use crate::report::check::{exponent, unmeasured_words};
 use crate::setup::check::CheckPlan;
+use crate::study;
 use crate::study::check::{CheckResult, Extent, Outcome};
-use crate::{Error, Format, Options, report, study};
 use rayon::ThreadPool;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-
-/// A check that disagreed.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{failed} of {all} {what} disagree")]
-pub struct Disagreement {
-    failed: usize,
-    all: usize,
-    what: &'static str,
-}
 
 /// Runs the verb on a case, or on all cases in a folder.
 ///
 /// # Errors
 /// The case is wrong or has no solver, results cannot be written, or the check disagrees.
 pub fn check(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
-    let pool = crate::pool(options.threads)?;
+    let pool = pool(options.threads)?;
     match options.case.is_dir() {
         true => check_folder(options, &pool, stdout),
         false => check_case(options, &pool, stdout),
@@ -40,15 +33,15 @@ fn check_case(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) -> R
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     if options.dry_run {
         writeln!(stdout, "would {}", plan_words(&plan))?;
-        return would_write(&folder, &output::CHECK[..4], stdout);
+        return would_write(&folder, &folder::CHECK[..4], stdout);
     }
     let found = study(&case, Extent::Full, pool)?;
-    report::write(&found, &case, &folder, options.format, stdout)?;
+    write(&found, &case, &folder, options.format, stdout)?;
     let [all, failed] = found.counts();
     refuse_disagreement(failed, all, "rows")
 }
 
-fn study(case: &Case, extent: Extent, pool: &ThreadPool) -> Result<CheckResult, Error> {
+fn study(case: &Case, extent: Extent, pool: &ThreadPool) -> Result<CheckResult, crate::Error> {
     watched(pool, "check", |on_progress| study::check(case, extent, on_progress))
 }
 
@@ -75,7 +68,7 @@ fn plan_words(plan: &CheckPlan) -> String {
 fn refuse_disagreement(failed: usize, all: usize, what: &'static str) -> Result<(), Error> {
     match failed {
         0 => Ok(()),
-        _ => Err(Disagreement { failed, all, what }.into()),
+        _ => Err(Error::Disagrees { failed, all, what }),
     }
 }
 
@@ -94,12 +87,12 @@ fn check_folder(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) ->
         let name = path.display().to_string();
         let line = match study(&case, Extent::Short, pool) {
             Ok(found) => CaseLine::from_result(&name, &found),
-            Err(Error::Case(error)) => CaseLine {
+            Err(crate::Error::Case(error)) => CaseLine {
                 text: format!("FAILS: {error}"),
                 json: json!({ "case": name, "agrees": false, "failure": error.to_string() }),
                 is_well: Some(false),
             },
-            Err(error) => return Err(error),
+            Err(error) => return Err(error.into()),
         };
         all += usize::from(line.is_well.is_some());
         failed += usize::from(line.is_well == Some(false));

@@ -1,10 +1,11 @@
 //! `wellposed dispersion`.
 
-use super::would_write;
+use super::write::{would_write, write};
 use crate::case::Case;
-use crate::output::{self, ResultFolder};
+use crate::cli::folder::{self, ResultFolder};
+use crate::cli::{Error, Options};
 use crate::report::format::short;
-use crate::{Error, Options, report, study};
+use crate::study;
 use std::io::Write;
 
 /// Runs the verb.
@@ -18,7 +19,7 @@ pub fn dispersion(options: &Options, stdout: &mut dyn Write) -> Result<(), Error
     if options.dry_run {
         let greatest = short(found.greatest_number);
         writeln!(stdout, "would follow the waves up to k = {greatest} 1/m")?;
-        return would_write(&folder, &output::DISPERSION, stdout);
+        return would_write(&folder, &folder::DISPERSION, stdout);
     }
-    report::write(&found, &case, &folder, options.format, stdout)
+    write(&found, &case, &folder, options.format, stdout)
 }

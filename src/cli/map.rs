@@ -1,11 +1,13 @@
 //! `wellposed map`.
 
 use super::progress::watched;
-use super::would_write;
+use super::write::{would_write, write};
 use crate::case::Case;
-use crate::output::{self, ResultFolder};
+use crate::cli::folder::{self, ResultFolder};
+use crate::cli::options::pool;
+use crate::cli::{Error, Options};
+use crate::study;
 use crate::study::MapOptions;
-use crate::{Error, Options, report, study};
 use std::io::Write;
 
 /// Runs the verb.
@@ -20,10 +22,10 @@ pub fn map(options: &Options, asked: MapOptions, stdout: &mut dyn Write) -> Resu
     if options.dry_run {
         study::check_map(&case)?;
         writeln!(stdout, "would judge {states} states: {} × {}", map.x, map.y)?;
-        return would_write(&folder, &output::MAP, stdout);
+        return would_write(&folder, &folder::MAP, stdout);
     }
-    let pool = crate::pool(options.threads)?;
+    let pool = pool(options.threads)?;
     let found =
         watched(&pool, "judging states", |on_progress| study::map(&case, asked, on_progress))?;
-    report::write(&found, &case, &folder, options.format, stdout)
+    write(&found, &case, &folder, options.format, stdout)
 }

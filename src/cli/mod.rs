@@ -1,32 +1,28 @@
 //! The verbs of the command line: from arguments to a study, its report and the folder of results.
 
+pub mod cases;
 mod check;
 mod dispersion;
+mod error;
+pub mod folder;
 mod map;
+pub mod new;
+mod options;
 mod plot;
 mod point;
 pub mod progress;
 mod resume;
 mod run;
 mod speeds;
+mod write;
 
-pub use check::{Disagreement, check};
+pub use check::check;
 pub use dispersion::dispersion;
+pub use error::Error;
 pub use map::map;
+pub use options::{Format, Options};
 pub use plot::plot;
 pub use point::point;
 pub use resume::resume;
 pub use run::{CHECKPOINT_EVERY, Control, run};
 pub use speeds::speeds;
-
-use crate::Error;
-use crate::output::ResultFolder;
-use std::io::Write;
-
-/// Says which files would be written.
-fn would_write(folder: &ResultFolder, names: &[&str], stdout: &mut dyn Write) -> Result<(), Error> {
-    for name in names {
-        writeln!(stdout, "would write {}", folder.path().join(name).display())?;
-    }
-    Ok(())
-}

@@ -1,8 +1,10 @@
 //! `wellposed plot`: the pictures of a finished run again, from files of results alone.
 
-use super::run::records;
-use crate::output::{OutputError, ResultFolder};
-use crate::{Error, report};
+use super::run::{animation, records};
+use super::write::files_into;
+use crate::cli::Error;
+use crate::cli::folder::{OutputError, ResultFolder};
+use crate::report;
 use std::io::Write;
 use std::path::Path;
 
@@ -18,8 +20,8 @@ pub fn plot(path: &Path, stdout: &mut dyn Write) -> Result<(), Error> {
     let fields =
         report::run::read_fields(&bytes).map_err(|error| OutputError::unusable(&archive, error))?;
     let pictures = report::run::pictures(&case, &fields, &records(&case, &folder)?)?;
-    report::draw(&pictures, &folder)?;
-    report::run::animation(&case, &folder)?;
+    report::draw(&pictures, files_into(&folder))?;
+    animation(&case, &folder)?;
     writeln!(stdout, "picture: {}", folder.path().join("run.png").display())?;
     Ok(())
 }

@@ -1,10 +1,11 @@
 //! `wellposed point`.
 
-use super::would_write;
+use super::write::{would_write, write};
 use crate::case::Case;
-use crate::output::{self, ResultFolder};
+use crate::cli::folder::{self, ResultFolder};
+use crate::cli::{Error, Options};
 use crate::report::format::case_title;
-use crate::{Error, Options, report, study};
+use crate::{report, study};
 use std::io::Write;
 
 /// Runs the verb.
@@ -19,8 +20,8 @@ pub fn point(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
         writeln!(stdout, "would analyse {}", case_title(&case))?;
         let written = report::file_names(&found, &case)?;
         let is_written = |name: &&str| written.iter().any(|own| own == name);
-        let names: Vec<&str> = output::POINT.into_iter().filter(is_written).collect();
+        let names: Vec<&str> = folder::POINT.into_iter().filter(is_written).collect();
         return would_write(&folder, &names, stdout);
     }
-    report::write(&found, &case, &folder, options.format, stdout)
+    write(&found, &case, &folder, options.format, stdout)
 }

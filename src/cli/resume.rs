@@ -2,9 +2,9 @@
 
 use super::run::{Checkpoint, Control, Run, carry_out};
 use crate::case::InTime;
-use crate::output::ResultFolder;
+use crate::cli::folder::ResultFolder;
+use crate::cli::{Error, Format};
 use crate::study::simulate::job;
-use crate::{Error, Format};
 use std::io::Write;
 use std::path::Path;
 

@@ -4,20 +4,23 @@
 //! snapshots come one after the other. A checkpoint holds the state and what the tables held: what resumes from it
 //! writes the same bits as a run that was never interrupted. The rest is written at the end.
 
+mod animation;
 mod appended;
 mod checkpoint;
 mod control;
 mod recorder;
 
+pub(super) use animation::animation;
 pub(super) use appended::records;
 pub(super) use checkpoint::Checkpoint;
 
-use super::would_write;
+use super::write::{files_into, print, would_write};
 use crate::case::Case;
-use crate::output::{AppendedFile, ResultFolder};
-use crate::report::{self, Rendered};
+use crate::cli::folder::{AppendedFile, ResultFolder};
+use crate::cli::options::pool;
+use crate::cli::{Error, Format, Options};
+use crate::report::Rendered;
 use crate::study::simulate::{Job, job};
-use crate::{Error, Format, Options, pool};
 use control::install_signal_handlers;
 use recorder::FileRecorder;
 use std::io::Write;
@@ -82,12 +85,12 @@ pub(super) fn carry_out(
     let result = pool(run.threads)?.install(|| job.carry_out(&mut recorder))?;
     let Run { case, folder, .. } = run;
     let rendered = Rendered::new(&result, case)?;
-    report::run::animation(case, folder)?;
+    animation(case, folder)?;
     // The report comes last: the run is finished where it stands.
-    rendered.write(folder)?;
+    rendered.write(files_into(folder))?;
     folder.remove(AppendedFile::Checkpoint)?;
     folder.remove(AppendedFile::Lock)?;
     drop(recorder);
-    rendered.print(folder, format, stdout)?;
+    print(&rendered, folder, format, stdout)?;
     result.stopped.map_or(Ok(()), |stopped| Err(stopped.into()))
 }

@@ -1,10 +1,12 @@
 //! `wellposed speeds`.
 
 use super::progress::watched;
-use super::would_write;
+use super::write::{would_write, write};
 use crate::case::Case;
-use crate::output::{self, ResultFolder};
-use crate::{Error, Options, report, setup, study};
+use crate::cli::folder::{self, ResultFolder};
+use crate::cli::options::pool;
+use crate::cli::{Error, Options};
+use crate::{setup, study};
 use analysis::solids::DirectionalSpeeds;
 use std::io::Write;
 
@@ -18,14 +20,14 @@ pub fn speeds(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     if options.dry_run {
         writeln!(stdout, "would find speeds in {} directions", DirectionalSpeeds::DIRECTIONS)?;
-        let in_plane = output::SPEEDS.iter().filter(|name| !name.starts_with("sphere"));
+        let in_plane = folder::SPEEDS.iter().filter(|name| !name.starts_with("sphere"));
         let names: Vec<&str> = match solid.dimensions {
-            3 => output::SPEEDS.to_vec(),
+            3 => folder::SPEEDS.to_vec(),
             _ => in_plane.copied().collect(),
         };
         return would_write(&folder, &names, stdout);
     }
-    let pool = crate::pool(options.threads)?;
+    let pool = pool(options.threads)?;
     let found = watched(&pool, "speeds", |on_progress| study::speeds(&case, on_progress))?;
-    report::write(&found, &case, &folder, options.format, stdout)
+    write(&found, &case, &folder, options.format, stdout)
 }

@@ -8,13 +8,11 @@ pub mod point;
 pub mod run;
 pub mod speeds;
 
+use crate::Error;
 use crate::case::Case;
-use crate::output::ResultFolder;
-use crate::{Error, Format};
 use figures::FigureError;
 use serde::Serialize;
 use serde_json::{Map, Value};
-use std::io::Write;
 
 /// Version of the JSON reports: raised when a key changes its name or its meaning.
 const SCHEMA: u64 = 1;
@@ -29,6 +27,7 @@ pub trait Report: Serialize {
 
     /// Whether what is printed as text ends with the path of the first picture; else with that of the folder.
     const ENDS_WITH_PICTURE: bool = true;
+
     /// The same where they depend on the value.
     fn units(&self) -> &'static [(&'static str, &'static str)] {
         Self::UNITS
@@ -88,7 +87,7 @@ pub fn json<R: Report>(report: &R) -> Result<Value, Error> {
     Ok(all.into())
 }
 
-/// Names of the files that [`write()`] writes, in no order.
+/// Names of the files that [`Rendered::write`] writes, in no order.
 ///
 /// # Errors
 /// One cannot be made.
@@ -127,72 +126,52 @@ impl Rendered {
         })
     }
 
-    /// Writes all files into a folder that is open, the JSON report last.
+    /// Hands all files over by their names, the JSON report last.
     ///
     /// # Errors
-    /// Something cannot be drawn or written.
-    pub fn write(&self, folder: &ResultFolder) -> Result<(), Error> {
-        draw(&self.pictures, folder)?;
+    /// Something cannot be drawn, or is refused.
+    pub fn write<E: From<Error>>(
+        &self,
+        mut put: impl FnMut(&str, &[u8]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        draw(&self.pictures, &mut put)?;
         for (name, table) in &self.tables {
-            folder.write(name, table)?;
+            put(name, table)?;
         }
-        folder.write(&format!("{}.txt", self.name), self.text.as_bytes())?;
-        Ok(folder.write(&format!("{}.json", self.name), self.json.as_bytes())?)
+        put(&format!("{}.txt", self.name), self.text.as_bytes())?;
+        put(&format!("{}.json", self.name), self.json.as_bytes())
     }
 
-    /// Prints the text or the JSON report.
-    ///
-    /// # Errors
-    /// Standard output does not take it.
-    pub fn print(
-        &self,
-        folder: &ResultFolder,
-        format: Format,
-        stdout: &mut dyn Write,
-    ) -> Result<(), Error> {
-        match format {
-            Format::Json => stdout.write_all(self.json.as_bytes())?,
-            Format::Text => {
-                stdout.write_all(self.text.as_bytes())?;
-                match self.pictures.first().filter(|_| self.ends_with_picture) {
-                    Some(Picture { stem, .. }) => {
-                        let path = folder.path().join(format!("{stem}.png"));
-                        writeln!(stdout, "picture: {}", path.display())?;
-                    }
-                    None => writeln!(stdout, "results: {}", folder.path().display())?,
-                }
-            }
-        }
-        Ok(())
+    /// The report in words.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The JSON report.
+    pub fn json(&self) -> &str {
+        &self.json
+    }
+
+    /// The file of the picture that a reader is to see first; `None`: the text does not end with one.
+    pub fn shown_picture(&self) -> Option<String> {
+        let first = self.pictures.first().filter(|_| self.ends_with_picture);
+        first.map(|Picture { stem, .. }| format!("{stem}.png"))
     }
 }
 
-/// Writes pictures into a folder of results.
+/// Draws pictures and hands their files over by name.
 ///
 /// # Errors
-/// One cannot be drawn or written.
-pub fn draw(pictures: &[Picture], folder: &ResultFolder) -> Result<(), Error> {
+/// One cannot be drawn, or is refused.
+pub fn draw<E: From<Error>>(
+    pictures: &[Picture],
+    mut put: impl FnMut(&str, &[u8]) -> Result<(), E>,
+) -> Result<(), E> {
     use figures::Format::{Png, Svg};
     for Picture { stem, draw } in pictures {
-        folder.write(&format!("{stem}.png"), &draw(Png)?)?;
-        folder.write(&format!("{stem}.svg"), &draw(Svg)?)?;
+        for (format, ending) in [(Png, "png"), (Svg, "svg")] {
+            put(&format!("{stem}.{ending}"), &draw(format).map_err(Error::from)?)?;
+        }
     }
     Ok(())
-}
-
-/// Writes all files of a report into the folder of results, and the text or the JSON report to standard output.
-///
-/// # Errors
-/// Something cannot be made or written.
-pub fn write<R: Report>(
-    report: &R,
-    case: &Case,
-    folder: &ResultFolder,
-    format: Format,
-    stdout: &mut dyn Write,
-) -> Result<(), Error> {
-    let rendered = Rendered::new(report, case)?;
-    folder.open()?;
-    rendered.write(folder)?;
-    rendered.print(folder, format, stdout)
 }

@@ -8,7 +8,7 @@ mod snapshot;
 mod solid;
 mod words;
 
-pub use animation::animation;
+pub use animation::{Frame, Frames};
 pub use archive::read_fields;
 pub use snapshot::image;
 
@@ -115,27 +115,4 @@ pub fn pictures(case: &Case, fields: &Fields, records: &Records) -> Result<Vec<P
         InTime::Solid(dynamics) => solid::pictures(case, dynamics, fields, records),
         InTime::Flow(run) => flow::pictures(case, run, fields, records),
     })
-}
-
-/// A quantity with its symbol and unit, by its name in files.
-fn label(name: &str) -> String {
-    let digits: String = name.chars().filter(char::is_ascii_digit).collect();
-    let subscript = |c: char| match c {
-        '1'..='3' => char::from_u32('₀' as u32 + (c as u32 - '0' as u32)).unwrap_or(c),
-        c => c,
-    };
-    let index: String = digits.chars().map(subscript).collect();
-    let (quantity, symbol) = match name.trim_end_matches(|c: char| c.is_ascii_digit()) {
-        "v" => ("velocity", "v"),
-        "w" => ("spin", "ω"),
-        "sigma" => ("stress", "σ"),
-        "m" => ("couple stress", "m"),
-        "u" => ("displacement", "u"),
-        "phi" => ("rotation", "φ"),
-        "psi_deg" => return "stress angle ψ, °".to_owned(),
-        "p" => ("pressure", "p"),
-        "shear_rate" => ("shear rate", "Q_D"),
-        _ => return "plastic dissipation, J/m³".to_owned(),
-    };
-    format!("{quantity} {symbol}{index}, {}", unit_of(name))
 }

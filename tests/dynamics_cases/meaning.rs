@@ -5,7 +5,7 @@ use models::registry;
 use models::solid::parameters::Theory;
 use wellposed::case::dynamics::{Component, Shape, TimeFunction};
 use wellposed::case::{Kind, Medium};
-use wellposed::new::{self, Purpose};
+use wellposed::cli::new::{self, Purpose};
 
 /// A line of a template: the key with its value, and whether it is taken in as it stands.
 fn template_line(line: &str) -> Option<(&str, &str, bool)> {

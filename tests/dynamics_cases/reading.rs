@@ -8,8 +8,8 @@ use wellposed::case::dynamics::{
     TimeFunction,
 };
 use wellposed::case::{Case, Kind, Yield};
+use wellposed::cli::{self, Options};
 use wellposed::setup;
-use wellposed::{Options, cli};
 
 #[test]
 fn a_case_is_read_as_written() {
@@ -68,7 +68,7 @@ fn a_case_is_read_as_written() {
     let case = parse(PLANE).unwrap();
     assert_eq!(case.numbers.dimensions, 2);
     // Without sections for it a case is not run in time.
-    assert_eq!(parse(&wellposed::new::text(case.medium())).unwrap().dynamics, None);
+    assert_eq!(parse(&wellposed::cli::new::text(case.medium())).unwrap().dynamics, None);
 }
 
 #[test]
@@ -213,7 +213,7 @@ fn options_reach_all_sections() {
         let error = parse_with(PLANE, &[set]).expect_err(set);
         assert_eq!(error, format!("--set {set}: {message}"));
     }
-    let flow = wellposed::new::text(Kind::flows()[0]);
+    let flow = wellposed::cli::new::text(Kind::flows()[0]);
     let error = parse_with(&flow, &["grid.spacing=1"]).unwrap_err();
     let start = "--set grid.spacing=1: grid.spacing: found for a flow; give length, the edges of";
     assert!(error.starts_with(start), "{error}");

@@ -122,13 +122,13 @@ fn a_run_in_time_needs_a_solid_and_a_grid() {
     assert_eq!(error, format!("folder/x.toml:19: {end}"));
 
     let plane =
-        wellposed::new::text(Kind::solids()[3]) + "[grid]\ncells = [2, 2, 2]\nspacing = 1\n";
+        wellposed::cli::new::text(Kind::solids()[3]) + "[grid]\ncells = [2, 2, 2]\nspacing = 1\n";
     let error = parse(&plane).unwrap_err();
     let end = "model.kind: found cosserat-compliances in a grid of 3 dimensions; it is a solid in \
                plane strain: grid.cells must have 2 entries";
     assert!(error.ends_with(end), "{error}");
 
-    let classical = wellposed::new::text(Kind::solids()[0])
+    let classical = wellposed::cli::new::text(Kind::solids()[0])
         + "[grid]\ncells = [2, 2, 2]\nspacing = 1\n[time]\nduration = 1\n";
     for (entry, end) in [
         (

@@ -1,7 +1,7 @@
 //! Spoiled case files, the same ones at every run.
 
 use wellposed::case::Case;
-use wellposed::cases::CASES;
+use wellposed::cli::cases::CASES;
 
 /// Values that a number may be replaced by: limits, extremes, other types.
 const VALUES: &[&str] = &[
@@ -113,7 +113,7 @@ pub fn mutants(seed: u64) -> impl Iterator<Item = Vec<u8>> {
 
 /// What is mutated: each key on its own line, two to four points along each axis.
 fn originals() -> Vec<String> {
-    let new: Vec<String> = wellposed::case::Medium::all().map(wellposed::new::text).collect();
+    let new: Vec<String> = wellposed::case::Medium::all().map(wellposed::cli::new::text).collect();
     let bundled = CASES.iter().map(|(_, text)| (*text).to_owned());
     let everything = bundled.chain(new.clone()).map(|text| shrunk(&text)).collect::<Vec<_>>();
     // With the optional keys taken in, so that they are mutated as well.

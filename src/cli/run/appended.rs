@@ -1,9 +1,9 @@
 //! The files that a run appends to.
 
 use super::checkpoint::Checkpoint;
-use crate::Error;
 use crate::case::{Case, InTime};
-use crate::output::{AppendedFile, OutputError, ResultFolder, SNAPSHOTS};
+use crate::cli::Error;
+use crate::cli::folder::{AppendedFile, OutputError, ResultFolder, SNAPSHOTS};
 use crate::study::simulate::{Column, Head, Records, Table, TableKind, column_unit};
 use dynamics::simulation::State;
 use files::append::{Appender, Written};
@@ -47,7 +47,7 @@ impl<'a> Files<'a> {
             self.tables.push((file, own.map_err(OutputError::of_table)?));
         }
         if has_snapshots {
-            folder.write(SNAPSHOTS, &collection(&[] as &[(f64, &str)])?)?;
+            folder.write(SNAPSHOTS, &snapshot_list(&[] as &[(f64, &str)])?)?;
         }
         Ok(())
     }
@@ -86,7 +86,7 @@ impl<'a> Files<'a> {
         if let Some((_, name)) = list.last() {
             self.folder.write(name, &image.bytes())?;
         }
-        Ok(self.folder.write(SNAPSHOTS, &collection(list)?)?)
+        Ok(self.folder.write(SNAPSHOTS, &snapshot_list(list)?)?)
     }
 
     /// Brings the tables to the disk, and says what they hold.
@@ -107,13 +107,18 @@ impl<'a> Files<'a> {
     }
 }
 
+/// The list of the snapshots, by times and names.
+fn snapshot_list<S: AsRef<str>>(list: &[(f64, S)]) -> Result<Vec<u8>, Error> {
+    Ok(collection(list).map_err(crate::Error::from)?)
+}
+
 /// That no snapshot of those that are due is missing.
 pub(super) fn check_snapshots(
     folder: &ResultFolder,
     mut due: impl Iterator<Item = String>,
-) -> Result<(), OutputError> {
+) -> Result<(), Error> {
     match due.find(|name| !folder.path().join(name).exists()) {
-        Some(name) => Err(OutputError::unusable(&folder.path().join(name), "is missing")),
+        Some(name) => Err(OutputError::unusable(&folder.path().join(name), "is missing").into()),
         None => Ok(()),
     }
 }

@@ -1,6 +1,6 @@
 //! What a run needs to go on: state, and what its tables held.
 
-use crate::output::{AppendedFile, OutputError, ResultFolder, not_written};
+use crate::cli::folder::{AppendedFile, OutputError, ResultFolder, not_written};
 use dynamics::simulation::State;
 use files::append::Written;
 use files::sealed::{Problem, read_sealed, write_sealed};

@@ -3,10 +3,11 @@
 use super::Run;
 use super::appended::Files;
 use super::checkpoint::Checkpoint;
-use crate::output::ResultFolder;
+use crate::cli::Error;
+use crate::cli::error::INTERRUPTED_CODE;
+use crate::cli::folder::ResultFolder;
 use crate::report::format::short;
 use crate::study::simulate::Moment;
-use crate::{Error, INTERRUPTED_CODE};
 use std::io::{IsTerminal, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;

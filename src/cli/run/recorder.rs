@@ -93,7 +93,7 @@ impl Recorder for FileRecorder<'_> {
     }
 
     fn row(&mut self, table: TableKind, row: &[f64]) -> Result<(), Error> {
-        self.files.write(table.into(), row)
+        Ok(self.files.write(table.into(), row)?)
     }
 
     fn snapshot(&mut self, index: usize, fields: Fields) -> Result<(), Error> {
@@ -102,20 +102,20 @@ impl Recorder for FileRecorder<'_> {
         drop(fields);
         let name = |index| Some((times.time(index)?, self.snapshot_name(index)));
         let list: Vec<(f64, String)> = (0..=index).map_while(name).collect();
-        self.files.snapshot(&image, &list)
+        Ok(self.files.snapshot(&image, &list)?)
     }
 
     fn after_steps(&mut self, moment: &Moment) -> Result<(), Error> {
         self.tick(moment.time, moment.duration);
         self.progress.note(note(moment, self.rate(moment)));
-        self.timer.write_if_due(&mut self.files, moment)
+        Ok(self.timer.write_if_due(&mut self.files, moment)?)
     }
 
     fn finish(&mut self, moment: &Moment) -> Result<Records, Error> {
         computed();
         self.files.sync()?;
         self.files.log(&log(moment, self.rate(moment)));
-        records(self.run.case, self.run.folder)
+        Ok(records(self.run.case, self.run.folder)?)
     }
 }
 

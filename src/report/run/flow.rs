@@ -1,8 +1,8 @@
 //! Pictures of a flow in time.
 
-use super::animation::array;
-use super::label;
 use super::records::{ledger, seismograms};
+use super::snapshot::array;
+use super::words::label;
 use crate::case::Case;
 use crate::case::flow::{FlowRun, Quantity};
 use crate::report::Picture;

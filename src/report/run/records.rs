@@ -1,6 +1,6 @@
 //! Pictures of what was recorded in the course of a run.
 
-use super::label;
+use super::words::label;
 use crate::case::Case;
 use crate::report::Picture;
 use crate::report::format::case_title;

@@ -47,3 +47,12 @@ pub fn image(case: &Case, fields: &Fields) -> Result<ImageData, Error> {
     }
     Ok(image)
 }
+
+/// So many numbers of each cell in a snapshot by the name of the array, or why there are none.
+pub(super) fn array(bytes: &[u8], name: &str, cells: usize) -> Result<Vec<f64>, String> {
+    match files::vti::plain_values(bytes, name) {
+        None => Err(format!("no array {name}")),
+        Some(all) if all.len() < cells => Err(format!("too few values of {name}")),
+        Some(all) => Ok(all),
+    }
+}

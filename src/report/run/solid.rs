@@ -1,8 +1,8 @@
 //! Pictures of a solid in time.
 
-use super::animation::array;
-use super::label;
 use super::records::{ledger, seismograms, some_of};
+use super::snapshot::array;
+use super::words::label;
 use crate::case::Case;
 use crate::case::dynamics::{Component, Dynamics, Picture as Shown};
 use crate::report::Picture;

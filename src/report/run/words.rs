@@ -2,7 +2,7 @@
 
 use crate::case::dynamics::Component;
 use crate::report::format::{short, superscript};
-use crate::study::simulate::{Bytes, IllPosed, Plan, StopCause, Stopped, Warning, Work};
+use crate::study::simulate::{Bytes, IllPosed, Plan, StopCause, Stopped, Warning, Work, unit_of};
 use analysis::growth::Growth;
 use dynamics::simulation::StepLimit;
 use models::common::elementary::Elementary;
@@ -121,4 +121,27 @@ impl Display for IllPosed {
             short(tenfold)
         )
     }
+}
+
+/// A quantity with its symbol and unit, by its name in files.
+pub(super) fn label(name: &str) -> String {
+    let digits: String = name.chars().filter(char::is_ascii_digit).collect();
+    let subscript = |c: char| match c {
+        '1'..='3' => char::from_u32('₀' as u32 + (c as u32 - '0' as u32)).unwrap_or(c),
+        c => c,
+    };
+    let index: String = digits.chars().map(subscript).collect();
+    let (quantity, symbol) = match name.trim_end_matches(|c: char| c.is_ascii_digit()) {
+        "v" => ("velocity", "v"),
+        "w" => ("spin", "ω"),
+        "sigma" => ("stress", "σ"),
+        "m" => ("couple stress", "m"),
+        "u" => ("displacement", "u"),
+        "phi" => ("rotation", "φ"),
+        "psi_deg" => return "stress angle ψ, °".to_owned(),
+        "p" => ("pressure", "p"),
+        "shear_rate" => ("shear rate", "Q_D"),
+        _ => return "plastic dissipation, J/m³".to_owned(),
+    };
+    format!("{quantity} {symbol}{index}, {}", unit_of(name))
 }

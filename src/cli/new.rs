@@ -1,7 +1,7 @@
 //! `wellposed new`: a commented case to start from.
 
 use crate::case::{Kind, Medium};
-use crate::output::{OutputError, write_file};
+use crate::cli::folder::{OutputError, write_file};
 use std::path::{Path, PathBuf};
 
 pub use crate::case::template::{Purpose, text, text_for};

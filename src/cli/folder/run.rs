@@ -3,8 +3,8 @@
 use super::names::{CASE, FINISHED, RUN, is_half_written};
 use super::origin::Origin;
 use super::{AppendedFile, OutputError, ResultFolder, is_snapshot, names_in, remove};
-use crate::Error;
 use crate::case::Case;
+use crate::cli::Error;
 use std::fs::{self, File};
 use std::path::Path;
 

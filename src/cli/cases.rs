@@ -1,7 +1,7 @@
 //! `wellposed cases`: the cases that come with the program.
 
-use crate::Error;
 use crate::case::Case;
+use crate::cli::Error;
 use std::io::Write;
 
 // `CASES`: path and text of every file under `cases/`, sorted by path.
