@@ -139,132 +139,139 @@ fn the_resolved_case_reads_back_to_itself() {
     }
 }
 
+/// What is written in place of what, and the beginning of the answer.
+const WRONG: &[(&str, &str, &str)] = &[
+    (
+        "cells = [32, 24]",
+        "cells = [32, 15]",
+        "folder/x.toml:14: grid.cells: found [32, 15]; expected a list of 2 even whole numbers of at \
+             least 8 (points along each axis)",
+    ),
+    (
+        "cells = [32, 24]",
+        "cells = [6, 16]",
+        "folder/x.toml:14: grid.cells: found [6, 16]; expected",
+    ),
+    (
+        "cells = [32, 24]",
+        "cells = [8, 8, 8]",
+        "folder/x.toml:14: grid.cells: found [8, 8, 8]; expected",
+    ),
+    (
+        "cells = [32, 24]",
+        "cells = [200000, 200000]",
+        "folder/x.toml:14: grid.cells: 200000 × 200000 points; expected at most 268435456 in all",
+    ),
+    (
+        "length = [0.2, 0.1]",
+        "spacing = 0.01",
+        "folder/x.toml:15: grid.spacing: found for a flow; give length, the edges of the box at the \
+             beginning in m, in its place",
+    ),
+    (
+        "length = [0.2, 0.1]",
+        "length = [0.2, -0.1]",
+        "folder/x.toml:15: grid.length: found [0.2, -0.1]; expected a positive number or a list of 2",
+    ),
+    (
+        "tolerance = 1e-4",
+        "tolerance = 1",
+        "folder/x.toml:18: time.tolerance: found the integer 1; expected a number between 0 and 1",
+    ),
+    (
+        "tolerance = 1e-4",
+        "courant = 1",
+        "folder/x.toml:18: time.courant: unknown key; did you mean 'tolerance'? allowed here: duration, tolerance, \
+             pressure_tolerance",
+    ),
+    (
+        "mode = [2, -1]",
+        "mode = [0, 0]",
+        "folder/x.toml:21: initial[0].mode: found [0, 0]; expected a list of 2 whole numbers, not both 0",
+    ),
+    (
+        "mode = [2, -1]",
+        "mode = [2, -8]",
+        "folder/x.toml:21: initial[0].mode: found [2, -8] with 32 × 24 points; at most 10 and 7: add \
+             points, or a longer wave",
+    ),
+    (
+        "field = 'v'",
+        "field = 'psi_deg'",
+        "folder/x.toml:22: initial[0].field: found 'psi_deg'; allowed: v, w",
+    ),
+    (
+        "at = [0.1, 0.05]",
+        "at = [0.1, 0.5]",
+        "folder/x.toml:30: initial[1].at: found [0.1, 0.5], outside the box; the box has x1 from 0.0 to \
+             0.2 m, x2 from 0.0 to 0.1 m",
+    ),
+    (
+        "to = 6.5",
+        "to = 8",
+        "folder/x.toml:36: initial[2].to: found 8.0 with 32 × 24 points; at most 7.0: add points, or \
+             take longer waves",
+    ),
+    (
+        "to = 6.5",
+        "to = 0.5",
+        "folder/x.toml:36: initial[2].to: found 0.5 with from = 1.0; to must be",
+    ),
+    (
+        "from = 1\nto = 6.5",
+        "from = 1.1\nto = 1.2",
+        "folder/x.toml:36: initial[2].to: no whole numbers m₁, m₂ between 1.1 and 1.2; a wider band",
+    ),
+    (
+        "seed = 12",
+        "seed = -1",
+        "folder/x.toml:38: initial[2].seed: found the integer -1; expected a whole number of at least 0",
+    ),
+    (
+        "kind = 'uniform'\nfield = 'w'",
+        "kind = 'uniform'\nfield = 'v'",
+        "folder/x.toml:41: initial[3].field: found 'v'; allowed: w",
+    ),
+    (
+        "kind = 'uniform'",
+        "kind = 'pulse'",
+        "folder/x.toml:40: initial[3].kind: found 'pulse'; did you mean 'noise'? allowed: mode, packet, noise, uniform, file",
+    ),
+    (
+        "fields = ['psi_deg', 'v2']",
+        "fields = ['psi']",
+        "folder/x.toml:48: receiver[1].fields: found 'psi'; did you mean 'psi_deg'? allowed: v1, v2, w, psi_deg, p, shear_rate",
+    ),
+    (
+        "picture = 'psi_deg'",
+        "picture = 'sigma11'",
+        "folder/x.toml:51: output.picture: found 'sigma11'; allowed: speed, v1, v2, w, psi_deg, p, \
+             shear_rate",
+    ),
+    (
+        "[[receiver]]",
+        "[gravity]\nacceleration = [0, -9.81]\n[[receiver]]",
+        "folder/x.toml:43: gravity: found for the model harris-grekova, a flow; leave it out: it belongs \
+             to solids; a flow has grid, time, initial, receiver, output",
+    ),
+    (
+        "[[receiver]]",
+        "[limits]\nshear_rate = 0.1\n[[receiver]]",
+        "folder/x.toml:43: limits: found for the model harris-grekova, a flow; leave it out: it belongs to \
+             plastic-potential",
+    ),
+];
+
 #[test]
 fn wrong_cases_are_refused_with_place_and_remedy() {
-    for (old, new, message) in [
-        (
-            "cells = [32, 24]",
-            "cells = [32, 15]",
-            "folder/x.toml:14: grid.cells: found [32, 15]; expected a list of 2 even whole numbers of at \
-             least 8 (points along each axis)",
-        ),
-        (
-            "cells = [32, 24]",
-            "cells = [6, 16]",
-            "folder/x.toml:14: grid.cells: found [6, 16]; expected",
-        ),
-        (
-            "cells = [32, 24]",
-            "cells = [8, 8, 8]",
-            "folder/x.toml:14: grid.cells: found [8, 8, 8]; expected",
-        ),
-        (
-            "cells = [32, 24]",
-            "cells = [200000, 200000]",
-            "folder/x.toml:14: grid.cells: 200000 × 200000 points; expected at most 268435456 in all",
-        ),
-        (
-            "length = [0.2, 0.1]",
-            "spacing = 0.01",
-            "folder/x.toml:15: grid.spacing: found for a flow; give length, the edges of the box at the \
-             beginning in m, in its place",
-        ),
-        (
-            "length = [0.2, 0.1]",
-            "length = [0.2, -0.1]",
-            "folder/x.toml:15: grid.length: found [0.2, -0.1]; expected a positive number or a list of 2",
-        ),
-        (
-            "tolerance = 1e-4",
-            "tolerance = 1",
-            "folder/x.toml:18: time.tolerance: found the integer 1; expected a number between 0 and 1",
-        ),
-        (
-            "tolerance = 1e-4",
-            "courant = 1",
-            "folder/x.toml:18: time.courant: unknown key; did you mean 'tolerance'? allowed here: duration, tolerance, \
-             pressure_tolerance",
-        ),
-        (
-            "mode = [2, -1]",
-            "mode = [0, 0]",
-            "folder/x.toml:21: initial[0].mode: found [0, 0]; expected a list of 2 whole numbers, not both 0",
-        ),
-        (
-            "mode = [2, -1]",
-            "mode = [2, -8]",
-            "folder/x.toml:21: initial[0].mode: found [2, -8] with 32 × 24 points; at most 10 and 7: add \
-             points, or a longer wave",
-        ),
-        (
-            "field = 'v'",
-            "field = 'psi_deg'",
-            "folder/x.toml:22: initial[0].field: found 'psi_deg'; allowed: v, w",
-        ),
-        (
-            "at = [0.1, 0.05]",
-            "at = [0.1, 0.5]",
-            "folder/x.toml:30: initial[1].at: found [0.1, 0.5], outside the box; the box has x1 from 0.0 to \
-             0.2 m, x2 from 0.0 to 0.1 m",
-        ),
-        (
-            "to = 6.5",
-            "to = 8",
-            "folder/x.toml:36: initial[2].to: found 8.0 with 32 × 24 points; at most 7.0: add points, or \
-             take longer waves",
-        ),
-        (
-            "to = 6.5",
-            "to = 0.5",
-            "folder/x.toml:36: initial[2].to: found 0.5 with from = 1.0; to must be",
-        ),
-        (
-            "from = 1\nto = 6.5",
-            "from = 1.1\nto = 1.2",
-            "folder/x.toml:36: initial[2].to: no whole numbers m₁, m₂ between 1.1 and 1.2; a wider band",
-        ),
-        (
-            "seed = 12",
-            "seed = -1",
-            "folder/x.toml:38: initial[2].seed: found the integer -1; expected a whole number of at least 0",
-        ),
-        (
-            "kind = 'uniform'\nfield = 'w'",
-            "kind = 'uniform'\nfield = 'v'",
-            "folder/x.toml:41: initial[3].field: found 'v'; allowed: w",
-        ),
-        (
-            "kind = 'uniform'",
-            "kind = 'pulse'",
-            "folder/x.toml:40: initial[3].kind: found 'pulse'; did you mean 'noise'? allowed: mode, packet, noise, uniform, file",
-        ),
-        (
-            "fields = ['psi_deg', 'v2']",
-            "fields = ['psi']",
-            "folder/x.toml:48: receiver[1].fields: found 'psi'; did you mean 'psi_deg'? allowed: v1, v2, w, psi_deg, p, shear_rate",
-        ),
-        (
-            "picture = 'psi_deg'",
-            "picture = 'sigma11'",
-            "folder/x.toml:51: output.picture: found 'sigma11'; allowed: speed, v1, v2, w, psi_deg, p, \
-             shear_rate",
-        ),
-        (
-            "[[receiver]]",
-            "[gravity]\nacceleration = [0, -9.81]\n[[receiver]]",
-            "folder/x.toml:43: gravity: found for the model harris-grekova, a flow; leave it out: it belongs \
-             to solids; a flow has grid, time, initial, receiver, output",
-        ),
-        (
-            "[[receiver]]",
-            "[limits]\nshear_rate = 0.1\n[[receiver]]",
-            "folder/x.toml:43: limits: found for the model harris-grekova, a flow; leave it out: it belongs to \
-             plastic-potential",
-        ),
-    ] {
+    for (old, new, message) in WRONG {
         let error = parse(&with(FLOW, old, new)).expect_err(new);
         assert!(error.starts_with(message), "{new}:\n{message}\n{error}");
     }
+}
+
+#[test]
+fn sections_that_are_missing_or_of_another_medium_are_refused() {
     let (head, rest) = FLOW.split_once("[[initial]]").unwrap();
     let (_, tail) = rest.split_once("[[receiver]]").unwrap();
     let error = parse(&format!("{head}[[receiver]]{tail}")).unwrap_err();

@@ -174,7 +174,13 @@ fn perturbations_decay_inside_the_bound() {
     let pressure = values(&arrays, "p");
     assert!((pressure.iter().sum::<f64>() / 1024.0 - 1000.0).abs() < 1e-6);
 
-    let mut names: Vec<String> = results(&out).into_iter().map(|own| own.0).collect();
+    check_files(&out);
+    check_other_pictures(&out);
+}
+
+/// All files are there, and snapshots hold what they should.
+fn check_files(out: &Path) {
+    let mut names: Vec<String> = results(out).into_iter().map(|own| own.0).collect();
     names.retain(|name| !name.starts_with("snapshot-"));
     let expected = [
         "animation.gif",
@@ -203,18 +209,20 @@ fn perturbations_decay_inside_the_bound() {
         assert_eq!(files::vti::plain_time(&image), Some([0.0, 2.5e-4, 5e-4, 7.5e-4, 1e-3][index]));
         assert_eq!(files::vti::plain_values(&image, "psi [rad]").unwrap().len(), 1024);
     }
+}
 
-    // Another picture of the same run.
+/// Other pictures of the same run.
+fn check_other_pictures(out: &Path) {
     let before = fs::read(out.join("run.svg")).unwrap();
     let resolved = fs::read_to_string(out.join("case.toml")).unwrap();
     for picture in ["v1", "v2", "w", "psi_deg", "p", "shear_rate"] {
         let drawn = resolved.replace("picture = \"speed\"", &format!("picture = \"{picture}\""));
         fs::write(out.join("case.toml"), drawn).unwrap();
-        cli::plot(&out, &mut Vec::new()).unwrap();
+        cli::plot(out, &mut Vec::new()).unwrap();
         assert!(fs::read(out.join("run.svg")).unwrap() != before, "{picture}");
     }
     fs::write(out.join("case.toml"), &resolved).unwrap();
-    cli::plot(&out, &mut Vec::new()).unwrap();
+    cli::plot(out, &mut Vec::new()).unwrap();
     assert!(fs::read(out.join("run.svg")).unwrap() == before);
 }
 

@@ -287,13 +287,24 @@ fn what_is_not_finite_stops_the_run() {
     );
 }
 
+/// A run of a classical solid with other sections besides.
+fn plain(extra: &str) -> String {
+    format!("{CLASSICAL}[grid]\ncells = [8, 8]\nspacing = 1\n[time]\nduration = 0.01\n{extra}")
+}
+
+const PULSE: &str = "time = { kind = 'pulse', duration = 0.01 }";
+
+fn check_refusals<const N: usize>(cases: [(String, &str); N]) {
+    for (case, expected) in cases {
+        let message = refused(&case);
+        assert!(message.contains(expected), "{expected}: {message}");
+        println!("{message}");
+    }
+}
+
 #[test]
 fn runs_that_cannot_be_are_refused() {
-    let plain = |extra: &str| {
-        format!("{CLASSICAL}[grid]\ncells = [8, 8]\nspacing = 1\n[time]\nduration = 0.01\n{extra}")
-    };
-    let pulse = "time = { kind = 'pulse', duration = 0.01 }";
-    let cases = [
+    check_refusals([
         (
             CLASSICAL.replace("lambda", "dimensions = 2\nlambda"),
             ": grid: missing; add a section [grid] with cells = [200, 200] and spacing = 1.0, and [time] with duration",
@@ -326,13 +337,13 @@ fn runs_that_cannot_be_are_refused() {
         ),
         (
             plain(&format!(
-                "[[load]]\nside = 'x1-'\nfield = 'v1'\nfrom = 20\nto = 30\namplitude = 1\n{pulse}\n"
+                "[[load]]\nside = 'x1-'\nfield = 'v1'\nfrom = 20\nto = 30\namplitude = 1\n{PULSE}\n"
             )),
             "no face of the side has its middle in it",
         ),
         (
             plain(&format!(
-                "[[source]]\nkind = 'moment'\namplitude = [[0, 1], [2, 0]]\nat = [4, 4]\n{pulse}\n"
+                "[[source]]\nkind = 'moment'\namplitude = [[0, 1], [2, 0]]\nat = [4, 4]\n{PULSE}\n"
             )),
             "not symmetric in a classical solid",
         ),
@@ -355,13 +366,17 @@ fn runs_that_cannot_be_are_refused() {
             "ideal plasticity",
         ),
         (plain("").replace("duration = 0.01", "duration = 1e300"), "10¹² steps"),
-    ];
-    let others = [
+    ]);
+}
+
+#[test]
+fn states_that_cannot_be_run_are_refused() {
+    check_refusals([
         (plain("[output]\npicture = 'dissipation'\n"), "'dissipation' in elastic media"),
         (
             plain(&format!(
-                "[[load]]\nside = 'x2+'\nfield = 'sigma22'\namplitude = 1\n{pulse}\n[[load]]\nside = \
-                 'x2+'\nfield = 'v2'\namplitude = 1\n{pulse}\n"
+                "[[load]]\nside = 'x2+'\nfield = 'sigma22'\namplitude = 1\n{PULSE}\n[[load]]\nside = \
+                 'x2+'\nfield = 'v2'\namplitude = 1\n{PULSE}\n"
             )),
             "load[1].field: v2 on faces with another load",
         ),
@@ -386,12 +401,7 @@ fn runs_that_cannot_be_are_refused() {
             ),
             "a branch that moves nothing but spins",
         ),
-    ];
-    for (case, expected) in cases.into_iter().chain(others) {
-        let message = refused(&case);
-        assert!(message.contains(expected), "{expected}: {message}");
-        println!("{message}");
-    }
+    ]);
 }
 
 /// More memory than there is, where the system says how much that is.

@@ -173,7 +173,10 @@ fn options_reach_all_sections() {
     let (model, _) = PLANE.split_once("[grid]").unwrap();
     let sets = ["grid.cells=[2,2]", "grid.spacing=1", "time.duration=1"];
     assert_eq!(parse_with(model, &sets).unwrap().dynamics.unwrap().grid.origin, [0.0, 0.0]);
+}
 
+#[test]
+fn wrong_options_are_refused() {
     for (set, message) in [
         ("load[3].amplitude=1", "load: the index 3 of 3; expected an index from 0 to 2"),
         ("load.amplitude=1", "load: a list of 3; write load[0] with an index from 0 to 2"),
@@ -222,6 +225,7 @@ fn options_reach_all_sections() {
         error.ends_with("receiver: the index 1 of 1; expected an index from 0 to 0"),
         "{error}"
     );
+    let (model, _) = PLANE.split_once("[grid]").unwrap();
     let error = parse_with(model, &["load[0].at=1"]).unwrap_err();
     let end = "load: the index 0 of no entry; add [[load]] to the file first";
     assert_eq!(error, format!("--set load[0].at=1: {end}"));

@@ -28,6 +28,7 @@ fn an_error_of_a_model_names_the_line_of_the_region() {
 }
 
 /// Replaces a part of [`PLANE`] and expects the whole message.
+// Long for its table alone, a line for each wrong input.
 #[test]
 fn bad_input_is_answered_with_line_key_and_remedy() {
     const FIELDS: &str =

@@ -4,7 +4,7 @@ use super::geometry::{along, centre, distance};
 use super::pulse::Incident;
 use super::{Place, unknown_name};
 use crate::Error;
-use crate::case::dynamics::{Centre, Initial};
+use crate::case::dynamics::{Centre, Dynamics, Initial, Shape};
 use crate::case::{Case, Wave};
 use crate::setup::solid::{elastic_law_and_set, normal};
 use analysis::waves::plane_waves;
@@ -13,6 +13,26 @@ use models::common::elementary::{Elementary, cr_cis};
 use models::solid::waves::Field;
 use num_complex::Complex64;
 
+/// Sums of the parts of the initial state.
+struct Sums<'a> {
+    dynamics: &'a Dynamics,
+    /// Values by cell of the fields that any part has.
+    all: Vec<(Field, Vec<f64>)>,
+}
+
+impl Sums<'_> {
+    /// Adds values at the middles of cells, cell by cell.
+    fn add(&mut self, field: Field, mut value: impl FnMut(&[f64]) -> f64) {
+        let place = self.all.iter().position(|own| own.0 == field).unwrap_or_else(|| {
+            self.all.push((field, vec![0.0; self.dynamics.grid.count()]));
+            self.all.len() - 1
+        });
+        for (cell, own) in self.all[place].1.iter_mut().enumerate() {
+            *own += value(&centre(self.dynamics, cell));
+        }
+    }
+}
+
 impl Place<'_> {
     /// The initial values of the fields that have any.
     pub(super) fn initial<const D: usize>(
@@ -20,22 +40,12 @@ impl Place<'_> {
         case: &Case,
         media: usize,
     ) -> Result<Vec<(Field, Vec<f64>)>, Error> {
-        let count = self.dynamics.grid.count();
-        let mut all: Vec<(Field, Vec<f64>)> = Vec::new();
-        let mut add = |field: Field, value: &mut dyn FnMut(&[f64]) -> f64| {
-            let place = all.iter().position(|own| own.0 == field).unwrap_or_else(|| {
-                all.push((field, vec![0.0; count]));
-                all.len() - 1
-            });
-            for (cell, own) in all[place].1.iter_mut().enumerate() {
-                *own += value(&centre(self.dynamics, cell));
-            }
-        };
+        let mut sums = Sums { dynamics: self.dynamics, all: Vec::new() };
         for (index, part) in self.dynamics.initial.iter().enumerate() {
             match part {
                 Initial::Pulse { field, amplitude, centre, radius } => {
                     let axes: Vec<usize> = (0..D).collect();
-                    add(field.0, &mut |x| {
+                    sums.add(field.0, |x| {
                         let r = match centre {
                             Centre::Point(at) => distance(self.dynamics, &axes, x, at),
                             Centre::Plane { axis, at } => {
@@ -46,24 +56,10 @@ impl Place<'_> {
                     });
                 }
                 Initial::Uniform { shape, field, amplitude } => {
-                    add(field.0, &mut |x| if shape.contains(x) { *amplitude } else { 0.0 });
+                    sums.add(field.0, |x| if shape.contains(x) { *amplitude } else { 0.0 });
                 }
                 Initial::Rotation { shape, angle_deg, axis } => {
-                    // Λ = −φ× without displacement: a = 2αφ of each medium, σ = ±a.
-                    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-                    let alphas = self.alphas(case)?;
-                    let of_cell = self.dynamics.media_of_cells()?;
-                    for (field, sign) in [(Field::Stress(i, j), 1.0), (Field::Stress(j, i), -1.0)] {
-                        let mut cell = 0;
-                        add(field, &mut |x| {
-                            let alpha = alphas[usize::from(of_cell[cell])];
-                            cell += 1;
-                            match shape.contains(x) {
-                                true => sign * 2.0 * alpha * angle_deg.to_radians(),
-                                false => 0.0,
-                            }
-                        });
-                    }
+                    self.add_rotation(&mut sums, case, shape, *angle_deg, *axis)?;
                 }
                 Initial::PlanePulse(pulse) => {
                     let of_cell = self.dynamics.media_of_cells()?;
@@ -71,7 +67,7 @@ impl Place<'_> {
                     let wave = Incident::new(case, self.dynamics, &of_cell, pulse, &key)?;
                     for &field in &self.medium.fields {
                         let mut media = of_cell.iter();
-                        add(field, &mut |x| {
+                        sums.add(field, |x| {
                             media.next().map_or(0.0, |medium| wave.value(field, x, *medium))
                         });
                     }
@@ -97,7 +93,7 @@ impl Place<'_> {
                     };
                     for (field, factor) in self.plane_wave::<D>(case, &wave, *branch, &key)? {
                         let direction = normal(&wave);
-                        add(field, &mut |x| {
+                        sums.add(field, |x| {
                             let along: f64 = x.iter().zip(direction).map(|(x, n)| x * n).sum();
                             (amplitude * factor * cr_cis(wave.number * along)).re
                         });
@@ -105,7 +101,33 @@ impl Place<'_> {
                 }
             }
         }
-        Ok(all)
+        Ok(sums.all)
+    }
+
+    /// Adds the stress of a rotation φ without displacement: Λ = −φ×, σ = ±a with a = 2αφ of each medium.
+    fn add_rotation(
+        &self,
+        sums: &mut Sums,
+        case: &Case,
+        shape: &Shape,
+        angle_deg: f64,
+        axis: usize,
+    ) -> Result<(), Error> {
+        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+        let alphas = self.alphas(case)?;
+        let of_cell = self.dynamics.media_of_cells()?;
+        for (field, sign) in [(Field::Stress(i, j), 1.0), (Field::Stress(j, i), -1.0)] {
+            let mut cell = 0;
+            sums.add(field, |x| {
+                let alpha = alphas[usize::from(of_cell[cell])];
+                cell += 1;
+                match shape.contains(x) {
+                    true => sign * 2.0 * alpha * angle_deg.to_radians(),
+                    false => 0.0,
+                }
+            });
+        }
+        Ok(())
     }
 
     /// α of each medium.
