@@ -8,9 +8,7 @@ mod source;
 mod weight;
 
 use crate::Error;
-use crate::case::dynamics::{
-    Component, Correction, Dynamics, Ledger as LedgerKind, Order, Side, Splitting as Sweeps, Time,
-};
+use crate::case::dynamics::{self as case, Component, Dynamics, Side, Time};
 use crate::case::{Case, CaseError};
 use crate::setup::solid;
 use dynamics::boundary::Boundary;
@@ -65,31 +63,36 @@ pub(crate) fn time_steps(dynamics: &Dynamics, media: &[Medium]) -> Result<TimeSt
     })
 }
 
+/// The choices of the scheme in the solver's types.
+pub(crate) fn scheme(chosen: case::Scheme) -> Scheme {
+    Scheme {
+        slopes: match chosen.order {
+            case::Order::FourthOrder => Slopes::FourthOrder,
+            case::Order::Eno2 => Slopes::Limited,
+            case::Order::Godunov => Slopes::Godunov,
+        },
+        placement: match chosen.correction {
+            case::Correction::SecondOrder => Placement::Middle,
+            case::Correction::FirstOrder => Placement::Last,
+        },
+        splitting: match chosen.splitting {
+            case::Splitting::Alternating => Splitting::Alternating,
+            case::Splitting::TwoCyclic => Splitting::TwoCyclic,
+        },
+        detail: match chosen.ledger {
+            case::Ledger::Light => Detail::Light,
+            case::Ledger::Full => Detail::Full,
+        },
+    }
+}
+
 impl<const D: usize> Setup<D> {
     pub(crate) fn new(case: &Case, dynamics: &Dynamics, media: Vec<Medium>) -> Result<Self, Error> {
         let cells = std::array::from_fn(|axis| dynamics.grid.cells[axis]);
         let spacing = std::array::from_fn(|axis| dynamics.grid.spacing[axis]);
         let steps = time_steps(dynamics, &media)?;
         let of_cell = dynamics.media_of_cells()?;
-        let scheme = Scheme {
-            slopes: match dynamics.scheme.order {
-                Order::FourthOrder => Slopes::FourthOrder,
-                Order::Eno2 => Slopes::Limited,
-                Order::Godunov => Slopes::Godunov,
-            },
-            placement: match dynamics.scheme.correction {
-                Correction::SecondOrder => Placement::Middle,
-                Correction::FirstOrder => Placement::Last,
-            },
-            splitting: match dynamics.scheme.splitting {
-                Sweeps::Alternating => Splitting::Alternating,
-                Sweeps::TwoCyclic => Splitting::TwoCyclic,
-            },
-            detail: match dynamics.scheme.ledger {
-                LedgerKind::Light => Detail::Light,
-                LedgerKind::Full => Detail::Full,
-            },
-        };
+        let scheme = scheme(dynamics.scheme);
         let place = Place { dynamics, medium: media[0].clone() };
         let boundaries: [[Boundary; 2]; D] = {
             let mut all = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);

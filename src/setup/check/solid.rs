@@ -1,12 +1,10 @@
 //! Solids: the media of a case, and the waves that are sent through each.
 
 use super::Extent;
-use crate::case::dynamics::{Correction, Scheme, Splitting as Sweeps};
 use crate::case::{Case, Check, Wave};
 use crate::setup;
 use agreement::PlaneWave;
 use agreement::solids::SolverSettings;
-use dynamics::problem::{Placement, Splitting};
 use models::InputError;
 
 /// A medium of a solid, and its waves.
@@ -145,18 +143,13 @@ fn directions(
 /// The solver as a run of the case has it, on such grids.
 fn settings(case: &Case, cells: Vec<usize>) -> SolverSettings {
     let time = case.dynamics.as_ref().map(|dynamics| &dynamics.time);
-    let scheme = case.dynamics.as_ref().map_or_else(Scheme::default, |dynamics| dynamics.scheme);
+    let chosen = case.dynamics.as_ref().map(|dynamics| dynamics.scheme).unwrap_or_default();
+    let scheme = setup::solid_run::scheme(chosen);
     SolverSettings {
         cells,
         courant: time.map_or(crate::case::dynamics::COURANT, |time| time.courant),
         rotation: time.map_or(30.0, |time| time.rotation_deg).to_radians(),
-        placement: match scheme.correction {
-            Correction::FirstOrder => Placement::Last,
-            Correction::SecondOrder => Placement::Middle,
-        },
-        splitting: match scheme.splitting {
-            Sweeps::Alternating => Splitting::Alternating,
-            Sweeps::TwoCyclic => Splitting::TwoCyclic,
-        },
+        placement: scheme.placement,
+        splitting: scheme.splitting,
     }
 }
