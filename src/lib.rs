@@ -1,10 +1,59 @@
-//! Well-posedness of continuum models of granular media.
+//! Well-posedness of continuum models of granular media: from a case file to a verdict.
 //!
-//! Describe a medium and a state in a case file; `wellposed` says whether its equations are
-//! well-posed. [`load`] reads a case; each question about it is answered by a value: [`point()`], [`map()`],
-//! [`dispersion()`], [`speeds()`], [`simulate()`], [`check()`] ([`study`]). Their reports are in [`report`], the verbs of the
-//! command line and folders of results in [`cli`];
-//! [`mod@case`] reads case files; [`setup`] makes of them what the crates below take. No physics and no numerics here.
+//! A case file describes a medium and a state. `wellposed` linearises the equations there and says whether they are
+//! well-posed, and if not how fast short waves grow and in which direction; solves the equations in time; and holds
+//! both against each other. The program `wellposed` does this on the command line; this library answers the same
+//! questions by values, without files.
+//!
+//! # Questions
+//!
+//! | question | answer |
+//! |---|---|
+//! | [`load`] | a [`Case`], read from a file and checked |
+//! | [`point()`] | [`PointResult`](study::PointResult): all about one state: background, characteristics, roots, growth, verdict with evidence |
+//! | [`map()`] | [`MapResult`](study::MapResult): the verdict over two numbers of the case |
+//! | [`dispersion()`] | [`Dispersion`](study::Dispersion): frequencies and speeds of the waves of a solid against the wave number |
+//! | [`speeds()`] | [`Speeds`](study::Speeds): characteristic speeds of a solid against the direction, elastic and yielding |
+//! | [`simulate()`] | [`RunResult`](study::RunResult): fields, records of receivers and the energy ledger of a solid or a flow in time |
+//! | [`check()`] | [`CheckResult`](study::CheckResult): frequencies and growth of waves as the analysis predicts them and as a solver has them |
+//!
+//! Harris–Grekova (2005) at constant volume is well-posed while stress and deformation rate are less than 45° apart:
+//!
+//! ```
+//! let path = "cases/granular-flow/noncoaxiality-bound.toml";
+//! let inside = wellposed::point(&wellposed::load(path, &["background.noncoaxiality_deg=40"])?)?;
+//! let outside = wellposed::point(&wellposed::load(path, &["background.noncoaxiality_deg=50"])?)?;
+//! assert_eq!(inside.verdict().map(|verdict| verdict.name()), Some("well-posed"));
+//! assert_eq!(outside.verdict().map(|verdict| verdict.name()), Some("ill-posed"));
+//!
+//! // The report that `wellposed point --format json` prints.
+//! println!("{:#}", wellposed::report::json(&outside)?);
+//! # Ok::<(), wellposed::Error>(())
+//! ```
+//!
+//! # Layout
+//!
+//! An arrow points from a part to one that it uses, and to all that this one uses; no arrow points up.
+//!
+#![doc = include_str!("../docs/crates.svg")]
+//!
+//! In this package are [`study`], which answers each question by a value; [`setup`], which makes problems of the
+//! crates below from a case; [`report`], which makes text, JSON, tables and pictures from a value; and [`cli`], the
+//! verbs of the command line. No physics and no numerics stand here. [`mod@case`] is the crate that reads case files
+//! and writes them.
+//!
+//! | crate | holds |
+//! |---|---|
+//! | [`models`] | physics without discretisation, files or threads: flows, solids, yield sets, and the registry that lists them |
+//! | [`analysis`] | from linearised equations to the dispersion polynomial, roots, growth of short waves, and a verdict |
+//! | [`dynamics`] | solvers in time for solids and for flows, with energy ledgers |
+//! | [`agreement`] | rates of waves as the analysis predicts them and as the solvers show them |
+//! | [`cases`](mod@case) | case files: one schema for reader, writer, templates, reference page and JSON Schema |
+//! | [`figures`] | pictures from plain structs |
+//! | [`files`] | atomic writing, tables, archives, snapshots |
+//!
+//! `analysis` and `dynamics` never use each other, so that `agreement` compares independent statements; `figures`
+//! and `files` know no physics.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

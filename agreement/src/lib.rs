@@ -1,5 +1,5 @@
 //! The two halves held against each other: rates of plane waves that the analysis predicts, that the solvers show,
-//! and that the solvers should show.
+//! and that the solvers should show. It takes plain problems, and knows no case and no report.
 //!
 //! - **Predicted** from the linearised equations ([`analysis`]): of solids the frequencies of every branch, of flows the
 //!   evolution along the wave vector k(t) that the mean flow turns and stretches.

@@ -18,6 +18,8 @@
 //! - [`waves`]: speeds, dispersion curves and forbidden bands of solids.
 //!
 //! On top of it stand the assessments of what [`models`] describes: [`flows`] and [`solids`].
+//!
+//! It knows no solver in time, no case and no file: what solvers show is held against it elsewhere.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

@@ -1,5 +1,12 @@
-//! Case files: parsing, `--set`, diagnostics with place and remedy, and conversion to the checked
-//! structs of the models.
+//! Case files: one schema of all sections, and what follows from it.
+//!
+//! [`Case`] is a case as its file states it, with settings over it and defaults filled in, and writes itself as TOML.
+//! Rows of [`keys()`] are numbers that a map can sweep, constants of the registered models among them; a section that is
+//! a tree is a [`schema::Form`] of items with type, unit, range, default and meaning. Reader, writer, the templates of
+//! `wellposed new` ([`template`]), the reference page ([`reference()`]) and the JSON Schema ([`json_schema()`]) take all of
+//! it from there. Errors have file, line, key, what was found and what is allowed.
+//!
+//! It knows the models, but no analysis, no solver and no report.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

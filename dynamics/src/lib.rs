@@ -1,4 +1,6 @@
-//! Solids in time: sweeps along coordinate lines, and what stands between them; and granular flow in time.
+//! Solids in time by sweeps along coordinate lines, granular flow in time by Fourier series, and their energy ledgers.
+//!
+//! It knows no case and no file, and nothing of the analysis: records, snapshots and checkpoints go to an observer.
 //!
 //! - [`medium`]: what a solid is to the sweeps;
 //! - [`problem`]: what is to be solved;

@@ -1,6 +1,7 @@
 //! Physical models of granular media.
 //!
-//! The ground floor of `wellposed`: no discretisation, no files, no threads.
+//! The ground floor of `wellposed`. It knows no discretisation, no threads, no files, and no keys of case files:
+//! models take plain numbers in SI units and check them.
 //!
 //! | module | holds |
 //! |---|---|

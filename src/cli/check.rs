@@ -6,6 +6,7 @@ use crate::case::Case;
 use crate::cli::folder::{self, OutputError, ResultFolder};
 use crate::cli::options::pool;
 use crate::cli::{Error, Format, Options};
+use crate::report::SCHEMA;
 use crate::report::check::{exponent, unmeasured_words};
 use crate::setup::check::CheckPlan;
 use crate::study;
@@ -103,7 +104,11 @@ fn check_folder(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) ->
         list.push(line.json);
     }
     if options.format == Format::Json {
-        writeln!(stdout, "{:#}", json!({ "agrees": failed == 0, "cases": list }))?;
+        writeln!(
+            stdout,
+            "{:#}",
+            json!({ "schema": SCHEMA, "agrees": failed == 0, "cases": list })
+        )?;
     }
     refuse_disagreement(failed, all, "cases")
 }

@@ -15,7 +15,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 /// Version of the JSON reports: raised when a key changes its name or its meaning.
-const SCHEMA: u64 = 1;
+pub const SCHEMA: u64 = 1;
 
 /// A value that can be reported. Its serialisation is the JSON report.
 pub trait Report: Serialize {

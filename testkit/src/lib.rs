@@ -1,4 +1,5 @@
-//! What tests of several crates share.
+//! What tests of several crates share: constants of the flow models by name, and random numbers that are the same
+//! in every run. A development dependency alone; it knows [`models`] and nothing above.
 #![deny(missing_docs)]
 
 pub mod flows;
