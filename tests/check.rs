@@ -366,6 +366,7 @@ fn a_folder_is_walked() {
     let mut printed = Vec::new();
     cli::check(&options(folder.path().to_owned(), &[], None), &mut printed).expect("agreement");
     let report: Value = serde_json::from_slice(&printed).expect("a report");
+    assert_eq!(report["schema"], 1);
     let cases = report["cases"].as_array().expect("cases");
     let left: Vec<bool> = cases.iter().map(|own| own["not_measurable"].is_string()).collect();
     assert_eq!(left, [true, true, false]);
