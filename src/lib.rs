@@ -84,7 +84,7 @@ pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("WELLPOS
 /// # Examples
 /// ```
 /// let case = wellposed::load("cases/cosserat/forbidden-band.toml", &["wave.number=3"])?;
-/// assert_eq!(case.numbers.wave.number, 3.0);
+/// assert_eq!(case.get("wave.number"), Some(3.0));
 /// # Ok::<(), wellposed::Error>(())
 /// ```
 pub fn load(path: impl AsRef<Path>, settings: &[&str]) -> Result<Case, Error> {

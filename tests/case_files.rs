@@ -62,7 +62,7 @@ fn check(case: &Case) -> Result<(), String> {
 fn a_case_is_read_as_written() {
     let case = parse(CASE).unwrap();
     assert_eq!((case.name.as_str(), case.title.as_str()), ("x", "All sections"));
-    assert_eq!(case.kind, Kind::Flow(registry::HARRIS_GREKOVA));
+    assert_eq!(case.material.kind, Kind::Flow(registry::HARRIS_GREKOVA));
     assert_eq!(
         case.compare,
         Some(vec![Kind::Flow(registry::HARRIS_GREKOVA), Kind::Flow(registry::DOUBLE_SHEARING)])
@@ -90,15 +90,18 @@ fn a_case_is_read_as_written() {
 
     let least = CASE.split("velocity").next().unwrap();
     let case = parse(least).unwrap();
-    assert_eq!((case.numbers.wave.number, case.numbers.wave.direction_deg), (1000.0, 0.0));
+    assert_eq!(
+        (case.material.numbers.wave.number, case.material.numbers.wave.direction_deg),
+        (1000.0, 0.0)
+    );
     assert_eq!((case.map, case.compare), (None, None));
 }
 
 /// The constants that a flow's model is given.
 fn constants(case: &Case) -> Vec<f64> {
-    let Kind::Flow(flow) = case.kind else { return Vec::new() };
+    let Kind::Flow(flow) = case.material.kind else { return Vec::new() };
     let mut constants = Vec::new();
-    case.numbers.model.in_order(flow.parameters(), &mut constants);
+    case.material.numbers.model.in_order(flow.parameters(), &mut constants);
     constants
 }
 
@@ -149,13 +152,19 @@ fn every_number_of_the_table_reaches_the_models() {
         let name = parameter.name();
         assert_eq!(changed.get(&name), Some(0.77));
         for other in Parameter::all().filter(|p| p.key().name != parameter.key().name) {
-            assert_eq!(other.get(&changed.numbers), other.get(&case.numbers), "{name}");
+            assert_eq!(
+                other.get(&changed.material.numbers),
+                other.get(&case.material.numbers),
+                "{name}"
+            );
         }
         let reaches = match kind {
             Kind::Flow(_) => {
                 constants(&changed) != constants(&case) || changed.state() != case.state()
             }
-            Kind::Solid(_) => setup::solid::solid(&changed) != setup::solid::solid(&case),
+            Kind::Solid(_) => {
+                setup::solid::solid(&changed.material) != setup::solid::solid(&case.material)
+            }
         };
         assert!(reaches, "{name}");
     }
@@ -165,7 +174,7 @@ fn every_number_of_the_table_reaches_the_models() {
 fn another_kind_takes_what_it_uses() {
     let case = parse(CASE).unwrap();
     let other = case.for_kind(Kind::Flow(registry::DOUBLE_SHEARING));
-    assert_eq!(other.kind, Kind::Flow(registry::DOUBLE_SHEARING));
+    assert_eq!(other.material.kind, Kind::Flow(registry::DOUBLE_SHEARING));
     assert_eq!(other.get("background.pressure"), Some(1000.25));
     assert_eq!((other.get("background.spin"), other.get("model.moment_of_inertia")), (None, None));
     check(&other).unwrap();
@@ -193,7 +202,7 @@ fn the_resolved_case_reads_back_to_itself() {
             let (section, name) = key.split();
             let stands = resolved.contains(&format!("\n{name} = "));
             // Named conditions stand in place of a stress.
-            let is_replaced = section == "stress" && case.active.is_some();
+            let is_replaced = section == "stress" && case.material.active.is_some();
             let is_used = key.is_used_by(case.medium()) && !is_replaced;
             assert!(stands || !is_used, "[{section}] {name} is missing in\n{resolved}");
         }
@@ -207,7 +216,7 @@ fn new_cases_are_complete_and_valid() {
         let case = parse(&text).unwrap();
         assert_eq!(case.medium(), medium);
         if let Kind::Solid(_) = medium.kind {
-            setup::solid::solid(&case).unwrap();
+            setup::solid::solid(&case.material).unwrap();
         } else {
             check(&case).unwrap();
             let map = case.required_map().unwrap();
@@ -241,8 +250,8 @@ fn bundled_cases_are_valid_and_have_headers() {
         assert!(!case.title.is_empty(), "{path}");
         let verb = if case.in_time().is_ok() {
             if path.starts_with("cases/check/") { "check" } else { "run" }
-        } else if let Kind::Solid(_) = case.kind {
-            setup::solid::solid(&case).unwrap_or_else(|error| panic!("{error}"));
+        } else if let Kind::Solid(_) = case.material.kind {
+            setup::solid::solid(&case.material).unwrap_or_else(|error| panic!("{error}"));
             match case.map.is_some() {
                 true => "map",
                 false if path.starts_with("cases/check/") => "check",
@@ -450,7 +459,7 @@ fn an_error_of_a_swept_number_points_at_the_sweep() {
         let case = parse_with(sets).unwrap();
         let mut corner = case.clone();
         corner.set(Parameter::find("background.pressure").unwrap(), -3.0);
-        corner.numbers.background.spin = None;
+        corner.material.numbers.background.spin = None;
         let background = corner.model().unwrap().background(&corner.state());
         case.locate_in_map(background.unwrap_err()).to_string()
     };
@@ -469,7 +478,7 @@ fn an_error_of_a_swept_number_points_at_the_sweep() {
 #[test]
 fn another_kind_keeps_the_noncoaxiality_that_a_spin_stands_for() {
     let case = parse(CASE).unwrap();
-    let delta = |case: &Case| case.numbers.background.noncoaxiality_deg;
+    let delta = |case: &Case| case.material.numbers.background.noncoaxiality_deg;
     // Kinds with a spin take it as it is, to the last bit; others what it stands for.
     for (kind, expected, lost) in [
         (Kind::Flow(registry::HARRIS_GREKOVA), None, None),
@@ -679,7 +688,7 @@ fn ten_thousand_mutants_are_taken_or_refused() {
 fn shrinking_keeps_all_but_the_grid() {
     for (path, text) in CASES {
         let (case, small) = (parse(text).unwrap(), parse(&shrunk(text)).unwrap());
-        assert_eq!(case.numbers, small.numbers, "{path}");
+        assert_eq!(case.material.numbers, small.material.numbers, "{path}");
         assert_eq!(case.map.is_some(), small.map.is_some(), "{path}");
         assert!(small.map.is_none_or(|map| map.x.points * map.y.points == 12), "{path}");
     }

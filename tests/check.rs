@@ -46,7 +46,7 @@ fn off(row: &BranchResult) -> f64 {
 
 /// The waves of a case of one medium.
 fn plan(case: &Case, extent: Extent) -> WavePlan {
-    WavePlan::new(case, case, extent)
+    WavePlan::new(case, &case.material, extent)
 }
 
 /// A plan with other settings.
@@ -77,7 +77,7 @@ fn elastic_waves_are_as_predicted() {
         let two_cyclic = with(&own, |settings| {
             (settings.splitting, settings.courant) = (Splitting::TwoCyclic, 1.0);
         });
-        let of = |plan| rows(&case, &case, plan, &unwatched).expect("a solver");
+        let of = |plan| rows(&case.material, &case.material, plan, &unwatched).expect("a solver");
         let (first, second) = (of(&own), of(&two_cyclic));
         assert_eq!(first.len(), branches * own.waves.len(), "{name}");
         for row in first.into_iter().chain(second) {
@@ -107,7 +107,7 @@ fn loading_and_unloading_waves_are_as_predicted() {
         let two_cyclic = with(&own, |settings| settings.splitting = Splitting::TwoCyclic);
         let second = with(&two_cyclic, |settings| settings.placement = Placement::Middle);
         let of = |plan: &WavePlan, most: f64| {
-            let all = rows(&case, &case, plan, &unwatched).expect("a solver");
+            let all = rows(&case.material, &case.material, plan, &unwatched).expect("a solver");
             for row in &all {
                 assert_eq!(row.agrees(), Some(true), "{name}: {row:?}");
                 assert!(off(row) < most, "{name}: {row:?}");
@@ -135,7 +135,7 @@ fn speeds_of_a_yielding_metal() {
     let plan = with(&plan(&case, Extent::Short), |settings| {
         (settings.placement, settings.splitting) = (Placement::Middle, Splitting::TwoCyclic);
     });
-    let rows = rows(&case, &case, &plan, &unwatched).expect("a solver");
+    let rows = rows(&case.material, &case.material, &plan, &unwatched).expect("a solver");
     for (response, modulus) in [("unloading", 2.32e11), ("loading", 1.52e11)] {
         let speed = (modulus / 7815.0f64).sqrt();
         let row = rows
@@ -159,8 +159,11 @@ fn a_wrong_modulus_is_caught() {
     for name in ["lambda", "mu", "alpha", "gamma", "eta", "density", "inertia"] {
         let parameter = Parameter::find(&format!("model.{name}")).expect("a number");
         let mut other = case.clone();
-        other.set(parameter, parameter.get(&case.numbers).expect("a number") * (1.0 + 1e-9));
-        let rows = rows(&case, &other, &plan, &unwatched).expect("a solver");
+        other.set(
+            parameter,
+            parameter.get(&case.material.numbers).expect("a number") * (1.0 + 1e-9),
+        );
+        let rows = rows(&case.material, &other.material, &plan, &unwatched).expect("a solver");
         assert!(rows.iter().any(|row| row.agrees() == Some(false)), "{name}");
         assert!(rows.iter().all(|row| off(row) < 1e-4), "{name}");
     }
@@ -173,7 +176,8 @@ fn a_wrong_yield_set_is_caught() {
     let case = Case::load(&file, &[]).expect("a case");
     let sets = ["yield.shear_friction=0.601", "yield.shear_dilatancy=0.601"].map(str::to_owned);
     let other = Case::load(&file, &sets).expect("a case");
-    let rows = rows(&case, &other, &plan(&case, Extent::Short), &unwatched).expect("a solver");
+    let rows = rows(&case.material, &other.material, &plan(&case, Extent::Short), &unwatched)
+        .expect("a solver");
     for row in rows.iter().filter(|row| row.response.name() == "unloading") {
         assert_eq!(row.agrees(), Some(true), "{row:?}");
     }

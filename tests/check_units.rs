@@ -4,7 +4,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 use wellposed::Error;
-use wellposed::case::{Case, Kind, Parameter};
+use wellposed::case::{Case, Kind, Material, Parameter};
 use wellposed::report;
 use wellposed::study::check::Extent;
 use wellposed::study::unwatched;
@@ -52,11 +52,11 @@ fn dimensions(unit: &str) -> Option<[i32; 3]> {
     Some(sum)
 }
 
-/// The case in units that are 2^−powers of those of mass, length and time.
-fn in_other_units(case: &Case, powers: [i32; 3]) -> Case {
-    let mut scaled = case.clone();
+/// The material in units that are 2^−powers of those of mass, length and time.
+fn material_in_other_units(material: &Material, powers: [i32; 3]) -> Material {
+    let mut scaled = material.clone();
     for parameter in Parameter::all() {
-        let Some(value) = parameter.get(&case.numbers).filter(|own| *own != 0.0) else {
+        let Some(value) = parameter.get(&material.numbers).filter(|own| *own != 0.0) else {
             continue;
         };
         let unit = dimensions(parameter.unit())
@@ -64,12 +64,19 @@ fn in_other_units(case: &Case, powers: [i32; 3]) -> Case {
         let power: i32 = unit.iter().zip(powers).map(|(a, b)| a * b).sum();
         scaled.set(parameter, value * 2f64.powi(power));
     }
+    scaled
+}
+
+/// The case in such units.
+fn in_other_units(case: &Case, powers: [i32; 3]) -> Case {
+    let mut scaled = case.clone();
+    scaled.material = material_in_other_units(&case.material, powers);
     if let Some(numbers) = scaled.check.as_mut().and_then(|own| own.numbers.as_mut()) {
         numbers.iter_mut().for_each(|own| *own *= 2f64.powi(-powers[1]));
     }
     if let Some(dynamics) = &mut scaled.dynamics {
         for region in &mut dynamics.regions {
-            region.case = in_other_units(&region.case, powers);
+            region.material = material_in_other_units(&region.material, powers);
         }
     }
     scaled
@@ -92,7 +99,7 @@ fn compare(name: &str, case: &Case, first: &Value, extent: Extent, powers: [i32;
     assert_eq!(found["not_measurable"].is_string(), first["not_measurable"].is_string(), "{of}");
     let (all, own) = (rows_of(&found), rows_of(first));
     assert_eq!(all.len(), own.len(), "{of}");
-    let is_solid = matches!(case.kind, Kind::Solid(_));
+    let is_solid = matches!(case.material.kind, Kind::Solid(_));
     let is_exact = is_solid && powers.iter().all(|own| own % 2 == 0);
     let to_rate = 2f64.powi(powers[2]);
     let least = case.get("background.shear_rate").unwrap_or(0.0);
@@ -142,7 +149,7 @@ fn units_change_nothing(extent: Extent, powers: &[[i32; 3]]) {
     for (index, file) in files.iter().enumerate() {
         let name = file.file_name().expect("a name").to_string_lossy();
         let mut case = Case::load(file, &[]).expect("a case");
-        let is_flow = matches!(case.kind, Kind::Flow(_));
+        let is_flow = matches!(case.material.kind, Kind::Flow(_));
         let mut asked = case.check.clone().unwrap_or_default();
         if is_flow {
             // Boxes of perturbations are no numbers of a case: their units stay.

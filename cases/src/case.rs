@@ -1,18 +1,18 @@
 //! A case: read from its file, and as the problems of its models.
 
-use super::NO_YIELD;
 use super::check::{self, Check};
-use super::dynamics::{self, Dynamics, Grid, Picture};
+use super::dynamics::{Dynamics, Grid, Picture};
 use super::entries::{Entries, kind};
 use super::error::{CaseError, Place};
 use super::flat;
 use super::flow::FlowRun;
+use super::forms::{FORMS, is_run_in_time};
 use super::keys::Parameter;
-use super::keys::{Key, keys};
-use super::kind::{Kind, Medium, Yield, names};
-use super::map::Map;
-use super::numbers::Numbers;
+use super::kind::{Kind, Medium};
+use super::map::{Map, Sweep};
+use super::material::{Material, check_dimensions, provide_dimensions};
 use super::place::Places;
+use super::schema::Scope;
 use super::section::Section;
 use super::value::Value;
 use models::InputError;
@@ -38,15 +38,8 @@ pub struct Case {
     pub name: String,
     /// One line that says what the case is; may be empty.
     pub title: String,
-    /// Kind of model.
-    pub kind: Kind,
-    /// The yield set of a solid that has one.
-    pub yields: Option<Yield>,
-    /// The conditions of an interlayer set that hold with equality, by their places in
-    /// [`Medium::condition_names`]; absent: as the stress decides.
-    pub active: Option<Vec<usize>>,
-    /// The numbers; SI units, angles in degrees.
-    pub numbers: Numbers,
+    /// Kind of model, yield set and numbers; of a case with regions those that regions have in common.
+    pub material: Material,
     /// What `wellposed map` sweeps.
     pub map: Option<Map>,
     /// Kinds of model to compare on this state.
@@ -57,7 +50,6 @@ pub struct Case {
     pub flow: Option<FlowRun>,
     /// What `wellposed check` sends, if the case says so.
     pub check: Option<Check>,
-    pub(super) places: Places,
     source: Option<PathBuf>,
 }
 
@@ -66,9 +58,7 @@ impl PartialEq for Case {
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name
             && self.title == other.title
-            && self.medium() == other.medium()
-            && self.active == other.active
-            && self.numbers == other.numbers
+            && self.material == other.material
             && self.map == other.map
             && self.compare == other.compare
             && self.dynamics == other.dynamics
@@ -136,17 +126,18 @@ impl Case {
     }
 
     fn parse_for(text: &str, file: &str, sets: &[String], purpose: Use) -> Result<Self, CaseError> {
-        let mut entries = Entries::read(text, file, sets)?;
+        let mut entries = Entries::read(text, file, sets, &FORMS)?;
         let kind = kind(entries.text("model.kind")?, "model.kind", &entries.places)?;
-        let is_in_time = entries.is_run_in_time(kind)?;
+        let is_in_time = is_run_in_time(&entries.structured(Scope::default()), kind)?;
         if !is_in_time && purpose == Use::InTime {
             return Err(no_grid(&entries.places, kind));
         }
         let rotation = kind.rotation_in_time().filter(|_| is_in_time);
         let is_solid = is_in_time && rotation.is_none();
-        let grid = is_solid.then(|| Grid::read(&entries)).transpose()?;
+        let read_grid = || Grid::read(&entries.structured(Scope::default()));
+        let grid = is_solid.then(read_grid).transpose()?;
         if let Some(grid) = &grid {
-            dynamics::provide_dimensions(&mut entries, kind, grid);
+            provide_dimensions(&mut entries, kind, grid.dimensions());
         }
         let compare = flat::compare(&entries)?;
         let kinds: Vec<Kind> =
@@ -161,83 +152,25 @@ impl Case {
             _ => String::new(),
         };
         let name = flat::name(&entries, file)?;
-        let check = check::read(&entries)?;
-        let places = entries.places.clone();
-        let (dynamics, flow, source) = (None, None, None);
-        let case = Self {
-            name,
-            title,
-            kind,
-            yields,
-            active,
-            numbers,
-            map,
-            compare,
-            dynamics,
-            flow,
-            check,
-            places,
-            source,
-        };
+        let check = check::read(&entries.structured(Scope::default()))?;
+        let material = Material { kind, yields, active, numbers, places: entries.places.clone() };
         let folder = Path::new(file).parent().unwrap_or(Path::new(""));
-        let dynamics =
-            grid.map(|grid| Dynamics::read(grid, &case, &entries, folder)).transpose()?;
-        let flow = rotation.map(|own| FlowRun::read(kind, own, &entries, folder)).transpose()?;
-        Ok(Self { dynamics, flow, ..case })
-    }
-
-    /// The case of a region: this one but for the kind, yield set and numbers that the region has
-    /// of its own.
-    pub(super) fn of_region(
-        &self,
-        entries: &Entries,
-        region: &Section,
-        grid: &Grid,
-    ) -> Result<Self, CaseError> {
-        const KIND: &str = "model.kind";
-        let mut entries = entries.of_region(region)?;
-        let kind = kind(entries.text(KIND)?, KIND, &entries.places)?;
-        let Kind::Solid(_) = kind else {
-            let allowed = format!("solids alone: {}", names(&Kind::solids()));
-            return Err(entries.places.error(
-                KIND,
-                format!("found {}, a flow", kind.name()),
-                allowed,
-            ));
+        let scope = |dimensions: usize| Scope {
+            kind: Some(kind),
+            dimensions: Some(dimensions),
+            axes: Vec::new(),
         };
-        if let Some(set) = self.yields.filter(|set| !kind.yield_sets().contains(set))
-            && entries.is_inherited("yield.kind")
-        {
-            let names: Vec<&str> = kind.yield_sets().iter().map(|set| set.name).collect();
-            return Err(entries.places.error(
-                KIND,
-                format!("found {}, which cannot yield by {}", kind.name(), set.name),
-                format!("add yield = {{ kind = ... }} with one of none, {}", names.join(", ")),
-            ));
-        }
-        dynamics::provide_dimensions(&mut entries, kind, grid);
-        let yields = flat::yield_set(&entries, kind, &[NO_YIELD])?;
-        let medium = Medium { kind, yields };
-        if kind != self.kind {
-            // What the case's own kind uses and this one does not was not meant for it.
-            entries.keep_inherited(|name| {
-                Key::find(name).is_some_and(|key| key.is_used_by(medium) && key.field.is_kept())
-            });
-        }
-        let mut numbers = flat::numbers(&entries, &[medium])?;
-        dynamics::check_dimensions(&entries.places, kind, numbers.dimensions, grid)?;
-        let active = flat::active(&entries, medium)?;
-        (numbers.stress, numbers.wave) = (self.numbers.stress, self.numbers.wave);
-        for key in keys().iter().filter(|key| !key.is_used_by(medium)) {
-            key.clear(&mut numbers);
-        }
-        let (map, compare, dynamics, places) = (None, None, None, entries.places);
-        Ok(Self { kind, yields, active, numbers, map, compare, dynamics, places, ..self.clone() })
-    }
-
-    /// Kind of model and yield set.
-    pub fn medium(&self) -> Medium {
-        Medium { kind: self.kind, yields: self.yields }
+        let read_dynamics = |grid: Grid| {
+            let d = grid.dimensions();
+            check_dimensions(&entries.places, kind, material.numbers.dimensions, d)?;
+            let own = |region: &Section| material.of_region(&entries, region, d);
+            Dynamics::read(&entries.structured(scope(d)), grid, &material, own, folder)
+        };
+        let dynamics = grid.map(read_dynamics).transpose()?;
+        let read_flow = |own| FlowRun::read(&entries.structured(scope(2)), own, folder);
+        let flow = rotation.map(read_flow).transpose()?;
+        let source = None;
+        Ok(Self { name, title, material, map, compare, dynamics, flow, check, source })
     }
 
     /// The file that the case was loaded from.
@@ -245,35 +178,57 @@ impl Case {
         self.source.as_deref()
     }
 
+    /// Kind of model and yield set.
+    pub fn medium(&self) -> Medium {
+        self.material.medium()
+    }
+
     /// The number of that name, if the case has one.
     pub fn get(&self, name: &str) -> Option<f64> {
-        Parameter::find(name)?.get(&self.numbers)
+        self.material.get(name)
     }
 
     /// Sets a number, as a sweep does.
     pub fn set(&mut self, parameter: Parameter, value: f64) {
-        parameter.set(&mut self.numbers, value);
+        self.material.set(parameter, value);
     }
 
     /// Adds the place to an error that a model found.
     pub fn locate(&self, error: InputError) -> CaseError {
-        let key = self.key_of(error.input);
-        self.places.error(key, format!("found {}", error.found), error.allowed)
+        self.material.locate(error)
     }
 
-    /// The key of an input of the case's model, yield set or state; a name that is none of these
-    /// stands for itself.
-    pub(super) fn key_of(&self, input: &'static str) -> &'static str {
-        const SECTIONS: [&str; 4] = ["model", "background", "yield", "stress"];
-        let medium = self.medium();
-        let is_input = |key: &&Key| {
-            let (section, name) = key.split();
-            let name = name.strip_suffix("_deg").unwrap_or(name);
-            SECTIONS.contains(&section) && name == input
-        };
-        let all = || keys().iter().filter(is_input);
-        let found = all().find(|key| key.is_used_by(medium)).or_else(|| all().next());
-        found.map_or(input, |key| key.name)
+    /// The map that the case asks for.
+    ///
+    /// # Errors
+    /// That the case has none, and how to add one.
+    pub fn required_map(&self) -> Result<&Map, CaseError> {
+        self.map.as_ref().ok_or_else(|| {
+            let axis =
+                "{ parameter = \"model.friction_angle_deg\", from = 5, to = 60, points = 56 }";
+            self.material.places.error(
+                "map",
+                "missing",
+                format!("add a section [map] with x = {axis} and y"),
+            )
+        })
+    }
+
+    /// Adds the place to an error that a model found at a point of the map: a number that is swept
+    /// has its value from `[map]`, not from where its key stands.
+    pub fn locate_in_map(&self, error: InputError) -> CaseError {
+        let axes = self.map.iter().flat_map(|map| [("map.x", &map.x), ("map.y", &map.y)]);
+        let key = self.material.key_of(error.input);
+        let swept = |(_, sweep): &(&str, &Sweep)| sweep.parameter.key().name == key;
+        match axes.into_iter().find(swept) {
+            Some((axis, _)) => CaseError::Key {
+                place: self.material.places.of_axis(axis),
+                key: key.to_owned(),
+                found: format!("found {}, a value of the sweep {axis}", error.found),
+                allowed: error.allowed,
+            },
+            None => self.locate(error),
+        }
     }
 
     /// How the case is run in time.
@@ -283,7 +238,7 @@ impl Case {
     pub fn in_time(&self) -> Result<InTime<'_>, CaseError> {
         let flow = || self.flow.as_ref().map(InTime::Flow);
         let found = self.dynamics.as_ref().map(InTime::Solid).or_else(flow);
-        found.ok_or_else(|| no_grid(&self.places, self.kind))
+        found.ok_or_else(|| no_grid(&self.material.places, self.material.kind))
     }
 
     /// The case without what decides over its pictures alone: where this is the same, results are.
@@ -298,33 +253,6 @@ impl Case {
         case
     }
 
-    /// The keys that the case uses and their values, without those of `[map]` and `[compare]`.
-    pub(super) fn values(&self) -> impl Iterator<Item = (&'static Key, Value)> {
-        keys().iter().filter_map(|key| {
-            let value = match key.name {
-                "model.kind" => Some(Value::Text(self.kind.name().to_owned())),
-                "yield.kind" => self.yields.map(|set| Value::Text(set.name.to_owned())),
-                "yield.active" => self.active.as_ref().map(|active| {
-                    let names = self.medium().condition_names();
-                    Value::Texts(active.iter().map(|&index| names[index].to_owned()).collect())
-                }),
-                // Of the two ways to say what is active.
-                name if name.starts_with("stress.") && self.active.is_some() => None,
-                _ if self.media().any(|medium| key.is_used_by(medium)) => {
-                    key.field.load(&self.numbers)
-                }
-                _ => None,
-            };
-            value.map(|value| (key, value))
-        })
-    }
-
-    /// The medium, and those to compare.
-    fn media(&self) -> impl Iterator<Item = Medium> {
-        let compared = self.compare.iter().flatten().map(|&kind| kind.into());
-        [self.medium()].into_iter().chain(compared)
-    }
-
     /// The resolved case as TOML: every value that the kind uses, defaults included, numbers in
     /// their shortest form that reads back to the same double.
     pub fn to_toml(&self) -> String {
@@ -334,7 +262,8 @@ impl Case {
         }
         let _ = writeln!(text, "name = {}", toml::Value::from(self.name.as_str()));
         let mut section = "";
-        for (key, value) in self.values() {
+        let compared = self.compare.as_deref().unwrap_or_default();
+        for (key, value) in self.material.values(compared) {
             let (own, name) = key.split();
             if own != section {
                 let _ = write!(text, "\n[{own}]\n");

@@ -1,10 +1,8 @@
 //! The section `[check]`: what `wellposed check` sends, and on which grids.
 
-use super::entries::Entries;
 use super::error::CaseError;
-use super::schema::{Form, Group, Item, Scope};
-use super::section::Resolved;
-use super::types::{Order, Range, Type};
+use super::section::{Resolved, Section};
+use crate::schema::{Form, Group, Item, Order, Range, Type};
 
 /// What a case asks of `wellposed check`; what it leaves open is chosen to suit the model.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -60,8 +58,7 @@ pub(super) const FORM: Form = Form::section(
 ///
 /// # Errors
 /// What is wrong, where, and what is allowed.
-pub(super) fn read(entries: &Entries) -> Result<Option<Check>, CaseError> {
-    let root = entries.structured(Scope::default());
+pub(super) fn read(root: &Section) -> Result<Option<Check>, CaseError> {
     let Some(section) = root.section(&FORM)? else { return Ok(None) };
     let check = Check {
         numbers: section.optional("numbers")?,

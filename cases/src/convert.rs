@@ -2,11 +2,13 @@
 
 use super::case::Case;
 use super::error::CaseError;
-use super::keys::keys;
+use super::flow::UNIFORM;
+use super::keys::{Key, keys};
 use super::kind::{Kind, names};
+use super::value::Value;
 use models::InputError;
-use models::flow::state::State;
-use models::flow::{FlowKind as Flow, Model};
+use models::flow::state::{Background, Flow, Region, State};
+use models::flow::{FlowKind, Model, RotationKind};
 
 /// The state of a case for another kind of model.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,15 +28,15 @@ pub fn radians(degrees: f64) -> f64 {
 impl Case {
     /// The same state for another kind of model, without what that kind does not use.
     pub fn for_kind(&self, kind: Kind) -> Self {
-        let yields = self.yields.filter(|set| kind.yield_sets().contains(set));
+        let yields = self.material.yields.filter(|set| kind.yield_sets().contains(set));
         let mut case = self.clone();
-        (case.kind, case.yields, case.compare) = (kind, yields, None);
-        if kind != self.kind {
+        (case.material.kind, case.material.yields, case.compare) = (kind, yields, None);
+        if kind != self.material.kind {
             (case.dynamics, case.flow) = (None, None);
         }
         let medium = case.medium();
         for key in keys().iter().filter(|key| !key.is_used_by(medium)) {
-            key.clear(&mut case.numbers);
+            key.clear(&mut case.material.numbers);
         }
         case
     }
@@ -47,13 +49,13 @@ impl Case {
     pub fn for_kind_with(&self, kind: Kind, noncoaxiality_deg: Option<f64>) -> Converted {
         let mut case = self.for_kind(kind);
         let mut lost_noncoaxiality_deg = None;
-        let state = self.numbers.background.noncoaxiality_deg.or(noncoaxiality_deg);
-        let other = &mut case.numbers.background;
-        if matches!(kind, Kind::Flow(flow) if flow.is_coaxial()) && kind != self.kind {
+        let state = self.material.numbers.background.noncoaxiality_deg.or(noncoaxiality_deg);
+        let other = &mut case.material.numbers.background;
+        if matches!(kind, Kind::Flow(flow) if flow.is_coaxial()) && kind != self.material.kind {
             // Axes have no sense: half a turn apart they are the same.
             lost_noncoaxiality_deg = state.filter(|delta| delta % 180.0 != 0.0);
             other.noncoaxiality_deg = Some(0.0);
-        } else if self.numbers.background.spin.is_some() && other.spin.is_none() {
+        } else if self.material.numbers.background.spin.is_some() && other.spin.is_none() {
             other.noncoaxiality_deg = state;
         }
         Converted { case, lost_noncoaxiality_deg }
@@ -61,7 +63,7 @@ impl Case {
 
     /// The state in the units of the models.
     pub fn state(&self) -> State {
-        let given = &self.numbers.background;
+        let given = &self.material.numbers.background;
         State {
             density: given.density,
             pressure: given.pressure,
@@ -102,7 +104,7 @@ impl Case {
     pub fn flow_model(&self) -> Result<Model, InputError> {
         let flow = self.flow_kind()?;
         let mut constants = Vec::new();
-        self.numbers.model.in_order(flow.parameters(), &mut constants);
+        self.material.numbers.model.in_order(flow.parameters(), &mut constants);
         Model::new(flow, &constants)
     }
 
@@ -116,21 +118,80 @@ impl Case {
         model: &mut Model,
         constants: &mut Vec<f64>,
     ) -> Result<(), InputError> {
-        self.numbers.model.in_order(model.kind().parameters(), constants);
+        self.material.numbers.model.in_order(model.kind().parameters(), constants);
         model.set(constants)
     }
 
-    fn flow_kind(&self) -> Result<Flow, InputError> {
-        match self.kind {
+    fn flow_kind(&self) -> Result<FlowKind, InputError> {
+        match self.material.kind {
             Kind::Flow(flow) => Ok(flow),
             Kind::Solid(_) => Err(InputError {
                 input: "kind",
-                found: format!("{}, a solid", self.kind.name()),
+                found: format!("{}, a solid", self.material.kind.name()),
                 allowed: format!(
                     "this needs a flow ({}); for solids see wellposed dispersion and speeds",
                     names(&Kind::flows())
                 ),
             }),
         }
+    }
+    /// What rotates in the case's flow in time, and with it what determines the stress angle.
+    ///
+    /// # Errors
+    /// The model is none of a flow that can be run in time.
+    pub fn rotation_in_time(&self) -> Result<RotationKind, CaseError> {
+        self.material.kind.rotation_in_time().ok_or_else(|| {
+            let found = format!("found {}", self.material.kind.name());
+            let allowed = "a flow whose stress angle is determined: nothing determines it here";
+            self.material.places.error("model.kind", found, allowed)
+        })
+    }
+
+    /// The uniform flow that a run in time perturbs.
+    ///
+    /// # Errors
+    /// The state is none of a uniform, fully deforming flow of constant volume in its own frame.
+    pub fn mean_flow(&self) -> Result<Flow, CaseError> {
+        for name in UNIFORM {
+            let Some(value) =
+                Key::find(name).and_then(|key| key.field.load(&self.material.numbers))
+            else {
+                continue;
+            };
+            if matches!(value, Value::Number(0.0) | Value::Pair([0.0, 0.0])) {
+                continue;
+            }
+            let allowed = match name {
+                "model.dilatancy_angle_deg" => "flows are run in time at constant volume: 0",
+                "background.velocity" => "leave it out: the box moves with the mean flow",
+                _ => "leave it out: the flow that is run in time is uniform",
+            };
+            return Err(self.material.places.error(name, format!("found {value}"), allowed));
+        }
+        let state = self.state();
+        let background = self.model()?.background(&state).map_err(|error| self.locate(error))?;
+        let flow = match background {
+            Background::FullyDeforming(flow) => flow,
+            Background::Elsewhere { region, stress } => {
+                let (q, r) = (stress.deviator.value, stress.rotational);
+                let on_yield = self.model()?.coulomb().yield_deviator(state.pressure).value;
+                let is_on_yield = (q - on_yield).abs() <= 1e-9 * on_yield;
+                let (key, value) = match is_on_yield {
+                    true => ("background.rotational_stress", r),
+                    false => ("background.deviatoric_stress", q),
+                };
+                let place = if region == Region::OutsideYield { "outside" } else { "inside" };
+                let found = format!("found {value:?}, {place} yield");
+                let allowed = "leave it out: what is run in time deforms, on yield";
+                return Err(self.material.places.error(key, found, allowed));
+            }
+        };
+        let is_undecided = (2.0 * flow.rounded_noncoaxiality()).cos().sign().is_none();
+        if flow.spin.is_some() && is_undecided {
+            let found = format!("found |Δ| = {:?}°", flow.noncoaxiality.abs().to_degrees());
+            let allowed = "another one: on the bound the spin determines no stress angle";
+            return Err(self.material.places.error("background.noncoaxiality_deg", found, allowed));
+        }
+        Ok(flow)
     }
 }

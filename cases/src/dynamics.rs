@@ -4,36 +4,6 @@
 //! and lengths in m. Axes are counted from 0 here and from 1 in case files. In plane strain forces are per
 //! unit thickness.
 
-/// An enumeration whose variants have names in case files; the first one is the default.
-macro_rules! named_enum {
-    ($(#[$doc:meta])* $name:ident {
-        $(#[$first_doc:meta])* $first:ident = $first_word:literal
-        $(, $(#[$other_doc:meta])* $other:ident = $other_word:literal)*
-    }) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-        pub enum $name {
-            #[default]
-            $(#[$first_doc])* $first,
-            $($(#[$other_doc])* $other),*
-        }
-
-        impl $name {
-            /// All of them, the default first.
-            pub const ALL: &[Self] = &[Self::$first $(, Self::$other)*];
-
-            /// Name in case files.
-            pub const fn name(self) -> &'static str {
-                match self {
-                    Self::$first => $first_word,
-                    $(Self::$other => $other_word),*
-                }
-            }
-        }
-    };
-}
-
-// After the macro that they use.
 mod boundary;
 mod component;
 mod function;
@@ -43,44 +13,39 @@ mod load;
 pub(crate) mod output;
 mod plane_pulse;
 mod profile;
+mod reader;
 mod region;
 mod shape;
 mod source;
 pub(crate) mod stress;
 mod time;
 
-pub use crate::receivers::Receiver;
+pub use crate::receivers::{Interpolation, Receiver};
 pub use boundary::{Condition, Part, Side, SideCondition};
 pub use component::Component;
 pub use function::{Samples, TimeFunction};
-pub use grid::Grid;
-pub(crate) use grid::{check_dimensions, check_inside, provide_dimensions};
+pub use grid::{Grid, MOST_CELLS};
 pub use initial::{Centre, Initial};
 pub use load::{Action, Load};
-pub use output::{Interpolation, Output, Picture, Recorded};
+pub use output::{Output, Picture, Recorded};
 pub use plane_pulse::{PlanePulse, Polarization};
 pub use profile::Profile;
-pub use region::Region;
+pub use region::{MOST_REGIONS, Region};
 pub use shape::Shape;
 pub use source::{Kernel, Source, SourceKind};
 pub use stress::Gravity;
 pub use time::{COURANT, Correction, Ledger, Order, Precision, Scheme, Splitting, Time};
 
-use super::place::Places;
-use super::{Case, CaseError};
-use crate::Kind;
-use crate::entries::Entries;
-use crate::schema::{Form, Scope};
+use crate::error::CaseError;
+use crate::kind::Kind;
+use crate::material::Material;
+use crate::place::Places;
+use crate::schema::Form;
 use crate::section::Section;
 use boundary::periodic_sides;
 use models::solid::parameters::Theory;
+use reader::Reader;
 use std::path::Path;
-
-/// Most cells of a grid.
-pub const MOST_CELLS: usize = 4_000_000_000;
-
-/// Most regions of a case.
-pub const MOST_REGIONS: usize = u16::MAX as usize;
 
 /// The sections, in the order in which they are written.
 pub(crate) const FORMS: &[&Form] = &[
@@ -122,59 +87,55 @@ pub struct Dynamics {
     /// Weight.
     pub gravity: Option<Gravity>,
     /// Points at which the state is recorded.
-    pub receivers: Vec<Receiver>,
+    pub receivers: Vec<Receiver<Recorded>>,
     /// What else is recorded.
     pub output: Output,
     places: Places,
 }
 
 impl Dynamics {
-    /// What the sections of the case say besides `[grid]`.
+    /// What the sections around `root` say besides `[grid]`, of a case of that material; `material_of` reads the
+    /// tables of a region that say what it is made of.
     ///
     /// # Errors
     /// What is wrong, where, and what is allowed.
     pub(crate) fn read(
+        root: &Section,
         grid: Grid,
-        case: &Case,
-        entries: &Entries,
+        material: &Material,
+        material_of: impl Fn(&Section) -> Result<Material, CaseError>,
         folder: &Path,
     ) -> Result<Self, CaseError> {
-        check_dimensions(&entries.places, case.kind, case.numbers.dimensions, &grid)?;
-        let theory = match case.kind {
+        let theory = match material.kind {
             Kind::Solid(solid) => solid.theory,
             Kind::Flow(_) => Theory::Classical, // refused with its grid
         };
         let components = Component::all(theory, grid.dimensions());
         let reader = Reader { grid: &grid, theory, components, folder };
-        let root = entries.structured(Scope {
-            kind: Some(case.kind),
-            dimensions: Some(grid.dimensions()),
-            axes: Vec::new(),
-        });
-        let regions = reader.regions(&root, case, entries)?;
-        let sides = reader.sides(&root)?;
+        let regions = reader.regions(root, material_of)?;
+        let sides = reader.sides(root)?;
         let periodic: Vec<Side> = periodic_sides(&sides).map(|(_, side)| side).collect();
-        let (loads, sources) = (reader.loads(&root, &periodic)?, reader.sources(&root)?);
+        let (loads, sources) = (reader.loads(root, &periodic)?, reader.sources(root)?);
         let yields = match regions.as_slice() {
-            [] => case.yields.is_some(),
-            regions => regions.iter().any(|region| region.case.yields.is_some()),
+            [] => material.yields.is_some(),
+            regions => regions.iter().any(|region| region.material.yields.is_some()),
         };
-        let output = reader.output(&root, yields)?;
-        let time = Time::read(&root)?;
+        let output = reader.output(root, yields)?;
+        let time = Time::read(root)?;
         Ok(Self {
-            scheme: Scheme::read(&root, time.courant, yields)?,
+            scheme: Scheme::read(root, time.courant, yields)?,
             time,
             regions,
             sides,
             loads,
             sources,
-            initial: reader.initial(&root)?,
-            initial_stress: reader.initial_stress(&root)?,
-            gravity: Gravity::read(&root)?,
-            receivers: reader.receivers(&root, &output.integrals)?,
+            initial: reader.initial(root)?,
+            initial_stress: reader.initial_stress(root)?,
+            gravity: Gravity::read(root)?,
+            receivers: reader.receivers(root, &output.integrals)?,
             output,
             grid: grid.clone(),
-            places: entries.places.clone(),
+            places: root.places().clone(),
         })
     }
 
@@ -202,61 +163,68 @@ impl Dynamics {
     ) -> CaseError {
         self.places.error(path, found, allowed)
     }
-}
-
-/// What all entries are read with.
-struct Reader<'a> {
-    grid: &'a Grid,
-    theory: Theory,
-    /// Those of the case's solid.
-    components: Vec<Component>,
-    /// The folder of the case file.
-    folder: &'a Path,
-}
-
-impl Reader<'_> {
-    fn dimensions(&self) -> usize {
-        self.grid.dimensions()
+    /// The region of each cell, by its place in [`regions`](Self::regions), the first axis running
+    /// fastest; all 0 without regions. A cell belongs to the region that holds its centre.
+    ///
+    /// # Errors
+    /// Two regions hold the same cell, a cell is in none, a region holds none, or memory is short.
+    pub fn media_of_cells(&self) -> Result<Vec<u16>, CaseError> {
+        let count = self.grid.count();
+        let mut media = Vec::new();
+        if media.try_reserve_exact(count).is_err() {
+            let found = format!("no memory for {count} cells");
+            return Err(self.places.error("grid.cells", found, "ask for fewer"));
+        }
+        if self.regions.is_empty() {
+            media.resize(count, 0);
+            return Ok(media);
+        }
+        let mut is_used = vec![false; self.regions.len()];
+        let rest = self.regions.iter().position(|region| region.shape == Shape::Rest);
+        let mut index = vec![0; self.grid.dimensions()];
+        let mut centre: Vec<f64> = (0..index.len()).map(|axis| self.grid.centre(axis, 0)).collect();
+        for _ in 0..count {
+            let medium = self.region_at(&centre)?.or(rest);
+            let Some(medium) = medium else {
+                return Err(self.places.error(
+                    "region",
+                    format!("no region holds the cell at {centre:?}"),
+                    "add [[region]] with shape = \"rest\", or make the regions larger",
+                ));
+            };
+            is_used[medium] = true;
+            media.push(medium as u16); // at most MOST_REGIONS are read
+            for axis in 0..index.len() {
+                index[axis] = (index[axis] + 1) % self.grid.cells[axis];
+                centre[axis] = self.grid.centre(axis, index[axis]);
+                if index[axis] > 0 {
+                    break;
+                }
+            }
+        }
+        match is_used.iter().position(|is_used| !is_used) {
+            Some(unused) => Err(self.places.error(
+                &format!("region[{unused}]"),
+                "no cell has its centre in it",
+                "make it larger than a cell, move it into the grid, or leave it out",
+            )),
+            None => Ok(media),
+        }
     }
 
-    /// The point `at`, which must be in the grid.
-    fn point_inside(&self, section: &Section) -> Result<Vec<f64>, CaseError> {
-        let at: Vec<f64> = section.required("at")?;
-        let axes: Vec<usize> = (0..self.dimensions()).collect();
-        self.check_inside(section, &at, &axes)?;
-        Ok(at)
+    /// The one region that holds a point, that of the rest aside.
+    fn region_at(&self, x: &[f64]) -> Result<Option<usize>, CaseError> {
+        let mut holders =
+            (0..self.regions.len()).filter(|&region| self.regions[region].shape.contains(x));
+        let first = holders.next();
+        match (first, holders.next()) {
+            (Some(first), Some(second)) => {
+                let place = self.places.of(&format!("region[{first}]"));
+                let found = format!("overlaps region[{first}] ({place}) in the cell at {x:?}");
+                let allowed = "give every cell to one region: move or shrink one of the two";
+                Err(self.places.error(&format!("region[{second}]"), found, allowed))
+            }
+            _ => Ok(first),
+        }
     }
-
-    /// That a position along some axes is in the grid.
-    fn check_inside(
-        &self,
-        section: &Section,
-        position: &[f64],
-        axes: &[usize],
-    ) -> Result<(), CaseError> {
-        let extents: Vec<[f64; 2]> = axes.iter().map(|&axis| self.grid.extent(axis)).collect();
-        check_inside(section, "at", position, axes, &extents, "grid")
-    }
-
-    /// The component that the key `field` names.
-    fn component(&self, section: &Section, among: &[Component]) -> Result<Component, CaseError> {
-        let names = names(among);
-        let name = section.required_text("field", &names)?;
-        Component::find(&name, self.theory, among)
-            .ok_or_else(|| section.no_such("field", &name, &names))
-    }
-}
-
-/// Names in case files.
-fn names(components: &[Component]) -> Vec<String> {
-    components.iter().map(Component::to_string).collect()
-}
-
-/// The components that a solid has, or any where it is not known which.
-fn components(scope: &Scope) -> Vec<Component> {
-    let theory = match scope.kind {
-        Some(Kind::Solid(solid)) => solid.theory,
-        _ => Theory::Cosserat,
-    };
-    Component::all(theory, scope.dimensions.unwrap_or(3))
 }

@@ -1,35 +1,35 @@
 //! From TOML text and `--set` options to values by key, each with its place.
 
-use super::check;
 use super::error::{CaseError, Place, shown};
 use super::keys::{Field, Key, keys};
-use super::kind::{Kind, Medium, names};
+use super::kind::{Kind, Medium};
 use super::node::{Node, Refused, Table, segment};
 use super::place::{Places, is_inside};
-use super::schema::{Scope, all_forms, forms_in_time};
+use super::schema::{Forms, Scope};
 use super::section::Section;
 use super::value::{Value, describe, nearest, suggestion};
-use models::flow::RotationKind;
 use models::registry;
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
-
-/// Whether a section is no list of keys of the table, but a tree of its own.
-fn is_structured(section: &str) -> bool {
-    all_forms().iter().flat_map(|(_, forms)| forms).any(|form| form.name == section)
-}
 
 /// The values of a case by key, before their meaning is looked at.
 pub(super) struct Entries<'a> {
     values: BTreeMap<&'static str, Value>,
     /// The sections that say how a case is run in time, and `[check]`.
     structured: Table<'a>,
+    /// The forms of these sections.
+    forms: &'static Forms,
     pub(super) places: Places,
 }
 
 impl<'a> Entries<'a> {
     /// Reads the text of a file, then the `--set` options over it; the last one of a key holds.
-    pub(super) fn read(text: &'a str, file: &str, sets: &'a [String]) -> Result<Self, CaseError> {
+    pub(super) fn read(
+        text: &'a str,
+        file: &str,
+        sets: &'a [String],
+        forms: &'static Forms,
+    ) -> Result<Self, CaseError> {
         let document = DeTable::parse(text).map_err(|error| {
             let line = lines(text)(error.span().map_or(0, |span| span.start));
             let content = text.lines().nth(line - 1).unwrap_or_default().trim();
@@ -48,7 +48,7 @@ impl<'a> Entries<'a> {
         let mut parts: Vec<(String, usize)> = Vec::new();
         for entry in &found {
             parts.push((entry.name.clone(), entry.offset));
-            if is_structured(&entry.name) {
+            if forms.has(&entry.name) {
                 let node = Node::read(entry.value, &entry.name, &mut |name, offset| {
                     parts.push((name, offset));
                 });
@@ -59,12 +59,12 @@ impl<'a> Entries<'a> {
         for (name, offset) in parts {
             places.add_line(name, line(offset));
         }
-        let mut entries = Self { values: BTreeMap::new(), structured, places };
+        let mut entries = Self { values: BTreeMap::new(), structured, forms, places };
         let mut unknown = None;
         for Found { name, value, .. } in &found {
             match Key::find(name) {
                 Some(key) => entries.insert(key, value)?,
-                None if is_structured(name) => {}
+                None if forms.has(name) => {}
                 None if !is_section(name) => {
                     unknown.get_or_insert_with(|| (name.clone(), entries.places.of(name)));
                 }
@@ -108,7 +108,7 @@ impl<'a> Entries<'a> {
             return refused(set, "no key before '='", "write --set section.key=value".into());
         }
         let Some(key) = Key::find(name) else {
-            if is_structured(name.split(['.', '[']).next().unwrap_or_default()) {
+            if self.forms.has(name.split(['.', '[']).next().unwrap_or_default()) {
                 return self.set_structured(set, name, text).map(|()| None);
             }
             if is_section(name) {
@@ -151,53 +151,6 @@ impl<'a> Entries<'a> {
         Section::root(&self.structured, &self.places, scope)
     }
 
-    /// Whether the case says how it is run in time, by a section `[grid]`.
-    ///
-    /// # Errors
-    /// A section that such a model has no use for, or one without a grid.
-    pub(super) fn is_run_in_time(&self, kind: Kind) -> Result<bool, CaseError> {
-        let root = self.structured(Scope::default());
-        let own = forms_in_time(kind);
-        let is_own =
-            |name: &str| name == check::FORM.name || own.iter().any(|form| form.name == name);
-        if let Some((foreign, _)) = root.entries().find(|(name, _)| !is_own(name)) {
-            let found = match kind {
-                Kind::Solid(_) => format!("found for the model {}, a solid", kind.name()),
-                Kind::Flow(_) => format!("found for the model {}, a flow", kind.name()),
-            };
-            let allowed = match kind {
-                Kind::Flow(flow) if flow.rotation() == RotationKind::Free => {
-                    "leave it out: nothing determines the spin of this model, so that it cannot be \
-                     run in time"
-                        .to_owned()
-                }
-                _ if foreign == "limits" => {
-                    let owners = Kind::flows();
-                    let is_coaxial =
-                        |kind: &&Kind| matches!(kind, Kind::Flow(flow) if flow.is_coaxial());
-                    let owners: Vec<Kind> = owners.iter().filter(is_coaxial).copied().collect();
-                    format!("leave it out: it belongs to {}", names(&owners))
-                }
-                _ => {
-                    let own: Vec<&str> = own.iter().map(|form| form.name).collect();
-                    format!("leave it out: it belongs to solids; a flow has {}", own.join(", "))
-                }
-            };
-            return Err(root.error(foreign, found, allowed));
-        }
-        let first = own.iter().map(|form| form.name).find(|name| root.has(name));
-        match first {
-            None => Ok(false),
-            Some("grid") => Ok(true),
-            Some(name) => {
-                let size = if let Kind::Flow(_) = kind { "length" } else { "spacing" };
-                let allowed =
-                    format!("add a section [grid] with cells and {size}, or leave this one out");
-                Err(root.error(name, "found without a grid", allowed))
-            }
-        }
-    }
-
     /// A value that follows from others, where none was given.
     pub(super) fn provide(&mut self, key: &'static str, value: Value) {
         self.values.entry(key).or_insert(value);
@@ -207,7 +160,7 @@ impl<'a> Entries<'a> {
     /// say. A table that names another kind than the case counts alone.
     pub(super) fn of_region(&self, region: &Section) -> Result<Entries<'static>, CaseError> {
         let (structured, places) = (Table::default(), self.places.clone());
-        let mut own = Entries { values: BTreeMap::new(), structured, places };
+        let mut own = Entries { values: BTreeMap::new(), structured, forms: self.forms, places };
         let mut given = Vec::new();
         for (section, kind_key) in [("model", "model.kind"), ("yield", "yield.kind")] {
             let table = region.table(section)?;
@@ -276,8 +229,8 @@ impl<'a> Entries<'a> {
         }
         let mut siblings = names_inside(section, is_usable);
         if section.is_empty() {
-            siblings.push(check::FORM.header());
-            let in_time = kind.map_or_else(|| super::dynamics::FORMS.to_vec(), forms_in_time);
+            siblings.push(self.forms.check.header());
+            let in_time = kind.map_or_else(|| self.forms.solids.to_vec(), self.forms.in_time);
             siblings.extend(in_time.iter().map(|form| form.header()));
         }
         let bare = siblings.iter().map(|sibling| sibling.trim_matches(['[', ']']));

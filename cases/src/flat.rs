@@ -3,7 +3,7 @@
 use super::entries::{Entries, allowed, kind};
 use super::error::{CaseError, shown};
 use super::keys::{Key, Presence, keys};
-use super::kind::{Kind, Medium, Yield};
+use super::kind::{Kind, Medium, Yield, names};
 use super::numbers::Numbers;
 use super::value::{Value, nearest, suggestion};
 use models::registry;
@@ -179,11 +179,11 @@ pub(super) fn compare(entries: &Entries) -> Result<Option<Vec<Kind>>, CaseError>
         return Ok(None);
     }
     let mut kinds = Vec::new();
-    if let Value::Texts(names) = entries.require(KEY)? {
-        for name in names {
+    if let Value::Texts(listed) = entries.require(KEY)? {
+        for name in listed {
             let kind = kind(name, KEY, &entries.places)?;
             if let Kind::Solid(_) = kind {
-                let allowed = format!("flows alone: {}", crate::names(&Kind::flows()));
+                let allowed = format!("flows alone: {}", names(&Kind::flows()));
                 return Err(entries.places.error(KEY, format!("found {name}, a solid"), allowed));
             }
             if kinds.contains(&kind) {

@@ -4,10 +4,10 @@
 //! unknown keys, by kind of model. Relations between numbers are for the program alone.
 
 use crate::dynamics::stress;
+use crate::forms::forms_in_time;
 use crate::keys::{Key, Presence, keys};
-use crate::kind::Kind;
-use crate::schema::{Condition, Form, Item, Layout, Need, Scope, forms_in_time};
-use crate::types::{Length, Order, Range, Type};
+use crate::kind::{Kind, NO_YIELD};
+use crate::schema::{Condition, Form, Item, Layout, Length, Need, Order, Range, Scope, Type};
 use crate::value::text;
 use serde_json::{Map, Value, json};
 use toml::de::DeValue;
@@ -443,7 +443,7 @@ fn of_part(section: &str) -> Value {
         if key.name == "yield.kind"
             && let Some(words) = schema.get_mut("enum").and_then(Value::as_array_mut)
         {
-            words.push(json!(crate::NO_YIELD));
+            words.push(json!(NO_YIELD));
         }
         properties.insert(key.split().1.to_owned(), schema);
     }

@@ -5,6 +5,9 @@ use models::registry;
 pub use models::solid::SolidKind as Solid;
 pub use models::yield_set::YieldSetKind as Yield;
 
+/// What stands for a yield set in a region that stays elastic.
+pub(crate) const NO_YIELD: &str = "none";
+
 /// A kind of model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {

@@ -18,19 +18,23 @@ mod entries;
 mod error;
 mod flat;
 pub mod flow;
+mod forms;
 mod json_schema;
 mod keys;
 mod kind;
 mod map;
+mod material;
+mod named_enum;
 mod node;
 mod numbers;
 mod place;
+mod position;
 mod receivers;
 mod reference;
 pub mod schema;
 mod section;
 pub mod template;
-pub mod types;
+mod types;
 mod value;
 
 pub use case::{Case, InTime};
@@ -39,15 +43,11 @@ pub use convert::{Converted, radians};
 pub use dynamics::Dynamics;
 pub use error::{CaseError, Place};
 pub use flow::FlowRun;
+pub use forms::all_forms;
 pub use json_schema::json_schema;
 pub use keys::{Key, Parameter, Presence, keys};
 pub use kind::{Kind, Medium, NoSuchMedium, Solid, Yield, names};
-pub use map::{Map, Sweep};
+pub use map::{MOST_POINTS, Map, Sweep};
+pub use material::Material;
 pub use numbers::{BackgroundNumbers, Constants, Numbers, StressNumbers, Wave};
 pub use reference::reference;
-
-/// Largest number of points of a map.
-pub const MOST_POINTS: usize = 100_000_000;
-
-/// What stands for a yield set in a region that stays elastic.
-const NO_YIELD: &str = "none";

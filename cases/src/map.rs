@@ -1,7 +1,5 @@
 //! The section `[map]`: what `wellposed map` sweeps.
 
-use super::MOST_POINTS;
-use super::case::Case;
 use super::entries::Entries;
 use super::error::{CaseError, shown};
 use super::flat::wave_number;
@@ -9,7 +7,9 @@ use super::keys::{Key, Parameter};
 use super::kind::Medium;
 use super::numbers::Numbers;
 use super::value::{Value, nearest, suggestion};
-use models::InputError;
+
+/// Largest number of points of a map.
+pub const MOST_POINTS: usize = 100_000_000;
 
 /// The two parameters of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,41 +48,6 @@ impl Sweep {
         } else {
             // The products of huge ends overflow; the ends themselves do not.
             self.from * ((last - index) / last) + self.to * (index / last)
-        }
-    }
-}
-
-impl Case {
-    /// The map that the case asks for.
-    ///
-    /// # Errors
-    /// That the case has none, and how to add one.
-    pub fn required_map(&self) -> Result<&Map, CaseError> {
-        self.map.as_ref().ok_or_else(|| {
-            let axis =
-                "{ parameter = \"model.friction_angle_deg\", from = 5, to = 60, points = 56 }";
-            self.places.error(
-                "map",
-                "missing",
-                format!("add a section [map] with x = {axis} and y"),
-            )
-        })
-    }
-
-    /// Adds the place to an error that a model found at a point of the map: a number that is swept
-    /// has its value from `[map]`, not from where its key stands.
-    pub fn locate_in_map(&self, error: InputError) -> CaseError {
-        let axes = self.map.iter().flat_map(|map| [("map.x", &map.x), ("map.y", &map.y)]);
-        let key = self.key_of(error.input);
-        let swept = |(_, sweep): &(&str, &Sweep)| sweep.parameter.key().name == key;
-        match axes.into_iter().find(swept) {
-            Some((axis, _)) => CaseError::Key {
-                place: self.places.of_axis(axis),
-                key: key.to_owned(),
-                found: format!("found {}, a value of the sweep {axis}", error.found),
-                allowed: error.allowed,
-            },
-            None => self.locate(error),
         }
     }
 }

@@ -1,11 +1,11 @@
 //! Entries `[[receiver]]` of a case: a point, a line or a grid of points.
 
-use super::CaseError;
-use super::dynamics::{Interpolation, Recorded, check_inside};
-use super::schema::{Condition, Form, Item};
+use super::error::CaseError;
+use super::named_enum::named_enum;
+use super::position::check_inside;
 use super::section::{Resolved, Section, joined};
-use super::types::{Length, Type};
 use super::value::{count, list};
+use crate::schema::{Condition, Form, Item, Length, Type};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 
@@ -64,9 +64,19 @@ pub(super) const COUNT: Item = Item::required(
 .note("points of the line, both ends among them")
 .when(LINE);
 
-/// A point at which the state is recorded, of a solid or, with its own kind of field, of a flow.
+named_enum! {
+    /// How the record of a receiver comes from cells.
+    Interpolation {
+        /// Polynomials of degree 3 along each axis through cells of the medium at the receiver.
+        Cubic = "cubic",
+        /// The cell, or of a flow the point of the grid, that is nearest.
+        Nearest = "none"
+    }
+}
+
+/// A point at which fields `F` of a solid or flow are recorded.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Receiver<F = Recorded> {
+pub struct Receiver<F> {
     /// Names its record; no other receiver has it.
     pub name: String,
     /// Where, m; inside the grid.

@@ -3,8 +3,8 @@
 use super::keys::{Key, Presence, keys};
 use super::kind::Kind;
 use crate::dynamics::stress;
-use crate::schema::{Condition, Form, Item, Layout, Need, Scope, all_forms};
-use crate::types::{Length, Order, Range, Type};
+use crate::forms::all_forms;
+use crate::schema::{Condition, Form, Item, Layout, Length, Need, Order, Range, Scope, Type};
 use std::fmt::Write;
 
 const HEAD: &str = "\

@@ -6,7 +6,6 @@
 //! rows of [`keys`](crate::keys()).
 
 use crate::kind::Kind;
-use crate::types::Type;
 
 /// The keys that a table may hold.
 #[derive(Debug)]
@@ -101,6 +100,110 @@ pub struct Scope {
     pub dimensions: Option<usize>,
     /// Axes of the side that a table is about, from 0.
     pub(crate) axes: Vec<usize>,
+}
+
+/// Words that a key may have, of a case of which something is known.
+pub type Words = fn(&Scope) -> Vec<String>;
+
+/// Type and range of a value.
+#[derive(Clone, Copy, Debug)]
+pub enum Type {
+    /// Text in one line.
+    Text,
+    /// A list of texts.
+    Texts,
+    /// Text of letters, digits, `-`, `_` and `.`.
+    Name,
+    /// Eight hexadecimal digits.
+    Hexadecimal,
+    /// True or false.
+    Truth,
+    /// A number.
+    Number(Range),
+    /// A whole number of at least this.
+    Whole(u64),
+    /// An axis by its number: at most the dimensions of the grid.
+    Axis,
+    /// An axis of space by its number.
+    AxisOfSpace,
+    /// Two numbers.
+    Pair,
+    /// Two rows of two numbers.
+    Matrix,
+    /// A list of numbers; one alone needs no brackets.
+    Numbers(Length),
+    /// A positive number for all axes, or one for each.
+    PerAxis(Length),
+    /// A number for each axis, not all 0.
+    Direction,
+    /// A list of at least so many numbers.
+    List(usize, Range),
+    /// A list of whole numbers.
+    Counts {
+        /// Least and greatest length of the list.
+        length: [usize; 2],
+        /// Least number.
+        least: usize,
+        /// What else holds of them.
+        order: Order,
+    },
+    /// Two whole numbers, not both 0.
+    Mode,
+    /// A square matrix with a row for each axis.
+    Tensor,
+    /// At least two pairs of these two quantities, the first one increasing.
+    Samples([&'static str; 2]),
+    /// A point, or a list of points.
+    Points,
+    /// A whole number of at least 2, or a list of such numbers.
+    Divisions,
+    /// One of some words.
+    OneOf(Words),
+    /// A list of different ones of some words.
+    AnyOf(Words),
+    /// A table in braces.
+    Table(&'static Form),
+    /// A table in braces with keys of this section of the case.
+    Part(&'static str),
+}
+
+/// Range of a number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Range {
+    /// Any finite number.
+    Finite,
+    /// Above 0.
+    Positive,
+    /// At least 0.
+    NotNegative,
+    /// Above 0 and at most this.
+    UpTo(f64),
+    /// Above 0 and below 1.
+    Fraction,
+}
+
+/// What holds of a list of whole numbers besides its length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// Nothing.
+    Any,
+    /// They are even.
+    Even,
+    /// Each is greater than the one before.
+    Ascending,
+}
+
+/// Length of a list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Length {
+    /// Two.
+    Two,
+    /// One for each axis of the grid.
+    Axes,
+    /// One for each axis of a side.
+    SideAxes,
+    /// One for each spin: 1 in plane strain, 3 in space.
+    Spins,
 }
 
 impl Form {
@@ -255,21 +358,6 @@ impl Item {
             Need::Required(value) | Need::Default(value) | Need::Optional(value) => value,
         }
     }
-
-    /// What is allowed, as a message says it.
-    pub(crate) fn expected(&self, scope: &Scope) -> String {
-        let mut text = self.value.words(scope);
-        match self.unit {
-            "" => {}
-            "deg" => text += " in degrees",
-            unit => text = format!("{text} in {unit}"),
-        }
-        let along = self.value.axes_in_words(scope);
-        if !self.note.is_empty() {
-            text = format!("{text} ({}{along})", self.note);
-        }
-        text + self.remark
-    }
 }
 
 impl Scope {
@@ -279,74 +367,23 @@ impl Scope {
     }
 }
 
-/// The sections that say how models of a kind are run in time, in the order in which they are written; none
-/// where nothing is.
-pub fn forms_in_time(kind: Kind) -> Vec<&'static Form> {
-    match kind {
-        Kind::Solid(_) => crate::dynamics::FORMS.to_vec(),
-        Kind::Flow(_) => crate::flow::forms(kind),
-    }
+/// The sections of a case that are trees.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Forms {
+    /// Those of solids in time, in the order in which they are written.
+    pub(crate) solids: &'static [&'static Form],
+    /// Those of flows in time.
+    pub(crate) flows: &'static [&'static Form],
+    /// The section `[check]`.
+    pub(crate) check: &'static Form,
+    /// Those by which models of a kind are run in time.
+    pub(crate) in_time: fn(Kind) -> Vec<&'static Form>,
 }
 
-/// All sections that are trees: those of solids in time, those of flows in time, and `[check]`.
-pub fn all_forms() -> [(&'static str, Vec<&'static Form>); 3] {
-    [
-        ("solids in time", crate::dynamics::FORMS.to_vec()),
-        ("flows in time", crate::flow::FORMS.to_vec()),
-        ("check", vec![&crate::check::FORM]),
-    ]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::value::Value;
-    use toml::de::DeValue;
-
-    fn check(form: &'static Form) {
-        let names: Vec<&str> = form.items().map(|(_, item)| item.name).collect();
-        for (when, item) in form.items() {
-            let conditions = || when.iter().chain(item.when);
-            for condition in conditions() {
-                match condition {
-                    Condition::Is(key, _) | Condition::Present(key) | Condition::Absent(key) => {
-                        assert!(names.contains(key), "{}: {key}", form.name);
-                    }
-                    Condition::Plane | Condition::Space => {}
-                }
-            }
-            if let Type::Table(inner) = item.value {
-                check(inner);
-                continue;
-            }
-            let is_in_space = conditions().any(|condition| *condition == Condition::Space);
-            let dimensions = Some(if is_in_space { 3 } else { 2 });
-            let scope = Scope { kind: None, dimensions, axes: vec![0] };
-            let value = DeValue::parse(item.example()).expect("TOML");
-            let read = item.value.parse(value.get_ref(), &scope);
-            let is_allowed = match (item.value, read) {
-                (Type::Part(_), _) => true,
-                (Type::OneOf(words), Some(Value::Text(word))) => words(&scope).contains(&word),
-                (Type::AnyOf(words), Some(Value::Texts(own))) => {
-                    own.iter().all(|word| words(&scope).contains(word))
-                }
-                (_, read) => read.is_some(),
-            };
-            assert!(is_allowed, "{}.{}: {}", form.name, item.name, item.example());
-        }
-    }
-
-    #[test]
-    fn defaults_and_examples_are_of_their_types_and_conditions_name_keys() {
-        for form in all_forms().iter().flat_map(|(_, forms)| forms) {
-            check(form);
-        }
-    }
-
-    #[test]
-    fn the_default_courant_number_is_that_of_the_schema() {
-        let time = crate::dynamics::FORMS.iter().find(|form| form.name == "time").expect("it");
-        let (_, item) = time.items().find(|(_, item)| item.name == "courant").expect("it");
-        assert_eq!(item.example().parse(), Ok(crate::dynamics::COURANT));
+impl Forms {
+    /// Whether a section of that name is among them.
+    pub(crate) fn has(&self, section: &str) -> bool {
+        let mut all = self.solids.iter().chain(self.flows).chain([&self.check]);
+        all.any(|form| form.name == section)
     }
 }

@@ -3,9 +3,8 @@
 use super::error::{CaseError, Place, shown};
 use super::node::{Node, Table, segment};
 use super::place::Places;
-use super::schema::{Condition, Form, Item, Need, Scope};
-use super::types::Type;
 use super::value::{Value, nearest, suggestion};
+use crate::schema::{Condition, Form, Item, Need, Scope, Type};
 use std::fmt::{Debug, Display};
 use toml::de::DeValue;
 
@@ -26,6 +25,11 @@ impl<'a> Section<'a> {
     /// The table around all sections.
     pub(super) fn root(table: &'a Table<'a>, places: &'a Places, scope: Scope) -> Self {
         Self { path: String::new(), table, places, form: &OPEN, scope }
+    }
+
+    /// Where keys of the case stand.
+    pub(super) fn places(&self) -> &'a Places {
+        self.places
     }
 
     /// All that the table holds.

@@ -5,7 +5,7 @@ mod blocks;
 use super::keys::{Key, Presence, keys};
 use super::kind::{Kind, Medium};
 use super::{check, flow};
-use crate::schema::forms_in_time;
+use crate::forms::forms_in_time;
 use blocks::{Blocks, Start, comment};
 use std::fmt::Write;
 

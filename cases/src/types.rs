@@ -1,113 +1,9 @@
-//! Types of values: how they are read, and what a message says of them.
+//! How values of each type are read, and what a message says of a type.
 
-use crate::schema::{Form, Scope};
+use crate::schema::{Item, Length, Order, Range, Scope, Type};
 use crate::value::{self, Value, list};
 use std::fmt::Write;
 use toml::de::DeValue;
-
-/// Words that a key may have, of a case of which something is known.
-pub type Words = fn(&Scope) -> Vec<String>;
-
-/// Type and range of a value.
-#[derive(Clone, Copy, Debug)]
-pub enum Type {
-    /// Text in one line.
-    Text,
-    /// A list of texts.
-    Texts,
-    /// Text of letters, digits, `-`, `_` and `.`.
-    Name,
-    /// Eight hexadecimal digits.
-    Hexadecimal,
-    /// True or false.
-    Truth,
-    /// A number.
-    Number(Range),
-    /// A whole number of at least this.
-    Whole(u64),
-    /// An axis by its number: at most the dimensions of the grid.
-    Axis,
-    /// An axis of space by its number.
-    AxisOfSpace,
-    /// Two numbers.
-    Pair,
-    /// Two rows of two numbers.
-    Matrix,
-    /// A list of numbers; one alone needs no brackets.
-    Numbers(Length),
-    /// A positive number for all axes, or one for each.
-    PerAxis(Length),
-    /// A number for each axis, not all 0.
-    Direction,
-    /// A list of at least so many numbers.
-    List(usize, Range),
-    /// A list of whole numbers.
-    Counts {
-        /// Least and greatest length of the list.
-        length: [usize; 2],
-        /// Least number.
-        least: usize,
-        /// What else holds of them.
-        order: Order,
-    },
-    /// Two whole numbers, not both 0.
-    Mode,
-    /// A square matrix with a row for each axis.
-    Tensor,
-    /// At least two pairs of these two quantities, the first one increasing.
-    Samples([&'static str; 2]),
-    /// A point, or a list of points.
-    Points,
-    /// A whole number of at least 2, or a list of such numbers.
-    Divisions,
-    /// One of some words.
-    OneOf(Words),
-    /// A list of different ones of some words.
-    AnyOf(Words),
-    /// A table in braces.
-    Table(&'static Form),
-    /// A table in braces with keys of this section of the case.
-    Part(&'static str),
-}
-
-/// Range of a number.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Range {
-    /// Any finite number.
-    Finite,
-    /// Above 0.
-    Positive,
-    /// At least 0.
-    NotNegative,
-    /// Above 0 and at most this.
-    UpTo(f64),
-    /// Above 0 and below 1.
-    Fraction,
-}
-
-/// What holds of a list of whole numbers besides its length.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Order {
-    /// Nothing.
-    Any,
-    /// They are even.
-    Even,
-    /// Each is greater than the one before.
-    Ascending,
-}
-
-/// Length of a list.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Length {
-    /// Two.
-    Two,
-    /// One for each axis of the grid.
-    Axes,
-    /// One for each axis of a side.
-    SideAxes,
-    /// One for each spin: 1 in plane strain, 3 in space.
-    Spins,
-}
 
 impl Range {
     /// Whether a finite number is in it.
@@ -305,6 +201,23 @@ impl Type {
             }
             Self::Table(_) | Self::Part(_) => None,
         }
+    }
+}
+
+impl Item {
+    /// What is allowed, as a message says it.
+    pub(crate) fn expected(&self, scope: &Scope) -> String {
+        let mut text = self.value.words(scope);
+        match self.unit {
+            "" => {}
+            "deg" => text += " in degrees",
+            unit => text = format!("{text} in {unit}"),
+        }
+        let along = self.value.axes_in_words(scope);
+        if !self.note.is_empty() {
+            text = format!("{text} ({}{along})", self.note);
+        }
+        text + self.remark
     }
 }
 

@@ -5,10 +5,9 @@ use jsonschema::Validator;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use wellposed_cases::schema::{Form, all_forms};
+use wellposed_cases::schema::{Form, Type};
 use wellposed_cases::template::{Purpose, text_for};
-use wellposed_cases::types::Type;
-use wellposed_cases::{Case, Medium, json_schema, keys, reference};
+use wellposed_cases::{Case, Medium, all_forms, json_schema, keys, reference};
 
 type Names = BTreeSet<String>;
 

@@ -16,7 +16,7 @@ use std::io::Write;
 /// The case is wrong, or results cannot be written.
 pub fn speeds(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let case = Case::load(&options.case, &options.sets)?;
-    let solid = setup::solid::solid(&case).map_err(|error| case.locate(error))?;
+    let solid = setup::solid::solid(&case.material).map_err(|error| case.locate(error))?;
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     if options.dry_run {
         writeln!(stdout, "would find speeds in {} directions", DirectionalSpeeds::DIRECTIONS)?;

@@ -238,7 +238,7 @@ fn sphere_figure(case: &Case, found: &Speeds, hemisphere: &Hemisphere) -> Sphere
     // Of two opposite normals the one whose angles are printed.
     let mark = |label: &str, of: [f64; 3]| {
         let [direction_deg, elevation_deg] = angles_deg(of);
-        let wave = Wave { direction_deg, elevation_deg, ..case.numbers.wave };
+        let wave = Wave { direction_deg, elevation_deg, ..case.material.numbers.wave };
         SphereMark { label: label.into(), normal: normal(&wave) }
     };
     let mut marks = Vec::new();

@@ -44,7 +44,7 @@ pub(crate) fn flow_problem(
         velocity_gradient: mean.velocity_gradient.map(|row| row.map(|entry| entry.value)),
         stress_angle: mean.stress.angle,
         spin: mean.spin.map_or(0.0, |spin| spin.value),
-        spin_acceleration: case.numbers.background.spin_acceleration,
+        spin_acceleration: case.material.numbers.background.spin_acceleration,
         points,
         lengths,
         tolerance: 1e-5,

@@ -7,22 +7,22 @@ pub mod solid;
 pub(crate) mod solid_run;
 
 use crate::Error;
-use crate::case::{Case, Kind};
+use crate::case::{Case, Kind, Material};
 use analysis::StateError;
 use models::InputError;
 
-/// The error of a case's state with its place in the case file.
-pub fn locate(case: &Case, error: StateError) -> Error {
-    case.locate(into_input(case, error)).into()
+/// The error of a state with its place in the case file.
+pub fn locate(material: &Material, error: StateError) -> Error {
+    material.locate(into_input(material, error)).into()
 }
 
 /// The same for a state of the case's map, whose swept numbers stand in \[map\].
 pub fn locate_in_map(case: &Case, error: StateError) -> Error {
-    case.locate_in_map(into_input(case, error)).into()
+    case.locate_in_map(into_input(&case.material, error)).into()
 }
 
-fn into_input(case: &Case, error: StateError) -> InputError {
-    let state = if let Kind::Solid(_) = case.kind { "model" } else { "background" };
+fn into_input(material: &Material, error: StateError) -> InputError {
+    let state = if let Kind::Solid(_) = material.kind { "model" } else { "background" };
     let (key, allowed) = match error {
         StateError::Input(error) => return error,
         StateError::Analysis(error) => (state, error.to_string()),

@@ -1,6 +1,6 @@
-//! From a case to a solid.
+//! From a material to a solid.
 
-use crate::case::{Case, Kind, Wave, names, radians};
+use crate::case::{Kind, Material, Wave, names, radians};
 use dynamics::medium::Medium;
 use models::InputError;
 use models::common::elementary::Elementary;
@@ -9,32 +9,34 @@ use models::solid::stress::Stress;
 use models::solid::{ElasticLaw, SolidKind};
 use models::yield_set::{YieldSet, YieldSetKind};
 
-/// The solid of a case.
+/// The solid of a material.
 ///
 /// # Errors
-/// The constant that is out of range; that the stress never yields; that the case is one of a flow.
-pub fn solid(case: &Case) -> Result<Solid, InputError> {
-    let elastic = elastic_law(case)?;
-    let plastic = case.yields.map(|set| plastic(case, set)).transpose()?;
-    Ok(Solid::new(elastic, case.numbers.dimensions, plastic))
+/// The constant that is out of range; that the stress never yields; that it is one of a flow.
+pub fn solid(material: &Material) -> Result<Solid, InputError> {
+    let elastic = elastic_law(material)?;
+    let plastic = material.yields.map(|set| plastic(material, set)).transpose()?;
+    Ok(Solid::new(elastic, material.numbers.dimensions, plastic))
 }
 
-/// The elastic law of a case and its yield set, whatever the stress.
+/// The elastic law of a material and its yield set, whatever the stress.
 ///
 /// # Errors
-/// The constant that is out of range; that the case is one of a flow.
-pub fn elastic_law_and_set(case: &Case) -> Result<(ElasticLaw, Option<YieldSet>), InputError> {
-    let set = case.yields.map(|set| yield_set(case, set)).transpose()?;
-    Ok((elastic_law(case)?, set))
+/// The constant that is out of range; that it is one of a flow.
+pub fn elastic_law_and_set(
+    material: &Material,
+) -> Result<(ElasticLaw, Option<YieldSet>), InputError> {
+    let set = material.yields.map(|set| yield_set(material, set)).transpose()?;
+    Ok((elastic_law(material)?, set))
 }
 
-/// What a case's solid is to the solver.
+/// What a solid is to the solver.
 ///
 /// # Errors
-/// The constant that is out of range; that the flow is not one that a run knows; that the case is one of a
+/// The constant that is out of range; that the flow is not one that a run knows; that it is one of a
 /// flow.
-pub fn medium(case: &Case, dimensions: usize) -> Result<Medium, InputError> {
-    let (elastic, set) = elastic_law_and_set(case)?;
+pub fn medium(material: &Material, dimensions: usize) -> Result<Medium, InputError> {
+    let (elastic, set) = elastic_law_and_set(material)?;
     let medium = Medium::new(elastic, dimensions);
     let Some(set) = set else { return Ok(medium) };
     // A run knows no other flow.
@@ -49,21 +51,21 @@ pub fn normal(wave: &Wave) -> [f64; 3] {
     [along * cos, along * sin, up]
 }
 
-/// The elastic law of a case.
-fn elastic_law(case: &Case) -> Result<ElasticLaw, InputError> {
+/// The elastic law of a material.
+fn elastic_law(material: &Material) -> Result<ElasticLaw, InputError> {
     let mut constants = Vec::new();
-    let solid = solid_kind(case)?;
-    case.numbers.model.in_order(solid.parameters, &mut constants);
+    let solid = solid_kind(material)?;
+    material.numbers.model.in_order(solid.parameters, &mut constants);
     solid.law(&constants)
 }
 
 /// The kind of a solid.
-fn solid_kind(case: &Case) -> Result<SolidKind, InputError> {
-    match case.kind {
+fn solid_kind(material: &Material) -> Result<SolidKind, InputError> {
+    match material.kind {
         Kind::Solid(solid) => Ok(solid),
         Kind::Flow(_) => Err(InputError {
             input: "kind",
-            found: format!("{}, a flow", case.kind.name()),
+            found: format!("{}, a flow", material.kind.name()),
             allowed: format!(
                 "this needs a solid ({}); for flows see wellposed point and map",
                 names(&Kind::solids())
@@ -72,18 +74,18 @@ fn solid_kind(case: &Case) -> Result<SolidKind, InputError> {
     }
 }
 
-fn plastic(case: &Case, kind: YieldSetKind) -> Result<Plastic, InputError> {
-    let set = yield_set(case, kind)?;
-    if let Some(active) = &case.active {
+fn plastic(material: &Material, kind: YieldSetKind) -> Result<Plastic, InputError> {
+    let set = yield_set(material, kind)?;
+    if let Some(active) = &material.active {
         return Plastic::with_active(set, active);
     }
-    let pressure = case.numbers.stress.pressure;
-    Plastic::at_stress(set, pressure, &direction(case), case.numbers.plastic_rate)
+    let pressure = material.numbers.stress.pressure;
+    Plastic::at_stress(set, pressure, &direction(material), material.numbers.plastic_rate)
 }
 
-/// The stress of a case but for its pressure.
-fn direction(case: &Case) -> Stress {
-    let given = case.numbers.stress;
+/// The stress of a material but for its pressure.
+fn direction(material: &Material) -> Stress {
+    let given = material.numbers.stress;
     let (sin, cos) = (2.0 * radians(given.stress_angle_deg)).cr_sin_cos();
     let [q, r] = [given.deviatoric_stress, given.rotational_stress];
     let mut stress = Stress::default();
@@ -94,9 +96,9 @@ fn direction(case: &Case) -> Stress {
     stress
 }
 
-fn yield_set(case: &Case, kind: YieldSetKind) -> Result<YieldSet, InputError> {
-    let theory = solid_kind(case)?.theory;
+fn yield_set(material: &Material, kind: YieldSetKind) -> Result<YieldSet, InputError> {
+    let theory = solid_kind(material)?.theory;
     let mut constants = Vec::new();
-    case.numbers.yields.in_order(kind.parameters_for(theory), &mut constants);
+    material.numbers.yields.in_order(kind.parameters_for(theory), &mut constants);
     kind.set(theory, &constants)
 }

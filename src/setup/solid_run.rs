@@ -9,7 +9,7 @@ mod weight;
 
 use crate::Error;
 use crate::case::dynamics::{self as case, Component, Dynamics, Side, Time};
-use crate::case::{Case, CaseError};
+use crate::case::{Case, CaseError, Material};
 use crate::setup::solid;
 use dynamics::boundary::Boundary;
 use dynamics::line::Slopes;
@@ -27,18 +27,21 @@ pub(crate) struct Setup<const D: usize> {
     pub(crate) initial: Vec<(Field, Vec<f64>)>,
 }
 
-/// The media of a case in their order, with the cases that describe them.
+/// The media of a case in their order.
 pub(crate) fn media(case: &Case, dynamics: &Dynamics) -> Result<Vec<Medium>, Error> {
     let dimensions = dynamics.grid.dimensions();
     let medium =
-        |own: &Case| solid::medium(own, dimensions).map_err(|error| own.locate(error).into());
+        |own: &Material| solid::medium(own, dimensions).map_err(|error| own.locate(error).into());
     if dynamics.regions.is_empty() {
-        return medium(case).map(|medium| vec![medium]);
+        return medium(&case.material).map(|medium| vec![medium]);
     }
-    let all: Vec<Medium> =
-        dynamics.regions.iter().map(|region| medium(&region.case)).collect::<Result<_, Error>>()?;
+    let all: Vec<Medium> = dynamics
+        .regions
+        .iter()
+        .map(|region| medium(&region.material))
+        .collect::<Result<_, Error>>()?;
     if let Some(odd) = all.iter().position(|medium| medium.fields != all[0].fields) {
-        let kinds = [odd, 0].map(|index| dynamics.regions[index].case.kind.name());
+        let kinds = [odd, 0].map(|index| dynamics.regions[index].material.kind.name());
         let found = format!("found {}, beside {} in region[0]", kinds[0], kinds[1]);
         let allowed = "all regions of a run need the same fields: solids of one theory";
         return Err(dynamics.locate(&format!("region[{odd}].model.kind"), found, allowed).into());

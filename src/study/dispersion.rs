@@ -95,24 +95,24 @@ pub struct Branch {
 /// # Ok::<(), wellposed::Error>(())
 /// ```
 pub fn dispersion(case: &Case) -> Result<Dispersion, Error> {
-    let solid = setup::solid::solid(case).map_err(|error| case.locate(error))?;
+    let solid = setup::solid::solid(&case.material).map_err(|error| case.locate(error))?;
     if solid.plastic.as_ref().is_some_and(|plastic| plastic.rate > 0.0) {
         let error = InputError {
             input: "plastic_rate",
-            found: format!("{:?}", case.numbers.plastic_rate),
+            found: format!("{:?}", case.material.numbers.plastic_rate),
             allowed: "0: branches are followed of waves that nothing damps; wellposed point has \
                       the roots of damped ones"
                 .into(),
         };
         return Err(case.locate(error).into());
     }
-    let wave = case.numbers.wave;
+    let wave = case.material.numbers.wave;
     let greatest_number = match wave.greatest_number {
         0.0 => solid.elastic.characteristic_wave_number().map_or(wave.number, |own| 4.0 * own),
         given => given,
     };
     let groups = branches(&solid, setup::solid::normal(&wave), greatest_number, false)
-        .map_err(|error| setup::locate(case, error.into()))?;
+        .map_err(|error| setup::locate(&case.material, error.into()))?;
     let is_finite = |p: &BranchPoint| p.frequency.is_finite() && p.growth_rate.is_finite();
     let ends = [wave.number, greatest_number];
     if !ends.iter().all(|&k| groups.iter().all(|group| group.at(k).iter().all(is_finite))) {
@@ -124,7 +124,7 @@ pub fn dispersion(case: &Case) -> Result<Dispersion, Error> {
         return Err(case.locate(error).into());
     }
     Ok(Dispersion {
-        model: case.kind.name(),
+        model: case.material.kind.name(),
         wave: wave.into(),
         greatest_number,
         families: groups

@@ -109,14 +109,14 @@ pub struct Hemisphere {
 /// # Errors
 /// The case is none of a solid, its constants are out of range, it cannot be analysed, or the study was cancelled.
 pub fn speeds(case: &Case, on_progress: OnProgress) -> Result<Speeds, Error> {
-    let located = |error| setup::locate(case, error);
-    let solid = setup::solid::solid(case).map_err(|error| case.locate(error))?;
+    let located = |error| setup::locate(&case.material, error);
+    let solid = setup::solid::solid(&case.material).map_err(|error| case.locate(error))?;
     let hemisphere = Hemisphere::new();
     let all = 1 + if solid.dimensions == 2 { 0 } else { hemisphere.polar_deg.len() };
     report_progress(on_progress, 0, all)?;
     let cache = AcousticTensorCache::default();
     let (assessment, _) = SolidAssessor::new(&cache).assess(&solid).map_err(located)?;
-    let elevation = radians(case.numbers.wave.elevation_deg);
+    let elevation = radians(case.material.numbers.wave.elevation_deg);
     let by_direction =
         DirectionalSpeeds::new(&solid, elevation).map_err(|error| located(error.into()))?;
     report_progress(on_progress, 1, all)?;
@@ -132,8 +132,8 @@ pub fn speeds(case: &Case, on_progress: OnProgress) -> Result<Speeds, Error> {
     };
     let extremes = &assessment.extremes;
     Ok(Speeds {
-        model: case.kind.name(),
-        yield_set: case.yields.map(|set| set.name),
+        model: case.material.kind.name(),
+        yield_set: case.material.yields.map(|set| set.name),
         dimensions: solid.dimensions,
         verdict: assessment.verdict.name(),
         hyperbolicity: assessment.hyperbolicity.name(),
@@ -147,7 +147,7 @@ pub fn speeds(case: &Case, on_progress: OnProgress) -> Result<Speeds, Error> {
             .iter()
             .map(|&(direction_deg, cause)| VanishingSpeed { direction_deg, what: cause.name() })
             .collect(),
-        elevation_deg: case.numbers.wave.elevation_deg,
+        elevation_deg: case.material.numbers.wave.elevation_deg,
         route: assessment.route,
         solid,
         assessment,

@@ -7,7 +7,7 @@ use wellposed::case::dynamics::{
     Action, Centre, Component, Condition, Initial, Kernel, Picture, Recorded, Side, SourceKind,
     TimeFunction,
 };
-use wellposed::case::{Case, Kind, Yield};
+use wellposed::case::{Case, Kind, Material, Yield};
 use wellposed::cli::{self, Options};
 use wellposed::setup;
 
@@ -66,7 +66,7 @@ fn a_case_is_read_as_written() {
 
     // The grid says in how many dimensions the solid is.
     let case = parse(PLANE).unwrap();
-    assert_eq!(case.numbers.dimensions, 2);
+    assert_eq!(case.material.numbers.dimensions, 2);
     // Without sections for it a case is not run in time.
     assert_eq!(parse(&wellposed::cli::new::text(case.medium())).unwrap().dynamics, None);
 }
@@ -75,17 +75,17 @@ fn a_case_is_read_as_written() {
 fn regions_inherit_what_they_do_not_have() {
     let case = parse(PLANE).unwrap();
     let regions = &case.dynamics.as_ref().unwrap().regions;
-    let modulus = |case: &Case| {
-        let law = setup::solid::solid(case).unwrap().elastic;
+    let modulus = |material: &Material| {
+        let law = setup::solid::solid(material).unwrap().elastic;
         let solid = law.downcast::<Isotropic>().unwrap();
         [solid.lambda, solid.mu]
     };
-    assert_eq!(modulus(&regions[0].case), [2e9, 3e9]);
-    assert_eq!(modulus(&regions[1].case), [2e9, 1e9]);
-    let sets: Vec<Option<Yield>> = regions.iter().map(|region| region.case.yields).collect();
+    assert_eq!(modulus(&regions[0].material), [2e9, 3e9]);
+    assert_eq!(modulus(&regions[1].material), [2e9, 1e9]);
+    let sets: Vec<Option<Yield>> = regions.iter().map(|region| region.material.yields).collect();
     assert_eq!(sets, [Some(registry::COSSERAT_MISES), None, Some(registry::VON_MISES)]);
-    assert_eq!(regions[0].case.numbers.yields, case.numbers.yields);
-    let other = &regions[2].case.numbers.yields;
+    assert_eq!(regions[0].material.numbers.yields, case.material.numbers.yields);
+    let other = &regions[2].material.numbers.yields;
     assert_eq!((other.get("strength"), other.get("friction")), (Some(5.0), None));
 
     // Another kind has nothing of the case's own, and its own yield set where that is possible.
@@ -95,7 +95,7 @@ fn regions_inherit_what_they_do_not_have() {
         "model = { kind = 'reduced-cosserat', lambda = 1, mu = 1, alpha = 1, density = 1, \
          inertia = 1 }",
     );
-    let other = &dynamics(&text).regions[1].case;
+    let other = &dynamics(&text).regions[1].material;
     assert_eq!(other.kind, Kind::Solid(registry::REDUCED_COSSERAT));
     assert_eq!(other.yields, Some(registry::COSSERAT_MISES));
     assert_eq!((other.numbers.dimensions, other.numbers.model.get("beta")), (2, None));
@@ -163,8 +163,8 @@ fn options_reach_all_sections() {
     assert_eq!((dynamics.grid.cells, dynamics.time.duration), (vec![40, 20], 0.1));
     assert_eq!(dynamics.loads[0].amplitude, 2e6);
     assert_eq!(dynamics.loads[2].time, TimeFunction::Step { start: 4.0, duration: None });
-    assert_eq!(dynamics.regions[0].case.numbers.model.get("mu"), Some(1e9));
-    assert_eq!(dynamics.regions[1].case.numbers.yields.get("strength"), Some(8.0));
+    assert_eq!(dynamics.regions[0].material.numbers.model.get("mu"), Some(1e9));
+    assert_eq!(dynamics.regions[1].material.numbers.yields.get("strength"), Some(8.0));
     assert_eq!(dynamics.output.picture, Picture::Speed);
     assert_eq!(dynamics.scheme.ledger.name(), "full");
     assert_eq!(dynamics.sides[0].condition, Condition::Free);

@@ -9,7 +9,7 @@ use wellposed::setup;
 fn an_error_of_a_model_names_the_line_of_the_region() {
     let located = |text: &str, sets: &[&str]| {
         let case = parse_with(text, sets).unwrap();
-        let region = &case.dynamics.as_ref().unwrap().regions[0].case;
+        let region = &case.dynamics.as_ref().unwrap().regions[0].material;
         region.locate(setup::solid::solid(region).unwrap_err()).to_string()
     };
     let text = with(PLANE, "mu = 3e9", "mu = -3e9");

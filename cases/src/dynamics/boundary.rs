@@ -1,11 +1,11 @@
 //! The sections `[[side]]`: conditions on sides of the grid.
 
-use super::grid::check_order;
-use super::{Component, Reader, names};
+use super::component::{Component, components, names};
+use super::reader::Reader;
 use crate::error::CaseError;
-use crate::schema::{Condition as When, Form, Group, Item};
+use crate::position::check_order;
+use crate::schema::{Condition as When, Form, Group, Item, Length, Type};
 use crate::section::{Resolved, Section, joined};
-use crate::types::{Length, Type};
 
 /// The key of a side.
 pub(super) const SIDE: Item = Item::required(
@@ -56,7 +56,7 @@ pub(super) const FORM: Form = Form::list(
             &[Item::required(
                 "held",
                 Type::AnyOf(|scope| {
-                    let mut all = super::components(scope);
+                    let mut all = components(scope);
                     all.retain(|component| component.is_velocity());
                     names(&all)
                 }),

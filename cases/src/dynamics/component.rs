@@ -1,5 +1,7 @@
 //! Names of the components of the state of a solid.
 
+use crate::kind::Kind;
+use crate::schema::Scope;
 use models::solid::parameters::Theory;
 use models::solid::waves::{Field, fields};
 use std::fmt;
@@ -77,4 +79,18 @@ impl From<Component> for Field {
     fn from(component: Component) -> Self {
         component.0
     }
+}
+
+/// Names in case files.
+pub(super) fn names(components: &[Component]) -> Vec<String> {
+    components.iter().map(Component::to_string).collect()
+}
+
+/// The components that a solid has, or any where it is not known which.
+pub(super) fn components(scope: &Scope) -> Vec<Component> {
+    let theory = match scope.kind {
+        Some(Kind::Solid(solid)) => solid.theory,
+        _ => Theory::Cosserat,
+    };
+    Component::all(theory, scope.dimensions.unwrap_or(3))
 }

@@ -1,10 +1,9 @@
 //! Functions of time by which loads are multiplied.
 
-use super::Reader;
+use super::reader::Reader;
 use crate::error::{CaseError, Place, shown};
-use crate::schema::{Condition, Form, Group, Item};
+use crate::schema::{Condition, Form, Group, Item, Range, Type};
 use crate::section::{Resolved, Section};
-use crate::types::{Range, Type};
 use models::common::elementary::Elementary;
 use std::f64::consts::PI;
 use std::io::Read;

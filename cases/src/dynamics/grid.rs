@@ -1,15 +1,11 @@
 //! The section `[grid]` of a solid.
 
-use crate::Kind;
-use crate::dynamics::MOST_CELLS;
-use crate::entries::Entries;
 use crate::error::CaseError;
-use crate::keys::Key;
-use crate::place::Places;
-use crate::schema::{Form, Group, Item, Scope};
-use crate::section::{Resolved, Section, joined};
-use crate::types::{Length, Order, Type};
-use crate::value::Value;
+use crate::schema::{Form, Group, Item, Length, Order, Type};
+use crate::section::{Resolved, Section};
+
+/// Most cells of a grid.
+pub const MOST_CELLS: usize = 4_000_000_000;
 
 /// The section.
 pub(super) const FORM: Form = Form::section(
@@ -89,8 +85,7 @@ impl Grid {
     ///
     /// # Errors
     /// What is wrong with it.
-    pub(crate) fn read(entries: &Entries) -> Result<Self, CaseError> {
-        let root = entries.structured(Scope::default());
+    pub(crate) fn read(root: &Section) -> Result<Self, CaseError> {
         let mut section = root.required_section(&FORM)?;
         if section.has("length") {
             let allowed = "give spacing, the edges of a cell in m, in its place";
@@ -133,84 +128,4 @@ impl Grid {
             .number("origin", &self.origin)
             .under(&FORM)
     }
-}
-
-/// Gives a solid the dimensions of the grid if it has none of its own.
-pub(crate) fn provide_dimensions(entries: &mut Entries, kind: Kind, grid: &Grid) {
-    const KEY: &str = "model.dimensions";
-    if Key::find(KEY).is_some_and(|key| key.is_used_by(kind)) {
-        entries.provide(KEY, Value::Count(grid.dimensions()));
-    }
-}
-
-/// That a solid has the dimensions of the grid.
-pub(crate) fn check_dimensions(
-    places: &Places,
-    kind: Kind,
-    dimensions: usize,
-    grid: &Grid,
-) -> Result<(), CaseError> {
-    let d = grid.dimensions();
-    if matches!(kind, Kind::Solid(solid) if solid.is_plane) {
-        let found = format!("found {} in a grid of {d} dimensions", kind.name());
-        let allowed = "it is a solid in plane strain: grid.cells must have 2 entries";
-        return if d == 2 { Ok(()) } else { Err(places.error("model.kind", found, allowed)) };
-    }
-    if dimensions != d {
-        let found = format!("found {dimensions} in a grid of {d} dimensions");
-        let allowed = format!("give as many as entries of grid.cells, {d}, or leave it out");
-        return Err(places.error("model.dimensions", found, allowed));
-    }
-    Ok(())
-}
-
-/// What a coordinate may lie beyond a side, over the length of the grid: cells × spacing + origin misses the decimal that
-/// is meant by rounding (100 × 0.29 is less than 29).
-const SLACK: f64 = 1e-12;
-
-/// That a position along some axes, the value of a key, is between first and last coordinates, those of the
-/// grid or box.
-pub(crate) fn check_inside(
-    section: &Section,
-    key: &str,
-    position: &[f64],
-    axes: &[usize],
-    extents: &[[f64; 2]],
-    whole: &str,
-) -> Result<(), CaseError> {
-    let is_inside = |(x, [first, last]): (&f64, &[f64; 2])| {
-        let slack = SLACK * (last - first);
-        (first - slack..=last + slack).contains(x)
-    };
-    if position.iter().zip(extents).all(is_inside) {
-        return Ok(());
-    }
-    // Without what rounding left.
-    let tidy = |x: f64, length: f64| match x.abs() < SLACK * length {
-        true => 0.0,
-        false => format!("{x:.11e}").parse().unwrap_or(x),
-    };
-    let words: Vec<String> = axes
-        .iter()
-        .zip(extents)
-        .map(|(axis, [first, last])| {
-            let [from, to] = [first, last].map(|x| tidy(*x, last - first));
-            format!("x{} from {from:?} to {to:?} m", axis + 1)
-        })
-        .collect();
-    let found = format!("found {position:?}, outside the {whole}");
-    Err(section.error(key, found, format!("the {whole} has {}", joined(&words))))
-}
-
-/// That `from` is below `to` along each axis.
-pub(crate) fn check_order(section: &Section, from: &[f64], to: &[f64]) -> Result<(), CaseError> {
-    if from.iter().zip(to).all(|(from, to)| from < to) {
-        return Ok(());
-    }
-    let [from, to] = [from, to].map(|end| match end {
-        [one] => format!("{one:?}"),
-        all => format!("{all:?}"),
-    });
-    let found = format!("found {to} with from = {from}");
-    Err(section.error("to", found, "to must be greater than from along each axis"))
 }

@@ -1,13 +1,14 @@
 //! The sections `[[initial]]`: what the initial state is made of.
 
+use super::component::{Component, components, names};
+use super::function;
 use super::plane_pulse::{PlanePulse, Polarization};
+use super::reader::Reader;
 use super::shape::{ITEMS, Shape};
-use super::time::names;
-use super::{Component, Reader, function};
+use super::time;
 use crate::error::CaseError;
-use crate::schema::{Condition, Form, Group, Item};
+use crate::schema::{Condition, Form, Group, Item, Length, Range, Type};
 use crate::section::{Resolved, Section};
-use crate::types::{Length, Range, Type};
 use crate::value::count;
 
 const NUMBER: Type = Type::Number(Range::Finite);
@@ -18,7 +19,7 @@ const UNIT_OF_FIELD: &str = "the unit of the field";
 
 const FIELD: Item = Item::required(
     "field",
-    Type::OneOf(|scope| super::names(&super::components(scope))),
+    Type::OneOf(|scope| names(&components(scope))),
     "",
     "\"v1\"",
     "any component of the state",
@@ -85,7 +86,7 @@ pub(super) const FORM: Form = Form::list(
             &[
                 Item::required(
                     "wave",
-                    Type::OneOf(|_| names(Polarization::ALL, Polarization::name)),
+                    Type::OneOf(|_| time::names(Polarization::ALL, Polarization::name)),
                     "",
                     "\"S\"",
                     "longitudinal or transverse",

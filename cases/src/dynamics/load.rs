@@ -1,12 +1,14 @@
 //! The sections `[[load]]`: loads on sides of the grid.
 
 use super::boundary::{FROM, Part, SIDE, Side, TO};
+use super::component::{Component, components, names};
+use super::function::{self, TimeFunction};
+use super::profile::{self, Profile};
+use super::reader::Reader;
 use super::source::{KERNEL, Kernel, RADIUS};
-use super::{Component, Profile, Reader, TimeFunction, function, profile};
 use crate::error::CaseError;
-use crate::schema::{Condition, Form, Group, Item};
+use crate::schema::{Condition, Form, Group, Item, Length, Range, Type};
 use crate::section::{Resolved, Section};
-use crate::types::{Length, Range, Type};
 
 const WITHOUT_POINT: &[Condition] = &[Condition::Absent("at")];
 
@@ -19,7 +21,7 @@ pub(super) const FORM: Form = Form::list(
             SIDE,
             Item::required(
                 "field",
-                Type::OneOf(|scope| super::names(&super::components(scope))),
+                Type::OneOf(|scope| names(&components(scope))),
                 "",
                 "\"sigma22\"",
                 "a stress or couple stress on the side, tension positive, or a velocity or spin of it",

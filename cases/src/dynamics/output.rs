@@ -1,11 +1,12 @@
 //! The section `[output]` of a solid, and what its receivers record.
 
-use super::{Component, Reader, components, names};
+use super::component::{Component, components, names};
+use super::reader::Reader;
+use super::time;
 use crate::error::CaseError;
-use crate::receivers::{self, Domain, Receiver, receivers};
-use crate::schema::{Form, Group, Item, Scope};
+use crate::receivers::{self, Domain, Interpolation, Receiver, receivers};
+use crate::schema::{Form, Group, Item, Range, Scope, Type};
 use crate::section::{Resolved, Section};
-use crate::types::{Range, Type};
 use std::fmt;
 
 /// The key of the time between two lines of the ledger; `zero` says what 0 means.
@@ -61,7 +62,7 @@ pub(super) const RECEIVER: Form = Form::list(
         ),
         Item::with_default(
             "interpolation",
-            Type::OneOf(|_| super::time::names(Interpolation::ALL, Interpolation::name)),
+            Type::OneOf(|_| time::names(Interpolation::ALL, Interpolation::name)),
             "",
             "\"cubic\"",
             "between cells; none: the cell that holds the point",
@@ -106,16 +107,6 @@ pub(super) const OUTPUT: Form = Form::section(
 /// The names of the displacements and rotations of a solid.
 fn all_integrals(scope: &Scope) -> Vec<String> {
     components(scope).into_iter().filter_map(Component::integral).collect()
-}
-
-named_enum! {
-    /// How the record of a receiver comes from cells.
-    Interpolation {
-        /// Polynomials of degree 3 along each axis through cells of the medium at the receiver.
-        Cubic = "cubic",
-        /// The cell, or of a flow the point of the grid, that is nearest.
-        Nearest = "none"
-    }
 }
 
 /// A quantity that a receiver records.
@@ -198,7 +189,7 @@ impl Output {
     }
 }
 
-impl Receiver {
+impl Receiver<Recorded> {
     /// The section as TOML.
     pub(super) fn to_toml(&self) -> String {
         self.resolved().text("interpolation", self.interpolation.name()).under(&RECEIVER)
@@ -211,7 +202,7 @@ impl Reader<'_> {
         &self,
         root: &Section,
         integrals: &[Component],
-    ) -> Result<Vec<Receiver>, CaseError> {
+    ) -> Result<Vec<Receiver<Recorded>>, CaseError> {
         let all: Vec<Recorded> = (self.components.iter().copied().map(Recorded::Component))
             .chain(integrals.iter().copied().map(Recorded::Integral))
             .collect();

@@ -1,7 +1,8 @@
 //! A plane wave of finite length, as an initial state.
 
-use super::TimeFunction;
-use crate::CaseError;
+use super::function::TimeFunction;
+use crate::error::CaseError;
+use crate::named_enum::named_enum;
 use crate::section::{Resolved, Section};
 use models::common::elementary::Elementary;
 

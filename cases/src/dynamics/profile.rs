@@ -1,10 +1,9 @@
 //! Factors of a load along its side.
 
-use super::Samples;
-use crate::CaseError;
-use crate::schema::{Condition, Form, Group, Item};
+use super::function::Samples;
+use crate::error::CaseError;
+use crate::schema::{Condition, Form, Group, Item, Length, Range, Type};
 use crate::section::{Resolved, Section};
-use crate::types::{Length, Range, Type};
 use crate::value::count;
 use models::common::elementary::Elementary;
 use std::f64::consts::{PI, TAU};

@@ -1,11 +1,10 @@
 //! Parts of space, by the key `shape` and those that go with it.
 
-use super::Reader;
-use super::grid::check_order;
+use super::reader::Reader;
 use crate::error::CaseError;
-use crate::schema::{Condition, Item};
+use crate::position::check_order;
+use crate::schema::{Condition, Item, Length, Range, Type};
 use crate::section::{Resolved, Section};
-use crate::types::{Length, Range, Type};
 use models::common::elementary::Elementary;
 
 const POINT: Type = Type::Numbers(Length::Axes);

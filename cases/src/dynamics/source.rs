@@ -1,10 +1,10 @@
 //! The sections `[[source]]`: loads inside the grid, and the kernels that spread what acts at a point.
 
-use super::{Reader, TimeFunction, function};
+use super::function::{self, TimeFunction};
+use super::reader::Reader;
 use crate::error::CaseError;
-use crate::schema::{Condition, Form, Group, Item};
+use crate::schema::{Condition, Form, Group, Item, Length, Range, Type};
 use crate::section::{Resolved, Section};
-use crate::types::{Length, Range, Type};
 use models::solid::parameters::Theory;
 
 const PLANE: &[Condition] = &[Condition::Plane];

@@ -1,10 +1,10 @@
 //! The sections `[initial_stress]` and `[gravity]`.
 
-use super::{Component, Reader, names};
+use super::component::{Component, names};
+use super::reader::Reader;
 use crate::error::CaseError;
-use crate::schema::{Form, Group, Item};
+use crate::schema::{Form, Group, Item, Length, Range, Type};
 use crate::section::{Resolved, Section};
-use crate::types::{Length, Range, Type};
 use crate::value::number;
 use models::solid::parameters::Theory;
 use models::solid::waves::Field;

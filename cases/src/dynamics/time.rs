@@ -1,9 +1,9 @@
 //! The sections `[time]` and `[scheme]` of a solid.
 
 use crate::error::CaseError;
-use crate::schema::{Form, Group, Item};
+use crate::named_enum::named_enum;
+use crate::schema::{Form, Group, Item, Range, Type};
 use crate::section::{Resolved, Section};
-use crate::types::{Range, Type};
 
 /// The section `[time]`.
 pub(super) const TIME: Form = Form::section(

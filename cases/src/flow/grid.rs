@@ -1,11 +1,15 @@
 //! The sections `[grid]`, `[time]` and `[limits]` of a flow.
 
-use super::{LEAST_POINTS, MOST_POINTS};
 use crate::error::CaseError;
-use crate::schema::{Form, Group, Item};
+use crate::schema::{Form, Group, Item, Length, Order, Range, Type};
 use crate::section::{Resolved, Section};
-use crate::types::{Length, Order, Range, Type};
 use models::common::fourier::greatest_modes;
+
+/// Most points of a box.
+pub const MOST_POINTS: usize = 1 << 28;
+
+/// Least number of points along an axis.
+pub const LEAST_POINTS: usize = 8;
 
 /// The section `[grid]`.
 pub(super) const GRID: Form = Form::section(

@@ -1,11 +1,11 @@
 //! The sections `[[initial]]` of a flow: parts of its perturbation.
 
-use super::Reader;
-use crate::dynamics::check_inside;
+use super::reader::Reader;
 use crate::error::{CaseError, shown};
-use crate::schema::{Condition, Form, Group, Item};
+use crate::kind::Kind;
+use crate::position::check_inside;
+use crate::schema::{Condition, Form, Group, Item, Length, Range, Type};
 use crate::section::{Resolved, Section};
-use crate::types::{Length, Range, Type};
 use crate::value::number;
 use models::flow::RotationKind;
 use std::path::Path;
@@ -20,7 +20,7 @@ const NEEDS: &str =
 
 const FIELD: Item = Item::required(
     "field",
-    Type::OneOf(|scope| Disturbed::words(scope.kind.and_then(crate::Kind::rotation_in_time))),
+    Type::OneOf(|scope| Disturbed::words(scope.kind.and_then(Kind::rotation_in_time))),
     "",
     "\"v\"",
     "v: the velocity across the wave vector, m/s; w: the spin, rad/s; psi_deg: the stress angle, deg",
@@ -77,7 +77,7 @@ pub(super) const FORM: Form = Form::list(
                 Item::required(
                     "field",
                     Type::OneOf(|scope| {
-                        let rotation = scope.kind.and_then(crate::Kind::rotation_in_time);
+                        let rotation = scope.kind.and_then(Kind::rotation_in_time);
                         Disturbed::words(rotation).into_iter().skip(1).collect()
                     }),
                     "",

@@ -1,12 +1,12 @@
 //! The section `[output]` of a flow, and what its receivers record.
 
-use super::Reader;
+use super::reader::Reader;
 use crate::dynamics::output::{CONTOURS, SNAPSHOT_INTERVAL, ledger_interval};
 use crate::error::CaseError;
+use crate::kind::Kind;
 use crate::receivers::{self, Domain, Receiver, receivers};
-use crate::schema::{Form, Group, Item, Scope};
+use crate::schema::{Form, Group, Item, Scope, Type};
 use crate::section::{Resolved, Section};
-use crate::types::Type;
 use models::flow::RotationKind;
 use std::fmt;
 
@@ -61,7 +61,7 @@ pub(super) const OUTPUT: Form = Form::section(
 /// The names of the fields of a flow.
 fn words(scope: &Scope) -> Vec<String> {
     // A flow with spin has all fields.
-    let rotation = scope.kind.and_then(crate::Kind::rotation_in_time);
+    let rotation = scope.kind.and_then(Kind::rotation_in_time);
     let all = Quantity::all(rotation.unwrap_or(RotationKind::IntrinsicSpin));
     all.iter().map(Quantity::to_string).collect()
 }

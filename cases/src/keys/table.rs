@@ -1,6 +1,6 @@
 //! The rows of the table.
 
-use super::{Field, Key, Presence, Sets, Users};
+use super::key::{Field, Key, Presence, Sets, Users};
 use models::common::parameter::Parameter as Constant;
 use models::flow::RotationKind;
 use models::registry;

@@ -2,8 +2,7 @@
 
 use crate::dynamics::{Component, stress};
 use crate::kind::Kind;
-use crate::schema::{Condition, Form, Item, Need, Scope};
-use crate::types::Type;
+use crate::schema::{Condition, Form, Item, Need, Scope, Type};
 use std::fmt::Write;
 
 /// Longest line of a comment.

@@ -34,7 +34,7 @@ pub(super) fn figure(case: &Case, found: &MapResult) -> VerdictMap {
     kinds.dedup();
     let mut orders: Vec<f64> = kinds.iter().map(|(order, _)| *order).collect();
     orders.dedup();
-    let (level_label, level) = level(points, &orders, case.numbers.wave.number);
+    let (level_label, level) = level(points, &orders, case.material.numbers.wave.number);
     VerdictMap {
         title: case_title(case),
         subtitle: subtitle(case, found),
@@ -127,15 +127,15 @@ fn subtitle(case: &Case, found: &MapResult) -> String {
     .filter_map(Parameter::find)
     .filter(|parameter| parameter.key().is_used_by(case.medium()))
     .filter_map(|parameter| {
-        let value = parameter.get(&case.numbers)?;
+        let value = parameter.get(&case.material.numbers)?;
         Some(format!("{} = {}{}", parameter.label(), short(value), unit(parameter.unit())))
     });
-    let space = match (case.kind, case.numbers.dimensions) {
+    let space = match (case.material.kind, case.material.numbers.dimensions) {
         (Kind::Solid(_), 3) => Some("in space".to_owned()),
         (Kind::Solid(_), _) => Some("plane strain".to_owned()),
         _ => None,
     };
-    let active = case.active.iter().map(|active| {
+    let active = case.material.active.iter().map(|active| {
         let all = case.medium().condition_names();
         let names: Vec<&str> = active.iter().map(|&index| all[index]).collect();
         format!("active {}", names.join(" "))

@@ -31,7 +31,7 @@ impl Report for MapResult {
         self.count_lines(case, &mut lines);
         self.interval_lines(&mut lines);
         lines.extend(self.worst.as_ref().map(|worst| self.worst_line(worst)));
-        let blind = match (case.kind, case.numbers.dimensions) {
+        let blind = match (case.material.kind, case.material.numbers.dimensions) {
             (Kind::Flow(_), _) => FLOW_ROUTE,
             (Kind::Solid(_), 3) => SPACE_ROUTE,
             (Kind::Solid(_), _) => PLANE_ROUTE,
@@ -71,7 +71,7 @@ impl MapResult {
             }
         }
         if let Some(share) = self.well_posed_share {
-            let which = match case.kind {
+            let which = match case.material.kind {
                 Kind::Flow(_) => "states that flow",
                 Kind::Solid(_) => "states that respond",
             };

@@ -76,7 +76,7 @@ fn degenerate_directions(shown: &[Shown], apart: f64) -> Vec<f64> {
 }
 
 fn growth_figure(case: &Case, shown: &[Shown]) -> GrowthFigure {
-    let wave = case.numbers.wave;
+    let wave = case.material.numbers.wave;
     let lines = |points: fn(&YieldingState) -> Vec<[f64; 2]>| {
         with_curves(shown)
             .map(|shown| Line { label: shown.legend(), points: points(shown.state) })
@@ -149,7 +149,7 @@ fn polar_figure(case: &Case, shown: &[Shown]) -> PolarFigure {
         subtitle: format!(
             "greatest growth rate Re ς of all roots at k = {} 1/m; angle: wave vector, anticlockwise \
              from x₁",
-            short(case.numbers.wave.number)
+            short(case.material.numbers.wave.number)
         ),
         symbol: "Re ς".into(),
         unit: "1/s".into(),

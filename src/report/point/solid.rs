@@ -25,7 +25,7 @@ pub(super) fn text(case: &Case, found: &SolidPoint) -> String {
     speeds(case, found, &mut text);
     extremes(found, &mut text);
     energy(found, &mut text);
-    let wave = case.numbers.wave;
+    let wave = case.material.numbers.wave;
     let _ = writeln!(
         text,
         "\nRoots ς at k = {} 1/m {}; {} more are zero",
@@ -76,12 +76,13 @@ fn list(squares: &[[f64; 2]]) -> String {
 }
 
 fn speeds(case: &Case, found: &SolidPoint, text: &mut String) {
-    let _ = writeln!(text, "\nCharacteristic speeds {}, m/s", at(normal(&case.numbers.wave)));
+    let _ =
+        writeln!(text, "\nCharacteristic speeds {}, m/s", at(normal(&case.material.numbers.wave)));
     let _ = writeln!(text, "  elastic   {}", list(&found.elastic_squared_speeds));
     if found.solid.plastic.is_some() {
         let _ = writeln!(text, "  yielding  {}", list(&found.squared_speeds));
     }
-    if matches!(case.kind, Kind::Solid(solid) if solid.theory == Theory::Reduced) {
+    if matches!(case.material.kind, Kind::Solid(solid) if solid.theory == Theory::Reduced) {
         let _ =
             writeln!(text, "  where 0 is the rotation: without couple stress it does not travel");
     }
@@ -182,7 +183,7 @@ pub(super) fn pictures(case: &Case, found: &SolidPoint) -> Vec<Picture> {
 }
 
 fn figure(case: &Case, found: &SolidPoint) -> GrowthFigure {
-    let wave = case.numbers.wave;
+    let wave = case.material.numbers.wave;
     let along = |[direction, elevation]: [f64; 2]| match elevation {
         0.0 => format!("along {}°", short(direction)),
         up => format!("along {}°, {}° above the plane", short(direction), short(up)),

@@ -51,7 +51,7 @@ impl FlowPlan {
     /// # Errors
     /// The case is wrong, or its state cannot be analysed.
     pub(super) fn new(case: &Case, extent: Extent) -> Result<Self, Error> {
-        let (wave, asked) = (case.numbers.wave, case.check.clone().unwrap_or_default());
+        let (wave, asked) = (case.material.numbers.wave, case.check.clone().unwrap_or_default());
         let mut numbers =
             asked.numbers.unwrap_or_else(|| [1.0, 4.0, 16.0].map(|n| n * wave.number).to_vec());
         let mut directions = match asked.directions_deg {
@@ -79,7 +79,7 @@ fn directions(case: &Case) -> Result<Vec<f64>, Error> {
         Verdict::IllPosed { direction, .. } => Some(direction.to_degrees()),
         _ => None,
     };
-    let mut all = vec![case.numbers.wave.direction_deg];
+    let mut all = vec![case.material.numbers.wave.direction_deg];
     // The order of the short form.
     for other in worst.into_iter().chain([30.0, 105.0]) {
         if all.iter().all(|own| (own - other).abs() > 1e-6) {
@@ -111,7 +111,7 @@ fn check_grids(case: &Case, grids: &[usize]) -> Result<(), Error> {
 /// The models in which the perturbation of a case is refined.
 fn kinds(case: &Case) -> Result<Vec<Kind>, Error> {
     let kinds: Vec<Kind> =
-        [case.kind].into_iter().chain(case.compare.iter().flatten().copied()).collect();
+        [case.material.kind].into_iter().chain(case.compare.iter().flatten().copied()).collect();
     let is_velocity = |part: &Initial| match part {
         Initial::Mode(wave) | Initial::Packet { wave, .. } => wave.field == Disturbed::Velocity,
         Initial::Noise { field, .. } => *field == Disturbed::Velocity,
@@ -144,7 +144,7 @@ pub fn uniform_flow(case: &Case) -> Result<UniformFlow, Error> {
 pub fn verdict(case: &Case, problem: &UniformFlow) -> Result<Verdict, Error> {
     match Workspace::default().decide(&problem.model, &problem.flow) {
         Ok((verdict, _)) => Ok(verdict),
-        Err(error) => Err(setup::locate(case, error.into())),
+        Err(error) => Err(setup::locate(&case.material, error.into())),
     }
 }
 

@@ -3,7 +3,7 @@
 pub mod flow;
 pub mod solid;
 
-use crate::case::{Case, CaseError, Kind, Parameter};
+use crate::case::{Case, CaseError, Kind, Material, Parameter};
 use crate::{Error, setup};
 use agreement::AgreementError;
 use flow::FlowPlan;
@@ -37,7 +37,7 @@ impl CheckPlan {
     /// The case is wrong.
     pub fn new(case: &Case, extent: Extent) -> Result<Self, Error> {
         check_range(case)?;
-        if let Kind::Solid(_) = case.kind {
+        if let Kind::Solid(_) = case.material.kind {
             return Ok(match solid::media(case, extent).map_err(|error| case.locate(error))? {
                 Ok(media) => Self::Solid(media),
                 Err(error) => Self::NotMeasurable(reason(case.locate(error))),
@@ -65,7 +65,8 @@ fn reason(error: CaseError) -> String {
 fn check_range(case: &Case) -> Result<(), CaseError> {
     const SIZES: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
     let asked = case.check.iter().flat_map(|own| own.numbers.iter().flatten());
-    let keys = Parameter::all().filter_map(|key| Some((key.key().name, key.get(&case.numbers)?)));
+    let keys =
+        Parameter::all().filter_map(|key| Some((key.key().name, key.get(&case.material.numbers)?)));
     let mut all = keys.chain(asked.map(|number| ("check.numbers", *number)));
     match all.find(|(_, value)| *value != 0.0 && !SIZES.contains(&value.abs())) {
         None => Ok(()),
@@ -77,14 +78,14 @@ fn check_range(case: &Case) -> Result<(), CaseError> {
 }
 
 /// The error with the key that it is due to, and a remedy.
-pub fn locate(case: &Case, error: AgreementError) -> Error {
+pub fn locate(material: &Material, error: AgreementError) -> Error {
     let found = error.to_string();
     let (key, allowed) = match error {
-        AgreementError::NoResponse(error) => return setup::locate(case, error.into()),
+        AgreementError::NoResponse(error) => return setup::locate(material, error.into()),
         AgreementError::Cancelled => return Error::Cancelled,
         AgreementError::TooLong { most, .. } => {
             let allowed = format!("at most {most:.0e}: a greater wave number, or fewer cells");
-            return case.locate(InputError { input: "check.numbers", found, allowed }).into();
+            return material.locate(InputError { input: "check.numbers", found, allowed }).into();
         }
         AgreementError::Energy => {
             ("model", "moduli, and conditions that hold independently of each other")
@@ -104,5 +105,5 @@ pub fn locate(case: &Case, error: AgreementError) -> Error {
         AgreementError::NoGrids => ("check.cells", "at least one grid"),
         AgreementError::Points { .. } => ("initial", "a value at each point"),
     };
-    case.locate(InputError { input: key, found, allowed: allowed.to_owned() }).into()
+    material.locate(InputError { input: key, found, allowed: allowed.to_owned() }).into()
 }

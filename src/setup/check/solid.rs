@@ -1,7 +1,7 @@
 //! Solids: the media of a case, and the waves that are sent through each.
 
 use super::Extent;
-use crate::case::{Case, Check, Wave};
+use crate::case::{Case, Check, Material, Wave};
 use crate::setup;
 use agreement::PlaneWave;
 use agreement::solids::SolverSettings;
@@ -12,8 +12,8 @@ use models::InputError;
 pub struct MediumPlan {
     /// Where it is in the case; empty if it is everywhere.
     pub place: String,
-    /// The case that describes it.
-    pub case: Case,
+    /// What it is.
+    pub material: Material,
     /// Its waves.
     pub waves: WavePlan,
 }
@@ -36,10 +36,10 @@ pub(super) fn media(
     extent: Extent,
 ) -> Result<Result<Vec<MediumPlan>, InputError>, InputError> {
     let regions = case.dynamics.iter().flat_map(|dynamics| &dynamics.regions);
-    let mut media: Vec<(String, Case)> = Vec::new();
+    let mut media: Vec<(String, Material)> = Vec::new();
     for (index, region) in regions.enumerate() {
-        let own = &region.case;
-        let is_same = |(_, other): &(String, Case)| {
+        let own = &region.material;
+        let is_same = |(_, other): &(String, Material)| {
             (own.medium(), &own.numbers) == (other.medium(), &other.numbers)
         };
         if !media.iter().any(is_same) {
@@ -47,7 +47,7 @@ pub(super) fn media(
         }
     }
     if media.is_empty() {
-        media.push((String::new(), case.clone()));
+        media.push((String::new(), case.material.clone()));
     }
     for (_, own) in &media {
         let solid = setup::solid::solid(own)?;
@@ -62,22 +62,22 @@ pub(super) fn media(
             }));
         }
     }
-    let plan = |(place, own): (String, Case)| MediumPlan {
+    let plan = |(place, own): (String, Material)| MediumPlan {
         waves: WavePlan::new(case, &own, extent),
         place,
-        case: own,
+        material: own,
     };
     Ok(Ok(media.into_iter().map(plan).collect()))
 }
 
 impl WavePlan {
     /// The waves of one of the media of a case, `own`, whose time step and scheme are those of the case.
-    pub fn new(case: &Case, own: &Case, extent: Extent) -> Self {
+    pub fn new(case: &Case, own: &Material, extent: Extent) -> Self {
         let solid = setup::solid::solid(own);
         let dimensions = solid.as_ref().map_or(2, |solid| solid.dimensions);
         let yields = solid.as_ref().is_ok_and(|solid| solid.plastic.is_some());
         let natural = solid.ok().and_then(|solid| solid.elastic.characteristic_wave_number());
-        let asked = own.check.clone().unwrap_or_default();
+        let asked = case.check.clone().unwrap_or_default();
         let Check { numbers, directions_deg, cells } = asked;
         let mut numbers =
             numbers.unwrap_or_else(|| wave_numbers(natural, yields, own.numbers.wave.number));

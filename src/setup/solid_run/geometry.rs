@@ -1,6 +1,8 @@
 //! Places of a case in its grid.
 
-use crate::case::dynamics::{Condition, Dynamics, Interpolation, Receiver, Side, SideCondition};
+use crate::case::dynamics::{
+    Condition, Dynamics, Interpolation, Receiver, Recorded, Side, SideCondition,
+};
 use dynamics::probe::Probe;
 use models::common::elementary::Elementary;
 
@@ -57,7 +59,7 @@ pub(super) fn whole_side(dynamics: &Dynamics, side: Side) -> Option<&SideConditi
 }
 
 /// Where a receiver is in the grid; `of_cell` are the media.
-pub(crate) fn probe(dynamics: &Dynamics, of_cell: &[u16], receiver: &Receiver) -> Probe {
+pub(crate) fn probe(dynamics: &Dynamics, of_cell: &[u16], receiver: &Receiver<Recorded>) -> Probe {
     let grid = &dynamics.grid;
     let home = cell_at(dynamics, &receiver.at);
     if receiver.interpolation == Interpolation::Nearest {

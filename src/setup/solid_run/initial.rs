@@ -5,7 +5,7 @@ use super::pulse::Incident;
 use super::{Place, unknown_name};
 use crate::Error;
 use crate::case::dynamics::{Centre, Dynamics, Initial, Shape};
-use crate::case::{Case, Wave};
+use crate::case::{Case, Material, Wave};
 use crate::setup::solid::{elastic_law_and_set, normal};
 use analysis::waves::plane_waves;
 use dynamics::initial::with_unit_velocity;
@@ -132,13 +132,13 @@ impl Place<'_> {
 
     /// α of each medium.
     fn alphas(&self, case: &Case) -> Result<Vec<f64>, Error> {
-        let alpha = |own: &Case| -> Result<f64, Error> {
+        let alpha = |own: &Material| -> Result<f64, Error> {
             let (elastic, _) = elastic_law_and_set(own).map_err(|error| own.locate(error))?;
             Ok(elastic.antisymmetric_modulus())
         };
         match self.dynamics.regions.as_slice() {
-            [] => Ok(vec![alpha(case)?]),
-            regions => regions.iter().map(|region| alpha(&region.case)).collect(),
+            [] => Ok(vec![alpha(&case.material)?]),
+            regions => regions.iter().map(|region| alpha(&region.material)).collect(),
         }
     }
 
@@ -151,8 +151,8 @@ impl Place<'_> {
         key: &str,
     ) -> Result<Vec<(Field, Complex64)>, Error> {
         let own = match self.dynamics.regions.as_slice() {
-            [region] => &region.case,
-            _ => case,
+            [region] => &region.material,
+            _ => &case.material,
         };
         let (elastic, _) = elastic_law_and_set(own).map_err(|error| own.locate(error))?;
         let rates = elastic.carried_rates::<D>();

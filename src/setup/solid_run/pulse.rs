@@ -31,7 +31,8 @@ impl<'a> Incident<'a> {
         key: &str,
     ) -> Result<Self, Error> {
         let medium = of_cell[cell_at(dynamics, &given.at)];
-        let own = dynamics.regions.get(usize::from(medium)).map_or(case, |region| &region.case);
+        let region = dynamics.regions.get(usize::from(medium));
+        let own = region.map_or(&case.material, |region| &region.material);
         let (elastic, _) = elastic_law_and_set(own).map_err(|error| own.locate(error))?;
         let classical = elastic.downcast::<Isotropic>().filter(|own| own.microrotation.is_none());
         let Some(solid) = classical else {

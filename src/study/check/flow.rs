@@ -111,7 +111,7 @@ pub(super) fn check(
     let all = waves.len() + kinds.len() * grids.len();
     let plane_waves: Vec<PlaneWave<2>> = waves.iter().map(FlowWave::plane_wave).collect();
     let results = wave_results(&problem, &plane_waves, &|done, _| on_progress(done, all))
-        .map_err(|error| locate(case, error))?;
+        .map_err(|error| locate(&case.material, error))?;
     let noncoaxiality_deg = problem.flow.noncoaxiality.to_degrees();
     let mut done = waves.len();
     let mut refinements = Vec::new();
@@ -125,8 +125,8 @@ pub(super) fn check(
         }
     }
     let shear_rate = problem.flow.shear_rate;
-    let curves =
-        curves(&problem, waves, &results, shear_rate).map_err(|error| locate(case, error))?;
+    let curves = curves(&problem, waves, &results, shear_rate)
+        .map_err(|error| locate(&case.material, error))?;
     let row = |result: &ModeResult| ModeCheck::new(waves[result.wave], result, shear_rate);
     Ok(FlowCheck { rows: results.iter().map(row).collect(), refinements, shear_rate, curves })
 }

@@ -73,7 +73,8 @@ pub(super) fn refine(
     };
     let mut fastest = |&points: &usize| {
         let perturbation = perturbation_on(run, &problem, points)?;
-        let found = fastest_mode(&problem, &perturbation).map_err(|error| locate(&case, error))?;
+        let found =
+            fastest_mode(&problem, &perturbation).map_err(|error| locate(&case.material, error))?;
         grid_is_done()?;
         Ok(found)
     };
@@ -88,13 +89,13 @@ pub(super) fn refine(
         agrees: own.grid_agrees(grid),
     };
     Ok(RefinementCheck {
-        model: case.kind.name(),
+        model: case.material.kind.name(),
         lost_noncoaxiality_deg,
         limit_of_the_order: verdict_order,
         orders: own.orders().map(|[predicted, measured]| Orders { predicted, measured }),
         grids: own.grids.iter().map(grid).collect(),
         agrees: own.agrees(),
-        title: case.kind.title(),
+        title: case.material.kind.title(),
         shear_rate: own.shear_rate,
     })
 }

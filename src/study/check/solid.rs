@@ -1,7 +1,7 @@
 //! Solids: the branches of all waves, predicted, expected and measured.
 
 use super::greatest;
-use crate::case::{Case, Wave};
+use crate::case::{Material, Wave};
 use crate::setup::check::locate;
 use crate::setup::check::solid::{MediumPlan, WavePlan};
 use crate::study::OnProgress;
@@ -139,14 +139,14 @@ pub(super) fn check(media: Vec<MediumPlan>, on_progress: OnProgress) -> Result<S
     Ok(SolidCheck { media: checked })
 }
 
-/// The branches of the waves of a solid, predicted by `predicted` and measured on `measured`, which is the same case but
+/// The branches of the waves of a solid, predicted by `predicted` and measured on `measured`, which is the same but
 /// where the check itself is tested.
 ///
 /// # Errors
 /// The case is wrong, the solver does not take it, or the study was cancelled.
 pub fn rows(
-    predicted: &Case,
-    measured: &Case,
+    predicted: &Material,
+    measured: &Material,
     plan: &WavePlan,
     on_progress: OnProgress,
 ) -> Result<Vec<BranchResult>, Error> {
@@ -176,16 +176,16 @@ impl SolidCheck {
 
 impl MediumCheck {
     fn new(medium: MediumPlan, on_progress: OnProgress) -> Result<Self, Error> {
-        let MediumPlan { place, case, waves: plan } = medium;
-        let results = rows(&case, &case, &plan, on_progress)?;
-        let solid = setup::solid::solid(&case).map_err(|error| case.locate(error))?;
+        let MediumPlan { place, material, waves: plan } = medium;
+        let results = rows(&material, &material, &plan, on_progress)?;
+        let solid = setup::solid::solid(&material).map_err(|error| material.locate(error))?;
         let bands = band_gaps(&solid, &plan.plane_waves(), &results)
-            .map_err(|error| locate(&case, error))?;
+            .map_err(|error| locate(&material, error))?;
         let rows: Vec<BranchCheck> = results
             .iter()
             .map(|result| BranchCheck::new(plan.waves[result.wave], result))
             .collect();
-        let first = results.first().map_or(case.numbers.wave, |result| plan.waves[result.wave]);
+        let first = results.first().map_or(material.numbers.wave, |result| plan.waves[result.wave]);
         let greatest = rows.iter().map(|row| row.wave.number).fold(0.0, f64::max);
         let responses: &[(Response, bool)] = match solid.plastic {
             None => &[(Response::Elastic, true)],
@@ -194,7 +194,7 @@ impl MediumCheck {
         let mut predicted = Vec::new();
         for &(response, stays_elastic) in responses {
             let groups = branches(&solid, setup::solid::normal(&first), greatest, stays_elastic)
-                .map_err(|error| setup::locate(&case, error.into()))?;
+                .map_err(|error| setup::locate(&material, error.into()))?;
             predicted.push((response, groups));
         }
         let measured: Vec<bool> = rows.iter().filter_map(|row| row.agrees).collect();
@@ -202,7 +202,7 @@ impl MediumCheck {
             bands.iter().all(|band| band.agrees) && measured.iter().all(|agrees| *agrees);
         Ok(Self {
             place,
-            model: case.medium().title(),
+            model: material.medium().title(),
             agrees: (!measured.is_empty()).then_some(all_agree),
             rows,
             forbidden_bands: bands.iter().map(ForbiddenBandCheck::from).collect(),

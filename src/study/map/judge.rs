@@ -162,7 +162,7 @@ impl<'a> Judge<'a> {
     pub(super) fn point(&mut self, x: usize, y: usize) -> Result<MapPoint, StateError> {
         self.case.set(self.map.x.parameter, self.map.x.value(x));
         self.case.set(self.map.y.parameter, self.map.y.value(y));
-        match self.case.kind {
+        match self.case.material.kind {
             Kind::Flow(_) => self.flow(),
             Kind::Solid(_) => match self.solid() {
                 Err(StateError::NoResponse(_)) => Ok(MapPoint::empty(PointStatus::NoResponse)),
@@ -172,11 +172,11 @@ impl<'a> Judge<'a> {
     }
 
     fn solid(&mut self) -> Result<MapPoint, StateError> {
-        let solid = setup::solid::solid(&self.case)?;
+        let solid = setup::solid::solid(&self.case.material)?;
         let (assessment, of_polynomial) = self.solids.assess(&solid)?;
         let mut point = MapPoint::empty(PointStatus::WellPosed);
         if self.options.growth_rate {
-            let wave = &self.case.numbers.wave;
+            let wave = &self.case.material.numbers.wave;
             point.growth_rate = solids::growth_rate(&solid, normal(wave), wave.number)?;
         }
         if self.options.bound && assessment.verdict == Verdict::WellPosed {
@@ -225,7 +225,7 @@ impl<'a> Judge<'a> {
         } else {
             let assessment = workspace.assess(model, &flow)?;
             if options.growth_rate && !workspace.pencil.is_singular() {
-                let wave = case.numbers.wave;
+                let wave = case.material.numbers.wave;
                 point.growth_rate = workspace.growth(wave.number, radians(wave.direction_deg));
             }
             if options.bound && assessment.verdict == Verdict::WellPosed {

@@ -126,7 +126,7 @@ fn sweep(
 
     // What elastic moduli make in space is used again as long as they stay.
     let is_modulus = |sweep: &Sweep| sweep.parameter.name().starts_with("model.");
-    let is_transposed = is_modulus(&map.x) && !is_modulus(&map.y) && case.yields.is_some();
+    let is_transposed = is_modulus(&map.x) && !is_modulus(&map.y) && case.material.yields.is_some();
     let place = |index: usize| match is_transposed {
         true => [index / ny, index % ny],
         false => [index % nx, index / nx],

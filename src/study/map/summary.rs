@@ -131,10 +131,10 @@ impl MapResult {
         let states: usize =
             counts.iter().filter(|(status, _)| status.is_state()).map(|(_, count)| count).sum();
         let well_posed = counts[PointStatus::WellPosed as usize].1;
-        let is_solid = matches!(case.kind, Kind::Solid(_));
+        let is_solid = matches!(case.material.kind, Kind::Solid(_));
         Self {
             title: case.title.clone(),
-            model: case.kind.name(),
+            model: case.material.kind.name(),
             x: MapAxis::from(&map.x),
             y: MapAxis::from(&map.y),
             counts: counts.map(|(status, count)| (status.name(), count)),
@@ -146,7 +146,7 @@ impl MapResult {
             worst: worst(map, &points, is_solid),
             routes: Route::ALL.map(|route| (route.name(), count(&|p| p.route == Some(route)))),
             solid: is_solid.then(|| SolidMap {
-                yield_set: case.yields.map(|set| set.name),
+                yield_set: case.material.yields.map(|set| set.name),
                 hyperbolicity: Hyperbolicity::ALL.map(|h| {
                     (h.name(), count(&|p| p.speeds.is_some_and(|s| s.hyperbolicity == h)))
                 }),

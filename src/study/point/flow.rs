@@ -121,7 +121,7 @@ impl NotYieldingState {
 /// The case is out of its model's range, or cannot be analysed.
 pub fn flow(case: &Case) -> Result<FlowPoint, Error> {
     // Keys that only a compared kind uses are nothing to this one.
-    let mut own = Analysed::new(&case.for_kind(case.kind))?;
+    let mut own = Analysed::new(&case.for_kind(case.material.kind))?;
     let noncoaxiality = own.analysis.yielding().map(|state| state.flow.noncoaxiality.to_degrees());
     let mut compared = Vec::new();
     for &kind in case.compare.iter().flatten() {
@@ -147,10 +147,10 @@ impl Analysed {
     fn new(case: &Case) -> Result<Self, Error> {
         let mut workspace = Workspace::default();
         let (model, frozen) = setup::flow::assess(case, &mut workspace)
-            .map_err(|error| setup::locate(case, error))?;
+            .map_err(|error| setup::locate(&case.material, error))?;
         let state = match frozen {
             FrozenState::NotYielding(background) => {
-                let wave = (&case.numbers.wave).into();
+                let wave = (&case.material.numbers.wave).into();
                 FlowState::NotYielding(NotYieldingState::new(&background, wave))
             }
             FrozenState::Yielding { flow, assessment } => {
@@ -158,7 +158,8 @@ impl Analysed {
                 FlowState::Yielding(Box::new(state))
             }
         };
-        let analysis = FlowAnalysis { kind: case.kind, state, lost_noncoaxiality_deg: None };
+        let analysis =
+            FlowAnalysis { kind: case.material.kind, state, lost_noncoaxiality_deg: None };
         Ok(Self { analysis, workspace })
     }
 
@@ -176,7 +177,7 @@ fn analyse(
     assessment: Assessment,
     workspace: &Workspace,
 ) -> Result<YieldingState, Error> {
-    let wave = &case.numbers.wave;
+    let wave = &case.material.numbers.wave;
     let pencil = &workspace.pencil;
     let out_of_reach = |key, found: f64, allowed: &str| {
         case.locate(InputError { input: key, found: format!("{found:?}"), allowed: allowed.into() })
@@ -203,7 +204,7 @@ fn analyse(
 
 /// Samples the growth rates of all models, over the same wave numbers.
 fn add_curves(case: &Case, own: &mut Analysed, compared: &mut [Analysed]) {
-    let wave = case.numbers.wave;
+    let wave = case.material.numbers.wave;
     let direction = radians(wave.direction_deg);
     let decades = std::iter::once(&*own)
         .chain(&*compared)

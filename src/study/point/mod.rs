@@ -72,7 +72,7 @@ impl PointResult {
 /// # Ok::<(), wellposed::Error>(())
 /// ```
 pub fn point(case: &Case) -> Result<PointResult, Error> {
-    match case.kind {
+    match case.material.kind {
         Kind::Flow(_) => Ok(PointResult::Flow(flow::flow(case)?)),
         Kind::Solid(_) => Ok(PointResult::Solid(Box::new(solid::solid(case)?))),
     }

@@ -134,13 +134,13 @@ impl From<&energy::Energy> for Energy {
 /// # Errors
 /// Its constants are out of range, its stress does not yield, or it cannot be analysed.
 pub fn solid(case: &Case) -> Result<SolidPoint, Error> {
-    let located = |error: NoResponse| setup::locate(case, error.into());
-    let wave = case.numbers.wave;
-    let solid = setup::solid::solid(case).map_err(|error| case.locate(error))?;
+    let located = |error: NoResponse| setup::locate(&case.material, error.into());
+    let wave = case.material.numbers.wave;
+    let solid = setup::solid::solid(&case.material).map_err(|error| case.locate(error))?;
     let cache = AcousticTensorCache::default();
     let mut assessor = SolidAssessor::new(&cache);
     let (assessment, of_polynomial) =
-        assessor.assess(&solid).map_err(|error| setup::locate(case, error))?;
+        assessor.assess(&solid).map_err(|error| setup::locate(&case.material, error))?;
     let supremum =
         of_polynomial.and_then(|found| bound::supremum(&assessor.plane.pencil, &found, 0.0));
     let bound = match supremum {
@@ -157,8 +157,8 @@ pub fn solid(case: &Case) -> Result<SolidPoint, Error> {
     let normal_deg = assessment.direction_deg();
     let plastic = solid.plastic.as_ref();
     Ok(SolidPoint {
-        model: case.kind.name(),
-        yield_set: case.yields.map(|set| set.name),
+        model: case.material.kind.name(),
+        yield_set: case.material.yields.map(|set| set.name),
         dimensions: solid.dimensions,
         verdict: assessment.verdict.name(),
         order,

@@ -55,7 +55,7 @@ impl Job for FlowJob<'_> {
         let run = self.run;
         let work = Work::Flow {
             points: run.grid.cells,
-            model: self.case.kind.title(),
+            model: self.case.material.kind.title(),
             duration: run.time.duration,
             wave_numbers: self.wave_numbers(),
         };
@@ -77,7 +77,7 @@ impl Job for FlowJob<'_> {
 
     fn ill_posed(&self) -> Result<Option<IllPosed>, Error> {
         let flow = self.case.mean_flow()?;
-        let located = |error: StateError| setup::locate(self.case, error);
+        let located = |error: StateError| setup::locate(&self.case.material, error);
         let model = self.case.flow_model().map_err(|error| located(error.into()))?;
         let judged = Workspace::default().decide(&model, &flow);
         let (verdict, _) = judged.map_err(|error| located(error.into()))?;
@@ -135,7 +135,7 @@ impl FlowJob<'_> {
         };
         RunResult {
             title: self.case.title.clone(),
-            model: Some(self.case.kind.name()),
+            model: Some(self.case.material.kind.name()),
             cells: grid.cells.to_vec(),
             length: Some(grid.lengths),
             steps: found.steps,

@@ -201,7 +201,7 @@ impl SolidJob<'_> {
             terms.push(("numerical", ledger.numerical));
         }
         terms.push((if is_full { "residual" } else { "balance" }, found.last.balance()));
-        let receiver = |own: &crate::case::dynamics::Receiver| Receiver {
+        let receiver = |own: &crate::case::dynamics::Receiver<_>| Receiver {
             name: own.name.clone(),
             at: own.at.clone(),
             cell: Some(centre(dynamics, cell_at(dynamics, &own.at))),

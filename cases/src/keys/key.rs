@@ -1,0 +1,270 @@
+//! A row of the table: a key, which media use it, and where its value is kept.
+
+use crate::kind::{Kind, Medium, Solid, Yield};
+use crate::numbers::Numbers;
+use crate::schema::{Range, Type};
+use crate::value::Value;
+pub use models::common::parameter::Presence;
+use models::common::parameter::{ANGLE, Parameter as Constant};
+use models::flow::FlowKind as Flow;
+use models::registry;
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    /// Section and name, as in `--set`.
+    pub name: &'static str,
+    /// Quantity and symbol, for axes and legends.
+    pub label: &'static str,
+    /// Unit; empty for text and pure numbers.
+    pub unit: &'static str,
+    /// What the quantity is and what is allowed, in one line.
+    pub meaning: &'static str,
+    pub(super) users: Users,
+    /// The yield sets that use it; `None` if it is no matter whether and how a solid yields.
+    pub(super) sets: Option<Sets>,
+    /// What holds where the key is absent.
+    pub presence: Presence,
+    pub(crate) field: Field,
+}
+
+/// The kinds of model that use a key.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Users {
+    All,
+    Flows(fn(Flow) -> bool),
+    Solids(fn(Solid) -> bool),
+    /// Those that have a constant of that name: of flows and solids where both are of one unit.
+    With(&'static str),
+}
+
+/// The yield sets that use a key, of solids of some theory.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Sets {
+    Any(fn(Yield) -> bool),
+    /// Those that have a constant of that name.
+    With(&'static str),
+}
+
+impl Sets {
+    /// Whether a set of a solid that can have it uses the key.
+    fn contain(self, set: Yield, solid: Solid) -> bool {
+        (set.admits)(solid)
+            && match self {
+                Self::Any(uses) => uses(set),
+                Self::With(name) => set.parameters_for(solid.theory).any(|own| own.name == name),
+            }
+    }
+}
+
+/// Type of a value and, for the numbers of a case, where it is kept.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Field {
+    Text,
+    Texts,
+    Count,
+    Plain,
+    Whole(fn(&mut Numbers) -> &mut usize),
+    /// A constant of the model, by its name.
+    Constant(&'static str),
+    /// A constant of the yield set, by its name.
+    YieldConstant(&'static str),
+    Number(fn(&mut Numbers) -> &mut f64),
+    OptionalNumber(fn(&mut Numbers) -> &mut Option<f64>),
+    Pair(fn(&mut Numbers) -> &mut [f64; 2]),
+    OptionalPair(fn(&mut Numbers) -> &mut Option<[f64; 2]>),
+    OptionalMatrix(fn(&mut Numbers) -> &mut Option<[[f64; 2]; 2]>),
+}
+
+impl Field {
+    /// The type of values.
+    pub(crate) fn value_type(self) -> Type {
+        match self {
+            Self::Text => Type::Text,
+            Self::Texts => Type::Texts,
+            Self::Count | Self::Whole(_) => Type::Whole(1),
+            Self::Plain
+            | Self::Constant(_)
+            | Self::YieldConstant(_)
+            | Self::Number(_)
+            | Self::OptionalNumber(_) => Type::Number(Range::Finite),
+            Self::Pair(_) | Self::OptionalPair(_) => Type::Pair,
+            Self::OptionalMatrix(_) => Type::Matrix,
+        }
+    }
+
+    /// Whether the value is kept in [`Numbers`].
+    pub(crate) fn is_kept(self) -> bool {
+        !matches!(self, Self::Text | Self::Texts | Self::Count | Self::Plain)
+    }
+
+    /// Number of components that a map can sweep: 0 for what is no scalar or pair.
+    pub(super) fn components(self) -> usize {
+        match self {
+            Self::Constant(_)
+            | Self::YieldConstant(_)
+            | Self::Number(_)
+            | Self::OptionalNumber(_) => 1,
+            Self::Pair(_) | Self::OptionalPair(_) => 2,
+            _ => 0,
+        }
+    }
+
+    /// The value kept, if there is one.
+    pub(crate) fn load(self, numbers: &Numbers) -> Option<Value> {
+        let numbers = &mut numbers.clone();
+        match self {
+            Self::Whole(f) => Some(Value::Count(*f(numbers))),
+            Self::Constant(name) => numbers.model.get(name).map(Value::Number),
+            Self::YieldConstant(name) => numbers.yields.get(name).map(Value::Number),
+            Self::Number(f) => Some(Value::Number(*f(numbers))),
+            Self::OptionalNumber(f) => f(numbers).map(Value::Number),
+            Self::Pair(f) => Some(Value::Pair(*f(numbers))),
+            Self::OptionalPair(f) => f(numbers).map(Value::Pair),
+            Self::OptionalMatrix(f) => f(numbers).map(Value::Matrix),
+            _ => None,
+        }
+    }
+
+    /// Keeps a value of this type.
+    pub(crate) fn store(self, numbers: &mut Numbers, value: &Value) {
+        match (self, value) {
+            (Self::Whole(f), Value::Count(n)) => *f(numbers) = *n,
+            (Self::Constant(name), Value::Number(x)) => numbers.model.set(name, *x),
+            (Self::YieldConstant(name), Value::Number(x)) => numbers.yields.set(name, *x),
+            (Self::Number(f), Value::Number(x)) => *f(numbers) = *x,
+            (Self::OptionalNumber(f), Value::Number(x)) => *f(numbers) = Some(*x),
+            (Self::Pair(f), Value::Pair(x)) => *f(numbers) = *x,
+            (Self::OptionalPair(f), Value::Pair(x)) => *f(numbers) = Some(*x),
+            (Self::OptionalMatrix(f), Value::Matrix(x)) => *f(numbers) = Some(*x),
+            _ => debug_assert!(!self.is_kept(), "a value of another type than its key's"),
+        }
+    }
+}
+
+impl Key {
+    /// The row of a constant of a model.
+    pub(super) fn of_model(constant: &'static Constant) -> Self {
+        let name = constant.name;
+        Self::of_constant("model", constant, Users::With(name), None, Field::Constant(name))
+    }
+
+    /// The row of a constant of a yield set.
+    pub(super) fn of_yield_set(constant: &'static Constant) -> Self {
+        let name = constant.name;
+        let sets = Some(Sets::With(name));
+        Self::of_constant(
+            "yield",
+            constant,
+            Users::Solids(|_| true),
+            sets,
+            Field::YieldConstant(name),
+        )
+    }
+
+    fn of_constant(
+        section: &str,
+        constant: &'static Constant,
+        users: Users,
+        sets: Option<Sets>,
+        field: Field,
+    ) -> Self {
+        let Constant { name, label, unit, meaning, presence } = *constant;
+        let suffix = if unit == ANGLE { "_deg" } else { "" };
+        let name = format!("{section}.{name}{suffix}").leak();
+        Self { name, label, unit, meaning, users, sets, presence, field }
+    }
+
+    /// Type of its values.
+    pub fn value_type(&self) -> Type {
+        self.field.value_type()
+    }
+
+    /// Section, and name inside it.
+    pub fn split(&self) -> (&'static str, &'static str) {
+        self.name.rsplit_once('.').unwrap_or(("", self.name))
+    }
+
+    /// Whether such media use the key.
+    pub fn is_used_by(&self, medium: impl Into<Medium>) -> bool {
+        let Medium { kind, yields } = medium.into();
+        let Some(sets) = self.sets else { return self.is_for(kind) };
+        match (kind, yields) {
+            (Kind::Solid(solid), Some(set)) => self.is_for(kind) && sets.contain(set, solid),
+            _ => false,
+        }
+    }
+
+    /// Whether such a model uses the key, if it yields as it must for that.
+    pub(crate) fn is_for(&self, kind: Kind) -> bool {
+        if let (Some(sets), Kind::Solid(solid)) = (self.sets, kind)
+            && !registry::yield_sets().iter().any(|set| sets.contain(*set, solid))
+        {
+            return false;
+        }
+        match (self.users, kind) {
+            (Users::All, _) => true,
+            (Users::Flows(uses), Kind::Flow(flow)) => uses(flow),
+            (Users::Solids(uses), Kind::Solid(solid)) => uses(solid),
+            (Users::With(name), Kind::Flow(flow)) => {
+                flow.parameters().iter().any(|own| own.name == name)
+            }
+            (Users::With(name), Kind::Solid(solid)) => {
+                solid.parameters.iter().any(|own| own.name == name)
+            }
+            _ => false,
+        }
+    }
+
+    /// The names of the models that use the key.
+    pub(crate) fn owners(&self) -> Vec<&'static str> {
+        Kind::all().into_iter().filter(|kind| self.is_for(*kind)).map(Kind::name).collect()
+    }
+
+    /// The names of the yield sets that use it, in solids of some theory; empty if it is no matter whether and how a
+    /// solid yields.
+    pub(crate) fn set_names(&self) -> Vec<&'static str> {
+        let Some(sets) = self.sets else { return Vec::new() };
+        let uses = |set: &Yield| registry::solids().into_iter().any(|own| sets.contain(*set, own));
+        registry::yield_sets().into_iter().filter(uses).map(|set| set.name).collect()
+    }
+
+    /// Takes the key back to what holds where it is absent.
+    pub(crate) fn clear(&self, numbers: &mut Numbers) {
+        let absent = match self.presence {
+            Presence::Default(value) => value,
+            _ => 0.0,
+        };
+        match self.field {
+            Field::Whole(f) => *f(numbers) = absent as usize,
+            Field::Constant(name) => numbers.model.reset(name, self.presence),
+            Field::YieldConstant(name) => numbers.yields.reset(name, self.presence),
+            Field::Number(f) => *f(numbers) = absent,
+            Field::OptionalNumber(f) => *f(numbers) = None,
+            Field::Pair(f) => *f(numbers) = [absent; 2],
+            Field::OptionalPair(f) => *f(numbers) = None,
+            Field::OptionalMatrix(f) => *f(numbers) = None,
+            _ => {}
+        }
+    }
+
+    /// The value that `wellposed new` shows: default or example, as TOML; `None` for what is no
+    /// number of the case.
+    pub fn example(&self) -> Option<String> {
+        let number = match self.presence {
+            Presence::Required(value) | Presence::Default(value) => value,
+            Presence::Optional => 0.0,
+        };
+        let value = match self.field {
+            Field::Whole(_) => Value::Count(number as usize),
+            Field::Constant(_)
+            | Field::YieldConstant(_)
+            | Field::Number(_)
+            | Field::OptionalNumber(_) => Value::Number(number),
+            Field::Pair(_) | Field::OptionalPair(_) => Value::Pair([number; 2]),
+            Field::OptionalMatrix(_) => Value::Matrix([[number; 2]; 2]),
+            _ => return None,
+        };
+        Some(value.to_string())
+    }
+}

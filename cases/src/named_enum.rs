@@ -1,0 +1,32 @@
+//! Enumerations of the words of a key.
+
+/// An enumeration whose variants have names in case files; the first one is the default.
+macro_rules! named_enum {
+    ($(#[$doc:meta])* $name:ident {
+        $(#[$first_doc:meta])* $first:ident = $first_word:literal
+        $(, $(#[$other_doc:meta])* $other:ident = $other_word:literal)*
+    }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        pub enum $name {
+            #[default]
+            $(#[$first_doc])* $first,
+            $($(#[$other_doc])* $other),*
+        }
+
+        impl $name {
+            /// All of them, the default first.
+            pub const ALL: &[Self] = &[Self::$first $(, Self::$other)*];
+
+            /// Name in case files.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    Self::$first => $first_word,
+                    $(Self::$other => $other_word),*
+                }
+            }
+        }
+    };
+}
+
+pub(crate) use named_enum;

@@ -1,0 +1,55 @@
+//! Positions in a grid or box.
+
+use crate::error::CaseError;
+use crate::section::{Section, joined};
+
+/// What a coordinate may lie beyond a side, over the length of the grid: cells × spacing + origin misses the decimal that
+/// is meant by rounding (100 × 0.29 is less than 29).
+const SLACK: f64 = 1e-12;
+
+/// That a position along some axes, the value of a key, is between first and last coordinates, those of the
+/// grid or box.
+pub(crate) fn check_inside(
+    section: &Section,
+    key: &str,
+    position: &[f64],
+    axes: &[usize],
+    extents: &[[f64; 2]],
+    whole: &str,
+) -> Result<(), CaseError> {
+    let is_inside = |(x, [first, last]): (&f64, &[f64; 2])| {
+        let slack = SLACK * (last - first);
+        (first - slack..=last + slack).contains(x)
+    };
+    if position.iter().zip(extents).all(is_inside) {
+        return Ok(());
+    }
+    // Without what rounding left.
+    let tidy = |x: f64, length: f64| match x.abs() < SLACK * length {
+        true => 0.0,
+        false => format!("{x:.11e}").parse().unwrap_or(x),
+    };
+    let words: Vec<String> = axes
+        .iter()
+        .zip(extents)
+        .map(|(axis, [first, last])| {
+            let [from, to] = [first, last].map(|x| tidy(*x, last - first));
+            format!("x{} from {from:?} to {to:?} m", axis + 1)
+        })
+        .collect();
+    let found = format!("found {position:?}, outside the {whole}");
+    Err(section.error(key, found, format!("the {whole} has {}", joined(&words))))
+}
+
+/// That `from` is below `to` along each axis.
+pub(crate) fn check_order(section: &Section, from: &[f64], to: &[f64]) -> Result<(), CaseError> {
+    if from.iter().zip(to).all(|(from, to)| from < to) {
+        return Ok(());
+    }
+    let [from, to] = [from, to].map(|end| match end {
+        [one] => format!("{one:?}"),
+        all => format!("{all:?}"),
+    });
+    let found = format!("found {to} with from = {from}");
+    Err(section.error("to", found, "to must be greater than from along each axis"))
+}
