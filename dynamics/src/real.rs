@@ -1,60 +1,9 @@
 //! What sweeps compute with: floating-point numbers, and groups of them side by side.
 
 use crate::kernel::Compiled;
-use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A number, or several in lanes that do not see each other: every operation is that of the lanes.
-pub trait Number:
-    Copy
-    + Debug
-    + Send
-    + Sync
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
-    + 'static
-{
-    /// 0.
-    const ZERO: Self;
-    /// 1.
-    const ONE: Self;
-    /// ½.
-    const HALF: Self;
-    /// ⅓.
-    const THIRD: Self;
-    /// ¼.
-    const QUARTER: Self;
-    /// The least normal number.
-    const LEAST: Self;
-
-    /// The nearest number to a constant.
-    fn constant(value: f64) -> Self;
-
-    /// The greater of two numbers.
-    fn greatest(self, other: Self) -> Self;
-
-    /// The smaller of two numbers.
-    #[inline(always)]
-    fn least(self, other: Self) -> Self {
-        -(-self).greatest(-other)
-    }
-
-    /// √x.
-    fn root(self) -> Self;
-
-    /// Of this and two bounds the one nearest to zero, or zero where they have different signs. This is a mean
-    /// of some kind: where the bounds have one sign it has no other.
-    fn bounded(self, one: Self, other: Self) -> Self;
-
-    /// The number, or zero where it is smaller in size than a limit; what is no number stays.
-    fn unless_below(self, limit: Self) -> Self;
-
-    /// Whether any is greater than its counterpart.
-    fn exceeds(self, other: Self) -> bool;
-}
+pub use models::common::number::Number;
 
 /// `f32` or `f64`.
 pub trait Real: Number + PartialOrd + Compiled {

@@ -1,7 +1,7 @@
 //! Registers of a processor as numbers: what the lanes of a group are while they are computed with; and
 //! the kinds of numbers that have such.
 
-use crate::real::{Lanes, Number, Real, Vector, Work};
+use crate::real::{Lanes, Real, Vector, Work};
 
 #[cfg(target_arch = "x86_64")]
 use x86::{Avx2Double, Avx2Single, Avx512Double, Avx512Single};
@@ -422,49 +422,6 @@ macro_rules! real {
                     }
                 }
                 self
-            }
-        }
-
-        impl Number for $kind {
-            const ZERO: Self = 0.0;
-            const ONE: Self = 1.0;
-            const HALF: Self = 0.5;
-            const THIRD: Self = 1.0 / 3.0;
-            const QUARTER: Self = 0.25;
-            const LEAST: Self = Self::MIN_POSITIVE;
-
-            #[inline(always)]
-            #[allow(clippy::unnecessary_cast, reason = "it is one for f32")]
-            fn constant(value: f64) -> Self {
-                value as Self
-            }
-
-            #[inline(always)]
-            fn greatest(self, other: Self) -> Self {
-                if self > other { self } else { other }
-            }
-
-            #[inline(always)]
-            fn root(self) -> Self {
-                self.sqrt()
-            }
-
-            #[inline(always)]
-            fn bounded(self, one: Self, other: Self) -> Self {
-                let smaller = |one: Self, other: Self| if one < other { one } else { other };
-                let least = smaller(smaller(self.abs(), one.abs()), other.abs());
-                let differ = one.is_sign_negative() != other.is_sign_negative();
-                if differ { 0.0 } else { least.copysign(one) }
-            }
-
-            #[inline(always)]
-            fn unless_below(self, limit: Self) -> Self {
-                if self.abs() < limit { 0.0 } else { self }
-            }
-
-            #[inline(always)]
-            fn exceeds(self, other: Self) -> bool {
-                self > other
             }
         }
 

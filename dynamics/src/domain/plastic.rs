@@ -11,10 +11,7 @@ use crate::real::{Group, MOST_LANES, Number, Real, Vector, Work};
 use models::solid::parameters::Isotropic;
 use models::solid::waves::Field;
 use models::yield_set::parameters::{ActiveCondition, Mises};
-
-/// Parts of the stress on which Hooke's law acts by a number: deviator, antisymmetric stress, deviator, mean
-/// and antisymmetric part of the couple stress.
-const PARTS: usize = 5;
+use models::yield_set::return_mapping::{PARTS, multiplier_per_shear};
 
 /// Yield sets by pattern.
 #[derive(Clone)]
@@ -126,9 +123,6 @@ impl Strength<f64> {
         }
     }
 }
-
-/// Newton's method takes half a dozen.
-const MOST_STEPS: usize = 50;
 
 /// Far beyond any stress, with room for products.
 fn boundless<T: Real>() -> f64 {
@@ -447,7 +441,7 @@ fn one_rate<T: Real, V: Vector<T>>(square: V, room: V, own: &Strength<T::Lanes>)
     (V::load(&own.half_rate) * multiplier / shear.greatest(V::LEAST), multiplier)
 }
 
-/// What each part loses of itself, λ, and what the parts lose of their energy: h(x) = 0 by Newton's method.
+/// What each part loses of itself, λ, and what the parts lose of their energy: by [`multiplier_per_shear`].
 #[inline(always)]
 fn several_rates<T: Real, V: Vector<T>>(
     squares: [V; PARTS],
@@ -460,38 +454,18 @@ fn several_rates<T: Real, V: Vector<T>>(
     for (rate, own) in rates.iter_mut().zip(&own.rates) {
         *rate = V::load(own);
     }
-    // From zero the iterates rise to the root and never pass it.
-    let mut x = V::ZERO;
-    for _ in 0..MOST_STEPS {
-        let (mut norm, mut slope) = (V::ZERO, V::ZERO);
-        for part in 0..PARTS {
-            if seen[part] {
-                let fraction = V::ONE / (V::ONE + x * rates[part]);
-                let term = V::load(&own.weights[part]) * squares[part] * fraction * fraction;
-                norm = norm + term;
-                slope = slope + term * fraction * rates[part];
-            }
-        }
-        // In lanes without any stress there is nothing to be found.
-        let norm = norm.greatest(V::LEAST);
-        let reciprocal = V::ONE / norm.root();
-        let slope = slope / norm * reciprocal;
-        let more = (V::ONE - a * x - room * reciprocal) / (a + room * slope);
-        let next = x + more.greatest(V::ZERO);
-        let is_done = !(next - x).exceeds(V::ZERO);
-        x = next;
-        if is_done {
-            break;
-        }
+    let mut weighted = [V::ZERO; PARTS];
+    for part in 0..PARTS {
+        weighted[part] = V::load(&own.weights[part]) * squares[part];
     }
+    let x = multiplier_per_shear(weighted, rates, a, room, seen);
     let mut shares = [V::ZERO; PARTS];
     let (mut square_left, mut loss) = (V::ZERO, V::ZERO);
     for part in 0..PARTS {
         if seen[part] {
             let fraction = V::ONE / (V::ONE + x * rates[part]);
             shares[part] = x * rates[part] * fraction;
-            let weighted = V::load(&own.weights[part]) * squares[part];
-            square_left = square_left + weighted * fraction * fraction;
+            square_left = square_left + weighted[part] * fraction * fraction;
             let compliance = V::load(&own.compliances[part]);
             loss = loss + compliance * squares[part] * shares[part] * shares[part];
         }

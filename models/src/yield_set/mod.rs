@@ -4,6 +4,7 @@ pub mod interlayer;
 pub mod mises;
 pub mod parameters;
 pub mod projection;
+pub mod return_mapping;
 pub mod tangent;
 
 use crate::common::DynEq;

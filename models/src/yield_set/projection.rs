@@ -18,6 +18,7 @@
 //! projected once stays where it is.
 
 use super::parameters::{Interlayer, Mises};
+use super::return_mapping::{PARTS, multiplier_per_shear};
 use crate::common::elementary::Elementary;
 use crate::solid::parameters::{Isotropic, PlaneCompliances, Theory};
 use crate::solid::stress::{Stress, split, square};
@@ -70,7 +71,7 @@ impl Mises {
     /// Weights p in τ̄² and stiffnesses D (Pa or N) of the parts of the stress that Hooke's law multiplies
     /// by a number: deviator, antisymmetric stress, deviator, mean and antisymmetric part of the couple
     /// stress.
-    pub fn parts(&self, solid: &Isotropic) -> [[f64; 2]; 5] {
+    pub fn parts(&self, solid: &Isotropic) -> [[f64; 2]; PARTS] {
         let [symmetric, antisymmetric] = self.couple_weights();
         let alpha = solid.microrotation.map_or(0.0, |m| m.alpha);
         let [spherical, gamma, eta] =
@@ -114,7 +115,8 @@ impl Mises {
             square(&couple_antisymmetric),
         ];
         let weights = self.parts(solid);
-        let parts: [Part; 5] = std::array::from_fn(|part| Part::new(squares[part], weights[part]));
+        let parts: [Part; PARTS] =
+            std::array::from_fn(|part| Part::new(squares[part], weights[part]));
         let bulk = solid.lambda + 2.0 / 3.0 * solid.mu;
         let (friction, strength) = (self.friction, self.strength);
 
@@ -131,42 +133,44 @@ impl Mises {
             return inside;
         }
 
-        // 1/τ̄ for (u, v) = (1, x), 1/(xτ̄) for (y, 1), and its derivative by x or y.
-        let reciprocal = |u: f64, v: f64, by_u: bool| {
+        let a = 2.0 * friction * friction * bulk;
+        let (squares, rates) = (parts.map(|part| part.square), parts.map(|part| part.rate));
+        // 1/τ̄ for (u, v) = (1, x), 1/(xτ̄) for (y, 1), and the derivative of that by y.
+        let reciprocal = |u: f64, v: f64| {
             let (mut norm, mut slope) = (0.0, 0.0);
             for part in &parts {
                 let fraction = 1.0 / (u + v * part.rate);
                 if part.square > 0.0 {
                     norm += part.square * fraction * fraction;
-                    let inner = if by_u { 1.0 } else { part.rate };
-                    slope += part.square * fraction * fraction * fraction * inner;
+                    slope += part.square * fraction * fraction * fraction;
                 }
             }
             let reciprocal = 1.0 / norm.sqrt();
             (reciprocal, slope / norm * reciprocal)
         };
-        let a = 2.0 * friction * friction * bulk;
-        let at_apex = room < 0.0 && a + room * reciprocal(0.0, 1.0, true).0 <= 0.0;
-        let (mut u, mut v) = if room < 0.0 { (0.0, 1.0) } else { (1.0, 0.0) };
-        // At the apex u = 0 is the answer: the step from there is none, and ends the loop.
-        loop {
-            let (value, slope) = reciprocal(u, v, room < 0.0);
-            let before = (u, v);
-            if room < 0.0 {
-                u += ((a - u + room * value) / (1.0 - room * slope)).max(0.0);
-            } else {
-                v += ((1.0 - a * v - room * value) / (a + room * slope)).max(0.0);
+        let at_apex = room < 0.0 && a + room * reciprocal(0.0, 1.0).0 <= 0.0;
+        let (u, v) = if room < 0.0 {
+            let mut y = 0.0;
+            // At the apex y = 0 is the answer: the step from there is none, and ends the loop.
+            loop {
+                let (value, slope) = reciprocal(y, 1.0);
+                let before = y;
+                y += ((a - y + room * value) / (1.0 - room * slope)).max(0.0);
+                if y == before {
+                    break;
+                }
             }
-            if (u, v) == before {
-                break;
-            }
-        }
+            (y, 1.0)
+        } else {
+            let seen = squares.map(|square| square > 0.0);
+            (1.0, multiplier_per_shear(squares, rates, a, room, &seen))
+        };
 
         let (multiplier, mean) = if at_apex {
             let apex = strength / friction;
             ((pressure - apex) / (friction * bulk), apex)
         } else {
-            let value = reciprocal(u, v, false).0;
+            let value = reciprocal(u, v).0;
             let (multiplier, shear) = (2.0 * v / value, u / value);
             let shift = friction * bulk * multiplier;
             // From the condition, where the difference would lose more digits.
