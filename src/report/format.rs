@@ -4,8 +4,6 @@ pub use crate::study::words::{order_words, short, superscript};
 
 use crate::case::Case;
 use analysis::solids::angles_deg;
-use analysis::sphere::Flutter;
-use serde_json::{Value, json};
 
 /// How verdicts come about that a formula of the model decides.
 pub const CLOSED_FORM: &str = "closed form of the model's growth rate, where its sign and ten digits of it stand out of rounding";
@@ -45,23 +43,6 @@ pub fn normal_words(normal: [f64; 3]) -> String {
         0.0 => format!("at {}°", short(direction)),
         up => format!("at {}°, {}° above the plane", short(direction), short(up)),
     }
-}
-
-/// A normal as JSON: its components and angles.
-pub fn normal_json(normal: [f64; 3]) -> Value {
-    let [direction, elevation] = angles_deg(normal);
-    json!({ "vector": normal, "direction_deg": direction, "elevation_deg": elevation })
-}
-
-/// Flutter as JSON; null without.
-pub fn flutter_json(flutter: Option<Flutter>) -> Value {
-    flutter.map_or(Value::Null, |flutter| {
-        json!({
-            "growth": flutter.growth,
-            "squared_speed": [flutter.speed_squared.re, flutter.speed_squared.im],
-            "normal": normal_json(flutter.normal),
-        })
-    })
 }
 
 #[cfg(test)]
