@@ -7,6 +7,7 @@ pub mod fourier;
 pub(crate) mod input;
 pub mod parameter;
 pub mod product;
+pub mod range;
 pub mod rates;
 pub mod rounding;
 pub mod system;
