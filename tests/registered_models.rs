@@ -6,6 +6,7 @@ use models::InputError;
 use models::LinearisedSystem;
 use models::Rounded;
 use models::common::parameter::{Parameter, constants};
+use models::common::range::Range;
 use models::common::system::Matrix;
 use models::flow::balance::{Columns, flow_rule, mass, momentum};
 use models::flow::state::{Coulomb, Flow, FlowRule, Rotation};
@@ -38,13 +39,7 @@ impl SlowRotation {
     fn new(given: &[f64]) -> Result<Self, InputError> {
         let [friction_angle, dilatancy_angle, cohesion, factor] = constants(given)?;
         let coulomb = Coulomb::new(friction_angle, cohesion)?;
-        if !(factor > 0.0 && factor.is_finite()) {
-            return Err(InputError {
-                input: "rotation_factor",
-                found: format!("{factor:?}"),
-                allowed: "a positive number".to_owned(),
-            });
-        }
+        ROTATION_FACTOR.check(factor, "a positive number")?;
         Ok(Self { coulomb, dilatancy_angle, factor })
     }
 }
@@ -86,15 +81,14 @@ impl FlowLaw for SlowRotation {
     }
 }
 
+const ROTATION_FACTOR: Parameter =
+    Parameter::required(["rotation_factor", "rotation factor", ""], "factor; > 0", 2.0)
+        .within(Range::Positive);
+
 static SLOW_ROTATION: FlowModel = FlowModel {
     name: "slow-rotation",
     title: "double shearing with slow rotation",
-    parameters: &[
-        FRICTION_ANGLE,
-        DILATANCY_ANGLE,
-        COHESION,
-        Parameter::required(["rotation_factor", "rotation factor", ""], "factor; > 0", 2.0),
-    ],
+    parameters: &[FRICTION_ANGLE, DILATANCY_ANGLE, COHESION, ROTATION_FACTOR],
     rotation: RotationKind::StressAxes,
     build: |given| Ok(Arc::new(SlowRotation::new(given)?)),
 };
@@ -171,7 +165,8 @@ static ORTHOTROPIC: SolidModel = SolidModel {
         modulus("c22", 4e9),
         modulus("c12", 2e9),
         modulus("c66", 1.5e9),
-        Parameter::required(["density", "density ρ", "kg/m³"], "density ρ; > 0", 2000.0),
+        Parameter::required(["density", "density ρ", "kg/m³"], "density ρ; > 0", 2000.0)
+            .within(Range::Positive),
     ],
     theory: Theory::Classical,
     is_plane: true,
@@ -243,19 +238,21 @@ impl YieldConditions for ShearLimit {
     }
 }
 
+const STRENGTH: Parameter =
+    Parameter::required(["strength", "shear strength k", "Pa"], "strength; > 0", 1e6)
+        .within(Range::Positive);
+
 static SHEAR_LIMIT: YieldSetModel = YieldSetModel {
     name: "shear-limit",
     title: "limit of shear",
-    parameters: &[(
-        Parameter::required(["strength", "shear strength k", "Pa"], "strength; > 0", 1e6),
-        Needs::All,
-    )],
+    parameters: &[(STRENGTH, Needs::All)],
     is_plane: true,
     is_curved: false,
     conditions: &[("+sigma12", Needs::All), ("-sigma12", Needs::All)],
     admits: |solid| solid.theory == Theory::Classical,
     build: |_, given| {
         let [strength] = constants(given)?;
+        STRENGTH.check(strength, "a positive strength, in Pa")?;
         Ok(YieldSet::from(ShearLimit { strength }))
     },
 };

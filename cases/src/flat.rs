@@ -157,13 +157,12 @@ pub(super) fn numbers(entries: &Entries, media: &[Medium]) -> Result<Numbers, Ca
         let allowed = "2: its layers are normal to x1 and x2, in plane strain";
         return Err(entries.places.error("model.dimensions", found, allowed));
     }
-    let number = numbers.wave.number;
-    if number <= 0.0 {
-        return Err(wave_number(entries, "wave.number", number));
-    }
-    let greatest = numbers.wave.greatest_number;
-    if greatest < 0.0 {
-        return Err(wave_number(entries, "wave.greatest_number", greatest));
+    for key in keys().iter().filter(|key| key.split().0 == "wave") {
+        if let Some(Value::Number(found)) = key.field.load(&numbers)
+            && !key.range.contains(found)
+        {
+            return Err(wave_number(entries, key.name, found));
+        }
     }
     Ok(numbers)
 }

@@ -1,7 +1,8 @@
 //! The JSON Schema of case files (draft 2020-12): what editors complete and check.
 //!
-//! It takes every case that the program takes; of what it refuses it knows types, ranges, words, missing and
-//! unknown keys, by kind of model. Relations between numbers are for the program alone.
+//! It takes every case that the program takes, but one with a number out of range that only a map replaces. Of what the
+//! program refuses it knows types, ranges, words, missing and unknown keys, by kind of model. Relations between numbers
+//! are for the program alone.
 
 use crate::dynamics::stress;
 use crate::forms::forms_in_time;
@@ -153,7 +154,10 @@ fn add_key(key: &'static Key, properties: &mut Map<String, Value>, branches: &mu
 }
 
 fn of_key(key: &Key) -> Value {
-    let mut schema = of_type(&key.value_type());
+    let mut schema = match key.value_type() {
+        Type::Number(_) => of_range(key.range),
+        other => of_type(&other),
+    };
     if let Some(words) = key.words() {
         match schema.get_mut("items") {
             Some(items) => *items = json!({ "enum": words }),
@@ -342,8 +346,11 @@ fn of_range(range: Range) -> Value {
         Range::Positive => json!({ "type": "number", "exclusiveMinimum": 0 }),
         Range::NotNegative => json!({ "type": "number", "minimum": 0 }),
         Range::UpTo(most) => json!({ "type": "number", "exclusiveMinimum": 0, "maximum": most }),
-        Range::Fraction => {
-            json!({ "type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1 })
+        Range::Below(limit) => {
+            json!({ "type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": limit })
+        }
+        Range::NotNegativeBelow(limit) => {
+            json!({ "type": "number", "minimum": 0, "exclusiveMaximum": limit })
         }
     }
 }

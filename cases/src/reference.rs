@@ -98,7 +98,10 @@ fn row_of_key(key: &Key) -> String {
             format!("list of {}", listed(&words))
         }
         Some(words) => listed(&words),
-        None => described(&key.value_type()),
+        None => match key.value_type() {
+            Type::Number(_) => described_range(key.range),
+            other => described(&other),
+        },
     };
     let default = match (key.presence, key.example()) {
         (Presence::Required(_), _) => "*required*".to_owned(),
@@ -197,7 +200,8 @@ fn described_range(range: Range) -> String {
         Range::Positive => "number > 0".into(),
         Range::NotNegative => "number ≥ 0".into(),
         Range::UpTo(most) => format!("0 < number ≤ {most}"),
-        Range::Fraction => "0 < number < 1".into(),
+        Range::Below(limit) => format!("0 < number < {limit}"),
+        Range::NotNegativeBelow(limit) => format!("0 ≤ number < {limit}"),
     }
 }
 

@@ -6,6 +6,7 @@
 //! rows of [`keys`](crate::keys()).
 
 use crate::kind::Kind;
+pub use models::common::range::Range;
 
 /// The keys that a table may hold.
 #[derive(Debug)]
@@ -165,21 +166,6 @@ pub enum Type {
     Table(&'static Form),
     /// A table in braces with keys of this section of the case.
     Part(&'static str),
-}
-
-/// Range of a number.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Range {
-    /// Any finite number.
-    Finite,
-    /// Above 0.
-    Positive,
-    /// At least 0.
-    NotNegative,
-    /// Above 0 and at most this.
-    UpTo(f64),
-    /// Above 0 and below 1.
-    Fraction,
 }
 
 /// What holds of a list of whole numbers besides its length.

@@ -5,26 +5,15 @@ use crate::value::{self, Value, list};
 use std::fmt::Write;
 use toml::de::DeValue;
 
-impl Range {
-    /// Whether a finite number is in it.
-    pub fn contains(self, x: f64) -> bool {
-        match self {
-            Self::Finite => true,
-            Self::Positive => x > 0.0,
-            Self::NotNegative => x >= 0.0,
-            Self::UpTo(most) => x > 0.0 && x <= most,
-            Self::Fraction => x > 0.0 && x < 1.0,
-        }
-    }
-
-    fn words(self) -> String {
-        match self {
-            Self::Finite => "a finite number".into(),
-            Self::Positive => "a positive number".into(),
-            Self::NotNegative => "a number of at least 0".into(),
-            Self::UpTo(most) => format!("a number above 0 and at most {most}"),
-            Self::Fraction => "a number between 0 and 1".into(),
-        }
+/// A number of a range as a message says what is expected.
+fn number_in_words(range: Range) -> String {
+    match range {
+        Range::Finite => "a finite number".into(),
+        Range::Positive => "a positive number".into(),
+        Range::NotNegative => "a number of at least 0".into(),
+        Range::UpTo(most) => format!("a number above 0 and at most {most}"),
+        Range::Below(limit) => format!("a number between 0 and {limit}"),
+        Range::NotNegativeBelow(limit) => format!("a number of at least 0 and below {limit}"),
     }
 }
 
@@ -54,7 +43,7 @@ impl Type {
             Self::Texts => "a list of texts in brackets".into(),
             Self::Hexadecimal => "eight hexadecimal digits in quotes".into(),
             Self::Truth => "true or false".into(),
-            Self::Number(range) => range.words(),
+            Self::Number(range) => number_in_words(range),
             Self::Whole(least) => format!("a whole number of at least {least}"),
             Self::Axis => format!("a whole number from 1 to {}", scope.dimensions()),
             Self::AxisOfSpace => "1, 2 or 3".into(),

@@ -5,9 +5,10 @@ use jsonschema::Validator;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use testkit::ranges::{closed_ends, just_inside, outside};
 use wellposed_cases::schema::{Form, Type};
 use wellposed_cases::template::{Purpose, text_for};
-use wellposed_cases::{Case, Medium, all_forms, json_schema, keys, reference};
+use wellposed_cases::{Case, Key, Medium, all_forms, json_schema, keys, reference};
 
 type Names = BTreeSet<String>;
 
@@ -382,4 +383,35 @@ fn spoiled_cases_are_refused_by_both() {
         assert!(Case::parse(&text, "x.toml", &[]).is_err(), "the program takes {new}");
         assert!(!validator.is_valid(&as_json(&text)), "the validator takes {new}");
     }
+}
+
+/// A case in JSON with another value of a key.
+fn with_value(case: &Value, key: &Key, value: f64) -> Value {
+    let (section, name) = key.split();
+    let mut case = case.clone();
+    case[section][name] = value.into();
+    case
+}
+
+/// What the program refuses by itself, in the program's own tests.
+#[test]
+fn numbers_out_of_range_are_refused_by_the_schema() {
+    let validator = validator();
+    for medium in Medium::all() {
+        let case = as_json(&text_for(medium, Purpose::State));
+        let is_number = |key: &&Key| matches!(key.value_type(), Type::Number(_));
+        let numbers = keys().iter().filter(is_number).filter(|key| key.is_used_by(medium));
+        for key in numbers.filter(|key| !key.name.starts_with("map.")) {
+            let what = format!("{} of {}", key.name, medium.title());
+            for value in outside(key.range) {
+                assert!(!validator.is_valid(&with_value(&case, key, value)), "{what} = {value:?}");
+            }
+            for value in closed_ends(key.range).into_iter().chain(just_inside(key.range)) {
+                assert!(validator.is_valid(&with_value(&case, key, value)), "{what} = {value:?}");
+            }
+        }
+    }
+    // In a region as well.
+    let text = SOLID.replace("model = { mu = 2e9 }", "model = { mu = -2e9 }");
+    assert!(!validator.is_valid(&as_json(&text)));
 }

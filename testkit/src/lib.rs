@@ -4,3 +4,4 @@
 
 pub mod flows;
 pub mod random;
+pub mod ranges;

@@ -50,7 +50,7 @@ pub(super) const TIME: Form = Form::section(
         ),
         Item::with_default(
             "tolerance",
-            Type::Number(Range::Fraction),
+            Type::Number(Range::Below(1.0)),
             "",
             "1e-5",
             "error of a step relative to the perturbation",
@@ -58,7 +58,7 @@ pub(super) const TIME: Form = Form::section(
         .note("error of a step relative to the perturbation"),
         Item::with_default(
             "pressure_tolerance",
-            Type::Number(Range::Fraction),
+            Type::Number(Range::Below(1.0)),
             "",
             "1e-9",
             "residual of the equation of the pressure relative to its right-hand side",
@@ -74,7 +74,7 @@ pub(super) const LIMITS: Form = Form::section(
     "where a run stops",
     &[Group::always(&[Item::with_default(
         "shear_rate",
-        Type::Number(Range::Fraction),
+        Type::Number(Range::Below(1.0)),
         "",
         "1e-3",
         "least Q_D relative to that of the mean flow: the run stops there",

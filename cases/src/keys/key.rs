@@ -25,6 +25,9 @@ pub struct Key {
     pub(super) sets: Option<Sets>,
     /// What holds where the key is absent.
     pub presence: Presence,
+    /// Range of a number, whatever the others are. A file may state any finite one, as a map may sweep it: models
+    /// and states are refused where it is out of range.
+    pub range: Range,
     pub(crate) field: Field,
 }
 
@@ -169,10 +172,10 @@ impl Key {
         sets: Option<Sets>,
         field: Field,
     ) -> Self {
-        let Constant { name, label, unit, meaning, presence } = *constant;
+        let Constant { name, label, unit, meaning, presence, range } = *constant;
         let suffix = if unit == ANGLE { "_deg" } else { "" };
         let name = format!("{section}.{name}{suffix}").leak();
-        Self { name, label, unit, meaning, users, sets, presence, field }
+        Self { name, label, unit, meaning, users, sets, presence, range, field }
     }
 
     /// Type of its values.

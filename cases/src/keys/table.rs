@@ -1,8 +1,11 @@
 //! The rows of the table.
 
 use super::key::{Field, Key, Presence, Sets, Users};
+use crate::schema::Range;
 use models::common::parameter::Parameter as Constant;
+use models::elastoplastic::Plastic;
 use models::flow::RotationKind;
+use models::flow::state::State;
 use models::registry;
 use models::solid::parameters::Theory;
 use std::sync::{PoisonError, RwLock};
@@ -31,10 +34,10 @@ const CURVED: Sets = Sets::Any(|set| set.is_curved);
 const BY_NAMED_CONDITIONS: Sets = Sets::Any(|set| !set.conditions.is_empty());
 const PLANE_AND_SPACE_SETS: Sets = Sets::Any(|set| !set.is_plane);
 
-/// Writes one row per key: name; label, unit; meaning; kinds and yield sets, presence, field.
+/// Writes one row per key: name; label, unit; meaning; kinds and yield sets, presence, range, field.
 macro_rules! keys {
     ($($name:literal: $label:literal [$unit:literal] $meaning:literal;
-       $kinds:ident $(that yield by $sets:ident)?, $presence:expr, $field:expr;)*) => {
+       $kinds:ident $(that yield by $sets:ident)?, $presence:expr $(, in $range:expr)?, $field:expr;)*) => {
         &[$(Key {
             name: $name,
             label: $label,
@@ -43,9 +46,12 @@ macro_rules! keys {
             users: $kinds,
             sets: keys!(@sets $($sets)?),
             presence: $presence,
+            range: keys!(@range $($range)?),
             field: $field,
         }),*]
     };
+    (@range) => { Range::Finite };
+    (@range $range:expr) => { $range };
     (@sets) => { None };
     (@sets $sets:ident) => { Some($sets) };
 }
@@ -79,6 +85,22 @@ pub fn keys() -> &'static [Key] {
         add(&mut table, Key::of_yield_set(constant));
     }
     table.extend_from_slice(REST);
+    let of_models = flows.iter().flat_map(|flow| flow.parameters());
+    let of_models: Vec<&Constant> =
+        of_models.chain(solids.iter().flat_map(|solid| solid.parameters)).collect();
+    let of_sets: Vec<&Constant> =
+        sets.iter().flat_map(|set| set.parameters.iter().map(|own| &own.0)).collect();
+    for key in &mut table {
+        let (all, name) = match key.field {
+            Field::Constant(name) => (&of_models, name),
+            Field::YieldConstant(name) => (&of_sets, name),
+            _ => continue,
+        };
+        // Where two disagree, each alone knows.
+        if all.iter().any(|own| own.name == name && own.range != key.range) {
+            key.range = Range::Finite;
+        }
+    }
     // Never freed, as entries of the registry are not: keys are handed out by reference.
     let table: &'static [Key] = table.leak();
     *TABLE.write().unwrap_or_else(PoisonError::into_inner) = (entries, table);
@@ -129,13 +151,13 @@ static SOLID: &[Key] = keys! {
 /// The keys between the constants of solids and those of yield sets.
 static STATE: &[Key] = keys! {
     "background.density": "density ρ" ["kg/m³"] "density ρ; > 0";
-        FLOWS, Required(1600.0), Number(|n| &mut n.background.density);
+        FLOWS, Required(1600.0), in State::DENSITY, Number(|n| &mut n.background.density);
     "background.pressure": "pressure p" ["Pa"] "pressure p, positive in compression; > −c cot φ";
         FLOWS, Required(1000.0), Number(|n| &mut n.background.pressure);
     "background.stress_angle_deg": "stress angle Ψ_Σ" ["deg"] "angle Ψ_Σ of the greater (more tensile) principal stress from x₁, anticlockwise";
         FLOWS, Required(45.0), Number(|n| &mut n.background.stress_angle_deg);
     "background.shear_rate": "shear rate Q_D" ["1/s"] "magnitude Q_D of the deviatoric deformation rate; > 0";
-        FLOWS, Required(1.0), Number(|n| &mut n.background.shear_rate);
+        FLOWS, Required(1.0), in State::SHEAR_RATE, Number(|n| &mut n.background.shear_rate);
     "background.velocity": "velocity V" ["m/s"] "velocity V";
         FLOWS, Or(0.0), Pair(|n| &mut n.background.velocity);
     "background.half_vorticity": "half the vorticity s₂₁" ["1/s"] "half the vorticity s₂₁ = ½(∂₁V₂ − ∂₂V₁), positive anticlockwise";
@@ -161,7 +183,7 @@ static STATE: &[Key] = keys! {
     "background.rotational_stress": "rotational stress r" ["Pa"] "r = ½(σ₁₂ − σ₂₁), first index the face normal; absent: −m sign(Ω − s₂₁)";
         WITH_BALANCE_OF_SPIN, Optional, OptionalNumber(|n| &mut n.background.rotational_stress);
     "background.deviatoric_stress": "deviatoric stress q" ["Pa"] "deviatoric stress q; absent: on yield";
-        FLOWS, Optional, OptionalNumber(|n| &mut n.background.deviatoric_stress);
+        FLOWS, Optional, in State::DEVIATORIC_STRESS, OptionalNumber(|n| &mut n.background.deviatoric_stress);
     "background.velocity_gradient": "velocity gradient ∇V" ["1/s"] "velocity gradient, entry [i][j] = ∂ⱼVᵢ; derived, checked where given";
         FLOWS, Optional, OptionalMatrix(|n| &mut n.background.velocity_gradient);
     "background.acceleration": "acceleration DV/Dt − F" ["m/s²"] "material acceleration less body force; derived, checked where given";
@@ -180,7 +202,7 @@ static STATE: &[Key] = keys! {
 /// The keys after the constants of yield sets.
 static REST: &[Key] = keys! {
     "yield.plastic_rate": "plastic rate Λ" ["1/s"] "rate Λ at which the background flows, its stress at rest; ≥ 0; damps waves, changes no speed";
-        SOLIDS that yield by CURVED, Or(0.0), Number(|n| &mut n.plastic_rate);
+        SOLIDS that yield by CURVED, Or(0.0), in Plastic::RATE, Number(|n| &mut n.plastic_rate);
 
     "stress.pressure": "pressure p" ["Pa"] "mean pressure in the plane p = −½(σ₁₁ + σ₂₂); the other stresses are scaled until they yield";
         SOLIDS that yield by YIELDING, Or(0.0), Number(|n| &mut n.stress.pressure);
@@ -196,14 +218,14 @@ static REST: &[Key] = keys! {
         WITH_COUPLES that yield by YIELDING, Or(0.0), Pair(|n| &mut n.stress.couple_stress);
 
     "wave.number": "wave number k" ["1/m"] "wave number k at which roots are listed; > 0";
-        ALL, Or(1000.0), Number(|n| &mut n.wave.number);
+        ALL, Or(1000.0), in Range::Positive, Number(|n| &mut n.wave.number);
     "wave.direction_deg": "wave direction ψ_K" ["deg"] "direction ψ_K of the wave vector from x₁, anticlockwise";
         ALL, Or(0.0), Number(|n| &mut n.wave.direction_deg);
 
     "wave.elevation_deg": "wave elevation" ["deg"] "angle of the wave vector above the plane of x₁ and x₂; 0 in plane strain";
         PLANE_AND_SPACE, Or(0.0), Number(|n| &mut n.wave.elevation_deg);
     "wave.greatest_number": "greatest wave number" ["1/m"] "greatest wave number of dispersion curves; 0: 4 over the solid's own length";
-        SOLIDS, Or(0.0), Number(|n| &mut n.wave.greatest_number);
+        SOLIDS, Or(0.0), in Range::NotNegative, Number(|n| &mut n.wave.greatest_number);
 
     "map.x.parameter": "parameter" [""] "name of the number along the x axis";
         ALL, Required(0.0), Text;

@@ -8,6 +8,7 @@ pub(crate) mod input;
 pub mod number;
 pub mod parameter;
 pub mod product;
+pub mod range;
 pub mod rates;
 pub mod rounding;
 pub mod system;

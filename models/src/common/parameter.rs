@@ -1,6 +1,8 @@
 //! What a model says of each of its constants, for whoever reads, writes or sweeps them.
 
-use crate::common::input::InputError;
+use crate::common::input::{InputError, degrees, ensure};
+use crate::common::range::Range;
+use std::fmt::Display;
 
 /// A constant of a model or of a yield set.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +17,8 @@ pub struct Parameter {
     pub meaning: &'static str,
     /// What holds where no value is given.
     pub presence: Presence,
+    /// Its range, whatever the other constants are.
+    pub range: Range,
 }
 
 /// Unit of angles. They are stated and shown in degrees; a model is given them in rad.
@@ -32,22 +36,49 @@ pub enum Presence {
 }
 
 impl Parameter {
-    /// A constant that must be given.
+    /// A constant that must be given; any finite number.
     pub const fn required(
         [name, label, unit]: [&'static str; 3],
         meaning: &'static str,
         example: f64,
     ) -> Self {
-        Self { name, label, unit, meaning, presence: Presence::Required(example) }
+        Self::new([name, label, unit], meaning, Presence::Required(example))
     }
 
-    /// A constant with a default.
+    /// A constant with a default; any finite number.
     pub const fn with_default(
         [name, label, unit]: [&'static str; 3],
         meaning: &'static str,
         default: f64,
     ) -> Self {
-        Self { name, label, unit, meaning, presence: Presence::Default(default) }
+        Self::new([name, label, unit], meaning, Presence::Default(default))
+    }
+
+    const fn new(
+        [name, label, unit]: [&'static str; 3],
+        meaning: &'static str,
+        presence: Presence,
+    ) -> Self {
+        Self { name, label, unit, meaning, presence, range: Range::Finite }
+    }
+
+    /// The same of a constant that is in a range, in its unit, whatever the other constants are.
+    pub const fn within(self, range: Range) -> Self {
+        Self { range, ..self }
+    }
+
+    /// That a value, in SI units and rad, is in the range; `allowed` says what is.
+    ///
+    /// # Errors
+    /// It is not.
+    pub fn check(&self, value: f64, allowed: impl Display) -> Result<(), InputError> {
+        match self.unit {
+            ANGLE => {
+                let is_in = self.range.to_radians().contains(value);
+                ensure(is_in, self.name, degrees(value), allowed)
+            }
+            _ => ensure(self.range.contains(value), self.name, value, allowed),
+        }
     }
 
     /// A stated value as the model takes it: angles in rad.

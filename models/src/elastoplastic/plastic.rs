@@ -1,6 +1,7 @@
 //! The yield set of a solid, and the state of stress at which it yields.
 
 use crate::common::input::InputError;
+use crate::common::range::Range;
 use crate::solid::stress::Stress;
 use crate::yield_set::parameters::ActiveCondition;
 use crate::yield_set::{Unusable, YieldSet};
@@ -23,6 +24,9 @@ pub struct Plastic {
 }
 
 impl Plastic {
+    /// Range of the rate.
+    pub const RATE: Range = Range::NotNegative;
+
     /// A set that yields at the stress −p δ + s·`direction` of the greatest s, while the background flows at
     /// the rate Λ (1/s).
     ///
@@ -39,7 +43,7 @@ impl Plastic {
         if active.is_empty() {
             return Err(never_yields("a stress on the axis of the cone"));
         }
-        if rate < 0.0 {
+        if !Self::RATE.contains(rate) {
             return Err(InputError {
                 input: "plastic_rate",
                 found: format!("{rate:?}"),

@@ -134,16 +134,18 @@ fn check_ranges(
         state.body_moment.unwrap_or_default(),
         "this model has no balance of spin: leave the key out",
     )?;
-    let positive = |key, value: f64, what: &str| {
-        ensure(
-            value > 0.0 && value.is_finite(),
-            key,
-            value,
-            format_args!("{what} must be positive"),
-        )
-    };
-    positive("density", state.density, "the density")?;
-    positive("shear_rate", state.shear_rate, "the shear rate Q_D")?;
+    ensure(
+        State::DENSITY.contains(state.density),
+        "density",
+        state.density,
+        "the density must be positive",
+    )?;
+    ensure(
+        State::SHEAR_RATE.contains(state.shear_rate),
+        "shear_rate",
+        state.shear_rate,
+        "the shear rate Q_D must be positive",
+    )?;
     let on_yield = coulomb.yield_deviator(state.pressure);
     ensure(
         on_yield.value > 0.0 && on_yield.value.is_finite(),
@@ -224,7 +226,7 @@ fn stress_and_region(
         None => on_yield,
         Some(q) => {
             ensure(
-                q >= 0.0 && q.is_finite(),
+                State::DEVIATORIC_STRESS.contains(q),
                 "deviatoric_stress",
                 q,
                 "the deviatoric stress q is a magnitude of at least 0 Pa",

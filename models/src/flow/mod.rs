@@ -14,10 +14,9 @@ pub mod double_shearing;
 pub mod free_rotating;
 pub mod harris_grekova;
 mod model;
+mod parameters;
 pub mod plastic_potential;
 pub mod state;
 
-pub use model::{
-    COHESION, DILATANCY_ANGLE, FAMILY, FRICTION_ANGLE, FlowKind, FlowLaw, FlowModel, Model,
-    RotationKind,
-};
+pub use model::{FlowKind, FlowLaw, FlowModel, Model, RotationKind};
+pub use parameters::{COHESION, DILATANCY_ANGLE, FAMILY, FRICTION_ANGLE};

@@ -4,7 +4,7 @@ use super::background::background;
 use super::state::{Background, Coulomb, Flow, FlowRule, Rotation, State};
 use crate::common::elementary::Elementary;
 use crate::common::input::InputError;
-use crate::common::parameter::{ANGLE, Parameter};
+use crate::common::parameter::Parameter;
 use crate::common::system::LinearisedSystem;
 use crate::flow::closed_form::ClosedForm;
 use std::fmt;
@@ -207,24 +207,3 @@ impl Model {
         .fold(0.0, f64::max)
     }
 }
-
-/// Angle of internal friction, which all flow models have.
-pub const FRICTION_ANGLE: Parameter = Parameter::required(
-    ["friction_angle", "friction angle φ", ANGLE],
-    "angle of internal friction φ; 0 < φ < 90",
-    30.0,
-);
-
-/// Angle of dilatancy, which all flow models have.
-pub const DILATANCY_ANGLE: Parameter = Parameter::with_default(
-    ["dilatancy_angle", "dilatancy angle ν", ANGLE],
-    "angle of dilatancy ν; 0 ≤ ν < φ, for plastic-potential 0 ≤ ν < 90",
-    0.0,
-);
-
-/// Cohesion, which all flow models have.
-pub const COHESION: Parameter =
-    Parameter::with_default(["cohesion", "cohesion c", "Pa"], "cohesion c; ≥ 0", 0.0);
-
-/// The constants of a model that has no others.
-pub const FAMILY: &[Parameter] = &[FRICTION_ANGLE, DILATANCY_ANGLE, COHESION];

@@ -2,7 +2,9 @@
 
 use crate::common::elementary::Elementary;
 use crate::common::input::{InputError, degrees, ensure};
+use crate::common::range::Range;
 use crate::common::rounding::Rounded;
+use crate::flow::parameters::{COHESION, DILATANCY_ANGLE, FRICTION_ANGLE};
 
 /// The Mohr–Coulomb yield condition `q ≤ p sin φ + c cos φ` (Harris & Grekova 2005, eq. 13).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,18 +21,11 @@ impl Coulomb {
     /// # Errors
     /// The constant that is out of range.
     pub fn new(friction_angle: f64, cohesion: f64) -> Result<Self, InputError> {
-        ensure(
-            friction_angle > 0.0 && friction_angle < std::f64::consts::FRAC_PI_2,
-            "friction_angle",
-            degrees(friction_angle),
+        FRICTION_ANGLE.check(
+            friction_angle,
             "the friction angle must lie strictly between 0 and 90 degrees",
         )?;
-        ensure(
-            cohesion >= 0.0 && cohesion.is_finite(),
-            "cohesion",
-            cohesion,
-            "the cohesion must be a finite stress of at least 0 Pa",
-        )?;
+        COHESION.check(cohesion, "the cohesion must be a finite stress of at least 0 Pa")?;
         Ok(Self { friction_angle, cohesion })
     }
 
@@ -41,9 +36,11 @@ impl Coulomb {
     }
 }
 
-/// Checks 0 ≤ ν < `limit` (the friction angle, or a right angle).
-pub(crate) fn check_dilatancy(nu: f64, limit: f64, allowed: &str) -> Result<(), InputError> {
-    ensure(nu >= 0.0 && nu < limit, "dilatancy_angle", degrees(nu), allowed)
+/// Checks that 0 ≤ ν < φ.
+pub(crate) fn check_dilatancy(coulomb: &Coulomb, nu: f64) -> Result<(), InputError> {
+    let allowed = "the dilatancy angle must be at least 0 and below the friction angle";
+    DILATANCY_ANGLE.check(nu, allowed)?;
+    ensure(nu < coulomb.friction_angle, DILATANCY_ANGLE.name, degrees(nu), allowed)
 }
 
 /// The flow rule of a model in the form that the family shares,
@@ -158,6 +155,15 @@ pub struct State {
     pub body_moment: Option<f64>,
     /// Material rate of the stress angle, rad/s; checked when given (double shearing alone).
     pub stress_angle_rate: Option<f64>,
+}
+
+impl State {
+    /// Range of the density.
+    pub const DENSITY: Range = Range::Positive;
+    /// Range of the shear rate.
+    pub const SHEAR_RATE: Range = Range::Positive;
+    /// Range of the deviatoric stress.
+    pub const DEVIATORIC_STRESS: Range = Range::NotNegative;
 }
 
 /// Where a state lies with respect to the yield conditions (Harris & Grekova 2005, section 2).

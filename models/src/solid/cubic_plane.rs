@@ -1,11 +1,10 @@
 //! The Cosserat solid in plane strain by its compliances a₁, b₁, a₂, b₂, α₂: cubic in general.
 
-use super::isotropic::{DENSITY, INERTIA};
 use super::model::SolidModel;
 use super::{ElasticLaw, Elasticity};
 use crate::common::parameter::{Parameter, constants};
 use crate::common::system::Matrix;
-use crate::solid::parameters::{PlaneCompliances, Theory};
+use crate::solid::parameters::{ALPHA2, DENSITY, INERTIA, PlaneCompliances, Theory};
 use crate::solid::stress::{Component, Stress};
 use crate::solid::waves::{Pair, Rotation};
 
@@ -34,7 +33,7 @@ pub static COSSERAT_COMPLIANCES: SolidModel = SolidModel {
             "compliance b₂",
             2.178920212921872e-10,
         ),
-        Parameter::required(["alpha2", "couple modulus α₂", "N"], "couple modulus α₂; > 0", 4.5e8),
+        ALPHA2,
         DENSITY,
         INERTIA,
     ],

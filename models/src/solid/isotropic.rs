@@ -3,39 +3,14 @@
 use super::model::SolidModel;
 use super::{ElasticLaw, Elasticity};
 use crate::common::input::InputError;
-use crate::common::parameter::{Parameter, constants};
+use crate::common::parameter::constants;
 use crate::common::system::Matrix;
-use crate::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
+use crate::solid::parameters::{
+    ALPHA, BETA, CoupleModuli, DENSITY, ETA, GAMMA, INERTIA, Isotropic, LAMBDA, MU, Microrotation,
+    Theory,
+};
 use crate::solid::stress::{Component, Stress};
 use crate::solid::waves::{Pair, Rotation};
-
-const LAMBDA: Parameter =
-    Parameter::required(["lambda", "Lamé modulus λ", "Pa"], "Lamé modulus λ; 3λ + 2μ > 0", 8.1e9);
-const MU: Parameter =
-    Parameter::required(["mu", "shear modulus μ", "Pa"], "shear modulus μ; > 0", 8.1e9);
-const ALPHA: Parameter = Parameter::required(
-    ["alpha", "Cosserat modulus α", "Pa"],
-    "modulus α of the antisymmetric strain; > 0",
-    1.005e9,
-);
-const BETA: Parameter = Parameter::required(
-    ["beta", "Cosserat modulus β", "N"],
-    "couple modulus β; 3β + 2γ > 0",
-    7.75e8,
-);
-const GAMMA: Parameter =
-    Parameter::required(["gamma", "Cosserat modulus γ", "N"], "couple modulus γ; > 0", 1.5e8);
-const ETA: Parameter =
-    Parameter::required(["eta", "Cosserat modulus η", "N"], "couple modulus η; > 0", 3e8);
-/// Density, which all solids have.
-pub(super) const DENSITY: Parameter =
-    Parameter::required(["density", "density ρ", "kg/m³"], "density ρ; > 0", 2700.0);
-/// Moment of inertia, which all solids with a rotation have.
-pub(super) const INERTIA: Parameter = Parameter::required(
-    ["inertia", "moment of inertia j", "kg/m"],
-    "moment of inertia per unit volume j; > 0",
-    2700.0,
-);
 
 /// Classical elasticity: λ, μ.
 pub static CLASSICAL: SolidModel = SolidModel {

@@ -9,6 +9,52 @@
 
 use super::stress::{Stress, split, square};
 use crate::common::input::{InputError, ensure};
+use crate::common::parameter::Parameter;
+use crate::common::range::Range;
+
+/// Lamé modulus λ.
+pub(super) const LAMBDA: Parameter =
+    Parameter::required(["lambda", "Lamé modulus λ", "Pa"], "Lamé modulus λ; 3λ + 2μ > 0", 8.1e9);
+/// Shear modulus μ.
+pub(super) const MU: Parameter =
+    Parameter::required(["mu", "shear modulus μ", "Pa"], "shear modulus μ; > 0", 8.1e9)
+        .within(Range::Positive);
+/// Modulus α of the antisymmetric strain.
+pub(super) const ALPHA: Parameter = Parameter::required(
+    ["alpha", "Cosserat modulus α", "Pa"],
+    "modulus α of the antisymmetric strain; > 0",
+    1.005e9,
+)
+.within(Range::Positive);
+/// Couple modulus β.
+pub(super) const BETA: Parameter = Parameter::required(
+    ["beta", "Cosserat modulus β", "N"],
+    "couple modulus β; 3β + 2γ > 0",
+    7.75e8,
+);
+/// Couple modulus γ.
+pub(super) const GAMMA: Parameter =
+    Parameter::required(["gamma", "Cosserat modulus γ", "N"], "couple modulus γ; > 0", 1.5e8)
+        .within(Range::Positive);
+/// Couple modulus η.
+pub(super) const ETA: Parameter =
+    Parameter::required(["eta", "Cosserat modulus η", "N"], "couple modulus η; > 0", 3e8)
+        .within(Range::Positive);
+/// Density, which all solids have.
+pub(super) const DENSITY: Parameter =
+    Parameter::required(["density", "density ρ", "kg/m³"], "density ρ; > 0", 2700.0)
+        .within(Range::Positive);
+/// Moment of inertia, which all solids with a rotation have.
+pub(super) const INERTIA: Parameter = Parameter::required(
+    ["inertia", "moment of inertia j", "kg/m"],
+    "moment of inertia per unit volume j; > 0",
+    2700.0,
+)
+.within(Range::Positive);
+/// Couple modulus α₂ of a solid by its compliances.
+pub(super) const ALPHA2: Parameter =
+    Parameter::required(["alpha2", "couple modulus α₂", "N"], "couple modulus α₂; > 0", 4.5e8)
+        .within(Range::Positive);
 
 /// An isotropic elastic solid: classical without `microrotation`, reduced Cosserat without couple
 /// stress, else Cosserat. The three are systems of their own: none is reached by dividing by zero.
@@ -83,20 +129,19 @@ impl Isotropic {
         microrotation: Option<Microrotation>,
     ) -> Result<Self, InputError> {
         const BULK: &str = "the energy is positive definite only for 3λ + 2μ > 0";
-        positive("mu", mu, "the energy is positive definite only for μ > 0, in Pa")?;
+        MU.check(mu, "the energy is positive definite only for μ > 0, in Pa")?;
         combined("lambda", 3.0 * lambda + 2.0 * mu, "3λ + 2μ", BULK)?;
-        positive("density", density, "the density must be positive, ρ > 0, in kg/m³")?;
+        DENSITY.check(density, "the density must be positive, ρ > 0, in kg/m³")?;
         if let Some(Microrotation { alpha, inertia, couple }) = microrotation {
-            const ALPHA: &str = "the energy is positive definite only for α > 0, in Pa; without \
-                                 microrotation the solid is classical";
-            positive("alpha", alpha, ALPHA)?;
-            positive("inertia", inertia, "the moment of inertia must be j > 0, in kg/m")?;
+            const ALLOWED: &str = "the energy is positive definite only for α > 0, in Pa; without \
+                                   microrotation the solid is classical";
+            ALPHA.check(alpha, ALLOWED)?;
+            INERTIA.check(inertia, "the moment of inertia must be j > 0, in kg/m")?;
             if let Some(CoupleModuli { beta, gamma, eta }) = couple {
                 const TORSION: &str = "the energy is positive definite only for 3β + 2γ > 0";
-                const ETA: &str = "the energy is positive definite only for η > 0, in N";
-                positive("gamma", gamma, "the energy is positive definite only for γ > 0, in N")?;
+                GAMMA.check(gamma, "the energy is positive definite only for γ > 0, in N")?;
                 combined("beta", 3.0 * beta + 2.0 * gamma, "3β + 2γ", TORSION)?;
-                positive("eta", eta, ETA)?;
+                ETA.check(eta, "the energy is positive definite only for η > 0, in N")?;
             }
         }
         Ok(Self { lambda, mu, density, microrotation })
@@ -198,9 +243,9 @@ impl PlaneCompliances {
             "a₂ − |b₂|",
             "the energy is positive definite only for a₂ > |b₂|",
         )?;
-        positive("alpha2", alpha2, "the energy is positive definite only for α₂ > 0, in N")?;
-        positive("density", density, "the density must be positive, ρ₀ > 0, in kg/m³")?;
-        positive("inertia", inertia, "the moment of inertia must be J₀ > 0, in kg/m")?;
+        ALPHA2.check(alpha2, "the energy is positive definite only for α₂ > 0, in N")?;
+        DENSITY.check(density, "the density must be positive, ρ₀ > 0, in kg/m³")?;
+        INERTIA.check(inertia, "the moment of inertia must be J₀ > 0, in kg/m")?;
         Ok(self)
     }
 
@@ -249,10 +294,6 @@ impl PlaneCompliances {
         let mu = 0.5 / (a1 + b1);
         Ok([b1 / ((a1 - b1) * (a1 + b1)), mu, 0.5 / (a2 + b2)])
     }
-}
-
-fn positive(key: &'static str, value: f64, allowed: &str) -> Result<(), InputError> {
-    ensure(value > 0.0 && value.is_finite(), key, value, allowed)
 }
 
 fn combined(key: &'static str, value: f64, name: &str, allowed: &str) -> Result<(), InputError> {

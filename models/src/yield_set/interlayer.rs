@@ -1,67 +1,29 @@
 //! Slip and rolling along the layers between blocks; plane strain.
 
 use super::Needs::{All, Couples};
-use super::{Needs, Unusable, YieldConditions, YieldSet, YieldSetModel, check_associated, room};
+use super::{Unusable, YieldConditions, YieldSet, YieldSetModel, check_associated, room};
 use crate::common::input::InputError;
-use crate::common::parameter::{Parameter, constants};
+use crate::common::parameter::constants;
 use crate::solid::ElasticLaw;
 use crate::solid::parameters::{Isotropic, PlaneCompliances, Theory};
 use crate::solid::stress::Stress;
 use crate::yield_set::parameters::{
-    ActiveCondition, Interlayer, InterlayerCouple, absolute, contract,
+    ActiveCondition, COUPLE_DILATANCY, COUPLE_FRICTION, COUPLE_STRENGTH, Interlayer,
+    InterlayerCouple, SHEAR_DILATANCY, SHEAR_FRICTION, SHEAR_STRENGTH, absolute, contract,
 };
 use crate::yield_set::projection::{PlaneMetric, Projection};
-
-const fn required(
-    label: [&'static str; 3],
-    meaning: &'static str,
-    example: f64,
-    needs: Needs,
-) -> (Parameter, Needs) {
-    (Parameter::required(label, meaning, example), needs)
-}
 
 /// The entry in the registry.
 pub static INTERLAYER: YieldSetModel = YieldSetModel {
     name: "interlayer",
     title: "interlayer slip",
     parameters: &[
-        required(
-            ["shear_strength", "shear strength τ₀", "Pa"],
-            "shear strength τ₀ of the layers without normal stress; ≥ 0",
-            1e6,
-            All,
-        ),
-        required(
-            ["shear_friction", "friction of the layers", ""],
-            "friction κ_τ of the layers; ≥ 0",
-            0.6,
-            All,
-        ),
-        required(
-            ["shear_dilatancy", "dilatancy of the layers", ""],
-            "dilatancy κ̂_τ of the layers; associated if equal to the friction",
-            0.1,
-            All,
-        ),
-        required(
-            ["couple_strength", "couple strength μ₀", "N/m"],
-            "couple strength μ₀ of the layers without normal stress; ≥ 0",
-            1e6,
-            Couples,
-        ),
-        required(
-            ["couple_friction", "friction of rolling", "m"],
-            "friction κ_μ of rolling; ≥ 0",
-            0.6,
-            Couples,
-        ),
-        required(
-            ["couple_dilatancy", "dilatancy of rolling", "m"],
-            "dilatancy κ̂_μ of rolling; associated if equal to the friction",
-            0.6,
-            Couples,
-        ),
+        (SHEAR_STRENGTH, All),
+        (SHEAR_FRICTION, All),
+        (SHEAR_DILATANCY, All),
+        (COUPLE_STRENGTH, Couples),
+        (COUPLE_FRICTION, Couples),
+        (COUPLE_DILATANCY, Couples),
     ],
     is_plane: true,
     is_curved: false,

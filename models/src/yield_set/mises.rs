@@ -1,70 +1,24 @@
 //! von Mises', Drucker & Prager's and the Cosserat–Mises set.
 
 use super::Needs::{All, Couples, Rotation};
-use super::{Needs, Unusable, YieldConditions, YieldSet, YieldSetModel, check_associated, room};
+use super::{Unusable, YieldConditions, YieldSet, YieldSetModel, check_associated, room};
 use crate::common::input::{InputError, ensure};
-use crate::common::parameter::{Parameter, constants};
+use crate::common::parameter::constants;
 use crate::solid::ElasticLaw;
 use crate::solid::parameters::{Isotropic, Theory};
 use crate::solid::stress::{Component, Stress};
-use crate::yield_set::parameters::{ActiveCondition, Mises, mean};
+use crate::yield_set::parameters::{
+    ANTISYMMETRIC_LENGTH, ANTISYMMETRIC_WEIGHT, ActiveCondition, DILATANCY, FRICTION, HARDENING,
+    Mises, STRENGTH, SYMMETRIC_LENGTH, mean,
+};
 use crate::yield_set::projection::Projection;
 use nalgebra::DMatrix;
-
-const STRENGTH: (Parameter, Needs) = (
-    Parameter::required(["strength", "shear strength k", "Pa"], "strength k in shear; > 0", 1e6),
-    All,
-);
-const FRICTION: (Parameter, Needs) = (
-    Parameter::required(["friction", "friction", ""], "friction κ of τ̄ + κ σ_m ≤ k; ≥ 0", 0.6),
-    All,
-);
-const DILATANCY: (Parameter, Needs) = (
-    Parameter::required(
-        ["dilatancy", "dilatancy", ""],
-        "dilatancy κ̂; associated if equal to the friction",
-        0.3,
-    ),
-    All,
-);
-const HARDENING: (Parameter, Needs) = (
-    Parameter::with_default(
-        ["hardening", "plastic modulus H", "Pa"],
-        "plastic modulus H; 0 for ideal plasticity, negative while softening",
-        0.0,
-    ),
-    All,
-);
-const ANTISYMMETRIC_WEIGHT: (Parameter, Needs) = (
-    Parameter::required(
-        ["antisymmetric_weight", "antisymmetric weight h", ""],
-        "weight h of the antisymmetric stress; ≥ 0",
-        1.0,
-    ),
-    Rotation,
-);
-const SYMMETRIC_LENGTH: (Parameter, Needs) = (
-    Parameter::with_default(
-        ["symmetric_length", "internal length ℓ_s", "m"],
-        "internal length ℓ_s of the symmetric couple stress; 0: no limit to it",
-        0.0,
-    ),
-    Couples,
-);
-const ANTISYMMETRIC_LENGTH: (Parameter, Needs) = (
-    Parameter::with_default(
-        ["antisymmetric_length", "internal length ℓ_a", "m"],
-        "internal length ℓ_a of the antisymmetric couple stress; 0: no limit to it",
-        0.0,
-    ),
-    Couples,
-);
 
 /// von Mises.
 pub static VON_MISES: YieldSetModel = YieldSetModel {
     name: "von-mises",
     title: "von Mises",
-    parameters: &[STRENGTH, HARDENING],
+    parameters: &[(STRENGTH, All), (HARDENING, All)],
     is_plane: false,
     is_curved: true,
     conditions: &[],
@@ -79,7 +33,7 @@ pub static VON_MISES: YieldSetModel = YieldSetModel {
 pub static DRUCKER_PRAGER: YieldSetModel = YieldSetModel {
     name: "drucker-prager",
     title: "Drucker–Prager",
-    parameters: &[STRENGTH, FRICTION, DILATANCY, HARDENING],
+    parameters: &[(STRENGTH, All), (FRICTION, All), (DILATANCY, All), (HARDENING, All)],
     is_plane: false,
     is_curved: true,
     conditions: &[],
@@ -95,13 +49,13 @@ pub static COSSERAT_MISES: YieldSetModel = YieldSetModel {
     name: "cosserat-mises",
     title: "Cosserat–Mises",
     parameters: &[
-        STRENGTH,
-        FRICTION,
-        DILATANCY,
-        ANTISYMMETRIC_WEIGHT,
-        SYMMETRIC_LENGTH,
-        ANTISYMMETRIC_LENGTH,
-        HARDENING,
+        (STRENGTH, All),
+        (FRICTION, All),
+        (DILATANCY, All),
+        (ANTISYMMETRIC_WEIGHT, Rotation),
+        (SYMMETRIC_LENGTH, Couples),
+        (ANTISYMMETRIC_LENGTH, Couples),
+        (HARDENING, All),
     ],
     is_plane: false,
     is_curved: true,

@@ -6,8 +6,83 @@
 //! continuum").
 
 use crate::common::input::{InputError, ensure};
+use crate::common::parameter::Parameter;
+use crate::common::range::Range;
 use crate::solid::stress::{Component, Stress, split, square};
 use nalgebra::DMatrix;
+
+/// What is allowed of a constant without bounds.
+const FINITE: &str = "a finite number is needed";
+
+pub(super) const SHEAR_STRENGTH: Parameter = Parameter::required(
+    ["shear_strength", "shear strength τ₀", "Pa"],
+    "shear strength τ₀ of the layers without normal stress; ≥ 0",
+    1e6,
+)
+.within(Range::NotNegative);
+pub(super) const SHEAR_FRICTION: Parameter = Parameter::required(
+    ["shear_friction", "friction of the layers", ""],
+    "friction κ_τ of the layers; ≥ 0",
+    0.6,
+)
+.within(Range::NotNegative);
+pub(super) const SHEAR_DILATANCY: Parameter = Parameter::required(
+    ["shear_dilatancy", "dilatancy of the layers", ""],
+    "dilatancy κ̂_τ of the layers; associated if equal to the friction",
+    0.1,
+);
+pub(super) const COUPLE_STRENGTH: Parameter = Parameter::required(
+    ["couple_strength", "couple strength μ₀", "N/m"],
+    "couple strength μ₀ of the layers without normal stress; ≥ 0",
+    1e6,
+)
+.within(Range::NotNegative);
+pub(super) const COUPLE_FRICTION: Parameter = Parameter::required(
+    ["couple_friction", "friction of rolling", "m"],
+    "friction κ_μ of rolling; ≥ 0",
+    0.6,
+)
+.within(Range::NotNegative);
+pub(super) const COUPLE_DILATANCY: Parameter = Parameter::required(
+    ["couple_dilatancy", "dilatancy of rolling", "m"],
+    "dilatancy κ̂_μ of rolling; associated if equal to the friction",
+    0.6,
+);
+
+pub(super) const STRENGTH: Parameter =
+    Parameter::required(["strength", "shear strength k", "Pa"], "strength k in shear; > 0", 1e6)
+        .within(Range::Positive);
+pub(super) const FRICTION: Parameter =
+    Parameter::required(["friction", "friction", ""], "friction κ of τ̄ + κ σ_m ≤ k; ≥ 0", 0.6)
+        .within(Range::NotNegative);
+pub(super) const DILATANCY: Parameter = Parameter::required(
+    ["dilatancy", "dilatancy", ""],
+    "dilatancy κ̂; associated if equal to the friction",
+    0.3,
+);
+pub(super) const HARDENING: Parameter = Parameter::with_default(
+    ["hardening", "plastic modulus H", "Pa"],
+    "plastic modulus H; 0 for ideal plasticity, negative while softening",
+    0.0,
+);
+pub(super) const ANTISYMMETRIC_WEIGHT: Parameter = Parameter::required(
+    ["antisymmetric_weight", "antisymmetric weight h", ""],
+    "weight h of the antisymmetric stress; ≥ 0",
+    1.0,
+)
+.within(Range::NotNegative);
+pub(super) const SYMMETRIC_LENGTH: Parameter = Parameter::with_default(
+    ["symmetric_length", "internal length ℓ_s", "m"],
+    "internal length ℓ_s of the symmetric couple stress; 0: no limit to it",
+    0.0,
+)
+.within(Range::NotNegative);
+pub(super) const ANTISYMMETRIC_LENGTH: Parameter = Parameter::with_default(
+    ["antisymmetric_length", "internal length ℓ_a", "m"],
+    "internal length ℓ_a of the antisymmetric couple stress; 0: no limit to it",
+    0.0,
+)
+.within(Range::NotNegative);
 
 /// Yielding controlled by the layers between blocks whose faces are normal to x₁ and x₂
 /// (Sadovskii & Sadovskaya 2019, "Plane strain state"), tension positive:
@@ -84,21 +159,13 @@ impl Interlayer {
     /// # Errors
     /// The constant that is out of range.
     pub fn check(self) -> Result<Self, InputError> {
-        not_negative(
-            "shear_strength",
-            self.shear_strength,
-            "the shear strength must be τ₀ ≥ 0, in Pa",
-        )?;
-        not_negative("shear_friction", self.shear_friction, "the friction must be κ_τ ≥ 0")?;
-        finite("shear_dilatancy", self.shear_dilatancy)?;
+        SHEAR_STRENGTH.check(self.shear_strength, "the shear strength must be τ₀ ≥ 0, in Pa")?;
+        SHEAR_FRICTION.check(self.shear_friction, "the friction must be κ_τ ≥ 0")?;
+        SHEAR_DILATANCY.check(self.shear_dilatancy, FINITE)?;
         if let Some(couple) = self.couple {
-            not_negative(
-                "couple_strength",
-                couple.strength,
-                "the couple strength must be μ₀ ≥ 0, in N/m",
-            )?;
-            not_negative("couple_friction", couple.friction, "the friction must be κ_μ ≥ 0, in m")?;
-            finite("couple_dilatancy", couple.dilatancy)?;
+            COUPLE_STRENGTH.check(couple.strength, "the couple strength must be μ₀ ≥ 0, in N/m")?;
+            COUPLE_FRICTION.check(couple.friction, "the friction must be κ_μ ≥ 0, in m")?;
+            COUPLE_DILATANCY.check(couple.dilatancy, FINITE)?;
         }
         Ok(self)
     }
@@ -187,24 +254,21 @@ impl Mises {
     /// # Errors
     /// The constant that is out of range.
     pub fn check(self) -> Result<Self, InputError> {
+        STRENGTH.check(self.strength, "the strength must be k > 0, in Pa")?;
+        FRICTION.check(self.friction, "the friction must be κ ≥ 0")?;
+        DILATANCY.check(self.dilatancy, FINITE)?;
+        ANTISYMMETRIC_WEIGHT.check(self.antisymmetric_weight, "the weight must be h ≥ 0")?;
+        // A stated length of 0 stands for none.
         let positive = |key: &'static str, value: f64, allowed: &str| {
-            ensure(value > 0.0 && value.is_finite(), key, value, allowed)
+            ensure(Range::Positive.contains(value), key, value, allowed)
         };
-        positive("strength", self.strength, "the strength must be k > 0, in Pa")?;
-        not_negative("friction", self.friction, "the friction must be κ ≥ 0")?;
-        finite("dilatancy", self.dilatancy)?;
-        not_negative(
-            "antisymmetric_weight",
-            self.antisymmetric_weight,
-            "the weight must be h ≥ 0",
-        )?;
         if let Some(length) = self.symmetric_length {
-            positive("symmetric_length", length, "the length must be ℓ_s > 0, in m")?;
+            positive(SYMMETRIC_LENGTH.name, length, "the length must be ℓ_s > 0, in m")?;
         }
         if let Some(length) = self.antisymmetric_length {
-            positive("antisymmetric_length", length, "the length must be ℓ_a > 0, in m")?;
+            positive(ANTISYMMETRIC_LENGTH.name, length, "the length must be ℓ_a > 0, in m")?;
         }
-        finite("hardening", self.hardening)?;
+        HARDENING.check(self.hardening, FINITE)?;
         Ok(self)
     }
 
@@ -302,12 +366,4 @@ pub fn contract(gradient: &Stress, stress: &Stress) -> f64 {
 pub(crate) fn absolute(stress: &Stress) -> Stress {
     let absolute = |t: [[f64; 3]; 3]| t.map(|row| row.map(f64::abs));
     Stress { force: absolute(stress.force), couple: absolute(stress.couple) }
-}
-
-fn not_negative(key: &'static str, value: f64, allowed: &str) -> Result<(), InputError> {
-    ensure(value >= 0.0 && value.is_finite(), key, value, allowed)
-}
-
-fn finite(key: &'static str, value: f64) -> Result<(), InputError> {
-    ensure(value.is_finite(), key, value, "a finite number is needed")
 }

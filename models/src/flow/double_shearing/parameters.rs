@@ -30,11 +30,7 @@ impl DoubleShearing {
     /// # Errors
     /// The constant that is out of range.
     pub fn new(coulomb: Coulomb, dilatancy_angle: f64) -> Result<Self, InputError> {
-        check_dilatancy(
-            dilatancy_angle,
-            coulomb.friction_angle,
-            "the dilatancy angle must be at least 0 and below the friction angle",
-        )?;
+        check_dilatancy(&coulomb, dilatancy_angle)?;
         Ok(Self { coulomb, dilatancy_angle })
     }
 

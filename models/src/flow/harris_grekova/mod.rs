@@ -5,12 +5,11 @@ pub mod parameters;
 pub mod symbol;
 
 use crate::common::input::InputError;
-use crate::common::parameter::Parameter;
 use crate::common::system::LinearisedSystem;
 use crate::flow::closed_form::ClosedForm;
 use crate::flow::state::{Coulomb, Flow, FlowRule, Rotation};
 use crate::flow::{COHESION, DILATANCY_ANGLE, FRICTION_ANGLE, FlowLaw, FlowModel, RotationKind};
-use parameters::HarrisGrekova;
+use parameters::{HarrisGrekova, MOMENT_OF_INERTIA, ROTATIONAL_STRENGTH};
 use std::sync::Arc;
 
 /// The entry in the registry.
@@ -21,16 +20,8 @@ pub static MODEL: FlowModel = FlowModel {
         FRICTION_ANGLE,
         DILATANCY_ANGLE,
         COHESION,
-        Parameter::required(
-            ["moment_of_inertia", "moment of inertia I", "m²"],
-            "moment of inertia per unit mass I; > 0, for discs of diameter d it is d²/8",
-            1.25e-7,
-        ),
-        Parameter::required(
-            ["rotational_strength", "rotational strength m", "Pa"],
-            "rotational yield strength m; ≥ 0",
-            0.0,
-        ),
+        MOMENT_OF_INERTIA,
+        ROTATIONAL_STRENGTH,
     ],
     rotation: RotationKind::IntrinsicSpin,
     build: |constants| Ok(Arc::new(HarrisGrekova::from_constants(constants)?)),

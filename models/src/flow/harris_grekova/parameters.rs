@@ -1,9 +1,26 @@
 //! Constants of the Harris–Grekova model and what is known of it in closed form.
 
 use crate::common::elementary::Elementary;
-use crate::common::input::{InputError, ensure};
-use crate::common::parameter::constants;
+use crate::common::input::InputError;
+use crate::common::parameter::{Parameter, constants};
+use crate::common::range::Range;
 use crate::flow::state::{Coulomb, FlowRule, check_dilatancy};
+
+/// Moment of inertia per unit mass.
+pub(super) const MOMENT_OF_INERTIA: Parameter = Parameter::required(
+    ["moment_of_inertia", "moment of inertia I", "m²"],
+    "moment of inertia per unit mass I; > 0, for discs of diameter d it is d²/8",
+    1.25e-7,
+)
+.within(Range::Positive);
+
+/// Rotational yield strength.
+pub(super) const ROTATIONAL_STRENGTH: Parameter = Parameter::required(
+    ["rotational_strength", "rotational strength m", "Pa"],
+    "rotational yield strength m; ≥ 0",
+    0.0,
+)
+.within(Range::NotNegative);
 
 /// Checked constants (Harris & Grekova 2005, section 2).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,20 +59,12 @@ impl HarrisGrekova {
         moment_of_inertia: f64,
         rotational_strength: f64,
     ) -> Result<Self, InputError> {
-        check_dilatancy(
-            dilatancy_angle,
-            coulomb.friction_angle,
-            "the dilatancy angle must be at least 0 and below the friction angle",
-        )?;
-        ensure(
-            moment_of_inertia > 0.0 && moment_of_inertia.is_finite(),
-            "moment_of_inertia",
+        check_dilatancy(&coulomb, dilatancy_angle)?;
+        MOMENT_OF_INERTIA.check(
             moment_of_inertia,
             "the moment of inertia per unit mass must be positive, in m²",
         )?;
-        ensure(
-            rotational_strength >= 0.0 && rotational_strength.is_finite(),
-            "rotational_strength",
+        ROTATIONAL_STRENGTH.check(
             rotational_strength,
             "the rotational strength must be a finite stress of at least 0 Pa",
         )?;

@@ -4,7 +4,8 @@ use crate::common::elementary::Elementary;
 use crate::common::input::InputError;
 use crate::common::parameter::constants;
 use crate::common::rounding::Rounded;
-use crate::flow::state::{Coulomb, FlowRule, check_dilatancy};
+use crate::flow::parameters::DILATANCY_ANGLE;
+use crate::flow::state::{Coulomb, FlowRule};
 
 /// Checked constants; associated when ν = φ.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,9 +32,8 @@ impl PlasticPotential {
     /// # Errors
     /// The constant that is out of range.
     pub fn new(coulomb: Coulomb, dilatancy_angle: f64) -> Result<Self, InputError> {
-        check_dilatancy(
+        DILATANCY_ANGLE.check(
             dilatancy_angle,
-            std::f64::consts::FRAC_PI_2,
             "the dilatancy angle of a plastic potential must be at least 0 and below 90 degrees",
         )?;
         Ok(Self { coulomb, dilatancy_angle })

@@ -1,0 +1,43 @@
+//! Ranges of numbers.
+
+/// The numbers that one may be, whatever the others are; bounds are in the unit in which it is stated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Range {
+    /// Any finite number.
+    Finite,
+    /// Above 0.
+    Positive,
+    /// At least 0.
+    NotNegative,
+    /// Above 0 and at most this.
+    UpTo(f64),
+    /// Above 0 and below this.
+    Below(f64),
+    /// At least 0 and below this.
+    NotNegativeBelow(f64),
+}
+
+impl Range {
+    /// Whether a number is in it; NaN and infinite ones are in none.
+    pub fn contains(self, x: f64) -> bool {
+        x.is_finite()
+            && match self {
+                Self::Finite => true,
+                Self::Positive => x > 0.0,
+                Self::NotNegative => x >= 0.0,
+                Self::UpTo(most) => x > 0.0 && x <= most,
+                Self::Below(limit) => x > 0.0 && x < limit,
+                Self::NotNegativeBelow(limit) => x >= 0.0 && x < limit,
+            }
+    }
+
+    /// The range in radians, of one in degrees.
+    pub fn to_radians(self) -> Self {
+        match self {
+            Self::UpTo(most) => Self::UpTo(most.to_radians()),
+            Self::Below(limit) => Self::Below(limit.to_radians()),
+            Self::NotNegativeBelow(limit) => Self::NotNegativeBelow(limit.to_radians()),
+            Self::Finite | Self::Positive | Self::NotNegative => self,
+        }
+    }
+}

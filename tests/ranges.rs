@@ -1,0 +1,61 @@
+//! Ranges of numbers against what the program makes of a state.
+
+use models::common::range::Range;
+use testkit::ranges::{closed_ends, outside};
+use wellposed::case::template::{Purpose, text_for};
+use wellposed::case::{Case, Key, Medium, keys};
+use wellposed::study::map::PointStatus;
+use wellposed::study::{MapOptions, unwatched};
+
+/// Why the program refuses the state with another value of a key; `None` if it takes it.
+fn refusal(text: &str, key: &Key, value: f64) -> Option<String> {
+    let set = format!("{}={value:?}", key.name);
+    let state = Case::parse(text, "x.toml", &[set]).map_err(wellposed::Error::from);
+    state.and_then(|case| wellposed::point(&case)).err().map(|error| error.to_string())
+}
+
+#[test]
+fn a_state_is_refused_outside_a_range_and_taken_at_its_ends() {
+    let mut checked: Vec<&str> = Vec::new();
+    for medium in Medium::all() {
+        let text = text_for(medium, Purpose::State);
+        for key in keys().iter().filter(|key| key.is_used_by(medium)) {
+            let what = format!("{} of {}", key.name, medium.title());
+            for value in outside(key.range) {
+                let refusal = refusal(&text, key, value);
+                let names_it = refusal.as_ref().is_some_and(|error| error.contains(key.name));
+                assert!(names_it, "{what} = {value:?}: {refusal:?}");
+                checked.push(key.name);
+            }
+            for value in closed_ends(key.range) {
+                assert_eq!(refusal(&text, key, value), None, "{what} = {value:?}");
+            }
+        }
+    }
+    for key in keys().iter().filter(|key| key.range != Range::Finite) {
+        assert!(checked.contains(&key.name), "{} has not been checked", key.name);
+    }
+    for name in ["model.mu", "model.friction_angle_deg", "yield.friction", "wave.number"] {
+        assert!(checked.contains(&name), "{name} has no range");
+    }
+}
+
+/// A map goes through states out of range and says so of each.
+#[test]
+fn a_map_sweeps_beyond_a_range() {
+    let text = "
+[model]
+kind = 'classical'
+dimensions = 2
+lambda = 2e9
+mu = -1
+density = 2000
+[map]
+x = { parameter = 'model.mu', from = -1e9, to = 1e9, points = 3 }
+y = { parameter = 'wave.number', from = 1, to = 2, points = 2 }
+";
+    let case = Case::parse(text, "x.toml", &[]).expect("a case");
+    let map = wellposed::map(&case, MapOptions::default(), &unwatched).expect("a map");
+    let count = |status| map.points.iter().filter(|point| point.status == status).count();
+    assert_eq!([count(PointStatus::OutsideModel), count(PointStatus::WellPosed)], [4, 2]);
+}
