@@ -4,10 +4,11 @@ use std::f64::consts::SQRT_2;
 
 use plotters::style::RGBColor;
 
-use crate::dispersion::{TAG, draw_tag, length, tag_area};
+use crate::dispersion::{TAG, draw_tag, tag_area};
 use crate::page::{self, Entry, Legend, MARGIN, NAME, NUMBER, RULE};
 use crate::picture::{
-    Anchor, Colour, INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, text_width,
+    Anchor, Colour, INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, polyline_length,
+    text_width,
 };
 use crate::polar::{DEGREES, RING_LABEL, at, backing, draw_degrees, ring};
 use crate::scale::{self, Tick, plain};
@@ -350,7 +351,7 @@ impl SphereFigure {
                 let outside = |&[x, y]: &Point| (x - centre[0]).hypot(y - centre[1]) > radius;
                 for (from, to) in runs(points.len(), |index| !outside(&points[index])) {
                     // Scraps along the edges of missing values tell nothing.
-                    let scrap = from + 1 >= to || length(&points[from..to]) < SHORTEST;
+                    let scrap = from + 1 >= to || polyline_length(&points[from..to]) < SHORTEST;
                     let closed = points.first() == points.last();
                     if !scrap || (closed && to - from == points.len()) {
                         picture.line(&points[from..to], 1.6, colour);

@@ -3,11 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::colour_map::Scale;
-use super::contours::polyline_length;
 use super::figure::FieldFigure;
 use super::layout::Layout;
 use super::marks::{around, padded};
-use crate::picture::{Anchor, Point, Rectangle, Text, text_width};
+use crate::picture::{Anchor, Point, Rectangle, Text, polyline_length, text_width};
 use crate::scale::plain;
 
 /// Size of the numbers on lines of equal value, and length of line for each of them.

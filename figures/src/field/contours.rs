@@ -6,7 +6,7 @@ use super::figure::FieldFigure;
 use super::layout::Layout;
 use super::raster::{COARSE, Raster};
 use crate::contour;
-use crate::picture::{INK, Picture, Point, Rectangle, WHITE, dashes};
+use crate::picture::{INK, Picture, Point, Rectangle, WHITE, dashes, polyline_length};
 
 /// Lines of equal value, as shares of the end of the colours.
 const LEVELS: [f64; 4] = [-0.5, -0.25, 0.25, 0.5];
@@ -128,8 +128,4 @@ pub(super) fn draw_level(picture: &mut Picture, share: f64, points: &[Point]) {
     for dash in dashes(points, pattern) {
         picture.line(dash, LEVEL_WIDTH, colour);
     }
-}
-
-pub(super) fn polyline_length(points: &[Point]) -> f64 {
-    points.windows(2).map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1])).sum()
 }
