@@ -2,6 +2,8 @@
 
 use plotters::style::RGBColor;
 
+use crate::error::FigureError;
+use crate::format::Format;
 use crate::growth::{GRID, LINE_WIDTH, Look, draw_marker_of};
 use crate::page::{self, Entry, Legend, MARGIN, RULE};
 use crate::picture::{
@@ -10,7 +12,6 @@ use crate::picture::{
 };
 use crate::scale::{self, Tick};
 use crate::verdict_map::percent;
-use crate::{FigureError, Format};
 
 /// Values at the times of a sheet.
 pub(crate) struct Series<'a> {

@@ -4,7 +4,10 @@ use std::f64::consts::SQRT_2;
 
 use plotters::style::RGBColor;
 
+use crate::contour;
 use crate::dispersion::{TAG, draw_tag, tag_area};
+use crate::error::FigureError;
+use crate::format::Format;
 use crate::page::{self, Entry, Legend, MARGIN, NAME, NUMBER, RULE};
 use crate::picture::{
     Anchor, Colour, INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, polyline_length,
@@ -13,7 +16,6 @@ use crate::picture::{
 use crate::polar::{DEGREES, RING_LABEL, at, backing, draw_degrees, ring};
 use crate::scale::{self, Tick, plain};
 use crate::verdict_map::{BAR, BAR_GAP, LEVEL_MISSING, colour_on_shade, draw_shades, runs, shade};
-use crate::{FigureError, Format, contour};
 
 /// A wave normal of note.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,9 +4,10 @@ use super::axes::Scale;
 use super::figure::{Branch, DispersionFigure};
 use super::looks::{CUTOFF, LIMIT};
 use super::plot::Plot;
+use crate::error::FigureError;
+use crate::format::Format;
 use crate::page::{self, Legend, MARGIN};
 use crate::picture::{Picture, Point, Rectangle};
-use crate::{FigureError, Format};
 
 impl DispersionFigure {
     /// Draws the figure into the bytes of a file.

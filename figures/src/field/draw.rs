@@ -6,9 +6,10 @@ use super::contours::{Levels, draw_level};
 use super::figure::FieldFigure;
 use super::layout::Layout;
 use super::raster::{COARSE, Raster};
+use crate::error::FigureError;
+use crate::format::Format;
 use crate::page::{self, Legend, MARGIN, RULE};
 use crate::picture::{Colour, INK, Picture, Rectangle, WHITE};
-use crate::{FigureError, Format};
 
 /// All that is decided before drawing.
 pub(super) struct Arrangement {

@@ -1,6 +1,6 @@
 //! The data of a field figure, and their checks.
 
-use crate::FigureError;
+use crate::error::FigureError;
 
 /// An axis of a field: the extent of the domain.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,7 +6,7 @@ use super::colour_map::{NEGATIVE, POSITIVE, SHADES, Scale, UNKNOWN_GROUND};
 use super::contours::Levels;
 use super::draw::Arrangement;
 use super::figure::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
-use crate::Format;
+use crate::format::Format;
 use crate::picture::{Colour, INK, Rectangle};
 
 fn figure(columns: usize, rows: usize, value: impl Fn(f64, f64) -> f64) -> FieldFigure {

@@ -7,7 +7,7 @@ use plotters::style::{FontTransform, TextStyle};
 use super::fonts::{BITMAP_SIZE_PER_EM, font};
 use super::geometry::{Point, Rectangle, circle};
 use super::text::{Anchor, Colour, Text};
-use crate::FigureError;
+use crate::error::FigureError;
 
 /// Fine pixels along the edge of a pixel of the finished picture.
 pub(super) const FINENESS: u32 = 3;

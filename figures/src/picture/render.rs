@@ -11,7 +11,8 @@ use super::fonts::register_fonts;
 use super::geometry::Rectangle;
 use super::shapes::{Picture, Shape};
 use super::text::WHITE;
-use crate::{FigureError, Format};
+use crate::error::FigureError;
+use crate::format::Format;
 
 impl Picture {
     /// The picture as the bytes of a file.

@@ -3,7 +3,7 @@
 use super::geometry::{Point, Rectangle, clip, dashes};
 use super::shapes::Picture;
 use super::text::{Anchor, INK, Text, WHITE};
-use crate::Format;
+use crate::format::Format;
 
 const AREA: Rectangle = Rectangle { left: 0.0, top: 0.0, right: 10.0, bottom: 10.0 };
 

@@ -6,11 +6,12 @@ use super::figure::{PolarFigure, Spoke, SpokeStyle};
 use super::labels::{DEGREES, Label, ROW, draw_degrees, draw_labels, labels};
 use super::numbers::{backing, best_numbers, most_numbers};
 use super::radial::{HOLE, Radial};
+use crate::error::FigureError;
+use crate::format::Format;
 use crate::growth::LINEAR;
 use crate::page::{self, Legend, MARGIN};
 use crate::picture::{Picture, Point, Rectangle, WHITE, circle};
 use crate::scale::Tick;
-use crate::{FigureError, Format};
 
 impl PolarFigure {
     /// Draws the figure into the bytes of a file.

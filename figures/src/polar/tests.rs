@@ -5,7 +5,7 @@ use super::figure::{PolarFigure, Spoke, SpokeStyle};
 use super::labels::{Label, labels};
 use super::numbers::best_numbers;
 use super::radial::{HOLE, Radial};
-use crate::Format;
+use crate::format::Format;
 use crate::growth::Line;
 use crate::scale::Tick;
 

@@ -1,7 +1,7 @@
 //! The axes of the map: whole cells around uniformly spaced points.
 
 use super::figure::Axis;
-use crate::FigureError;
+use crate::error::FigureError;
 use crate::page::{self};
 use crate::scale::{self, Tick};
 

@@ -6,10 +6,11 @@ use super::curves::draw_curve;
 use super::figure::VerdictMap;
 use super::levels::Range;
 use super::raster::draw_borders;
+use crate::error::FigureError;
+use crate::format::Format;
 use crate::page::{self, Legend, MARGIN, NAME, NUMBER, RULE};
 use crate::picture::{INK, Picture, Point, Rectangle, clip};
 use crate::scale::{self, Tick};
-use crate::{FigureError, Format};
 
 impl VerdictMap {
     /// Draws the map into the bytes of a file.

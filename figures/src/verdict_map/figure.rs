@@ -1,6 +1,6 @@
 //! The data of a verdict map, and their checks.
 
-use crate::FigureError;
+use crate::error::FigureError;
 
 /// An axis of a map: a uniform grid of at least one point, in either order.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,7 +5,7 @@ use super::figure::{Axis, Category, Curve, Look, VerdictMap};
 use super::hatching::fill;
 use super::levels::Range;
 use super::shares::percent;
-use crate::Format;
+use crate::format::Format;
 
 use crate::tests::check_drawing;
 
