@@ -48,14 +48,6 @@ impl FieldFigure {
                 continue;
             }
             let mut own: Vec<Point> = Vec::new();
-            let is_free = |text: &Text, taken: &[Rectangle]| {
-                let pad = padded(text);
-                pad.left > frame.left + 4.0
-                    && pad.right < frame.right - 4.0
-                    && pad.top > frame.top + 4.0
-                    && pad.bottom < frame.bottom - 4.0
-                    && !taken.iter().any(|other| other.overlaps(&pad))
-            };
             let crossings = |area: Rectangle| {
                 let (from, to) = (square([area.left, area.top]), square([area.right, area.bottom]));
                 let squares = (from.0..=to.0).flat_map(|x| (from.1..=to.1).map(move |y| (x, y)));
@@ -75,7 +67,7 @@ impl FieldFigure {
                     let at = [x, y + 0.36 * LEVEL_NUMBER];
                     let text = Text::new(at, Anchor::Middle, LEVEL_NUMBER, &words);
                     let is_near = |&[a, b]: &Point| (a - x).hypot(b - y) < 0.25 * LEVEL_REPEAT;
-                    if !is_free(&text, &taken) || own.iter().any(is_near) {
+                    if !is_free(&text, frame, &taken) || own.iter().any(is_near) {
                         continue;
                     }
                     let area = padded(&text);
@@ -116,6 +108,16 @@ fn passed_squares(lines: &[(f64, Vec<Point>)]) -> BTreeMap<(usize, usize), [usiz
         }
     }
     passed
+}
+
+/// Whether a number lies inside the frame and clear of what is taken.
+fn is_free(text: &Text, frame: Rectangle, taken: &[Rectangle]) -> bool {
+    let pad = padded(text);
+    pad.left > frame.left + 4.0
+        && pad.right < frame.right - 4.0
+        && pad.top > frame.top + 4.0
+        && pad.bottom < frame.bottom - 4.0
+        && !taken.iter().any(|other| other.overlaps(&pad))
 }
 
 /// How far a line leaves the middle of a number of some width at one of its points.
