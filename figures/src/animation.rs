@@ -5,9 +5,10 @@ use std::io::Write;
 
 use plotters::style::RGBColor;
 
+use crate::error::FigureError;
 use crate::field::FieldFigure;
+use crate::format::Format;
 use crate::picture::{Colour, INK, WHITE};
-use crate::{FigureError, Format};
 
 /// The most colours of an animated GIF.
 const COLOURS: usize = 256;

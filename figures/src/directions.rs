@@ -2,9 +2,10 @@
 
 use plotters::style::RGBColor;
 
+use crate::error::FigureError;
+use crate::format::Format;
 use crate::page::{self, Legend, MARGIN, NAME, NUMBER};
 use crate::picture::{Anchor, Colour, PALE_INK, Picture, Point, Rectangle, Text, circle};
-use crate::{FigureError, Format};
 
 /// What a direction belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,12 +2,13 @@
 
 use plotters::style::RGBColor;
 
+use crate::error::FigureError;
+use crate::format::Format;
 use crate::page::{self, Entry, Legend, MARGIN, RULE};
 use crate::picture::{
     Anchor, Colour, INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, clip, text_width,
 };
 use crate::scale::{self, SymmetricLog, Tick};
-use crate::{FigureError, Format};
 
 /// The growth rate of one model.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,8 @@
 //! The energies of a motion against time.
 
+use crate::error::FigureError;
+use crate::format::Format;
 use crate::record::{Series, Sheet, Strip};
-use crate::{FigureError, Format};
 
 /// One of the energies of a motion, or what shows that they balance.
 #[derive(Debug, Clone, PartialEq)]

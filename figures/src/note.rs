@@ -1,8 +1,9 @@
 //! A page with a remark: why there is nothing to draw.
 
+use crate::error::FigureError;
+use crate::format::Format;
 use crate::page::{self, MARGIN};
 use crate::picture::{Anchor, INK, Picture, Text};
-use crate::{FigureError, Format};
 
 /// A remark in place of a picture.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -2,15 +2,16 @@
 
 use plotters::style::RGBColor;
 
-use crate::dispersion::length;
+use crate::error::FigureError;
+use crate::format::Format;
 use crate::growth::{GRID, LINE_WIDTH, Look, draw_marker_of};
 use crate::page::{self, Entry, Legend, MARGIN, RULE};
 use crate::picture::{
-    Anchor, INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, clip, text_width,
+    Anchor, INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, clip, polyline_length,
+    text_width,
 };
 use crate::scale::{self, Tick};
 use crate::verdict_map::percent;
-use crate::{FigureError, Format};
 
 /// Values at the times of a sheet.
 pub(crate) struct Series<'a> {
@@ -443,7 +444,7 @@ fn by_density(part: Vec<Point>) -> Vec<(bool, Vec<Point>)> {
             continue;
         }
         let piece = &part[start..=end];
-        let is_dense = length(piece) > DENSE * WINDOW.max(part[end][0] - part[start][0]);
+        let is_dense = polyline_length(piece) > DENSE * WINDOW.max(part[end][0] - part[start][0]);
         match pieces.last_mut() {
             Some((kind, line)) if *kind == is_dense => line.extend(&piece[1..]),
             _ => pieces.push((is_dense, piece.to_vec())),

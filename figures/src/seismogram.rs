@@ -1,7 +1,8 @@
 //! What receivers record against time.
 
+use crate::error::FigureError;
+use crate::format::Format;
 use crate::record::{Series, Sheet, Strip};
-use crate::{FigureError, Format};
 
 /// What one receiver records of one quantity.
 #[derive(Debug, Clone, PartialEq)]

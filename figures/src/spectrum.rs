@@ -1,11 +1,12 @@
 //! Powers of what is spread over many scales.
 
 use crate::dispersion::draw_ring;
+use crate::error::FigureError;
+use crate::format::Format;
 use crate::growth::{GRID, LINE_WIDTH, LOOKS, Line, MARKER_SPACING, draw_marker, legend_of};
 use crate::page::{self, Legend, MARGIN, RULE};
 use crate::picture::{INK, Picture, Rectangle, clip};
 use crate::scale::{self, Tick};
-use crate::{FigureError, Format};
 
 /// A positive quantity against the number of a scale, both axes logarithmic, at several times.
 ///

@@ -2,6 +2,8 @@
 
 use plotters::style::RGBColor;
 
+use crate::error::FigureError;
+use crate::format::Format;
 use crate::growth::{LINE_WIDTH, LOOKS, draw_marker};
 use crate::page::{self, Entry, Legend, MARGIN};
 use crate::picture::{Colour, PALE_INK, Picture, Point, Rectangle, WHITE};
@@ -10,7 +12,6 @@ use crate::polar::{
     draw_degrees, draw_labels, draw_markers, labels, most_numbers, parts, places, ring,
 };
 use crate::scale::{self, Tick};
-use crate::{FigureError, Format};
 
 /// Which response of the solid a speed belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

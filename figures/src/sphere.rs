@@ -4,15 +4,18 @@ use std::f64::consts::SQRT_2;
 
 use plotters::style::RGBColor;
 
-use crate::dispersion::{TAG, draw_tag, length, tag_area};
+use crate::contour;
+use crate::dispersion::{TAG, draw_tag, tag_area};
+use crate::error::FigureError;
+use crate::format::Format;
 use crate::page::{self, Entry, Legend, MARGIN, NAME, NUMBER, RULE};
 use crate::picture::{
-    Anchor, Colour, INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, text_width,
+    Anchor, Colour, INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, polyline_length,
+    text_width,
 };
 use crate::polar::{DEGREES, RING_LABEL, at, backing, draw_degrees, ring};
 use crate::scale::{self, Tick, plain};
 use crate::verdict_map::{BAR, BAR_GAP, LEVEL_MISSING, colour_on_shade, draw_shades, runs, shade};
-use crate::{FigureError, Format, contour};
 
 /// A wave normal of note.
 #[derive(Debug, Clone, PartialEq)]
@@ -350,7 +353,7 @@ impl SphereFigure {
                 let outside = |&[x, y]: &Point| (x - centre[0]).hypot(y - centre[1]) > radius;
                 for (from, to) in runs(points.len(), |index| !outside(&points[index])) {
                     // Scraps along the edges of missing values tell nothing.
-                    let scrap = from + 1 >= to || length(&points[from..to]) < SHORTEST;
+                    let scrap = from + 1 >= to || polyline_length(&points[from..to]) < SHORTEST;
                     let closed = points.first() == points.last();
                     if !scrap || (closed && to - from == points.len()) {
                         picture.line(&points[from..to], 1.6, colour);

@@ -7,4 +7,5 @@ pub mod exact;
 pub mod planted;
 pub mod slipping;
 pub mod states;
+pub mod verdicts;
 pub mod wide;

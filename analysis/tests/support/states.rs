@@ -62,6 +62,12 @@ impl Sample {
     }
 }
 
+/// With another non-coaxiality.
+pub fn turned(sample: &Sample, noncoaxiality: f64) -> Sample {
+    let state = State { noncoaxiality: Some(noncoaxiality), ..sample.state };
+    Sample::new(sample.kind(), sample.parameters, state)
+}
+
 /// The widest ranges: densities 1e2…1e4 kg/m³, pressures 1…1e6 Pa, shear rates 1e-3…1e3 1/s,
 /// moments of inertia 1e-9…1e-2 m², all angles.
 pub fn wild(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> Sample {

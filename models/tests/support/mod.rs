@@ -9,6 +9,11 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 pub use testkit::random::Random;
 
+/// 10 to a power between the two.
+pub fn decades(random: &mut Random, from: f64, to: f64) -> f64 {
+    10f64.powf(random.within(from, to))
+}
+
 /// Numbers that can be differentiated.
 pub trait Real:
     Copy

@@ -1,0 +1,202 @@
+//! Binary forms: products, sums, derivatives and rotations.
+
+use crate::list::{List, list};
+use models::Rounded;
+use models::common::elementary::Elementary;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// A binary form of degree d by its d + 1 coefficients.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Form {
+    /// Entry l belongs to κ₁^(d−l) κ₂^l.
+    pub coefficients: List<Rounded>,
+    /// The form as a product, where that is known: two factors that vanish next to each other
+    /// tell their zeros apart, the product of their coefficients does not. The coefficients of one
+    /// factor after the other, and where each ends.
+    pub(super) factors: List<Rounded>,
+    pub(super) ends: List<usize, 4>,
+}
+
+impl Form {
+    /// The zero form of that degree.
+    pub fn zero(degree: usize) -> Self {
+        Self { coefficients: list![Rounded::ZERO; degree + 1], ..Self::default() }
+    }
+
+    pub(super) fn from_coefficients(coefficients: &[Rounded]) -> Self {
+        Self { coefficients: List::from_slice(coefficients), ..Self::default() }
+    }
+
+    /// The coefficients of the factors that are known.
+    pub(super) fn factors(&self) -> impl Iterator<Item = &[Rounded]> {
+        let starts = [0].into_iter().chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, &end)| &self.factors[start..end])
+    }
+
+    /// Remembers that the form is the product of `factors`, up to a positive or negative constant;
+    /// does nothing if it turns out not to be.
+    pub fn factorise(&mut self, factors: &[Form]) {
+        let product =
+            |angle: f64| factors.iter().map(|f| f.at_angle(angle)).fold(Rounded::ONE, |a, b| a * b);
+        // Where the form is large: the ratio must be the same constant.
+        let mut samples: List<(f64, f64), 32> = (0..4 * factors.len() + 8)
+            .map(|i| 0.1 + 0.37 * i as f64)
+            .map(|angle| (self.at_angle(angle).value, product(angle).value))
+            .collect();
+        samples.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
+        samples.truncate(samples.len() / 2);
+        let ratio = samples[0].0 / samples[0].1;
+        let holds = samples.iter().all(|(f, p)| (f - ratio * p).abs() <= 1e-9 * f.abs());
+        if ratio.is_finite() && ratio != 0.0 && holds {
+            (self.factors, self.ends) = (List::new(), List::new());
+            for (index, factor) in factors.iter().enumerate() {
+                let scaled = |&c| if index == 0 { Rounded::exact(ratio) * c } else { c };
+                self.factors.extend(factor.coefficients.iter().map(scaled));
+                self.ends.push(self.factors.len());
+            }
+        }
+    }
+
+    /// Degree d.
+    pub fn degree(&self) -> usize {
+        self.coefficients.len() - 1
+    }
+
+    /// Whether some coefficient has a sign beyond rounding, so that the form does not vanish
+    /// identically.
+    pub fn is_certain(&self) -> bool {
+        self.coefficients.iter().any(|c| matches!(c.sign(), Some(1 | -1)))
+    }
+
+    /// F(cos, sin).
+    pub fn at(&self, cos: Rounded, sin: Rounded) -> Rounded {
+        if self.ends.is_empty() {
+            return evaluate(&self.coefficients, cos, sin);
+        }
+        self.factors().map(|f| evaluate(f, cos, sin)).fold(Rounded::ONE, |a, b| a * b)
+    }
+
+    /// F at an angle that is meant literally.
+    pub fn at_angle(&self, angle: f64) -> Rounded {
+        let angle = Rounded::exact(angle);
+        self.at(angle.cos(), angle.sin())
+    }
+
+    /// Adds `factor` times another form of the same parity and no higher degree, as functions on the
+    /// unit circle.
+    pub fn add(&mut self, other: &Form, factor: Rounded) {
+        let mut raised = other.coefficients.clone();
+        while raised.len() < self.coefficients.len() {
+            let mut next = list![Rounded::ZERO; raised.len() + 2];
+            for (l, &f) in raised.iter().enumerate() {
+                next[l] += f;
+                next[l + 2] += f;
+            }
+            raised = next;
+        }
+        for (sum, &f) in self.coefficients.iter_mut().zip(&raised) {
+            *sum += factor * f;
+        }
+        self.factors.clear();
+        self.ends.clear();
+    }
+
+    /// Whether the form vanishes exactly at this angle, which is one of the axes.
+    pub fn vanishes_on_axis(&self, angle: f64) -> bool {
+        let zero = |c: Option<&Rounded>| c.is_some_and(|c| c.is_structural_zero());
+        (angle == 0.0 || angle == PI) && zero(self.coefficients.first())
+            || (angle - FRAC_PI_2).abs() < 1e-15 && zero(self.coefficients.last())
+    }
+
+    /// dF/dθ at an angle, without its rounding.
+    pub(super) fn derivative_at(&self, angle: f64) -> f64 {
+        let (sin, cos) = angle.cr_sin_cos();
+        let d = self.degree() as i32;
+        let term = |(l, f): (usize, &Rounded)| {
+            let l = l as i32;
+            let mut slope = 0.0;
+            if l > 0 {
+                slope += f64::from(l) * cos.powi(d - l + 1) * sin.powi(l - 1);
+            }
+            if l < d {
+                slope -= f64::from(d - l) * cos.powi(d - l - 1) * sin.powi(l + 1);
+            }
+            f.value * slope
+        };
+        self.coefficients.iter().enumerate().map(term).sum()
+    }
+
+    /// dF/dθ along (cos θ, sin θ): again a form of degree d.
+    pub fn derivative(&self) -> Self {
+        let d = self.degree();
+        let mut result = Self::zero(d);
+        for (l, &f) in self.coefficients.iter().enumerate() {
+            // d/dθ (c^(d−l) s^l) = l c^(d−l+1) s^(l−1) − (d−l) c^(d−l−1) s^(l+1)
+            if l > 0 {
+                result.coefficients[l - 1] += l as f64 * f;
+            }
+            if l < d {
+                result.coefficients[l + 1] += -((d - l) as f64 * f);
+            }
+        }
+        result
+    }
+
+    /// The form in axes turned by the angle with this cosine and sine: G(κ, κ⊥) with
+    /// κ₁ = cos κ − sin κ⊥, κ₂ = sin κ + cos κ⊥.
+    pub fn rotated(&self, cos: Rounded, sin: Rounded) -> Self {
+        let d = self.degree();
+        let multiply = |p: &[Rounded], a: Rounded, b: Rounded| {
+            let mut product = list![Rounded::ZERO; p.len() + 1];
+            for (i, &x) in p.iter().enumerate() {
+                product[i] += a * x;
+                product[i + 1] += b * x;
+            }
+            product
+        };
+        let mut result = Self::zero(d);
+        // Factor by factor, as small values near a common zero lose less.
+        let turned = self.factors().map(|f| Self::from_coefficients(f).rotated(cos, sin));
+        let product = turned.map(|f| f.coefficients).reduce(|p, q| {
+            let mut product = list![Rounded::ZERO; p.len() + q.len() - 1];
+            for (i, &x) in p.iter().enumerate() {
+                for (j, &y) in q.iter().enumerate() {
+                    product[i + j] += x * y;
+                }
+            }
+            product
+        });
+        if let Some(coefficients) = product {
+            result.coefficients = coefficients;
+            return result;
+        }
+        for (l, &f) in self.coefficients.iter().enumerate() {
+            if f.is_structural_zero() {
+                continue;
+            }
+            let mut product = list![f];
+            for factor in 0..d {
+                product = if factor < l {
+                    multiply(&product, sin, cos)
+                } else {
+                    multiply(&product, cos, -sin)
+                };
+            }
+            for (r, p) in result.coefficients.iter_mut().zip(product) {
+                *r += p;
+            }
+        }
+        result
+    }
+}
+
+/// Horner's scheme in cos, with powers of sin.
+fn evaluate(coefficients: &[Rounded], cos: Rounded, sin: Rounded) -> Rounded {
+    let mut value = coefficients[0];
+    let mut power = Rounded::ONE;
+    for &f in &coefficients[1..] {
+        power = power * sin;
+        value = value * cos + f * power;
+    }
+    value
+}

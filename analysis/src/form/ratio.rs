@@ -1,0 +1,53 @@
+//! Extrema of the ratio of two forms.
+
+use super::binary_form::Form;
+use crate::list::List;
+use models::common::elementary::cr_arg;
+use std::f64::consts::PI;
+
+impl Form {
+    /// d log|F|/dθ
+    fn logarithmic_derivative(&self, angle: f64) -> f64 {
+        let own = |f: &Form| f.derivative_at(angle) / f.at_angle(angle).value;
+        match self.ends.len() {
+            0 => own(self),
+            _ => self.factors().map(|f| own(&Self::from_coefficients(f))).sum(),
+        }
+    }
+}
+
+/// Angles in [0, π) among which are all extrema of |a/b|: zeros of a′b − ab′.
+pub fn extrema_of_ratio(a: &Form, b: &Form) -> List<f64> {
+    let product = |p: &Form, q: &Form, sign: f64, sum: &mut Form| {
+        for (i, x) in p.coefficients.iter().enumerate() {
+            for (j, y) in q.coefficients.iter().enumerate() {
+                sum.coefficients[i + j].value += sign * x.value * y.value;
+            }
+        }
+    };
+    let mut slope = Form::zero(a.degree() + b.degree());
+    product(&a.derivative(), b, 1.0, &mut slope);
+    product(a, &b.derivative(), -1.0, &mut slope);
+    slope
+        .roots_on_the_circle()
+        .filter(|z| (z.norm() - 1.0).abs() < 1e-3)
+        .map(|z| (0.5 * cr_arg(z)).rem_euclid(PI))
+        .collect()
+}
+
+/// A maximum of |a/b| between two angles at which it vanishes or is lower, by bisection of its
+/// logarithmic derivative.
+pub fn maximum_of_ratio(a: &Form, b: &Form, mut left: f64, mut right: f64) -> f64 {
+    for _ in 0..60 {
+        let middle = 0.5 * (left + right);
+        if middle <= left || middle >= right {
+            break;
+        }
+        if a.logarithmic_derivative(middle) > b.logarithmic_derivative(middle) {
+            left = middle;
+        } else {
+            right = middle;
+        }
+    }
+    0.5 * (left + right)
+}

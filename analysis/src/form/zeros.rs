@@ -1,0 +1,243 @@
+//! Directions in which a form vanishes.
+
+use super::binary_form::Form;
+use crate::list::{List, list};
+use crate::roots;
+use models::Rounded;
+use models::common::elementary::cr_arg;
+use num_complex::Complex64;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// A real direction in which a form vanishes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Zero {
+    /// Angle of (κ₁, κ₂), in [0, π).
+    pub angle: f64,
+    /// Bound on the error of `angle`, rad.
+    pub bound: f64,
+    /// Whether the form changes sign there; otherwise it touches zero within its rounding bound.
+    pub crosses: bool,
+}
+
+impl Form {
+    /// The angles in [0, π) at which dF/dθ vanishes, ascending.
+    fn extrema(&self) -> List<f64> {
+        let derivative = self.derivative();
+        let curvature = derivative.derivative();
+        let mut angles: List<f64> = derivative
+            .roots_on_the_circle()
+            .filter(|z| (z.norm() - 1.0).abs() < 1e-3)
+            .map(|z| {
+                let mut angle = cr_arg(z) / 2.0;
+                for _ in 0..4 {
+                    let slope = curvature.at_angle(angle).value;
+                    let step = derivative.at_angle(angle).value / slope;
+                    if step.is_finite() && step.abs() < 0.1 {
+                        angle -= step;
+                    }
+                }
+                angle.rem_euclid(PI)
+            })
+            .collect();
+        angles.sort_by(f64::total_cmp);
+        angles.dedup_by(|a, b| (*a - *b).abs() < 4.0 * f64::EPSILON);
+        angles
+    }
+
+    /// Roots in z = exp 2iθ: with w = exp iθ the form is w^(−d) times a polynomial in w².
+    pub(super) fn roots_on_the_circle(&self) -> impl Iterator<Item = Complex64> {
+        let d = self.degree();
+        let mut polynomial = list![Complex64::ZERO; d + 1];
+        for (l, f) in self.coefficients.iter().enumerate() {
+            // (z + 1)^(d−l) (z − 1)^l i^(−l)
+            let mut term =
+                list![Complex64::from(f.value) * Complex64::new(0.0, -1.0).powi(l as i32)];
+            for factor in 0..d {
+                let constant = if factor < l { -1.0 } else { 1.0 };
+                let mut next = list![Complex64::ZERO; term.len() + 1];
+                for (i, &t) in term.iter().enumerate() {
+                    next[i + 1] += t;
+                    next[i] += constant * t;
+                }
+                term = next;
+            }
+            for (p, t) in polynomial.iter_mut().zip(term) {
+                *p += t;
+            }
+        }
+        // A top coefficient of rounding size is a root at infinity, which is no direction.
+        let size = polynomial.iter().map(|c| c.norm()).fold(0.0, f64::max);
+        while polynomial.last().is_some_and(|c| c.norm() <= 1e-14 * size) {
+            polynomial.pop();
+        }
+        roots::of(&polynomial).into_iter()
+    }
+
+    /// All directions in [0, π) in which the form crosses zero, or touches it within rounding.
+    ///
+    /// Between two neighbouring extrema the form is monotone: a change of sign brackets exactly
+    /// one zero, however close the extrema are to zero. No sector between two zeros is missed
+    /// unless the form inside it stays below its rounding bound.
+    pub fn zeros(&self) -> List<Zero> {
+        if !self.is_certain() {
+            return List::new();
+        }
+        if !self.ends.is_empty() {
+            let mut zeros: List<Zero> =
+                self.factors().flat_map(|f| Self::from_coefficients(f).zeros()).collect();
+            merge(&mut zeros);
+            return zeros;
+        }
+        if let Some(zeros) = self.zeros_beside_axes() {
+            return zeros;
+        }
+        let extrema = self.extrema();
+        let derivative = self.derivative();
+        let second = derivative.derivative();
+        let mut zeros = List::new();
+        if self.degree() % 2 == 1 && extrema.is_empty() {
+            return zeros;
+        }
+        // Value at an extremum; none where it may be zero, as its own place is uncertain by about a
+        // unit in the last place.
+        let sign_at = |angle: f64| {
+            let value = self.at_angle(angle);
+            let curvature = second.at_angle(angle).value.abs();
+            let reach = value.bound + 0.5 * curvature * (4.0 * f64::EPSILON).powi(2);
+            (value.value.abs() > reach).then_some(value.value)
+        };
+        for (index, &left) in extrema.iter().enumerate() {
+            let Some(start) = sign_at(left) else {
+                // A touching zero: its place is that of the extremum.
+                let (angle, bound) = touching(self, left);
+                let angle = angle.rem_euclid(PI);
+                // The extrema inside a multiple zero all lead to it.
+                let is_known = |z: &Zero| (z.angle - angle).abs() <= 2.0 * (z.bound + bound);
+                if !zeros.iter().any(is_known) {
+                    zeros.push(Zero { angle, bound, crosses: false });
+                }
+                continue;
+            };
+            let (right, flip) = match extrema.get(index + 1) {
+                Some(&right) => (right, 1.0),
+                None => (extrema[0] + PI, if self.degree() % 2 == 1 { -1.0 } else { 1.0 }),
+            };
+            let Some(end) = sign_at(extrema[(index + 1) % extrema.len()]) else { continue };
+            let end = flip * end;
+            if start * end.signum() >= 0.0 {
+                continue;
+            }
+            let angle = self.bracketed_zero((left, start), (right, end));
+            let bound = self.at_angle(angle).bound / derivative.at_angle(angle).value.abs()
+                + 4.0 * f64::EPSILON;
+            zeros.push(Zero { angle: angle.rem_euclid(PI), bound, crosses: true });
+        }
+        zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));
+        zeros
+    }
+
+    /// The zeros of a form that powers of κ₁ and κ₂ divide exactly; none of another form.
+    fn zeros_beside_axes(&self) -> Option<List<Zero>> {
+        let absent = |c: &&Rounded| c.is_structural_zero();
+        let second = self.coefficients.iter().take_while(absent).count();
+        let first = self.coefficients.iter().rev().take_while(absent).count();
+        if first + second == 0 {
+            return None;
+        }
+        let rest = &self.coefficients[second..=self.degree() - first];
+        let mut zeros = Self::from_coefficients(rest).zeros();
+        let axes = [(second, 0.0, 0.0), (first, FRAC_PI_2, f64::EPSILON)];
+        let own = axes.into_iter().filter(|axis| axis.0 > 0);
+        zeros.extend(own.map(|(power, angle, bound)| Zero {
+            angle,
+            bound,
+            crosses: power % 2 == 1,
+        }));
+        merge(&mut zeros);
+        Some(zeros)
+    }
+
+    /// The zero between two angles with values of different signs, by regula falsi after Illinois, and
+    /// bisection where that is slow.
+    fn bracketed_zero(&self, (mut a, mut fa): (f64, f64), (mut b, mut fb): (f64, f64)) -> f64 {
+        for round in 0..120 {
+            let secant = b - fb * (b - a) / (fb - fa);
+            let inside = (secant - a) * (secant - b) < 0.0;
+            let middle = if inside && round % 4 != 3 { secant } else { 0.5 * (a + b) };
+            if middle <= a.min(b) || middle >= a.max(b) {
+                break;
+            }
+            let f = self.at_angle(middle).value;
+            if f == 0.0 {
+                (a, b) = (middle, middle);
+                break;
+            }
+            if (f > 0.0) == (fb > 0.0) {
+                fa *= 0.5;
+            } else {
+                (a, fa) = (b, fb);
+            }
+            (b, fb) = (middle, f);
+        }
+        0.5 * (a + b)
+    }
+}
+
+/// The place of a zero that the form touches near its extremum at `angle`, and its rounding bound.
+///
+/// Zeros of multiplicity m come apart by the m-th root of the rounding, and so do the extrema between
+/// them. They are one zero if there is a place near by at which all derivatives below the m-th are zero
+/// within rounding: a simple zero of the last of these, as accurate as any.
+fn touching(form: &Form, angle: f64) -> (f64, f64) {
+    const NEAR: f64 = 0.03;
+    let mut derivatives = list![form.clone()];
+    for m in 0..form.degree() {
+        derivatives.push(derivatives[m].derivative());
+    }
+    for m in (2..=form.degree()).rev().filter(|m| m % 2 == 0) {
+        let (last, change) = (&derivatives[m - 1], &derivatives[m]);
+        let mut place = angle;
+        for _ in 0..4 {
+            let step = last.at_angle(place).value / change.at_angle(place).value;
+            // The first derivative's own zero is the angle already.
+            if m > 2 {
+                place -= step;
+            }
+            if step.is_nan() || step.abs() > NEAR {
+                break;
+            }
+        }
+        let slope = change.at_angle(place);
+        let is_zero = |value: Rounded| value.value.abs() <= value.bound;
+        let is_near = (place - angle).abs() < NEAR && !is_zero(slope);
+        if is_near && derivatives[..m].iter().all(|d| is_zero(d.at_angle(place))) {
+            return (place, last.at_angle(place).bound / slope.value.abs() + f64::EPSILON);
+        }
+    }
+    let curvature = derivatives[2.min(form.degree())].at_angle(angle).value.abs();
+    let slope = derivatives[1].at_angle(angle).bound;
+    (angle, (slope / curvature).min(1.0) + f64::EPSILON)
+}
+
+/// Sorts zeros of several factors; those that agree within their bounds become one, which crosses
+/// if an odd number of them does.
+pub fn merge(zeros: &mut List<Zero>) {
+    zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));
+    let near = |a: &Zero, b: &Zero, turn: f64| {
+        (b.angle - a.angle + turn).abs() <= 2.0 * (a.bound + b.bound)
+    };
+    zeros.dedup_by(|later, earlier| {
+        let same = near(earlier, later, 0.0);
+        if same {
+            earlier.crosses ^= later.crosses;
+            earlier.bound = earlier.bound.max(later.bound);
+        }
+        same
+    });
+    if let [first, .., last] = zeros[..]
+        && near(&first, &last, -PI)
+    {
+        zeros[0].crosses ^= last.crosses;
+        zeros.pop();
+    }
+}

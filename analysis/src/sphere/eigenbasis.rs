@@ -1,0 +1,99 @@
+//! Eigenvectors of Γₑ by Jacobi's method, and groups of equal eigenvalues.
+
+/// Velocities at most.
+pub(super) const SIZE: usize = 6;
+
+/// Eigenvalues of Γₑ closer than this, relative to the larger, count as equal.
+const EQUAL: f64 = 1e-10;
+
+/// Different eigenvalues of Γₑ in a direction.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Groups {
+    pub(super) count: usize,
+    pub(super) value: [f64; SIZE],
+    pub(super) multiplicity: [u8; SIZE],
+    /// The group of each eigenvalue.
+    pub(super) of: [u8; SIZE],
+}
+
+/// Γₑ's eigenvectors in a direction.
+pub(super) type Basis = [[f64; SIZE]; SIZE];
+
+impl Groups {
+    pub(super) fn new(eigenvalues: &[f64]) -> Self {
+        let mut order: [usize; SIZE] = std::array::from_fn(|i| i);
+        let order = &mut order[..eigenvalues.len()];
+        order.sort_by(|&i, &j| eigenvalues[i].total_cmp(&eigenvalues[j]));
+        let mut groups = Self::default();
+        let mut previous = f64::NEG_INFINITY;
+        for &index in order.iter() {
+            let value = eigenvalues[index];
+            if value - previous > EQUAL * value.abs() {
+                groups.value[groups.count] = value;
+                groups.count += 1;
+            }
+            previous = value;
+            groups.of[index] = groups.count.saturating_sub(1) as u8;
+            groups.multiplicity[groups.count.saturating_sub(1)] += 1;
+        }
+        groups
+    }
+}
+
+/// Jacobi's method for the block of a symmetric matrix: its eigenvalues come to stand in the diagonal, in
+/// ascending order, the eigenvectors into the columns of `basis`.
+pub(super) fn diagonalise(matrix: &mut Basis, basis: &mut Basis, (first, size): (usize, usize)) {
+    let range = first..first + size;
+    let trace = range.clone().fold(0.0, |sum, i| sum + matrix[i][i].abs());
+    for _ in 0..40 {
+        let mut is_done = true;
+        for p in range.clone() {
+            for q in p + 1..first + size {
+                let entry = matrix[p][q];
+                if entry.abs() <= 1e-18 * trace {
+                    continue;
+                }
+                is_done = false;
+                let ratio = (matrix[q][q] - matrix[p][p]) / (2.0 * entry);
+                let tangent = ratio.signum() / (ratio.abs() + (1.0 + ratio * ratio).sqrt());
+                let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
+                let sine = tangent * cosine;
+                matrix[p][p] -= tangent * entry;
+                matrix[q][q] += tangent * entry;
+                matrix[p][q] = 0.0;
+                matrix[q][p] = 0.0;
+                for i in range.clone() {
+                    if i != p && i != q {
+                        let (x, y) = (matrix[i][p], matrix[i][q]);
+                        matrix[i][p] = cosine * x - sine * y;
+                        matrix[i][q] = sine * x + cosine * y;
+                        matrix[p][i] = matrix[i][p];
+                        matrix[q][i] = matrix[i][q];
+                    }
+                    let (x, y) = (basis[i][p], basis[i][q]);
+                    basis[i][p] = cosine * x - sine * y;
+                    basis[i][q] = sine * x + cosine * y;
+                }
+            }
+        }
+        if is_done {
+            break;
+        }
+    }
+    for end in (first + 1..first + size).rev() {
+        for p in first..end {
+            if matrix[p][p] > matrix[p + 1][p + 1] {
+                let lower = matrix[p][p];
+                matrix[p][p] = matrix[p + 1][p + 1];
+                matrix[p + 1][p + 1] = lower;
+                for row in &mut basis[range.clone()] {
+                    row.swap(p, p + 1);
+                }
+            }
+        }
+    }
+}
+
+pub(super) fn identity() -> Basis {
+    std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))))
+}

@@ -1,0 +1,268 @@
+//! Elastic waves in all starting directions.
+
+use super::eigenbasis::{Basis, Groups, SIZE, diagonalise, identity};
+use super::error::SphereError;
+use super::geodesic_grid::{NEIGHBOURS, grids};
+use models::common::product::triple_product;
+use models::common::rates::RateEquations;
+use nalgebra::DMatrix;
+
+/// Directions that the inner loops take at a time.
+pub(super) const LANES: usize = 32;
+
+/// The directions of an elastic solid and its waves in them; serves every
+/// [change of rank one](super::rank_one::RankOne) of that solid's stiffness, from any thread.
+///
+/// Speeds are in units of the fastest elastic wave of the grid. Velocities that no gradient strains
+/// (the spins of a reduced Cosserat solid) carry no waves and are left out.
+#[derive(Clone, Debug)]
+pub struct Sphere {
+    /// (Fastest elastic wave)², m²/s².
+    pub(super) unit: f64,
+    pub(super) stresses: usize,
+    /// Velocities that carry waves, blocks that do not act on each other one after the other.
+    pub(super) size: usize,
+    /// First velocity and size of the blocks.
+    pub(super) blocks: Vec<(usize, usize)>,
+    /// M^(−½) Gⁱᵀ by the three axes: velocities × stresses, in units of √unit.
+    pub(super) balance: [DMatrix<f64>; 3],
+    /// Γₑ(n) = Σ over pairs of axes nᵢnⱼ T: 11, 22, 33, 23, 13, 12.
+    acoustic: [[[f64; SIZE]; SIZE]; 6],
+    /// Wave normals.
+    pub(super) normals: Vec<[f64; 3]>,
+    /// How eigenvalues go together at each of `normals`.
+    pub(super) groups: Vec<Groups>,
+    /// The point of the coarse grid, by its place in `coarse`, next to each of `normals`.
+    pub(super) parents: Vec<u32>,
+    /// The coarse grid, by places in `normals`.
+    pub(super) coarse: Vec<u32>,
+    /// Its neighbours, by places in `coarse`; fewer than six repeat the first.
+    pub(super) neighbours: Vec<[u32; NEIGHBOURS]>,
+    /// The same as structure of arrays.
+    pub(super) chunks: Vec<Chunk>,
+    /// Eigenvectors of each chunk, block after block: by velocity, then by eigenvalue.
+    pub(super) bases: Vec<[f64; LANES]>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Chunk {
+    pub(super) normal: [[f64; LANES]; 3],
+    pub(super) speed_squared: [[f64; LANES]; SIZE],
+}
+
+impl Sphere {
+    /// No direction is farther than this from a starting point or its opposite, rad: 0.9°.
+    pub const COVERING_RADIUS: f64 = 0.9 * std::f64::consts::PI / 180.0;
+
+    /// Computes the elastic waves in all starting directions. Takes about 0.1 s.
+    ///
+    /// # Errors
+    /// More than six velocities; numbers that are not finite; an elastic solid that has no waves of some
+    /// direction and polarisation.
+    pub fn new(elastic: &RateEquations<3>) -> Result<Self, SphereError> {
+        let stresses = elastic.stresses();
+        let stiffness = elastic.stiffness_values();
+        let carries =
+            |&v: &usize| elastic.gradient.iter().any(|g| g.column(v).iter().any(|&x| x != 0.0));
+        let moving: Vec<usize> = (0..elastic.velocities()).filter(carries).collect();
+        let size = moving.len();
+        if size > SIZE {
+            return Err(SphereError::TooLarge(size));
+        }
+
+        // T = M^(−½) Gⁱᵀ D Gʲ M^(−½).
+        let rows = |axis: usize, order: &[usize]| {
+            DMatrix::from_fn(size, stresses, |v, s| {
+                elastic.gradient[axis][(s, order[v])] / elastic.inertia[order[v]].value.sqrt()
+            })
+        };
+        let products = |order: &[usize]| -> [[DMatrix<f64>; 3]; 3] {
+            std::array::from_fn(|i| {
+                std::array::from_fn(|j| {
+                    triple_product(&rows(i, order), &stiffness, &rows(j, order).transpose())
+                })
+            })
+        };
+        let all = products(&moving);
+        if all.iter().flatten().any(|t| t.iter().any(|x| !x.is_finite())) {
+            return Err(SphereError::NotFinite);
+        }
+
+        let (order, blocks) = coupled_blocks(&all, size);
+        let order: Vec<usize> = order.iter().map(|&v| moving[v]).collect();
+
+        let acoustic = acoustic_tensors(&products(&order), size);
+        let (normals, coarse, neighbours, parents) = grids();
+        let mut sphere = Self {
+            unit: 1.0,
+            stresses,
+            size,
+            blocks,
+            balance: std::array::from_fn(|axis| rows(axis, &order)),
+            acoustic,
+            normals,
+            groups: Vec::new(),
+            parents,
+            coarse,
+            neighbours,
+            chunks: Vec::new(),
+            bases: Vec::new(),
+        };
+        sphere.compute_waves()?;
+        Ok(sphere)
+    }
+
+    /// Fills `groups`, `chunks` and `bases`, and makes the fastest wave the unit.
+    fn compute_waves(&mut self) -> Result<(), SphereError> {
+        let count = self.normals.len();
+        let mut fastest: f64 = 0.0;
+        let mut waves = Vec::with_capacity(count);
+        for &normal in &self.normals {
+            let wave = self.elastic(&normal, &identity());
+            for &value in &wave.0[..self.size] {
+                fastest = fastest.max(value);
+            }
+            waves.push(wave);
+        }
+        for ((values, _), &normal) in waves.iter().zip(&self.normals) {
+            if let Some(&value) = values[..self.size]
+                .iter()
+                .find(|&&value| value.is_nan() || value <= 1e-14 * fastest)
+            {
+                return Err(SphereError::NotElastic { normal, speed_squared: value });
+            }
+        }
+        self.unit = fastest;
+        for tensor in self.acoustic.iter_mut().flatten().flatten() {
+            *tensor /= fastest;
+        }
+        for rows in &mut self.balance {
+            *rows /= fastest.sqrt();
+        }
+        let entries: usize = self.blocks.iter().map(|&(_, size)| size * size).sum();
+        for start in (0..count).step_by(LANES) {
+            let mut chunk =
+                Chunk { normal: [[0.0; LANES]; 3], speed_squared: [[1.0; LANES]; SIZE] };
+            let first = self.bases.len();
+            self.bases.resize(first + entries, [0.0; LANES]);
+            for lane in 0..LANES {
+                // The last chunk is filled up with the last direction.
+                let place = (start + lane).min(count - 1);
+                let (values, basis) = &waves[place];
+                for axis in 0..3 {
+                    chunk.normal[axis][lane] = self.normals[place][axis];
+                }
+                for (lanes, value) in chunk.speed_squared.iter_mut().zip(values).take(self.size) {
+                    lanes[lane] = value / fastest;
+                }
+                let mut entry = first;
+                for &(block, size) in &self.blocks {
+                    for row in &basis[block..block + size] {
+                        for &component in &row[block..block + size] {
+                            self.bases[entry][lane] = component;
+                            entry += 1;
+                        }
+                    }
+                }
+                if start + lane < count {
+                    let scaled = values.map(|value| value / fastest);
+                    self.groups.push(Groups::new(&scaled[..self.size]));
+                }
+            }
+            self.chunks.push(chunk);
+        }
+        Ok(())
+    }
+
+    /// Eigenvalues and eigenvectors of Γₑ; quick where `near` has nearly its eigenvectors.
+    pub(super) fn elastic(&self, n: &[f64; 3], near: &Basis) -> ([f64; SIZE], Basis) {
+        let factors =
+            [n[0] * n[0], n[1] * n[1], n[2] * n[2], n[1] * n[2], n[0] * n[2], n[0] * n[1]];
+        let (mut matrix, mut basis) = ([[0.0; SIZE]; SIZE], *near);
+        for &(first, size) in &self.blocks {
+            let range = first..first + size;
+            let mut half = [[0.0; SIZE]; SIZE];
+            for i in range.clone() {
+                for j in range.clone() {
+                    let mut entry = 0.0;
+                    for (factor, tensor) in factors.iter().zip(&self.acoustic) {
+                        entry += factor * tensor[i][j];
+                    }
+                    for k in range.clone() {
+                        half[i][k] += entry * near[j][k];
+                    }
+                }
+            }
+            for i in range.clone() {
+                for k in range.clone() {
+                    for l in range.clone() {
+                        matrix[k][l] += near[i][k] * half[i][l];
+                    }
+                }
+            }
+            diagonalise(&mut matrix, &mut basis, (first, size));
+        }
+        (std::array::from_fn(|k| matrix[k][k]), basis)
+    }
+
+    /// Γₑ's eigenvectors at a starting direction.
+    pub(super) fn basis(&self, place: usize) -> Basis {
+        let mut basis = [[0.0; SIZE]; SIZE];
+        let entries: usize = self.blocks.iter().map(|&(_, size)| size * size).sum();
+        let mut entry = place / LANES * entries;
+        for &(first, size) in &self.blocks {
+            for row in &mut basis[first..first + size] {
+                for component in &mut row[first..first + size] {
+                    *component = self.bases[entry][place % LANES];
+                    entry += 1;
+                }
+            }
+        }
+        basis
+    }
+
+    /// The starting directions; −n stands for n too.
+    pub fn normals(&self) -> &[[f64; 3]] {
+        &self.normals
+    }
+}
+
+/// The order of the velocities in which those that act on each other stand together, and first velocity
+/// and size of these blocks.
+fn coupled_blocks(all: &[[DMatrix<f64>; 3]; 3], size: usize) -> (Vec<usize>, Vec<(usize, usize)>) {
+    let mut block: Vec<usize> = (0..size).collect();
+    for v in 0..size {
+        for w in 0..size {
+            if all.iter().flatten().any(|t| t[(v, w)] != 0.0 || t[(w, v)] != 0.0) {
+                let (kept, gone) = (block[v].min(block[w]), block[v].max(block[w]));
+                block.iter_mut().filter(|b| **b == gone).for_each(|b| *b = kept);
+            }
+        }
+    }
+    let mut order: Vec<usize> = (0..size).collect();
+    order.sort_by_key(|&v| block[v]);
+    let mut blocks: Vec<(usize, usize)> = Vec::new();
+    for (place, &v) in order.iter().enumerate() {
+        match blocks.last_mut() {
+            Some((first, length)) if block[order[*first]] == block[v] => *length += 1,
+            _ => blocks.push((place, 1)),
+        }
+    }
+    (order, blocks)
+}
+
+/// The symmetric matrices T by which Γₑ is quadratic in the normal: 11, 22, 33, 23, 13, 12.
+fn acoustic_tensors(sorted: &[[DMatrix<f64>; 3]; 3], size: usize) -> [[[f64; SIZE]; SIZE]; 6] {
+    let mut acoustic = [[[0.0; SIZE]; SIZE]; 6];
+    for (tensor, (i, j)) in
+        acoustic.iter_mut().zip([(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)])
+    {
+        for v in 0..size {
+            for w in 0..size {
+                let pair = |i: usize, j: usize| 0.5 * (sorted[i][j][(v, w)] + sorted[i][j][(w, v)]);
+                tensor[v][w] = if i == j { pair(i, i) } else { pair(i, j) + pair(j, i) };
+            }
+        }
+    }
+    acoustic
+}

@@ -1,0 +1,43 @@
+//! Results of the search: flutter and the slowest wave.
+
+use num_complex::Complex64;
+
+/// The strongest flutter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flutter {
+    /// Supremum of |Im c| over the directions with complex c², m/s: short waves grow as this times k.
+    pub growth: f64,
+    /// c² there, m²/s²; the conjugate is a c² too.
+    pub speed_squared: Complex64,
+    /// The wave normal.
+    pub normal: [f64; 3],
+}
+
+/// The slowest wave among those with real c².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slowest {
+    /// Least real c², m²/s². Zero is a stationary discontinuity, the onset of a shear band; below, waves
+    /// grow as √(−c²) k. Infinite if no direction has a real c².
+    pub speed_squared: f64,
+    /// The wave normal, which is the normal of the band.
+    pub normal: [f64; 3],
+    /// How far rounding may have moved `speed_squared`, m²/s².
+    pub rounding: f64,
+}
+
+/// What was found over all directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extremes {
+    /// Flutter, if there is any.
+    pub flutter: Option<Flutter>,
+    /// The least real c².
+    pub slowest: Slowest,
+}
+
+impl Extremes {
+    /// The greater |Im c| of flutter and of negative c², m/s; 0 without either.
+    pub fn growth(&self) -> f64 {
+        let divergence = (-self.slowest.speed_squared).max(0.0).sqrt();
+        self.flutter.map_or(divergence, |flutter| flutter.growth.max(divergence))
+    }
+}

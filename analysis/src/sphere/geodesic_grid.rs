@@ -1,0 +1,96 @@
+//! Geodesic grids on the half-sphere.
+
+use super::unit_vectors::{dot, unit};
+use std::collections::HashMap;
+
+/// Subdivisions of an edge of the icosahedron: of the grid, and of its part where everything is computed.
+pub(super) const FINE: usize = 51;
+pub(super) const COARSE: usize = 17;
+/// Neighbours of a point of the geodesic grid.
+pub(super) const NEIGHBOURS: usize = 6;
+
+/// Points of an icosahedron's faces divided into `frequency`² triangles, on the unit sphere, one of each
+/// pair n, −n; and the triangles between them.
+fn geodesic(frequency: usize) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
+    let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
+    let mut corners = Vec::with_capacity(12);
+    for axis in 0..3 {
+        for (one, other) in [(1.0, golden), (1.0, -golden), (-1.0, golden), (-1.0, -golden)] {
+            let mut corner = [0.0; 3];
+            corner[(axis + 1) % 3] = one;
+            corner[(axis + 2) % 3] = other;
+            corners.push(corner);
+        }
+    }
+    let is_edge =
+        |p: &[f64; 3], q: &[f64; 3]| (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>() < 5.0;
+    let (mut points, mut places, mut triangles) = (Vec::new(), HashMap::new(), Vec::new());
+    let divisions = frequency as f64;
+    for first in 0..12 {
+        for second in first + 1..12 {
+            for third in second + 1..12 {
+                let [p, q, r] = [&corners[first], &corners[second], &corners[third]];
+                if !(is_edge(p, q) && is_edge(q, r) && is_edge(p, r)) {
+                    continue;
+                }
+                let mut place = |i: usize, j: usize| {
+                    let (u, v) = (i as f64 / divisions, j as f64 / divisions);
+                    let w = (frequency - i - j) as f64 / divisions;
+                    let mut point: [f64; 3] =
+                        std::array::from_fn(|axis| u * p[axis] + v * q[axis] + w * r[axis]);
+                    // One of n and −n: the first component that does not vanish is positive.
+                    let leading = point.iter().rev().find(|x| x.abs() > 1e-9).copied();
+                    if leading.is_some_and(|x| x < 0.0) {
+                        point = point.map(|x| -x);
+                    }
+                    let point = unit(point);
+                    let key = point.map(|x| (x * 1e7).round() as i64);
+                    *places.entry(key).or_insert_with(|| {
+                        points.push(point);
+                        points.len() - 1
+                    })
+                };
+                for i in 0..frequency {
+                    for j in 0..frequency - i {
+                        triangles.push([place(i, j), place(i + 1, j), place(i, j + 1)]);
+                        if i + j + 2 <= frequency {
+                            triangles.push([place(i + 1, j + 1), place(i + 1, j), place(i, j + 1)]);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    (points, triangles)
+}
+
+type Grids = (Vec<[f64; 3]>, Vec<u32>, Vec<[u32; NEIGHBOURS]>, Vec<u32>);
+
+/// The fine grid; the coarse one by places in it; neighbours in the coarse one; nearest in the coarse one.
+pub(super) fn grids() -> Grids {
+    let (fine, _) = geodesic(FINE);
+    let (coarse, triangles) = geodesic(COARSE);
+    let nearest = |grid: &[[f64; 3]], n: &[f64; 3]| {
+        let distance = |place: usize| dot(&grid[place], n).abs();
+        let closer = |best, place| if distance(place) > distance(best) { place } else { best };
+        (0..grid.len()).fold(0, closer) as u32
+    };
+    let parents = fine.iter().map(|n| nearest(&coarse, n)).collect();
+    let places = coarse.iter().map(|n| nearest(&fine, n)).collect();
+    let mut around: Vec<Vec<u32>> = vec![Vec::new(); coarse.len()];
+    for triangle in triangles {
+        for i in 0..3 {
+            for j in (0..3).filter(|&j| j != i) {
+                let other = triangle[j] as u32;
+                if !around[triangle[i]].contains(&other) {
+                    around[triangle[i]].push(other);
+                }
+            }
+        }
+    }
+    let neighbours = around
+        .iter()
+        .map(|list| std::array::from_fn(|i| list.get(i).or(list.first()).copied().unwrap_or(0)))
+        .collect();
+    (fine, places, neighbours, parents)
+}

@@ -1,0 +1,83 @@
+//! A minimum over directions by Newton's method in the tangent plane.
+
+use super::unit_vectors::{tangents, unit};
+
+/// Step of the differences by which smooth functions are refined in the end, rad: rounding over step
+/// and the square of the step are both below 1e-9.
+const LAST_STEP: f64 = 2e-5;
+
+/// A minimum near a direction, by Newton's method with differences in the tangent plane; where the
+/// function is not smooth, by trying the points around with ever smaller steps. The end is a Newton step
+/// below 1e-9 rad or steps below 1e-10 rad. Gives up once the quadratic that fits the function stays
+/// above `target` by far.
+pub(super) fn minimise(
+    start: [f64; 3],
+    radius: f64,
+    target: f64,
+    mut function: impl FnMut(&[f64; 3]) -> f64,
+) -> ([f64; 3], f64) {
+    let mut best = (start, function(&start));
+    let (mut trust, mut h) = (radius, 0.25 * radius);
+    for _ in 0..100 {
+        let (centre, middle) = best;
+        let [first, second] = tangents(&centre);
+        let mut at = |x: f64, y: f64| {
+            let point = unit(std::array::from_fn(|i| centre[i] + x * first[i] + y * second[i]));
+            let value = function(&point);
+            if value < best.1 {
+                best = (point, value);
+            }
+            (point, value)
+        };
+        let [east, west, north, south, both, neither] =
+            [(h, 0.0), (-h, 0.0), (0.0, h), (0.0, -h), (h, h), (-h, -h)].map(|(x, y)| at(x, y).1);
+        let gradient = [(east - west) / (2.0 * h), (north - south) / (2.0 * h)];
+        let square = h * h;
+        let xx = (east - 2.0 * middle + west) / square;
+        let yy = (north - 2.0 * middle + south) / square;
+        let xy = (both - east - north + 2.0 * middle - west - south + neither) / (2.0 * square);
+        let determinant = xx * yy - xy * xy;
+        let is_bowl = xx > 0.0 && determinant > 1e-12 * xx * xx && determinant.is_finite();
+        let mut is_lower = false;
+        if is_bowl {
+            let mut step = [
+                (xy * gradient[1] - yy * gradient[0]) / determinant,
+                (xy * gradient[0] - xx * gradient[1]) / determinant,
+            ];
+            let gain = -0.5 * (gradient[0] * step[0] + gradient[1] * step[1]);
+            let length = (step[0] * step[0] + step[1] * step[1]).sqrt();
+            if length <= trust && middle - 4.0 * gain > target {
+                return best;
+            }
+            let shortened = (trust / length).min(1.0);
+            step = step.map(|x| shortened * x);
+            let (point, value) = at(step[0], step[1]);
+            if value <= middle + 4.0 * f64::EPSILON * middle.abs() {
+                // Rounding may put a point of the stencil a little below.
+                if best.1 >= value - 4.0 * f64::EPSILON * middle.abs() || length < h {
+                    best = (point, value);
+                }
+                is_lower = true;
+                if length < 1e-9 && h <= LAST_STEP {
+                    return best;
+                }
+                h = length.clamp(LAST_STEP.min(h), h);
+            }
+        }
+        if !is_lower && best.1 >= middle {
+            // Nothing lower at this distance: nearer by there is not much either.
+            let around = [east, west, north, south, both, neither];
+            let rise = around.iter().filter(|value| value.is_finite());
+            let rise = rise.fold(0.0, |rise: f64, value| rise.max(value - middle));
+            if rise > 0.0 && middle - 2.0 * rise > target {
+                return best;
+            }
+            h *= 0.25;
+            trust *= 0.25;
+            if h < 1e-10 {
+                return best;
+            }
+        }
+    }
+    best
+}

@@ -1,0 +1,52 @@
+//! Flutter and shear bands of a yielding solid in space, over all directions of the wave normal.
+//!
+//! One active yield condition changes the elastic stiffness D by a matrix of rank one, `D − a bᵀ` with
+//! `a = D m/(H + n·Dm)` and `b = D n` (Rudnicki & Rice 1975; Rice 1976). Waves with the unit normal n
+//! have the speeds c given by
+//!
+//! ```text
+//! c² ∈ spectrum of Γ(n) = Γₑ(n) − α(n) β(n)ᵀ,   Γₑ = M^(−½) G(n)ᵀ D G(n) M^(−½),
+//! α = M^(−½) G(n)ᵀ a,   β = M^(−½) G(n)ᵀ b,   G(n) = Σ nᵢ Gⁱ.
+//! ```
+//!
+//! Γₑ is symmetric. In its eigenbasis, with equal eigenvalues λ_g put together, an eigenvalue of
+//! multiplicity m stays m − 1 times, and the others solve the secular equation
+//!
+//! ```text
+//! 1 = Σ w_g/(λ_g − λ),   w_g = the part of α·β that lies in the eigenspace of λ_g.
+//! ```
+//!
+//! Write the signs of the w_g in the order of the λ_g between a + in front and a − behind. Between two
+//! equal signs next to each other the two sides of the equation cross at least once, so that with only
+//! one change of sign all eigenvalues are real. **Flutter takes a negative weight on a slower wave and a
+//! positive one on a faster wave.** Under associated flow all w_g ≥ 0. An isotropic classical solid whose
+//! m and n differ by an isotropic tensor alone (Drucker–Prager) has w ≥ 0 on the shear waves, which are
+//! the slower ones: no flutter either (Loret, Prevost & Harireche 1990).
+//!
+//! The search starts on a geodesic grid ([`Sphere::COVERING_RADIUS`]), on which the eigenbases of Γₑ are
+//! computed once per elastic solid, and ends with Newton's method in the tangent plane. Short waves grow
+//! as Re ς ≈ |Im c| k.
+//!
+//! Sources: J. W. Rudnicki & J. R. Rice, J. Mech. Phys. Solids 23 (1975) 371–394; J. R. Rice, The
+//! localization of plastic deformation, 14th IUTAM Congress (1976); B. Loret, J. H. Prevost &
+//! O. Harireche, Eur. J. Mech. A 9 (1990) 225–231; G. H. Golub, SIAM Review 15 (1973) 318–334.
+
+mod change;
+mod eigenbasis;
+mod elastic_waves;
+mod error;
+mod extremes;
+mod geodesic_grid;
+mod minimise;
+mod rank_one;
+mod search;
+mod secular_equation;
+mod secular_roots;
+mod speeds;
+mod unit_vectors;
+
+pub use elastic_waves::Sphere;
+pub use error::SphereError;
+pub use extremes::{Extremes, Flutter, Slowest};
+pub use rank_one::RankOne;
+pub use search::Workspace;

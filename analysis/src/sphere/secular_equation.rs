@@ -1,0 +1,199 @@
+//! The secular equation of a direction: its polynomial, intervals of roots and single roots.
+
+use super::eigenbasis::{Groups, SIZE};
+use num_complex::Complex64;
+
+/// The secular equation 1 = Σ w/(λ_g − λ) of a direction, weights that vanish left out.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Secular {
+    pub(super) count: usize,
+    pub(super) pole: [f64; SIZE],
+    pub(super) weight: [f64; SIZE],
+    /// Eigenvalues that stay.
+    pub(super) kept: [f64; SIZE],
+    pub(super) kept_count: usize,
+}
+
+impl Secular {
+    /// q(x) = Π(x − λ_g) + Σ w_g Π over h ≠ g (x − λ_h), which vanishes at the eigenvalues, and q′.
+    pub(super) fn polynomial(&self, x: f64) -> (f64, f64) {
+        let (mut product, mut product_slope, mut sum, mut sum_slope) = (1.0, 0.0, 0.0, 0.0);
+        for (pole, weight) in self.pole.iter().zip(&self.weight).take(self.count) {
+            let distance = x - pole;
+            sum_slope = sum_slope * distance + sum + weight * product_slope;
+            sum = sum * distance + weight * product;
+            product_slope = product_slope * distance + product;
+            product *= distance;
+        }
+        (product + sum, product_slope + sum_slope)
+    }
+
+    pub(super) fn complex_polynomial(&self, x: Complex64) -> (Complex64, Complex64) {
+        let [zero, one] = [Complex64::new(0.0, 0.0), Complex64::new(1.0, 0.0)];
+        let (mut product, mut product_slope, mut sum, mut sum_slope) = (one, zero, zero, zero);
+        for (pole, weight) in self.pole.iter().zip(&self.weight).take(self.count) {
+            let distance = x - pole;
+            sum_slope = sum_slope * distance + sum + product_slope * weight;
+            sum = sum * distance + product * weight;
+            product_slope = product_slope * distance + product;
+            product *= distance;
+        }
+        (product + sum, product_slope + sum_slope)
+    }
+
+    /// Changes of sign of +, w₁ … w_g, −: with one, all eigenvalues are real; with three, all but two.
+    pub(super) fn changes(&self) -> usize {
+        let (mut changes, mut positive) = (0, true);
+        for &weight in &self.weight[..self.count] {
+            if (weight > 0.0) != positive {
+                changes += 1;
+                positive = !positive;
+            }
+        }
+        changes + usize::from(positive)
+    }
+
+    /// Largest of the numbers in the equation.
+    pub(super) fn size(&self) -> f64 {
+        let all = self.pole[..self.count].iter().chain(&self.weight[..self.count]);
+        all.fold(0.0, |largest: f64, x| largest.max(x.abs()))
+    }
+
+    /// The interval below pole `index`, with bounds on the roots outside the poles.
+    fn interval(&self, index: usize) -> (f64, f64) {
+        let part = |sign: f64| {
+            self.weight[..self.count].iter().fold(0.0, |sum, w| sum + (sign * w).max(0.0))
+        };
+        let low = if index == 0 { self.pole[0] - part(1.0) } else { self.pole[index - 1] };
+        let high =
+            if index == self.count { self.pole[index - 1] + part(-1.0) } else { self.pole[index] };
+        (low, high)
+    }
+
+    /// Whether the interval below pole `index` has an odd number of roots.
+    pub(super) fn is_odd(&self, index: usize) -> bool {
+        let below = index == 0 || self.weight[index - 1] > 0.0;
+        let above = index < self.count && self.weight[index] > 0.0;
+        below == above
+    }
+
+    /// The sign of q at the upper end of the interval below pole `index`.
+    pub(super) fn sign_above(&self, index: usize) -> f64 {
+        // Σ w_g Π(λ_index − λ_h): one factor is negative for each pole above.
+        if index == self.count {
+            return 1.0;
+        }
+        let flips = (self.count - 1 - index) % 2 == 1;
+        if (self.weight[index] > 0.0) == flips { -1.0 } else { 1.0 }
+    }
+
+    /// A step from `x` towards the root of the interval below pole `index`: the zero of
+    /// c + a/(λ_below − y) + b/(λ_above − y) that has the values and slopes of the sums over the poles
+    /// below and above (R.-C. Li 1993, "Solving secular equations stably and efficiently"). Not a number
+    /// where that has none.
+    fn rational_step(&self, index: usize, x: f64) -> f64 {
+        let (mut value, mut below, mut above) = (1.0, 0.0, 0.0);
+        // Over all, with weights of zero beyond the last pole: as many divisions at a time as there are.
+        let (mut parts, mut slopes) = ([0.0; SIZE], [0.0; SIZE]);
+        for g in 0..SIZE {
+            let inverse = 1.0 / (self.pole[g] - x);
+            parts[g] = self.weight[g] * inverse;
+            slopes[g] = parts[g] * inverse;
+        }
+        for g in 0..self.count {
+            value -= parts[g];
+            if g < index { below -= slopes[g] } else { above -= slopes[g] }
+        }
+        if index == 0 || index == self.count {
+            // One pole: c + b/(λ − y).
+            let (pole, slope) = match index {
+                0 => (self.pole[0], above),
+                _ => (self.pole[self.count - 1], below),
+            };
+            let distance = pole - x;
+            return distance * value / (value - slope * distance);
+        }
+        let (left, right) = (self.pole[index - 1] - x, self.pole[index] - x);
+        // c (l − s)(r − s) + a (r − s) + b (l − s) = 0 with a = ψ′l², b = φ′r² and the step s.
+        let constant = value - below * left - above * right;
+        let (a, b) = (below * left * left, above * right * right);
+        let linear = constant * (left + right) + a + b;
+        let last = value * left * right;
+        let root = (linear * linear - 4.0 * constant * last).sqrt();
+        // Of the two the one that vanishes with the value.
+        2.0 * last / (linear + root.copysign(linear))
+    }
+
+    /// A root in an interval with an odd number of them: rational steps, then Newton's method, halving
+    /// where it leaves. `size` is that of the [equation](Self::size), `is_simple` whether no interval has three.
+    pub(super) fn root(&self, index: usize, size: f64, is_simple: bool) -> f64 {
+        let (mut low, mut high) = self.interval(index);
+        let sign = self.sign_above(index);
+        let is_inner = 0 < index && index < self.count;
+        // Newton's method from below all roots comes to the least of them in one direction.
+        let mut x = if index == 0 { low } else { 0.5 * (low + high) };
+        if is_inner || is_simple {
+            let mut from = x;
+            for _ in 0..8 {
+                let step = self.rational_step(index, from);
+                let next = from + step;
+                if !(next > low && next < high) {
+                    break;
+                }
+                from = next;
+                if step.abs() <= 3e-2 * (high - low) {
+                    x = next;
+                    break;
+                }
+            }
+        }
+        let mut last = high - low;
+        let rounding = f64::EPSILON * size;
+        for _ in 0..120 {
+            let (value, slope) = self.polynomial(x);
+            let step = value / slope;
+            // Where the step is rounding the sign of q says no more.
+            if value == 0.0 || step.abs() <= rounding {
+                return if value == 0.0 { x } else { (x - step).clamp(low, high) };
+            }
+            if value * sign > 0.0 {
+                high = x;
+            } else {
+                low = x;
+            }
+            let mut next = x - step;
+            if !(next > low && next < high && step.abs() <= 0.9 * last) {
+                next = 0.5 * (low + high);
+            }
+            last = (next - x).abs();
+            if last <= rounding || next == x {
+                return next;
+            }
+            x = next;
+        }
+        x
+    }
+}
+
+/// Puts the products αβ of equal eigenvalues together.
+pub(super) fn secular(groups: &Groups, products: &[f64], tiny: f64) -> Secular {
+    let mut weight = [0.0; SIZE];
+    for (&product, &group) in products.iter().zip(&groups.of) {
+        weight[usize::from(group)] += product;
+    }
+    let mut secular = Secular::default();
+    let members = groups.value.iter().zip(&groups.multiplicity).zip(&weight).take(groups.count);
+    for ((&value, &multiplicity), &weight) in members {
+        let is_free = weight.abs() <= tiny;
+        for _ in usize::from(!is_free)..usize::from(multiplicity) {
+            secular.kept[secular.kept_count] = value;
+            secular.kept_count += 1;
+        }
+        if !is_free {
+            secular.pole[secular.count] = value;
+            secular.weight[secular.count] = weight;
+            secular.count += 1;
+        }
+    }
+    secular
+}

@@ -1,0 +1,110 @@
+//! Verdicts with dilatancy against brute force in 256 bits.
+
+use crate::backgrounds::{
+    ALL, Inside, Outside, Parts, Reversed, UNIFORM, Zone, harris_grekova, wanted,
+};
+use crate::support::brute::{brute, degenerate_directions};
+use crate::support::exact::DispersionReference;
+use crate::support::states::{Dilatancy, reference, seeded, tame};
+use crate::support::verdicts::{judge, name};
+use models::registry;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use wellposed_analysis::growth::Verdict;
+
+/// What brute force says of a verdict: growth at three wave numbers over four decades.
+///
+/// Growth of order m in layers nears its asymptote like k^(−m): 6e-8 and 1e-9 at the least of these
+/// wave numbers for the orders 2/5 and 1/2, times a constant of the state, up to 6e4 as met, for which
+/// the deviation e may be 1e-3 there. At the greater wave numbers it must be smaller by just that
+/// power of k, to e², the next correction, times 10. Whole orders are nearer still. To this comes
+/// what doubles lose at a small distance from a bound, and the search of brute force, which ends
+/// within 1e-8 of a maximum.
+pub fn differs(
+    polynomial: &DispersionReference,
+    verdict: &Verdict,
+    distance: f64,
+) -> Option<String> {
+    let waves = [1e18, 1e20, 1e22];
+    let force = brute(polynomial, &waves, 60, &degenerate_directions(polynomial), 1.6, true);
+    let agrees = match verdict {
+        Verdict::WellPosed => {
+            // Bounded: no greater at the last wave number than at the first.
+            let size = force.at.iter().map(|x| x.1.abs()).fold(1.0, f64::max);
+            !force.blows_up && force.at[2].1 - force.at[0].1 < 1e-3 * size
+        }
+        Verdict::IllPosed { growth: None, .. } => force.blows_up,
+        Verdict::IllPosed { growth: Some(growth), .. } => {
+            let order = growth.order.value();
+            let deviation = |n: usize| {
+                let (k, s, _) = force.at[n];
+                s / k.powf(order) / growth.coefficient - 1.0
+            };
+            let first = deviation(0);
+            let floor = 10.0 * first * first + 1e-14 / distance + 1e-8;
+            let declines = |n: usize| {
+                let expected = first * (force.at[n].0 / force.at[0].0).powf(-order);
+                (deviation(n) - expected).abs() < floor
+            };
+            !force.blows_up && first.abs() < 1e-3 && declines(1) && declines(2)
+        }
+        _ => false,
+    };
+    (!agrees).then(|| format!("{verdict:?}: {force:?}"))
+}
+
+/// Backgrounds with one part, none, or all in all zones.
+#[test]
+fn brute_force_confirms_harris_grekova_with_dilatancy() {
+    const INSIDE: u64 = 8;
+    const ELSEWHERE: u64 = 3;
+    let backgrounds = [UNIFORM, 1, 2, 4, 8, 16, 32, ALL];
+    let cases: Vec<(Parts, Zone, u64)> = backgrounds
+        .into_iter()
+        .flat_map(|parts| {
+            [(Inside, INSIDE), (Outside, ELSEWHERE), (Reversed, ELSEWHERE)]
+                .into_iter()
+                .flat_map(move |(zone, count)| (0..count).map(move |n| (parts, zone, n)))
+        })
+        .collect();
+    let wrong: Vec<String> = cases
+        .into_par_iter()
+        .filter_map(|(parts, zone, n)| {
+            let seed = 0xbf_0000 + 0x100 * u64::from(parts) + 0x10 * zone as u64 + n;
+            let drawn = harris_grekova(&mut seeded(seed), parts, zone, true);
+            let verdict = judge(&drawn.sample.system);
+            assert_eq!(name(&verdict), wanted(parts, zone));
+            let polynomial = reference(&drawn.sample).polynomial();
+            let problem = differs(&polynomial, &verdict, drawn.distance)?;
+            Some(format!("parts {parts:#b}, {zone:?}, {n}: {problem}"))
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{} differ: {wrong:#?}", wrong.len());
+}
+
+/// The associated plastic potential and dilatant double shearing with accelerations and gradients.
+#[test]
+fn brute_force_confirms_the_other_models_with_dilatancy() {
+    const STATES: u64 = 12;
+    let kinds = [
+        (registry::PLASTIC_POTENTIAL, Dilatancy::Associated, "order 1/2"),
+        (registry::DOUBLE_SHEARING, Dilatancy::Positive, "order 1/1"),
+    ];
+    let mut counts = BTreeMap::<String, usize>::new();
+    let found: Vec<(String, Option<String>)> = (0..2 * STATES)
+        .into_par_iter()
+        .map(|index| {
+            let (kind, dilatancy, wanted) = kinds[index as usize % 2];
+            let sample = tame(&mut seeded(0xd5 + index), kind, dilatancy, true);
+            let verdict = judge(&sample.system);
+            assert_eq!(name(&verdict), wanted, "{kind:?}");
+            let problem = differs(&reference(&sample).polynomial(), &verdict, 1.0);
+            (format!("{kind:?}: {wanted}"), problem)
+        })
+        .collect();
+    for (name, problem) in found {
+        assert!(problem.is_none(), "{name}: {problem:?}");
+        *counts.entry(name).or_default() += 1;
+    }
+    println!("{counts:?}");
+}

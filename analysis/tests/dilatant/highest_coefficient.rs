@@ -1,0 +1,235 @@
+//! The coefficient of the highest power of ς: its zeros are the bounds on the non-coaxiality.
+
+use crate::backgrounds::{ALL, Inside, Outside, Reversed, UNIFORM, harris_grekova};
+use crate::support::exact::DispersionReference;
+use crate::support::states::{Sample, reference, seeded, turned};
+use crate::support::verdicts::{coefficient, judge};
+use crate::support::wide::Wide;
+use rayon::prelude::*;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, FRAC_PI_8, PI};
+use testkit::flows::Parameters;
+use wellposed_analysis::growth::Verdict;
+
+/// The coefficients of cos²θ, cos θ sin θ, sin²θ in that of ς³ k², the highest power of both.
+fn highest(p: &DispersionReference) -> [Wide; 3] {
+    assert_eq!(p.degree(), 3);
+    let mut form = [Wide::ZERO; 3];
+    for &([time, x, y], value) in &p.terms {
+        assert!(time < 3 || x + y <= 2);
+        if time == 3 && x + y == 2 {
+            form[usize::from(y)] = value;
+        }
+    }
+    form
+}
+
+fn discriminant([a, b, c]: [Wide; 3]) -> Wide {
+    b * b - (a * c).shifted(2)
+}
+
+/// The domain of well-posedness on a uniform background, from the determinant in 256 bits, with
+/// nothing of the closed form: the coefficient of the highest power of ς is a quadratic form in the
+/// wave vector, so it changes sign exactly where its discriminant is positive.
+///
+/// As the rates stand in the determinant once, with cos 2Δ or sin 2Δ, that discriminant is a
+/// quadratic form X cos² 2Δ + Y sin² 2Δ + Z sin 2Δ cos 2Δ. Three values of Δ give X < 0, Y > 0 and
+/// Z = 0; a fourth, random one confirms it; so |tan 2Δ| = √(−X/Y) is the bound.
+#[test]
+fn the_bound_follows_from_the_determinant() {
+    const STATES: u64 = 2000;
+    let deviations: Vec<f64> = (0..STATES)
+        .into_par_iter()
+        .map(|seed| {
+            let random = &mut seeded(0xb0_0000 + seed);
+            let drawn = harris_grekova(random, UNIFORM, Inside, seed % 2 == 0);
+            let base = drawn.sample;
+            // ν down to 0 and up to φ as well.
+            let (phi, nu) = (base.parameters.friction_angle, base.parameters.dilatancy_angle);
+            let dilatancy_angle = match seed / 2 % 4 {
+                0 => phi * random.decades(1e-6, 0.1),
+                1 => phi * (1.0 - random.decades(1e-6, 0.1)),
+                _ => nu,
+            };
+            let parameters = Parameters { dilatancy_angle, ..base.parameters };
+            let base = Sample::new(base.kind(), parameters, base.state);
+            let at = |delta: f64| {
+                let p = reference(&turned(&base, delta)).polynomial();
+                assert!(p.terms.iter().all(|&([time, x, y], _)| time < 3 || x + y == 2));
+                highest(&p)
+            };
+
+            // To 60 digits of the largest term.
+            let is_small = |x: Wide, than: Wide| x.exponent() < than.exponent() - 200;
+            let x = discriminant(at(0.0));
+            let [plus, minus] = [FRAC_PI_4, -FRAC_PI_4].map(|delta| discriminant(at(delta)));
+            let (sine, cosine) = Wide::from(FRAC_PI_2).sin_cos();
+            let y = ((plus + minus).shifted(-1) - x * cosine * cosine) * (sine * sine).recip();
+            let [plus, minus] = [FRAC_PI_8, -FRAC_PI_8].map(|delta| discriminant(at(delta)));
+            assert!(is_small(plus - minus, x) || is_small(plus - minus, y), "seed {seed}: Z");
+            let delta = random.within(-FRAC_PI_2, FRAC_PI_2);
+            let (sine, cosine) = Wide::from(2.0 * delta).sin_cos();
+            let (sum, own) = (x * cosine * cosine + y * sine * sine, discriminant(at(delta)));
+            assert!(is_small(sum - own, x) || is_small(sum - own, y), "seed {seed}: a form in 2Δ");
+
+            assert!(x.is_negative() && !y.is_negative(), "seed {seed}");
+            let bound = 0.5 * (-x * y.recip()).to_f64().sqrt().atan();
+            let closed_form = base.model.noncoaxiality_bound().expect("the model has one");
+            let deviation = (closed_form / bound - 1.0).abs();
+
+            // No real zeros inside, two outside, none reversed. The closed form is good to 1e-14.
+            for _ in 0..4 {
+                let distance = random.decades(1e-12, 0.3);
+                let outside = bound + distance * (FRAC_PI_4 - bound).max(1e-12);
+                let places = [
+                    (bound * (1.0 - distance), false),
+                    (outside, true),
+                    (FRAC_PI_2 - outside, true),
+                    (FRAC_PI_2 - bound * (1.0 - distance), false),
+                ];
+                // With ν near 0 there is next to nothing outside.
+                let is_wide = distance * (FRAC_PI_4 - bound) > 1e-14;
+                for (size, has_zeros) in places {
+                    if has_zeros && !is_wide {
+                        continue;
+                    }
+                    for delta in [size, -size] {
+                        let d = discriminant(at(delta));
+                        assert_eq!(!d.is_negative(), has_zeros, "seed {seed}, {distance:e}");
+                    }
+                }
+            }
+            deviation
+        })
+        .collect();
+    let worst = deviations.into_iter().fold(0.0, f64::max);
+    println!("greatest deviation of the closed form: {worst:.1e}");
+    // Two cosines and a root in doubles; cos φ loses tan φ = 14 roundings at φ = 1.5.
+    assert!(worst < 1e-14, "{worst:e}");
+}
+
+/// The expression that the closed form states for that coefficient,
+/// `cos 2Δ cos ν [cos e + sin ν sin φ − (sin φ cos e + sin ν) cos β] + sin 2Δ sin ν cos φ cos e sin β`
+/// with e = φ − ν, β = 2(Ψ_Σ − ψ_K), is proportional to it in all directions, by a factor that does
+/// not depend on Δ: to 60 digits.
+#[test]
+fn the_highest_coefficient_is_that_of_the_closed_form() {
+    (0..500u64).into_par_iter().for_each(|seed| {
+        let random = &mut seeded(0xb1_0000 + seed);
+        let base = harris_grekova(random, UNIFORM, Inside, seed % 2 == 0).sample;
+        let phi = Wide::from(base.parameters.friction_angle);
+        let nu = Wide::from(base.parameters.dilatancy_angle);
+        let ((sin_phi, cos_phi), (sin_nu, cos_nu)) = (phi.sin_cos(), nu.sin_cos());
+        let (_, cos_e) = (phi - nu).sin_cos();
+        let one = Wide::from(1.0);
+        let mut factor = None;
+        for _ in 0..3 {
+            let delta = random.within(-FRAC_PI_2, FRAC_PI_2);
+            let [a, b, c] = highest(&reference(&turned(&base, delta)).polynomial());
+            let (sin_2d, cos_2d) = Wide::from(2.0 * delta).sin_cos();
+            for _ in 0..4 {
+                let angle = Wide::from(random.within(0.0, PI));
+                let (s, c1) = angle.sin_cos();
+                let form = a * c1 * c1 + b * c1 * s + c * s * s;
+                let beta = (Wide::from(base.state.stress_angle) - angle).shifted(1);
+                let (sin_b, cos_b) = beta.sin_cos();
+                let stated = cos_2d
+                    * cos_nu
+                    * (cos_e + sin_nu * sin_phi - (sin_phi * cos_e + sin_nu) * cos_b)
+                    + sin_2d * sin_nu * cos_phi * cos_e * sin_b;
+                let own = form * stated.recip();
+                let first = *factor.get_or_insert(own);
+                // Next to a zero the quotient loses what the two have lost.
+                let lost = (own * first.recip() - one) * stated;
+                assert!(lost.abs().to_f64() < 1e-60, "seed {seed}: {:e}", lost.to_f64());
+            }
+        }
+    });
+}
+
+/// Outside, the direction of the verdict is a zero of the highest coefficient, to the rounding of
+/// that form over its slope there.
+#[test]
+fn growth_outside_is_where_the_highest_coefficient_vanishes() {
+    let worst = (0..1000u64)
+        .into_par_iter()
+        .map(|seed| {
+            let random = &mut seeded(0xb2_0000 + seed);
+            let sample = harris_grekova(random, UNIFORM, Outside, seed % 2 == 0).sample;
+            let Verdict::IllPosed { direction, .. } = judge(&sample.system) else {
+                panic!("seed {seed}: {sample:?}")
+            };
+            let form = highest(&reference(&sample).polynomial());
+            let size = form.iter().map(|x| x.exponent()).max().expect("three");
+            let scaled = |x: Wide| x.shifted(-size).to_f64();
+            // The form is ½[A + C + R cos 2(θ − θ₀)], so R² − (A + C)² is the discriminant.
+            let middle = scaled(form[0] + form[2]);
+            let root = discriminant(form).shifted(-2 * size).to_f64().sqrt();
+            let shift = scaled(form[1]).atan2(scaled(form[0] - form[2]));
+            let half = root.atan2(-middle);
+            let error = [half, -half]
+                .map(|x| (0.5 * (shift + x) - direction).rem_euclid(PI))
+                .map(|x| x.min(PI - x));
+            // The slope is the root of the discriminant.
+            error[0].min(error[1]) * root / f64::EPSILON
+        })
+        .reduce(|| 0.0, f64::max);
+    println!("greatest deviation of a direction: {worst:.1} roundings over the slope");
+    assert!(worst < 200.0, "{worst}");
+}
+
+/// The greatest value of a function of an angle of period π, by a scan and a shrinking grid.
+fn greatest(f: impl Fn(f64) -> f64) -> f64 {
+    let mut best = (f64::NEG_INFINITY, 0.0);
+    let (mut centre, mut width) = (FRAC_PI_2, FRAC_PI_2);
+    for round in 0..14 {
+        let steps = if round == 0 { 4000 } else { 40 };
+        for n in -steps..=steps {
+            let angle = centre + width * f64::from(n) / f64::from(steps);
+            let value = f(angle);
+            if value > best.0 {
+                best = (value, angle);
+            }
+        }
+        (centre, width) = (best.1, 4.0 * width / f64::from(steps));
+    }
+    best.0
+}
+
+/// Reversed, ς ≈ k² F₂₄/F₃₂ with the forms of the determinant in 256 bits: the coefficient is the
+/// greatest value of that quotient. Next to the bound the least value of F₃₂ is a small part of its
+/// mean, and doubles know it to a rounding over that part.
+#[test]
+fn coefficients_beyond_the_reversed_bound() {
+    let worst = (0..1000u64)
+        .into_par_iter()
+        .map(|seed| {
+            let random = &mut seeded(0xb4_0000 + seed);
+            let parts = if seed % 2 == 0 { UNIFORM } else { ALL };
+            let sample = harris_grekova(random, parts, Reversed, true).sample;
+            let p = reference(&sample).polynomial();
+            let form = |time: u8, degree: u8| {
+                let mut list = vec![0.0; usize::from(degree) + 1];
+                for &([i, x, y], value) in &p.terms {
+                    if i == time && x + y == degree {
+                        list[usize::from(y)] = value.to_f64();
+                    }
+                }
+                move |angle: f64| {
+                    let (s, c) = angle.sin_cos();
+                    let power = |y: usize| c.powi(i32::from(degree) - y as i32) * s.powi(y as i32);
+                    list.iter().enumerate().map(|(y, x)| x * power(y)).sum::<f64>()
+                }
+            };
+            let (above, below) = (form(2, 4), form(3, 2));
+            let wanted = greatest(|angle| above(angle) / below(angle));
+            let error = (coefficient(&judge(&sample.system)) / wanted - 1.0).abs();
+            // Least over greatest value of F₃₂, whose product is −¼ of the discriminant.
+            let highest = highest(&p);
+            let sum = highest[0] + highest[2];
+            let part = -(discriminant(highest) * (sum * sum).recip()).to_f64();
+            error / (1e-10 + 64.0 * f64::EPSILON / part)
+        })
+        .reduce(|| 0.0, f64::max);
+    println!("greatest deviation over its bound: {worst:.2}");
+    assert!(worst < 1.0, "{worst}");
+}

@@ -1,0 +1,80 @@
+//! Rotations, threads and workspaces change nothing.
+
+use crate::random_solids::{
+    Tensor, anisotropic, isotropic, random_stress, rotation, search, turned, update,
+};
+use crate::support::states::seeded;
+use models::solid::stress::Stress;
+use models::yield_set::parameters::ActiveCondition;
+use wellposed_analysis::sphere::{Extremes, RankOne, Sphere};
+
+#[test]
+fn rotation_changes_nothing() {
+    let random = &mut seeded(8);
+    let (mut worst, mut flutter) = ([0.0_f64; 2], 0);
+    for case in 0..80 {
+        let is_cosserat = case % 2 == 1;
+        let solid = isotropic(random, is_cosserat);
+        let sphere = Sphere::new(&solid.rates()).unwrap();
+        for _ in 0..10 {
+            let part = random.within(0.1, 0.8);
+            let [normal, other] = [0, 1].map(|_| random_stress(random, is_cosserat));
+            let mix = |x: &Tensor, y: &Tensor| -> Tensor {
+                std::array::from_fn(|i| std::array::from_fn(|j| x[i][j] + part * y[i][j]))
+            };
+            let flow = Stress {
+                force: mix(&normal.force, &other.force),
+                couple: mix(&normal.couple, &other.couple),
+            };
+            let q = rotation(random);
+            let turn =
+                |s: &Stress| Stress { force: turned(&q, &s.force), couple: turned(&q, &s.couple) };
+            let of = |normal: Stress, flow: Stress| {
+                let condition = ActiveCondition { name: "", normal, flow, hardening: 0.1 };
+                update(&solid, &condition).map(|update| search(&sphere, &update))
+            };
+            let (Ok(first), Ok(second)) = (of(normal, flow), of(turn(&normal), turn(&flow))) else {
+                continue;
+            };
+            let size = solid.speeds().longitudinal.powi(2);
+            let difference = (first.slowest.speed_squared - second.slowest.speed_squared) / size;
+            worst[0] = worst[0].max(difference.abs());
+            assert_eq!(first.flutter.is_some(), second.flutter.is_some());
+            if let (Some(first), Some(second)) = (first.flutter, second.flutter) {
+                let difference = (first.growth - second.growth) / first.growth;
+                worst[1] = worst[1].max(difference.abs());
+                flutter += 1;
+            }
+        }
+    }
+    println!("{flutter} flutter; worst {worst:?}");
+    assert!(worst[0] < 1e-11 && worst[1] < 1e-9 && flutter > 20);
+}
+
+#[test]
+fn threads_and_workspaces_change_no_bit() {
+    let random = &mut seeded(11);
+    let elastic = anisotropic(random, true);
+    let sphere = Sphere::new(&elastic).unwrap();
+    let updates: Vec<RankOne> = (0..16)
+        .filter_map(|_| {
+            let mut vector = || -> Vec<f64> {
+                (0..elastic.stresses()).map(|_| random.within(-1.0, 1.0)).collect()
+            };
+            let (normal, mut flow) = (vector(), vector());
+            flow.iter_mut().zip(&normal).for_each(|(f, n)| *f += n);
+            RankOne::new(&elastic, &normal, &flow, 0.0).ok()
+        })
+        .collect();
+    assert!(updates.len() > 8);
+    let mut workspace = sphere.workspace();
+    let one: Vec<Extremes> =
+        updates.iter().map(|update| sphere.search(update, &mut workspace).unwrap()).collect();
+    let many: Vec<Extremes> = std::thread::scope(|scope| {
+        let threads: Vec<_> =
+            updates.iter().map(|update| scope.spawn(|| search(&sphere, update))).collect();
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+    });
+    let bits = |list: &[Extremes]| format!("{list:?}");
+    assert_eq!(bits(&one), bits(&many));
+}

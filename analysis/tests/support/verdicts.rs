@@ -1,0 +1,44 @@
+//! Verdicts of the analysis, and what tests compare of them.
+
+use models::LinearisedSystem;
+use std::f64::consts::PI;
+use wellposed_analysis::growth::{Verdict, assess};
+use wellposed_analysis::pencil::Pencil;
+
+pub fn judge(system: &LinearisedSystem<2>) -> Verdict {
+    let mut pencil = Pencil::default();
+    pencil.update(system).expect("finite coefficients");
+    assess(&pencil).verdict
+}
+
+/// (order, coefficient, direction) of an ill-posed verdict.
+pub fn growth(verdict: &Verdict) -> (f64, f64, f64) {
+    match verdict {
+        Verdict::IllPosed { growth: Some(g), direction } => {
+            (g.order.value(), g.coefficient, *direction)
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+pub fn angle_between(a: f64, b: f64) -> f64 {
+    let gap = (a - b).rem_euclid(PI);
+    gap.min(PI - gap)
+}
+
+pub fn name(verdict: &Verdict) -> String {
+    match verdict {
+        Verdict::IllPosed { growth: Some(g), .. } => {
+            format!("order {}/{}", g.order.numerator, g.order.denominator)
+        }
+        Verdict::IllPosed { growth: None, .. } => "unbounded at finite k".into(),
+        other => other.name().into(),
+    }
+}
+
+pub fn coefficient(verdict: &Verdict) -> f64 {
+    match verdict {
+        Verdict::IllPosed { growth: Some(g), .. } => g.coefficient,
+        other => panic!("no coefficient: {other:?}"),
+    }
+}

@@ -1,0 +1,9 @@
+//! Verdicts against closed forms and against systems whose growth is known by construction.
+
+mod brute_force;
+mod closed_forms;
+mod planted_systems;
+mod planted_verdicts;
+mod singular_pencils;
+#[path = "../support/mod.rs"]
+mod support;

@@ -1,0 +1,124 @@
+//! Verdicts of systems whose growth is known by construction.
+
+use crate::planted_systems::{Wanted, planted};
+use crate::support::planted::{C, T, X, Y, system};
+use crate::support::states::seeded;
+use crate::support::verdicts::{angle_between, growth, judge};
+use Wanted::{BlowsUp, Bounded, Grows, Indeterminate};
+use wellposed_analysis::growth::Verdict;
+
+/// Whether a verdict is the wanted one; `None` if it asserts nothing.
+fn fulfils(verdict: &Verdict, wanted: Wanted) -> Option<bool> {
+    Some(match (verdict, wanted) {
+        (Verdict::Marginal { .. }, _) => return None,
+        (Verdict::WellPosed, Bounded) => true,
+        (Verdict::IllPosed { growth: Some(g), direction }, Grows(order, coefficient, at)) => {
+            g.order.value() == order
+                && (g.coefficient / coefficient - 1.0).abs() < 1e-9
+                && at.is_none_or(|at| angle_between(at.to_radians(), *direction) < 1e-4)
+        }
+        (Verdict::IllPosed { growth: None, direction }, BlowsUp(at)) => {
+            angle_between(at.to_radians(), *direction) < 1e-12
+        }
+        (Verdict::Indeterminate { rank, .. }, Indeterminate(wanted)) => *rank == wanted,
+        _ => false,
+    })
+}
+
+/// Systems planted with a known answer.
+#[test]
+fn planted_systems_are_recognised() {
+    let (mut wrong, mut marginal) = (Vec::new(), Vec::new());
+    for (name, system, wanted) in planted() {
+        let verdict = judge(&system);
+        let message = format!("{name}: wanted {wanted:?}, found {verdict:?}");
+        match fulfils(&verdict, wanted) {
+            Some(true) => {}
+            Some(false) => wrong.push(message),
+            None => marginal.push(message),
+        }
+    }
+    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(marginal.is_empty(), "{} marginal:\n{}", marginal.len(), marginal.join("\n"));
+}
+
+/// Dispersive waves with growth of the next order: its order at least, and its size to 2 %.
+#[test]
+fn growth_next_to_neutral_roots_is_seen() {
+    let (_, system, _) = planted()
+        .into_iter()
+        .find(|(name, _, _)| *name == "beam with growth of order 1")
+        .expect("planted above");
+    let (order, coefficient, _) = growth(&judge(&system));
+    assert!(order == 1.0 && (coefficient / 0.25 - 1.0).abs() < 0.02, "{order}, {coefficient}");
+}
+
+/// Imaginary roots that only rounding could move are not called growth.
+#[test]
+fn waves_are_not_called_growth() {
+    for (name, system, _) in planted() {
+        if ["acoustics", "acoustics carried along", "beam", "waves of order 3"].contains(&name) {
+            assert_ne!(judge(&system).name(), "ill-posed", "{name}");
+        }
+    }
+}
+
+/// ς = k² sin(θ − a) sin(a + w − θ): growth in a sector of width w alone.
+#[test]
+fn thin_sectors_of_growth_are_found() {
+    for width in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10] {
+        for a in [0.4, 1.1, 2.3, 3.0] {
+            let b: f64 = a + width;
+            let entries = [
+                (0, 0, T, 1.0),
+                (1, 1, C, 1.0),
+                (0, 1, X, -f64::sin(a)),
+                (0, 1, Y, f64::cos(a)),
+                (1, 0, X, -b.sin()),
+                (1, 0, Y, b.cos()),
+            ];
+            let (order, coefficient, direction) = growth(&judge(&system(2, 2, &entries)));
+            assert_eq!(order, 2.0);
+            let wanted = (0.5 * width).sin().powi(2);
+            // The entries know the two directions to a unit in their last place.
+            let error = (coefficient / wanted - 1.0).abs();
+            assert!(error < 1e-12 + 8.0 * f64::EPSILON / width, "{width:e}: {error:e}");
+            assert!(angle_between(direction, a + 0.5 * width) < 0.5 * width, "{width:e}");
+        }
+    }
+}
+
+/// The same planted systems in other units and other axes say the same.
+#[test]
+fn planted_systems_in_other_units() {
+    let random = &mut seeded(77);
+    for (name, planted, wanted) in planted() {
+        let mut scaled = planted.clone();
+        let (rows, columns) = scaled.a.shape();
+        let (rate, length) = (
+            (random.within(-20.0, 20.0)).round().exp2(),
+            random.within(-20.0, 20.0).round().exp2(),
+        );
+        let factors: Vec<f64> =
+            (0..rows + columns).map(|_| random.within(-30.0, 30.0).round().exp2()).collect();
+        for i in 0..rows {
+            for j in 0..columns {
+                let f = factors[i] * factors[rows + j];
+                for (matrix, unit) in [(&mut scaled.a, rate), (&mut scaled.c, 1.0)] {
+                    matrix[(i, j)].value *= f * unit;
+                }
+                for b in &mut scaled.b {
+                    b[(i, j)].value *= f * length;
+                }
+            }
+        }
+        let wanted = match wanted {
+            // ς̂ rate = …, k̂ = k length.
+            Grows(m, c, at) => Grows(m, c / rate * length.powf(m), at),
+            other => other,
+        };
+        let verdict = judge(&scaled);
+        assert_ne!(fulfils(&verdict, wanted), Some(false), "{name}: {wanted:?}, {verdict:?}");
+        assert_eq!(verdict.name(), judge(&planted).name(), "{name}");
+    }
+}

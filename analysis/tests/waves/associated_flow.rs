@@ -1,0 +1,213 @@
+//! Associated flow neither grows nor raises a speed.
+
+use crate::support::states::{Random, seeded};
+use models::common::rates::RateEquations;
+use models::solid::parameters::{CoupleModuli, Isotropic};
+use models::yield_set::YieldSet;
+use models::yield_set::parameters::{ActiveCondition, Interlayer, InterlayerCouple, Mises};
+use models::yield_set::tangent::tangent;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
+use wellposed_analysis::waves::{Waves, squared_speeds};
+
+use crate::random_solids::{KINDS, Kind, solid, solid_of_order_one, unit};
+use crate::yielding::{carried_too, growth, negative, on_yield, tangent_basis};
+
+/// Elastic and yielding squared speeds, descending, along `normal`.
+fn interlaced<const D: usize>(
+    elastic: &RateEquations<D>,
+    yielding: &RateEquations<D>,
+    normal: [f64; D],
+    conditions: usize,
+    tolerance: f64,
+) {
+    let [fast, slow] = [elastic, yielding].map(|e| squared_speeds(e, normal));
+    let tolerance = tolerance * fast[0].re;
+    for i in 0..fast.len() {
+        assert!(slow[i].im.abs() <= tolerance && slow[i].re >= -tolerance, "{slow:?}");
+        assert!(slow[i].re <= fast[i].re + tolerance, "{slow:?} {fast:?}");
+        if let Some(next) = fast.get(i + conditions) {
+            assert!(slow[i].re >= next.re - tolerance, "{slow:?} {fast:?}");
+        }
+    }
+}
+
+#[test]
+fn associated_yielding_keeps_growth_at_rounding_level() {
+    let random = &mut seeded(9);
+    let mut worst = [0.0f64; 2];
+    let mut corners = [0usize; 5];
+    for index in 0..10_000 {
+        let kind = KINDS[index % 3];
+        let mut solid = solid(random, kind);
+        // Stresses of order one.
+        let scale = solid.mu;
+        solid.lambda /= scale;
+        solid.mu = 1.0;
+        solid.density = 1.0;
+        if let Some(m) = &mut solid.microrotation {
+            m.alpha /= scale;
+            m.inertia = 1.0;
+            let gamma = m.couple.map_or(1.0, |c| c.gamma);
+            m.couple = m.couple.map(|c| CoupleModuli {
+                beta: c.beta / gamma,
+                gamma: 1.0,
+                eta: c.eta / gamma,
+            });
+        }
+        let friction = random.within(0.0, 0.9);
+        let with_couple = kind == Kind::Cosserat;
+        let set = match index / 3 % 4 {
+            0 | 1 => {
+                let couple = with_couple.then(|| {
+                    let friction = random.within(0.0, 0.5);
+                    InterlayerCouple {
+                        strength: random.within(0.1, 1.0),
+                        friction,
+                        dilatancy: friction,
+                    }
+                });
+                YieldSet::from(Interlayer {
+                    shear_strength: random.within(0.1, 1.0),
+                    shear_friction: friction,
+                    shear_dilatancy: friction,
+                    couple,
+                })
+            }
+            2 => YieldSet::from(Mises::drucker_prager(1.0, friction, friction)),
+            _ => YieldSet::from(Mises {
+                antisymmetric_weight: random.within(0.0, 2.0),
+                symmetric_length: with_couple.then_some(1.0),
+                antisymmetric_length: with_couple.then_some(2.0),
+                ..Mises::von_mises(1.0)
+            }),
+        };
+        let is_interlayer = set.half_spaces().is_some();
+        let stress = on_yield(random, &set, true);
+        let active = set.active(&stress, 1e-9);
+        assert!(!active.is_empty());
+        corners[active.len()] += 1;
+        if is_interlayer || random.chance(0.5) {
+            yielding::<2>(random, &solid, &active, &mut worst);
+        } else {
+            yielding::<3>(random, &solid, &active, &mut worst);
+        }
+    }
+    println!("max Re ς, Hermitian part, over the largest entry: {worst:?}; conditions {corners:?}");
+    // Entries of 24 × 24 matrices of order one, one hundred times their rounding.
+    assert!(worst[0] < 3e-14 && worst[1] < 3e-14, "{worst:?}");
+    assert!(corners[2] > 500 && corners[3] > 100, "{corners:?}");
+}
+
+fn yielding<const D: usize>(
+    random: &mut Random,
+    solid: &Isotropic,
+    active: &[ActiveCondition],
+    worst: &mut [f64; 2],
+) {
+    let layout = solid.layout::<D>();
+    let list: Vec<_> = layout.all_stresses().collect();
+    let elastic = solid.stiffness(layout.all_stresses());
+    let plastic = tangent(&elastic, &list, active).expect("associated");
+    let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
+    let rates = |stiffness| layout.rates::<D>(stiffness, solid.density, inertia);
+    // Normals that nearly agree magnify the rounding of the tangent stiffness by the inverse of the
+    // least eigenvalue of their scaled products nᵀDn.
+    let values = elastic.map(|entry| entry.value);
+    let normals = DMatrix::from_fn(list.len(), active.len(), |row, a| {
+        list[row].derivative(&active[a].normal)
+    });
+    let products = normals.transpose() * &values * &normals;
+    let scaled = DMatrix::from_fn(active.len(), active.len(), |a, b| {
+        products[(a, b)] / (products[(a, a)] * products[(b, b)]).sqrt()
+    });
+    let least =
+        scaled.symmetric_eigenvalues().iter().copied().filter(|&e| e > 1e-11).fold(1.0, f64::min);
+    let tolerance = 1e-13 / least;
+    interlaced(&rates(&elastic), &rates(&plastic), unit(random), active.len(), tolerance);
+
+    // The restriction, with the carried stresses as unknowns of their own.
+    let full = carried_too::<D>(solid);
+    let form = full.symmetric().expect("elastic");
+    let nv = full.velocities();
+    let normals: Vec<DVector<f64>> = active
+        .iter()
+        .map(|condition| {
+            let of = |row: usize| match row.checked_sub(nv) {
+                None => 0.0,
+                Some(s) => list[s].derivative(&condition.normal),
+            };
+            DVector::from_fn(nv + list.len(), |row, _| of(row))
+        })
+        .collect();
+    let restricted = form.restricted(&tangent_basis(nv + list.len(), &normals));
+    let k = random.decades(0.1, 10.0);
+    let wave = unit::<D>(random).map(|n| k * n);
+    let (found, bound) = growth(&restricted, wave);
+    worst[0] = worst[0].max(found);
+    worst[1] = worst[1].max(bound);
+
+    // The roots of the restriction are those of the tangent stiffness.
+    if random.chance(0.05) {
+        let length = wave.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let families = Waves::along(&rates(&plastic), wave.map(|x| x / length)).families;
+        let greatest = families
+            .iter()
+            .flat_map(|f| f.squared_frequencies(length))
+            .map(|w| w.re)
+            .fold(0.0, f64::max);
+        let factor = restricted.a.clone().try_inverse().expect("definite");
+        let mut symbol = (&factor * &restricted.q).map(|x| Complex64::new(x, 0.0));
+        for (b, component) in restricted.b.iter().zip(wave) {
+            symbol += (&factor * b).map(|x| Complex64::new(0.0, component * x));
+        }
+        let roots = symbol.schur().unpack().1.diagonal();
+        let fastest = roots.iter().map(|r| r.im * r.im).fold(0.0, f64::max);
+        assert!((fastest / greatest - 1.0).abs() < 1e-10, "{fastest} {greatest}");
+    }
+}
+
+/// Plastic flow of the background damps waves where the flow is associated: no root has Re ς > 0, and
+/// some decay.
+#[test]
+fn flow_of_the_background_damps() {
+    let random = &mut seeded(23);
+    let [mut greatest, mut least] = [f64::NEG_INFINITY, 0.0f64];
+    for index in 0..600 {
+        let solid = solid_of_order_one(random, KINDS[index % 3]);
+        let layout = solid.layout::<3>().carrying();
+        let list: Vec<_> = layout.all_stresses().collect();
+        let friction = random.within(0.0, 1.0);
+        let set = Mises {
+            antisymmetric_weight: random.within(0.2, 2.0),
+            symmetric_length: Some(0.8),
+            antisymmetric_length: Some(0.6),
+            ..Mises::drucker_prager(1.0, friction, friction)
+        };
+        let stress = on_yield(random, &YieldSet::from(set), false);
+        let condition = set.condition(&stress).expect("off the axis");
+        let form = {
+            let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
+            let mut rates: RateEquations<3> =
+                layout.rates(&solid.stiffness(layout.all_stresses()), 1.0, inertia);
+            let rate = random.decades(0.01, 10.0);
+            let curvature = set.curvature(&stress, &list).expect("off the axis") * rate;
+            rates.relaxation = curvature.map(models::Rounded::given);
+            rates.symmetric().expect("elastic")
+        };
+        let nv = solid.layout::<3>().velocities.len();
+        let normal = DVector::from_fn(nv + list.len(), |row, _| {
+            row.checked_sub(nv).map_or(0.0, |s| list[s].derivative(&condition.normal))
+        });
+        let restricted = form.restricted(&tangent_basis(nv + list.len(), &[normal]));
+        let k = random.decades(0.1, 10.0);
+        let wave = unit::<3>(random).map(|n| k * n);
+        let (found, _) = growth(&restricted, wave);
+        greatest = greatest.max(found);
+        let (decay, _) = growth(&negative(&restricted), wave.map(|x| -x));
+        least = least.max(decay);
+    }
+    println!("greatest Re ς {greatest:e}, fastest decay {least:e}");
+    assert!(greatest < 1e-13);
+    assert!(least > 1e-3);
+}

@@ -1,0 +1,13 @@
+//! Plane waves of elastic and yielding solids against closed forms, and against the first-order
+//! equations.
+
+mod associated_flow;
+mod branches;
+mod elastic_waves;
+mod energy;
+mod first_order_equations;
+mod flutter;
+mod random_solids;
+#[path = "../support/mod.rs"]
+mod support;
+mod yielding;

@@ -1,0 +1,138 @@
+//! Random yielding solids, and the growth of their symmetric-hyperbolic form.
+
+use crate::support::states::Random;
+use models::common::rates::{RateEquations, SymmetricForm};
+use models::solid::parameters::Isotropic;
+use models::solid::stress::Stress;
+use models::yield_set::YieldSet;
+use models::yield_set::parameters::{Interlayer, Mises};
+use models::yield_set::tangent::tangent;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
+
+use crate::random_solids::{Kind, solid_of_order_one};
+
+/// A random stress on the surface of a set, by scaling from zero; with `corners` half of the stresses
+/// lie on an edge of the interlayer set.
+pub fn on_yield(random: &mut Random, set: &YieldSet, corners: bool) -> Stress {
+    loop {
+        let mut stress = Stress::default();
+        for i in 0..3 {
+            for j in 0..3 {
+                stress.force[i][j] = random.within(-1.0, 1.0);
+                stress.couple[i][j] = random.within(-1.0, 1.0);
+            }
+        }
+        let scaled = |factor: f64| Stress {
+            force: stress.force.map(|row| row.map(|x| factor * x)),
+            couple: stress.couple.map(|row| row.map(|x| factor * x)),
+        };
+        let (mut low, mut high) = (0.0, 1.0);
+        while set.value(&scaled(high)) < 0.0 && high < 1e6 {
+            high *= 2.0;
+        }
+        if high >= 1e6 {
+            continue;
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if set.value(&scaled(middle)) < 0.0 { low = middle } else { high = middle }
+        }
+        let mut stress = scaled(high);
+        if let (Some(set), true) = (set.downcast::<Interlayer>(), corners && random.chance(0.5)) {
+            // Slip of both layers, and of what else is at hand.
+            stress.force[1][0] = set.shear_strength - set.shear_friction * stress.force[0][0];
+            stress.force[0][1] = set.shear_friction * stress.force[1][1] - set.shear_strength;
+            if let (Some(couple), true) = (set.couple, random.chance(0.5)) {
+                stress.couple[2][0] = couple.strength - couple.friction * stress.force[0][0];
+            }
+            if YieldSet::from(*set).value(&stress) > 1e-9 {
+                continue;
+            }
+        }
+        return stress;
+    }
+}
+
+/// An orthonormal basis of {U : n·U = 0 for all normals}.
+pub fn tangent_basis(size: usize, normals: &[DVector<f64>]) -> DMatrix<f64> {
+    let mut columns: Vec<DVector<f64>> = Vec::new();
+    let orthogonal = |columns: &[DVector<f64>], v: &DVector<f64>| {
+        let mut v = v.clone();
+        // Twice is enough (Kahan).
+        for _ in 0..2 {
+            for c in columns {
+                v -= c * c.dot(&v);
+            }
+        }
+        v
+    };
+    for normal in normals {
+        let rest = orthogonal(&columns, normal);
+        if rest.norm() > 1e-9 * normal.norm() {
+            columns.push(rest.normalize());
+        }
+    }
+    let rank = columns.len();
+    for i in 0..size {
+        let rest = orthogonal(&columns, &DVector::from_fn(size, |r, _| f64::from(r == i)));
+        if rest.norm() > 1e-6 {
+            columns.push(rest.normalize());
+        }
+    }
+    assert_eq!(columns.len(), size);
+    DMatrix::from_columns(&columns[rank..])
+}
+
+/// Growth of a symmetric-hyperbolic system at ik = iκ, computed, not assumed: with A = LLᵀ the roots
+/// are those of L⁻¹(iΣκᵢBⁱ + Q)L⁻ᵀ, whose Hermitian part bounds every Re ς; and the roots themselves.
+pub fn growth<const D: usize>(form: &SymmetricForm<D>, wave: [f64; D]) -> (f64, f64) {
+    let factor = form.a.clone().cholesky().expect("positive definite");
+    let half = |m: &DMatrix<f64>| {
+        let left = factor.l().solve_lower_triangular(m).expect("regular");
+        factor.l().solve_lower_triangular(&left.transpose()).expect("regular").transpose()
+    };
+    let mut k = half(&form.q).map(|x| Complex64::new(x, 0.0));
+    for (b, component) in form.b.iter().zip(wave) {
+        k += half(b).map(|x| Complex64::new(0.0, component * x));
+    }
+    let size = k.iter().map(|x| x.norm()).fold(0.0, f64::max);
+    let hermitian = (&k + k.adjoint()).scale(0.5);
+    let bound = hermitian.iter().map(|x| x.norm()).fold(0.0, f64::max);
+    let roots = k.schur().unpack().1.diagonal();
+    (roots.iter().map(|r| r.re).fold(f64::NEG_INFINITY, f64::max) / size, bound / size)
+}
+
+/// The rate equations with the carried stresses among the unknowns.
+pub fn carried_too<const D: usize>(solid: &Isotropic) -> RateEquations<D> {
+    let layout = solid.layout::<D>().carrying();
+    let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
+    layout.rates(&solid.stiffness(layout.all_stresses()), solid.density, inertia)
+}
+
+/// A Cosserat solid of order one in plane strain while it yields, and the set's friction and dilatancy.
+pub fn plane_yielding(random: &mut Random, dilatancy: impl Fn(f64) -> f64) -> RateEquations<2> {
+    loop {
+        let solid = solid_of_order_one(random, Kind::Cosserat);
+        let layout = solid.layout::<2>();
+        let list: Vec<_> = layout.all_stresses().collect();
+        let friction = random.within(0.0, 1.0);
+        let set = Mises {
+            antisymmetric_weight: random.within(0.2, 2.0),
+            symmetric_length: Some(0.8),
+            antisymmetric_length: Some(0.6),
+            ..Mises::drucker_prager(1.0, friction, dilatancy(friction))
+        };
+        let stress = on_yield(random, &YieldSet::from(set), false);
+        let condition = set.condition(&stress).expect("off the axis");
+        let stiffness = tangent(&solid.stiffness(layout.all_stresses()), &list, &[condition]);
+        if let (Ok(stiffness), Some(rotation)) = (stiffness, solid.microrotation) {
+            return layout.rates(&stiffness, 1.0, rotation.inertia);
+        }
+    }
+}
+
+/// The equations backwards in time.
+pub fn negative<const D: usize>(form: &SymmetricForm<D>) -> SymmetricForm<D> {
+    SymmetricForm { a: form.a.clone(), b: form.b.each_ref().map(|b| -b), q: -&form.q }
+}

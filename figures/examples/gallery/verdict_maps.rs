@@ -1,0 +1,97 @@
+//! Verdict maps.
+
+use crate::sampling::grid;
+use wellposed_figures::{Axis, Category, Curve, Look, VerdictMap};
+
+fn category(label: &str, look: Look) -> Category {
+    Category { label: label.to_owned(), look }
+}
+
+/// A bound at 45° with growth that increases towards it.
+pub fn noncoaxiality() -> VerdictMap {
+    let (x, y) = (grid(-90.0, 90.0, 361), grid(1.0, 60.0, 237));
+    let (mut cells, mut level) = (Vec::new(), Vec::new());
+    for friction in &y {
+        for delta in &x {
+            let cos = (2.0 * delta).to_radians().cos();
+            let sin = friction.to_radians().sin();
+            cells.push(if delta.abs() == 45.0 { 2 } else { u8::from(delta.abs() > 45.0) });
+            level.push(if delta.abs() > 45.0 {
+                12.0 * (1.0 + 8.0 * sin) / cos.abs()
+            } else {
+                f64::NAN
+            });
+        }
+    }
+    let bound = |at: f64| Curve {
+        label: "bound |Δ| = 45°".to_owned(),
+        points: vec![[at, -10.0], [at, 100.0]],
+    };
+    VerdictMap {
+        title: "Harris–Grekova model, ν = 0: where is it well-posed?".to_owned(),
+        subtitle: "p = 10 kPa, ρ = 1600 kg/m³, Q = 1 s⁻¹, ψ = 30°, m/p = 0.1".to_owned(),
+        x: Axis { label: "non-coaxiality Δ (°)".to_owned(), values: x },
+        y: Axis { label: "friction angle φ (°)".to_owned(), values: y },
+        categories: vec![
+            category("well-posed", Look::WellPosed),
+            category("ill-posed, order 1", Look::IllPosed),
+            category("marginal", Look::Marginal),
+        ],
+        category: cells,
+        level,
+        level_label: "growth coefficient lim Re ς / k (m/s)".to_owned(),
+        curves: vec![bound(-45.0), bound(45.0)],
+    }
+}
+
+/// All looks on one map, with two orders of growth and levels over many decades.
+pub fn every_verdict() -> VerdictMap {
+    let (x, y) = (grid(-90.0, 90.0, 241), grid(0.0, 40.0, 161));
+    let (mut cells, mut level) = (Vec::new(), Vec::new());
+    for dilatancy in &y {
+        for delta in &x {
+            let radius = (delta / 60.0).hypot((dilatancy - 14.0) / 12.0);
+            let (cell, value) = match () {
+                () if *dilatancy > 34.0 => (6, f64::NAN),
+                () if *delta > 62.0 => (4, f64::NAN),
+                () if *delta < -66.0 => (5, f64::NAN),
+                () if radius < 0.6 => (0, f64::NAN),
+                () if radius < 0.63 => (3, f64::NAN),
+                () if *delta > 0.0 => (1, 1e-2 * (9.0 * radius).exp()),
+                () if radius > 1.7 => (2, f64::INFINITY),
+                () => (2, 3.0 * (4.0 * radius).exp() * (1.2 + (0.1 * dilatancy).sin())),
+            };
+            cells.push(cell);
+            level.push(value);
+        }
+    }
+    let bound = |scale: f64, label: &str| {
+        let point = |t: f64| {
+            let (sin, cos) = t.to_radians().sin_cos();
+            [60.0 * scale * cos, 14.0 + 12.0 * scale * sin]
+        };
+        let points = grid(0.0, 360.0, 181).into_iter().map(point).collect();
+        Curve { label: label.to_owned(), points }
+    };
+    VerdictMap {
+        title: "Dilatant domain: every answer the program can give".to_owned(),
+        subtitle: "Made-up verdicts over non-coaxiality and dilatancy angle; φ = 35°, \
+                   p = 10 kPa, ρ = 1600 kg/m³, Q = 1 s⁻¹"
+            .to_owned(),
+        x: Axis { label: "non-coaxiality Δ (°)".to_owned(), values: x },
+        y: Axis { label: "dilatancy angle ν (°)".to_owned(), values: y },
+        categories: vec![
+            category("well-posed", Look::WellPosed),
+            category("ill-posed, order 1", Look::IllPosed),
+            category("ill-posed, order ½", Look::IllPosed),
+            category("marginal", Look::Marginal),
+            category("unbounded at finite k", Look::UnboundedAtFiniteWaveNumber),
+            category("indeterminate", Look::Indeterminate),
+            category("outside the model", Look::OutsideModel),
+        ],
+        category: cells,
+        level,
+        level_label: "growth coefficient lim Re ς / kᵐ (mᵐ/s)".to_owned(),
+        curves: vec![bound(0.615, "bound in closed form"), bound(1.05, "sufficient condition")],
+    }
+}

@@ -1,0 +1,84 @@
+//! Tests of dispersion figures.
+
+use super::figure::{Band, Branch, DispersionFigure, Level};
+use crate::picture::Point;
+
+use crate::tests::{check_drawing, odd_curves};
+
+fn figure(points: &[[f64; 2]], levels: &[f64], log: bool) -> DispersionFigure {
+    let branch = |index: usize| Branch {
+        label: format!("branch {index}"),
+        frequency: points.to_vec(),
+        group_speed: points.to_vec(),
+        measured: points.to_vec(),
+        growth: points.to_vec(),
+    };
+    let level = |&value: &f64| Level { label: format!("ω* = {value} rad/s"), value };
+    let band = |pair: &[f64]| Band {
+        label: "forbidden band".to_owned(),
+        from: pair[0],
+        to: pair[pair.len() - 1],
+    };
+    DispersionFigure {
+        title: "Title".to_owned(),
+        subtitle: "subtitle".to_owned(),
+        k_label: "wave number k (1/m)".to_owned(),
+        frequency_label: "angular frequency ω (rad/s)".to_owned(),
+        speed_label: "speed (m/s)".to_owned(),
+        growth_label: "growth rate Re ς (1/s)".to_owned(),
+        k_log: log,
+        frequency_log: log,
+        branches: (0..3).map(branch).collect(),
+        bands: levels.chunks(2).map(band).collect(),
+        cutoffs: levels.iter().map(level).collect(),
+        speed_limits: levels.iter().map(level).collect(),
+    }
+}
+
+fn check(figure: &DispersionFigure) {
+    check_drawing(&figure.picture(), |format| figure.draw(format));
+}
+
+#[test]
+fn any_points_are_drawn() {
+    for points in odd_curves() {
+        for log in [false, true] {
+            check(&figure(&points, &[1.0, 3.0], log));
+        }
+    }
+}
+
+#[test]
+fn labels_of_levels_keep_apart() {
+    let points = [[0.1, 1.0], [10.0, 100.0], [20.0, 110.0]];
+    let sets: [&[f64]; 4] = [
+        &[],
+        &[f64::NAN, f64::INFINITY, -3.0, 0.0],
+        &[50.0, 50.0, 50.1, 50.2, 51.0, 110.0],
+        &[100.0, 20.0, 20.0, f64::INFINITY],
+    ];
+    for levels in sets {
+        check(&figure(&points, levels, false));
+        check(&figure(&points, levels, true));
+    }
+    let mut long = figure(&points, &[20.0, 60.0], false);
+    for text in [&mut long.cutoffs[0].label, &mut long.bands[0].label, &mut long.k_label] {
+        *text = "a frequency of some kind ".repeat(30);
+    }
+    long.branches = (0..30).map(|index| long.branches[index % 3].clone()).collect();
+    check(&long);
+    long.branches.clear();
+    check(&long);
+}
+
+#[test]
+fn phase_speeds_near_a_cutoff_do_not_stretch_the_axis() {
+    let points: Vec<Point> =
+        (1..=1000).map(|i| 0.01 * f64::from(i)).map(|k| [k, (100.0 + k * k).sqrt()]).collect();
+    let mut figure = figure(&points, &[], false);
+    for branch in &mut figure.branches {
+        branch.group_speed = points.iter().map(|&[k, omega]| [k, k / omega]).collect();
+    }
+    let [_, _, speed, _] = figure.scales();
+    assert!(speed.high > 1.4 && speed.high < 2.0 && speed.low == 0.0, "{}", speed.high);
+}

@@ -1,0 +1,141 @@
+//! Marks of sources and receivers, and their names.
+
+use super::figure::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
+use super::layout::Layout;
+use crate::page::{self};
+use crate::picture::{Anchor, INK, Picture, Point, Rectangle, Text, WHITE, circle, text_width};
+
+const MARK_NAME: f64 = 22.0;
+/// Distance from a mark's centre that is kept free.
+const MARK_RADIUS: f64 = 15.0;
+
+impl FieldFigure {
+    /// The marks in the domain, with their places on the sheet.
+    pub(super) fn places(&self, frame: Rectangle) -> Vec<(Point, &FieldMark)> {
+        let share = |axis: &FieldAxis, value: f64| (value - axis.from) / (axis.to - axis.from);
+        let inside = |share: f64| (-1e-9..=1.0 + 1e-9).contains(&share);
+        let shares = self
+            .marks
+            .iter()
+            .map(|mark| ([share(&self.x, mark.at[0]), share(&self.y, mark.at[1])], mark));
+        shares
+            .filter(|([x, y], _)| inside(*x) && inside(*y))
+            .map(|([x, y], mark)| {
+                let x = frame.left + x * frame.width();
+                ([x, frame.bottom - y * frame.height()], mark)
+            })
+            .collect()
+    }
+
+    /// A place for the name of each mark in the domain, none where there is no room.
+    pub(super) fn place_names(&self, layout: &Layout) -> Vec<Option<Text>> {
+        let places = self.places(layout.frame);
+        let mut taken: Vec<Rectangle> = places.iter().map(|(at, _)| around(*at)).collect();
+        // Names stand on either side of the frame's lines, not on them.
+        let (area, frame) = (layout.names, layout.frame);
+        taken.extend([
+            Rectangle { bottom: frame.top + 2.0, top: frame.top - 2.0, ..frame },
+            Rectangle { left: frame.right - 2.0, right: frame.right + 2.0, ..frame },
+        ]);
+        taken.extend(self.name_above(layout).as_ref().map(padded));
+        let mut names = Vec::new();
+        for &([x, y], mark) in &places {
+            let widest = (0.4 * area.width()).max(150.0);
+            let (name, size) = page::fit(&mark.name, MARK_NAME, widest);
+            let half = 0.5 * text_width(&name, size, false);
+            let near = (0..14).flat_map(|step| {
+                let distance = MARK_RADIUS + 7.0 + 14.0 * f64::from(step);
+                // To the right and left first; the others turn away from there.
+                [0.0_f64, 180.0, 45.0, 135.0, -45.0, -135.0, 90.0, -90.0].map(|turn| {
+                    let (sin, cos) = turn.to_radians().sin_cos();
+                    let middle = x + cos * (distance + half);
+                    let baseline = y - sin * (distance + 0.4 * size) + 0.3 * size;
+                    Text::new([middle, baseline], Anchor::Middle, size, &name)
+                })
+            });
+            let free = |text: &Text| {
+                let pad = padded(text);
+                pad.left >= area.left + 2.0
+                    && pad.right <= area.right - 2.0
+                    && pad.top >= area.top + 2.0
+                    && pad.bottom <= area.bottom - 2.0
+                    && !taken.iter().any(|other| other.overlaps(&pad))
+            };
+            // A mark without a name needs no place for it.
+            let place = if name.is_empty() {
+                Some(Text::new([x, y], Anchor::Middle, size, ""))
+            } else {
+                near.into_iter().find(free)
+            };
+            if let Some(text) = place.as_ref().filter(|text| !text.content.is_empty()) {
+                taken.push(padded(text));
+            }
+            names.push(place);
+        }
+        names
+    }
+
+    pub(super) fn draw_marks(&self, picture: &mut Picture, layout: &Layout) {
+        let places = self.places(layout.frame);
+        let names = self.place_names(layout);
+        let words = || names.iter().map(|name| name.as_ref().filter(|t| !t.content.is_empty()));
+        for (&([x, y], _), text) in places.iter().zip(words()) {
+            let Some(pad) = text.map(padded) else { continue };
+            let end = [x.clamp(pad.left, pad.right), y.clamp(pad.top, pad.bottom)];
+            if (end[0] - x).hypot(end[1] - y) > MARK_RADIUS + 12.0 {
+                picture.line([[x, y], end], 4.4, WHITE);
+                picture.line([[x, y], end], 1.6, INK);
+            }
+        }
+        for &(at, mark) in &places {
+            draw_mark(picture, at, mark.kind);
+        }
+        for text in words().flatten() {
+            picture.fill(padded(text), WHITE);
+            picture.text(text.clone());
+        }
+    }
+}
+
+pub(super) fn draw_mark(picture: &mut Picture, [x, y]: Point, kind: FieldMarkKind) {
+    for (more, colour) in [(3.0, WHITE), (0.0, INK)] {
+        match kind {
+            FieldMarkKind::Source => {
+                let (outer, inner) = (13.0 + 1.4 * more, 5.4 + more);
+                let tip = |corner: usize| {
+                    let radius = if corner.is_multiple_of(2) { outer } else { inner };
+                    let angle = std::f64::consts::PI * (0.2 * corner as f64 - 0.5);
+                    [x + radius * angle.cos(), y + radius * angle.sin()]
+                };
+                picture.polygon((0..10).map(tip).collect(), colour);
+            }
+            FieldMarkKind::Receiver => {
+                let radius = 12.0 + 1.6 * more;
+                let corners = circle([x, y - 1.5], radius, 12);
+                // The corners at 30°, 150° and 270°, counted downwards, with the tip below.
+                picture.polygon([3, 7, 11].map(|corner: usize| corners[corner]).to_vec(), colour);
+            }
+        }
+    }
+}
+
+/// The room of a mark.
+pub(super) fn around([x, y]: Point) -> Rectangle {
+    Rectangle {
+        left: x - MARK_RADIUS,
+        top: y - MARK_RADIUS,
+        right: x + MARK_RADIUS,
+        bottom: y + MARK_RADIUS,
+    }
+}
+
+/// The ground of a name.
+pub(super) fn padded(text: &Text) -> Rectangle {
+    let bounds = text.bounds();
+    Rectangle {
+        left: bounds.left - 4.0,
+        right: bounds.right + 4.0,
+        top: bounds.top - 1.0,
+        bottom: bounds.bottom + 1.0,
+    }
+}

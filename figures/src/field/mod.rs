@@ -1,0 +1,21 @@
+//! A field over a plane domain, such as a final state of a motion.
+
+mod axes;
+mod borders;
+mod cells;
+mod colour_bar;
+mod colour_map;
+mod contour_labels;
+mod contours;
+mod draw;
+mod figure;
+mod layout;
+mod legend;
+mod marks;
+mod plastic;
+mod raster;
+#[cfg(test)]
+mod tests;
+mod ticks;
+
+pub use figure::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};

@@ -1,0 +1,110 @@
+//! Placing of text and strokes of lines, which differ between bitmaps and SVG.
+
+use plotters::backend::DrawingBackend;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{FontTransform, TextStyle};
+
+use super::fonts::{BITMAP_SIZE_PER_EM, font};
+use super::geometry::{Point, Rectangle, circle};
+use super::text::{Anchor, Colour, Text};
+use crate::error::FigureError;
+
+/// Fine pixels along the edge of a pixel of the finished picture.
+pub(super) const FINENESS: u32 = 3;
+
+/// How a kind of output places text and strokes lines. The two libraries below plotters read the
+/// same size and place differently; without the correction the two formats would not agree.
+pub(super) struct Dialect {
+    /// The library's font size for an em square of one pixel.
+    size_per_em: f64,
+    /// Distance from the place handed over to the baseline, in em.
+    baseline: f64,
+    /// Whether the output is text: a line is given to the library whole, patches become paths.
+    pub(super) is_text: bool,
+}
+
+/// The library's polygon of a thick line has holes where a line turns back on itself, so lines are drawn
+/// piece by piece.
+pub(super) const BITMAP: Dialect =
+    Dialect { size_per_em: BITMAP_SIZE_PER_EM, baseline: 0.582, is_text: false };
+pub(super) const SVG: Dialect = Dialect { size_per_em: 1.24, baseline: 0.76, is_text: true };
+
+pub(super) fn refused(error: impl std::fmt::Display) -> FigureError {
+    FigureError::Drawing(error.to_string())
+}
+
+impl Dialect {
+    pub(super) fn write<B: DrawingBackend>(
+        &self,
+        on: &mut B,
+        text: &Text,
+    ) -> Result<(), FigureError> {
+        let drop = self.baseline * text.size;
+        let [x, y] = text.at;
+        let (at, turn) = if text.upwards {
+            ([x - drop, y], FontTransform::Rotate270)
+        } else {
+            ([x, y - drop], FontTransform::None)
+        };
+        let across = match text.anchor {
+            Anchor::Start => HPos::Left,
+            Anchor::Middle => HPos::Center,
+            Anchor::End => HPos::Right,
+        };
+        let size = text.size * self.size_per_em * f64::from(FINENESS);
+        let font = font(size, text.bold).transform(turn);
+        let style = TextStyle::from(font).color(&text.colour).pos(Pos::new(across, VPos::Top));
+        on.draw_text(&text.content, &style, fine(at)).map_err(refused)
+    }
+
+    pub(super) fn stroke<B: DrawingBackend>(
+        &self,
+        on: &mut B,
+        points: &[Point],
+        width: f64,
+        colour: Colour,
+    ) -> Result<(), FigureError> {
+        let fine_width = width * f64::from(FINENESS);
+        if self.is_text {
+            use plotters::style::Color;
+            let style = colour.stroke_width(fine_width.round().max(1.0) as u32);
+            let points = points.iter().map(|&point| fine(point));
+            return on.draw_path(points, &style).map_err(refused);
+        }
+        for (index, piece) in points.windows(2).enumerate() {
+            let ([x0, y0], [x1, y1]) = (piece[0], piece[1]);
+            let length = (x1 - x0).hypot(y1 - y0);
+            if length > 0.0 {
+                let half = 0.5 * width / length;
+                let (dx, dy) = (half * (y1 - y0), half * (x0 - x1));
+                let corners = [
+                    [x0 + dx, y0 + dy],
+                    [x1 + dx, y1 + dy],
+                    [x1 - dx, y1 - dy],
+                    [x0 - dx, y0 - dy],
+                ];
+                on.fill_polygon(corners.map(fine), &colour).map_err(refused)?;
+            }
+            // A disc closes the notch between two pieces.
+            if index > 0 && width > 1.0 {
+                let joint = circle(piece[0], 0.5 * width, 12).into_iter().map(fine);
+                on.fill_polygon(joint, &colour).map_err(refused)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+pub(super) fn fine([x, y]: Point) -> (i32, i32) {
+    let scale = f64::from(FINENESS);
+    ((scale * x).round() as i32, (scale * y).round() as i32)
+}
+
+/// First coordinate of the polygons that stand for patches in an SVG; far from the sheet.
+pub(super) const PATCHES: i32 = -1_000_000;
+
+/// The corners of a patch in fine pixels; none where it is smaller than one of these.
+pub(super) fn fine_patch(area: &Rectangle) -> Option<([i32; 2], [i32; 2])> {
+    let (from, to) = (fine([area.left, area.top]), fine([area.right, area.bottom]));
+    (from.0 < to.0 && from.1 < to.1).then_some(([from.0, from.1], [to.0, to.1]))
+}

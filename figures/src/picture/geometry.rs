@@ -1,0 +1,131 @@
+//! Points, rectangles and lines in pixels: circles, dashes and clipping.
+
+/// A place in pixels, from the upper left corner to the right and down.
+pub(crate) type Point = [f64; 2];
+
+/// An upright rectangle in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Rectangle {
+    pub left: f64,
+    pub top: f64,
+    pub right: f64,
+    pub bottom: f64,
+}
+
+impl Rectangle {
+    pub fn width(&self) -> f64 {
+        self.right - self.left
+    }
+
+    pub fn height(&self) -> f64 {
+        self.bottom - self.top
+    }
+
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.left < other.right
+            && other.left < self.right
+            && self.top < other.bottom
+            && other.top < self.bottom
+    }
+
+    pub(super) fn corners(&self) -> [Point; 4] {
+        let Self { left, top, right, bottom } = *self;
+        [[left, top], [right, top], [right, bottom], [left, bottom]]
+    }
+}
+
+pub(crate) fn circle([x, y]: Point, radius: f64, corners: usize) -> Vec<Point> {
+    let turn = std::f64::consts::TAU / corners as f64;
+    (0..corners)
+        .map(|corner| {
+            let (sin, cos) = (corner as f64 * turn).sin_cos();
+            [x + radius * cos, y + radius * sin]
+        })
+        .collect()
+}
+
+/// The dashes of a line; `pattern` holds their lengths and those of the gaps in turn.
+pub(crate) fn dashes(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
+    let mut dashes = Vec::new();
+    let (mut turn, mut left) = (0, pattern[0]);
+    let mut dash: Vec<Point> = points.first().copied().into_iter().collect();
+    for piece in points.windows(2) {
+        let (from, to) = (piece[0], piece[1]);
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let mut done = 0.0;
+        while length - done > left {
+            done += left;
+            let share = done / length;
+            let at = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
+            if turn % 2 == 0 {
+                dash.push(at);
+                dashes.push(std::mem::take(&mut dash));
+            } else {
+                dash = vec![at];
+            }
+            turn += 1;
+            left = pattern[turn % pattern.len()];
+        }
+        left -= length - done;
+        if turn % 2 == 0 {
+            dash.push(to);
+        }
+    }
+    if dash.len() > 1 {
+        dashes.push(dash);
+    }
+    dashes
+}
+
+/// The length of a line.
+pub(crate) fn polyline_length(line: &[Point]) -> f64 {
+    line.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum()
+}
+
+/// The parts of a line inside an area, the line being interrupted where a coordinate is not
+/// finite.
+pub(crate) fn clip(points: &[Point], area: Rectangle) -> Vec<Vec<Point>> {
+    let mut parts: Vec<Vec<Point>> = Vec::new();
+    let mut open = false;
+    for piece in points.windows(2) {
+        let Some((from, to)) = clip_piece(piece[0], piece[1], area) else {
+            open = false;
+            continue;
+        };
+        match parts.last_mut() {
+            Some(part) if open && from == piece[0] => part.push(to),
+            _ => parts.push(vec![from, to]),
+        }
+        open = to == piece[1];
+    }
+    parts
+}
+
+/// The part of a straight piece inside an area (Liang and Barsky 1984).
+fn clip_piece(from: Point, to: Point, area: Rectangle) -> Option<(Point, Point)> {
+    if !from.iter().chain(&to).all(|coordinate| coordinate.is_finite()) {
+        return None;
+    }
+    let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+    let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+    for (speed, room) in [
+        (-dx, from[0] - area.left),
+        (dx, area.right - from[0]),
+        (-dy, from[1] - area.top),
+        (dy, area.bottom - from[1]),
+    ] {
+        if speed == 0.0 {
+            if room < 0.0 {
+                return None;
+            }
+        } else if speed < 0.0 {
+            enter = enter.max(room / speed);
+        } else {
+            leave = leave.min(room / speed);
+        }
+    }
+    let at = |share: f64| [from[0] + share * dx, from[1] + share * dy];
+    let start = if enter > 0.0 { at(enter) } else { from };
+    let end = if leave < 1.0 { at(leave) } else { to };
+    (enter <= leave).then_some((start, end))
+}

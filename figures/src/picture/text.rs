@@ -1,0 +1,61 @@
+//! Lines of text, and the colours of text and paper.
+
+use plotters::style::RGBColor;
+
+use super::fonts::text_width;
+use super::geometry::{Point, Rectangle};
+
+pub(crate) type Colour = RGBColor;
+
+pub(crate) const INK: Colour = RGBColor(25, 25, 25);
+pub(crate) const PALE_INK: Colour = RGBColor(95, 95, 95);
+pub(crate) const WHITE: Colour = RGBColor(255, 255, 255);
+
+/// Which part of a text lies at its place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+/// A line of text.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Text {
+    /// A point on the baseline.
+    pub at: Point,
+    pub content: String,
+    /// Size of the font's em square in pixels.
+    pub size: f64,
+    pub bold: bool,
+    pub colour: Colour,
+    pub anchor: Anchor,
+    /// Whether the text runs upwards instead of to the right.
+    pub upwards: bool,
+}
+
+impl Text {
+    pub fn new(at: Point, anchor: Anchor, size: f64, content: impl Into<String>) -> Self {
+        let content = content.into();
+        Self { at, content, size, bold: false, colour: INK, anchor, upwards: false }
+    }
+
+    /// The room taken by capitals, ascenders and descenders.
+    pub fn bounds(&self) -> Rectangle {
+        let width = text_width(&self.content, self.size, self.bold);
+        let before = match self.anchor {
+            Anchor::Start => 0.0,
+            Anchor::Middle => 0.5 * width,
+            Anchor::End => width,
+        };
+        let [x, y] = self.at;
+        let (above, below) = (0.76 * self.size, 0.24 * self.size);
+        if self.upwards {
+            let bottom = y + before;
+            Rectangle { left: x - above, right: x + below, top: bottom - width, bottom }
+        } else {
+            let left = x - before;
+            Rectangle { left, right: left + width, top: y - above, bottom: y + below }
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! Numbers on the rings, clear of lines and spokes.
+
+use super::circles::{RING_LABEL, at};
+use crate::page::{self};
+use crate::picture::{Anchor, Point, Rectangle, Text, circle, clip};
+use crate::scale::Tick;
+
+/// The numbers of rings, each given by its radius, where a ray crosses them, the unit beside the
+/// outermost.
+pub(super) fn numbers(rings: &[Tick], unit: &str, centre: Point, rim: f64, ray: f64) -> Vec<Text> {
+    let labelled = || rings.iter().filter(|(_, label)| !label.is_empty());
+    let outermost = labelled().map(|(radius, _)| *radius).fold(f64::NEG_INFINITY, f64::max);
+    let number = |(radius, label): &Tick| {
+        let unit = if *radius == outermost { unit } else { "" };
+        let words = format!("{label} {unit}");
+        let (words, size) = page::fit(words.trim_end(), RING_LABEL, 0.5 * rim);
+        let [x, y] = at(centre, ray, *radius);
+        Text::new([x, y + 0.36 * size], Anchor::Middle, size, words)
+    };
+    labelled().map(number).collect()
+}
+
+/// The numbers of the rings on the steep ray in the lower half on which they cover the least of
+/// the lines, and then that is farthest from all `spokes`, given by their angles in degrees.
+pub(crate) fn best_numbers(
+    rings: &[Tick],
+    unit: &str,
+    spokes: &[f64],
+    centre: Point,
+    rim: f64,
+    lines: &[Vec<(f64, Point)>],
+) -> Vec<Text> {
+    let mut lines: Vec<Vec<Point>> =
+        lines.iter().map(|line| line.iter().map(|(_, point)| *point).collect()).collect();
+    // Nor the rim, behind which the degrees stand.
+    lines.push(circle(centre, rim, 360));
+    let room = |ray: f64| {
+        spokes
+            .iter()
+            .map(|spoke| (ray - spoke).rem_euclid(180.0))
+            .map(|gap| gap.min(180.0 - gap))
+            .fold(MOST_ROOM, f64::min)
+    };
+    let best = (0..=28).map(|step| STEEP[0] + 2.0 * f64::from(step)).map(|ray| {
+        let numbers = numbers(rings, unit, centre, rim, ray);
+        let covered = numbers
+            .iter()
+            .map(backing)
+            .filter(|area| lines.iter().any(|line| !clip(line, *area).is_empty()));
+        // A spoke behind the numbers is as bad as a covered line.
+        let cost = covered.count() as f64 + numbers.len() as f64 * (1.0 - room(ray) / MOST_ROOM);
+        (cost, numbers)
+    });
+    best.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Vec::new, |(_, numbers)| numbers)
+}
+
+/// As many numbers as find room on a steep ray over a length.
+pub(crate) fn most_numbers(length: f64) -> usize {
+    (length * STEEP[0].to_radians().sin().abs() / (1.3 * RING_LABEL)) as usize
+}
+
+/// Numbers stand on a ray between these degrees, so that they find room above each other; one that
+/// is this far from all spokes is far enough.
+const STEEP: [f64; 2] = [242.0, 298.0];
+const MOST_ROOM: f64 = 12.0;
+
+/// The ground of a number on a ring.
+pub(crate) fn backing(text: &Text) -> Rectangle {
+    let bounds = text.bounds();
+    Rectangle { left: bounds.left - 4.0, right: bounds.right + 4.0, ..bounds }
+}

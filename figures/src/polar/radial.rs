@@ -1,0 +1,45 @@
+//! The radial scale: linear about zero and logarithmic beyond.
+
+use crate::growth::Line;
+use crate::scale::SymmetricLog;
+
+/// Share of the radius inside which nothing is drawn: circles there are too small to be read.
+pub(super) const HOLE: f64 = 0.12;
+
+/// Growth rates beyond are treated as infinite.
+const FINITE: f64 = 1e300;
+
+/// The radial scale: places of the symmetric logarithm and their radii.
+pub(super) struct Radial {
+    pub(super) scale: SymmetricLog,
+    pub(super) low: f64,
+    pub(super) high: f64,
+    pub(super) radius: f64,
+}
+
+impl Radial {
+    pub(super) fn of(curves: &[Line], radius: f64) -> Self {
+        let growth = || curves.iter().flat_map(|line| &line.points).map(|point| point[1]);
+        let finite = || growth().filter(|growth| growth.abs() < FINITE);
+        let scale = SymmetricLog::for_values(finite());
+        let (mut low, mut high) = (0.0_f64, 0.0_f64);
+        for place in finite().map(|growth| scale.forward(growth)) {
+            (low, high) = (low.min(place), high.max(place));
+        }
+        // The neutral circle has both sides, and infinite values are drawn beyond all others.
+        let room = 0.06 * (high - low).max(2.0);
+        Self { scale, low: low.min(-1.0) - room, high: high.max(1.0) + room, radius }
+    }
+
+    /// The radius of a place on the scale.
+    pub(super) fn at_place(&self, place: f64) -> f64 {
+        let share = (place.clamp(self.low, self.high) - self.low) / (self.high - self.low);
+        self.radius * (HOLE + (1.0 - HOLE) * share)
+    }
+
+    /// The radius of a growth rate; infinite ones run just inside the rim or the hole.
+    pub(super) fn at(&self, growth: f64) -> f64 {
+        let inset = 0.015 * (self.high - self.low);
+        self.at_place(self.scale.forward(growth).clamp(self.low + inset, self.high - inset))
+    }
+}

@@ -1,0 +1,133 @@
+//! Tests of polar diagrams.
+
+use super::curves::places;
+use super::figure::{PolarFigure, Spoke, SpokeStyle};
+use super::labels::{Label, labels};
+use super::numbers::best_numbers;
+use super::radial::{HOLE, Radial};
+use crate::format::Format;
+use crate::growth::Line;
+use crate::scale::Tick;
+
+use crate::tests::{check_drawing, odd_curves};
+
+fn figure(points: &[[f64; 2]], spokes: &[f64]) -> PolarFigure {
+    let spoke = |(index, &angle_deg): (usize, &f64)| Spoke {
+        label: format!("spoke {index}"),
+        angle_deg,
+        style: SpokeStyle::ALL[index % 2],
+    };
+    PolarFigure {
+        title: "Title".to_owned(),
+        subtitle: "subtitle".to_owned(),
+        symbol: "Re ς".to_owned(),
+        unit: "1/s".to_owned(),
+        curves: vec![Line { label: "model".to_owned(), points: points.to_vec() }],
+        spokes: spokes.iter().enumerate().map(spoke).collect(),
+    }
+}
+
+fn check(figure: &PolarFigure) {
+    check_drawing(&figure.picture(), |format| figure.draw(format));
+}
+
+fn circle_of(growth: f64) -> Vec<[f64; 2]> {
+    (0..=180).map(|angle| [f64::from(angle), growth]).collect()
+}
+
+#[test]
+fn any_points_are_drawn() {
+    for points in odd_curves() {
+        check(&figure(&points, &[15.0, 75.0]));
+    }
+}
+
+#[test]
+fn labels_keep_apart_whatever_the_spokes() {
+    let points = [[0.0, -1e6], [180.0, 1e4]];
+    let sets: [&[f64]; 6] = [
+        &[],
+        &[f64::NAN, f64::INFINITY, 1e300, -720.0],
+        &[0.0, 0.0, 90.0, 180.0, -90.0],
+        &[14.95, 15.0, 75.0, 75.05, 30.0, 29.0],
+        &[85.0, 88.0, 89.0, 90.0, 91.0, 92.0, 95.0],
+        &[15.0, 15.0, 45.0, 75.0, 75.0, 111.8, 135.0],
+    ];
+    for spokes in sets {
+        check(&figure(&points, spokes));
+    }
+    let many: Vec<f64> = (0..60).map(|angle| 3.0 * f64::from(angle)).collect();
+    check(&figure(&points, &many));
+    let mut long = figure(&points, &[10.0, 20.0, 100.0]);
+    long.spokes[0].label = "a direction of some kind ".repeat(30);
+    long.unit = "metres ".repeat(100);
+    check(&long);
+}
+
+#[test]
+fn spokes_on_one_angle_share_a_label() {
+    let [right, left] = labels(figure(&[], &[15.0, 195.0, 105.0, -1e-9]).drawn());
+    let words = |labels: &[Label]| -> Vec<String> { labels.iter().map(Label::text).collect() };
+    assert_eq!(words(&right), ["15° spoke 0, spoke 1", "0° spoke 3"]);
+    assert_eq!(words(&left), ["105° spoke 2"]);
+}
+
+#[test]
+fn growth_lies_outside_the_neutral_circle_and_decay_inside() {
+    let curve = Line { label: String::new(), points: vec![[0.0, 1e5], [90.0, -1e3]] };
+    let radial = Radial::of(&[curve], 400.0);
+    let neutral = radial.at(0.0);
+    let radii = [f64::NEG_INFINITY, -1e3, -10.0, 0.0, 10.0, 1e5, f64::INFINITY];
+    let radii = radii.map(|growth| radial.at(growth));
+    assert!(radii.windows(2).all(|pair| pair[0] < pair[1]), "{radii:?}");
+    assert!(radii[0] > HOLE * 400.0 && radii[6] < 400.0 && radii[3] == neutral);
+    // Decades are as far apart on both sides.
+    let step = radial.at(1e5) - radial.at(1e4);
+    assert!((radial.at(1e4) - radial.at(1e3) - step).abs() < 1e-9);
+}
+
+#[test]
+fn the_angle_is_anticlockwise_and_the_circle_is_full() {
+    // Growth in a sector about 45° alone: black in the upper right and the lower left quarter.
+    let points: Vec<[f64; 2]> = (35..=55).map(|angle| [f64::from(angle), 1e3]).collect();
+    let figure = figure(&points, &[]);
+    let (width, pixels) = crate::tests::pixels(&figure.draw(Format::Png).unwrap());
+    let dark = |x: usize, y: usize| pixels[3 * (y * width + x)] < 20;
+    let count = |columns: std::ops::Range<usize>, rows: std::ops::Range<usize>| {
+        columns.flat_map(|x| rows.clone().map(move |y| (x, y))).filter(|&(x, y)| dark(x, y)).count()
+    };
+    // Between the heading and the legend, about the middle of the sheet's plane.
+    let (upper, lower) = (160..540, 620..960);
+    assert!(count(810..1200, upper.clone()) > 200 && count(400..790, lower.clone()) > 200);
+    assert_eq!(count(400..790, upper), 0);
+    assert_eq!(count(810..1200, lower), 0);
+}
+
+#[test]
+fn numbers_stand_clear_of_lines_and_spokes() {
+    // A line that runs along the ray at 270°, and spokes beside it.
+    let mut figure = figure(&circle_of(-2.0), &[60.0, 75.0, 105.0]);
+    for [angle, growth] in &mut figure.curves[0].points {
+        if *angle >= 90.0 {
+            *growth = 1e3;
+        }
+    }
+    check(&figure);
+    let (centre, radius) = ([800.0, 600.0], 350.0);
+    let radial = Radial::of(&figure.curves, radius);
+    let rings = radial.scale.ticks(radial.low, radial.high, 9).into_iter();
+    let rings: Vec<Tick> = rings.map(|(place, label)| (radial.at_place(place), label)).collect();
+    let place = |line: &Line| places(&line.points, centre, |growth| radial.at(growth));
+    let lines: Vec<_> = figure.curves.iter().map(place).collect();
+    let spokes = [60.0, 75.0, 105.0];
+    let numbers = best_numbers(&rings, "1/s", &spokes, centre, radius, &lines);
+    assert!(numbers.len() >= 4 && numbers.iter().any(|n| n.content.ends_with(" 1/s")));
+    for number in &numbers {
+        let [x, y] =
+            [number.bounds(); 2].map(|b| [0.5 * (b.left + b.right), 0.5 * (b.top + b.bottom)])[0];
+        let ray = (centre[1] - y).atan2(x - centre[0]).to_degrees().rem_euclid(180.0);
+        for spoke in [60.0, 75.0, 90.0, 105.0] {
+            assert!((ray - spoke).abs() > 5.0, "{ray} at {spoke}");
+        }
+    }
+}

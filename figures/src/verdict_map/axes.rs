@@ -1,0 +1,57 @@
+//! The axes of the map: whole cells around uniformly spaced points.
+
+use super::figure::Axis;
+use crate::error::FigureError;
+use crate::page::{self};
+use crate::scale::{self, Tick};
+
+/// The extent of an axis: whole cells around its points.
+pub(super) struct Extent {
+    pub(super) low: f64,
+    pub(super) high: f64,
+    pub(super) descending: bool,
+}
+
+impl Extent {
+    pub(super) fn of(axis: &Axis) -> Result<Self, FigureError> {
+        let refuse = |problem| FigureError::Axis { label: axis.label.clone(), problem };
+        let values = &axis.values;
+        let (Some(&first), Some(&last)) = (values.first(), values.last()) else {
+            return Err(refuse("has no points"));
+        };
+        if values.iter().any(|value| !value.is_finite()) {
+            return Err(refuse("has a point that is not a finite number"));
+        }
+        if values.len() == 1 {
+            // A single cell has no natural width.
+            let half = 0.5 * first.abs().max(1.0);
+            return Ok(Self { low: first - half, high: first + half, descending: false });
+        }
+        let step = (last - first) / (values.len() - 1) as f64;
+        if !(step.is_finite() && step != 0.0) {
+            return Err(refuse("does not extend from a first to a different last value"));
+        }
+        let uniform = |(index, value): (usize, &f64)| {
+            (value - (first + step * index as f64)).abs() <= 1e-3 * step.abs()
+        };
+        if !values.iter().enumerate().all(uniform) {
+            return Err(refuse("is not uniformly spaced"));
+        }
+        let half = 0.5 * step.abs();
+        let (low, high) = (first.min(last) - half, first.max(last) + half);
+        Ok(Self { low, high, descending: step < 0.0 })
+    }
+
+    /// The share of the axis below a value.
+    pub(super) fn share(&self, value: f64) -> f64 {
+        (value - self.low) / (self.high - self.low)
+    }
+
+    pub(super) fn ticks(&self, axis: &Axis, length: f64, upright: bool) -> Vec<Tick> {
+        if let [only] = axis.values[..] {
+            return vec![(only, scale::plain(only))];
+        }
+        let degrees = axis.label.contains('°');
+        page::spaced(length, upright, |most| scale::ticks(self.low, self.high, most, degrees))
+    }
+}

@@ -1,0 +1,40 @@
+//! Curves over the map, dashed and with a rim.
+
+use plotters::style::RGBColor;
+
+use crate::picture::{Colour, Picture, Point, WHITE, dashes};
+
+/// Dashes and colours of the curves, in the order of their labels.
+const CURVES: [(&[f64], Colour); 4] = [
+    (&[22.0, 11.0], RGBColor(10, 10, 10)),
+    (&[5.0, 8.0], RGBColor(0, 60, 150)),
+    (&[34.0, 9.0, 5.0, 9.0], RGBColor(90, 0, 100)),
+    (&[12.0, 6.0], RGBColor(0, 85, 65)),
+];
+
+pub(super) fn draw_curve(picture: &mut Picture, points: &[Point], index: usize) {
+    let (pattern, colour) = CURVES[index % CURVES.len()];
+    // A white rim keeps the dashes readable on dark shades; the gaps show the cells below.
+    for dash in dashes(points, pattern) {
+        picture.line(lengthened(&dash, 2.0), 8.5, WHITE);
+        picture.line(dash, 4.5, colour);
+    }
+}
+
+/// A line made longer at both ends.
+fn lengthened(line: &[Point], by: f64) -> Vec<Point> {
+    let mut line = line.to_vec();
+    let beyond = |end: Point, inner: Point| {
+        let (dx, dy) = (end[0] - inner[0], end[1] - inner[1]);
+        let scale = by / dx.hypot(dy).max(1e-9);
+        [end[0] + scale * dx, end[1] + scale * dy]
+    };
+    if let [first, second, ..] = line[..] {
+        line[0] = beyond(first, second);
+    }
+    if let [.., before, last] = line[..] {
+        let end = line.len() - 1;
+        line[end] = beyond(last, before);
+    }
+    line
+}

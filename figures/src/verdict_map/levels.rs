@@ -1,0 +1,90 @@
+//! The range of growth levels and lines of equal level.
+
+use super::colour_map::colour_on_shade;
+use super::figure::{Look, VerdictMap};
+use super::raster::{Raster, cell_size};
+use crate::contour;
+use crate::picture::{Colour, Picture, Point, Rectangle};
+use crate::scale::Tick;
+
+/// The range of the colour map, in log₁₀ of the level.
+pub(super) struct Range {
+    pub(super) low: f64,
+    pub(super) high: f64,
+    /// Whether finite levels lie below `low` or above `high`.
+    pub(super) beyond: [bool; 2],
+    /// Whether some level is infinite.
+    pub(super) infinite: bool,
+}
+
+impl Range {
+    /// The range of the positive levels. A few cells far from all others, such as those that
+    /// touch a singular line, do not take the colours from the rest.
+    pub(super) fn of(levels: impl Iterator<Item = f64>) -> Option<Self> {
+        let mut infinite = false;
+        let mut logs: Vec<f64> = Vec::new();
+        for level in levels.filter(|level| *level > 0.0) {
+            if level.is_finite() {
+                logs.push(level.log10());
+            } else {
+                infinite = true;
+            }
+        }
+        logs.sort_by(f64::total_cmp);
+        let (Some(&least), Some(&most)) = (logs.first(), logs.last()) else {
+            return infinite.then_some(Self { low: 0.0, high: 1.0, beyond: [false; 2], infinite });
+        };
+        let aside = logs.len() / 100;
+        let (inner_low, inner_high) = (logs[aside], logs[logs.len() - 1 - aside]);
+        let inner = (inner_high - inner_low).max(0.3);
+        let trim = |outer: f64, bound: f64| if outer > inner { bound } else { f64::NAN };
+        let low = trim(inner_low - least, inner_low).max(least);
+        let high = trim(most - inner_high, inner_high).min(most);
+        let beyond = [low > least, high < most];
+        // Equal levels are given a decade, so that the bar has ticks.
+        let (low, high) = if high - low < 1e-6 { (low - 0.5, high + 0.5) } else { (low, high) };
+        Some(Self { low, high, beyond, infinite })
+    }
+
+    pub(super) fn share(&self, level: f64) -> f64 {
+        (level.log10() - self.low) / (self.high - self.low)
+    }
+}
+
+impl VerdictMap {
+    /// Draws the lines of equal level at the ticks of the bar. Levels of different categories may
+    /// be of different kinds and are not joined.
+    pub(super) fn draw_contours(
+        &self,
+        picture: &mut Picture,
+        frame: Rectangle,
+        raster: &Raster,
+        range: &Range,
+        ticks: &[Tick],
+    ) {
+        let (width, height) = cell_size(frame, raster);
+        let logs: Vec<f64> = raster.level.iter().map(|level| level.log10()).collect();
+        for (index, category) in self.categories.iter().enumerate() {
+            if category.look != Look::IllPosed {
+                continue;
+            }
+            let value = |column: usize, row: usize| {
+                let cell = raster.at(column, row);
+                if usize::from(raster.category[cell]) == index { logs[cell] } else { f64::NAN }
+            };
+            for (tick, _) in ticks {
+                let colour = contour_colour(range, *tick);
+                for line in contour::lines(raster.columns, raster.rows, value, *tick) {
+                    let place = |[x, y]: Point| {
+                        [frame.left + (x + 0.5) * width, frame.bottom - (y + 0.5) * height]
+                    };
+                    picture.line(line.into_iter().map(place).collect::<Vec<_>>(), 1.6, colour);
+                }
+            }
+        }
+    }
+}
+
+pub(super) fn contour_colour(range: &Range, log: f64) -> Colour {
+    colour_on_shade((log - range.low) / (range.high - range.low))
+}

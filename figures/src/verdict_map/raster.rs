@@ -1,0 +1,81 @@
+//! The cells as they are drawn, and the borders between categories.
+
+use super::figure::VerdictMap;
+use crate::picture::{INK, Picture, Rectangle};
+
+/// The map as it is drawn: both axes ascending, no more cells than pixels.
+pub(super) struct Raster {
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+    pub(super) category: Vec<u8>,
+    pub(super) level: Vec<f64>,
+}
+
+impl Raster {
+    pub(super) fn at(&self, column: usize, row: usize) -> usize {
+        row * self.columns + column
+    }
+}
+
+impl VerdictMap {
+    pub(super) fn raster(&self, frame: Rectangle, flip_x: bool, flip_y: bool) -> Raster {
+        let (all_columns, all_rows) = (self.x.values.len(), self.y.values.len());
+        let columns = all_columns.min(frame.width() as usize);
+        let rows = all_rows.min(frame.height() as usize);
+        // The cell below the middle of a drawn one.
+        let nearest = |index: usize, drawn: usize, all: usize, flip: bool| {
+            let cell = (2 * index + 1) * all / (2 * drawn);
+            if flip { all - 1 - cell } else { cell }
+        };
+        let cells = (0..rows).flat_map(|row| {
+            let row = nearest(row, rows, all_rows, flip_y) * all_columns;
+            (0..columns).map(move |column| row + nearest(column, columns, all_columns, flip_x))
+        });
+        let (category, level) = cells.map(|cell| (self.category[cell], self.level[cell])).unzip();
+        Raster { columns, rows, category, level }
+    }
+}
+
+pub(super) fn cell_size(frame: Rectangle, raster: &Raster) -> (f64, f64) {
+    (frame.width() / raster.columns as f64, frame.height() / raster.rows as f64)
+}
+
+/// Draws the lines between cells of different categories.
+pub(super) fn draw_borders(picture: &mut Picture, frame: Rectangle, raster: &Raster) {
+    let (width, height) = cell_size(frame, raster);
+    let category = |column: usize, row: usize| raster.category[raster.at(column, row)];
+    let place = |column: usize, row: usize| {
+        [frame.left + column as f64 * width, frame.bottom - row as f64 * height]
+    };
+    // A line leaves the colour of cells one pixel or a few wide visible.
+    let thickness = |size: f64| (0.3 * size).clamp(0.7, 2.4);
+    for column in 1..raster.columns {
+        let differs = |row| category(column - 1, row) != category(column, row);
+        for (from, to) in runs(raster.rows, differs) {
+            picture.line([place(column, from), place(column, to)], thickness(width), INK);
+        }
+    }
+    for row in 1..raster.rows {
+        let differs = |column| category(column, row - 1) != category(column, row);
+        for (from, to) in runs(raster.columns, differs) {
+            picture.line([place(from, row), place(to, row)], thickness(height), INK);
+        }
+    }
+}
+
+/// The runs of indices below `count` that are selected, each from its first to behind its last.
+pub(crate) fn runs(count: usize, selected: impl Fn(usize) -> bool) -> Vec<(usize, usize)> {
+    let mut runs = Vec::new();
+    let mut start = None;
+    for index in 0..=count {
+        match start {
+            None if index < count && selected(index) => start = Some(index),
+            Some(first) if index == count || !selected(index) => {
+                runs.push((first, index));
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    runs
+}

@@ -1,0 +1,220 @@
+//! Tests of verdict maps.
+
+use super::colour_map::{INFINITE, SHADES, luminance, shade};
+use super::figure::{Axis, Category, Curve, Look, VerdictMap};
+use super::hatching::fill;
+use super::levels::Range;
+use super::shares::percent;
+use crate::format::Format;
+
+use crate::tests::check_drawing;
+
+/// Half of the map well-posed, half ill-posed with a level that rises to the right.
+fn map(columns: usize, rows: usize) -> VerdictMap {
+    let axis = |label: &str, points: usize| Axis {
+        label: label.to_owned(),
+        values: (0..points).map(|index| 10.0 * index as f64).collect(),
+    };
+    let ill_posed = |cell: usize| 2 * (cell % columns) >= columns;
+    let level = |cell: usize| {
+        if ill_posed(cell) { 1.3_f64.powi((cell % columns) as i32) } else { f64::NAN }
+    };
+    VerdictMap {
+        title: "Title".to_owned(),
+        subtitle: "subtitle".to_owned(),
+        x: axis("non-coaxiality Δ (°)", columns),
+        y: axis("friction angle φ (°)", rows),
+        categories: vec![
+            Category { label: "well-posed".to_owned(), look: Look::WellPosed },
+            Category { label: "ill-posed, order 1".to_owned(), look: Look::IllPosed },
+            Category { label: "indeterminate".to_owned(), look: Look::Indeterminate },
+        ],
+        category: (0..columns * rows).map(|cell| u8::from(ill_posed(cell))).collect(),
+        level: (0..columns * rows).map(level).collect(),
+        level_label: "growth rate (1/s)".to_owned(),
+        curves: vec![Curve { label: "bound".to_owned(), points: vec![[45.0, -1e3], [45.0, 1e3]] }],
+    }
+}
+
+fn texts(map: &VerdictMap) -> Vec<String> {
+    map.picture().unwrap().texts().map(|text| text.content.clone()).collect()
+}
+
+/// Draws in both formats and checks what holds for every map.
+fn check(map: &VerdictMap) {
+    check_drawing(&map.picture().unwrap(), |format| map.draw(format));
+}
+
+#[test]
+fn the_legend_lists_what_is_present_with_its_share() {
+    let texts = texts(&map(20, 6));
+    for expected in ["well-posed (50.0 %)", "ill-posed, order 1 (50.0 %)", "bound"] {
+        assert!(texts.iter().any(|text| text == expected), "{expected} not in {texts:?}");
+    }
+    assert!(texts.iter().all(|text| !text.contains("indeterminate")));
+    assert_eq!(percent(1, 100_000), "<0.1 %");
+    assert_eq!(percent(99_999, 100_000), ">99.9 %");
+    assert_eq!(percent(7, 7), "100 %");
+}
+
+#[test]
+fn cells_lie_where_the_axes_say() {
+    // The cell at x = 10, y = 20, whatever the order in which the axes are given.
+    let mut map = map(4, 3);
+    map.curves.clear();
+    map.category.fill(0);
+    map.category[2 * 4 + 1] = 2;
+    let mut turned = map.clone();
+    turned.x.values.reverse();
+    turned.y.values.reverse();
+    turned.category.reverse();
+    turned.level.reverse();
+    let drawn = map.draw(Format::Png).unwrap();
+    assert_eq!(drawn, turned.draw(Format::Png).unwrap());
+    let (width, pixels) = crate::tests::pixels(&drawn);
+    let grey = |x: usize, y: usize| pixels[3 * (y * width + x)];
+    // In the row of y = 20, which is the uppermost, only the second column is dark.
+    let dark = |from: usize, to: usize| {
+        (from..to).filter(|&x| (200..280).any(|y| grey(x, y) < 200)).count()
+    };
+    assert!(dark(540, 800) > 200);
+    assert_eq!(dark(200, 450) + dark(950, 1400), 0);
+}
+
+#[test]
+fn any_number_of_points_is_drawn() {
+    for (columns, rows) in [(1, 1), (1, 2), (2, 1), (2, 2), (3, 40), (1700, 2)] {
+        check(&map(columns, rows));
+    }
+}
+
+#[test]
+fn any_level_is_drawn() {
+    for level in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 0.0, 5e-324, 7.0, f64::MAX] {
+        let mut equal = map(8, 5);
+        equal.level.fill(level);
+        check(&equal);
+        let mut mixed = map(8, 5);
+        mixed.level[6] = level;
+        check(&mixed);
+    }
+    let mut wide = map(60, 2);
+    for (cell, level) in wide.level.iter_mut().enumerate() {
+        *level = 10_f64.powi(10 * (cell as i32 % 60) - 300);
+    }
+    check(&wide);
+}
+
+#[test]
+fn every_look_is_drawn_and_differs_in_grey() {
+    use Look::*;
+    let looks = [
+        WellPosed,
+        IllPosed,
+        IllPosed,
+        IllPosed,
+        IllPosed,
+        IllPosed,
+        UnboundedAtFiniteWaveNumber,
+        Marginal,
+        Indeterminate,
+        OutsideModel,
+    ];
+    let mut map = map(looks.len(), 2);
+    map.categories = looks.map(|look| Category { label: format!("{look:?}"), look }).to_vec();
+    map.category = (0..2 * looks.len()).map(|cell| (cell % looks.len()) as u8).collect();
+    check(&map);
+    let fills: Vec<(f64, usize, [f64; 2])> = (0..looks.len())
+        .map(|index| {
+            let (ground, hatches) = fill(looks[index], map.variant(index));
+            let along = hatches.first().map_or([0.0; 2], |hatch| hatch.along);
+            (luminance(ground), hatches.len(), along)
+        })
+        .collect();
+    for (index, one) in fills.iter().enumerate() {
+        for other in &fills[..index] {
+            let same_hatch = (one.1, one.2) == (other.1, other.2);
+            assert!(!same_hatch || (one.0 - other.0).abs() > 40.0, "{one:?} {other:?}");
+        }
+    }
+}
+
+#[test]
+fn shades_grow_darker_evenly() {
+    let steps: Vec<f64> =
+        (0..SHADES).map(|step| luminance(shade(step as f64 / (SHADES - 1) as f64))).collect();
+    assert!(steps.windows(2).all(|pair| pair[1] < pair[0]));
+    assert!(steps.windows(2).all(|pair| pair[0] - pair[1] < 4.0));
+    assert!(luminance(INFINITE) < steps[SHADES - 1] - 8.0);
+}
+
+#[test]
+fn a_few_far_levels_do_not_take_the_colours() {
+    let mut levels: Vec<f64> = (1..=1000).map(f64::from).collect();
+    let range = Range::of(levels.iter().copied()).unwrap();
+    assert_eq!((range.low, range.high, range.beyond), (0.0, 3.0, [false; 2]));
+    levels.push(1e16);
+    let range = Range::of(levels.iter().copied()).unwrap();
+    assert!(range.high <= 3.0 && range.beyond == [false, true]);
+    assert!(Range::of([f64::NAN, 0.0, -3.0].into_iter()).is_none());
+}
+
+#[test]
+fn long_labels_stay_on_the_sheet() {
+    let long = "a rather long description of what is meant ".repeat(40);
+    let mut map = map(12, 7);
+    map.categories[0].label = long.clone();
+    map.categories[1].label = "x".repeat(3000);
+    for text in [&mut map.title, &mut map.subtitle, &mut map.level_label] {
+        text.clone_from(&long);
+    }
+    map.x.label.clone_from(&long);
+    map.y.label.clone_from(&long);
+    check(&map);
+    for text in [&mut map.title, &mut map.subtitle, &mut map.level_label] {
+        text.clear();
+    }
+    check(&map);
+}
+
+#[test]
+fn curves_may_hold_anything() {
+    let mut map = map(12, 7);
+    let odd = [
+        vec![],
+        vec![[1.0, 1.0]],
+        vec![[0.0, 0.0], [f64::NAN, 1.0], [f64::INFINITY, 2.0], [50.0, 20.0], [1e308, -1e308]],
+    ];
+    map.curves = odd.map(|points| Curve { label: "odd".to_owned(), points }).to_vec();
+    check(&map);
+}
+
+#[test]
+fn wrong_input_is_refused() {
+    let refused = |change: &dyn Fn(&mut VerdictMap)| {
+        let mut map = map(4, 3);
+        change(&mut map);
+        map.draw(Format::Svg).unwrap_err().to_string()
+    };
+    assert!(
+        refused(&|map| {
+            map.level.pop();
+        })
+        .contains("11 values for 4 × 3 cells")
+    );
+    assert!(refused(&|map| map.category[5] = 3).contains("category 3"));
+    assert!(refused(&|map| map.categories.clear()).contains("0 categories"));
+    assert!(refused(&|map| map.x.values.clear()).contains("has no points"));
+    assert!(refused(&|map| map.x.values[1] = f64::NAN).contains("not a finite number"));
+    assert!(refused(&|map| map.y.values[1] = 11.0).contains("not uniformly spaced"));
+    assert!(refused(&|map| map.y.values.fill(1.0)).contains("does not extend"));
+    assert!(refused(&|map| map.y.values = vec![-1e308, 0.0, 1e308]).contains("does not extend"));
+}
+
+#[test]
+fn equal_maps_give_equal_bytes() {
+    for format in [Format::Png, Format::Svg] {
+        let map = map(30, 20);
+        assert_eq!(map.draw(format).unwrap(), map.draw(format).unwrap());
+    }
+}

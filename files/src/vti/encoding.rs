@@ -1,0 +1,53 @@
+//! Values as appended bytes, plain or compressed.
+
+use std::io::Write;
+
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+
+use super::number::Number;
+
+/// How the values lie in the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Storage {
+    /// As they are in memory.
+    Plain,
+    /// Compressed without loss (zlib), in blocks.
+    Compressed,
+}
+
+pub(super) const IN_MEMORY: &str = "writing into memory";
+
+/// Values behind their length in bytes.
+pub(super) fn plain<T: Number>(values: &[T]) -> Vec<u8> {
+    let length = size_of_val(values);
+    let mut bytes = Vec::with_capacity(8 + length);
+    bytes.extend((length as u64).to_le_bytes());
+    values.iter().for_each(|value| value.put(&mut bytes));
+    bytes
+}
+
+/// Length of a block before compression, in bytes: several of the compressor's windows of 32 KiB.
+pub(super) const BLOCK: usize = 1 << 18;
+
+/// Values in compressed blocks, behind the number of blocks, the length of a block, the length of
+/// the last block if that is shorter (zero if it is not) and the compressed length of each.
+pub(super) fn compressed<T: Number>(values: &[T]) -> Vec<u8> {
+    let mut lengths = Vec::new();
+    let mut blocks = Vec::new();
+    let mut bytes = Vec::with_capacity(BLOCK);
+    for block in values.chunks(BLOCK / size_of::<T>()) {
+        bytes.clear();
+        block.iter().for_each(|value| value.put(&mut bytes));
+        let start = blocks.len();
+        let mut encoder = ZlibEncoder::new(blocks, Compression::default());
+        encoder.write_all(&bytes).expect(IN_MEMORY);
+        blocks = encoder.finish().expect(IN_MEMORY);
+        lengths.push(blocks.len() - start);
+    }
+    let head = [lengths.len(), BLOCK, size_of_val(values) % BLOCK];
+    let numbers = head.into_iter().chain(lengths);
+    let mut all: Vec<u8> = numbers.flat_map(|number| (number as u64).to_le_bytes()).collect();
+    all.extend(blocks);
+    all
+}

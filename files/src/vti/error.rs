@@ -1,0 +1,66 @@
+//! Errors of image data and collections.
+
+/// What cannot be written as image data, or as a collection of it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum VtiError {
+    /// The grid has neither two nor three axes, or its parts disagree on their number.
+    #[error(
+        "image data has 2 or 3 axes: found {cells} numbers of cells, {origin} coordinates of the \
+         origin and {spacing} spacings"
+    )]
+    Axes {
+        /// Numbers of cells given.
+        cells: usize,
+        /// Coordinates of the origin given.
+        origin: usize,
+        /// Spacings given.
+        spacing: usize,
+    },
+    /// An axis without cells, or more cells than the format or the machine can count.
+    #[error("image data cannot have {cells:?} cells along its axes")]
+    Size {
+        /// Cells along each axis.
+        cells: Vec<usize>,
+    },
+    /// A coordinate of the origin is not finite.
+    #[error("the origin of image data cannot lie at {0}")]
+    Origin(f64),
+    /// A spacing is not a positive, finite number.
+    #[error("the spacing of image data cannot be {0}")]
+    Spacing(f64),
+    /// A deformation is not finite, or not one of a plane grid.
+    #[error("image data of {axes} axes cannot be deformed by {found:?}")]
+    Deformation {
+        /// Axes of the grid.
+        axes: usize,
+        /// The deformation given.
+        found: [[f64; 2]; 2],
+    },
+    /// A time is not finite.
+    #[error("the time of image data cannot be {0}")]
+    Time(f64),
+    /// A name that is empty or has characters that XML does not allow.
+    #[error("image data cannot hold the name {0:?}")]
+    Name(String),
+    /// A second array of the same name.
+    #[error("image data already has an array \"{0}\"")]
+    Taken(String),
+    /// A number of components that is not possible: none at all, or a vector with more than three.
+    #[error("array \"{name}\" of image data cannot have {found} components")]
+    Components {
+        /// Name of the array.
+        name: String,
+        /// Components asked for.
+        found: usize,
+    },
+    /// The number of values is not what the grid and the components ask for.
+    #[error("array \"{name}\" of image data has {found} values where {expected} are needed")]
+    Length {
+        /// Name of the array.
+        name: String,
+        /// Number of values given.
+        found: usize,
+        /// Number of values that fills the grid.
+        expected: usize,
+    },
+}

@@ -1,0 +1,54 @@
+//! Regular grids.
+
+use super::error::VtiError;
+use crate::csv::shortest;
+
+/// A regular grid with axes along x, y and, if there are three, z.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid {
+    /// Cells along each of the two or three axes.
+    pub cells: Vec<usize>,
+    /// Corner of the first cell, where all coordinates are smallest; a unit of length of the
+    /// caller's choice.
+    pub origin: Vec<f64>,
+    /// Length of a cell along each axis, in the same unit.
+    pub spacing: Vec<f64>,
+}
+
+impl Grid {
+    /// The number of cells of a grid that can be written.
+    pub(super) fn count(&self) -> Result<usize, VtiError> {
+        let axes = self.cells.len();
+        if !(2..=3).contains(&axes) || self.origin.len() != axes || self.spacing.len() != axes {
+            let (origin, spacing) = (self.origin.len(), self.spacing.len());
+            return Err(VtiError::Axes { cells: axes, origin, spacing });
+        }
+        if let Some(&origin) = self.origin.iter().find(|origin| !origin.is_finite()) {
+            return Err(VtiError::Origin(origin));
+        }
+        let fits = |spacing: &f64| spacing.is_finite() && *spacing > 0.0;
+        if let Some(&spacing) = self.spacing.iter().find(|&spacing| !fits(spacing)) {
+            return Err(VtiError::Spacing(spacing));
+        }
+        // Extents are signed integers of 32 bits.
+        let counts = |&cells: &usize| cells > 0 && i32::try_from(cells).is_ok();
+        let product = |product: usize, &cells: &usize| product.checked_mul(cells);
+        let count = self.cells.iter().try_fold(1, product);
+        count
+            .filter(|_| self.cells.iter().all(counts))
+            .ok_or_else(|| VtiError::Size { cells: self.cells.clone() })
+    }
+
+    /// First and last node along each of three axes. A plane grid has a single node along z, which
+    /// makes its cells flat.
+    pub(super) fn extent(&self) -> String {
+        let last = |axis| self.cells.get(axis).copied().unwrap_or(0);
+        format!("0 {} 0 {} 0 {}", last(0), last(1), last(2))
+    }
+}
+
+/// Three numbers, those that are missing replaced.
+pub(super) fn triple(numbers: &[f64], missing: f64) -> String {
+    let texts = (0..3).map(|axis| shortest(numbers.get(axis).copied().unwrap_or(missing)));
+    texts.collect::<Vec<_>>().join(" ")
+}

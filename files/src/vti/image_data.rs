@@ -1,0 +1,229 @@
+//! The writer of image data.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use super::attributes::{attribute, escaped, finite};
+use super::encoding::{IN_MEMORY, Storage, compressed, plain};
+use super::error::VtiError;
+use super::grid::{Grid, triple};
+use super::number::Number;
+use crate::csv::shortest;
+use crate::{FileError, write_atomically_with};
+
+struct Array {
+    pub(super) name: String,
+    pub(super) kind: &'static str,
+    pub(super) components: usize,
+    /// The values with their lengths in front, as they stand in the file.
+    pub(super) bytes: Vec<u8>,
+}
+
+/// Image data under construction. The same arrays added in the same order give the same bytes.
+///
+/// ```
+/// use wellposed_files::vti::{Grid, ImageData, Storage};
+///
+/// let grid = Grid { cells: vec![2, 1], origin: vec![0.0; 2], spacing: vec![0.5; 2] };
+/// let mut data = ImageData::new(grid, Storage::Plain)?;
+/// data.set_time(0.25)?;
+/// data.add("density [kg/m3]", 1, &[1500.0_f32, 1600.0])?;
+/// data.add_vector("velocity [m/s]", &[&[1.0, 2.0], &[0.0, 0.0]])?;
+/// assert!(data.bytes().starts_with(b"<?xml"));
+/// # Ok::<(), wellposed_files::vti::VtiError>(())
+/// ```
+pub struct ImageData {
+    pub(super) grid: Grid,
+    pub(super) count: usize,
+    /// The nodes of a grid that is deformed, as they stand in the file.
+    pub(super) nodes: Option<Vec<u8>>,
+    pub(super) storage: Storage,
+    pub(super) time: Option<f64>,
+    arrays: Vec<Array>,
+}
+
+impl ImageData {
+    /// Image data on a grid, without arrays.
+    pub fn new(grid: Grid, storage: Storage) -> Result<Self, VtiError> {
+        let count = grid.count()?;
+        Ok(Self { grid, count, nodes: None, storage, time: None, arrays: Vec::new() })
+    }
+
+    /// A structured grid: the nodes x of a plane grid are where a matrix F takes them, at Fx.
+    pub fn deformed(grid: Grid, matrix: [[f64; 2]; 2], storage: Storage) -> Result<Self, VtiError> {
+        let mut data = Self::new(grid, storage)?;
+        let axes = data.grid.cells.len();
+        if axes != 2 || !matrix.as_flattened().iter().all(|entry| entry.is_finite()) {
+            return Err(VtiError::Deformation { axes, found: matrix });
+        }
+        let along = |axis: usize, index: usize| {
+            data.grid.origin[axis] + index as f64 * data.grid.spacing[axis]
+        };
+        let [columns, rows] = [0, 1].map(|axis| data.grid.cells[axis] + 1);
+        let node = |x: f64, y: f64| {
+            let [a, b] = matrix.map(|row| row[0] * x + row[1] * y);
+            [a, b, 0.0]
+        };
+        let nodes: Vec<f64> = (0..rows)
+            .flat_map(|j| (0..columns).map(move |i| (i, j)))
+            .flat_map(|(i, j)| node(along(0, i), along(1, j)))
+            .collect();
+        data.nodes = Some(data.packed(&nodes));
+        Ok(data)
+    }
+
+    /// Says at what time, in seconds as a rule, the arrays hold.
+    pub fn set_time(&mut self, time: f64) -> Result<(), VtiError> {
+        self.time = Some(finite(time)?);
+        Ok(())
+    }
+
+    /// Adds an array with a number of components per cell: the components of a cell stand next to
+    /// each other, and the cells follow with the first axis fastest.
+    pub fn add<T: Number>(
+        &mut self,
+        name: &str,
+        components: usize,
+        values: &[T],
+    ) -> Result<(), VtiError> {
+        self.admit(name)?;
+        if components == 0 {
+            return Err(VtiError::Components { name: name.to_owned(), found: components });
+        }
+        check_length(name, values.len(), self.count.saturating_mul(components))?;
+        let bytes = self.packed(values);
+        self.arrays.push(Array { name: name.to_owned(), kind: T::KIND, components, bytes });
+        Ok(())
+    }
+
+    /// Values as they stand in the file.
+    fn packed<T: Number>(&self, values: &[T]) -> Vec<u8> {
+        match self.storage {
+            Storage::Plain => plain(values),
+            Storage::Compressed => compressed(values),
+        }
+    }
+
+    /// Adds a vector from one to three fields, one for each axis and each with the first axis
+    /// fastest. The vector has three components in any case, because viewers ask for that; those
+    /// that are not given are zero.
+    pub fn add_vector<T: Number>(&mut self, name: &str, axes: &[&[T]]) -> Result<(), VtiError> {
+        if !(1..=3).contains(&axes.len()) {
+            return Err(VtiError::Components { name: name.to_owned(), found: axes.len() });
+        }
+        for values in axes {
+            check_length(name, values.len(), self.count)?;
+        }
+        let component = |cell: usize, axis: usize| match axes.get(axis) {
+            Some(values) => values[cell],
+            None => T::default(),
+        };
+        let vectors = (0..self.count).map(|cell| [0, 1, 2].map(|axis| component(cell, axis)));
+        let values: Vec<T> = vectors.flatten().collect();
+        self.add(name, 3, &values)
+    }
+
+    /// The file's bytes.
+    pub fn bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        self.write_to(&mut bytes).expect(IN_MEMORY);
+        bytes
+    }
+
+    /// Writes the file whole or not at all, without a second copy of the arrays.
+    pub fn write(&self, path: &Path) -> Result<(), FileError> {
+        write_atomically_with(path, |file| self.write_to(file))
+    }
+
+    /// Writes the file's bytes, in few large pieces.
+    pub fn write_to(&self, writer: &mut impl Write) -> io::Result<()> {
+        writer.write_all(self.head().as_bytes())?;
+        let arrays = self.arrays.iter().map(|array| &array.bytes);
+        for bytes in arrays.chain(&self.nodes) {
+            writer.write_all(bytes)?;
+        }
+        writer.write_all(b"\n  </AppendedData>\n</VTKFile>\n")
+    }
+
+    /// Checks that an array may have a name.
+    fn admit(&self, name: &str) -> Result<(), VtiError> {
+        attribute(name)?;
+        if self.arrays.iter().any(|array| array.name == name) {
+            return Err(VtiError::Taken(name.to_owned()));
+        }
+        Ok(())
+    }
+
+    /// Everything in front of the appended values, up to the underscore where their offsets start.
+    pub(super) fn head(&self) -> String {
+        let compressor = match self.storage {
+            Storage::Plain => "",
+            Storage::Compressed => " compressor=\"vtkZLibDataCompressor\"",
+        };
+        let extent = self.grid.extent();
+        let origin = triple(&self.grid.origin, 0.0);
+        let spacing = triple(&self.grid.spacing, 1.0);
+        let (time, arrays) = (self.time_element(), self.array_elements());
+        let (kind, place, nodes) = match self.nodes {
+            None => {
+                ("ImageData", format!(" Origin=\"{origin}\" Spacing=\"{spacing}\""), String::new())
+            }
+            Some(_) => ("StructuredGrid", String::new(), self.node_element()),
+        };
+        format!(
+            "<?xml version=\"1.0\"?>\n\
+             <VTKFile type=\"{kind}\" version=\"1.0\" byte_order=\"LittleEndian\" \
+             header_type=\"UInt64\"{compressor}>\n  \
+               <{kind} WholeExtent=\"{extent}\"{place}>\n\
+             {time}    \
+                 <Piece Extent=\"{extent}\">\n      \
+                   <PointData>\n      </PointData>\n      \
+                   <CellData>\n{arrays}      </CellData>\n{nodes}    \
+                 </Piece>\n  \
+               </{kind}>\n  \
+               <AppendedData encoding=\"raw\">\n   _"
+        )
+    }
+
+    /// Where the nodes of a deformed grid start: behind all arrays.
+    fn node_element(&self) -> String {
+        let offset: usize = self.arrays.iter().map(|array| array.bytes.len()).sum();
+        format!(
+            "      <Points>\n        <DataArray type=\"Float64\" NumberOfComponents=\"3\" \
+             format=\"appended\" offset=\"{offset}\"/>\n      </Points>\n"
+        )
+    }
+
+    /// The time, under the name by which VTK's readers know it.
+    fn time_element(&self) -> String {
+        self.time.map_or_else(String::new, |time| {
+            let time = shortest(time);
+            format!(
+                "    <FieldData>\n      <DataArray type=\"Float64\" Name=\"TimeValue\" \
+                 NumberOfTuples=\"1\" format=\"ascii\">{time}</DataArray>\n    </FieldData>\n"
+            )
+        })
+    }
+
+    /// What the arrays are and where they start.
+    fn array_elements(&self) -> String {
+        let mut elements = String::new();
+        let mut offset = 0;
+        for Array { name, kind, components, bytes } in &self.arrays {
+            let name = escaped(name);
+            elements.push_str(&format!(
+                "        <DataArray type=\"{kind}\" Name=\"{name}\" \
+                 NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{offset}\"/>\n"
+            ));
+            offset += bytes.len();
+        }
+        elements
+    }
+}
+
+fn check_length(name: &str, found: usize, expected: usize) -> Result<(), VtiError> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(VtiError::Length { name: name.to_owned(), found, expected })
+}

@@ -1,0 +1,32 @@
+//! Reading back what was written plain.
+
+use super::attributes::escaped;
+
+/// The values of an array of doubles in a file that was written by
+/// [`ImageData`](super::image_data::ImageData) with [`Storage::Plain`](super::encoding::Storage::Plain);
+/// `None` if it is another file, damaged, or has no such array.
+pub fn plain_values(bytes: &[u8], name: &str) -> Option<Vec<f64>> {
+    const END: &[u8] = b"<AppendedData encoding=\"raw\">\n   _";
+    let end = bytes.windows(END.len()).position(|window| window == END)?;
+    let head = std::str::from_utf8(&bytes[..end]).ok()?;
+    if head.contains(" compressor=") {
+        return None;
+    }
+    let named = format!(" type=\"Float64\" Name=\"{}\" ", escaped(name));
+    let element = head.lines().find(|line| line.contains(&named) && line.contains(" offset="))?;
+    let offset = element.split(" offset=\"").nth(1)?.split('"').next()?.parse::<usize>().ok()?;
+    let values = bytes.get(end + END.len()..)?.get(offset..)?;
+    let (length, values) = values.split_first_chunk()?;
+    let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
+    let (numbers, []) = values.get(..length)?.as_chunks() else { return None };
+    Some(numbers.iter().map(|number| f64::from_le_bytes(*number)).collect())
+}
+
+/// The time of a file that was written by [`ImageData`](super::image_data::ImageData); `None` if it is
+/// another file or has none.
+pub fn plain_time(bytes: &[u8]) -> Option<f64> {
+    const NAME: &[u8] = b" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">";
+    let start = bytes.windows(NAME.len()).position(|window| window == NAME)? + NAME.len();
+    let text = bytes.get(start..)?.split(|byte| *byte == b'<').next()?;
+    std::str::from_utf8(text).ok()?.parse().ok()
+}

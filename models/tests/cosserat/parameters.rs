@@ -1,0 +1,135 @@
+//! Moduli: inequalities that are checked, compliances and back.
+
+use crate::random_solids::{cubic, solid};
+use crate::support::{Random, decades};
+use crate::waves::frequencies;
+use wellposed_models::common::rates::SymmetricForm;
+use wellposed_models::solid::parameters::{
+    CoupleModuli, Isotropic, Microrotation, PlaneCompliances,
+};
+
+/// Every inequality is refused with its name and the number, at zero and below, and for what is no
+/// number.
+#[test]
+fn broken_inequalities_are_refused() {
+    type Break = fn(&mut Isotropic, f64);
+    fn rotation(solid: &mut Isotropic) -> &mut Microrotation {
+        solid.microrotation.as_mut().unwrap()
+    }
+    fn couple(solid: &mut Isotropic) -> &mut CoupleModuli {
+        rotation(solid).couple.as_mut().unwrap()
+    }
+    let couple_moduli = CoupleModuli { beta: 1.0, gamma: 1.5, eta: 2.0 };
+    let microrotation = Microrotation { alpha: 1.0, inertia: 1.0, couple: Some(couple_moduli) };
+    let sound = Isotropic::new(1.0, 1.5, 1.0, Some(microrotation)).unwrap();
+    let cases: [(&str, &str, Break); 8] = [
+        ("mu", "μ > 0", |s, x| s.mu = x),
+        ("lambda", "3λ + 2μ > 0", |s, x| s.lambda = x - 1.0),
+        ("density", "ρ > 0", |s, x| s.density = x),
+        ("alpha", "α > 0", |s, x| rotation(s).alpha = x),
+        ("inertia", "j > 0", |s, x| rotation(s).inertia = x),
+        ("gamma", "γ > 0", |s, x| couple(s).gamma = x),
+        ("beta", "3β + 2γ > 0", |s, x| couple(s).beta = x - 1.0),
+        ("eta", "η > 0", |s, x| couple(s).eta = x),
+    ];
+    for (key, inequality, set) in cases {
+        for (value, sum) in
+            [(0.0, "= 0"), (-0.25, "= -0.75"), (f64::NAN, "NaN"), (f64::INFINITY, "inf")]
+        {
+            let mut broken = sound;
+            set(&mut broken, value);
+            let error =
+                Isotropic::new(broken.lambda, broken.mu, broken.density, broken.microrotation)
+                    .unwrap_err();
+            assert_eq!(error.input, key);
+            let text = error.to_string();
+            assert!(text.contains(inequality), "{text}");
+            let number =
+                if inequality.starts_with('3') { sum.to_string() } else { value.to_string() };
+            assert!(error.found.contains(&number), "{text}: {number}");
+        }
+    }
+    let plane = PlaneCompliances {
+        a1: 1.0,
+        b1: 0.5,
+        a2: 2.0,
+        b2: 0.5,
+        alpha2: 1.0,
+        density: 1.0,
+        inertia: 1.0,
+    };
+    assert!(plane.check().is_ok());
+    type BreakPlane = fn(&mut PlaneCompliances);
+    let cases: [(&str, &str, &str, BreakPlane); 9] = [
+        ("a1", "a₁ > |b₁|", "= 0", |c| c.b1 = 1.0),
+        ("a1", "a₁ > |b₁|", "= -0.5", |c| c.b1 = -1.5),
+        ("a1", "a₁ > |b₁|", "NaN", |c| c.a1 = f64::NAN),
+        ("a2", "a₂ > |b₂|", "= 0", |c| c.b2 = -2.0),
+        ("a2", "a₂ > |b₂|", "= -1", |c| c.b2 = 3.0),
+        ("alpha2", "α₂ > 0", "0", |c| c.alpha2 = 0.0),
+        ("alpha2", "α₂ > 0", "-1", |c| c.alpha2 = -1.0),
+        ("density", "ρ₀ > 0", "0", |c| c.density = 0.0),
+        ("inertia", "J₀ > 0", "0", |c| c.inertia = 0.0),
+    ];
+    for (key, inequality, number, set) in cases {
+        let mut broken = plane;
+        set(&mut broken);
+        let error = broken.check().unwrap_err();
+        assert_eq!(error.input, key);
+        assert!(error.allowed.contains(inequality), "{error}");
+        assert!(error.found.contains(number), "{error}");
+    }
+    // Not isotropic, though 3λ + 2μ > 0 alone would allow it: each inequality stands for itself.
+    let dense_foam = CoupleModuli { beta: -1.0, gamma: 1.5, eta: 1.0 };
+    let foam = Microrotation { couple: Some(dense_foam), ..microrotation };
+    assert_eq!(Isotropic::new(1.0, 1.0, 1.0, Some(foam)).unwrap_err().input, "beta");
+}
+
+#[test]
+fn compliances_and_moduli() {
+    let mut random = Random::new(9);
+    for _ in 0..1000 {
+        let mut solid = solid(&mut random, 2);
+        // From rubber to foam; α from 1e-3 to 1e3 times μ.
+        let scale = decades(&mut random, 0.0, 11.0);
+        (solid.lambda, solid.mu) = (solid.lambda * scale, solid.mu * scale);
+        let alpha = solid.mu * decades(&mut random, -3.0, 3.0);
+        solid.microrotation.as_mut().unwrap().alpha = alpha;
+        let c = PlaneCompliances::of(&solid).unwrap().check().unwrap();
+        let couple = solid.couple().unwrap();
+        assert_eq!(c.alpha2, couple.gamma + couple.eta);
+        assert!(c.anisotropy().abs() <= 1e-12, "{:e}", c.anisotropy());
+        let [lambda, mu, own_alpha] = c.isotropic_moduli().unwrap();
+        // a₂ − b₂ loses what a₂ and b₂ have in common: α/μ or μ/α digits' worth.
+        let close = |own: f64, exact: f64, size: f64| {
+            assert!((own - exact).abs() <= 1e-13 * size, "{own:e} {exact:e} of {solid:?}");
+        };
+        close(lambda, solid.lambda, solid.lambda.abs() + solid.mu);
+        close(mu, solid.mu, solid.mu);
+        close(own_alpha, alpha, alpha + alpha * alpha / solid.mu);
+        // The published relations.
+        let of = |a: f64, b: f64| [a, b].map(|x| x / ((a - b) * (a + b)));
+        let size = solid.lambda.abs() + 2.0 * solid.mu + alpha;
+        let [sum, cross] = of(c.a1, c.b1);
+        close(sum, solid.lambda + 2.0 * solid.mu, size);
+        close(cross, solid.lambda, size);
+
+        // Cubic ones are refused, even when they are so by a millionth.
+        let mut turned = c;
+        turned.a1 *= 1.0 + 1e-6;
+        let error = turned.isotropic_moduli().unwrap_err();
+        assert!(error.allowed.contains("a₁ + b₁ = a₂ − b₂"), "{error}");
+        assert!(error.found.contains(&format!("{}", turned.a1 + turned.b1)), "{error}");
+    }
+    assert_eq!(PlaneCompliances::of(&solid(&mut random, 1)), None);
+    assert_eq!(PlaneCompliances::of(&solid(&mut random, 0)), None);
+
+    // Speeds of cubic solids depend on direction, of isotropic ones they do not.
+    let spread = |form: &SymmetricForm<2>| {
+        let principal = SymmetricForm { q: form.q.clone() * 0.0, ..form.clone() };
+        let [along, across] = [[1.0, 0.0], [0.6, 0.8]].map(|n| frequencies(&principal, n));
+        along.iter().zip(&across).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
+    };
+    assert!(spread(&cubic(&mut random).rates().symmetric().unwrap()) > 1e-3);
+    assert!(spread(&solid(&mut random, 2).rates::<2>().symmetric().unwrap()) < 1e-12);
+}

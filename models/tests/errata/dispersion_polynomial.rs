@@ -1,0 +1,115 @@
+//! Errata of the dispersion polynomial: eqs (121), (131), (138).
+
+use crate::comparison::{Comparison, EXACT};
+use crate::elimination::Elimination;
+use crate::support::{Complex, Random, determinant, evaluate, product, quadratic_roots, states};
+use crate::system::{Incompressible, STATES, random_wave};
+use wellposed_models::registry;
+
+/// A₁/k⁸ of eq. (138): ē₅₂ is printed for ē₄₂ in its first brace, ē₂₅ for ē₂₄ in its second. Truth:
+/// the coefficient of (ρς)³ of det F (110), expanded. With either misprint alone it fails.
+#[test]
+fn eq_138_scaled_coefficient() {
+    let mut random = Random::new(10);
+    let mut comparisons: [Comparison; 3] = Default::default();
+    for _ in 0..STATES {
+        let system = Incompressible::random(&mut random);
+        let wave = random_wave(&mut random);
+        let own = Elimination::new(&system, wave);
+        let k = Complex::from((wave[0] * wave[0] + wave[1] * wave[1]).sqrt());
+        let bar = own.e.map(|row| row.map(|x| x / k));
+        let k2 = k * k;
+        let (f, g) = (own.f / (k2 * k2), own.g / k2);
+        let inertia = Complex::from(system.inertia());
+        let [c12, c21, c31, c32] = [bar[0][1], bar[1][0], bar[2][0], bar[2][1]];
+        let [c53, c55] = [bar[4][2], bar[4][4]];
+        let stress = bar[0][3] * bar[1][4] - bar[0][4] * bar[1][3];
+        let value = |e42: Complex, e24: Complex| {
+            let bracket = |e42: Complex, e24: Complex| {
+                e42 * (bar[0][0] * bar[1][3] - bar[0][3] * c21)
+                    + bar[3][0] * (bar[1][1] * bar[0][3] - e24 * c12)
+            };
+            let e33 = bar[2][2];
+            inertia * f * f
+                + (inertia * c55 * bracket(e42, bar[1][3]) + (e33 + e33) / k * g) * f
+                + (c55 * e33 * bracket(bar[3][1], e24)
+                    - c53 * (c31 * bar[3][1] - c32 * bar[3][0]) * stress)
+                    / k
+                    * g
+        };
+        let rho = own.density;
+        let expanded = determinant(&own.reduced(system.inertia()));
+        let truth = expanded[3] / (rho * rho * rho) / (k2 * k2 * k2 * k2);
+        let corrected = value(bar[3][1], bar[1][3]);
+        let printed =
+            [value(bar[4][1], bar[1][4]), value(bar[4][1], bar[1][3]), value(bar[3][1], bar[1][4])];
+        for (comparison, printed) in comparisons.iter_mut().zip(printed) {
+            // The terms with the misprints are small beside I f², the rounding is not: what
+            // counts as wrong is any deviation of a million times the tolerance.
+            let size = truth.abs();
+            let off = (corrected - truth).abs();
+            assert!(off <= EXACT * size, "corrected (138) is off by {off:e} of {size:e}");
+            comparison.compared += 1;
+            comparison.printed_wrong += usize::from((printed - truth).abs() > 1e6 * EXACT * size);
+        }
+    }
+    comparisons.into_iter().for_each(Comparison::finish);
+}
+
+/// Eq. (121): det F (110) is a quintic, but its factor ς²(f + gρς) was brought in by the elimination.
+/// Truth: det(Aς + E) expanded in 31 digits; the coefficients of ς³, ς⁴, ς⁵ are reached by no
+/// permutation, so they are exactly absent, and det F is that factor times the determinant.
+#[test]
+fn eq_121_spurious_factor() {
+    let mut random = Random::new(14);
+    for _ in 0..STATES {
+        let system = Incompressible::random(&mut random);
+        let wave = random_wave(&mut random);
+        let exact = system.dispersion(wave);
+        assert_eq!(exact.len(), 3, "det(Aς + E) has degree 2");
+        let own = Elimination::new(&system, wave);
+        let quintic = determinant(&own.reduced(system.inertia()));
+        assert_eq!(quintic.len(), 6, "det F is a quintic");
+
+        let zero = Complex::default();
+        let spurious = [zero, zero, own.f, own.g * own.density];
+        let expected = product(&spurious, &exact);
+        // Equal up to a constant factor (momentum rows times f + gρς, and ρ², and signs).
+        let factor = quintic[5] / expected[5];
+        for (degree, (&q, &x)) in quintic.iter().zip(&expected).enumerate() {
+            let size = quintic.iter().map(|c| c.abs()).fold(0.0, f64::max);
+            assert!((q - factor * x).abs() <= 1e-20 * size, "coefficient of ς^{degree}");
+        }
+        // The crate's pencil has the same degree.
+        let model = states::model(registry::HARRIS_GREKOVA, &system.parameters);
+        let own = states::symbol(&model, &system.flow);
+        assert_eq!(states::dispersion(&own, wave).len(), 3);
+    }
+}
+
+/// Eq. (131): of its cubic's three roots −f/(gρ) is none of the system's, and neither is the "neutral"
+/// ς = 0 of the text before it: the determinant does not vanish there.
+#[test]
+fn eq_131_roots_that_are_none() {
+    let mut random = Random::new(15);
+    for _ in 0..STATES {
+        let system = Incompressible::random(&mut random);
+        let wave = random_wave(&mut random);
+        let exact = system.dispersion(wave);
+        let own = Elimination::new(&system, wave);
+        let claimed = -(own.f / (own.g * own.density));
+        let cubic = determinant(&own.reduced(system.inertia()));
+        let relative = |polynomial: &[Complex], x: Complex| {
+            let size: f64 =
+                polynomial.iter().enumerate().map(|(n, c)| c.abs() * x.abs().powi(n as i32)).sum();
+            evaluate(polynomial, x).abs() / size
+        };
+        assert!(relative(&cubic[2..], claimed) < 1e-20, "a root of the printed cubic");
+        assert!(relative(&exact, claimed) > 1e-6, "but not of the system");
+        assert!(relative(&exact, 0.0.into()) > 1e-9, "ς = 0 is no root");
+        for root in quadratic_roots(&exact) {
+            assert!(relative(&exact, root) < 1e-25);
+            assert!(relative(&cubic, root) < 1e-18, "the system's roots are among the quintic's");
+        }
+    }
+}

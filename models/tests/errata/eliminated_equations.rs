@@ -1,0 +1,173 @@
+//! Errata of the elimination: eqs (100)–(126).
+
+use crate::comparison::{Comparison, EXACT};
+use crate::elimination::Elimination;
+use crate::support::{Complex, Random, complex};
+use crate::system::{Incompressible, STATES, random_complex, random_wave};
+
+/// Eq. (100): e₅₁ × first + e₅₂ × second momentum row. Printed with the coefficient of ψ for that of
+/// p. Truth: the rows themselves, summed at an amplitude that satisfies the rotation row.
+#[test]
+fn eq_100_coefficient_of_pressure() {
+    let mut random = Random::new(5);
+    let mut comparison = Comparison::default();
+    for _ in 0..STATES {
+        let system = Incompressible::random(&mut random);
+        let e = system.e(random_wave(&mut random));
+        let frequency = random_complex(&mut random);
+        let mut z: [Complex; 5] = std::array::from_fn(|_| random_complex(&mut random));
+        // Pressures of the size of the other terms.
+        z[3] = z[3] * complex(system.state.density, 0.0);
+        z[2] = -((e[4][0] * z[0] + e[4][1] * z[1] + e[4][4] * z[4]) / e[4][2]);
+        let rs = Complex::from(system.density()) * frequency;
+        let row = |i: usize| (0..5).fold(rs * z[i], |sum, j| sum + e[i][j] * z[j]);
+        let truth = e[4][0] * row(0) + e[4][1] * row(1);
+        let both = |j: usize| e[4][0] * e[0][j] + e[4][1] * e[1][j];
+        let others =
+            both(0) * z[0] + both(1) * z[1] - rs * e[4][2] * z[2] + (both(4) - e[4][4] * rs) * z[4];
+        let printed_pressure = (e[0][4] * e[4][0] + e[1][4] * e[4][1]) * z[3];
+        let size = others.abs() + printed_pressure.abs() + (both(3) * z[3]).abs();
+        comparison.add(truth, others + printed_pressure, others + both(3) * z[3], size);
+    }
+    comparison.finish();
+}
+
+/// Eqs (101)–(104): f₅₁ is printed with e₁₅, e₂₅. Truth: ψ for v = (1, 0), ω = 0 by elimination. The
+/// other three of (104) and (101), (102) themselves hold.
+#[test]
+fn eq_104_f51() {
+    let mut random = Random::new(6);
+    let mut comparison = Comparison::default();
+    for _ in 0..STATES {
+        let system = Incompressible::random(&mut random);
+        let own = Elimination::new(&system, random_wave(&mut random));
+        let frequency = random_complex(&mut random);
+        let rs = own.density * frequency;
+        let (e, mut size) = (&own.e, 0.0f64);
+        for column in 0..2 {
+            let mut v = [Complex::default(); 3];
+            v[column] = complex(1.0, 0.0);
+            let truth = own.directly(frequency, v);
+            let numerators = [0, 1].map(|i| own.fs[i][column] + own.gs[i][column] * rs);
+            for (numerator, truth) in numerators.into_iter().zip(truth) {
+                assert!((numerator - truth).abs() <= EXACT * truth.abs());
+            }
+            size = size.max(truth[1].abs());
+        }
+        let truth = own.directly(frequency, [complex(1.0, 0.0), 0.0.into(), 0.0.into()])[1];
+        let velocity = e[3][0] * e[4][1] - e[3][1] * e[4][0];
+        let printed = (e[0][4] * e[1][0] - e[1][4] * e[0][0]) * velocity;
+        comparison.add(truth, printed, own.fs[1][0], size);
+    }
+    comparison.finish();
+}
+
+/// Eq. (105): g₄₃ is printed twice, with both signs of what is −g₅₃. Truth: p and ψ for v = 0,
+/// ω = 1 by elimination.
+#[test]
+fn eq_105_g43_g53() {
+    let mut random = Random::new(7);
+    let (mut first, mut second) = (Comparison::default(), Comparison::default());
+    for _ in 0..STATES {
+        let system = Incompressible::random(&mut random);
+        let own = Elimination::new(&system, random_wave(&mut random));
+        let frequency = random_complex(&mut random);
+        let rs = own.density * frequency;
+        let e = &own.e;
+        let [p, psi] = own.directly(frequency, [0.0.into(), 0.0.into(), complex(1.0, 0.0)]);
+        let printed = e[4][2] * (e[3][0] * e[0][3] + e[3][1] * e[1][3]);
+        first.add(p, printed * rs, own.gs[0][2] * rs, 0.0);
+        second.add(p, -(printed * rs), own.gs[0][2] * rs, 0.0);
+        // The second line is g₅₃.
+        assert!((psi + printed * rs).abs() <= EXACT * psi.abs());
+    }
+    first.finish();
+    second.finish();
+}
+
+/// Eq. (107): columns 5, 6 are printed where the 5×5 system has its columns 4, 5 (p, ψ). Truth: the
+/// reduced momentum rows by elimination at two frequencies. There is no sixth column; whichever
+/// column is taken for it, the printed form fails. Eq. (108), i = 0, holds with the correction only.
+#[test]
+fn eq_107_columns() {
+    let mut random = Random::new(8);
+    let mut comparisons: [Comparison; 6] = Default::default();
+    let mut vanishing = Comparison::default();
+    for _ in 0..STATES {
+        let system = Incompressible::random(&mut random);
+        let own = Elimination::new(&system, random_wave(&mut random));
+        for (number, comparison) in comparisons.iter_mut().enumerate() {
+            let (row, column) = (number / 3, number % 3);
+            // Without g ρ²ς² on the diagonal and divided by ρς, what is left is h + i/(ρς).
+            let [first, second] =
+                [random_complex(&mut random), random_complex(&mut random)].map(|frequency| {
+                    let rs = own.density * frequency;
+                    let entry = own.reduced_directly(frequency, row, column);
+                    let diagonal = if row == column { own.g * rs * rs } else { 0.0.into() };
+                    (entry - diagonal, rs)
+                });
+            let truth = (first.0 - second.0) / (first.1 - second.1);
+            let constant = first.0 - truth * first.1;
+            let size = first.0.abs().max(second.0.abs()) / first.1.abs().min(second.1.abs());
+            let f = if column < 2 {
+                own.e[row][3] * own.fs[0][column] + own.e[row][4] * own.fs[1][column]
+            } else {
+                0.0.into()
+            };
+            assert!(constant.abs() <= EXACT * size * first.1.abs(), "eq. (108)");
+            for sixth in 0..5 {
+                let printed = own.h(row, column, 4, sixth);
+                comparison.add(truth, printed, own.h(row, column, 3, 4), 0.0);
+            }
+            if column < 2 {
+                let i = own.e[row][column] * own.f;
+                let printed = own.e[row][4] * own.fs[0][column];
+                vanishing.add(0.0.into(), i + printed, i + f, i.abs());
+            }
+        }
+    }
+    comparisons.into_iter().for_each(Comparison::finish);
+    vanishing.finish();
+}
+
+/// Eqs (123)–(125) hold as printed once (105), (107) are corrected.
+/// Eq. (126): b₄ⱼ is printed for e₄ⱼ; a coefficient of one axis has not even the right power of k.
+#[test]
+fn eq_126_e4j() {
+    let mut random = Random::new(9);
+    let mut comparisons: [Comparison; 2] = Default::default();
+    for _ in 0..STATES {
+        let system = Incompressible::random(&mut random);
+        let own = Elimination::new(&system, random_wave(&mut random));
+        let e = &own.e;
+        let h = |i: usize, j: usize| own.h(i, j, 3, 4);
+        let (c31, c32, c53, c55) = (e[2][0], e[2][1], e[4][2], e[4][4]);
+        let stress = e[0][3] * e[1][4] - e[0][4] * e[1][3];
+        let bracket = e[3][1] * (e[0][0] * e[1][3] - e[0][3] * e[1][0])
+            + e[3][0] * (e[1][1] * e[0][3] - e[1][3] * e[0][1]);
+        let equal = |a: Complex, b: Complex, size: f64| (a - b).abs() <= EXACT * size;
+
+        assert!(equal(h(0, 0) + h(1, 1), own.f + own.f + c55 * bracket, own.f.abs()), "(123)");
+        let products = [h(0, 0) * h(1, 1), h(0, 1) * h(1, 0)];
+        let size = products[0].abs() + products[1].abs();
+        let printed = own.f * own.f + c55 * bracket * own.f;
+        assert!(equal(products[0] - products[1], printed, size), "(124)");
+        let products = [c31 * h(0, 2), c32 * h(1, 2)];
+        let size = products[0].abs() + products[1].abs();
+        let printed = c53 * stress * (c31 * e[3][1] - c32 * e[3][0]);
+        assert!(equal(products[0] + products[1], printed, size), "(125)");
+
+        let products = [
+            c32 * (h(0, 2) * h(1, 0) - h(0, 0) * h(1, 2)),
+            c31 * (h(0, 1) * h(1, 2) - h(0, 2) * h(1, 1)),
+        ];
+        let size = products[0].abs() + products[1].abs();
+        let with = |e41: Complex, e42: Complex| c53 * (c32 * e41 - c31 * e42) * stress * own.f;
+        for (axis, comparison) in comparisons.iter_mut().enumerate() {
+            let b = &system.b[axis][3];
+            let printed = with(b[0].into(), b[1].into());
+            comparison.add(products[0] + products[1], printed, with(e[3][0], e[3][1]), size);
+        }
+    }
+    comparisons.into_iter().for_each(Comparison::finish);
+}

@@ -1,0 +1,122 @@
+//! The elimination of pressure and stress angle, eqs (99)–(110).
+
+use crate::support::{Complex, Polynomial, Wide, complex};
+use crate::system::Incompressible;
+
+/// The constituents of the paper's elimination, eqs (103)–(105), the ones without errors as
+/// printed, the others corrected.
+#[derive(Clone, Copy)]
+pub struct Elimination {
+    pub e: [[Complex; 5]; 5],
+    pub density: Complex,
+    pub f: Complex,
+    pub g: Complex,
+    /// Coefficients of v₁, v₂ in the numerators of p (row 0) and ψ (row 1).
+    pub fs: [[Complex; 2]; 2],
+    /// Coefficients of ρς v₁, ρς v₂, ρς ω in the same.
+    pub gs: [[Complex; 3]; 2],
+}
+
+impl Elimination {
+    pub fn new(system: &Incompressible, wave: [Wide; 2]) -> Self {
+        let e = system.e(wave);
+        let (c53, c55) = (e[4][2], e[4][4]);
+        let velocity = e[3][1] * e[4][0] - e[3][0] * e[4][1];
+        let [e14, e15, e24, e25] = [e[0][3], e[0][4], e[1][3], e[1][4]];
+        let (along_p, along_psi) = (e[3][0] * e14 + e[3][1] * e24, e[3][0] * e15 + e[3][1] * e25);
+        Self {
+            e,
+            density: system.density().into(),
+            f: (e14 * e25 - e15 * e24) * velocity,
+            g: c55 * along_p,
+            fs: [
+                [
+                    (e[1][0] * e15 - e[0][0] * e25) * velocity,
+                    (e15 * e[1][1] - e25 * e[0][1]) * velocity,
+                ],
+                [
+                    -((e14 * e[1][0] - e24 * e[0][0]) * velocity),
+                    -((e14 * e[1][1] - e24 * e[0][1]) * velocity),
+                ],
+            ],
+            gs: [
+                [
+                    -(c55 * (e[0][0] * e[3][0] + e[3][1] * e[1][0])),
+                    -(c55 * (e[3][0] * e[0][1] + e[3][1] * e[1][1])),
+                    c53 * along_psi,
+                ],
+                [Complex::default(), Complex::default(), -(c53 * along_p)],
+            ],
+        }
+    }
+
+    /// p and ψ from v₁, v₂, ω by Cramer's rule: continuity times momentum (99), and rotation times
+    /// momentum with the frequency carried over by the rotation row itself (100), multiplied out
+    /// here from the rows and not from the printed equations. Times f + gρς.
+    pub fn directly(&self, frequency: Complex, v: [Complex; 3]) -> [Complex; 2] {
+        let e = &self.e;
+        let rs = self.density * frequency;
+        let along = |row: usize, column: usize| e[row][0] * e[0][column] + e[row][1] * e[1][column];
+        let rotation = |column: usize| along(4, column) - rs * e[4][column];
+        let matrix = [[along(3, 3), along(3, 4)], [rotation(3), rotation(4)]];
+        let right = [
+            -(along(3, 0) * v[0] + along(3, 1) * v[1]),
+            -(along(4, 0) * v[0] + along(4, 1) * v[1] + rotation(2) * v[2]),
+        ];
+        let determinant = matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0];
+        let common = self.f + self.g * rs;
+        [
+            (right[0] * matrix[1][1] - right[1] * matrix[0][1]) / determinant * common,
+            (right[1] * matrix[0][0] - right[0] * matrix[1][0]) / determinant * common,
+        ]
+    }
+
+    /// Entries of the two momentum rows after the elimination, times f + gρς; column 0, 1, 2.
+    pub fn reduced_directly(&self, frequency: Complex, row: usize, column: usize) -> Complex {
+        let mut v = [Complex::default(); 3];
+        v[column] = complex(1.0, 0.0);
+        let [p, psi] = self.directly(frequency, v);
+        let rs = self.density * frequency;
+        let mut own = self.e[row][column];
+        if row == column {
+            own = own + rs;
+        }
+        own * (self.f + self.g * rs) + self.e[row][3] * p + self.e[row][4] * psi
+    }
+
+    /// h_ij of eq. (107) with the columns `p` and `psi` (zero-based) for those of e.
+    pub fn h(&self, row: usize, column: usize, p: usize, psi: usize) -> Complex {
+        let mut h = self.e[row][p] * self.gs[0][column] + self.e[row][psi] * self.gs[1][column];
+        if column < 2 {
+            h = h + self.e[row][column] * self.g;
+            if row == column {
+                h = h + self.f;
+            }
+        }
+        h
+    }
+
+    /// F of eq. (110) as polynomials in ς.
+    pub fn reduced(&self, inertia: Wide) -> Vec<Vec<Polynomial>> {
+        let rho = self.density;
+        let mut matrix: Vec<Vec<Polynomial>> = (0..2)
+            .map(|i| {
+                (0..3)
+                    .map(|j| {
+                        let mut entry = vec![Complex::default(), self.h(i, j, 3, 4) * rho];
+                        if i == j {
+                            entry.push(self.g * rho * rho);
+                        }
+                        entry
+                    })
+                    .collect()
+            })
+            .collect();
+        matrix.push(vec![
+            vec![self.e[2][0]],
+            vec![self.e[2][1]],
+            vec![self.e[2][2], rho * inertia.into()],
+        ]);
+        matrix
+    }
+}

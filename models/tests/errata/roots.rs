@@ -1,0 +1,127 @@
+//! Errata of the roots and of degenerate directions: eqs (142)–(163).
+
+use crate::comparison::Comparison;
+use crate::support::{RIGHT_ANGLE, Random, Real, Wide, complex, quadratic_roots, wide};
+use crate::system::{Incompressible, STATES};
+
+/// Eq. (149), for whose c₅₅ the printed (83) was used, is twice too large. Truth: the larger root of
+/// the exact determinant at k = 1e9 1/m in a uniform background, where corrections are of relative
+/// size 1/k² (a few thousand over 1e18).
+#[test]
+fn eq_149_leading_root() {
+    let mut random = Random::new(11);
+    for _ in 0..STATES {
+        let system = Incompressible::uniform(&mut random);
+        let beta = wide(random.generic(0.0, 3.0));
+        let gap = beta.cos() - system.phi().sin();
+        if gap.value().abs() < 0.05 {
+            continue;
+        }
+        let k = 1e9;
+        let wave = system.direction(beta).map(|x| x * wide(k));
+        let root = quadratic_roots(&system.dispersion(wave))[0] / complex(k * k, 0.0);
+        let below = system.density()
+            * wide(system.state.shear_rate)
+            * system.coaxiality()
+            * (wide(1.0) - system.phi().sin() * beta.cos());
+        let printed = (-(system.q * gap * gap / below)).value();
+        let off = |x: f64| (root - complex(x, 0.0)).abs() / root.abs();
+        // ς/k² has the imaginary part −k·V/k², below 1e-6 of the rest here at |gap| ≥ 0.05.
+        assert!(off(printed) > 0.9, "the printed (149) holds");
+        assert!(off(printed / 2.0) < 1e-5, "off by {:e}", off(printed / 2.0));
+        assert!((root.re.value() / (printed / 2.0) - 1.0).abs() < 1e-12);
+    }
+}
+
+/// Eq. (150) against the halved (149), of which it is another form: printed with sin⁴ for one of the
+/// sines and a factor 4.
+#[test]
+fn eq_150_product_of_sines() {
+    let mut random = Random::new(12);
+    let mut comparisons: [Comparison; 2] = Default::default();
+    for _ in 0..STATES {
+        let phi = wide(random.within(0.15, 1.2));
+        let x = wide(random.generic(0.05, 1.5));
+        let quarter = RIGHT_ANGLE * wide(0.5);
+        let half = phi * wide(0.5);
+        let gap = (x + x).cos() - phi.sin();
+        let truth = gap * gap * wide(0.5);
+        let (first, second) = ((x + quarter - half).sin(), (x - quarter + half).sin());
+        let (first, second) = (first * first, second * second);
+        let corrected = first * second * wide(2.0);
+        // The extra square, and without it the factor.
+        let printed = [wide(4.0) * first * second * second, wide(4.0) * first * second];
+        for (comparison, printed) in comparisons.iter_mut().zip(printed) {
+            comparison.add(truth.into(), printed.into(), corrected.into(), 1e-3);
+        }
+    }
+    comparisons.into_iter().for_each(Comparison::finish);
+}
+
+/// Eq. (160): the degenerate wave vectors (154) have the direction (−sin, cos) of Ψ ± ε; printed with
+/// (sin, cos). Truth: the stress and the velocity characteristics (67), (68), from the matrices.
+#[test]
+fn eq_160_degenerate_directions() {
+    let mut random = Random::new(13);
+    for _ in 0..STATES {
+        let system = Incompressible::random(&mut random);
+        let epsilon = RIGHT_ANGLE * wide(0.5) + system.phi() * wide(0.5);
+        for epsilon in [epsilon, -epsilon] {
+            let (s, c) = (wide(system.state.stress_angle) + epsilon).sin_cos();
+            let factors = |wave: [Wide; 2]| {
+                let e =
+                    |i: usize, j: usize| wave[0] * system.b[0][i][j] + wave[1] * system.b[1][i][j];
+                let stress = e(0, 3) * e(1, 4) - e(0, 4) * e(1, 3);
+                let velocity = e(3, 1) * e(4, 0) - e(3, 0) * e(4, 1);
+                [stress.value().abs() / system.q.value(), velocity.value().abs()]
+            };
+            assert!(factors([-s, c]).iter().all(|x| *x < 1e-28));
+            // For the printed form both are 2|sin Ψ| × a factor, zero only for special Ψ.
+            let special = (s * c).value().abs() < 1e-2;
+            assert!(special || factors([s, c]).iter().all(|x| *x > 1e-3));
+        }
+    }
+}
+
+/// Eqs (142)–(145): the root of order k² is claimed to be double. Truth: of the two roots one grows
+/// like k² and the other like k.
+#[test]
+fn eq_142_to_145_simple_root() {
+    let mut random = Random::new(16);
+    for _ in 0..STATES {
+        let system = Incompressible::random(&mut random);
+        let beta = wide(random.generic(0.0, 3.0));
+        if (beta.cos() - system.phi().sin()).value().abs() < 0.05 {
+            continue;
+        }
+        let roots_at = |k: f64| {
+            quadratic_roots(&system.dispersion(system.direction(beta).map(|x| x * wide(k))))
+        };
+        let (near, far) = (roots_at(1e9), roots_at(1e10));
+        let order = |n: usize| (far[n].abs() / near[n].abs()).log10();
+        // Corrections of relative size (gradients)/k/gap², below 1e-4 here.
+        assert!((order(0) - 2.0).abs() < 1e-3, "order {} in k", order(0));
+        assert!(order(1) < 1.001, "order {} in k", order(1));
+    }
+}
+
+/// Eq. (163): in a degenerate direction ς = 0 is claimed to be a triple root; it is none at all.
+#[test]
+fn eq_163_no_zero_root() {
+    let mut random = Random::new(17);
+    for _ in 0..STATES {
+        let system = Incompressible::random(&mut random);
+        // cos β = sin φ
+        let beta = RIGHT_ANGLE - system.phi();
+        for beta in [beta, -beta] {
+            let wave = system.direction(beta).map(|x| x * wide(30.0));
+            let exact = system.dispersion(wave);
+            assert_eq!(exact.len(), 3);
+            let [large, small] = quadratic_roots(&exact);
+            assert!(small.abs() > 1e-6 * large.abs(), "{small:?} is a root near zero");
+            let constant = exact[0].abs();
+            let size = exact[2].abs() * large.abs() * large.abs();
+            assert!(constant > 1e-8 * size);
+        }
+    }
+}

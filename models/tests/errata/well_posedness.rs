@@ -1,0 +1,150 @@
+//! Errata of the verdicts drawn from limits along rays: eqs (130), (136) and the abstract.
+
+use crate::support::states::{self, Dilatancy};
+use crate::support::{
+    Polynomial, RIGHT_ANGLE, Random, Real, Wide, complex, determinant, quadratic_roots, wide,
+};
+use crate::system::{Incompressible, STATES};
+use wellposed_models::flow::harris_grekova::parameters::HarrisGrekova;
+use wellposed_models::flow::state::Coulomb;
+use wellposed_models::registry;
+
+/// Eqs (130), (136) take k → ∞ in each direction by itself. That does not bound the growth: in
+///
+/// ```text
+/// ∂ₜw = ∂₁²∂₂²w + ∂₂⁶w,   ς = k₁²k₂² − k₂⁶,
+/// ```
+///
+/// a first-order system in w and its derivatives with constant coefficients like (77), ς tends to
+/// −∞ or is 0 along every ray, so that (130) calls it well-posed, while the supremum over all
+/// directions grows like k³ (at k₂ ≈ (k²/3)^¼).
+#[test]
+fn eq_130_and_136_limits_along_rays() {
+    // Unknowns w, ∂₁w, ∂₁²w, ∂₁²∂₂w, ∂₂w, ∂₂²w … ∂₂⁵w; last row first: ∂ₜw = ∂₂(∂₁²∂₂w) + ∂₂(∂₂⁵w).
+    let dispersion = |wave: [f64; 2]| {
+        let mut matrix: Vec<Vec<Polynomial>> = vec![vec![vec![]; 9]; 9];
+        let i_k = wave.map(|k| complex(0.0, k));
+        matrix[0][0] = vec![0.0.into(), 1.0.into()];
+        matrix[0][3] = vec![-i_k[1]];
+        matrix[0][8] = vec![-i_k[1]];
+        // Row n defines unknown n as the derivative of another.
+        for (n, axis, of) in
+            [(1, 0, 0), (2, 0, 1), (3, 1, 2), (4, 1, 0), (5, 1, 4), (6, 1, 5), (7, 1, 6), (8, 1, 7)]
+        {
+            matrix[n][n] = vec![1.0.into()];
+            matrix[n][of] = vec![-i_k[axis]];
+        }
+        let polynomial = determinant(&matrix);
+        assert_eq!(polynomial.len(), 2);
+        (-(polynomial[0] / polynomial[1])).re.value()
+    };
+    let expected = 2.5f64 * 2.5 * 0.7 * 0.7 - 0.7f64.powi(6);
+    assert!((dispersion([2.5, 0.7]) - expected).abs() < 1e-12);
+
+    // Along every one of 181 rays the limit is −∞, or 0 along the first axis.
+    for degree in 0..=180 {
+        let (sine, cosine) = match degree {
+            0 | 180 => (0.0, 1.0),
+            _ => f64::from(degree).to_radians().sin_cos(),
+        };
+        let far = dispersion([1e6 * cosine, 1e6 * sine]);
+        assert!(far <= 0.0, "along {degree} degrees: {far:e}");
+    }
+    // Over all directions at one k the growth is unbounded, of order 3 in k.
+    let supremum = |k: f64| {
+        (1..20_000)
+            .map(|n| {
+                let angle = 2.0 * f64::from(n) / 20_000.0 / k.sqrt();
+                dispersion([k * angle.cos(), k * angle.sin()])
+            })
+            .fold(f64::MIN, f64::max)
+    };
+    let (near, far) = (supremum(1e3), supremum(1e4));
+    assert!(near > 0.0 && ((far / near).log10() - 3.0).abs() < 0.01, "{near:e} {far:e}");
+}
+
+/// The same in the model itself. As k → ∞ with β − β₀ = s/k fixed times 1/k (a layer around a
+/// degenerate direction), Re ς tends to a function of s that is greater, somewhere in the layer,
+/// than its limits along all rays, the degenerate one included: the bound on the growth is not
+/// seen by (130).
+#[test]
+fn eq_130_and_136_layers_of_the_model() {
+    let mut random = Random::new(18);
+    let mut found = 0;
+    for _ in 0..STATES {
+        let system = Incompressible::random(&mut random);
+        if system.coaxiality().value() < 0.1 {
+            continue;
+        }
+        let k = 1e8;
+        let growth = |beta: Wide| {
+            let roots =
+                quadratic_roots(&system.dispersion(system.direction(beta).map(|x| x * wide(k))));
+            roots.map(|x| x.re.value()).into_iter().fold(f64::MIN, f64::max)
+        };
+        let ends = [RIGHT_ANGLE - system.phi(), system.phi() - RIGHT_ANGLE];
+        // Along the rays: the slow root, and the degenerate directions exactly.
+        let slow = -(system.c[2][2] / (system.density() * system.inertia())).value();
+        let along_rays = ends.map(growth).into_iter().fold(slow, f64::max);
+        let in_layers = (-100..=100)
+            .flat_map(|n| ends.map(|end| growth(end + wide(f64::from(n) / k))))
+            .fold(f64::MIN, f64::max);
+        assert!(in_layers.is_finite() && in_layers < 1e6, "bounded in the layers");
+        found += usize::from(in_layers > along_rays + 1e-3 * (1.0 + along_rays.abs()));
+    }
+    assert!(found >= 10, "the layers never exceed the rays: found {found}");
+}
+
+/// Abstract and section 8: "incompressible flows are well-posed" holds only for |Ψ_D − Ψ_Σ| < π/4.
+/// Beyond, a root of the exact determinant grows like k² with the coefficient of (149) halved; within,
+/// the growth tends to a number.
+#[test]
+fn abstract_only_below_45_degrees() {
+    let mut random = Random::new(19);
+    let (mut beyond, mut within) = (0, 0);
+    for _ in 0..STATES {
+        let system = Incompressible::random(&mut random);
+        let beta = wide(random.generic(0.0, 3.0));
+        let gap = (beta.cos() - system.phi().sin()).value();
+        let degrees = system.flow.noncoaxiality.abs().to_degrees();
+        if gap.abs() < 0.05 || (degrees - 45.0).abs() < 1.0 {
+            continue;
+        }
+        let growth = |k: f64| {
+            quadratic_roots(&system.dispersion(system.direction(beta).map(|x| x * wide(k))))
+                .map(|x| x.re.value())
+                .into_iter()
+                .fold(f64::MIN, f64::max)
+        };
+        if degrees > 45.0 {
+            beyond += 1;
+            let model = HarrisGrekova::new(
+                Coulomb::new(system.parameters.friction_angle, system.parameters.cohesion).unwrap(),
+                0.0,
+                system.parameters.moment_of_inertia.unwrap(),
+                system.parameters.rotational_strength.unwrap(),
+            )
+            .unwrap();
+            let coefficient = model.leading_coefficient(
+                system.q.value(),
+                system.state.density,
+                system.state.shear_rate,
+                system.flow.noncoaxiality,
+                beta.value(),
+            );
+            assert!(coefficient > 0.0);
+            // Gradients over k: below 1e-6 × 1/gap² at k = 1e10.
+            assert!((growth(1e10) / 1e20 / coefficient - 1.0).abs() < 1e-4);
+        } else {
+            within += 1;
+            // The slow root, −c₃₃/(ρI) + O(1/(k gap²)); the other is far to the left.
+            let slow = -(system.c[2][2] / (system.density() * system.inertia())).value();
+            assert!((growth(1e10) - slow).abs() < 1e-3 * (1.0 + slow.abs()));
+        }
+    }
+    assert!(beyond > 60 && within > 60);
+    let kind = registry::HARRIS_GREKOVA;
+    let parameters = states::random_parameters(&mut random, kind, Dilatancy::Zero);
+    let bound = parameters.model(kind).unwrap().noncoaxiality_bound().unwrap();
+    assert!((bound - std::f64::consts::FRAC_PI_4).abs() < 1e-15);
+}

@@ -1,0 +1,217 @@
+//! Projections compared with Clarabel, a conic solver.
+
+use crate::interlayer::{Degenerate, constants, interlayer_set, plane_solid};
+use crate::mises::{
+    SETS, bulk, energy, mean_of, mises_set, random_stress, scaled, stiffnesses, weights,
+};
+use crate::random_solids::solid;
+use crate::support::{Random, decades};
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{
+    DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SecondOrderConeT,
+    SolverStatus, SupportedConeT,
+};
+use wellposed_models::solid::stress::Stress;
+
+/// argmin ½|w − w̄|² with A w + (in the cones) = b.
+fn clarabel(
+    center: &[f64],
+    rows: &[Vec<f64>],
+    b: &[f64],
+    cones: &[SupportedConeT<f64>],
+) -> Vec<f64> {
+    let n = center.len();
+    let a = CscMatrix::from(rows);
+    let settings = DefaultSettingsBuilder::default()
+        .verbose(false)
+        .tol_gap_abs(1e-10)
+        .tol_gap_rel(1e-10)
+        .tol_feas(1e-10)
+        .build()
+        .unwrap();
+    let q: Vec<f64> = center.iter().map(|x| -x).collect();
+    let mut solver =
+        DefaultSolver::new(&CscMatrix::identity(n), &q, &a, b, cones, settings).unwrap();
+    solver.solve();
+    assert!(
+        matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved),
+        "{:?}",
+        solver.solution.status
+    );
+    solver.solution.x.clone()
+}
+
+fn half_square_distance(a: &[f64], b: &[f64]) -> f64 {
+    0.5 * a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>()
+}
+
+/// How far the own answer lies above the solver's, relatively, and the distance between them.
+fn compare(own: &[f64], theirs: &[f64], center: &[f64]) -> (f64, f64) {
+    let (mine, reference) =
+        (half_square_distance(own, center), half_square_distance(theirs, center));
+    ((mine - reference) / reference, (2.0 * half_square_distance(own, theirs)).sqrt())
+}
+
+/// Orthonormal 3×3 matrices: five symmetric deviators, three antisymmetric ones, δ/√3.
+fn basis() -> [[[f64; 3]; 3]; 9] {
+    let mut basis = [[[0.0; 3]; 3]; 9];
+    let half = 0.5f64.sqrt();
+    for (number, (i, j)) in [(0, 1), (1, 2), (0, 2)].into_iter().enumerate() {
+        (basis[number][i][j], basis[number][j][i]) = (half, half);
+        (basis[5 + number][i][j], basis[5 + number][j][i]) = (half, -half);
+    }
+    (basis[3][0][0], basis[3][1][1]) = (half, -half);
+    let sixth = 6f64.sqrt().recip();
+    (basis[4][0][0], basis[4][1][1], basis[4][2][2]) = (sixth, sixth, -2.0 * sixth);
+    for i in 0..3 {
+        basis[8][i][i] = 3f64.sqrt().recip();
+    }
+    basis
+}
+
+#[test]
+fn mises_projections_match_a_conic_solver() {
+    let basis = basis();
+    let (mut above, mut apart) = (f64::NEG_INFINITY, 0.0f64);
+    let mut random = Random::new(31);
+    let mut done = 0;
+    while done < 300 {
+        let (_, rotation, cone, micropolar) = SETS[done % SETS.len()];
+        let solid = solid(&mut random, rotation);
+        let set = mises_set(&mut random, cone, micropolar);
+        let trial = random_stress(&mut random, &set, &solid);
+        let trial = scaled(&trial, decades(&mut random, 0.0, 2.0));
+        let value = set.equivalent_shear(&trial) + set.friction * mean_of(&trial);
+        if value < 1.5 * set.strength {
+            continue;
+        }
+        let scale = energy(&solid, &trial).sqrt();
+        let (d, p) = (stiffnesses(&solid), weights(&set));
+        // Coordinates in which the energy is ½|w|²: s = √D w, part by part.
+        let part_of = |number: usize| match number {
+            0..5 => Some(0),
+            5..8 => Some(1),
+            8 => None,
+            9..14 => Some(2),
+            17 => Some(3),
+            _ => Some(4),
+        };
+        let stiffness = |number: usize| part_of(number).map_or(3.0 * bulk(&solid), |part| d[part]);
+        let used: Vec<usize> = (0..18).filter(|&n| stiffness(n) > 0.0).collect();
+        let coordinates = |stress: &Stress| -> Vec<f64> {
+            let along = |&n: &usize| {
+                let tensor = if n < 9 { &stress.force } else { &stress.couple };
+                let matrix = &basis[n % 9];
+                let sum: f64 = (0..9).map(|i| tensor[i / 3][i % 3] * matrix[i / 3][i % 3]).sum();
+                sum / stiffness(n).sqrt() / scale
+            };
+            used.iter().map(along).collect()
+        };
+        let strength = set.strength / scale;
+        let size = used
+            .iter()
+            .filter_map(|&n| part_of(n).map(|part| (0.5 * p[part] * d[part]).sqrt()))
+            .fold(0.0, f64::max);
+        // (k − κσ_m, √½p s …) in the second-order cone, divided by its largest coefficient.
+        let mut rows = vec![vec![0.0; used.len()]; 1 + used.len()];
+        let mut b = vec![0.0; 1 + used.len()];
+        b[0] = strength / size;
+        for (column, &n) in used.iter().enumerate() {
+            match part_of(n) {
+                None => rows[0][column] = set.friction * bulk(&solid).sqrt() / size,
+                Some(part) => rows[1 + column][column] = -(0.5 * p[part] * d[part]).sqrt() / size,
+            }
+        }
+        let center = coordinates(&trial);
+        let theirs = clarabel(&center, &rows, &b, &[SecondOrderConeT(1 + used.len())]);
+        let own = coordinates(&set.project(&solid, &trial).stress);
+        let (objective, distance) = compare(&own, &theirs, &center);
+        assert!(objective <= 1e-9, "{objective:e}: {set:?} {solid:?} {trial:?}");
+        assert!(distance <= 1e-4, "{distance:e}: {set:?} {solid:?} {trial:?}");
+        (above, apart) = (above.max(objective), apart.max(distance));
+        done += 1;
+    }
+    println!("Mises: objective at most {above:e} above, stresses {apart:e} apart");
+}
+
+#[test]
+fn interlayer_projections_match_a_conic_solver() {
+    let (mut above, mut apart) = (f64::NEG_INFINITY, 0.0f64);
+    let mut random = Random::new(32);
+    let mut done = 0;
+    while done < 400 {
+        let kind = done % 4;
+        let (solid, metric) = plane_solid(&mut random, kind);
+        let degenerate = [Degenerate::No, Degenerate::CommonApex][random.below(2)];
+        let set = interlayer_set(&mut random, degenerate, solid.couple.is_some());
+        let mut trial: [f64; 6] = std::array::from_fn(|i| match i {
+            0..4 => set.shear_strength * random.within(-1.0, 1.0),
+            _ => set.couple.map_or(0.0, |c| c.strength * random.within(-1.0, 1.0)),
+        });
+        if solid.classical {
+            trial[3] = trial[2];
+        }
+        let size = decades(&mut random, 0.0, 2.0);
+        trial = trial.map(|x| x * size);
+        let stress = set.project(&metric, &trial).stress;
+        let scale = solid.norm(&trial);
+        if solid.norm(&std::array::from_fn(|i| trial[i] - stress[i])) < 0.1 * scale {
+            continue;
+        }
+        // Orthonormal coordinates: sums and differences over √2 times the root of the compliance.
+        let roots = |[a, b]: [f64; 2]| [(0.5 * (a - b)).sqrt(), (0.5 * (a + b)).sqrt()];
+        let ([ns, nd], [ss, sd]) = (roots(solid.normal), roots(solid.shear));
+        let couple = solid.couple.map_or(0.0, |a| a.recip().sqrt());
+        let coordinates = |s: &[f64; 6]| -> Vec<f64> {
+            let mut all = vec![ns * (s[0] + s[1]), nd * (s[0] - s[1]), ss * (s[2] + s[3])];
+            if !solid.classical {
+                all.push(sd * (s[2] - s[3]));
+            }
+            if solid.couple.is_some() {
+                all.extend([couple * s[4], couple * s[5]]);
+            }
+            all.iter().map(|x| x / scale).collect()
+        };
+        // Rows of the conditions in those coordinates: the stresses of unit coordinates.
+        let n = coordinates(&trial).len();
+        let stress_of = |coordinate: usize| -> [f64; 6] {
+            let mut s = [0.0; 6];
+            match (coordinate, solid.classical) {
+                (0, _) => (s[0], s[1]) = (0.5 / ns, 0.5 / ns),
+                (1, _) => (s[0], s[1]) = (0.5 / nd, -0.5 / nd),
+                (2, _) => (s[2], s[3]) = (0.5 / ss, 0.5 / ss),
+                (3, false) => (s[2], s[3]) = (0.5 / sd, -0.5 / sd),
+                (other, _) => s[other] = couple.recip(),
+            }
+            s
+        };
+        let [[tau, kappa_tau], [m, kappa_m]] = constants(&set);
+        let (mut rows, mut b) = (Vec::new(), Vec::new());
+        for face in 0..2 {
+            for (strength, friction, own, limited) in
+                [(tau, kappa_tau, 2 + face, true), (m, kappa_m, 4 + face, set.couple.is_some())]
+            {
+                for sign in [1.0, -1.0] {
+                    if limited {
+                        let row: Vec<f64> = (0..n)
+                            .map(stress_of)
+                            .map(|s| friction * s[face] + sign * s[own])
+                            .collect();
+                        let norm = row.iter().map(|x| x * x).sum::<f64>().sqrt();
+                        rows.push(row.iter().map(|x| x / norm).collect::<Vec<f64>>());
+                        b.push(strength / norm / scale);
+                    }
+                }
+            }
+        }
+        let center = coordinates(&trial);
+        let theirs = clarabel(&center, &rows, &b, &[NonnegativeConeT(b.len())]);
+        let own = coordinates(&stress);
+        let (objective, distance) = compare(&own, &theirs, &center);
+        assert!(objective <= 1e-9, "{objective:e}: {set:?} {solid:?} {trial:?}");
+        assert!(distance <= 1e-4, "{distance:e}: {set:?} {solid:?} {trial:?}");
+        (above, apart) = (above.max(objective), apart.max(distance));
+        done += 1;
+    }
+    println!("interlayer: objective at most {above:e} above, stresses {apart:e} apart");
+}

@@ -1,0 +1,346 @@
+//! Cones of Mises and Drucker-Prager type: optimality and radial return.
+
+use crate::random_solids::{Rotation, solid};
+use crate::residuals::{OPTIMALITY, Residuals};
+use crate::support::{Random, Wide, decades, wide};
+use wellposed_models::solid::parameters::{CoupleModuli, Isotropic};
+use wellposed_models::solid::stress::Stress;
+use wellposed_models::yield_set::parameters::Mises;
+
+type Tensor = [[Wide; 3]; 3];
+
+/// Deviator, antisymmetric part, couple deviator, couple mean and couple antisymmetric part.
+type Parts = [Tensor; 5];
+
+pub fn parts(stress: &Stress) -> (Wide, Parts) {
+    let split = |t: &[[f64; 3]; 3]| {
+        let mean = (wide(t[0][0]) + wide(t[1][1]) + wide(t[2][2])) / wide(3.0);
+        let half = wide(0.5);
+        let mut result = [[[wide(0.0); 3]; 3]; 3];
+        for i in 0..3 {
+            result[2][i][i] = mean;
+            for j in 0..3 {
+                result[0][i][j] = (wide(t[i][j]) + wide(t[j][i])) * half - result[2][i][j];
+                result[1][i][j] = (wide(t[i][j]) - wide(t[j][i])) * half;
+            }
+        }
+        (mean, result)
+    };
+    let (mean, [deviator, antisymmetric, _]) = split(&stress.force);
+    let (_, [couple_deviator, couple_antisymmetric, couple_mean]) = split(&stress.couple);
+    (mean, [deviator, antisymmetric, couple_deviator, couple_mean, couple_antisymmetric])
+}
+
+pub fn product(a: &Tensor, b: &Tensor) -> f64 {
+    let sum = a.iter().flatten().zip(b.iter().flatten()).map(|(x, y)| *x * *y);
+    sum.fold(wide(0.0), |x, y| x + y).value()
+}
+
+/// The D of the five parts; 0 where the solid has none of them.
+pub fn stiffnesses(solid: &Isotropic) -> [f64; 5] {
+    let couple = solid.couple().unwrap_or(CoupleModuli { beta: 0.0, gamma: 0.0, eta: 0.0 });
+    [
+        2.0 * solid.mu,
+        2.0 * solid.microrotation.map_or(0.0, |m| m.alpha),
+        2.0 * couple.gamma,
+        3.0 * couple.beta + 2.0 * couple.gamma,
+        2.0 * couple.eta,
+    ]
+}
+
+pub fn weights(set: &Mises) -> [f64; 5] {
+    let inverse_square = |l: Option<f64>| l.map_or(0.0, |l| l.powi(-2));
+    let symmetric = inverse_square(set.symmetric_length);
+    let antisymmetric = inverse_square(set.antisymmetric_length);
+    [1.0, set.antisymmetric_weight, symmetric, symmetric, antisymmetric]
+}
+
+pub fn bulk(solid: &Isotropic) -> f64 {
+    solid.lambda + 2.0 / 3.0 * solid.mu
+}
+
+/// Twice the elastic energy.
+pub fn energy(solid: &Isotropic, stress: &Stress) -> f64 {
+    let (mean, parts) = parts(stress);
+    let shares = parts.iter().zip(stiffnesses(solid));
+    mean.value().powi(2) / bulk(solid)
+        + shares.filter(|(_, d)| *d > 0.0).map(|(t, d)| product(t, t) / d).sum::<f64>()
+}
+
+fn minus(a: &Stress, b: &Stress) -> Stress {
+    let minus = |a: [[f64; 3]; 3], b: [[f64; 3]; 3]| {
+        std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] - b[i][j]))
+    };
+    Stress { force: minus(a.force, b.force), couple: minus(a.couple, b.couple) }
+}
+
+fn mises_residuals(set: &Mises, solid: &Isotropic, trial: &Stress) -> Residuals {
+    let projection = set.project(solid, trial);
+    let stress = projection.stress;
+    let (mean_trial, parts_trial) = parts(trial);
+    let (mean, parts) = parts(&stress);
+    let (d, p) = (stiffnesses(solid), weights(set));
+    let shear = (0..5)
+        .filter(|&j| d[j] > 0.0)
+        .map(|j| 0.5 * p[j] * product(&parts[j], &parts[j]))
+        .sum::<f64>()
+        .sqrt();
+    let size = shear + set.friction * mean.value().abs() + set.strength;
+    let value = shear + set.friction * mean.value() - set.strength;
+    // The components, and not the parts, are rounded.
+    let largest = [&stress.force, &stress.couple]
+        .map(|t| t.iter().flatten().fold(0.0f64, |largest, x| largest.max(x.abs())));
+    let heaviest = [p[0].max(p[1]), p[2].max(p[4])].map(f64::sqrt);
+    let rounded = heaviest[0] * largest[0] + heaviest[1] * largest[1];
+    let feasibility = (value / (size + rounded)).max(0.0);
+
+    // e, its dual norm √(2 Σ |e|²/p), and the multiplier.
+    let mean_strain = (mean_trial - mean).value() / bulk(solid);
+    let strain: Parts = std::array::from_fn(|j| {
+        std::array::from_fn(|r| {
+            std::array::from_fn(|c| {
+                if d[j] > 0.0 {
+                    (parts_trial[j][r][c] - parts[j][r][c]) / wide(d[j])
+                } else {
+                    wide(0.0)
+                }
+            })
+        })
+    });
+    let (norm_trial, norm) = (energy(solid, trial).sqrt(), energy(solid, &stress).sqrt());
+    let dual = (0..5)
+        .filter(|&j| p[j] > 0.0)
+        .map(|j| 2.0 / p[j] * product(&strain[j], &strain[j]))
+        .sum::<f64>()
+        .sqrt();
+    let multiplier = if set.friction > 0.0 { mean_strain / set.friction } else { dual };
+    // The dual norm of a strain of energy norm 1 is at most this.
+    let dual_scale = (0..5)
+        .filter(|&j| p[j] * d[j] > 0.0)
+        .map(|j| (2.0 / (p[j] * d[j])).sqrt())
+        .fold(0.0, f64::max);
+    let mut scale = dual_scale;
+    if set.friction > 0.0 {
+        scale += 1.0 / (set.friction * bulk(solid).sqrt());
+    }
+    let mut normality = ((dual - multiplier) / (scale * norm_trial)).max(0.0);
+    if set.friction == 0.0 {
+        normality = normality.max(mean_strain.abs() * bulk(solid).sqrt() / norm_trial);
+    }
+    // Where the cone is smooth the two agree: e is λn.
+    if shear > 0.0 {
+        normality = normality.max((dual - multiplier).abs() / (scale * norm_trial));
+    }
+    // λ by projection onto n in the energy norm, which no small weight blows up.
+    let along = |j: usize| d[j] * p[j] / (2.0 * shear);
+    let fitted = (0..5).map(|j| along(j) * product(&strain[j], &parts[j])).sum::<f64>()
+        + bulk(solid) * set.friction * mean_strain;
+    let square = (0..5)
+        .map(|j| along(j) * p[j] / (2.0 * shear) * product(&parts[j], &parts[j]))
+        .sum::<f64>()
+        + bulk(solid) * set.friction.powi(2);
+    let fitted = fitted / square;
+    // Away from the apex e is λ times the normal p s/2τ̄, whose direction is that of s to within the
+    // rounding of the components of s; where nothing limits a part, its e is 0.
+    let (mut residual, mut turned) = (0.0, 0.0);
+    for j in (0..5).filter(|&j| d[j] > 0.0) {
+        let share = if shear > 0.0 { fitted * p[j] / (2.0 * shear) } else { 0.0 };
+        let mut own = strain[j];
+        for (own, s) in own.iter_mut().flatten().zip(parts[j].iter().flatten()) {
+            *own = *own - *s * wide(share);
+        }
+        if shear > 0.0 || p[j] == 0.0 {
+            residual += d[j] * product(&own, &own);
+            turned += d[j] * (share * largest[usize::from(j > 1)] * f64::EPSILON).powi(2);
+        }
+    }
+    let allowed = norm_trial + 4.0 * turned.sqrt() / OPTIMALITY;
+    normality = normality.max(residual.sqrt() / allowed);
+    let work =
+        mean.value() * mean_strain + (0..5).map(|j| product(&strain[j], &parts[j])).sum::<f64>();
+    let complementarity = (work - multiplier * set.strength).abs()
+        / (norm_trial * norm + (norm_trial * scale + multiplier) * set.strength);
+
+    // What is lost: the difference of the energies, which only a large loss shows.
+    let lost = 0.5 * (energy(solid, trial) - energy(solid, &stress));
+    assert!(projection.energy_lost >= 0.0, "{projection:?}");
+    let energy_residual = (lost - projection.energy_lost).abs() / (norm_trial * norm_trial);
+    let again = set.project(solid, &stress);
+    let idempotence = energy(solid, &minus(&again.stress, &stress)).sqrt() / norm.max(1e-300);
+    if set.equivalent_shear(trial) + set.friction * mean_of(trial) <= set.strength {
+        assert_eq!((stress, projection.energy_lost), (*trial, 0.0), "inside");
+    }
+    Residuals { feasibility, complementarity, normality, energy: energy_residual, idempotence }
+}
+
+pub fn random_stress(random: &mut Random, set: &Mises, solid: &Isotropic) -> Stress {
+    let mut tensor = |own: f64, scale: f64| {
+        let mut t = [[0.0; 3]; 3];
+        for i in 0..3 {
+            for j in 0..=i {
+                let (s, a) = (random.within(-1.0, 1.0), random.within(-1.0, 1.0));
+                let a = if i == j { 0.0 } else { a * own };
+                (t[i][j], t[j][i]) = ((s + a) * scale, (s - a) * scale);
+            }
+        }
+        t
+    };
+    let d = stiffnesses(solid);
+    let rotating = f64::from(u8::from(d[1] > 0.0));
+    let length = set.symmetric_length.or(set.antisymmetric_length).unwrap_or(1.0);
+    let with_couple = f64::from(u8::from(d[2] > 0.0));
+    Stress {
+        force: tensor(rotating, set.strength),
+        couple: tensor(1.0, set.strength * length * with_couple),
+    }
+}
+
+pub fn scaled(stress: &Stress, by: f64) -> Stress {
+    let scaled = |t: [[f64; 3]; 3]| t.map(|row| row.map(|x| x * by));
+    Stress { force: scaled(stress.force), couple: scaled(stress.couple) }
+}
+
+/// From 1e-6 to 1e6 yield stresses, along every part alone, near the axis and around the normal
+/// cone of the apex.
+fn mises_trial(random: &mut Random, set: &Mises, solid: &Isotropic) -> Stress {
+    let mut trial = random_stress(random, set, solid);
+    let size = decades(random, -6.0, 6.0);
+    match random.below(5) {
+        0 => scaled(&trial, size),
+        1 => {
+            // Some parts only.
+            let keep: [bool; 5] = std::array::from_fn(|_| random.below(2) == 0);
+            let (mean, parts) = parts(&trial);
+            for i in 0..3 {
+                for j in 0..3 {
+                    let sum = |range: std::ops::Range<usize>| {
+                        let kept = range.filter(|&n| keep[n]);
+                        kept.map(|n| parts[n][i][j]).fold(wide(0.0), |x, y| x + y).value()
+                    };
+                    trial.force[i][j] = sum(0..2);
+                    trial.couple[i][j] = sum(2..5);
+                }
+                trial.force[i][i] += mean.value();
+            }
+            scaled(&trial, size)
+        }
+        2 => {
+            // Towards the axis.
+            let mean = mean_of(&trial);
+            let mut near = scaled(&trial, decades(random, -12.0, 0.0));
+            for i in 0..3 {
+                near.force[i][i] += mean;
+            }
+            scaled(&near, size)
+        }
+        3 => {
+            // Onto the edge of the apex's normal cone, a little inside, a little outside.
+            let (d, p) = (stiffnesses(solid), weights(set));
+            let (_, parts) = parts(&trial);
+            let dual = (0..5)
+                .filter(|&j| p[j] * d[j] > 0.0)
+                .map(|j| 2.0 * product(&parts[j], &parts[j]) / (p[j] * d[j] * d[j]))
+                .sum::<f64>()
+                .sqrt();
+            let off = random.generic(0.0, 2.0) * decades(random, -17.0, -1.0);
+            let friction = set.friction;
+            let old = mean_of(&trial);
+            let shift = friction * bulk(solid) * dual * size * (1.0 + off);
+            let mut edge = scaled(&trial, size);
+            for i in 0..3 {
+                edge.force[i][i] += shift - old * size;
+                if friction > 0.0 {
+                    edge.force[i][i] += set.strength / friction;
+                }
+            }
+            edge
+        }
+        _ => {
+            // Onto the surface, a little inside, a little outside.
+            let shear = set.equivalent_shear(&trial);
+            let value = shear + set.friction * mean_of(&trial);
+            if value <= 0.0 {
+                return trial;
+            }
+            let off = random.generic(0.0, 2.0) * decades(random, -17.0, -1.0);
+            scaled(&trial, set.strength / value * (1.0 + off))
+        }
+    }
+}
+
+pub fn mean_of(stress: &Stress) -> f64 {
+    (stress.force[0][0] + stress.force[1][1] + stress.force[2][2]) / 3.0
+}
+
+pub fn mises_set(random: &mut Random, cone: bool, micropolar: bool) -> Mises {
+    let mut set = Mises::von_mises(decades(random, 3.0, 8.0));
+    if cone {
+        set.friction = decades(random, -3.0, 0.5);
+        set.dilatancy = set.friction;
+    }
+    if micropolar {
+        set.antisymmetric_weight = decades(random, -2.0, 1.0);
+        set.symmetric_length = (random.below(4) > 0).then(|| decades(random, -3.0, 0.0));
+        set.antisymmetric_length = (random.below(4) > 0).then(|| decades(random, -3.0, 0.0));
+    }
+    set
+}
+
+pub const SETS: [(&str, Rotation, bool, bool); 6] = [
+    ("von Mises", Rotation::Classical, false, false),
+    ("Drucker-Prager", Rotation::Classical, true, false),
+    ("Drucker-Prager in a Cosserat solid", Rotation::Cosserat, true, false),
+    ("Cosserat-Mises, reduced", Rotation::Reduced, false, true),
+    ("Cosserat-Mises", Rotation::Cosserat, false, true),
+    ("Cosserat-Drucker-Prager", Rotation::Cosserat, true, true),
+];
+
+#[test]
+fn mises_projections_are_optimal() {
+    for (number, (name, rotation, cone, micropolar)) in SETS.into_iter().enumerate() {
+        let mut random = Random::new(1000 + number as u64);
+        let mut worst = Residuals::default();
+        let (mut inside, mut apex) = (0, 0);
+        for _ in 0..20_000 {
+            let solid = solid(&mut random, rotation);
+            let set = mises_set(&mut random, cone, micropolar);
+            let trial = mises_trial(&mut random, &set, &solid);
+            let residuals = mises_residuals(&set, &solid, &trial);
+            residuals.check((name, set, solid, trial, set.project(&solid, &trial)));
+            worst.worst(&residuals);
+            let projection = set.project(&solid, &trial);
+            inside += usize::from(projection.stress == trial);
+            apex += usize::from(set.equivalent_shear(&projection.stress) < 1e-9 * set.strength);
+        }
+        println!("{name}: {inside} inside, {apex} on the axis, {worst:?}");
+        assert!((2000..15_000).contains(&inside), "{name}: {inside} of 20,000 inside");
+        assert!(!cone || apex > 1000, "{name}: {apex} of 20,000 at the apex");
+    }
+}
+
+/// With one stiffness in play the answer is a formula: radial return, and return to the cone.
+#[test]
+fn radial_return() {
+    let solid = Isotropic::new(3.0, 2.0, 1.0, None).unwrap();
+    let mut trial = Stress::default();
+    (trial.force[0][1], trial.force[1][0]) = (5.0, 5.0);
+    let projection = Mises::von_mises(2.0).project(&solid, &trial);
+    assert!((projection.stress.force[0][1] - 2.0).abs() < 1e-15);
+    // ½(25 − 4)/μ
+    assert!((projection.energy_lost - 5.25).abs() < 1e-14);
+    // τ̄ = 5, σ_m = 1, κ = ½, K = 13/3: λ = (5 + ½ − 2)/(μ + κ²K) = 42/37.
+    for i in 0..3 {
+        trial.force[i][i] = 1.0;
+    }
+    let cone = Mises::drucker_prager(2.0, 0.5, 0.1);
+    let projection = cone.project(&solid, &trial);
+    let multiplier = 42.0 / 37.0;
+    assert!((projection.stress.force[1][0] - (5.0 - 2.0 * multiplier)).abs() < 1e-14);
+    assert!((projection.stress.force[2][2] - (1.0 - multiplier * 0.5 * 13.0 / 3.0)).abs() < 1e-14);
+    // Far up the axis: the apex k/κ.
+    for i in 0..3 {
+        trial.force[i][i] = 1000.0;
+    }
+    let apex = cone.project(&solid, &trial).stress;
+    assert_eq!(apex.force, [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]]);
+}

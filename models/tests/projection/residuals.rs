@@ -1,0 +1,30 @@
+//! Residuals of the conditions of optimality.
+
+/// The accuracy asked of every condition of optimality, relative to the terms that it compares.
+pub const OPTIMALITY: f64 = 1e-12;
+
+/// Greatest of the residuals, each over its own scale.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Residuals {
+    pub feasibility: f64,
+    pub complementarity: f64,
+    pub normality: f64,
+    pub energy: f64,
+    pub idempotence: f64,
+}
+
+impl Residuals {
+    pub fn worst(&mut self, other: &Self) {
+        self.feasibility = self.feasibility.max(other.feasibility);
+        self.complementarity = self.complementarity.max(other.complementarity);
+        self.normality = self.normality.max(other.normality);
+        self.energy = self.energy.max(other.energy);
+        self.idempotence = self.idempotence.max(other.idempotence);
+    }
+
+    pub fn check(&self, what: impl std::fmt::Debug) {
+        let all =
+            [self.feasibility, self.complementarity, self.normality, self.energy, self.idempotence];
+        assert!(all.iter().all(|r| *r <= OPTIMALITY), "{self:?} at {what:?}");
+    }
+}
