@@ -10,12 +10,12 @@ use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::Mises;
 use std::time::Instant;
+use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::Boundary;
-use wellposed_dynamics::kernel::Instructions;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme, Splitting};
-use wellposed_dynamics::real::Real;
+use wellposed_dynamics::real::Instructions;
 use wellposed_dynamics::split::Split;
 
 /// What stands where.
@@ -140,7 +140,7 @@ struct Measured {
     size: usize,
 }
 
-fn measure<T: Real, const D: usize>(row: &Row) -> Measured {
+fn measure<T: SolverReal, const D: usize>(row: &Row) -> Measured {
     let (media, of_cell) = media::<D>(row);
     let count = of_cell.len();
     let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);

@@ -19,24 +19,13 @@
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-mod axis_permutation;
-pub mod boundary;
-mod cell;
-#[cfg(test)]
-mod contraction;
-pub mod domain;
+pub mod decomposition;
 pub mod flow;
-pub mod initial;
-pub mod kernel;
-pub mod ledger;
-pub mod line;
-pub mod medium;
-pub mod point_kernel;
-pub mod probe;
-pub mod problem;
-pub mod real;
-mod row;
-mod side;
+pub mod simd;
 pub mod simulation;
-pub mod split;
-mod vector;
+pub mod solid;
+
+pub use decomposition as split;
+pub use simd as real;
+pub use solid::domain::SolverReal;
+pub use solid::{boundary, domain, initial, ledger, line, medium, point_kernel, probe, problem};

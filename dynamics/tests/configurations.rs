@@ -14,12 +14,12 @@ use models::yield_set::YieldSet;
 use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
 use std::sync::Arc;
 use support::noise;
+use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Signal, Source};
-use wellposed_dynamics::kernel::Instructions;
 use wellposed_dynamics::line::{HALO, Slopes};
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme, Splitting};
-use wellposed_dynamics::real::Real;
+use wellposed_dynamics::real::Instructions;
 use wellposed_dynamics::split::{Snapshot, Split};
 
 /// Chance that is the same every time: where it begins, and how often it was asked.
@@ -238,7 +238,7 @@ struct Start {
 }
 
 /// All that comes of some steps, in so many parts, and in others after a stop if there is one.
-fn after<T: Real, const D: usize>(
+fn after<T: SolverReal, const D: usize>(
     problem: &Problem<D>,
     start: Start,
     instructions: Instructions,
@@ -270,12 +270,12 @@ fn after<T: Real, const D: usize>(
     last.expect("a way")
 }
 
-fn bits<T: Real>(all: &[Vec<T>]) -> Vec<Vec<u64>> {
+fn bits<T: SolverReal>(all: &[Vec<T>]) -> Vec<Vec<u64>> {
     all.iter().map(|own| own.iter().map(|value| value.wide().to_bits()).collect()).collect()
 }
 
 /// Makes problems from this number on, and takes all ways through them.
-fn same<T: Real, const D: usize>(first: usize, traces: f64) {
+fn same<T: SolverReal, const D: usize>(first: usize, traces: f64) {
     let wanted = std::env::var("CONFIGURATIONS").ok();
     let wanted = wanted.map(|count| count.parse().expect("CONFIGURATIONS must be a number"));
     let (mut yielding, mut divided) = (0, 0);

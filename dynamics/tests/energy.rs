@@ -9,12 +9,12 @@ use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCom
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
 use support::noise;
+use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Condition};
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::{Cell, GHOSTS, Slopes, energy, sweep};
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme, Splitting};
-use wellposed_dynamics::real::Real;
 
 /// Steps of a run.
 const STEPS: usize = 500;
@@ -132,7 +132,7 @@ fn side(chance: &mut Chance, medium: &Medium, axis: usize) -> Boundary {
 }
 
 /// A rough state on a few cells.
-fn rough<T: Real, const D: usize>(number: usize) -> (Domain<T, D>, String) {
+fn rough<T: SolverReal, const D: usize>(number: usize) -> (Domain<T, D>, String) {
     let mut chance = Chance((number as u64) << 40);
     let media = media(&mut chance, D);
     let most = if D == 2 { 24 } else { 12 };
@@ -174,7 +174,7 @@ fn rough<T: Real, const D: usize>(number: usize) -> (Domain<T, D>, String) {
     (domain, words)
 }
 
-fn never_grows<T: Real, const D: usize>(
+fn never_grows<T: SolverReal, const D: usize>(
     runs: impl Iterator<Item = usize>,
     steps: usize,
     growth: f64,

@@ -9,12 +9,12 @@ use models::yield_set::YieldSet;
 use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
 use std::sync::Arc;
 use support::noise;
+use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Source};
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme, Splitting};
-use wellposed_dynamics::real::Real;
 
 const THEORIES: [Theory; 3] = [Theory::Classical, Theory::Reduced, Theory::Cosserat];
 
@@ -45,7 +45,7 @@ fn layers(theory: Theory) -> YieldSet {
     })
 }
 
-fn fill<T: Real, const D: usize>(domain: &mut Domain<T, D>, size: f64) {
+fn fill<T: SolverReal, const D: usize>(domain: &mut Domain<T, D>, size: f64) {
     let cells = domain.grid().count();
     for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
         let value = |cell: usize| T::of(size * noise((1000 * index + cell) as u64));
@@ -112,7 +112,7 @@ fn by_default(mut problem: Problem<2>) -> Problem<2> {
 }
 
 /// What is left over after `steps` steps, over the largest energy.
-fn residual<T: Real>(problem: &Problem<2>, steps: usize) -> f64 {
+fn residual<T: SolverReal>(problem: &Problem<2>, steps: usize) -> f64 {
     let mut domain: Domain<T, 2> = Domain::new(problem).expect("sound");
     let (mut greatest, mut worst) = (0.0f64, 0.0f64);
     for index in 0..steps {

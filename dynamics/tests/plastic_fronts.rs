@@ -179,7 +179,7 @@ fn run(case: &Case, count: usize, scheme: Scheme) -> Vec<[f64; 5]> {
     });
     let shown = |cell: usize| {
         let mut values = Vec::new();
-        domain.show(cell, &mut values);
+        domain.output_cell(cell, &mut values);
         places.map(|place| values[place])
     };
     (0..count).map(shown).collect()

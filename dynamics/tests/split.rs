@@ -9,14 +9,14 @@ use models::yield_set::parameters::Mises;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use support::noise;
+use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Load, Signal, Source};
 use wellposed_dynamics::domain::Domain;
-use wellposed_dynamics::kernel::Instructions;
 use wellposed_dynamics::ledger::Ledger;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Detail, DomainError, Grid, Placement, Problem, Scheme};
-use wellposed_dynamics::real::Real;
+use wellposed_dynamics::real::Instructions;
 use wellposed_dynamics::split::Split;
 
 fn solids() -> [Isotropic; 2] {
@@ -33,7 +33,7 @@ fn solids_of(theory: Theory) -> [Isotropic; 2] {
     })
 }
 
-fn same<T: Real, const D: usize>(
+fn same<T: SolverReal, const D: usize>(
     sides: &[[Boundary; 2]; D],
     cells: [usize; D],
     placement: Placement,
@@ -41,7 +41,7 @@ fn same<T: Real, const D: usize>(
     same_of::<T, D>(solids(), sides, cells, placement);
 }
 
-fn same_of<T: Real, const D: usize>(
+fn same_of<T: SolverReal, const D: usize>(
     [soft, stiff]: [Isotropic; 2],
     sides: &[[Boundary; 2]; D],
     cells: [usize; D],
@@ -338,7 +338,7 @@ fn single_steps<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
         let mut expected = Vec::new();
         for _ in 0..21 {
             whole.advance();
-            watched.iter().for_each(|&cell| whole.show(cell, &mut expected));
+            watched.iter().for_each(|&cell| whole.output_cell(cell, &mut expected));
         }
         assert!(whole.ledger().plastic > 0.0);
         let mut snapshots = None;

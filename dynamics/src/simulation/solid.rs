@@ -6,11 +6,12 @@
 //! so that stresses stay in their convex yield sets.
 
 use super::{Simulation, State, TimeSteps, from_bytes, number, to_bytes};
-use crate::ledger::{Energy, Ledger};
-use crate::probe::Probe;
-use crate::problem::{DomainError, Problem};
-use crate::real::Real;
-use crate::split::{Snapshot, Split};
+use crate::solid::ledger::{Energy, Ledger};
+use crate::solid::probe::Probe;
+use crate::solid::problem::{DomainError, Problem};
+
+use crate::decomposition::{Snapshot, Split};
+use crate::solid::domain::SolverReal;
 use models::solid::waves::Field;
 use std::cmp::Ordering;
 
@@ -75,7 +76,7 @@ pub struct SolidFault {
 }
 
 /// A solid in time.
-pub struct SolidSimulation<T: Real, const D: usize> {
+pub struct SolidSimulation<T: SolverReal, const D: usize> {
     problem: Problem<D>,
     steps: TimeSteps,
     /// Values of the fields that are not zero at the beginning, by cell.
@@ -99,7 +100,7 @@ pub struct SolidSimulation<T: Real, const D: usize> {
     first_record: usize,
 }
 
-impl<T: Real, const D: usize> SolidSimulation<T, D> {
+impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
     /// A solid at its beginning, on as many of the threads as its layers allow. `initial` are the values of fields that
     /// are not zero, by cell.
     ///
@@ -226,7 +227,7 @@ impl<T: Real, const D: usize> SolidSimulation<T, D> {
     }
 }
 
-impl<T: Real, const D: usize> Simulation for SolidSimulation<T, D> {
+impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     type Account = SolidAccount;
     type Fields = SolidFields;
     type Fault = SolidFault;

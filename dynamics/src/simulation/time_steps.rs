@@ -1,6 +1,6 @@
 //! Equal steps that end with the run, and where times lie among them.
 
-use crate::medium::Medium;
+use crate::solid::medium::Medium;
 
 /// Most steps of a run.
 const MOST_STEPS: f64 = 1e12;

@@ -13,10 +13,10 @@ use crate::case::dynamics::{
 };
 use crate::case::{Case, CaseError};
 use crate::setup::solid_run::{Setup, cell_at, centre, media, probe, time_steps};
+use dynamics::SolverReal;
 use dynamics::domain::memory;
 use dynamics::ledger::{Energy, Ledger};
 use dynamics::medium::Medium;
-use dynamics::real::Real;
 use dynamics::simulation::{
     Simulation as _, SolidAccount, SolidFault, SolidFields, SolidSimulation, TimeSteps,
 };
@@ -141,7 +141,7 @@ fn interval(seconds: f64, step: f64) -> usize {
 }
 
 impl SolidJob<'_> {
-    fn simulate<T: Real, const D: usize>(
+    fn simulate<T: SolverReal, const D: usize>(
         &self,
         recorder: &mut dyn Recorder,
     ) -> Result<RunResult, Error> {
@@ -163,7 +163,7 @@ impl SolidJob<'_> {
     }
 
     /// The solid at its beginning.
-    fn simulation<T: Real, const D: usize>(&self) -> Result<SolidSimulation<T, D>, Error> {
+    fn simulation<T: SolverReal, const D: usize>(&self) -> Result<SolidSimulation<T, D>, Error> {
         let dynamics = self.dynamics;
         let Setup { problem, steps, initial } =
             Setup::<D>::new(self.case, dynamics, self.media.clone())?;
@@ -229,7 +229,7 @@ impl SolidJob<'_> {
     }
 }
 
-impl<T: Real, const D: usize> View<SolidSimulation<T, D>> for SolidJob<'_> {
+impl<T: SolverReal, const D: usize> View<SolidSimulation<T, D>> for SolidJob<'_> {
     fn receivers(&self) -> Option<(Head, Vec<usize>)> {
         receivers_table(self.case, &self.dynamics.receivers, &self.names)
     }

@@ -1,0 +1,132 @@
+//! Permutation of the axes: with alternating sweeps ([`Splitting::Alternating`](crate::solid::problem::Splitting)) the
+//! first axis of a domain is swept differently from the others, and any axis of the problem can take that place.
+
+use std::borrow::Cow;
+
+use crate::solid::boundary::{Boundary, Condition, Load, Source};
+use crate::solid::problem::{Grid, Problem};
+
+/// The axes of a problem in the order in which a domain has them; cell indices are converted accordingly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct AxisPermutation<const D: usize> {
+    /// Axis of the problem by axis of the domain.
+    axes: [usize; D],
+    /// Number of cells along each axis of the problem.
+    cells: [usize; D],
+}
+
+impl<const D: usize> AxisPermutation<D> {
+    /// Moves one axis to the front; the others keep their order.
+    pub(crate) fn with_first(axis: usize, grid: &Grid<D>) -> Self {
+        let axes = std::array::from_fn(|place| match place {
+            0 => axis,
+            _ if place <= axis => place - 1,
+            _ => place,
+        });
+        Self { axes, cells: grid.cells }
+    }
+
+    /// Whether every axis keeps its place.
+    fn is_identity(&self) -> bool {
+        self.axes.is_sorted()
+    }
+
+    /// Converts a linear index over the axes `from` (the first runs fastest) to one over the same axes in the order `to`.
+    fn reindex(&self, index: usize, from: &[usize], to: &[usize]) -> usize {
+        let mut along = [0; D];
+        let mut rest = index;
+        for &axis in from {
+            along[axis] = rest % self.cells[axis];
+            rest /= self.cells[axis];
+        }
+        to.iter().rev().fold(0, |index, &axis| index * self.cells[axis] + along[axis])
+    }
+
+    /// Index in the domain of a cell of the problem.
+    pub(crate) fn permuted_cell(&self, cell: usize) -> usize {
+        self.reindex(cell, &std::array::from_fn::<_, D, _>(|axis| axis), &self.axes)
+    }
+
+    /// Index in the problem of a cell of the domain.
+    pub(crate) fn original_cell(&self, cell: usize) -> usize {
+        self.reindex(cell, &self.axes, &std::array::from_fn::<_, D, _>(|axis| axis))
+    }
+
+    /// Index in the domain of a face of a boundary across an axis of the problem.
+    fn permuted_face(&self, axis: usize, face: usize) -> usize {
+        let others = |axes: [usize; D]| axes.into_iter().filter(|own| *own != axis).collect();
+        let [from, to]: [Vec<usize>; 2] = [std::array::from_fn(|own| own), self.axes].map(others);
+        self.reindex(face, &from, &to)
+    }
+
+    /// Sorts values by cell of the problem into the order of the domain's cells. A list of another length (no values,
+    /// or one for all cells) is returned unchanged.
+    pub(crate) fn permute<'a, V: Copy>(&self, values: &'a [V]) -> Cow<'a, [V]> {
+        if self.is_identity() || values.len() != self.cells.iter().product() {
+            return Cow::Borrowed(values);
+        }
+        (0..values.len()).map(|cell| values[self.original_cell(cell)]).collect()
+    }
+
+    /// Sorts values by cell of the domain into the order of the problem's cells.
+    pub(crate) fn unpermute<V: Copy>(&self, values: Vec<V>) -> Vec<V> {
+        if self.is_identity() || values.len() != self.cells.iter().product() {
+            return values;
+        }
+        (0..values.len()).map(|cell| values[self.permuted_cell(cell)]).collect()
+    }
+
+    /// The grid with permuted axes.
+    pub(crate) fn grid(&self, own: &Grid<D>) -> Grid<D> {
+        Grid {
+            cells: self.axes.map(|axis| own.cells[axis]),
+            spacing: self.axes.map(|axis| own.spacing[axis]),
+        }
+    }
+
+    /// The problem (which has passed its checks) with permuted axes. Fields keep their names, and accelerations stay
+    /// along the problem's axes.
+    pub(crate) fn problem<'a>(&self, own: &'a Problem<D>) -> Cow<'a, Problem<D>> {
+        if self.is_identity() {
+            return Cow::Borrowed(own);
+        }
+        let of_axis = |axis: usize| self.axes.iter().position(|own| *own == axis).unwrap_or(axis);
+        let boundary = |axis: usize, own: &Boundary| {
+            let Boundary::ByFace(pairs) = own else { return own.clone() };
+            let by_face = |conditions: &Vec<Condition>| {
+                let mut all = conditions.clone();
+                for (face, condition) in conditions.iter().enumerate() {
+                    all[self.permuted_face(axis, face)] = *condition;
+                }
+                all
+            };
+            Boundary::ByFace(pairs.iter().map(by_face).collect())
+        };
+        let mut media = own.media.clone();
+        for (medium, before) in media.iter_mut().zip(&own.media) {
+            medium.pairs = self.axes.iter().map(|&axis| before.pairs[axis].clone()).collect();
+        }
+        let load = |load: &Load| {
+            let faces = load.faces.iter();
+            let faces = faces.map(|&(face, share)| (self.permuted_face(load.axis, face), share));
+            Load { axis: of_axis(load.axis), faces: faces.collect(), ..load.clone() }
+        };
+        let source = |source: &Source| {
+            let cells = source.cells.iter().map(|&(cell, share)| (self.permuted_cell(cell), share));
+            Source { cells: cells.collect(), ..source.clone() }
+        };
+        let initial_stress = own.initial_stress.clone();
+        Cow::Owned(Problem {
+            grid: self.grid(&own.grid),
+            media,
+            of_cell: self.permute(&own.of_cell).into_owned(),
+            boundaries: self
+                .axes
+                .map(|axis| own.boundaries[axis].each_ref().map(|side| boundary(axis, side))),
+            loads: own.loads.iter().map(load).collect(),
+            sources: own.sources.iter().map(source).collect(),
+            initial_stress: initial_stress.map(|(axis, stress)| (of_axis(axis), stress)),
+            ..own.clone()
+        })
+    }
+}

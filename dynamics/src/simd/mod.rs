@@ -1,0 +1,12 @@
+//! Numbers in SIMD lanes: `f32` and `f64`, groups of them that fill a cache line, registers of each instruction set, and
+//! the dispatch at run time. Results do not depend on the instruction set: there is no contraction and no reassociation.
+
+mod instructions;
+mod real;
+mod vector;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+pub use instructions::Instructions;
+pub(crate) use real::MOST_LANES;
+pub use real::{Group, Lanes, Number, Real, Vector, Work};

@@ -1,0 +1,245 @@
+//! Registers of a processor as numbers: what the lanes of a group are while they are computed with; and
+//! the kinds of numbers that have such.
+
+use crate::simd::{Lanes, Real, Vector, Work};
+
+#[cfg(target_arch = "x86_64")]
+use super::x86::{Avx2Double, Avx2Single, Avx512Double, Avx512Single};
+
+macro_rules! real {
+    ($kind:ty, $lanes:literal, $avx2:ident, $avx512:ident) => {
+        impl Vector<$kind> for Lanes<$kind, $lanes> {
+            #[inline(always)]
+            fn load(from: &Self) -> Self {
+                *from
+            }
+
+            #[inline(always)]
+            fn store(self, to: &mut Self) {
+                *to = self;
+            }
+
+            #[inline(always)]
+            fn all(value: $kind) -> Self {
+                Self([value; $lanes])
+            }
+
+            #[inline(always)]
+            fn after(mut self, previous: Self) -> Self {
+                self.0.copy_within(..$lanes - 1, 1);
+                self.0[0] = previous.0[$lanes - 1];
+                self
+            }
+
+            #[inline(always)]
+            fn before(mut self, next: Self) -> Self {
+                self.0.copy_within(1.., 0);
+                self.0[$lanes - 1] = next.0[0];
+                self
+            }
+
+            #[inline(always)]
+            fn with_lanes(mut self, lanes: u16, other: Self) -> Self {
+                for lane in 0..$lanes {
+                    if lanes >> lane & 1 == 1 {
+                        self.0[lane] = other.0[lane];
+                    }
+                }
+                self
+            }
+        }
+
+        impl Real for $kind {
+            type Lanes = Lanes<Self, $lanes>;
+
+            #[cfg(target_arch = "x86_64")]
+            unsafe fn avx2(work: impl Work<Self>) {
+                #[target_feature(enable = "avx2")]
+                fn run(work: impl Work<$kind>) {
+                    work.run::<$avx2>();
+                }
+                // SAFETY: the caller knows that the processor has it.
+                unsafe { run(work) }
+            }
+
+            #[cfg(target_arch = "x86_64")]
+            unsafe fn avx512(work: impl Work<Self>) {
+                #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+                fn run(work: impl Work<$kind>) {
+                    work.run::<$avx512>();
+                }
+                // SAFETY: the caller knows that the processor has all three.
+                unsafe { run(work) }
+            }
+
+            #[cfg(not(target_arch = "x86_64"))]
+            unsafe fn avx2(work: impl Work<Self>) {
+                work.run::<Self::Lanes>();
+            }
+
+            #[cfg(not(target_arch = "x86_64"))]
+            unsafe fn avx512(work: impl Work<Self>) {
+                work.run::<Self::Lanes>();
+            }
+
+            #[allow(clippy::unnecessary_cast, reason = "it is one for f32")]
+            fn of(value: f64) -> Self {
+                value as Self
+            }
+
+            fn wide(self) -> f64 {
+                self.into()
+            }
+
+            fn bytes(self) -> impl Iterator<Item = u8> {
+                self.to_le_bytes().into_iter()
+            }
+
+            fn from_bytes(bytes: &[u8]) -> Option<Vec<Self>> {
+                let (numbers, []) = bytes.as_chunks() else { return None };
+                Some(numbers.iter().map(|number| Self::from_le_bytes(*number)).collect())
+            }
+        }
+    };
+}
+
+real!(f32, 16, Avx2Single, Avx512Single);
+real!(f64, 8, Avx2Double, Avx512Double);
+
+#[cfg(test)]
+mod tests {
+    use crate::simd::Instructions;
+    use crate::simd::{Group, Number, Real, Vector, Work};
+
+    struct Bounded<'a, T: Real>(&'a [[T::Lanes; 3]], &'a mut Vec<T::Lanes>);
+
+    impl<T: Real> Work<T> for Bounded<'_, T> {
+        #[inline(always)]
+        fn run<V: Vector<T>>(self) {
+            for [mean, one, other] in self.0 {
+                let mut found = T::Lanes::ZERO;
+                V::load(mean).bounded(V::load(one), V::load(other)).store(&mut found);
+                self.1.push(found);
+            }
+        }
+    }
+
+    /// Nearest to zero of numbers of one sign, zero where bounds differ in sign; in any instructions, to the bit.
+    fn bounds_hold<T: Real>() {
+        let tiny = T::LEAST.wide();
+        let sizes = [0.0, 1e-3 * tiny, tiny, 1e-3, 0.7, 1.0, 1.5, 1e30, f64::INFINITY];
+        let all: Vec<f64> = sizes.iter().flat_map(|size| [*size, -size]).collect();
+        let mut cases = Vec::new();
+        for &one in &all {
+            for &other in &all {
+                for mean in sizes.map(|size| size.copysign(one)) {
+                    cases.push([mean, one, other]);
+                }
+            }
+        }
+        let lanes = T::Lanes::COUNT;
+        let groups: Vec<[T::Lanes; 3]> = cases
+            .chunks(lanes)
+            .map(|chunk| {
+                let lane =
+                    |which: usize| T::Lanes::by_lane(|i| T::of(chunk[i % chunk.len()][which]));
+                [lane(0), lane(1), lane(2)]
+            })
+            .collect();
+        for set in Instructions::available() {
+            let mut found = Vec::new();
+            set.run::<T>(Bounded(&groups, &mut found));
+            for (place, case) in cases.iter().enumerate() {
+                let [mean, one, other] = case.map(|value| T::of(value).wide());
+                let differ = one.is_sign_negative() != other.is_sign_negative();
+                let least = mean.abs().min(one.abs()).min(other.abs()).copysign(one);
+                let expected = if differ { 0.0 } else { least };
+                let found = found[place / lanes].lanes()[place % lanes].wide();
+                assert_eq!(found.to_bits(), expected.to_bits(), "{set:?} {case:?}");
+            }
+        }
+    }
+
+    struct Kept<'a, T: Real>(T::Lanes, T, &'a mut T::Lanes);
+
+    impl<T: Real> Work<T> for Kept<'_, T> {
+        #[inline(always)]
+        fn run<V: Vector<T>>(self) {
+            V::load(&self.0).unless_below(<V as Vector<T>>::all(self.1)).store(self.2);
+        }
+    }
+
+    /// What is smaller in size than a limit is zero without a sign, all else stays, in any instructions, to the bit.
+    fn traces_vanish<T: Real>() {
+        let limit = 1e-3;
+        let all = [0.0, 1e-40, 0.9e-3, 1e-3, 1.1e-3, 7.0, f64::INFINITY, f64::NAN];
+        for sign in [1.0, -1.0] {
+            let own = T::Lanes::by_lane(|lane| T::of(sign * all[lane % all.len()]));
+            for set in Instructions::available() {
+                let mut found = T::Lanes::ZERO;
+                set.run::<T>(Kept(own, T::of(limit), &mut found));
+                for (own, found) in own.lanes().iter().zip(found.lanes()) {
+                    let is_below = own.wide().abs() < T::of(limit).wide();
+                    let expected = if is_below { 0.0 } else { own.wide() };
+                    assert_eq!(found.wide().to_bits(), expected.to_bits(), "{set:?} {own:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn traces_vanish_in_all_instructions() {
+        traces_vanish::<f64>();
+        traces_vanish::<f32>();
+    }
+
+    #[test]
+    fn bounds_hold_in_all_instructions() {
+        bounds_hold::<f64>();
+        bounds_hold::<f32>();
+    }
+
+    struct Moved<'a, T: Real>(u16, &'a mut [T::Lanes; 3]);
+
+    impl<T: Real> Work<T> for Moved<'_, T> {
+        #[inline(always)]
+        fn run<V: Vector<T>>(self) {
+            let Self(lanes, moved) = self;
+            let [own, other] =
+                [0.0, 100.0].map(|from| T::Lanes::by_lane(|lane| T::of(from + lane as f64)));
+            let (own, other) = (V::load(&own), V::load(&other));
+            own.after(other).store(&mut moved[0]);
+            own.before(other).store(&mut moved[1]);
+            own.with_lanes(lanes, other).store(&mut moved[2]);
+        }
+    }
+
+    /// Lanes are 0, 1, … and those of the other group 100, 101, …: each choice of some, in any instructions.
+    fn lanes_move<T: Real>() {
+        let count = T::Lanes::COUNT;
+        let choices = (0..count).map(|lane| 1 << lane).chain([0, 0b1010_0110_0101_1001]);
+        for lanes in choices {
+            let expected: [Vec<f64>; 3] = [
+                (0..count)
+                    .map(|i| if i == 0 { 99.0 + count as f64 } else { i as f64 - 1.0 })
+                    .collect(),
+                (1..=count).map(|i| if i == count { 100.0 } else { i as f64 }).collect(),
+                (0..count).map(|i| i as f64 + f64::from(lanes >> i & 1) * 100.0).collect(),
+            ];
+            for set in Instructions::available() {
+                let mut moved = [T::Lanes::ZERO; 3];
+                set.run::<T>(Moved(lanes, &mut moved));
+                for (moved, expected) in moved.iter().zip(&expected) {
+                    let moved: Vec<f64> = moved.lanes().iter().map(|lane| lane.wide()).collect();
+                    assert_eq!(&moved, expected, "{set:?} {lanes:b}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn lanes_move_in_all_instructions() {
+        lanes_move::<f64>();
+        lanes_move::<f32>();
+    }
+}

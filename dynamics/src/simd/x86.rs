@@ -1,0 +1,374 @@
+//! Registers of x86-64: AVX2 and AVX-512.
+//!
+//! SAFETY, of all that follows: these numbers are seen nowhere but in `Real::avx2` and `Real::avx512`,
+//! whose callers know that the processor has the instructions; addresses are those of references to as
+//! many numbers as are read or written.
+
+use crate::simd::{Lanes, Number, Vector};
+use std::arch::x86_64::*;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+macro_rules! vector {
+    (
+        $(#[$about:meta])*
+        $name:ident, $scalar:ty, $register:ty, $count:literal of $width:literal,
+        $add:ident $sub:ident $mul:ident $div:ident $max:ident $sqrt:ident
+        $load:ident $store:ident $exceeds:ident $bounded:ident $kept:ident $moved:ident $with_lanes:ident
+    ) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug)]
+        pub struct $name([$register; $count]);
+
+        vector!(@binary $name, $count, Add add $add, Sub sub $sub, Mul mul $mul, Div div $div);
+
+        impl $name {
+            const fn all(value: $scalar) -> Self {
+                // SAFETY: registers are numbers side by side.
+                Self(unsafe {
+                    std::mem::transmute::<[$scalar; $count * $width], [$register; $count]>(
+                        [value; $count * $width],
+                    )
+                })
+            }
+        }
+
+        impl Neg for $name {
+            type Output = Self;
+
+            #[inline(always)]
+            fn neg(self) -> Self {
+                // Not 0 − x, which has another sign where x is zero.
+                Self::all(-1.0) * self
+            }
+        }
+
+        impl Number for $name {
+            const ZERO: Self = Self::all(0.0);
+            const ONE: Self = Self::all(1.0);
+            const HALF: Self = Self::all(0.5);
+            const THIRD: Self = Self::all(1.0 / 3.0);
+            const QUARTER: Self = Self::all(0.25);
+            const LEAST: Self = Self::all(<$scalar>::MIN_POSITIVE);
+
+            #[inline(always)]
+            #[allow(clippy::unnecessary_cast, reason = "it is one for f32")]
+            fn constant(value: f64) -> Self {
+                Self::all(value as $scalar)
+            }
+
+            #[inline(always)]
+            fn greatest(mut self, other: Self) -> Self {
+                for i in 0..$count {
+                    self.0[i] = unsafe { $max(self.0[i], other.0[i]) };
+                }
+                self
+            }
+
+            #[inline(always)]
+            fn root(mut self) -> Self {
+                for i in 0..$count {
+                    self.0[i] = unsafe { $sqrt(self.0[i]) };
+                }
+                self
+            }
+
+            #[inline(always)]
+            fn bounded(mut self, one: Self, other: Self) -> Self {
+                for i in 0..$count {
+                    self.0[i] = unsafe { $bounded(self.0[i], one.0[i], other.0[i]) };
+                }
+                self
+            }
+
+            #[inline(always)]
+            fn unless_below(mut self, limit: Self) -> Self {
+                for i in 0..$count {
+                    self.0[i] = unsafe { $kept(self.0[i], limit.0[i]) };
+                }
+                self
+            }
+
+            #[inline(always)]
+            fn exceeds(self, other: Self) -> bool {
+                let mut any = false;
+                for i in 0..$count {
+                    any |= unsafe { $exceeds(self.0[i], other.0[i]) };
+                }
+                any
+            }
+        }
+
+        impl Vector<$scalar> for $name {
+            #[inline(always)]
+            fn load(from: &Lanes<$scalar, { $count * $width }>) -> Self {
+                let mut all = Self::ZERO;
+                for i in 0..$count {
+                    all.0[i] = unsafe { $load(from.0.as_ptr().add(i * $width)) };
+                }
+                all
+            }
+
+            #[inline(always)]
+            fn store(self, to: &mut Lanes<$scalar, { $count * $width }>) {
+                for i in 0..$count {
+                    unsafe { $store(to.0.as_mut_ptr().add(i * $width), self.0[i]) };
+                }
+            }
+
+            #[inline(always)]
+            fn all(value: $scalar) -> Self {
+                Self::all(value)
+            }
+
+            #[inline(always)]
+            fn after(mut self, previous: Self) -> Self {
+                let mut last = previous.0[$count - 1];
+                for i in 0..$count {
+                    let own = self.0[i];
+                    self.0[i] = unsafe { $moved::<{ $width - 1 }>(own, last) };
+                    last = own;
+                }
+                self
+            }
+
+            #[inline(always)]
+            fn before(mut self, next: Self) -> Self {
+                let mut first = next.0[0];
+                for i in (0..$count).rev() {
+                    let own = self.0[i];
+                    self.0[i] = unsafe { $moved::<1>(first, own) };
+                    first = own;
+                }
+                self
+            }
+
+            #[inline(always)]
+            fn with_lanes(mut self, lanes: u16, other: Self) -> Self {
+                for i in 0..$count {
+                    let lanes = lanes >> (i * $width);
+                    self.0[i] = unsafe { $with_lanes(self.0[i], lanes, other.0[i]) };
+                }
+                self
+            }
+        }
+    };
+    (@binary $name:ident, $count:literal, $($operation:ident $function:ident $instruction:ident),*) => {
+        $(impl $operation for $name {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $function(mut self, other: Self) -> Self {
+                for i in 0..$count {
+                    self.0[i] = unsafe { $instruction(self.0[i], other.0[i]) };
+                }
+                self
+            }
+        })*
+    };
+}
+
+// Whether any number of a register is greater than its counterpart.
+
+#[inline(always)]
+unsafe fn double256(one: __m256d, other: __m256d) -> bool {
+    unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(one, other)) != 0 }
+}
+
+#[inline(always)]
+unsafe fn single256(one: __m256, other: __m256) -> bool {
+    unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(one, other)) != 0 }
+}
+
+#[inline(always)]
+unsafe fn double512(one: __m512d, other: __m512d) -> bool {
+    unsafe { _mm512_cmp_pd_mask::<_CMP_GT_OQ>(one, other) != 0 }
+}
+
+#[inline(always)]
+unsafe fn single512(one: __m512, other: __m512) -> bool {
+    unsafe { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(one, other) != 0 }
+}
+
+// Two registers behind one another, without so many numbers in front.
+
+#[inline(always)]
+unsafe fn moved_double256<const BY: i32>(high: __m256d, low: __m256d) -> __m256d {
+    unsafe {
+        let [high, low] = [high, low].map(|own| _mm256_castpd_si256(own));
+        let middle = _mm256_permute2x128_si256::<0x21>(low, high);
+        _mm256_castsi256_pd(match BY {
+            1 => _mm256_alignr_epi8::<8>(middle, low),
+            _ => _mm256_alignr_epi8::<8>(high, middle),
+        })
+    }
+}
+
+#[inline(always)]
+unsafe fn moved_single256<const BY: i32>(high: __m256, low: __m256) -> __m256 {
+    unsafe {
+        let [high, low] = [high, low].map(|own| _mm256_castps_si256(own));
+        let middle = _mm256_permute2x128_si256::<0x21>(low, high);
+        _mm256_castsi256_ps(match BY {
+            1 => _mm256_alignr_epi8::<4>(middle, low),
+            _ => _mm256_alignr_epi8::<12>(high, middle),
+        })
+    }
+}
+
+#[inline(always)]
+unsafe fn moved_double512<const BY: i32>(high: __m512d, low: __m512d) -> __m512d {
+    unsafe {
+        let [high, low] = [high, low].map(|own| _mm512_castpd_si512(own));
+        _mm512_castsi512_pd(_mm512_alignr_epi64::<BY>(high, low))
+    }
+}
+
+#[inline(always)]
+unsafe fn moved_single512<const BY: i32>(high: __m512, low: __m512) -> __m512 {
+    unsafe {
+        let [high, low] = [high, low].map(|own| _mm512_castps_si512(own));
+        _mm512_castsi512_ps(_mm512_alignr_epi32::<BY>(high, low))
+    }
+}
+
+// Numbers of another register in some lanes, by bits.
+
+#[inline(always)]
+unsafe fn with_lanes_double256(own: __m256d, lanes: u16, other: __m256d) -> __m256d {
+    unsafe {
+        let bits = _mm256_set_epi64x(8, 4, 2, 1);
+        let chosen = _mm256_and_si256(_mm256_set1_epi64x(lanes.into()), bits);
+        let chosen = _mm256_castsi256_pd(_mm256_cmpeq_epi64(chosen, bits));
+        _mm256_blendv_pd(own, other, chosen)
+    }
+}
+
+#[inline(always)]
+unsafe fn with_lanes_single256(own: __m256, lanes: u16, other: __m256) -> __m256 {
+    unsafe {
+        let bits = _mm256_set_epi32(128, 64, 32, 16, 8, 4, 2, 1);
+        let chosen = _mm256_and_si256(_mm256_set1_epi32(lanes.into()), bits);
+        let chosen = _mm256_castsi256_ps(_mm256_cmpeq_epi32(chosen, bits));
+        _mm256_blendv_ps(own, other, chosen)
+    }
+}
+
+#[inline(always)]
+unsafe fn with_lanes_double512(own: __m512d, lanes: u16, other: __m512d) -> __m512d {
+    unsafe { _mm512_mask_mov_pd(own, lanes as u8, other) }
+}
+
+#[inline(always)]
+unsafe fn with_lanes_single512(own: __m512, lanes: u16, other: __m512) -> __m512 {
+    unsafe { _mm512_mask_mov_ps(own, lanes, other) }
+}
+
+// Numbers of one sign grow as their bits do, and minima of integers leave the units free that add. There
+// is none of 64 bits among 256: there by magnitudes.
+
+#[inline(always)]
+unsafe fn least_double256(mean: __m256d, one: __m256d, other: __m256d) -> __m256d {
+    unsafe {
+        let sign = _mm256_set1_pd(-0.0);
+        let [mean, least, last] = [mean, one, other].map(|own| _mm256_andnot_pd(sign, own));
+        let least = _mm256_min_pd(_mm256_min_pd(mean, least), last);
+        let least = _mm256_or_pd(least, _mm256_and_pd(sign, one));
+        _mm256_blendv_pd(least, _mm256_setzero_pd(), _mm256_xor_pd(one, other))
+    }
+}
+
+#[inline(always)]
+unsafe fn least_single256(mean: __m256, one: __m256, other: __m256) -> __m256 {
+    unsafe {
+        let [mean, least, last] = [mean, one, other].map(|own| _mm256_castps_si256(own));
+        let least = _mm256_min_epu32(_mm256_min_epu32(mean, least), last);
+        let differ = _mm256_xor_ps(one, other);
+        _mm256_blendv_ps(_mm256_castsi256_ps(least), _mm256_setzero_ps(), differ)
+    }
+}
+
+#[inline(always)]
+unsafe fn least_double512(mean: __m512d, one: __m512d, other: __m512d) -> __m512d {
+    unsafe {
+        let [mean, one, other] = [mean, one, other].map(|own| _mm512_castpd_si512(own));
+        let same = _mm512_movepi64_mask(_mm512_ternarylogic_epi64::<XNOR>(one, one, other));
+        let least = _mm512_min_epu64(one, other);
+        _mm512_castsi512_pd(_mm512_maskz_min_epu64(same, least, mean))
+    }
+}
+
+#[inline(always)]
+unsafe fn least_single512(mean: __m512, one: __m512, other: __m512) -> __m512 {
+    unsafe {
+        let [mean, one, other] = [mean, one, other].map(|own| _mm512_castps_si512(own));
+        let same = _mm512_movepi32_mask(_mm512_ternarylogic_epi32::<XNOR>(one, one, other));
+        let least = _mm512_min_epu32(one, other);
+        _mm512_castsi512_ps(_mm512_maskz_min_epu32(same, least, mean))
+    }
+}
+
+/// Of bits of the second and the third number whether they are the same.
+const XNOR: i32 = 0b1001_1001;
+
+// Numbers, or zeros where they are smaller in size than a limit; what is no number stays.
+
+#[inline(always)]
+unsafe fn kept_double256(own: __m256d, limit: __m256d) -> __m256d {
+    unsafe {
+        let size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), own);
+        _mm256_and_pd(own, _mm256_cmp_pd::<_CMP_NLT_UQ>(size, limit))
+    }
+}
+
+#[inline(always)]
+unsafe fn kept_single256(own: __m256, limit: __m256) -> __m256 {
+    unsafe {
+        let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), own);
+        _mm256_and_ps(own, _mm256_cmp_ps::<_CMP_NLT_UQ>(size, limit))
+    }
+}
+
+#[inline(always)]
+unsafe fn kept_double512(own: __m512d, limit: __m512d) -> __m512d {
+    unsafe {
+        let kept = _mm512_cmp_pd_mask::<_CMP_NLT_UQ>(_mm512_abs_pd(own), limit);
+        _mm512_maskz_mov_pd(kept, own)
+    }
+}
+
+#[inline(always)]
+unsafe fn kept_single512(own: __m512, limit: __m512) -> __m512 {
+    unsafe {
+        let kept = _mm512_cmp_ps_mask::<_CMP_NLT_UQ>(_mm512_abs_ps(own), limit);
+        _mm512_maskz_mov_ps(kept, own)
+    }
+}
+
+vector!(
+    /// Eight numbers in two registers of four.
+    Avx2Double, f64, __m256d, 2 of 4,
+    _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_max_pd
+    _mm256_sqrt_pd _mm256_load_pd _mm256_store_pd double256 least_double256 kept_double256
+    moved_double256 with_lanes_double256
+);
+vector!(
+    /// Sixteen numbers in two registers of eight.
+    Avx2Single, f32, __m256, 2 of 8,
+    _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_max_ps
+    _mm256_sqrt_ps _mm256_load_ps _mm256_store_ps single256 least_single256 kept_single256
+    moved_single256 with_lanes_single256
+);
+vector!(
+    /// Eight numbers in a register.
+    Avx512Double, f64, __m512d, 1 of 8,
+    _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_max_pd
+    _mm512_sqrt_pd _mm512_load_pd _mm512_store_pd double512 least_double512 kept_double512
+    moved_double512 with_lanes_double512
+);
+vector!(
+    /// Sixteen numbers in a register.
+    Avx512Single, f32, __m512, 1 of 16,
+    _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_max_ps
+    _mm512_sqrt_ps _mm512_load_ps _mm512_store_ps single512 least_single512 kept_single512
+    moved_single512 with_lanes_single512
+);

@@ -1,0 +1,117 @@
+//! Ghosts at the ends of lines, in the instructions that the processor has.
+
+use super::rows::Rows;
+use super::table::{Table, Wave};
+use crate::simd::{Real, Vector, Work};
+use crate::solid::cell::Cell;
+use crate::solid::ghosts::{BESIDE, GhostRule, ghosts, image};
+use crate::solid::reconstruction::GHOSTS;
+use crate::solid::riemann::State;
+
+/// The ghosts of all waves along rows: for those who look at them before the sweep.
+pub(crate) struct Fill<'a, T: Real> {
+    pub(crate) data: &'a mut [T::Lanes],
+    pub(crate) waves: &'a [Wave],
+    pub(crate) rows: Rows<'a, T>,
+    pub(crate) count: usize,
+}
+
+impl<T: Real> Work<T> for Fill<'_, T> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        for (pair, wave) in self.waves.iter().enumerate() {
+            self.rows.fill::<V>(self.data, wave, pair, 0..self.count);
+        }
+    }
+}
+
+/// The ghosts at a depth beyond an end of lines that lie side by side, group by group.
+pub(crate) struct FillEnd<'a, T: Real> {
+    pub(crate) data: &'a mut [T::Lanes],
+    pub(crate) waves: &'a [Wave],
+    /// The mirrors through which it is seen, in this order.
+    pub(crate) mirrors: [Option<&'a GhostRule<T>>; 2],
+    /// Where the fields of what the first line shows begin, and those of its ghost; the other lines follow group by group.
+    pub(crate) places: [usize; 2],
+    pub(crate) lines: usize,
+    pub(crate) face: usize,
+}
+
+impl<T: Real> Work<T> for FillEnd<'_, T> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let Self { data, waves, mirrors, places: [own, ghost], lines, face } = self;
+        for (pair, &Wave { velocity, stress, .. }) in waves.iter().enumerate() {
+            for line in 0..lines {
+                let group = &data[own + line..];
+                let mut seen =
+                    State { velocity: V::load(&group[velocity]), stress: V::load(&group[stress]) };
+                for mirror in mirrors.into_iter().flatten() {
+                    let [v, a, s, b, _] = mirror.face(pair, face + line);
+                    seen.velocity = image([V::load(v), V::load(a)], seen.velocity);
+                    seen.stress = image([V::load(s), V::load(b)], seen.stress);
+                }
+                let group = &mut data[ghost + line..];
+                seen.velocity.store(&mut group[velocity]);
+                seen.stress.store(&mut group[stress]);
+            }
+        }
+    }
+}
+
+/// The ghosts beyond an end of lines that lie side by side, where some wave is reconstructed from its own side.
+pub(crate) struct FillOneSided<'a, T: Real> {
+    pub(crate) data: &'a mut [T::Lanes],
+    pub(crate) waves: &'a [Wave],
+    pub(crate) mirror: &'a GhostRule<T>,
+    pub(crate) end: usize,
+    /// By depth where the fields of the first line's cell begin; the other lines follow group by group.
+    pub(crate) beside: [usize; BESIDE],
+    /// The same of its ghosts.
+    pub(crate) ghosts: [usize; GHOSTS],
+    pub(crate) lines: usize,
+    pub(crate) face: usize,
+    pub(crate) table: &'a Table<T>,
+    /// By depth, from the group of the first line on.
+    pub(crate) patterns: [&'a [u32]; BESIDE],
+}
+
+impl<T: Real> Work<T> for FillOneSided<'_, T> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let Self { data, waves, mirror, end, lines, face, table, .. } = self;
+        let closure = mirror.closure();
+        for (pair, wave) in waves.iter().enumerate() {
+            for line in 0..lines {
+                let [first, second, third] = self.patterns;
+                let cells: [Cell<V>; BESIDE] = [
+                    Cell::load(table.cell(first[line], wave)),
+                    Cell::load(table.cell(second[line], wave)),
+                    Cell::load(table.cell(third[line], wave)),
+                ];
+                let [v, a, s, b, one_sided] = mirror.face(pair, face + line);
+                let mirror = [V::load(v), V::load(a), V::load(s), V::load(b), V::load(one_sided)];
+                let [first, second, third] = self.beside;
+                let beside = [
+                    state_at(&data[first + line..], wave),
+                    state_at(&data[second + line..], wave),
+                    state_at(&data[third + line..], wave),
+                ];
+                let coefficients = table.ghost_coefficients(wave, &cells[0]);
+                let cells = [&cells[0], &cells[1], &cells[2]];
+                let made = ghosts(closure, beside, mirror, end, cells, &coefficients);
+                for (place, state) in self.ghosts.into_iter().zip(made) {
+                    let group = &mut data[place + line..];
+                    state.velocity.store(&mut group[wave.velocity]);
+                    state.stress.store(&mut group[wave.stress]);
+                }
+            }
+        }
+    }
+}
+
+/// The velocity and the stress of a wave in a group.
+#[inline(always)]
+fn state_at<T: Real, V: Vector<T>>(group: &[T::Lanes], wave: &Wave) -> State<V> {
+    State { velocity: V::load(&group[wave.velocity]), stress: V::load(&group[wave.stress]) }
+}

@@ -1,0 +1,451 @@
+//! The sweep of [`crate::solid::line`] on many lines at once, in the instructions that the processor has.
+//!
+//! Cells lie in groups, as many as fill a line of the cache, and whichever axis is swept, the neighbours of
+//! a group's cells are the cells of another group in the same lanes: a walk from group to group moves as
+//! many lines as there are lanes, and none of them looks at another. At the ends of a row, where the
+//! neighbours are in the next lane, moved copies stand as ghosts. Every cell sees what the plain sweep does, in
+//! the same order: the bits are the same.
+
+use super::layout::GroupIndex;
+use super::rows::Rows;
+use super::table::{Table, Wave};
+use crate::simd::{Instructions, Number, Real, Vector, Work};
+use crate::solid::cell::Cell;
+use crate::solid::reconstruction::{GHOSTS, Slopes};
+use crate::solid::riemann::{InterfaceState, RiemannInvariants, State, updated};
+use std::ops::Range;
+
+/// Fields by wave at most: 24 by 6 in Cosserat's space, 12 by 3 in its plane.
+pub(crate) const MOST_SHARE: usize = 4;
+
+/// Calls for what stands so far behind the beginning of a slice, whether there is anything or not: `soon` it will
+/// be wanted, or else called for again before.
+#[inline(always)]
+fn prefetch<N>(from: &[N], distance: usize, soon: bool) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: the address is not read from; the instruction does nothing where it is not one of ours.
+    unsafe {
+        use std::arch::x86_64::{_MM_HINT_T0, _MM_HINT_T1, _mm_prefetch};
+        let address = from.as_ptr().wrapping_add(distance).cast::<i8>();
+        for line in (0..size_of::<N>()).step_by(64) {
+            match soon {
+                true => _mm_prefetch::<_MM_HINT_T0>(address.wrapping_add(line)),
+                false => _mm_prefetch::<_MM_HINT_T1>(address.wrapping_add(line)),
+            }
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (from, distance, soon);
+}
+
+/// What a walk along a line carries from a group to the next, by wave.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Carried<N> {
+    /// What the next face wants to know of the groups behind; see [`Slopes::reach`].
+    known: RiemannInvariants<N>,
+    /// The joint in front of the group behind, as that sees it.
+    joint: InterfaceState<N>,
+}
+
+impl<V: Number> Carried<V> {
+    /// Nothing.
+    pub(crate) fn empty() -> Self {
+        Self {
+            known: RiemannInvariants::ZERO,
+            joint: InterfaceState::riemann_equal_impedance([V::ZERO, V::ZERO]),
+        }
+    }
+
+    #[inline(always)]
+    fn load<T: Real>(from: &Carried<T::Lanes>) -> Self
+    where
+        V: Vector<T>,
+    {
+        Self {
+            known: RiemannInvariants::load(&from.known),
+            joint: InterfaceState::load(&from.joint),
+        }
+    }
+
+    #[inline(always)]
+    fn store<T: Real>(self, to: &mut Carried<T::Lanes>)
+    where
+        V: Vector<T>,
+    {
+        self.known.store(&mut to.known);
+        self.joint.store(&mut to.joint);
+    }
+}
+
+/// Lines that lie side by side, and the part of their path that is to be gone.
+pub(crate) struct Lines<'a, T: Real> {
+    /// By row, field and group.
+    pub(crate) data: &'a mut [T::Lanes],
+    /// Fields of a group.
+    pub(crate) fields: usize,
+    /// From a field of a group to the next one.
+    pub(crate) pitch: usize,
+    pub(crate) table: &'a Table<T>,
+    pub(crate) waves: &'a [Wave],
+    pub(crate) slopes: Slopes,
+    /// Of all groups.
+    pub(crate) patterns: &'a [u32],
+    /// Of all groups: how many that follow along such a line have the same pattern, so far as this number goes. Where a
+    /// line ends at a cut they may be beyond it: what is next there is of the last group's pattern, too.
+    pub(crate) run_lengths: &'a [u8],
+    /// Groups of the first line in the order of the path: all but the first and the last are at hand one after
+    /// the other, while the one before is written and the one after is read. Those of the other lines follow
+    /// each of them.
+    pub(crate) path: &'a [GroupIndex],
+    /// The group of the first line in front of those, or the first of them where there is none.
+    pub(crate) in_front: GroupIndex,
+    /// From a line to the next.
+    pub(crate) across: GroupIndex,
+    /// Whether the path begins with the ghosts in front, where nothing is carried yet. They are written like all
+    /// groups, and must be filled anew for another walk.
+    pub(crate) begins: bool,
+    /// How far behind those at hand fields are called for that the path reads next, so many lines or the next row: rows
+    /// and layers lie too far apart for the processor to guess them.
+    pub(crate) next: usize,
+    /// The same of whatever comes in later, and which of each wave's [`MOST_SHARE`] fields are called for.
+    pub(crate) later: (usize, Range<usize>),
+    /// By line and wave.
+    pub(crate) carried: &'a mut [Carried<T::Lanes>],
+    /// Of lines that are rows: their ends.
+    pub(crate) rows: Option<Rows<'a, T>>,
+}
+
+/// Lines that lie side by side, of one pattern each or `MIXED`: two routines, as loops of the one would cost those of the
+/// other registers.
+struct Advance<'a, 'b, T: Real, const MIXED: bool> {
+    all: &'a mut Lines<'b, T>,
+    lines: Range<usize>,
+    /// That of all lines, unless they are mixed.
+    pattern: u32,
+}
+
+impl<T: Real, const MIXED: bool> Work<T> for Advance<'_, '_, T, MIXED> {
+    /// Loops of their own for all kinds of slopes.
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let Self { all, lines, pattern } = self;
+        match all.slopes {
+            Slopes::Limited => all.advance_lines::<V, MIXED>(lines, pattern, Slopes::Limited),
+            // Constant pieces are those of cells that have no weights.
+            Slopes::Godunov | Slopes::FourthOrder => {
+                all.advance_lines::<V, MIXED>(lines, pattern, Slopes::FourthOrder);
+            }
+        }
+    }
+}
+
+impl<T: Real> Lines<'_, T> {
+    /// Goes the path in such instructions: lines of one pattern together, and together those that go through several.
+    pub(super) fn walk(mut self, instructions: Instructions) {
+        let lines = self.carried.len() / self.waves.len().max(1);
+        // Where there is one, nobody looks: patterns would have to come from the memory, too.
+        let own = |lines: &Self, line: usize| match lines.table.is_of_one_pattern() {
+            true => Some(0),
+            false => lines.own_pattern(line),
+        };
+        let mut start = 0;
+        let mut next = (lines > 0).then(|| own(&self, 0));
+        while let Some(pattern) = next {
+            let mut end = start;
+            while next == Some(pattern) {
+                end += 1;
+                next = (end < lines).then(|| own(&self, end));
+            }
+            let (all, lines) = (&mut self, start..end);
+            match pattern {
+                Some(pattern) => instructions.run(Advance::<T, false> { all, lines, pattern }),
+                None => instructions.run(Advance::<T, true> { all, lines, pattern: 0 }),
+            }
+            start = end;
+        }
+    }
+
+    /// The pattern of a line that has one all the path, ghosts included.
+    fn own_pattern(&self, line: usize) -> Option<u32> {
+        let offset = line * self.across.group;
+        let pattern = |place: usize| self.patterns[self.path[place].group + offset];
+        let own = pattern(0);
+        if self.patterns[self.in_front.group + offset] != own {
+            return None;
+        }
+        // Those at the end may be ghosts, of which `run_lengths` knows nothing.
+        if (1..=GHOSTS).any(|behind| pattern(self.path.len() - behind) != own) {
+            return None;
+        }
+        let mut place = 0;
+        while place + 2 < self.path.len() {
+            if pattern(place + 1) != own {
+                return None;
+            }
+            place += usize::from(self.run_lengths[self.path[place].group + offset]).max(1);
+        }
+        Some(own)
+    }
+
+    /// Lines that lie side by side, of one pattern or each of several.
+    #[inline(always)]
+    fn advance_lines<V: Vector<T>, const MIXED: bool>(
+        &mut self,
+        lines: Range<usize>,
+        pattern: u32,
+        slopes: Slopes,
+    ) {
+        for index in 0..self.waves.len() {
+            if let Some(rows) = &self.rows {
+                rows.fill::<V>(self.data, &self.waves[index], index, lines.clone());
+            }
+            // Loops of their own for all numbers of followers, of which Hooke's law has two at most.
+            let lines = lines.clone();
+            debug_assert!(self.waves[index].followers.len() <= 2);
+            match self.waves[index].followers.len() {
+                0 => self.advance::<V, 0, MIXED>(lines, index, pattern, slopes),
+                1 => self.advance::<V, 1, MIXED>(lines, index, pattern, slopes),
+                _ => self.advance::<V, 2, MIXED>(lines, index, pattern, slopes),
+            }
+        }
+    }
+
+    /// How far behind a group at hand stands the share of fields that a wave calls for, and where that ends.
+    #[inline(always)]
+    fn later_share(&self, index: usize) -> Range<usize> {
+        let (behind, Range { start, end }) = self.later;
+        let first = index * self.fields.div_ceil(self.waves.len());
+        behind + (first + start) * self.pitch..behind + (first + end) * self.pitch
+    }
+
+    /// What the followers of a wave get of its change of stress.
+    #[inline(always)]
+    fn ratios<V: Vector<T>, const FOLLOWERS: usize>(
+        &self,
+        pattern: u32,
+        wave: &Wave,
+    ) -> [V; FOLLOWERS] {
+        // In the instructions at hand, which the closures of an array's making are not compiled for.
+        let mut ratios = [V::ZERO; FOLLOWERS];
+        for (follower, ratio) in ratios.iter_mut().enumerate() {
+            *ratio = V::load(self.table.ratio(pattern, wave, follower));
+        }
+        ratios
+    }
+
+    #[inline(always)]
+    fn read<V: Vector<T>, const FOLLOWERS: usize>(
+        &self,
+        places: &Places<FOLLOWERS>,
+        data: usize,
+    ) -> State<V> {
+        let group = &self.data[data..][..places.extent];
+        State { velocity: V::load(&group[places.velocity]), stress: V::load(&group[places.stress]) }
+    }
+
+    /// A wave on its path along lines, of one pattern or `MIXED`.
+    #[inline(always)]
+    fn advance<V: Vector<T>, const FOLLOWERS: usize, const MIXED: bool>(
+        &mut self,
+        lines: Range<usize>,
+        index: usize,
+        mut pattern: u32,
+        slopes: Slopes,
+    ) {
+        let wave = &self.waves[index];
+        let extent = (self.fields - 1) * self.pitch + 1;
+        let places = Places {
+            velocity: wave.velocity,
+            stress: wave.stress,
+            followers: std::array::from_fn(|index| wave.followers[index]),
+            extent,
+            later: self.later_share(index),
+        };
+        // Once, and not in every group.
+        assert!(places.velocity < extent && places.stress < extent);
+        assert!(places.followers.iter().all(|place| *place < extent));
+        let (path, patterns, steps) = (self.path, self.patterns, self.path.len() - 2);
+        let mut cell: Cell<V> = Cell::load(self.table.cell(pattern, wave));
+        for line in lines {
+            let slot = line * self.waves.len() + index;
+            let offset = GroupIndex { group: 0, data: 0 }.of_line(line, self.across);
+            if !self.begins {
+                prefetch(self.carried, slot + self.next * self.waves.len(), true);
+            }
+            for stop in &path[..2] {
+                let group = &self.data[stop.data + offset.data..][..extent];
+                prefetch(group, self.next + places.velocity, true);
+                prefetch(group, self.next + places.stress, true);
+            }
+            let mut farther = pattern;
+            if MIXED {
+                farther = patterns[self.in_front.group + offset.group];
+                pattern = patterns[path[0].group + offset.group];
+                cell = Cell::load(self.table.cell(pattern, wave));
+            }
+            let last: State<V> = self.read(&places, path[0].data + offset.data);
+            let here: State<V> = self.read(&places, path[1].data + offset.data);
+            let carried = match self.begins {
+                true => Carried::empty(),
+                false => Carried::load(&self.carried[slot]),
+            };
+            let mut sight = StencilState::of([last, here], &cell, carried, slopes);
+            let mut place = 0;
+            loop {
+                let ratios: [V; FOLLOWERS] = self.ratios(pattern, wave);
+                while place < steps
+                    && (!MIXED
+                        || (farther == pattern
+                            && patterns[path[place + 1].group + offset.group] == pattern
+                            && patterns[path[place + 2].group + offset.group] == pattern))
+                {
+                    let stops =
+                        [path[place].data + offset.data, path[place + 2].data + offset.data];
+                    let media = Media::Same(&cell, &ratios);
+                    self.step(&places, &mut sight, stops, media, slopes);
+                    place += 1;
+                }
+                // Nothing of what follows is compiled for lines of one pattern.
+                if !MIXED || place == steps {
+                    break;
+                }
+                let stops = [path[place].data + offset.data, path[place + 2].data + offset.data];
+                let first: Cell<V> = Cell::load(self.table.cell(farther, wave));
+                let (cell_behind, pattern_behind) = (cell, pattern);
+                farther = pattern;
+                pattern = patterns[path[place + 1].group + offset.group];
+                cell = Cell::load(self.table.cell(pattern, wave));
+                let next = patterns[path[place + 2].group + offset.group];
+                let next: Cell<V> = Cell::load(self.table.cell(next, wave));
+                let media =
+                    Media::Other([&first, &cell_behind, &cell, &next], pattern_behind, wave);
+                self.step(&places, &mut sight, stops, media, slopes);
+                place += 1;
+            }
+            if let Some(rows) = &self.rows {
+                rows.clear(self.data, places.velocity, line);
+                rows.clear(self.data, places.stress, line);
+                for place in places.followers {
+                    rows.clear(self.data, place, line);
+                }
+            } else {
+                sight.carried.store(&mut self.carried[slot]);
+            }
+        }
+    }
+
+    /// Writes the group behind the one at hand, and reads the one after it, which then is at hand.
+    #[inline(always)]
+    fn step<V: Vector<T>, const FOLLOWERS: usize>(
+        &mut self,
+        places: &Places<FOLLOWERS>,
+        sight: &mut StencilState<V>,
+        [behind, next]: [usize; 2],
+        media: Media<'_, V, FOLLOWERS>,
+        slopes: Slopes,
+    ) {
+        let &Places { velocity, stress, followers, extent, ref later } = places;
+        let group = &self.data[next..][..extent];
+        prefetch(group, self.next + velocity, true);
+        prefetch(group, self.next + stress, true);
+        let mut place = later.start;
+        while place < later.end {
+            prefetch(group, place, false);
+            place += self.pitch;
+        }
+        let next: State<V> = self.read(places, next);
+        let [cell_behind, cell] = match media {
+            Media::Same(cell, _) => [cell; 2],
+            Media::Other([_, behind, cell, _], ..) => [behind, cell],
+        };
+        let waves = RiemannInvariants::of(next, cell);
+        let StencilState { carried, last, here, own, behind: waves_behind } = *sight;
+        let ahead = slopes.ahead(own, waves);
+        let (reach, known) = match media {
+            Media::Same(..) => slopes.reach(carried.known, own, [waves_behind, ahead], cell),
+            Media::Other(cells, ..) => {
+                slopes.reach_between_media(carried.known, [last, here, next], cells)
+            }
+        };
+        let [joint, beyond] = match media {
+            Media::Same(..) => [InterfaceState::riemann_equal_impedance(reach); 2],
+            Media::Other(..) => {
+                InterfaceState::riemann([cell_behind.impedance, cell.impedance], reach)
+            }
+        };
+        let moved = updated(last, [carried.joint, joint], cell_behind);
+        let group = &mut self.data[behind..][..extent];
+        for place in followers {
+            prefetch(group, self.next + place, true);
+        }
+        moved.velocity.store(&mut group[velocity]);
+        moved.stress.store(&mut group[stress]);
+        if FOLLOWERS > 0 {
+            let change = moved.stress - last.stress;
+            for (follower, place) in followers.into_iter().enumerate() {
+                let ratio = match media {
+                    Media::Same(_, ratios) => ratios[follower],
+                    Media::Other(_, pattern, wave) => {
+                        V::load(self.table.ratio(pattern, wave, follower))
+                    }
+                };
+                (V::load(&group[place]) + ratio * change).store(&mut group[place]);
+            }
+        }
+        let carried = Carried { known, joint: beyond };
+        *sight = match media {
+            Media::Same(..) => {
+                let behind = slopes.behind(own, waves);
+                StencilState { carried, last: here, here: next, own: waves, behind }
+            }
+            Media::Other(..) => StencilState::of([here, next], cell, carried, slopes),
+        };
+    }
+}
+
+/// Materials of the stencil: the current group, the previous and the next one along the line.
+#[derive(Clone, Copy)]
+enum Media<'a, V, const FOLLOWERS: usize> {
+    /// One medium, and the ratios of followers.
+    Same(&'a Cell<V>, &'a [V; FOLLOWERS]),
+    /// Constants of the two previous groups, the current and the next one, which are not all the same material. Coupling ratios are
+    /// loaded on demand from the pattern of the previous group and the wave, to save registers.
+    Other([&'a Cell<V>; 4], u32, &'a Wave),
+}
+
+/// Places of a wave's fields behind those of a group.
+struct Places<const FOLLOWERS: usize> {
+    velocity: usize,
+    stress: usize,
+    followers: [usize; FOLLOWERS],
+    /// All are before this.
+    extent: usize,
+    /// Of those that are called for.
+    later: Range<usize>,
+}
+
+/// What is known of the groups around the one at hand.
+#[derive(Clone, Copy)]
+struct StencilState<V> {
+    carried: Carried<V>,
+    last: State<V>,
+    here: State<V>,
+    /// The waves in the group at hand.
+    own: RiemannInvariants<V>,
+    /// What is looked at of the group behind: see [`Slopes::behind`].
+    behind: RiemannInvariants<V>,
+}
+
+impl<V: Number> StencilState<V> {
+    #[inline(always)]
+    fn of(
+        [last, here]: [State<V>; 2],
+        cell: &Cell<V>,
+        carried: Carried<V>,
+        slopes: Slopes,
+    ) -> Self {
+        let own = RiemannInvariants::of(here, cell);
+        let behind = slopes.behind(RiemannInvariants::of(last, cell), own);
+        Self { carried, last, here, own, behind }
+    }
+}

@@ -1,0 +1,297 @@
+//! What a step does to cells on their own: sources, gravity, rotation, correction; and sums over them.
+
+use super::law::SpinStressRotation;
+use super::layout::Tile;
+use super::plastic::Correct;
+use super::{Domain, MOST_FIELDS, SolverReal};
+use crate::simd::{Group, MOST_LANES, Real, Vector, Work};
+use crate::solid::ledger::Energy;
+use crate::solid::medium::component;
+use models::solid::stress::Stress;
+use models::solid::waves::Field;
+use std::ops::Range;
+
+/// Steps from one time when traces are forgotten to the next: few, so that little decays past the least normal number in
+/// between.
+const FLUSH_INTERVAL: usize = 16;
+
+impl<T: SolverReal, const D: usize> Domain<T, D> {
+    /// Adds so many steps to the integrals in time of some cells.
+    pub(super) fn integrate(&mut self, cells: Range<usize>, steps: f64) {
+        let mut integrals = std::mem::take(&mut self.diagnostics.integrals);
+        for (place, sums) in &mut integrals {
+            for (sum, cell) in sums[cells.clone()].iter_mut().zip(cells.clone()) {
+                *sum += steps * self.step * self.at(cell, *place).wide();
+            }
+        }
+        self.diagnostics.integrals = integrals;
+    }
+
+    /// The stress in a cell without the initial one.
+    pub(super) fn stress(&self, cell: usize) -> Stress {
+        let mut values = [T::ZERO; MOST_FIELDS];
+        for (value, (_, place)) in values.iter_mut().zip(self.places()) {
+            *value = self.at(cell, place);
+        }
+        self.stress_of(&values)
+    }
+
+    /// The stress of a state.
+    pub(super) fn stress_of(&self, values: &[T; MOST_FIELDS]) -> Stress {
+        let mut stress = Stress::default();
+        for (&field, value) in self.fields().iter().zip(values) {
+            let value = value.wide();
+            match field {
+                Field::Stress(i, j) => {
+                    stress.force[i][j] = value;
+                    // One field stands for both in classical solids.
+                    if self.law.rotated.is_empty() {
+                        stress.force[j][i] = value;
+                    }
+                }
+                Field::Couple(k, j) => stress.couple[k][j] = value,
+                Field::Velocity(_) | Field::Spin(_) => {}
+            }
+        }
+        stress
+    }
+
+    /// The initial stress in a cell.
+    pub(super) fn initial_stress(&self, cell: usize) -> Stress {
+        let Some((axis, layers)) = &self.law.initial_stress else { return Stress::default() };
+        let stride: usize = self.grid.cells[..*axis].iter().product();
+        layers[cell / stride % layers.len()]
+    }
+
+    /// The whole stress in a cell, the initial one included.
+    pub fn whole_stress(&self, cell: usize) -> Stress {
+        let cell = cell + self.layout.own_cells().start;
+        combined(&self.stress(cell), &self.initial_stress(cell), 1.0)
+    }
+
+    /// P, or with `reflects` 2P − I, in a half step of the pass.
+    pub(super) fn correct(
+        &mut self,
+        layers: &Range<usize>,
+        tile: &Tile,
+        half: usize,
+        reflects: bool,
+    ) {
+        if self.diagnostics.dissipated.is_empty() {
+            return;
+        }
+        let mut left = std::mem::take(&mut self.buffer.left);
+        for layer in layers.clone() {
+            let (first, groups) = self.layout.groups_of(layer, tile);
+            left.clear();
+            match &self.law.sets {
+                Some(sets) if !reflects && self.law.initial_stress.is_none() => {
+                    let lanes = T::Lanes::COUNT;
+                    let mut sum = 0.0;
+                    self.instructions.run::<T>(Correct {
+                        data: &mut self.data[first..],
+                        patterns: &self.materials.patterns[groups.clone()],
+                        sets,
+                        yields: &self.law.yields,
+                        dissipated: &mut self.diagnostics.dissipated
+                            [groups.start * lanes..groups.end * lanes],
+                        sum: &mut sum,
+                        left: &mut left,
+                    });
+                    self.diagnostics.ledgers[half][layer].plastic += self.grid.volume() * sum;
+                }
+                _ => left.extend(0..groups.len()),
+            }
+            for group in left.iter().map(|index| groups.start + index) {
+                if !self.law.yields[self.materials.patterns[group] as usize] {
+                    continue;
+                }
+                for lane in 0..T::Lanes::COUNT {
+                    if let Some(cell) = self.layout.cell_of(group, lane) {
+                        self.correct_cell(cell, (half, layer), reflects);
+                    }
+                }
+            }
+        }
+        self.buffer.left = left;
+    }
+
+    fn correct_cell(&mut self, cell: usize, (half, layer): (usize, usize), reflects: bool) {
+        let medium = &self.materials.media[usize::from(self.materials.of_cell[cell])];
+        if medium.yields.is_none() {
+            return;
+        }
+        let initial = self.initial_stress(cell);
+        let trial = combined(&self.stress(cell), &initial, 1.0);
+        let corrected = medium.project(&trial);
+        if corrected.stress == trial {
+            return;
+        }
+        let (volume, times) = (self.grid.volume(), if reflects { 2.0 } else { 1.0 });
+        let plastic = combined(&trial, &corrected.stress, -1.0);
+        let energy = |stress: &Stress| medium.stored_energy(stress);
+        // ½|s̄|² − ½|2s − s̄|² = 2(½|s̄|² − ½|s|² − ½|s̄ − s|²).
+        let beyond = if reflects { energy(&plastic) } else { 0.0 };
+        let loss = times * (corrected.energy_lost - beyond);
+        let released = match &self.law.initial_stress {
+            // The product of both in the energy.
+            Some(_) => {
+                let both = combined(&plastic, &initial, 1.0);
+                times * (energy(&both) - energy(&plastic) - energy(&initial))
+            }
+            None => 0.0,
+        };
+        let share = loss / energy(&trial).max(f64::MIN_POSITIVE);
+        debug_assert!(share >= -1e-14, "the correction adds energy: {share:e} of what is there");
+        let ledger = &mut self.diagnostics.ledgers[half][layer];
+        ledger.plastic += volume * loss;
+        ledger.released += volume * released;
+        ledger.least_plastic = ledger.least_plastic.min(share);
+        let lane = self.layout.lane_of::<T>(cell);
+        self.diagnostics.dissipated[lane] += loss;
+        let (fields, pitch) = (self.materials.media[0].fields.len(), self.layout.pitch);
+        for index in 0..fields {
+            let of = |stress: &Stress| component(self.fields()[index], stress);
+            let (Some(own), Some(plastic)) = (of(&corrected.stress), of(&plastic)) else {
+                continue;
+            };
+            let moved = if reflects { own - plastic } else { own };
+            let moved = moved - of(&initial).unwrap_or(0.0);
+            *self.at_mut(cell, index * pitch) = T::of(moved);
+        }
+    }
+
+    /// Spins against antisymmetric stress, over a whole step (0) or a half (1).
+    pub(super) fn rotate(&mut self, layers: &Range<usize>, tile: &Tile, part: usize) {
+        if self.law.rotated.is_empty() {
+            return;
+        }
+        for layer in layers.clone() {
+            let (first, groups) = self.layout.groups_of(layer, tile);
+            self.instructions.run::<T>(Rotate {
+                data: &mut self.data[first..],
+                patterns: &self.materials.patterns[groups],
+                rotations: &self.law.rotations,
+                rotated: &self.law.rotated,
+                part,
+            });
+        }
+    }
+
+    /// With so many steps done, if they are a multiple of [`FLUSH_INTERVAL`], sets to zero what is smaller in size than
+    /// 2⁴⁰ times the least normal number, see [`crate::solid::domain`]. The factor leaves room for products with constants of
+    /// the media.
+    pub(super) fn flush_subnormals(
+        &mut self,
+        layer: usize,
+        rows: &Range<usize>,
+        steps_done: usize,
+    ) {
+        if !steps_done.is_multiple_of(FLUSH_INTERVAL) {
+            return;
+        }
+        let stored = self.layout.stored(layer, rows);
+        let limit = T::of(2.0f64.powi(40) * T::LEAST.wide());
+        self.instructions.run::<T>(FlushSubnormals { data: &mut self.data[stored], limit });
+    }
+
+    /// Energy by own layer across the last axis.
+    pub(crate) fn energies(&self) -> Vec<Energy> {
+        let mut energies = vec![Energy::default(); self.diagnostics.totals.len()];
+        self.instructions.run::<T>(Energies { domain: self, energies: &mut energies });
+        energies
+    }
+}
+
+/// a + factor·b.
+pub(super) fn combined(a: &Stress, b: &Stress, factor: f64) -> Stress {
+    let part = |a: [[f64; 3]; 3], b: [[f64; 3]; 3]| -> [[f64; 3]; 3] {
+        std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + factor * b[i][j]))
+    };
+    Stress { force: part(a.force, b.force), couple: part(a.couple, b.couple) }
+}
+
+/// Q on groups that follow each other in a row.
+struct Rotate<'a, T: Real> {
+    /// From the first of the groups on.
+    data: &'a mut [T::Lanes],
+    patterns: &'a [u32],
+    rotations: &'a [[SpinStressRotation<T::Lanes>; 2]],
+    rotated: &'a [[usize; 3]],
+    part: usize,
+}
+
+impl<T: Real> Work<T> for Rotate<'_, T> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        for (index, &pattern) in self.patterns.iter().enumerate() {
+            let group = &mut self.data[index..];
+            let [cos, ratio_sin, sin_over_ratio] = &self.rotations[pattern as usize][self.part];
+            let (cos, ratio_sin) = (V::load(cos), V::load(ratio_sin));
+            let sin_over_ratio = V::load(sin_over_ratio);
+            for &[spin, first, second] in self.rotated {
+                let omega = V::load(&group[spin]);
+                let (a, b) = (V::load(&group[first]), V::load(&group[second]));
+                let half = V::HALF * (a - b);
+                let turned = half * cos + ratio_sin * omega - half;
+                (omega * cos - half * sin_over_ratio).store(&mut group[spin]);
+                (a + turned).store(&mut group[first]);
+                (b - turned).store(&mut group[second]);
+            }
+        }
+    }
+}
+
+/// Zeros in the place of traces.
+struct FlushSubnormals<'a, T: Real> {
+    data: &'a mut [T::Lanes],
+    limit: T,
+}
+
+impl<T: Real> Work<T> for FlushSubnormals<'_, T> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let limit = <V as Vector<T>>::all(self.limit);
+        for group in self.data {
+            V::load(group).unless_below(limit).store(group);
+        }
+    }
+}
+
+/// The energy of layers.
+struct Energies<'a, T: SolverReal, const D: usize> {
+    domain: &'a Domain<T, D>,
+    energies: &'a mut [Energy],
+}
+
+impl<T: SolverReal, const D: usize> Work<T> for Energies<'_, T, D> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let Domain { layout, materials, data, .. } = self.domain;
+        let (terms, patterns) = (&materials.energy_terms, &materials.patterns);
+        let (rows, groups) = (layout.rows, layout.groups);
+        let volume = self.domain.grid.volume();
+        for (energy, layer) in self.energies.iter_mut().zip(layout.own_layers()) {
+            // Sums of each lane on its own, in numbers of twice the digits where there are such.
+            let mut sums = [[0.0f64; MOST_LANES]; 2];
+            let rows = layer * rows..(layer + 1) * rows;
+            for (row, group) in rows.flat_map(|row| (0..groups).map(move |group| (row, group))) {
+                let index = layout.index(row, group);
+                let factors = &terms.factors[patterns[index.group] as usize];
+                let group = &data[index.data..];
+                for (term, (&[one, other], factor)) in terms.places.iter().zip(factors).enumerate()
+                {
+                    let sums = &mut sums[usize::from(term >= terms.kinetic)];
+                    let lanes = factor.lanes().iter().zip(group[one].lanes());
+                    for (sum, ((factor, one), other)) in
+                        sums.iter_mut().zip(lanes.zip(group[other].lanes()))
+                    {
+                        *sum += factor.wide() * one.wide() * other.wide();
+                    }
+                }
+            }
+            let [kinetic, stored] = sums.map(|lanes| volume * lanes.iter().sum::<f64>());
+            *energy = Energy { kinetic, stored };
+        }
+    }
+}

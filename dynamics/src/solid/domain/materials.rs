@@ -1,0 +1,264 @@
+//! Materials by lane: which medium each cell has, and the constants of waves and energy that follow from it.
+
+use super::layout::{Layout, groups};
+use super::schedule::CHUNK;
+use super::table::{Table, Wave};
+use crate::simd::{Group, Real};
+use crate::solid::boundary::Boundary;
+use crate::solid::cell::Cell;
+use crate::solid::ghosts::GhostCoefficients;
+use crate::solid::medium::{Medium, energy_terms};
+use crate::solid::problem::Problem;
+use crate::solid::reconstruction::{GHOSTS, Slopes};
+use models::solid::waves::Field;
+use std::collections::{BTreeMap, HashMap};
+
+/// Terms of the energy density: places of two fields, by pattern a coefficient. Kinetic terms stand first.
+#[derive(Clone)]
+pub(super) struct EnergyTerms<T: Real> {
+    pub(super) places: Vec<[usize; 2]>,
+    pub(super) kinetic: usize,
+    /// By pattern and term.
+    pub(super) factors: Vec<Vec<T::Lanes>>,
+}
+
+/// Media of the cells, those of the halo included, and their constants by lane pattern.
+#[derive(Clone)]
+pub(super) struct Materials<T: Real, const D: usize> {
+    pub(super) media: Vec<Medium>,
+    /// By cell.
+    pub(super) of_cell: Vec<u16>,
+    /// By axis.
+    pub(super) waves: [Vec<Wave>; D],
+    /// Along the first axis by a quarter of a step, where sweeps alternate; else none.
+    pub(super) quarter_waves: Vec<Wave>,
+    pub(super) table: Table<T>,
+    pub(super) energy_terms: EnergyTerms<T>,
+    /// By group: those of the rows, and ghosts beyond the ends of the lines that are swept.
+    pub(super) patterns: Vec<u32>,
+    /// By axis and group: how many groups that follow along the axis have the same pattern, so far as this number
+    /// goes; empty where there is one pattern.
+    pub(super) run_lengths: [Vec<u8>; D],
+    /// Of the ghosts of each row: in front of it and behind, the nearest first; empty where there is one pattern.
+    pub(super) row_patterns: Vec<[u32; 2 * GHOSTS]>,
+}
+
+/// Media in the lanes of a group; numbered in the order of their first use.
+#[derive(Default)]
+struct Patterns {
+    known: HashMap<Vec<u16>, u32>,
+    all: Vec<Vec<u16>>,
+}
+
+impl Patterns {
+    fn number(&mut self, lanes: Vec<u16>) -> u32 {
+        let (all, next) = (&mut self.all, self.known.len() as u32);
+        *self.known.entry(lanes).or_insert_with_key(|lanes| {
+            all.push(lanes.clone());
+            next
+        })
+    }
+
+    /// Patterns of the groups of a row, and of the ghosts in front of it and behind.
+    fn row<T: Real>(&mut self, media: &[u16], is_periodic: bool) -> (Vec<u32>, [u32; 2 * GHOSTS]) {
+        let (lanes, length, groups) =
+            (T::Lanes::COUNT as isize, media.len(), groups::<T>(media.len()) as isize);
+        // Mirror images, or what comes round. In lanes that are neither cells nor ghosts stands any medium.
+        let at = |x: isize| {
+            let inside = usize::try_from(x).ok().and_then(|x| media.get(x));
+            let beyond =
+                if x < 0 { (-1 - x) as usize } else { x as usize - length.min(x as usize) };
+            let depth = beyond % length;
+            let own = if (x < 0) == is_periodic { length - 1 - depth } else { depth };
+            inside.copied().unwrap_or(media[own])
+        };
+        let mut group =
+            |place: isize| self.number((0..lanes).map(|lane| at(lane * groups + place)).collect());
+        let own = (0..groups).map(&mut group).collect();
+        (own, [-1, -2, groups, groups + 1].map(group))
+    }
+}
+
+/// The place of a value in a list, which has each one once.
+fn number<N: PartialEq>(all: &mut Vec<N>, value: N) -> usize {
+    all.iter().position(|own| *own == value).unwrap_or_else(|| {
+        all.push(value);
+        all.len() - 1
+    })
+}
+
+/// By group, how many behind it along lines of so many groups have the same pattern, or 255 of these; then
+/// zeros for ghosts.
+fn run_lengths(patterns: &[u32], stride: usize, count: usize, ghosts: usize) -> Vec<u8> {
+    let mut lengths = vec![0_u8; patterns.len() + ghosts];
+    for group in (0..patterns.len()).rev() {
+        if group / stride % count + 1 < count && patterns[group] == patterns[group + stride] {
+            lengths[group] = lengths[group + stride].saturating_add(1);
+        }
+    }
+    lengths
+}
+
+/// Constants of waves by medium, those that several waves share once.
+struct WaveConstants<'a, T: Real, const D: usize> {
+    problem: &'a Problem<D>,
+    pitch: usize,
+    cells: Vec<Vec<Cell<T>>>,
+    ratios: Vec<Vec<f64>>,
+}
+
+impl<T: Real, const D: usize> WaveConstants<'_, T, D> {
+    /// A pair of waves along an axis, swept by a share of the time step.
+    fn wave(&mut self, axis: usize, pair: usize, share: f64) -> Wave {
+        let Problem { media, grid, scheme, step, .. } = self.problem;
+        let fields = &media[0].fields;
+        let index = |field: Field| fields.iter().position(|own| *own == field);
+        let place = |field: Field| index(field).map_or(0, |index| index * self.pitch);
+        // What follows in any medium, in the others by a ratio of zero.
+        let all = media.iter().flat_map(|medium| &medium.pairs[axis][pair].followers);
+        let mut followers: Vec<usize> = all.filter_map(|(field, _)| index(*field)).collect();
+        followers.sort_unstable();
+        followers.dedup();
+        let cell = |medium: &Medium| {
+            let own = &medium.pairs[axis][pair];
+            let courant = own.speed() * (share * step / grid.spacing[axis]);
+            let (impedance, courant) = (own.impedance(), courant.min(1.0));
+            match (scheme.slopes, media.len()) {
+                (Slopes::Godunov, _) => Cell::constant(impedance, courant),
+                (Slopes::FourthOrder, 2..) => Cell::among_others(impedance, courant),
+                _ => Cell::new(impedance, courant),
+            }
+        };
+        let cells: Vec<Cell<T>> = media.iter().map(cell).collect();
+        let ratio = |medium: &Medium, index: usize| {
+            let mut own = medium.pairs[axis][pair].followers.iter();
+            own.find(|own| own.0 == fields[index]).map_or(0.0, |own| own.1)
+        };
+        let ratios_of = |&index: &usize| media.iter().map(|own| ratio(own, index)).collect();
+        let ratios: Vec<Vec<f64>> = followers.iter().map(ratios_of).collect();
+        let own = &media[0].pairs[axis][pair];
+        Wave {
+            velocity: place(own.velocity),
+            stress: place(own.stress),
+            constants: number(&mut self.cells, cells),
+            ratios: ratios.into_iter().map(|ratio| number(&mut self.ratios, ratio)).collect(),
+            followers: followers.into_iter().map(|index| index * self.pitch).collect(),
+        }
+    }
+
+    /// The constants of all patterns.
+    fn table(&self, patterns: &[Vec<u16>]) -> Table<T> {
+        let mut table = Table {
+            waves: self.cells.len(),
+            followers: self.ratios.len(),
+            cells: Vec::with_capacity(patterns.len() * self.cells.len()),
+            ratios: Vec::with_capacity(patterns.len() * self.ratios.len()),
+            ghost_coefficients: Vec::new(),
+        };
+        for pattern in patterns {
+            table.cells.extend(self.cells.iter().map(|cells| {
+                let own = |value: fn(&Cell<T>) -> T| {
+                    T::Lanes::by_lane(|lane| value(&cells[usize::from(pattern[lane])]))
+                };
+                Cell {
+                    impedance: own(|cell| cell.impedance),
+                    half_courant: own(|cell| cell.half_courant),
+                    to_velocity: own(|cell| cell.to_velocity),
+                    mean_slope: own(|cell| cell.mean_slope),
+                    steepest: own(|cell| cell.steepest),
+                    upwind: own(|cell| cell.upwind),
+                    central: own(|cell| cell.central),
+                    downwind: own(|cell| cell.downwind),
+                }
+            }));
+            let lanes = |ratio: &Vec<f64>| {
+                T::Lanes::by_lane(|lane| T::of(ratio[usize::from(pattern[lane])]))
+            };
+            table.ratios.extend(self.ratios.iter().map(lanes));
+        }
+        if table.is_of_one_pattern() {
+            table.ghost_coefficients = table.cells.iter().map(GhostCoefficients::new).collect();
+        }
+        table
+    }
+}
+
+impl<T: Real, const D: usize> Materials<T, D> {
+    /// Those of the cells of a part of a problem, and the media in the lanes of each pattern.
+    pub(super) fn new(
+        problem: &Problem<D>,
+        of_cell: Vec<u16>,
+        layout: &Layout<D>,
+    ) -> (Self, Vec<Vec<u16>>) {
+        let media = problem.media.clone();
+        let mut constants =
+            WaveConstants { problem, pitch: layout.pitch, cells: Vec::new(), ratios: Vec::new() };
+        let waves: [Vec<Wave>; D] = std::array::from_fn(|axis| {
+            (0..media[0].pairs[axis].len()).map(|pair| constants.wave(axis, pair, 0.5)).collect()
+        });
+        let pairs = (0..media[0].pairs[0].len()).filter(|_| problem.scheme.alternates());
+        let quarter_waves = pairs.map(|pair| constants.wave(0, pair, 0.25)).collect();
+
+        let mut known = Patterns::default();
+        let is_periodic = problem.boundaries[0][0] == Boundary::Periodic;
+        let rows: Vec<_> =
+            of_cell.chunks(layout.cells[0]).map(|row| known.row::<T>(row, is_periodic)).collect();
+        let mut patterns: Vec<u32> = rows.iter().flat_map(|row| row.0.iter().copied()).collect();
+        // From a group to the next one, and groups of a line.
+        let lines: [[usize; 2]; D] = std::array::from_fn(|axis| match axis {
+            0 => [1, layout.groups],
+            _ if axis + 1 == D => [layout.layer_groups(), layout.layers()],
+            _ => [layout.groups, layout.cells[axis]],
+        });
+        let ghosts = 2 * GHOSTS * CHUNK * layout.groups;
+        let is_one = known.all.len() == 1;
+        let run_lengths = lines.map(|[stride, count]| match is_one {
+            true => Vec::new(),
+            false => run_lengths(&patterns, stride, count, ghosts),
+        });
+        patterns.extend(vec![0; ghosts]);
+        let row_patterns = if is_one { Vec::new() } else { rows.iter().map(|row| row.1).collect() };
+        let materials = Self {
+            of_cell,
+            waves,
+            quarter_waves,
+            table: constants.table(&known.all),
+            energy_terms: EnergyTerms::new(&media, &known.all, layout.pitch),
+            patterns,
+            run_lengths,
+            row_patterns,
+            media,
+        };
+        (materials, known.all)
+    }
+
+    /// The medium of a cell among all.
+    #[inline(always)]
+    pub(super) fn of(&self, cell: usize) -> &Medium {
+        &self.media[usize::from(self.of_cell[cell])]
+    }
+}
+
+impl<T: Real> EnergyTerms<T> {
+    fn new(media: &[Medium], patterns: &[Vec<u16>], pitch: usize) -> Self {
+        // Coefficients by term; kinetic terms in front, since velocities and spins are.
+        let mut terms: BTreeMap<[usize; 2], Vec<f64>> = BTreeMap::new();
+        for (index, medium) in media.iter().enumerate() {
+            for (one, other, factor) in energy_terms(medium) {
+                let term = terms.entry([one, other]).or_insert_with(|| vec![0.0; media.len()]);
+                term[index] = factor;
+            }
+        }
+        let is_kinetic = |indices: &[usize; 2]| media[0].inertia(media[0].fields[indices[0]]) > 0.0;
+        let factors = patterns.iter().map(|pattern| {
+            let of =
+                |term: &Vec<f64>| T::Lanes::by_lane(|lane| T::of(term[usize::from(pattern[lane])]));
+            terms.values().map(of).collect()
+        });
+        Self {
+            kinetic: terms.keys().filter(|indices| is_kinetic(indices)).count(),
+            factors: factors.collect(),
+            places: terms.keys().map(|indices| indices.map(|index| index * pitch)).collect(),
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! The fused solver: fields on a rectangular grid, and their time step.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `step` | **the recipe of a step**: the order of sweeps, sources, rotation, return mapping |
+//! | `schedule` | wavefront tiling: which rows and layers go through which stage when |
+//! | `layout` | where cells and fields stand in memory |
+//! | `materials`, `table` | media by lane pattern, constants of waves and energy |
+//! | `kernel`, `rows`, `fill` | a sweep of many lines in SIMD lanes; ghosts at the ends of rows and lines |
+//! | `sweep` | which lines a sweep takes, and the work at boundaries |
+//! | `law`, `local`, `plastic` | what acts in cells between sweeps: rotation, yield sets, subnormals |
+//! | `sources`, `boundaries` | what acts inside and at the ends |
+//! | `halo` | exchange with the parts beyond a cut |
+//! | `complete`, `output`, `diagnostics` | fields at the time of the domain, records, ledger |
+//! | `build` | a domain made of a [`Problem`] |
+//!
+//! The formulas of a sweep are those of [`crate::solid::line`], which applies them one line at a time; here they run over
+//! many lines at once. The bits of the fields are the same, for any tiling, number of parts and instruction set. With
+//! [`Detail::Full`](crate::solid::problem::Detail::Full) all layers are loaded together, sweeps run line by line and keep the
+//! account of the scheme's own dissipation.
+//!
+//! Fields are the deviation from an initial stress in equilibrium: it moves nothing, and yield conditions see the sum.
+//!
+//! Every 16 steps values below 2⁴⁰ times the least normal number (in single precision 1.3·10⁻²⁶) are flushed to zero,
+//! since subnormal arithmetic is slow on many processors and tails of waves would be full of it. The energy removed is
+//! not in the ledger.
+//!
+//! Where a domain is cut, or periodic, along the last axis, it has a halo of [`HALO`](crate::solid::line::HALO) layers for
+//! each step of a pass. They are filled in the pass with the outermost layers beyond the cut after the first sweeps
+//! within layers, which so are done once: those in front before the first layers are loaded, those behind before the last
+//! ones are. Their content after a pass does not matter.
+
+mod boundaries;
+mod build;
+mod complete;
+mod diagnostics;
+mod fill;
+mod halo;
+mod kernel;
+mod law;
+mod layout;
+mod local;
+mod materials;
+mod memory;
+mod output;
+mod plastic;
+mod rows;
+mod schedule;
+mod solver_real;
+mod sources;
+mod step;
+mod sweep;
+mod table;
+
+pub(crate) use halo::Halo;
+pub use layout::memory;
+pub(crate) use schedule::most_steps;
+pub use solver_real::SolverReal;
+
+use crate::simd::{Group, Instructions, Number};
+use crate::solid::ledger::{Energy, Ledger, Total};
+use crate::solid::problem::{DomainError, Grid, Problem, Scheme};
+use boundaries::Boundaries;
+use diagnostics::Diagnostics;
+use law::LocalLaws;
+use layout::Layout;
+use materials::Materials;
+use memory::Buffer;
+use models::solid::waves::Field;
+use schedule::Schedule;
+use sources::Sources;
+
+/// Fields at most: three velocities, three spins and nine stresses and couple stresses each.
+const MOST_FIELDS: usize = 24;
+
+/// Fields and what moves them.
+#[derive(Clone)]
+pub struct Domain<T: SolverReal, const D: usize> {
+    grid: Grid<D>,
+    /// Δt, s.
+    step: f64,
+    scheme: Scheme,
+    instructions: Instructions,
+    layout: Layout<D>,
+    schedule: Schedule,
+    materials: Materials<T, D>,
+    boundary: Boundaries<T, D>,
+    sources: Sources<D>,
+    law: LocalLaws<T>,
+    /// By row, field and group, behind them ghosts of the lines that are swept.
+    data: Vec<T::Lanes>,
+    diagnostics: Diagnostics,
+    buffer: Buffer<T>,
+}
+
+impl<T: SolverReal, const D: usize> Domain<T, D> {
+    /// A domain at rest.
+    ///
+    /// # Errors
+    /// See [`DomainError`].
+    pub fn new(problem: &Problem<D>) -> Result<Self, DomainError> {
+        problem.check()?;
+        Ok(Self::slab(problem, 0..problem.grid.cells[D - 1], [false; 2], 1))
+    }
+
+    /// Uses other instructions than the best; results do not depend on them.
+    pub fn set_instructions(&mut self, instructions: Instructions) {
+        self.instructions = instructions;
+    }
+
+    /// The components of the state.
+    pub fn fields(&self) -> &[Field] {
+        &self.materials.media[0].fields
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> Grid<D> {
+        self.grid
+    }
+
+    /// Time, s.
+    pub fn time(&self) -> f64 {
+        self.schedule.steps as f64 * self.step
+    }
+
+    /// The values of a field, the first axis running fastest; `None` if there is no such field.
+    pub fn values(&self, field: Field) -> Option<Vec<T>> {
+        let place = self.place(field)?;
+        Some(self.layout.own_cells().map(|cell| self.at(cell, place)).collect())
+    }
+
+    /// Sets the values of a field, the first axis running fastest; of those beyond the end of either
+    /// nothing happens.
+    pub fn set(&mut self, field: Field, values: &[T]) {
+        let Some(place) = self.place(field) else { return };
+        for (cell, &value) in self.layout.own_cells().zip(values) {
+            *self.at_mut(cell, place) = value;
+        }
+    }
+
+    /// Sets everything to zero, what is no cell included.
+    pub(crate) fn clear(&mut self) {
+        self.data.fill(T::Lanes::ZERO);
+    }
+
+    /// The value of a field in a cell; `None` if there is no such field or cell.
+    pub fn value(&self, field: Field, cell: usize) -> Option<T> {
+        let cell = self.layout.own_cells().nth(cell)?;
+        self.place(field).map(|place| self.at(cell, place))
+    }
+
+    /// The first value that is not finite: its field and its cell.
+    pub fn first_non_finite(&self) -> Option<(Field, usize)> {
+        let is_broken = |cell: &usize| {
+            self.places().find(|(_, place)| !self.at(*cell, *place).wide().is_finite())
+        };
+        let cell = self.layout.own_cells().find(|cell| is_broken(cell).is_some())?;
+        is_broken(&cell).map(|(field, _)| (field, cell - self.layout.own_cells().start))
+    }
+
+    /// All fields, and their places in a row.
+    fn places(&self) -> impl Iterator<Item = (Field, usize)> {
+        self.fields().iter().copied().zip((0..).step_by(self.layout.pitch))
+    }
+
+    fn place(&self, field: Field) -> Option<usize> {
+        self.places().find(|own| own.0 == field).map(|own| own.1)
+    }
+
+    #[inline(always)]
+    fn at(&self, cell: usize, place: usize) -> T {
+        let (index, lane) = self.layout.slot(cell);
+        self.data[index.data + place].lanes()[lane]
+    }
+
+    #[inline(always)]
+    fn at_mut(&mut self, cell: usize, place: usize) -> &mut T {
+        let (index, lane) = self.layout.slot(cell);
+        &mut self.data[index.data + place].lanes_mut()[lane]
+    }
+
+    /// What steps did to the energy so far.
+    pub fn ledger(&self) -> Ledger {
+        Total::sum(&self.diagnostics.totals)
+    }
+
+    /// The same by layer across the last axis.
+    pub(crate) fn totals(&self) -> &[Total] {
+        &self.diagnostics.totals
+    }
+
+    /// Takes over steps done and totals by layer, as after so many steps.
+    pub(crate) fn restore_totals(&mut self, steps: usize, totals: impl Iterator<Item = Total>) {
+        self.schedule.steps = steps;
+        for (own, total) in self.diagnostics.totals.iter_mut().zip(totals) {
+            *own = total;
+        }
+    }
+
+    /// Steps of a pass at most.
+    pub(crate) fn most_steps(&self) -> usize {
+        self.schedule.most_steps
+    }
+
+    /// Steps done.
+    pub(crate) fn steps(&self) -> usize {
+        self.schedule.steps
+    }
+
+    /// Energy of the deviation from the initial stress.
+    pub fn energy(&self) -> Energy {
+        Energy::sum(&self.energies())
+    }
+}

@@ -1,0 +1,130 @@
+//! What a domain gives to the outside: fields of cells at the time of the domain, records of watched cells, sums.
+
+use super::complete::ClosingBoundaries;
+use super::local::combined;
+use super::{Domain, SolverReal};
+
+use crate::solid::ledger::Ledger;
+use crate::solid::medium::{Medium, component};
+use std::ops::Range;
+
+impl<T: SolverReal, const D: usize> Domain<T, D> {
+    /// The integrals in time of the problem in a cell, m or rad.
+    pub(crate) fn integrals(&self, cell: usize) -> impl Iterator<Item = f64> {
+        // Of the trapezoidal rule; where sweeps alternate the rule is that of midpoints.
+        let last = if self.scheme.alternates() { 0.0 } else { 0.5 * self.step };
+        let is_under_way = self.schedule.steps > 0;
+        let cell = cell + self.layout.own_cells().start;
+        self.diagnostics.integrals.iter().map(move |(place, sums)| match is_under_way {
+            true => sums[cell] - last * self.at(cell, *place).wide(),
+            false => 0.0,
+        })
+    }
+
+    /// How many sums steps add up by cell, besides the dissipation.
+    pub(crate) fn integral_count(&self) -> usize {
+        self.diagnostics.integrals.len()
+    }
+
+    /// What steps added up by cell: dissipation, where anything yields, and the sums of integrals.
+    pub(crate) fn sums(&self) -> Vec<Vec<f64>> {
+        let own = self.layout.own_cells();
+        let is_plastic = !self.diagnostics.dissipated.is_empty();
+        let cells = own.clone().filter(|_| is_plastic);
+        let dissipated =
+            cells.map(|cell| self.diagnostics.dissipated[self.layout.lane_of::<T>(cell)]).collect();
+        let integrals =
+            self.diagnostics.integrals.iter().map(|(_, sums)| sums[own.clone()].to_vec());
+        std::iter::once(dissipated).chain(integrals).collect()
+    }
+
+    /// Takes over such sums from the place of the first own cell on.
+    pub(crate) fn set_sums(&mut self, sums: &[Vec<f64>], first: usize) {
+        let Some((dissipated, integrals)) = sums.split_first() else { return };
+        let own = self.layout.own_cells();
+        for (cell, &sum) in own.clone().zip(dissipated.get(first..).unwrap_or(&[])) {
+            let lane = self.layout.lane_of::<T>(cell);
+            self.diagnostics.dissipated[lane] = sum;
+        }
+        for ((_, own_sums), all) in self.diagnostics.integrals.iter_mut().zip(integrals) {
+            own_sums[own.clone()].copy_from_slice(&all[first..first + own.len()]);
+        }
+    }
+
+    /// The domain with its stresses in their yield sets: what is shown of it.
+    #[must_use]
+    pub fn admissible(&self) -> Self {
+        let mut shown = self.clone();
+        for row in 0..self.layout.rows {
+            let tile = self.layout.whole_row(row);
+            shown.correct(&(0..self.layout.layers()), &tile, 1, false);
+        }
+        shown.diagnostics.ledgers.iter_mut().for_each(|half| half.fill(Ledger::default()));
+        shown.diagnostics.dissipated.clone_from(&self.diagnostics.dissipated);
+        shown
+    }
+
+    /// The first cell whose stress is not in its yield set.
+    pub(crate) fn first_beyond_yield(&self) -> Option<usize> {
+        (0..self.grid.count()).find(|&cell| {
+            let stress = self.whole_stress(cell);
+            self.medium(cell).project(&stress).stress != stress
+        })
+    }
+
+    /// Records own cells, in their order, after each step from now on.
+    pub(crate) fn watch(&mut self, cells: impl Iterator<Item = usize>) {
+        self.diagnostics.watched = cells.collect();
+    }
+
+    /// Records what is watched in layers that have come through a step of the pass.
+    pub(super) fn record(&mut self, layers: Range<usize>, step: usize) {
+        let mut records = std::mem::take(&mut self.diagnostics.records[step]);
+        let first = self.layout.own_cells().start;
+        let [from, to] = [layers.start, layers.end].map(|layer| {
+            self.diagnostics
+                .watched
+                .partition_point(|cell| first + cell < layer * self.layout.layer_cells())
+        });
+        let sides = self.boundary.closing.get(step);
+        for &cell in &self.diagnostics.watched[from..to] {
+            self.output_cell_between(cell, sides, &mut records);
+        }
+        self.diagnostics.records[step] = records;
+    }
+
+    /// Appends what the pass recorded, by step and then by cell, and forgets it.
+    pub(crate) fn drain_records(&mut self, records: &mut Vec<f64>) {
+        self.diagnostics.records.iter_mut().for_each(|step| records.append(step));
+    }
+
+    /// Appends all fields of a cell as they are shown: the whole stress, the initial one included, in its
+    /// yield set. Behind them the integrals of the problem.
+    pub fn output_cell(&self, cell: usize, values: &mut Vec<f64>) {
+        self.output_cell_between(cell, self.closing_boundaries().as_ref(), values);
+    }
+
+    /// The same with the sides that [`Self::closing_boundaries`] gives, for many cells.
+    pub(crate) fn output_cell_between(
+        &self,
+        cell: usize,
+        sides: Option<&ClosingBoundaries<T>>,
+        values: &mut Vec<f64>,
+    ) {
+        let own = self.completed(cell + self.layout.own_cells().start, sides);
+        let stress = self.stress_of(&own);
+        let whole =
+            combined(&stress, &self.initial_stress(cell + self.layout.own_cells().start), 1.0);
+        let stress = self.medium(cell).project(&whole).stress;
+        for (&field, value) in self.fields().iter().zip(own) {
+            values.push(component(field, &stress).unwrap_or_else(|| value.wide()));
+        }
+        values.extend(self.integrals(cell));
+    }
+
+    /// The medium of an own cell.
+    fn medium(&self, cell: usize) -> &Medium {
+        &self.materials.media
+            [usize::from(self.materials.of_cell[cell + self.layout.own_cells().start])]
+    }
+}

@@ -1,0 +1,474 @@
+//! The correction of stresses beyond their yield set, many at once: Mises' set in all its forms, and what
+//! it costs. Its terms are those of [`Mises::project`](models::yield_set::parameters::Mises::project),
+//! where they are derived; what is rare, the apex and the half-line before it, is left to that. Of the other
+//! sets all conditions are looked at together, and what is beyond one is corrected alone. So is everything
+//! where there is an initial stress, a reflection instead of the projection, or sets of both kinds.
+//!
+//! A stress just on the surface may move by rounding if one in another lane of its group yields.
+
+use crate::simd::{Group, MOST_LANES, Number, Real, Vector, Work};
+use crate::solid::medium::{Medium, component};
+use models::solid::parameters::Isotropic;
+use models::solid::waves::Field;
+use models::yield_set::parameters::{ActiveCondition, Mises};
+use models::yield_set::return_mapping::{PARTS, multiplier_per_shear};
+
+/// Yield sets by pattern.
+#[derive(Clone)]
+pub(super) enum Sets<T: Real> {
+    Mises(Strengths<T>),
+    /// Conditions of interlayer sets: what is within all of them is left alone, what is not is corrected
+    /// one by one.
+    HalfSpaces(Vec<Vec<HalfSpace<T::Lanes>>>),
+}
+
+/// n·s ≤ k in lanes.
+#[derive(Clone)]
+pub(super) struct HalfSpace<N> {
+    /// Places of stresses and components of n.
+    normal: Vec<(usize, N)>,
+    strength: N,
+}
+
+/// Mises' sets by pattern.
+#[derive(Clone)]
+pub(super) struct Strengths<T: Real> {
+    force: Matrix,
+    couple: Matrix,
+    /// Parts that any condition sees.
+    seen: [bool; PARTS],
+    by_pattern: Vec<Strength<T::Lanes>>,
+}
+
+/// Places of the components of a stress.
+#[derive(Clone, Default)]
+struct Matrix {
+    normal: Option<[usize; 3]>,
+    /// Components that mirror each other; the same twice where one stands for both.
+    pairs: Vec<[usize; 2]>,
+}
+
+impl Matrix {
+    fn new(fields: &[Field], pitch: usize, of: fn(usize, usize) -> Field) -> Self {
+        let index = |i: usize, j: usize| fields.iter().position(|own| *own == of(i, j));
+        let place = |i: usize, j: usize| Some(index(i, j)? * pitch);
+        let normal = [place(0, 0), place(1, 1), place(2, 2)];
+        let pairs = [[0, 1], [0, 2], [1, 2]].into_iter().filter_map(|[i, j]| {
+            let [one, other] = [place(i, j), place(j, i)];
+            Some([one.or(other)?, other.or(one)?])
+        });
+        Self {
+            normal: match normal {
+                [Some(a), Some(b), Some(c)] => Some([a, b, c]),
+                _ => None,
+            },
+            pairs: pairs.collect(),
+        }
+    }
+}
+
+/// A yield set in lanes.
+#[derive(Clone, Copy)]
+struct Strength<N> {
+    /// k; so great that nothing comes near it in lanes that do not yield.
+    strength: N,
+    /// κ.
+    friction: N,
+    /// κK, by which the mean falls per multiplier.
+    shift: N,
+    /// a = 2κ²K.
+    a: N,
+    /// Of the force deviator alone: 2/(a + D), the multiplier per excess of τ̄, and half its rate D.
+    softness: N,
+    half_rate: N,
+    /// Weights p, rates Dp and compliances 1/D of the parts.
+    weights: [N; PARTS],
+    rates: [N; PARTS],
+    compliances: [N; PARTS],
+}
+
+impl Strength<f64> {
+    /// That of a medium which does not yield.
+    fn none(strength: f64) -> Self {
+        let mut rates = [0.0; PARTS];
+        // Any but zero.
+        rates[0] = 1.0;
+        let [weights, compliances] = [[0.0; PARTS]; 2];
+        let [friction, shift, a, half_rate] = [0.0; 4];
+        let softness = 1.0;
+        Self { strength, friction, shift, a, softness, half_rate, weights, rates, compliances }
+    }
+
+    fn new(set: &Mises, solid: &Isotropic) -> Self {
+        let bulk = solid.lambda + 2.0 / 3.0 * solid.mu;
+        let Mises { friction, strength, .. } = *set;
+        let [shift, a] = [friction * bulk, 2.0 * friction * friction * bulk];
+        // Parts without weight or stiffness are left alone.
+        let parts = set
+            .parts(solid)
+            .map(|part| if part[0] > 0.0 && part[1] > 0.0 { part } else { [0.0; 2] });
+        Self {
+            strength,
+            friction,
+            shift,
+            a,
+            softness: 2.0 / (a + parts[0][0] * parts[0][1]),
+            half_rate: 0.5 * parts[0][0] * parts[0][1],
+            weights: parts.map(|[weight, _]| weight),
+            rates: parts.map(|[weight, stiffness]| weight * stiffness),
+            compliances: parts.map(|[weight, stiffness]| match weight > 0.0 {
+                true => 1.0 / stiffness,
+                false => 0.0,
+            }),
+        }
+    }
+}
+
+/// Far beyond any stress, with room for products.
+fn boundless<T: Real>() -> f64 {
+    if size_of::<T>() == 4 { 1e15 } else { 1e120 }
+}
+
+impl<T: Real> Sets<T> {
+    /// `None` where there are sets of both kinds, or of another one. The place of a field is so many times its index.
+    pub(super) fn new(media: &[Medium], patterns: &[Vec<u16>], pitch: usize) -> Option<Self> {
+        match Strengths::new(media, patterns, pitch) {
+            Some(strengths) => Some(Self::Mises(strengths)),
+            None => half_spaces::<T>(media, patterns, pitch).map(Self::HalfSpaces),
+        }
+    }
+}
+
+/// Conditions by pattern; `None` where a set is no polyhedron.
+fn half_spaces<T: Real>(
+    media: &[Medium],
+    patterns: &[Vec<u16>],
+    pitch: usize,
+) -> Option<Vec<Vec<HalfSpace<T::Lanes>>>> {
+    let fields = &media[0].fields;
+    /// n by field, and k.
+    struct Condition {
+        normal: Vec<f64>,
+        strength: f64,
+    }
+    let mut conditions: Vec<Vec<Condition>> = Vec::new();
+    for medium in media {
+        let Some(set) = &medium.yields else {
+            conditions.push(Vec::new());
+            continue;
+        };
+        let of = |(condition, strength): (ActiveCondition, f64)| {
+            let component = |&field: &Field| match field {
+                // One field stands for both in classical solids.
+                Field::Stress(i, j) if i != j && medium.rotation.is_none() => {
+                    condition.normal.force[i][j] + condition.normal.force[j][i]
+                }
+                _ => component(field, &condition.normal).unwrap_or(0.0),
+            };
+            Condition { normal: fields.iter().map(component).collect(), strength }
+        };
+        conditions.push(set.half_spaces()?.into_iter().map(of).collect());
+    }
+    let most = conditions.iter().map(Vec::len).max().unwrap_or(0);
+    let by_pattern = patterns.iter().map(|pattern| {
+        let half_space = |index: usize| {
+            let lanes = |value: &dyn Fn(&Condition) -> f64, other: f64| {
+                T::Lanes::by_lane(|lane| {
+                    let own = conditions[usize::from(pattern[lane])].get(index);
+                    T::of(own.map_or(other, value))
+                })
+            };
+            let normal = (0..fields.len())
+                .filter(|&index| conditions.iter().flatten().any(|own| own.normal[index] != 0.0))
+                .map(|index| (index * pitch, lanes(&|own| own.normal[index], 0.0)))
+                .collect();
+            HalfSpace { normal, strength: lanes(&|own| own.strength, boundless::<T>()) }
+        };
+        (0..most).map(half_space).collect()
+    });
+    Some(by_pattern.collect())
+}
+
+impl<T: Real> Strengths<T> {
+    /// `None` where a set is none of Mises'.
+    fn new(media: &[Medium], patterns: &[Vec<u16>], pitch: usize) -> Option<Self> {
+        let fields = &media[0].fields;
+        let of_medium: Vec<Strength<f64>> = media
+            .iter()
+            .map(|medium| match &medium.yields {
+                None => Some(Strength::none(boundless::<T>())),
+                Some(set) => Some(Strength::new(set.downcast()?, medium.law.downcast()?)),
+            })
+            .collect::<Option<_>>()?;
+        let by_pattern = patterns.iter().map(|pattern| {
+            let lanes = |value: &dyn Fn(&Strength<f64>) -> f64| {
+                T::Lanes::by_lane(|lane| T::of(value(&of_medium[usize::from(pattern[lane])])))
+            };
+            let parts = |value: &dyn Fn(&Strength<f64>) -> [f64; PARTS]| {
+                std::array::from_fn(|part| lanes(&|own| value(own)[part]))
+            };
+            Strength {
+                strength: lanes(&|own| own.strength),
+                friction: lanes(&|own| own.friction),
+                shift: lanes(&|own| own.shift),
+                a: lanes(&|own| own.a),
+                softness: lanes(&|own| own.softness),
+                half_rate: lanes(&|own| own.half_rate),
+                weights: parts(&|own| own.weights),
+                rates: parts(&|own| own.rates),
+                compliances: parts(&|own| own.compliances),
+            }
+        });
+        let seen = |part: usize| of_medium.iter().any(|own| own.weights[part] > 0.0);
+        Some(Self {
+            force: Matrix::new(fields, pitch, Field::Stress),
+            couple: Matrix::new(fields, pitch, Field::Couple),
+            by_pattern: by_pattern.collect(),
+            seen: std::array::from_fn(seen),
+        })
+    }
+
+    fn sees_deviator_alone(&self) -> bool {
+        !self.seen[1..].contains(&true)
+    }
+}
+
+/// The correction of groups that follow each other in a row.
+pub(super) struct Correct<'a, T: Real> {
+    /// From the first of the groups on.
+    pub(super) data: &'a mut [T::Lanes],
+    pub(super) patterns: &'a [u32],
+    pub(super) sets: &'a Sets<T>,
+    /// By pattern.
+    pub(super) yields: &'a [bool],
+    /// Plastic dissipation by group and lane, J/m³; added to.
+    pub(super) dissipated: &'a mut [f64],
+    /// Its sum over these groups, J/m³: of each lane first.
+    pub(super) sum: &'a mut f64,
+    /// Groups that have stresses which are left.
+    pub(super) left: &'a mut Vec<usize>,
+}
+
+impl<T: Real> Work<T> for Correct<'_, T> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        match self.sets {
+            Sets::HalfSpaces(all) => {
+                for (index, &pattern) in self.patterns.iter().enumerate() {
+                    let (group, pattern) = (&self.data[index..], pattern as usize);
+                    if self.yields[pattern] && !admits::<T, V>(group, &all[pattern]) {
+                        self.left.push(index);
+                    }
+                }
+            }
+            Sets::Mises(strengths) if strengths.sees_deviator_alone() => {
+                self.each::<V, true>(strengths);
+            }
+            Sets::Mises(strengths) => self.each::<V, false>(strengths),
+        }
+    }
+}
+
+impl<T: Real> Correct<'_, T> {
+    /// Mises' sets: those that see nothing but the deviator of the stress have a loop of their own.
+    #[inline(always)]
+    fn each<V: Vector<T>, const DEVIATOR: bool>(self, strengths: &Strengths<T>) {
+        let lanes = T::Lanes::COUNT;
+        let mut sums = [0.0f64; MOST_LANES];
+        for (index, &pattern) in self.patterns.iter().enumerate() {
+            let group = &mut self.data[index..];
+            if !self.yields[pattern as usize] {
+                continue;
+            }
+            let own = &strengths.by_pattern[pattern as usize];
+            let mut lost = T::Lanes::ZERO;
+            match correct::<T, V, DEVIATOR>(group, own, strengths, &mut lost) {
+                Done::Nothing => {}
+                Done::All => {
+                    let dissipated = &mut self.dissipated[index * lanes..][..lanes];
+                    for ((sum, own), lost) in sums.iter_mut().zip(dissipated).zip(lost.lanes()) {
+                        let lost = lost.wide();
+                        // What is no number is so in the stress as well, where it is looked for.
+                        debug_assert!(lost.is_nan() || lost >= 0.0, "the correction adds energy");
+                        *own += lost.max(0.0);
+                        *sum += lost.max(0.0);
+                    }
+                }
+                Done::NotAll => self.left.push(index),
+            }
+        }
+        *self.sum = sums.iter().sum();
+    }
+}
+
+/// Whether all stresses of a group are within all conditions.
+#[inline(always)]
+fn admits<T: Real, V: Vector<T>>(group: &[T::Lanes], half_spaces: &[HalfSpace<T::Lanes>]) -> bool {
+    for half_space in half_spaces {
+        let mut value = V::ZERO;
+        for (place, component) in &half_space.normal {
+            value = value + V::load(component) * V::load(&group[*place]);
+        }
+        if value.exceeds(V::load(&half_space.strength)) {
+            return false;
+        }
+    }
+    true
+}
+
+/// What was done to a group.
+enum Done {
+    Nothing,
+    All,
+    /// Nothing either, though it should.
+    NotAll,
+}
+
+/// Mean, ½ the square of the symmetric deviator and of the antisymmetric part of a stress.
+#[inline(always)]
+fn invariants<T: Real, V: Vector<T>>(group: &[T::Lanes], matrix: &Matrix) -> (V, V, V) {
+    let (mut mean, mut deviator, mut antisymmetric) = (V::ZERO, V::ZERO, V::ZERO);
+    if let Some([a, b, c]) = matrix.normal {
+        let (a, b, c) = (V::load(&group[a]), V::load(&group[b]), V::load(&group[c]));
+        mean = V::THIRD * (a + b + c);
+        let (ab, bc, ca) = (a - b, b - c, c - a);
+        deviator = V::HALF * V::THIRD * (ab * ab + bc * bc + ca * ca);
+    }
+    for &[one, other] in &matrix.pairs {
+        let (one, other) = (V::load(&group[one]), V::load(&group[other]));
+        let (sum, difference) = (V::HALF * (one + other), V::HALF * (one - other));
+        deviator = deviator + sum * sum;
+        antisymmetric = antisymmetric + difference * difference;
+    }
+    (mean, deviator, antisymmetric)
+}
+
+/// Takes shares of the deviator and of the antisymmetric part, if not of the former alone, away and adds to the mean.
+#[inline(always)]
+fn relax<T: Real, V: Vector<T>, const DEVIATOR: bool>(
+    group: &mut [T::Lanes],
+    matrix: &Matrix,
+    (mean, more): (V, V),
+    (deviator, antisymmetric): (V, V),
+) {
+    if let Some(normal) = matrix.normal {
+        for place in normal {
+            let own = V::load(&group[place]);
+            (own + (more - deviator * (own - mean))).store(&mut group[place]);
+        }
+    }
+    for &[one, other] in &matrix.pairs {
+        let (a, b) = (V::load(&group[one]), V::load(&group[other]));
+        let symmetric = deviator * (V::HALF * (a + b));
+        if DEVIATOR {
+            (a - symmetric).store(&mut group[one]);
+            if other != one {
+                (b - symmetric).store(&mut group[other]);
+            }
+            continue;
+        }
+        let antisymmetric = antisymmetric * (V::HALF * (a - b));
+        (a - (symmetric + antisymmetric)).store(&mut group[one]);
+        if other != one {
+            (b - (symmetric - antisymmetric)).store(&mut group[other]);
+        }
+    }
+}
+
+#[inline(always)]
+fn correct<T: Real, V: Vector<T>, const DEVIATOR: bool>(
+    group: &mut [T::Lanes],
+    own: &Strength<T::Lanes>,
+    strengths: &Strengths<T>,
+    lost: &mut T::Lanes,
+) -> Done {
+    let Strengths { force, couple, seen, .. } = strengths;
+    let (mean, deviator, antisymmetric) = invariants::<T, V>(group, force);
+    // ½|s̄|² of each part.
+    let mut squares = [deviator, antisymmetric, V::ZERO, V::ZERO, V::ZERO];
+    let mut couple_mean = V::ZERO;
+    let sees_couples = !DEVIATOR && (seen[2] || seen[3] || seen[4]);
+    if sees_couples {
+        let (mean, deviator, antisymmetric) = invariants::<T, V>(group, couple);
+        couple_mean = mean;
+        squares[2] = deviator;
+        squares[3] = V::HALF * (V::ONE + V::ONE + V::ONE) * mean * mean;
+        squares[4] = antisymmetric;
+    }
+    let mut square = V::load(&own.weights[0]) * squares[0];
+    for part in 1..PARTS {
+        if !DEVIATOR && seen[part] {
+            square = square + V::load(&own.weights[part]) * squares[part];
+        }
+    }
+    let strength = V::load(&own.strength);
+    let room = strength - V::load(&own.friction) * mean;
+    let is_apart = V::LEAST.exceeds(room);
+    if !is_apart && !square.exceeds(room * room) {
+        return Done::Nothing;
+    }
+    // Where the mean alone is beyond.
+    if is_apart {
+        return Done::NotAll;
+    }
+    let (shares, multiplier, parts_lost) = if DEVIATOR {
+        let (share, multiplier) = one_rate::<T, V>(square, room, own);
+        let mut shares = [V::ZERO; PARTS];
+        shares[0] = share;
+        (shares, multiplier, V::load(&own.compliances[0]) * squares[0] * share * share)
+    } else {
+        several_rates::<T, V>(squares, room, own, seen)
+    };
+    let quarter = V::QUARTER * V::load(&own.a) * multiplier;
+    // In lanes that do not yield this is nothing times a great number.
+    (parts_lost + (strength + quarter) * multiplier).store(lost);
+    let more = -(V::load(&own.shift) * multiplier);
+    relax::<T, V, DEVIATOR>(group, force, (mean, more), (shares[0], shares[1]));
+    if sees_couples {
+        let less = -(shares[3] * couple_mean);
+        relax::<T, V, false>(group, couple, (couple_mean, less), (shares[2], shares[4]));
+    }
+    Done::All
+}
+
+/// What the deviator loses of itself, and λ, where h(x) = 0 is linear: with τ̄ − r in excess
+/// λ = 2(τ̄ − r)/(a + D), and D λ/(2τ̄) of the deviator is lost.
+#[inline(always)]
+fn one_rate<T: Real, V: Vector<T>>(square: V, room: V, own: &Strength<T::Lanes>) -> (V, V) {
+    let shear = square.root();
+    let multiplier = V::load(&own.softness) * (shear - room).greatest(V::ZERO);
+    // In lanes without any stress there is nothing to lose.
+    (V::load(&own.half_rate) * multiplier / shear.greatest(V::LEAST), multiplier)
+}
+
+/// What each part loses of itself, λ, and what the parts lose of their energy: by [`multiplier_per_shear`].
+#[inline(always)]
+fn several_rates<T: Real, V: Vector<T>>(
+    squares: [V; PARTS],
+    room: V,
+    own: &Strength<T::Lanes>,
+    seen: &[bool; PARTS],
+) -> ([V; PARTS], V, V) {
+    let a = V::load(&own.a);
+    let mut rates = [V::ZERO; PARTS];
+    for (rate, own) in rates.iter_mut().zip(&own.rates) {
+        *rate = V::load(own);
+    }
+    let mut weighted = [V::ZERO; PARTS];
+    for part in 0..PARTS {
+        weighted[part] = V::load(&own.weights[part]) * squares[part];
+    }
+    let x = multiplier_per_shear(weighted, rates, a, room, seen);
+    let mut shares = [V::ZERO; PARTS];
+    let (mut square_left, mut loss) = (V::ZERO, V::ZERO);
+    for part in 0..PARTS {
+        if seen[part] {
+            let fraction = V::ONE / (V::ONE + x * rates[part]);
+            shares[part] = x * rates[part] * fraction;
+            square_left = square_left + weighted[part] * fraction * fraction;
+            let compliance = V::load(&own.compliances[part]);
+            loss = loss + compliance * squares[part] * shares[part] * shares[part];
+        }
+    }
+    (shares, (x + x) * square_left.root(), loss)
+}

@@ -1,0 +1,330 @@
+//! The ends of rows, which are folded into the lanes of groups: see [`crate::solid::domain`].
+
+use super::table::{Table, Wave};
+use crate::simd::{Group, Number, Real, Vector};
+use crate::solid::cell::Cell;
+use crate::solid::ghosts::{BESIDE, BoundaryFaces, Closure, Slot, ghosts, image};
+use crate::solid::reconstruction::GHOSTS;
+use crate::solid::riemann::State;
+use std::ops::Range;
+
+/// Where the ends of a row stand in it.
+#[derive(Clone)]
+pub(crate) struct RowEnds<T: Real> {
+    /// Groups of a row.
+    groups: usize,
+    /// What ghosts see of both ends, the outermost first; rows shorter than the ghosts repeat themselves.
+    inside: [[Slot; BESIDE]; 2],
+    /// Whether a row is a single cell.
+    is_single: bool,
+    /// Whether a row has fewer cells than the ghosts beside a side depend on.
+    is_short: bool,
+    /// Where ghosts stand behind the last cell.
+    behind: [Slot; GHOSTS],
+    /// Of each of the first groups the lanes where those stand, by bits.
+    in_first: [[u16; GHOSTS]; GHOSTS],
+    /// What is no cell and may be moved: ghosts stand in the first of these while the row is swept, and the sweep
+    /// reaches as far beyond them; else zeros in all, as ever in what is behind.
+    empty: Vec<Slot>,
+    /// The mirror that changes nothing, not even the sign of zero.
+    window: [T::Lanes; 5],
+}
+
+impl<T: Real> RowEnds<T> {
+    /// Of rows of so many cells in so many groups.
+    pub(crate) fn new(length: usize, groups: usize) -> Self {
+        let slot = |place: usize| (place % groups, place / groups);
+        let behind = std::array::from_fn(|depth| slot(length + depth));
+        Self {
+            groups,
+            inside: [
+                std::array::from_fn(|depth| slot(depth % length)),
+                std::array::from_fn(|depth| slot(length - 1 - depth % length)),
+            ],
+            is_single: length < GHOSTS,
+            is_short: length < BESIDE,
+            behind,
+            in_first: std::array::from_fn(|first| {
+                behind.map(|(group, lane)| if group == first { 1 << lane } else { 0 })
+            }),
+            empty: (length..groups * T::Lanes::COUNT).take(2 * GHOSTS).map(slot).collect(),
+            window: [
+                T::Lanes::ONE,
+                -T::Lanes::ZERO,
+                T::Lanes::ONE,
+                -T::Lanes::ZERO,
+                T::Lanes::ZERO,
+            ],
+        }
+    }
+}
+
+/// Rows that are about to be swept.
+pub(crate) struct Rows<'a, T: Real> {
+    pub(crate) ends: &'a RowEnds<T>,
+    pub(crate) sides: &'a [BoundaryFaces<T>; 2],
+    /// The first row among the faces of the sides.
+    pub(crate) face: usize,
+    /// Where that row begins.
+    pub(crate) first: usize,
+    /// From a row to the next one, and from its ghosts to those of the next one.
+    pub(crate) size: usize,
+    /// Where the ghosts of the first row begin: the nearest in front of it, the farther one, the nearest behind it, the
+    /// farther one.
+    pub(crate) ghosts: usize,
+    /// From each of these to the next one.
+    pub(crate) apart: usize,
+    /// The first group of the first row.
+    pub(crate) group: usize,
+    pub(crate) table: &'a Table<T>,
+    /// Of all groups.
+    pub(crate) patterns: &'a [u32],
+}
+
+impl<T: Real> Rows<'_, T> {
+    /// Fills in the ghosts of the velocity and the stress of a pair of waves: those behind the last cell of a row in the
+    /// row itself; and what is in front of its groups and behind them, which is in other lanes.
+    #[inline(always)]
+    pub(crate) fn fill<V: Vector<T>>(
+        &self,
+        data: &mut [T::Lanes],
+        wave: &Wave,
+        pair: usize,
+        rows: Range<usize>,
+    ) {
+        let &RowEnds { groups, inside: [first, last], .. } = self.ends;
+        // Rows come round at both ends or at none.
+        let [near, far] = match self.sides[0] {
+            BoundaryFaces::Mirror(_) => [first, last],
+            BoundaryFaces::Periodic | BoundaryFaces::Exchange => [last, first],
+        };
+        if let (false, Some(closure)) = (self.ends.is_short, self.closure()) {
+            return self.fill_one_sided::<V>(closure, data, wave, pair, rows);
+        }
+        for row in rows {
+            let (group, lane) =
+                ((self.face + row) / T::Lanes::COUNT, (self.face + row) % T::Lanes::COUNT);
+            let front: [V; 5] = splat(self.mirror(0, pair, group), lane);
+            let back: [V; 5] = splat(self.mirror(1, pair, group), lane);
+            let start = self.first + row * self.size;
+            for (place, [front, back]) in [
+                (wave.velocity, [[front[0], front[1]], [back[0], back[1]]]),
+                (wave.stress, [[front[2], front[3]], [back[2], back[3]]]),
+            ] {
+                let field = &data[start + place..][..groups];
+                let near: [V; GHOSTS] = [seen(field, near[0]), seen(field, near[1])];
+                let far: [V; GHOSTS] = [seen(field, far[0]), seen(field, far[1])];
+                let mut in_front = [image(front, near[0]), image(front, near[1])];
+                let mut beyond = [image(back, far[0]), image(back, far[1])];
+                if self.ends.is_single {
+                    // A single cell is seen through the other mirror.
+                    in_front[1] = image(front, image(back, near[1]));
+                    beyond[1] = image(back, image(front, far[1]));
+                }
+                self.place(data, place, row, [in_front, beyond]);
+            }
+        }
+    }
+
+    /// The same where waves are reconstructed one-sidedly: as many rows at once as there are lanes.
+    #[inline(always)]
+    fn fill_one_sided<V: Vector<T>>(
+        &self,
+        closure: Closure,
+        data: &mut [T::Lanes],
+        wave: &Wave,
+        pair: usize,
+        rows: Range<usize>,
+    ) {
+        let mut start = rows.start;
+        while start < rows.end {
+            let end = rows.end.min(start + T::Lanes::COUNT);
+            let [front, back] = [
+                self.one_sided::<V>(closure, data, wave, pair, (start..end, 0)),
+                self.one_sided::<V>(closure, data, wave, pair, (start..end, 1)),
+            ];
+            for row in start..end {
+                let lane = row - start;
+                for (place, which) in [(wave.velocity, 0), (wave.stress, 1)] {
+                    let in_front = [
+                        V::all(front[which][0].lanes()[lane]),
+                        V::all(front[which][1].lanes()[lane]),
+                    ];
+                    let beyond = [
+                        V::all(back[which][0].lanes()[lane]),
+                        V::all(back[which][1].lanes()[lane]),
+                    ];
+                    self.place(data, place, row, [in_front, beyond]);
+                }
+            }
+            start = end;
+        }
+    }
+
+    /// Velocities and stresses of the ghosts at an end of some rows, a lane each.
+    #[inline(always)]
+    fn one_sided<V: Vector<T>>(
+        &self,
+        closure: Closure,
+        data: &[T::Lanes],
+        wave: &Wave,
+        pair: usize,
+        (rows, end): (Range<usize>, usize),
+    ) -> [[T::Lanes; GHOSTS]; 2] {
+        let inside = self.ends.inside[end];
+        // The third cell matters to open sides alone.
+        let depths = if closure.is_open { BESIDE } else { GHOSTS };
+        let mut velocity = [T::Lanes::ZERO; BESIDE];
+        let mut stress = [T::Lanes::ZERO; BESIDE];
+        for row in rows.clone() {
+            let lane = row - rows.start;
+            let start = self.first + row * self.size;
+            for depth in 0..depths {
+                let (group, from) = inside[depth];
+                velocity[depth].lanes_mut()[lane] =
+                    data[start + wave.velocity + group].lanes()[from];
+                stress[depth].lanes_mut()[lane] = data[start + wave.stress + group].lanes()[from];
+            }
+        }
+        // By row, unless all faces or all cells are alike.
+        let mut by_row = *self.mirror(end, pair, self.face / T::Lanes::COUNT);
+        if !self.is_uniform(end) {
+            for row in rows.clone() {
+                let (lane, face) = (row - rows.start, self.face + row);
+                let own = self.mirror(end, pair, face / T::Lanes::COUNT);
+                for (to, from) in by_row.iter_mut().zip(own) {
+                    to.lanes_mut()[lane] = from.lanes()[face % T::Lanes::COUNT];
+                }
+            }
+        }
+        let mirror = [
+            V::load(&by_row[0]),
+            V::load(&by_row[1]),
+            V::load(&by_row[2]),
+            V::load(&by_row[3]),
+            V::load(&by_row[4]),
+        ];
+        let mut cells = [
+            Cell::load(self.cell(rows.start, inside[0], wave)),
+            Cell::load(self.cell(rows.start, inside[1], wave)),
+            Cell::load(self.cell(rows.start, inside[2], wave)),
+        ];
+        if !self.table.is_of_one_pattern() {
+            for (cell, slot) in cells.iter_mut().zip(inside) {
+                *cell = self.cells_of(&rows, slot, wave);
+            }
+        }
+        let beside = [
+            State { velocity: V::load(&velocity[0]), stress: V::load(&stress[0]) },
+            State { velocity: V::load(&velocity[1]), stress: V::load(&stress[1]) },
+            State { velocity: V::load(&velocity[2]), stress: V::load(&stress[2]) },
+        ];
+        let coefficients = self.table.ghost_coefficients(wave, &cells[0]);
+        let cells = [&cells[0], &cells[1], &cells[2]];
+        let [one, two] = ghosts(closure, beside, mirror, end, cells, &coefficients);
+        let mut made = [[T::Lanes::ZERO; GHOSTS]; 2];
+        one.velocity.store(&mut made[0][0]);
+        two.velocity.store(&mut made[0][1]);
+        one.stress.store(&mut made[1][0]);
+        two.stress.store(&mut made[1][1]);
+        made
+    }
+
+    /// How waves are reconstructed beside the ends, if not by images at both of them.
+    fn closure(&self) -> Option<Closure> {
+        let mirrors = || self.sides.iter().filter_map(BoundaryFaces::mirror);
+        let closure = mirrors().find(|mirror| mirror.is_one_sided)?.closure();
+        let is_open = mirrors().any(|mirror| mirror.closure().is_open);
+        Some(Closure { is_open, ..closure })
+    }
+
+    /// The constants of a cell of some rows, a lane each; where there is no row those of the last one.
+    #[inline(always)]
+    fn cells_of<V: Vector<T>>(&self, rows: &Range<usize>, slot: Slot, wave: &Wave) -> Cell<V> {
+        let mut cells = *self.cell(rows.start, slot, wave);
+        for lane in 0..T::Lanes::COUNT {
+            let row = rows.start + lane.min(rows.len() - 1);
+            cells.set_lane(lane, &self.cell(row, slot, wave).lane(slot.1));
+        }
+        Cell::load(&cells)
+    }
+
+    /// The constants of the group of a row where a cell is.
+    #[inline(always)]
+    fn cell(&self, row: usize, (group, _): Slot, wave: &Wave) -> &Cell<T::Lanes> {
+        let pattern = self.patterns[self.group + row * self.ends.groups + group];
+        self.table.cell(pattern, wave)
+    }
+
+    /// Sets to zero what is no cell in a field of a row: ghosts, and what the sweep made of them.
+    #[inline(always)]
+    pub(crate) fn clear(&self, data: &mut [T::Lanes], place: usize, row: usize) {
+        let field = &mut data[self.first + row * self.size + place..][..self.ends.groups];
+        for &(group, lane) in &self.ends.empty {
+            field[group].lanes_mut()[lane] = T::ZERO;
+        }
+    }
+
+    /// Whether that is the same at all faces.
+    #[inline(always)]
+    fn is_uniform(&self, end: usize) -> bool {
+        self.sides[end].mirror().is_none_or(|mirror| mirror.is_uniform)
+    }
+
+    /// What lies beyond an end, by face: see [`GhostRule::face`](crate::solid::ghosts::GhostRule::face).
+    #[inline(always)]
+    fn mirror(&self, end: usize, pair: usize, group: usize) -> &[T::Lanes; 5] {
+        match &self.sides[end] {
+            BoundaryFaces::Mirror(mirror) => mirror.face(pair, group),
+            BoundaryFaces::Periodic | BoundaryFaces::Exchange => &self.ends.window,
+        }
+    }
+
+    /// Puts the ghosts of a field in front of a row and behind it.
+    #[inline(always)]
+    fn place<V: Vector<T>>(
+        &self,
+        data: &mut [T::Lanes],
+        place: usize,
+        row: usize,
+        [in_front, beyond]: [[V; GHOSTS]; 2],
+    ) {
+        let &RowEnds { groups, behind, in_first, .. } = self.ends;
+        let (data, ghosts) = data.split_at_mut(self.ghosts);
+        let apart = self.apart;
+        let start = row * self.size + place;
+        let field = &mut data[self.first + start..][..groups];
+        let ghosts = &mut ghosts[start..][..(2 * GHOSTS - 1) * apart + 1];
+        for depth in 0..GHOSTS {
+            let own = V::load(&field[groups - 1 - depth]);
+            own.after(in_front[depth]).store(&mut ghosts[depth * apart]);
+            // With the ghosts that are about to stand there.
+            let own = V::load(&field[depth]).with_lanes(in_first[depth][0], beyond[0]);
+            let own = own.with_lanes(in_first[depth][1], beyond[1]);
+            own.before(V::ZERO).store(&mut ghosts[(GHOSTS + depth) * apart]);
+        }
+        for depth in 0..GHOSTS {
+            let (group, lane) = behind[depth];
+            let own = V::load(&field[group]).with_lanes(1 << lane, beyond[depth]);
+            own.store(&mut field[group]);
+        }
+    }
+}
+
+// No closures here, and no arrays made by them: they are not compiled for the instructions at hand.
+
+/// The numbers of a lane of a mirror in all lanes.
+#[inline(always)]
+fn splat<T: Real, V: Vector<T>>(mirror: &[T::Lanes; 5], lane: usize) -> [V; 5] {
+    let mut all = [V::ZERO; 5];
+    for (own, lanes) in all.iter_mut().zip(mirror) {
+        *own = V::all(lanes.lanes()[lane]);
+    }
+    all
+}
+
+/// A number of a field in all lanes.
+#[inline(always)]
+fn seen<T: Real, V: Vector<T>>(field: &[T::Lanes], (group, lane): Slot) -> V {
+    V::all(field[group].lanes()[lane])
+}

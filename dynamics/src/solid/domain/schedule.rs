@@ -1,0 +1,117 @@
+//! The order in which layers and rows go through the stages of a step.
+//!
+//! A step is one wavefront-tiled pass over memory. Tiles of a few layers and rows are loaded; each later stage trails the
+//! previous one by as many rows as its stencil reads, so that a row is read and written once per pass while it is in the
+//! cache. In space a block of rows goes through the step in all layers before the next block does, so that layers that
+//! wait for others stay in the cache. In the plane, where layers are rows and many of them fit in the cache, the
+//! next step follows in the same pass.
+
+use crate::solid::reconstruction::{GHOSTS, HALO};
+use std::ops::Range;
+
+/// Rows or layers that are loaded at a time: what a sweep carries from one of these chunks to the next is little beside
+/// them, and they stay in the cache.
+pub(super) const CHUNK: usize = 8;
+
+/// Steps of a pass at most, in the plane: in space few layers fit in the cache.
+pub(super) const STEPS: usize = 2;
+
+/// The first rows that come to a sweep must be two: the ghosts in front of them are not there any more when others
+/// follow. Each sweep has two rows less than the one before it. (In space [`TileSizes`] keeps to it.)
+const _: () = assert!(CHUNK >= 2 * STEPS * GHOSTS);
+
+/// How many rows or layers have passed each of three stages when so many are loaded: each of two sweeps across them reads
+/// [`GHOSTS`] more than it writes.
+pub(super) fn stage_progress(loaded: usize, all: usize) -> [usize; 3] {
+    let written = |ready: usize| if ready == all { all } else { ready.saturating_sub(GHOSTS) };
+    [loaded, written(loaded), written(written(loaded))]
+}
+
+/// The rows or layers that pass each of three stages between two states of progress.
+pub(super) fn stages(before: [usize; 3], ready: [usize; 3]) -> [Range<usize>; 3] {
+    std::array::from_fn(|stage| before[stage]..ready[stage])
+}
+
+/// Steps of a pass at most, where the smallest part of a domain has so many layers: all that are in the halo of
+/// another part must be there.
+pub(crate) fn most_steps<const D: usize>(layers: usize) -> usize {
+    if D == 2 { (layers / HALO).clamp(1, STEPS) } else { 1 }
+}
+
+/// Bytes of rows of layers that are loaded together, so that they stay in a core's own cache while they go through the
+/// step.
+const OWN_CACHE: usize = 1 << 20;
+
+/// Bytes of a block of rows in the layers that are within the step, so that they stay in the cache that cores share.
+const SHARED_CACHE: usize = 7 << 20;
+
+/// How many layers and rows are loaded at a time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TileSizes {
+    pub(super) layers: usize,
+    /// Rows of these layers.
+    pub(super) rows: usize,
+    /// Rows of a block: all layers go through the step in these before the next block does.
+    pub(super) block: usize,
+}
+
+impl TileSizes {
+    /// All at once.
+    pub(super) const ALL: Self = Self { layers: usize::MAX, rows: usize::MAX, block: usize::MAX };
+
+    /// For the plane, where layers are rows.
+    pub(super) const ROWS: Self = Self { layers: CHUNK, rows: 1, block: 1 };
+
+    /// In space, where a row takes so many bytes. Periodic rows are each other's ghosts, and must all be loaded.
+    pub(super) fn in_space(row: usize, periodic: bool) -> Self {
+        let fits = |layers: &usize| layers * CHUNK * row <= OWN_CACHE;
+        let layers = (2 * GHOSTS..=CHUNK).rev().step_by(2).find(fits).unwrap_or(2 * GHOSTS);
+        let block = SHARED_CACHE / ((layers + 2 * GHOSTS) * row) / CHUNK;
+        match periodic {
+            true => Self { layers, ..Self::ALL },
+            false => Self { layers, rows: CHUNK, block: block.max(1) * CHUNK },
+        }
+    }
+}
+
+/// Steps done, and the tiling of a pass.
+#[derive(Clone, Debug)]
+pub(super) struct Schedule {
+    /// Steps done.
+    pub(super) steps: usize,
+    /// Steps of the pass under way.
+    pub(super) pass_steps: usize,
+    /// Steps of a pass at most.
+    pub(super) most_steps: usize,
+    pub(super) tiles: TileSizes,
+    /// Rows from those that were loaded last to those that are loaded next: for prefetching.
+    pub(super) ahead: usize,
+}
+
+impl Schedule {
+    pub(super) fn new(most_steps: usize, tiles: TileSizes) -> Self {
+        Self { steps: 0, pass_steps: 0, most_steps, tiles, ahead: 0 }
+    }
+
+    /// Whether a half step of the pass is the first of all.
+    pub(super) fn is_first(&self, half: usize) -> bool {
+        half == 0 && self.steps == self.pass_steps
+    }
+
+    /// The rows of a block that are loaded next, in so many layers together, of which each has so many rows; records for
+    /// prefetching where those after them stand.
+    pub(super) fn next_rows(
+        &mut self,
+        loaded: usize,
+        block: &Range<usize>,
+        (layers, rows): (usize, usize),
+    ) -> Range<usize> {
+        let end = block.end.min(loaded.saturating_add(self.tiles.rows));
+        // Behind the last ones of the block come its first ones in the layers that follow.
+        self.ahead = match end < block.end {
+            true => end - loaded,
+            false => layers.saturating_mul(rows) - (loaded - block.start),
+        };
+        loaded..end
+    }
+}

@@ -1,0 +1,266 @@
+//! The recipe of a time step.
+//!
+//! A step of Δt is two-cyclic (Marchuk 1968; Strang 1968): with x, y, z the sweeps of half a step along the axes, K what
+//! sources and gravity add in half a step, and Q the rotation of spins against antisymmetric stress by a whole one,
+//!
+//! ```text
+//! U ← x y z  then  K Q K  then  z y x.
+//! ```
+//!
+//! Second order, since every factor is; each keeps or lowers the energy at Courant numbers c(Δt/2)/h ≤ 1, and so does the
+//! step. Boundary values are those in the middle of each half. Where stresses yield, with the projection P onto
+//! the yield set in the norm of the energy, the return mapping stands either last, or in the middle between two halves of Q
+//! as the reflection 2P − I, which is no expansion either ([`Placement`]).
+//!
+//! Where sweeps alternate ([`Splitting::Alternating`](crate::solid::problem::Splitting)) the step is
+//!
+//! ```text
+//! U ← x y z  then  K √Q x √Q K  then  z y,
+//! ```
+//!
+//! with x by a quarter of a step at the very beginning. With X = x² this is (√x … x … √x)ⁿ without the last √x.
+//! `complete` applies it to a copy of each cell for output; next to reflecting boundaries output is the mean of the
+//! states before and after X. Every factor keeps or lowers the energy.
+//!
+//! [`Domain::pass`] takes one or two such steps through memory, a block of rows and a few layers at a time, as
+//! [`super::schedule`] says; [`Domain::advance_layers`] is the recipe above on those.
+
+use super::halo::Halo;
+use super::layout::Tile;
+use super::schedule::{CHUNK, STEPS, stage_progress, stages};
+use super::table::Wave;
+use super::{Domain, SolverReal};
+use crate::solid::problem::Placement;
+use crate::solid::reconstruction::{GHOSTS, HALO};
+use std::ops::Range;
+
+impl<T: SolverReal, const D: usize> Domain<T, D> {
+    /// Advances all fields by Δt.
+    pub fn advance(&mut self) {
+        self.pass(1, &mut ());
+    }
+
+    /// Advances all fields by some steps in one pass over the memory: one at least, and no more than
+    /// [`Self::most_steps`].
+    pub(crate) fn pass(&mut self, steps: usize, neighbours: &mut impl Halo<T::Lanes>) {
+        debug_assert!((1..=self.schedule.most_steps).contains(&steps));
+        if self.schedule.steps == 0 && !self.scheme.alternates() {
+            let all = 0..self.layout.layers() * self.layout.layer_cells();
+            self.integrate(all, 0.5);
+        }
+        self.schedule.steps += steps;
+        self.schedule.pass_steps = steps;
+        self.set_times();
+        let rows = self.layout.rows;
+        let mut loaded = 0;
+        while loaded < rows {
+            let block = loaded..rows.min(loaded.saturating_add(self.schedule.tiles.block));
+            loaded = block.end;
+            self.advance_block(&block, steps, neighbours);
+        }
+        self.diagnostics.close_pass(self.layout.own_layers(), 2 * steps);
+    }
+
+    /// Brings a block of the rows of all layers through some steps, as far as the rows behind it do not matter.
+    fn advance_block(
+        &mut self,
+        block: &Range<usize>,
+        steps: usize,
+        neighbours: &mut impl Halo<T::Lanes>,
+    ) {
+        let (all, own, rows) = (self.layout.layers(), self.layout.own_layers(), self.layout.rows);
+        let swept = stage_progress(block.start, rows)[1]..stage_progress(block.end, rows)[1];
+        self.send(block, &swept, neighbours);
+        if self.layout.periodic_in_place {
+            self.fill_own_halo(&swept);
+        }
+        self.receive(0, &swept, neighbours);
+        let mut ready = [[0; 3]; STEPS];
+        while ready[steps - 1][2] < all {
+            let mut loaded = all.min(ready[0][0].saturating_add(self.schedule.tiles.layers));
+            // As late as possible: a neighbour may be behind for a while before anyone waits for it.
+            if ready[0][0] <= own.end && own.end < loaded {
+                self.receive(1, &swept, neighbours);
+            }
+            for (step, ready) in ready[..steps].iter_mut().enumerate() {
+                let before = std::mem::replace(ready, stage_progress(loaded, all));
+                // Layers that no later sweep reads are skipped: each reads GHOSTS layers beyond what it writes.
+                let needed = std::array::from_fn(|stage| {
+                    let beyond = (steps - 1 - step) * HALO + (2 - stage) * GHOSTS;
+                    own.start.saturating_sub(beyond)..all.min(own.end + beyond)
+                });
+                let layers = std::array::from_fn(|stage| {
+                    let Range { start, end } = needed[stage];
+                    before[stage].clamp(start, end)..ready[stage].clamp(start, end)
+                });
+                self.advance_layers(&layers, &needed, block, 2 * step);
+                if block.end == rows {
+                    self.diagnose(&layers[2], step);
+                }
+                loaded = ready[2];
+            }
+        }
+    }
+
+    /// Integrals in time and records of layers that have passed a step.
+    fn diagnose(&mut self, layers: &Range<usize>, step: usize) {
+        if !self.scheme.alternates() {
+            let layer = self.layout.layer_cells();
+            self.integrate(layers.start * layer..layers.end * layer, 1.0);
+        }
+        self.record(layers.clone(), step);
+    }
+
+    /// Brings a block of layers through the stages of a step whose first half in the pass is `first`: `layers[0]` up to the
+    /// first sweep along the last axis, `layers[1]` from there to the second one, `layers[2]` through the rest; `ends`
+    /// are all layers that pass each stage. Rows within them follow each other likewise.
+    fn advance_layers(
+        &mut self,
+        layers: &[Range<usize>; 3],
+        ends: &[Range<usize>; 3],
+        block: &Range<usize>,
+        first: usize,
+    ) {
+        let (all, second) = (self.layout.rows, first + 1);
+        let steps_done = self.schedule.steps - self.schedule.pass_steps + first / 2 + 1;
+        let at_a_time = (self.schedule.tiles.layers, all);
+        let mut ready = stage_progress(block.start, all);
+        while ready[0] < block.end {
+            let rows = self.schedule.next_rows(ready[0], block, at_a_time);
+            let before = std::mem::replace(&mut ready, stage_progress(rows.end, all));
+            let rows = stages(before, ready);
+            // x y
+            for layer in layers[0].clone() {
+                if first > 0 || !self.layout.is_exchanged(layer) {
+                    self.sweep_layer(layer, &rows, first);
+                }
+            }
+            // z, K Q K, z
+            match self.scheme.alternates() {
+                true => self.apply_alternating_middle(layers, ends, &rows[1], first),
+                false => {
+                    let layout = self.layout.clone();
+                    for tile in rows[1].clone().flat_map(|row| layout.tiles(row)) {
+                        self.sweep_last(&layers[0], &ends[0], &tile, first);
+                        self.apply_middle(&layers[1], &tile, first);
+                        self.sweep_last(&layers[1], &ends[1], &tile, second);
+                    }
+                }
+            }
+            // y x, P
+            for layer in layers[2].clone() {
+                self.sweep_layer(layer, &rows, second);
+                if self.scheme.placement == Placement::Last {
+                    // Row by row: sums do not depend on how many rows are loaded.
+                    for row in rows[2].clone() {
+                        let tile = self.layout.whole_row(row);
+                        self.correct(&(layer..layer + 1), &tile, second, false);
+                    }
+                }
+                self.flush_subnormals(layer, &rows[2], steps_done);
+            }
+        }
+    }
+
+    /// K Q K, with the return mapping where it stands in the middle.
+    fn apply_middle(&mut self, layers: &Range<usize>, tile: &Tile, first: usize) {
+        self.apply_sources(layers, tile, first);
+        if self.scheme.placement == Placement::Middle && !self.diagnostics.dissipated.is_empty() {
+            self.rotate(layers, tile, 1);
+            self.correct(layers, tile, first + 1, true);
+            self.rotate(layers, tile, 1);
+        } else {
+            self.rotate(layers, tile, 0);
+        }
+        self.apply_sources(layers, tile, first + 1);
+    }
+
+    /// The sweeps along the last axis with the middle of a step between them, where sweeps alternate. [`CHUNK`] rows go
+    /// through the middle together: their ghosts are made in lanes.
+    fn apply_alternating_middle(
+        &mut self,
+        layers: &[Range<usize>; 3],
+        ends: &[Range<usize>; 3],
+        rows: &Range<usize>,
+        first: usize,
+    ) {
+        let layout = self.layout.clone();
+        for start in rows.clone().step_by(CHUNK) {
+            let together = start..rows.end.min(start + CHUNK);
+            for tile in together.clone().flat_map(|row| layout.tiles(row)) {
+                self.sweep_last(&layers[0], &ends[0], &tile, first);
+            }
+            self.sweep_middle(&layers[1], &together, first);
+            for tile in together.flat_map(|row| layout.tiles(row)) {
+                self.sweep_last(&layers[1], &ends[1], &tile, first + 1);
+            }
+        }
+    }
+
+    /// K √Q x √Q K. Integrals in time take the mean of the states before and after it, which is second order in the middle
+    /// of the step.
+    fn sweep_middle(&mut self, layers: &Range<usize>, rows: &Range<usize>, first: usize) {
+        for row in rows.clone() {
+            let tile = self.layout.whole_row(row);
+            self.apply_sources(layers, &tile, first);
+            self.rotate(layers, &tile, 1);
+            self.integrate_row(layers, row);
+        }
+        if D == 2 {
+            // Layers are rows here.
+            self.sweep_rows_of(layers.clone(), first + 1);
+        } else {
+            for layer in layers.clone() {
+                let start = layer * self.layout.rows;
+                self.sweep_rows_of(start + rows.start..start + rows.end, first + 1);
+            }
+        }
+        for row in rows.clone() {
+            let tile = self.layout.whole_row(row);
+            self.integrate_row(layers, row);
+            self.rotate(layers, &tile, 1);
+            self.apply_sources(layers, &tile, first + 1);
+        }
+    }
+
+    /// Half a step of the integrals in time in a row of some layers.
+    fn integrate_row(&mut self, layers: &Range<usize>, row: usize) {
+        let length = self.layout.cells[0];
+        for layer in layers.clone() {
+            let row = layer * self.layout.rows + row;
+            self.integrate(row * length..(row + 1) * length, 0.5);
+        }
+    }
+
+    /// The waves of a sweep along an axis.
+    pub(super) fn waves_of(&self, axis: usize, half: usize) -> &[Wave] {
+        match self.scheme.alternates() && axis == 0 && self.schedule.is_first(half) {
+            true => &self.materials.quarter_waves,
+            false => &self.materials.waves[axis],
+        }
+    }
+
+    /// Boundary values and sources in the half steps of the pass.
+    fn set_times(&mut self) {
+        let before = self.schedule.steps - self.schedule.pass_steps;
+        for half in 0..2 * self.schedule.pass_steps {
+            let start = (before + half / 2) as f64 * self.step;
+            let end = (before + half / 2 + 1) as f64 * self.step;
+            let middle = start + 0.5 * self.step;
+            // The middle of each sweep along the first axis.
+            let first = self.scheme.alternates().then(|| match half % 2 {
+                0 if self.schedule.is_first(half) => start + 0.125 * self.step,
+                0 => start,
+                _ => middle,
+            });
+            self.boundary.set_time(half, start, self.step, first);
+            if first.is_some() && half % 2 == 1 {
+                self.boundary.closing[half / 2].set_time(end, self.step);
+            }
+            let interval = [[start, middle], [middle, end]][half % 2];
+            for source in &mut self.sources.list {
+                source.set_time(half, interval);
+            }
+        }
+    }
+}

@@ -1,0 +1,534 @@
+//! Sweeps along the axes, what lies beyond their ends, and the work done there.
+
+use super::fill::{Fill, FillEnd, FillOneSided};
+use super::kernel::{Lines, MOST_SHARE};
+use super::layout::{GroupIndex, Tile};
+use super::rows::Rows;
+use super::schedule::CHUNK;
+use super::table::Wave;
+use super::{Domain, SolverReal};
+use crate::simd::Group;
+use crate::solid::cell::Cell;
+use crate::solid::ghosts::{BESIDE, BoundaryFaces};
+use crate::solid::line::{self, Account};
+use crate::solid::problem::Detail;
+use crate::solid::reconstruction::GHOSTS;
+use crate::solid::riemann::State;
+use std::ops::Range;
+
+/// Lines that are called for ahead of the one at hand, by axis; along rows the next row is.
+const LINES_AHEAD: [Option<usize>; 3] = [None, Some(2), Some(3)];
+
+/// From a group of a row to the next one.
+const NEXT_GROUP: GroupIndex = GroupIndex { group: 1, data: 1 };
+
+/// Lines that lie side by side.
+#[derive(Clone, Copy)]
+struct Bundle {
+    axis: usize,
+    /// The half step of the pass.
+    half: usize,
+    /// The first group of the first line: those of the other lines follow.
+    first: GroupIndex,
+    /// From a group of a line to the next one.
+    stride: GroupIndex,
+    /// Groups of a line.
+    count: usize,
+    /// Lines of groups.
+    lines: usize,
+    /// From a line to the next one.
+    across: GroupIndex,
+    /// The first row, or else the first group of faces where the lines end.
+    face: usize,
+    /// Place of the first line among those that carry something along this axis.
+    carried: usize,
+}
+
+impl Bundle {
+    /// The group at a place of the first line.
+    #[inline(always)]
+    fn index(self, place: usize) -> GroupIndex {
+        let Self { first, stride, .. } = self;
+        GroupIndex {
+            group: first.group + place * stride.group,
+            data: first.data + place * stride.data,
+        }
+    }
+
+    /// The places of the ghosts at a depth in front of a line of groups and behind it.
+    fn beyond(self, depth: usize) -> [isize; 2] {
+        [-1 - depth as isize, (self.count + depth) as isize]
+    }
+}
+
+/// Sweeps, their ghosts and their work.
+impl<T: SolverReal, const D: usize> Domain<T, D> {
+    /// Goes on with a half step of the pass along all axes but the last one, in a layer across that: in their order
+    /// in the first half of a step, and in the second one in the other, without the first axis where sweeps alternate. Rows come through the stages of
+    /// [`Self::advance_layers`].
+    pub(super) fn sweep_layer(
+        &mut self,
+        layer: usize,
+        [come, middle, last]: &[Range<usize>; 3],
+        half: usize,
+    ) {
+        let (groups, first_row) = (self.layout.groups, layer * self.layout.rows);
+        let is_second = half % 2 == 1;
+        let of_layer = |rows: &Range<usize>| first_row + rows.start..first_row + rows.end;
+        if !is_second {
+            self.sweep_rows_of(of_layer(come), half);
+        }
+        if D == 3 {
+            let bundle = Bundle {
+                axis: 1,
+                half,
+                first: self.layout.index(first_row, 0),
+                stride: self.layout.index(1, 0),
+                count: self.grid.cells[1],
+                lines: groups,
+                across: NEXT_GROUP,
+                face: layer * groups,
+                carried: layer * groups,
+            };
+            self.sweep_on(bundle, [come, middle][half % 2].clone());
+        }
+        if is_second && !self.scheme.alternates() {
+            self.sweep_rows_of(of_layer(last), half);
+        }
+    }
+
+    /// Half a step along the first axis in rows that follow each other.
+    pub(super) fn sweep_rows_of(&mut self, rows: Range<usize>, half: usize) {
+        for start in rows.clone().step_by(CHUNK) {
+            self.sweep_rows(start..rows.end.min(start + CHUNK), half);
+        }
+    }
+
+    /// Half a step along the first axis, in no more than [`CHUNK`] rows.
+    fn sweep_rows(&mut self, rows: Range<usize>, half: usize) {
+        let bundle = Bundle {
+            axis: 0,
+            half,
+            first: self.layout.index(rows.start, 0),
+            stride: NEXT_GROUP,
+            count: self.layout.groups,
+            lines: rows.len(),
+            across: self.layout.index(1, 0),
+            face: rows.start,
+            carried: 0,
+        };
+        self.fill_row_patterns(bundle);
+        let works =
+            |side: &BoundaryFaces<T>| matches!(side, BoundaryFaces::Mirror(mirror) if mirror.works);
+        if self.scheme.detail == Detail::Full {
+            self.fill_rows(bundle);
+            self.sweep_plainly(bundle);
+            let mut data = std::mem::take(&mut self.data);
+            let rows = self.rows_of(bundle);
+            for row in 0..bundle.lines {
+                self.places().for_each(|(_, place)| rows.clear(&mut data, place, row));
+            }
+            self.data = data;
+            return;
+        }
+        if self.boundary.faces[half][0].iter().any(works) {
+            self.fill_rows(bundle);
+            (0..2).for_each(|end| self.note_work(bundle, end));
+        }
+        self.walk(bundle, -1..self.layout.groups as isize + 1);
+    }
+
+    /// The rows of a bundle along the first axis.
+    fn rows_of(&self, bundle: Bundle) -> Rows<'_, T> {
+        let size = self.layout.row_size();
+        Rows {
+            ends: &self.boundary.row_ends,
+            sides: &self.boundary.faces[bundle.half][0],
+            face: bundle.face,
+            first: bundle.first.data,
+            size,
+            ghosts: self.layout.layers() * self.layout.rows * size,
+            apart: CHUNK * size,
+            group: bundle.first.group,
+            table: &self.materials.table,
+            patterns: &self.materials.patterns,
+        }
+    }
+
+    /// The ghosts of rows. The walk along them does it by itself.
+    fn fill_rows(&mut self, bundle: Bundle) {
+        let mut data = std::mem::take(&mut self.data);
+        let (waves, rows) = (self.waves_of(0, bundle.half), self.rows_of(bundle));
+        let fill = Fill { data: &mut data, waves, rows, count: bundle.lines };
+        T::fill(fill, self.instructions);
+        self.data = data;
+    }
+
+    /// Goes on with half a step along the last axis, from end to end, on a tile of a layer's groups: some layers are
+    /// ready that were not before.
+    pub(super) fn sweep_last(
+        &mut self,
+        ready: &Range<usize>,
+        ends: &Range<usize>,
+        tile: &Tile,
+        half: usize,
+    ) {
+        let face = tile.row * self.layout.groups + tile.groups.start;
+        let bundle = Bundle {
+            axis: D - 1,
+            half,
+            first: self.layout.index(ends.start * self.layout.rows + tile.row, tile.groups.start),
+            stride: self.layout.index(self.layout.rows, 0),
+            count: ends.len(),
+            lines: tile.groups.len(),
+            across: NEXT_GROUP,
+            face,
+            carried: face,
+        };
+        self.sweep_on(bundle, ready.start - ends.start..ready.end - ends.start);
+    }
+
+    /// Goes on with half a step across the rows: some of them are ready that were not before.
+    fn sweep_on(&mut self, bundle: Bundle, ready: Range<usize>) {
+        // The ghosts in front depend on so many cells. Until these are ready the walk would write ghosts alone.
+        if ready.is_empty() || ready.end < BESIDE.min(bundle.count) {
+            return;
+        }
+        let start = if ready.start < BESIDE { 0 } else { ready.start };
+        let ready = start..ready.end;
+        let is_full = self.scheme.detail == Detail::Full;
+        let ends = [ready.start == 0, ready.end == bundle.count];
+        // Where there is a single row its work at one end needs the ghosts at the other.
+        for end in (0..2).filter(|end| ends[*end]) {
+            self.fill_end(bundle, end);
+        }
+        if is_full {
+            return self.sweep_plainly(bundle);
+        }
+        for end in (0..2).filter(|end| ends[*end]) {
+            self.note_work(bundle, end);
+        }
+        let start = ready.start as isize - 1;
+        let end = if ends[1] { bundle.count as isize + 1 } else { ready.end as isize - 1 };
+        self.walk(bundle, start..end);
+    }
+
+    /// Part of the path along lines, in the widest instructions: the groups at these places are at hand one
+    /// after the other.
+    fn walk(&mut self, bundle: Bundle, places: Range<isize>) {
+        let Bundle { axis, half, lines, .. } = bundle;
+        let mut path = std::mem::take(&mut self.buffer.path);
+        path.clear();
+        let (first, end, count) = (places.start - 1, places.end + 1, bundle.count as isize);
+        let in_front = self.index_at(bundle, 0, (first - 1).max(-(GHOSTS as isize)));
+        path.extend((first..0).map(|place| self.index_at(bundle, 0, place)));
+        path.extend((first.max(0)..end.min(count)).map(|place| bundle.index(place as usize)));
+        path.extend((first.max(count)..end).map(|place| self.index_at(bundle, 0, place)));
+        let fields = self.fields().len();
+        let next = LINES_AHEAD[axis].unwrap_or(self.layout.row_size());
+        let later = self.later(bundle);
+        let before = bundle.carried * self.materials.waves[axis].len();
+        let mut carried = std::mem::take(&mut self.buffer.carried[axis][half]);
+        let mut data = std::mem::take(&mut self.data);
+        let waves = self.waves_of(axis, half);
+        let lines = Lines {
+            data: &mut data,
+            fields,
+            pitch: self.layout.pitch,
+            table: &self.materials.table,
+            waves,
+            slopes: self.scheme.slopes,
+            patterns: &self.materials.patterns,
+            run_lengths: &self.materials.run_lengths[axis],
+            path: &path,
+            in_front,
+            across: bundle.across,
+            begins: places.start < 0,
+            next,
+            later,
+            carried: &mut carried[before..before + lines * waves.len()],
+            rows: (axis == 0).then(|| self.rows_of(bundle)),
+        };
+        T::sweep_lines(lines, self.instructions);
+        self.data = data;
+        self.buffer.carried[axis][half] = carried;
+        self.buffer.path = path;
+    }
+
+    /// The rows that come in next: how far behind the fields at hand they are, and the fields of each wave that are
+    /// called for. Each sweep across rows has its part of them, lest all be asked of the memory at once.
+    fn later(&self, bundle: Bundle) -> (usize, Range<usize>) {
+        let Bundle { axis, half, face, .. } = bundle;
+        // By how many pairs of rows and of layers the sweep is behind those that have come in last; layers of the
+        // plane are rows.
+        let (part, parts, rows, layers) = match (D, axis, half) {
+            // By the last step of the pass alone: what comes in long before it is wanted is gone by then.
+            (2, 1, half) if half + 2 >= 2 * self.schedule.pass_steps => (half % 2, 2, half, 0),
+            // No other sweep across rows goes along yet: this one calls for all fields.
+            (3, 1, 0) if self.layout.is_exchanged(face / self.layout.groups) => (0, 1, 0, 0),
+            (3, 1, 0) => (0, 4, 0, 0),
+            (3, 2, 0) => (1, 4, 1, 0),
+            (3, 2, 1) => (2, 4, 1, 1),
+            (3, 1, 1) => (3, 4, 1, 2),
+            _ => return (0, 0..0),
+        };
+        let behind = self.schedule.ahead + GHOSTS * (rows + layers * self.layout.rows);
+        let share = MOST_SHARE / parts;
+        (behind * self.layout.row_size(), part * share..(part + 1) * share)
+    }
+
+    /// The group that stands at a place of a line, ghosts included: of these all lines have theirs at a depth
+    /// beyond an end side by side.
+    fn index_at(&self, bundle: Bundle, line: usize, place: isize) -> GroupIndex {
+        let ghost = |end: usize, depth: usize| {
+            let row = self.layout.layers() * self.layout.rows + (end * GHOSTS + depth) * CHUNK;
+            self.layout.index(row, 0).of_line(line, bundle.across)
+        };
+        match usize::try_from(place) {
+            Ok(place) if place < bundle.count => bundle.index(place).of_line(line, bundle.across),
+            Ok(place) => ghost(1, place - bundle.count),
+            Err(_) => ghost(0, place.unsigned_abs() - 1),
+        }
+    }
+
+    /// The state in a lane of a group.
+    fn state(&self, (stop, lane): (GroupIndex, usize), wave: &Wave) -> State<T> {
+        let group = &self.data[stop.data..];
+        State {
+            velocity: group[wave.velocity].lanes()[lane],
+            stress: group[wave.stress].lanes()[lane],
+        }
+    }
+
+    /// The patterns of the ghosts of rows.
+    fn fill_row_patterns(&mut self, bundle: Bundle) {
+        for line in 0..bundle.lines {
+            let Some(&patterns) = self.materials.row_patterns.get(bundle.face + line) else {
+                return;
+            };
+            for depth in 0..GHOSTS {
+                for (end, place) in bundle.beyond(depth).into_iter().enumerate() {
+                    let ghost = self.index_at(bundle, line, place).group;
+                    self.materials.patterns[ghost] = patterns[end * GHOSTS + depth];
+                }
+            }
+        }
+    }
+
+    /// The ghosts at an end of lines across the groups. What they are beyond a halo does not matter, but that they
+    /// are numbers does: the walk writes them, and they must not grow from sweep to sweep.
+    fn fill_end(&mut self, bundle: Bundle, end: usize) {
+        let Bundle { axis, half, count, lines, face, .. } = bundle;
+        let sides = &self.boundary.faces[half][axis];
+        let mut data = std::mem::take(&mut self.data);
+        let places: [[GroupIndex; 2]; GHOSTS] = std::array::from_fn(|depth| {
+            let end_seen =
+                if matches!(sides[end], BoundaryFaces::Periodic) { 1 - end } else { end };
+            let seen = [depth % count, count - 1 - depth % count][end_seen];
+            [seen as isize, bundle.beyond(depth)[end]].map(|place| self.index_at(bundle, 0, place))
+        });
+        if !self.materials.run_lengths[axis].is_empty() {
+            for [own, ghost] in places {
+                for line in 0..lines {
+                    let [own, ghost] = [own, ghost].map(|stop| stop.of_line(line, bundle.across));
+                    self.materials.patterns[ghost.group] = self.materials.patterns[own.group];
+                }
+            }
+        }
+        match sides[end].mirror() {
+            Some(mirror) if mirror.is_one_sided && count >= BESIDE => {
+                let beside: [GroupIndex; BESIDE] = std::array::from_fn(|depth| {
+                    let place = [depth, count - 1 - depth][end];
+                    bundle.index(place)
+                });
+                let fill = FillOneSided {
+                    data: &mut data,
+                    waves: &self.materials.waves[axis],
+                    mirror,
+                    end,
+                    beside: beside.map(|stop| stop.data),
+                    ghosts: places.map(|[_, ghost]| ghost.data),
+                    lines,
+                    face,
+                    table: &self.materials.table,
+                    patterns: beside.map(|stop| &self.materials.patterns[stop.group..]),
+                };
+                T::fill_one_sided(fill, self.instructions);
+            }
+            _ => {
+                for (depth, [own, ghost]) in places.into_iter().enumerate() {
+                    // A single cell is seen through the other mirror.
+                    let through =
+                        if depth < count { [None, Some(end)] } else { [Some(1 - end), Some(end)] };
+                    let fill = FillEnd {
+                        data: &mut data,
+                        waves: &self.materials.waves[axis],
+                        mirrors: through.map(|end| sides[end?].mirror()),
+                        places: [own.data, ghost.data],
+                        lines,
+                        face,
+                    };
+                    T::fill_end(fill, self.instructions);
+                }
+            }
+        }
+        self.data = data;
+    }
+
+    /// Cells of a line, and its lines of cells by line of groups and lane.
+    fn length(&self, bundle: Bundle) -> (usize, usize) {
+        match bundle.axis {
+            0 => (self.grid.cells[0], 1),
+            _ => (bundle.count, T::Lanes::COUNT),
+        }
+    }
+
+    /// Whether there are cells in a lane of a line of groups.
+    fn has_cells(&self, bundle: Bundle, line: usize, lane: usize) -> bool {
+        let place = (bundle.first.group + line) % self.layout.groups;
+        bundle.axis == 0 || lane * self.layout.groups + place < self.grid.cells[0]
+    }
+
+    /// Group and lane of a cell of a line.
+    fn place_of(
+        &self,
+        bundle: Bundle,
+        (line, lane): (usize, usize),
+        place: usize,
+    ) -> (GroupIndex, usize) {
+        let (place, lane) = match bundle.axis {
+            0 => (place % self.layout.groups, place / self.layout.groups),
+            _ => (place, lane),
+        };
+        (self.index_at(bundle, line, place as isize), lane)
+    }
+
+    /// State and constants at a place of a line, ghosts included.
+    fn read(
+        &self,
+        bundle: Bundle,
+        (line, lane): (usize, usize),
+        place: isize,
+        pair: usize,
+    ) -> (State<T>, Cell<T>) {
+        let wave = &self.waves_of(bundle.axis, bundle.half)[pair];
+        // Behind a row its ghosts stand in it.
+        let (length, beyond) = match bundle.axis {
+            0 => (self.grid.cells[0], GHOSTS),
+            _ => (bundle.count, 0),
+        };
+        let (stop, lane) = match usize::try_from(place) {
+            Ok(place) if place < length + beyond => self.place_of(bundle, (line, lane), place),
+            _ => (self.index_at(bundle, line, place), lane),
+        };
+        let state = self.state((stop, lane), wave);
+        let cell = self.materials.table.cell(self.materials.patterns[stop.group], wave);
+        (state, cell.lane(lane))
+    }
+
+    /// A face times the time of a sweep: accounts are powers per area.
+    fn face_time(&self, axis: usize, half: usize) -> f64 {
+        let is_quarter = self.scheme.alternates() && axis == 0 && self.schedule.is_first(half);
+        self.grid.volume() / self.grid.spacing[axis]
+            * if is_quarter { 0.25 } else { 0.5 }
+            * self.step
+    }
+
+    /// Adds the work at an end of lines that their sweep is about to do.
+    fn note_work(&mut self, bundle: Bundle, end: usize) {
+        let Bundle { axis, half, lines, .. } = bundle;
+        if !matches!(&self.boundary.faces[half][axis][end], BoundaryFaces::Mirror(mirror) if mirror.works)
+        {
+            return;
+        }
+        let (length, lanes) = self.length(bundle);
+        for line in (0..lines).flat_map(|line| (0..lanes).map(move |lane| (line, lane))) {
+            if !self.has_cells(bundle, line.0, line.1) {
+                continue;
+            }
+            let outermost = self.place_of(bundle, line, [0, length - 1][end]).0.group;
+            for pair in 0..self.materials.waves[axis].len() {
+                let inflow = self.face_time(axis, half) * self.work_at(bundle, line, pair, end);
+                let layer = match axis + 1 == D {
+                    true => self.layout.layers() + end,
+                    false => outermost / self.layout.layer_groups(),
+                };
+                self.diagnostics.ledgers[half][layer].inflow += inflow;
+            }
+        }
+    }
+
+    /// Power per area that a side does work with at an end of a line whose ghosts are filled, W/m², positive inwards.
+    fn work_at(&self, bundle: Bundle, line: (usize, usize), pair: usize, end: usize) -> f64 {
+        let Bundle { axis, half, .. } = bundle;
+        let face = match axis {
+            0 => {
+                ((bundle.face + line.0) / T::Lanes::COUNT, (bundle.face + line.0) % T::Lanes::COUNT)
+            }
+            _ => (bundle.face + line.0, line.1),
+        };
+        match &self.boundary.faces[half][axis][end] {
+            BoundaryFaces::Mirror(mirror) if mirror.works_on(pair, face) => {}
+            _ => return 0.0,
+        }
+        let first = [-2, self.length(bundle).0 as isize - 2][end];
+        let four = [0, 1, 2, 3].map(|i| self.read(bundle, line, first + i, pair));
+        let (states, cells) = (four.map(|own| own.0), four.map(|own| own.1));
+        let work = line::work_between(states, cells, self.scheme.slopes);
+        if end == 0 { -work } else { work }
+    }
+
+    /// The sweep line by line and cell by cell, with its account.
+    fn sweep_plainly(&mut self, bundle: Bundle) {
+        let (_, lanes) = self.length(bundle);
+        for line in (0..bundle.lines).flat_map(|line| (0..lanes).map(move |lane| (line, lane))) {
+            if self.has_cells(bundle, line.0, line.1) {
+                self.sweep_line(bundle, line);
+            }
+        }
+    }
+
+    fn sweep_line(&mut self, bundle: Bundle, line: (usize, usize)) {
+        let Bundle { axis, half, .. } = bundle;
+        let (length, _) = self.length(bundle);
+        let unit = self.face_time(axis, half);
+        for pair in 0..self.materials.waves[axis].len() {
+            let end = length + 2 * GHOSTS;
+            for i in 0..end {
+                let (state, cell) = self.read(bundle, line, i as isize - GHOSTS as isize, pair);
+                self.buffer.velocity[i] = state.velocity;
+                self.buffer.stress[i] = state.stress;
+                self.buffer.cells[i] = cell;
+            }
+            let works = [0, 1].map(|end| self.work_at(bundle, line, pair, end));
+            let super::Buffer { velocity, stress, cells, accounts, .. } = &mut self.buffer;
+            let accounts = &mut accounts[..length];
+            accounts.fill(Account::default());
+            let (velocity, stress) = (&mut velocity[..end], &mut stress[..end]);
+            line::sweep(velocity, stress, &cells[..end], self.scheme.slopes, Some(accounts));
+            let wave = &self.materials.waves[axis][pair];
+            for i in 0..length {
+                let (stop, lane) = self.place_of(bundle, line, i);
+                let pattern = self.materials.patterns[stop.group];
+                let layer = stop.group / self.layout.layer_groups();
+                let [v, s] = [self.buffer.velocity[GHOSTS + i], self.buffer.stress[GHOSTS + i]];
+                let group = &mut self.data[stop.data..];
+                let change = s - group[wave.stress].lanes()[lane];
+                group[wave.velocity].lanes_mut()[lane] = v;
+                group[wave.stress].lanes_mut()[lane] = s;
+                for (index, &place) in wave.followers.iter().enumerate() {
+                    let ratio = self.materials.table.ratio(pattern, wave, index).lanes()[lane];
+                    let value = &mut group[place].lanes_mut()[lane];
+                    *value = *value + ratio * change;
+                }
+                let account = self.buffer.accounts[i];
+                // What crosses a cut, or comes round, stays inside.
+                let ends = [i == 0, i + 1 == length];
+                let ledger = &mut self.diagnostics.ledgers[half][layer];
+                let work: f64 = (0..2).filter(|end| ends[*end]).map(|end| works[end]).sum();
+                ledger.inflow += unit * work;
+                ledger.numerical += unit * account.dissipated;
+            }
+        }
+    }
+}

@@ -1,0 +1,581 @@
+//! Sides as sweeps see them: ghost states beyond them.
+//!
+//! Across a plane of symmetry they are mirror images, which is exact. Elsewhere the normal derivative of the velocity
+//! on a free side, or of the stress on a fixed one, is not zero. An image then has a kink at the side, which limiters and
+//! linear reconstructions alike take for a crest, and the error of the face state is of first order. Ghosts are
+//! therefore such that the sweeps, which know nothing of sides, make better face states from them: [`limited`] and
+//! [`fourth_order`].
+
+use crate::simd::{self, Group, Number, Real};
+use crate::solid::boundary::{Boundary, Condition, Load, Signal};
+use crate::solid::cell::Cell;
+use crate::solid::reconstruction::{GHOSTS, Slopes};
+use crate::solid::riemann::{RiemannInvariants, State};
+
+/// What lies beyond a side, ready for the sweeps.
+#[derive(Clone)]
+pub(crate) enum BoundaryFaces<T: Real> {
+    /// The opposite side.
+    Periodic,
+    /// A halo ends here: what lies beyond it does not matter.
+    Exchange,
+    /// A mirror: ghosts are (±v + a, ±s + b), or nothing.
+    Mirror(GhostRule<T>),
+}
+
+impl<T: Real> BoundaryFaces<T> {
+    /// The mirror, where there is one.
+    pub(crate) fn mirror(&self) -> Option<&GhostRule<T>> {
+        match self {
+            Self::Mirror(mirror) => Some(mirror),
+            Self::Periodic | Self::Exchange => None,
+        }
+    }
+}
+
+/// Both sides of an axis as they are at a time.
+pub(crate) fn set_time<T: Real>(sides: &mut [BoundaryFaces<T>; 2], time: f64) {
+    for side in sides {
+        if let BoundaryFaces::Mirror(mirror) = side {
+            mirror.set_time(time);
+        }
+    }
+}
+
+/// Where a face stands: a group of faces, and a lane.
+pub(crate) type Slot = (usize, usize);
+
+/// Signs and shifts by pair and face.
+#[derive(Clone)]
+pub(crate) struct GhostRule<T: Real> {
+    /// Sign of v, shift of v, sign of s, shift of s; 1 where the arriving wave is reconstructed from its own side,
+    /// 0 where ghosts are images.
+    by_face: Vec<[T::Lanes; 5]>,
+    /// Groups of faces of a pair; one stands for all where they are alike.
+    groups: usize,
+    /// Whether all faces are alike, as most are.
+    pub(crate) is_uniform: bool,
+    loads: Vec<SideLoad>,
+    /// Whether any wave is reconstructed from its own side.
+    pub(crate) is_one_sided: bool,
+    /// How.
+    closure: Closure,
+    /// Whether work may be done here.
+    pub(crate) works: bool,
+}
+
+/// How waves are reconstructed beside a side.
+#[derive(Clone, Copy)]
+pub(crate) struct Closure {
+    pub(crate) slopes: Slopes,
+    /// Whether any face is open.
+    pub(crate) is_open: bool,
+}
+
+#[derive(Clone)]
+struct SideLoad {
+    /// Places in `by_face`, which of the four, and twice the amplitude.
+    entries: Vec<(Slot, usize, f64)>,
+    /// The same places without any load.
+    bases: Vec<f64>,
+    signal: Signal,
+}
+
+impl<T: Real> GhostRule<T> {
+    /// The faces of a side by their numbers in the whole of it, in order, and where they stand here. What is the
+    /// same at all faces, as it is at most sides without loads, is kept once: it is looked up at both ends of every
+    /// row.
+    pub(crate) fn new(
+        boundary: &Boundary,
+        pairs: usize,
+        (faces, groups): (&[(usize, Slot)], usize),
+        is_loaded: bool,
+        slopes: Slopes,
+    ) -> Self {
+        // Without slopes images give the same face states.
+        let one_sided = if slopes == Slopes::Godunov { 0.0 } else { 1.0 };
+        let entry = |condition| match condition {
+            Some(Condition::Velocity(given)) => [-1.0, 2.0 * given, 1.0, 0.0, one_sided],
+            Some(Condition::Traction(given)) => [1.0, 0.0, -1.0, 2.0 * given, one_sided],
+            Some(Condition::NonReflecting) => [0.0, 0.0, 0.0, 0.0, one_sided],
+            Some(Condition::OddVelocity) => [-1.0, 0.0, 1.0, 0.0, 0.0],
+            Some(Condition::OddStress) => [1.0, 0.0, -1.0, 0.0, 0.0],
+            None => [0.0; 5],
+        };
+        // Shifts would move lanes that are no cells.
+        let alike = |pair: usize| {
+            let mut all = faces.iter().map(|(face, _)| entry(boundary.condition(pair, *face)));
+            let first = all.next()?;
+            let is_still = first[1] == 0.0 && first[3] == 0.0;
+            (is_still && all.all(|own| own == first)).then_some(first)
+        };
+        let alike = (0..pairs).map(alike).collect::<Option<Vec<_>>>().filter(|_| !is_loaded);
+        if let Some(entries) = alike {
+            let works = entries.iter().any(|own| own[0] == 0.0);
+            let is_one_sided = entries.iter().any(|own| own[4] != 0.0);
+            let closure = Closure { slopes, is_open: works };
+            let lanes = |own: [f64; 5]| own.map(|value| T::Lanes::all(T::of(value)));
+            let by_face = entries.into_iter().map(lanes).collect();
+            return Self {
+                by_face,
+                groups: 1,
+                is_uniform: true,
+                loads: Vec::new(),
+                is_one_sided,
+                closure,
+                works,
+            };
+        }
+        let mut by_face = vec![[T::Lanes::ZERO; 5]; pairs * groups];
+        let (mut works, mut is_one_sided, mut is_open) = (false, false, false);
+        for pair in 0..pairs {
+            for &(face, (group, lane)) in faces {
+                let entry = entry(boundary.condition(pair, face));
+                works |= entry[0] == 0.0 || entry[1] != 0.0 || entry[3] != 0.0;
+                is_one_sided |= entry[4] != 0.0;
+                is_open |= entry[0] == 0.0;
+                for (lanes, value) in by_face[pair * groups + group].iter_mut().zip(entry) {
+                    lanes.lanes_mut()[lane] = T::of(value);
+                }
+            }
+        }
+        let closure = Closure { slopes, is_open };
+        Self { by_face, groups, is_uniform: false, loads: Vec::new(), is_one_sided, closure, works }
+    }
+
+    /// Adds a load; on faces of open sides there is nothing to be given.
+    pub(crate) fn add(&mut self, load: &Load, faces: &[(usize, Slot)]) {
+        let (mut entries, mut bases) = (Vec::new(), Vec::new());
+        for &(face, amplitude) in &load.faces {
+            let from = faces.partition_point(|own| own.0 < face);
+            for &(_, (group, lane)) in faces[from..].iter().take_while(|own| own.0 == face) {
+                let place = load.pair * self.groups + group;
+                let sign = self.by_face[place][0].lanes()[lane].wide();
+                if sign != 0.0 {
+                    let which = if sign < 0.0 { 1 } else { 3 };
+                    entries.push(((place, lane), which, 2.0 * amplitude));
+                    bases.push(self.by_face[place][which].lanes()[lane].wide());
+                }
+            }
+        }
+        if !entries.is_empty() {
+            self.loads.push(SideLoad { entries, bases, signal: load.signal.clone() });
+            self.works = true;
+        }
+    }
+
+    /// The shifts at a time.
+    pub(crate) fn set_time(&mut self, time: f64) {
+        for load in &self.loads {
+            for (&((place, lane), which, _), &base) in load.entries.iter().zip(&load.bases) {
+                self.by_face[place][which].lanes_mut()[lane] = T::of(base);
+            }
+        }
+        for load in &self.loads {
+            let value = (load.signal)(time);
+            for &((place, lane), which, amplitude) in &load.entries {
+                let own = &mut self.by_face[place][which].lanes_mut()[lane];
+                *own = *own + T::of(amplitude * value);
+            }
+        }
+    }
+
+    /// Whether work is done on a face now: neither its velocity nor its traction is zero.
+    pub(crate) fn works_on(&self, pair: usize, (group, lane): Slot) -> bool {
+        let [sign, velocity, _, stress, _] =
+            self.face(pair, group).map(|lanes| lanes.lanes()[lane]);
+        self.works && (sign == T::ZERO || velocity != T::ZERO || stress != T::ZERO)
+    }
+
+    /// How waves are reconstructed beside it.
+    pub(crate) fn closure(&self) -> Closure {
+        self.closure
+    }
+
+    /// Sign of v, shift of v, sign of s, shift of s, and whether the arriving wave is reconstructed from its own side.
+    #[inline(always)]
+    pub(crate) fn face(&self, pair: usize, group: usize) -> &[T::Lanes; 5] {
+        &self.by_face[pair * self.groups + group.min(self.groups - 1)]
+    }
+}
+
+/// The image of a value by a sign and a shift.
+#[inline(always)]
+pub(crate) fn image<N: Number>([sign, shift]: [N; 2], own: N) -> N {
+    sign * own + shift
+}
+
+/// Cells beside a side that its ghosts depend on.
+pub(crate) const BESIDE: usize = 3;
+
+/// The ghosts beyond an end (0 towards smaller coordinates, 1 towards greater ones), the nearest first, from the
+/// outermost cells, their constants, the [`GhostCoefficients`] of the outermost one and what [`GhostRule::face`] gives.
+#[inline(always)]
+pub(crate) fn ghosts<N: Number>(
+    closure: Closure,
+    beside: [State<N>; BESIDE],
+    mirror: [N; 5],
+    end: usize,
+    cells: [&Cell<N>; BESIDE],
+    coefficients: &GhostCoefficients<N>,
+) -> [State<N>; GHOSTS] {
+    let [sign_v, shift_v, sign_s, shift_s, _] = mirror;
+    let image_of = |own: State<N>| State {
+        velocity: image([sign_v, shift_v], own.velocity),
+        stress: image([sign_s, shift_s], own.stress),
+    };
+    let images = [image_of(beside[0]), image_of(beside[1])];
+    match closure.slopes {
+        Slopes::Godunov => images,
+        Slopes::Limited => {
+            limited([beside[0], beside[1]], images, mirror, end, [cells[0], cells[1]])
+        }
+        Slopes::FourthOrder => {
+            fourth_order(closure.is_open, (beside, images), mirror, end, cells, coefficients)
+        }
+    }
+}
+
+/// The wave that arrives at an end and the one that leaves it.
+#[inline(always)]
+fn by_way<N: Number>(end: usize, state: State<N>, cell: &Cell<N>) -> [N; 2] {
+    let RiemannInvariants { right, left } = RiemannInvariants::of(state, cell);
+    if end == 0 { [left, right] } else { [right, left] }
+}
+
+/// Beside a free or fixed side the corrections of three fluxes, over 1 − C, by powers of C, of the differences between
+/// the arriving wave in the two outermost cells and in their images, from inside to outside.
+const REFLECTING: [[[f64; 3]; 4]; 3] = [
+    [
+        [-0.020542, -0.082548, 0.066958],
+        [-0.04781, -0.293982, 0.387252],
+        [-1.061536, 1.881096, -1.321698],
+        [0.833778, -1.02964, 0.880974],
+    ],
+    [
+        [0.15665, -0.068548, -0.1103],
+        [0.123486, 0.097652, -0.031454],
+        [1.179124, -2.385758, 1.03048],
+        [-1.56615, 2.452018, -0.87399],
+    ],
+    [
+        [-0.077896, 0.134494, -0.011028],
+        [0.258254, -0.701944, -0.190086],
+        [-2.583206, 4.883552, -0.457988],
+        [3.354494, -5.74239, 0.598212],
+    ],
+];
+
+/// Beside an open side what leads over 1 − C, by powers of C: of the arriving wave at the face between the two
+/// outermost cells and at the side, of the leaving one between those cells, of the differences between the three
+/// outermost cells in the direction of the wave.
+const OPEN: [[[f64; 2]; 3]; 3] = [
+    [[1.0 / 12.0, 0.33211 + 1.0 / 12.0], [0.25089, -0.24095], [-0.0514, 0.02737]],
+    [[0.0, 0.40692], [-0.25572, 0.25506], [0.24459, -0.22165]],
+    [[0.5, -1.0 / 12.0], [0.12798, -0.15611], [-0.02068, 0.03919]],
+];
+
+/// Polynomials of C.
+#[inline(always)]
+fn polynomials<N: Number, const POWERS: usize, const COUNT: usize>(
+    coefficients: &[[f64; COUNT]; POWERS],
+    courant: N,
+) -> [N; COUNT] {
+    let mut values = [N::ZERO; COUNT];
+    for power in coefficients.iter().rev() {
+        for (value, coefficient) in values.iter_mut().zip(power) {
+            *value = *value * courant + N::constant(*coefficient);
+        }
+    }
+    values
+}
+
+/// The dot product.
+#[inline(always)]
+fn dot<N: Number>([a, b, c]: [N; 3], [one, two, three]: [N; 3]) -> N {
+    a * one + b * two + c * three
+}
+
+/// The coefficients by which [`fourth_order`] makes ghost values of the differences beside a side. They depend on the
+/// Courant number of the outermost cell alone.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GhostCoefficients<N> {
+    /// 0 at Courant number 1, where waves move by a cell and nothing is to be corrected; else 1.
+    moves: N,
+    /// Beside a free or fixed side: of the arriving wave in the nearest and in the farther ghost, and of the leaving wave
+    /// there by the coefficient of reflection.
+    reflecting: [[N; 3]; 4],
+    /// Beside an open side: of the arriving wave in both ghosts and of the leaving one in the nearest, by two differences
+    /// each; of the leaving one in the farther ghost, by what it is in the nearest one and in the outermost cell and by
+    /// its difference there.
+    open: [[N; 3]; 4],
+    /// The difference that gives the farther ghost no upwind difference at an open side of one or two cells.
+    plain: N,
+}
+
+impl<N: Number> GhostCoefficients<N> {
+    #[inline(always)]
+    pub(crate) fn new(cell: &Cell<N>) -> Self {
+        let staying = cell.staying();
+        let courant = N::ONE - staying;
+        let moving = (staying - N::constant(1e-6)).greatest(N::ZERO);
+        let per_staying = N::ONE / staying.greatest(N::constant(1e-6));
+        // Weights of the fourth order over 1 − C.
+        let twelfth = N::constant(1.0 / 12.0);
+        let upwind = N::HALF * twelfth * (N::ONE + courant) * (N::ONE + N::ONE + courant);
+        let central = N::HALF - twelfth * courant * (N::ONE + courant);
+        let downwind = -(N::HALF * twelfth * (N::ONE + courant) * (N::ONE + N::ONE - courant));
+        let (per_upwind, per_downwind) = (N::ONE / upwind, N::ONE / downwind);
+        let passed = N::ONE + cell.upwind - cell.central;
+
+        // The arriving wave sees ghosts downwind, the leaving one upwind.
+        let [inside, at_side, outside] = [
+            polynomials(&REFLECTING[0], courant),
+            polynomials(&REFLECTING[1], courant),
+            polynomials(&REFLECTING[2], courant),
+        ];
+        let mut reflecting = [[N::ZERO; 3]; 4];
+        for i in 0..3 {
+            let out = inside[i] * per_downwind;
+            let back = -(outside[i] * per_upwind);
+            reflecting[0][i] = out;
+            reflecting[1][i] = out + (at_side[i] - central * out) * per_downwind;
+            reflecting[2][i] = back;
+            reflecting[3][i] = (passed * back * per_staying - at_side[i]) * per_upwind;
+        }
+
+        let [face, side, back] = [
+            polynomials(&OPEN[0], courant),
+            polynomials(&OPEN[1], courant),
+            polynomials(&OPEN[2], courant),
+        ];
+        let next = [(face[0] - upwind) * per_downwind, (face[1] - central) * per_downwind, N::ZERO];
+        let farther = [
+            next[0] + (side[0] - central * next[0]) * per_downwind,
+            next[1] + (side[1] - upwind - central * next[1]) * per_downwind,
+            N::ZERO,
+        ];
+        let back = [(central - back[0]) * per_upwind, (downwind - back[1]) * per_upwind, N::ZERO];
+        let carried = per_staying * per_upwind;
+        let from_next = [
+            N::ONE + carried * (N::ONE - cell.central),
+            carried * cell.central,
+            carried * cell.downwind,
+        ];
+        Self {
+            moves: (moving * (N::ONE / N::LEAST)).least(N::ONE),
+            reflecting,
+            open: [next, farther, back, from_next],
+            plain: upwind * per_downwind,
+        }
+    }
+
+    const NONE: Self = Self {
+        moves: N::ZERO,
+        plain: N::ZERO,
+        reflecting: [[N::ZERO; 3]; 4],
+        open: [[N::ZERO; 3]; 4],
+    };
+
+    /// Loads the coefficients of a group of lanes.
+    #[inline(always)]
+    pub(crate) fn load<T: Real>(from: &GhostCoefficients<T::Lanes>) -> Self
+    where
+        N: simd::Vector<T>,
+    {
+        let mut own =
+            Self { moves: N::load(&from.moves), plain: N::load(&from.plain), ..Self::NONE };
+        for form in 0..4 {
+            for i in 0..3 {
+                own.reflecting[form][i] = N::load(&from.reflecting[form][i]);
+                own.open[form][i] = N::load(&from.open[form][i]);
+            }
+        }
+        own
+    }
+
+    /// Stores them as a group of lanes.
+    #[inline(always)]
+    pub(crate) fn group<T: Real>(&self) -> GhostCoefficients<T::Lanes>
+    where
+        N: simd::Vector<T>,
+    {
+        let mut group = GhostCoefficients::NONE;
+        self.moves.store(&mut group.moves);
+        self.plain.store(&mut group.plain);
+        for form in 0..4 {
+            for i in 0..3 {
+                self.reflecting[form][i].store(&mut group.reflecting[form][i]);
+                self.open[form][i].store(&mut group.open[form][i]);
+            }
+        }
+        group
+    }
+}
+
+/// The ghosts of [`Slopes::FourthOrder`]: a linear closure that lets no energy grow.
+///
+/// Beside a free or fixed side the arriving wave goes on as the leaving one, unfolded W = (O₁, O₀ | I₀′, I₁′) with the
+/// arriving wave O in the two outermost cells and in their images. These alone conserve as the interior does, but ∂W
+/// has a kink at the side, and the errors beside it are of first order. No closure that is exact on straight waves
+/// keeps the energy: with slopes a before the side and b after it a sweep would change the energy by
+/// C(1 − C²)/12 (a² − b²). [`REFLECTING`] corrects the fluxes at the side, and both the arriving and the leaving one at
+/// the next face. It is a mean of two closures, one fitted to pulses and one to the kink; the sweep stays a
+/// contraction (singular values of lines: `no_line_gains_energy`). At an open side nothing comes in, and the outgoing wave
+/// is reconstructed from its own side: [`OPEN`]. Where the three outermost cells are not of one medium the ghosts are
+/// images; on an open side the face value of the outgoing wave is then its value in the outermost cell.
+#[inline(always)]
+fn fourth_order<N: Number>(
+    is_open: bool,
+    (beside, images): ([State<N>; BESIDE], [State<N>; GHOSTS]),
+    [sign_v, _, sign_s, _, one_sided]: [N; 5],
+    end: usize,
+    cells: [&Cell<N>; BESIDE],
+    coefficients: &GhostCoefficients<N>,
+) -> [State<N>; GHOSTS] {
+    let cell = cells[0];
+    let two_alike = N::ONE - cell.contrast(cells[1]);
+    let of_one = two_alike * (N::ONE - cells[1].contrast(cells[2]));
+    let corrected = one_sided * of_one * coefficients.moves;
+    let reflection = N::HALF * (sign_s - sign_v);
+
+    let [out, own_in] = by_way(end, beside[0], cell);
+    let [out_behind, in_behind] = by_way(end, beside[1], cell);
+    let [image_out, image_in] = by_way(end, images[0], cell);
+    let [image_out_behind, image_in_behind] = by_way(end, images[1], cell);
+
+    let unfolded = [out - out_behind, image_out - out, image_out_behind - image_out];
+    let [to_out, to_out_behind, to_in, to_in_behind] = coefficients.reflecting;
+    let reflected = corrected * reflection;
+    let mut nearest = [
+        image_out + corrected * dot(to_out, unfolded),
+        image_in + reflected * dot(to_in, unfolded),
+    ];
+    let mut farther = [
+        image_out_behind + corrected * dot(to_out_behind, unfolded),
+        image_in_behind + reflected * dot(to_in_behind, unfolded),
+    ];
+
+    if is_open {
+        let third = by_way(end, beside[2], cell);
+        let (before, last) = (out_behind - third[0], out - out_behind);
+        let [to_next, to_farther, to_back, from_next] = coefficients.open;
+        let next_out = out + (to_next[0] * before + to_next[1] * last);
+        let farther_out = out + (to_farther[0] * before + to_farther[1] * last);
+        let (first, second) = (in_behind - own_in, third[1] - in_behind);
+        let next_in = own_in + (to_back[0] * first + to_back[1] * second);
+        let farther_in = dot(from_next, [next_in, own_in, first]);
+        let open = N::ONE - reflection * reflection;
+        let plain = open * one_sided * (N::ONE - corrected);
+        let open = open * corrected;
+        let held = N::ONE - open - plain;
+        nearest =
+            [held * nearest[0] + open * next_out + plain * out, held * nearest[1] + open * next_in];
+        farther = [
+            held * farther[0]
+                + open * farther_out
+                + plain * (out - two_alike * (coefficients.plain * last)),
+            held * farther[1] + open * farther_in,
+        ];
+    }
+    let half_admittance = N::HALF / cell.impedance;
+    let one_sided = one_sided * if is_open { N::ONE } else { of_one };
+    let made = [
+        state_of(end == 0, nearest, half_admittance),
+        state_of(end == 0, farther, half_admittance),
+    ];
+    [chosen(one_sided, made[0], images[0]), chosen(one_sided, made[1], images[1])]
+}
+
+/// The ghosts of [`Slopes::Limited`].
+///
+/// O is the wave that arrives and I the one that leaves, with index 0 in the outermost cell and 1 behind it, C the
+/// Courant number, γ = ½(σ_s − σ_v) the coefficient of reflection: −1 for given tractions, 1 for given velocities, 0
+/// for open sides. The condition gives I* = γ O* + 2g_s ∓ 2z g_v at the face, where O* = O₀ + (1 − C) x, and x is half
+/// of the slope a = O₀ − O₁ where the state is smooth. In rough states that could increase the energy; what the cell
+/// loses at the least by averaging the wave that leaves, (w − Cy)² − β with w = γ(I₀ − I*) and y half of the limited
+/// slope there, pays for it, and
+///
+/// ```text
+/// x = a (½ − κ(1 − t)),  t = min(1, 15/4 · max(0, (w − Cy)² − β)/(C a²)),
+/// κ = ½C/(1 + C + √((1 + C)² − C(1 − C²))),
+/// β = max(0, y² − ((1 − ½C)b − (1 − C)y)² + ¼(1 − C)b²),  b = γ(I₁ − I₀).
+/// ```
+///
+/// No state is known in which a sweep increases the energy (`tests/energy.rs` looks for one). The nearest ghost has the
+/// O that makes this lead in the outermost cell, 4x − a beyond O₀, and the I of a straight wave through I* and I₀.
+#[inline(always)]
+fn limited<N: Number>(
+    [own, behind]: [State<N>; 2],
+    images: [State<N>; GHOSTS],
+    [sign_v, shift_v, sign_s, shift_s, one_sided]: [N; 5],
+    end: usize,
+    [cell, cell_behind]: [&Cell<N>; 2],
+) -> [State<N>; GHOSTS] {
+    // Images where the two cells are of different media: the payment is that of one.
+    let one_sided = one_sided * (N::ONE - cell.contrast(cell_behind));
+    let is_lower = end == 0;
+    let [arriving, leaving] = by_way(end, own, cell);
+    let [arriving_behind, leaving_behind] = by_way(end, behind, cell);
+    let given = cell.impedance * shift_v;
+    let given = if is_lower { shift_s - given } else { shift_s + given };
+    let reflection = N::HALF * (sign_s - sign_v);
+    let reflects = reflection * reflection;
+    let courant = cell.half_courant + cell.half_courant;
+    let staying = N::ONE - courant;
+    let passed = N::ONE + courant;
+    // From the middle of the step at the face to the middle of the cell, and on to the middle of a ghost.
+    let stretch = N::ONE + reflects * (staying / passed);
+    let steep = arriving - arriving_behind;
+
+    // Paid by averaging.
+    let w = reflection * (leaving - given) - arriving - N::HALF * staying * steep;
+    let b = reflection * (leaving_behind - leaving);
+    let upwind = stretch * w;
+    let y = (N::QUARTER * (upwind + b))
+        .bounded(upwind / courant.greatest(N::LEAST), b / staying.greatest(N::LEAST));
+    let averaged = w - courant * y;
+    let half_staying = staying * y;
+    let passing = (N::ONE - cell.half_courant) * b - half_staying;
+    let kept = y * y - passing * passing + N::QUARTER * staying * (b * b);
+    let budget = averaged * averaged - kept.greatest(N::ZERO);
+    let needed = (courant * (steep * steep)).greatest(N::LEAST);
+    // 4 would be all that is paid.
+    let most = (N::ONE + N::ONE) + (N::ONE + N::ONE) - N::QUARTER;
+    let share = (most * budget.greatest(N::ZERO) / needed).least(N::ONE);
+    let root = (passed * passed - courant * (staying * passed)).root();
+    let unpaid = cell.half_courant / (passed + root);
+    let x = steep * (N::HALF - unpaid * (N::ONE - share));
+
+    let incoming = reflection * (arriving + staying * x) + given;
+    let downwind = (x + x) + (x + x) - steep;
+    let to_ghost = stretch * (leaving - incoming);
+    let to_farther = (reflects + reflects) * to_ghost - to_ghost;
+    let nearest = [arriving + downwind, leaving - to_ghost];
+    let farther = [arriving + downwind, leaving - to_ghost - to_farther];
+    let half_admittance = N::HALF / cell.impedance;
+    let nearest = state_of(is_lower, nearest, half_admittance);
+    let farther = state_of(is_lower, farther, half_admittance);
+    [chosen(one_sided, nearest, images[0]), chosen(one_sided, farther, images[1])]
+}
+
+/// The state of an arriving and a leaving wave.
+#[inline(always)]
+fn state_of<N: Number>(
+    is_lower: bool,
+    [arriving, leaving]: [N; 2],
+    half_admittance: N,
+) -> State<N> {
+    let difference = if is_lower { arriving - leaving } else { leaving - arriving };
+    State { velocity: half_admittance * difference, stress: N::HALF * (arriving + leaving) }
+}
+
+/// By weight 1 the first state, by weight 0 the second one, to the bit.
+#[inline(always)]
+fn chosen<N: Number>(weight: N, one: State<N>, other: State<N>) -> State<N> {
+    let rest = N::ONE - weight;
+    State {
+        velocity: weight * one.velocity + rest * other.velocity,
+        stress: weight * one.stress + rest * other.stress,
+    }
+}

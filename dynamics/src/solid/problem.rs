@@ -1,0 +1,311 @@
+//! What is to be solved: grid, media, sides, what acts, and the choices of the scheme.
+
+use crate::solid::boundary::{Boundary, Condition, Load, Source};
+use crate::solid::medium::Medium;
+use crate::solid::reconstruction::{HALO, Slopes};
+use models::solid::stress::Stress;
+use models::solid::waves::Field;
+
+/// A rectangular grid of `D` dimensions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid<const D: usize> {
+    /// Cells along each axis.
+    pub cells: [usize; D],
+    /// Edges of a cell, m.
+    pub spacing: [f64; D],
+}
+
+impl<const D: usize> Grid<D> {
+    /// Cells in all.
+    pub fn count(&self) -> usize {
+        self.cells.iter().product()
+    }
+
+    /// Volume of a cell, m³; in plane strain of a slice of unit thickness.
+    pub fn volume(&self) -> f64 {
+        self.spacing.iter().product()
+    }
+
+    /// Faces of a side across `axis`.
+    pub fn faces(&self, axis: usize) -> usize {
+        self.count() / self.cells[axis].max(1)
+    }
+}
+
+/// Where the correction stands in a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Placement {
+    /// P after the elastic step: first order, and the state always in its set. Fronts at which flow begins or
+    /// ends are as sharp as the sweeps make them.
+    #[default]
+    Last,
+    /// 2P − I between the halves of the elastic step: second order while the same conditions stay active. Where
+    /// flow ends at once, behind a shock, what the last reflection went beyond stays as an error of the size
+    /// of a step's plastic strain.
+    /// The state is in its set in the middle of steps; [`Domain::admissible`](crate::solid::domain::Domain::admissible) is what to look at.
+    Middle,
+}
+
+/// The order of the sweeps of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Splitting {
+    /// x y z, then z y x, each by half a step (Marchuk 1968; Strang 1968): across each axis two sweeps follow each
+    /// other, and waves of Courant number 1 along an axis move by two cells to the bit.
+    #[default]
+    TwoCyclic,
+    /// Sweeps along x alternate with those across it: x, y z, x, z y; which axis x is in space says
+    /// [`Problem::first_axis`]. The state is a quarter of a step of the sweep
+    /// along x behind its time, which [`Domain::output_cell`](crate::solid::domain::Domain::output_cell) makes up for, and the first sweep
+    /// is half as long. As many sweeps, a quarter of the splitting error between x and the other axes; above all on
+    /// free sides, where two sweeps in a row across the side let the traction that the sweep along the side makes
+    /// grow twice as far before they release it.
+    Alternating,
+}
+
+/// How much of the energy is accounted for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Detail {
+    /// All but the dissipation of the scheme.
+    #[default]
+    Light,
+    /// That of the scheme as well, from the fluxes of every cell and sweep: many times slower.
+    Full,
+}
+
+/// The choices of the scheme.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scheme {
+    /// How waves are reconstructed.
+    pub slopes: Slopes,
+    /// Where the correction stands.
+    pub placement: Placement,
+    /// What the ledger holds.
+    pub detail: Detail,
+    /// The order of sweeps. [`Placement::Middle`] needs a step with a middle between sweeps:
+    /// [`Splitting::TwoCyclic`] is taken.
+    pub splitting: Splitting,
+}
+
+impl Scheme {
+    /// A two-cyclic scheme with a light ledger.
+    pub fn new(slopes: Slopes, placement: Placement) -> Self {
+        Self { slopes, placement, detail: Detail::Light, splitting: Splitting::TwoCyclic }
+    }
+
+    /// Whether sweeps alternate.
+    pub(crate) fn alternates(&self) -> bool {
+        self.splitting == Splitting::Alternating && self.placement == Placement::Last
+    }
+}
+
+/// What is to be solved.
+#[derive(Clone)]
+pub struct Problem<const D: usize> {
+    /// The grid.
+    pub grid: Grid<D>,
+    /// The media: all of the same fields.
+    pub media: Vec<Medium>,
+    /// Medium of each cell, the first axis running fastest.
+    pub of_cell: Vec<u16>,
+    /// What lies beyond the sides: by axis, then by end.
+    pub boundaries: [[Boundary; 2]; D],
+    /// Time step Δt, s.
+    pub step: f64,
+    /// The choices of the scheme.
+    pub scheme: Scheme,
+    /// What sides are given in the course of time.
+    pub loads: Vec<Load>,
+    /// What acts inside.
+    pub sources: Vec<Source>,
+    /// Acceleration that acts on all cells, m/s².
+    pub acceleration: [f64; D],
+    /// An initial stress in equilibrium: an axis, and the stress in each layer across it; or none.
+    pub initial_stress: Option<(usize, Vec<Stress>)>,
+    /// Velocities and spins of which the integrals in time, displacements and rotations, are kept.
+    pub integrals: Vec<Field>,
+}
+
+impl<const D: usize> Problem<D> {
+    /// A problem without loads, sources or initial stress.
+    pub fn new(
+        grid: Grid<D>,
+        media: Vec<Medium>,
+        of_cell: Vec<u16>,
+        boundaries: [[Boundary; 2]; D],
+        step: f64,
+        scheme: Scheme,
+    ) -> Self {
+        Self {
+            grid,
+            media,
+            of_cell,
+            boundaries,
+            step,
+            scheme,
+            loads: Vec::new(),
+            sources: Vec::new(),
+            acceleration: [0.0; D],
+            initial_stress: None,
+            integrals: Vec::new(),
+        }
+    }
+
+    /// The axis of which the sweeps should be in the place of those along the first one. Where sweeps alternate in
+    /// space, those along one axis alternate with those along both others, which do not with each other: this axis is
+    /// the last one across whose sides waves are reflected, if there are any. RiemannInvariants along a free side have an error
+    /// of the splitting four times as large where the sweeps across the side do not alternate with those along it.
+    pub fn first_axis(&self) -> usize {
+        let reflects = |side: &Boundary| match side {
+            Boundary::Fixed | Boundary::Free => true,
+            Boundary::Given(conditions) => conditions.iter().any(Condition::reflects),
+            Boundary::ByFace(pairs) => pairs.iter().flatten().any(Condition::reflects),
+            Boundary::Periodic | Boundary::NonReflecting => false,
+        };
+        let axes = 0..if D == 3 && self.scheme.alternates() { D } else { 0 };
+        axes.rev().find(|axis| self.boundaries[*axis].iter().any(reflects)).unwrap_or(0)
+    }
+
+    /// Looks whether it can be solved.
+    ///
+    /// # Errors
+    /// See [`DomainError`].
+    pub fn check(&self) -> Result<(), DomainError> {
+        let needed = self.grid.count();
+        if needed == 0 || self.of_cell.len() != needed {
+            return Err(DomainError::Cells { found: self.of_cell.len(), needed });
+        }
+        let Some(first) = self.media.first() else { return Err(DomainError::Media) };
+        let is_sound = |own: &Medium| own.fields == first.fields && own.pairs.len() == D;
+        if !self.media.iter().all(is_sound) {
+            return Err(DomainError::Media);
+        }
+        let count = self.media.len();
+        if let Some(cell) = self.of_cell.iter().position(|&m| usize::from(m) >= count) {
+            let medium = usize::from(self.of_cell[cell]);
+            return Err(DomainError::NoSuchMedium { cell, medium, count });
+        }
+        for (axis, sides) in self.boundaries.iter().enumerate() {
+            let speeds = self.media.iter().flat_map(|m| &m.pairs[axis]).map(|pair| pair.speed());
+            let courant = 0.5 * self.step * speeds.fold(0.0, f64::max) / self.grid.spacing[axis];
+            // A step that was computed from the Courant number may miss it by rounding.
+            if courant.is_nan() || courant > 1.0 + 1e-11 {
+                return Err(DomainError::Courant { axis, courant });
+            }
+            for side in sides {
+                let found = match side {
+                    Boundary::Given(conditions) => conditions.len(),
+                    Boundary::ByFace(conditions)
+                        if conditions.iter().any(|own| own.len() != self.grid.faces(axis)) =>
+                    {
+                        0
+                    }
+                    Boundary::ByFace(conditions) => conditions.len(),
+                    _ => continue,
+                };
+                let needed = first.pairs[axis].len();
+                if found != needed {
+                    return Err(DomainError::Conditions { axis, found, needed });
+                }
+            }
+            let [one, other] = sides.each_ref().map(|side| *side == Boundary::Periodic);
+            if one != other {
+                return Err(DomainError::Periodic(axis));
+            }
+        }
+        self.check_actions()
+    }
+
+    /// That loads, sources and the initial stress have their places.
+    fn check_actions(&self) -> Result<(), DomainError> {
+        let is_lost = |load: &Load| {
+            load.axis >= D
+                || load.end > 1
+                || load.pair >= self.media[0].pairs[load.axis].len()
+                || load.faces.iter().any(|&(face, _)| face >= self.grid.faces(load.axis))
+                || self.boundaries[load.axis][load.end] == Boundary::Periodic
+        };
+        if let Some(index) = self.loads.iter().position(is_lost) {
+            return Err(DomainError::Load(index));
+        }
+        let fields = &self.media[0].fields;
+        let is_lost = |source: &Source| {
+            source.cells.iter().any(|&(cell, _)| cell >= self.of_cell.len())
+                || source.amplitudes.iter().any(|(field, _)| !fields.contains(field))
+        };
+        if let Some(index) = self.sources.iter().position(is_lost) {
+            return Err(DomainError::Source(index));
+        }
+        match &self.initial_stress {
+            Some((axis, stress)) if self.grid.cells.get(*axis) != Some(&stress.len()) => {
+                Err(DomainError::InitialStress)
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A domain that cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DomainError {
+    /// Media of different theories or dimensions, or none at all.
+    #[error(
+        "all media of a domain must have its dimensions and the same fields, and there must be one"
+    )]
+    Media,
+    /// A cell whose medium is not in the list.
+    #[error("cell {cell} has medium {medium}, of {count}")]
+    NoSuchMedium {
+        /// The cell.
+        cell: usize,
+        /// Its medium.
+        medium: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// As many media as cells are needed.
+    #[error("{found} cells have a medium, of {needed}")]
+    Cells {
+        /// Cells given.
+        found: usize,
+        /// Cells of the grid.
+        needed: usize,
+    },
+    /// A step that is too long: the scheme would be unstable.
+    #[error("Courant number {courant} along axis {axis}: at most 1 is stable")]
+    Courant {
+        /// The axis, from 0.
+        axis: usize,
+        /// c(Δt/2)/h.
+        courant: f64,
+    },
+    /// As many conditions as pairs are needed, and by face as many as faces.
+    #[error("axis {axis}: {found} conditions are given for {needed} pairs of waves")]
+    Conditions {
+        /// The axis, from 0.
+        axis: usize,
+        /// Conditions given.
+        found: usize,
+        /// Pairs of the axis.
+        needed: usize,
+    },
+    /// A load on faces or pairs that are not there, or on a periodic side.
+    #[error("load {0} acts on a side, a pair or a face that is not there")]
+    Load(usize),
+    /// A source on cells or fields that are not there.
+    #[error("source {0} acts on a cell or a field that is not there")]
+    Source(usize),
+    /// As many initial stresses as layers are needed.
+    #[error("an initial stress is needed for every layer across its axis")]
+    InitialStress,
+    /// Parts that are too many or none.
+    #[error("{found} parts: at least 1, and {HALO} cells along the last axis in each, of {cells}")]
+    Parts {
+        /// Parts asked for.
+        found: usize,
+        /// Cells along the last axis.
+        cells: usize,
+    },
+    /// A periodic side whose opposite is not.
+    #[error("both sides of axis {0} must be periodic, or neither")]
+    Periodic(usize),
+}
