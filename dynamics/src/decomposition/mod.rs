@@ -1,9 +1,9 @@
-//! A domain in parts: slabs along the last axis, each in a thread of its own.
+//! Domain decomposition: slabs along the last axis, each in a thread of its own.
 //!
-//! In each pass over the memory a part gets the [`HALO`] layers for each of its steps from its neighbours, and
-//! does to them what they do. Every cell sees the same operations as in the whole, and sums are made by layers:
-//! the same bits. Layers from behind are wanted last, so that a part may be ahead of the next one by nearly a block
-//! of rows: a thread that is held up for a moment does not hold up the others.
+//! In each pass over memory a subdomain receives [`HALO`] layers for each of its steps from its neighbours and
+//! recomputes them redundantly. Every cell sees the same operations as in the whole, and sums are made by
+//! layers: the same bits. The upper halo is received last, so that a thread can run almost one block of rows
+//! ahead of its upper neighbour: a thread that is delayed for a moment does not delay the others.
 
 mod axis_permutation;
 
@@ -80,7 +80,7 @@ struct Part<T: SolverReal, const D: usize> {
 impl<T: SolverReal, const D: usize> Part<T, D> {
     fn advance(&mut self, steps: usize) {
         let Self { domain, halo, records, .. } = self;
-        // Whoever panics lets go of it: the others wait for nobody who is gone.
+        // A panic drops the channels, so that `recv` of the neighbours fails instead of blocking.
         let mut own = std::mem::take(halo);
         let mut left = steps;
         while left > 0 {
@@ -167,7 +167,7 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
             if count == 1 || (next == 0 && !is_periodic) {
                 continue;
             }
-            // Of two blocks: nobody hands over those of a third one before the neighbour has had those of the first.
+            // Channel capacity: the halo layers of two blocks of rows.
             let bound = 2 * HALO * most_steps::<D>(layers / count);
             let ((forth, from_behind), (back, from_ahead)) =
                 (sync_channel(bound), sync_channel(bound));

@@ -1,4 +1,4 @@
-//! What lies beyond the sides of a domain, and what acts on them and inside.
+//! Boundary conditions, loads on boundaries, and sources inside.
 
 use crate::solid::medium::Medium;
 use models::solid::waves::Field;
@@ -7,14 +7,14 @@ use std::sync::Arc;
 /// A function of time, s, without unit.
 pub type Signal = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
 
-/// What a face of a side does to a pair of waves that meets it.
+/// Boundary condition of a face for a pair of waves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Condition {
     /// Velocity (m/s) or spin (rad/s) of the side.
     Velocity(f64),
     /// Traction (Pa) or couple (N/m) on the side: the stress, tension positive, whatever the side.
     Traction(f64),
-    /// The same medium at rest without end: waves along the normal leave.
+    /// Non-reflecting: the incoming characteristic is zero, exact at normal incidence.
     NonReflecting,
     /// A plane of symmetry across which the velocity or spin is odd and the stress even: no velocity on it.
     OddVelocity,
@@ -29,7 +29,7 @@ impl Condition {
     }
 }
 
-/// What lies beyond a side.
+/// Boundary condition at an end of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Boundary {
     /// The opposite side.
@@ -38,7 +38,7 @@ pub enum Boundary {
     Fixed,
     /// Nothing: all tractions and couples vanish.
     Free,
-    /// The same at rest without end: waves along the normal leave.
+    /// Non-reflecting: incoming characteristics are zero, exact at normal incidence.
     NonReflecting,
     /// A condition for each pair of the axis, in their order.
     Given(Vec<Condition>),
@@ -99,7 +99,7 @@ pub struct Load {
     pub signal: Signal,
 }
 
-/// What acts inside.
+/// A source inside: body force, couple or moment tensor.
 #[derive(Clone)]
 pub struct Source {
     /// Cells, the first axis running fastest, and their shares, which add up to 1.

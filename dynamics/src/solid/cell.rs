@@ -1,4 +1,5 @@
-//! What a cell is to a pair of waves: impedance, Courant number, and the weights of reconstruction that they give.
+//! Constants of a cell for a pair of waves: impedance, Courant number, and the reconstruction weights that
+//! follow from them.
 
 use crate::simd::{Group, Number, Real, Vector};
 
@@ -7,19 +8,19 @@ use crate::simd::{Group, Number, Real, Vector};
 pub struct Cell<N> {
     /// z, kg/(m²s) for translations.
     pub impedance: N,
-    /// C/2: change of s per difference of 2zv between the joints.
+    /// C/2: change of s per difference of 2zv between the interface states.
     pub(crate) half_courant: N,
-    /// C/(2z): change of v per difference of 2s between the joints.
+    /// C/(2z): change of v per difference of 2s between the interface states.
     pub(crate) to_velocity: N,
-    /// (1 − C)/4: of the sum of the differences to both sides, what leads if nothing bounds it.
+    /// (1 − C)/4: half-slope correction per sum of the differences to both sides, unlimited.
     pub(crate) mean_slope: N,
-    /// (1 − C)/C: of the difference upwind, what may lead.
+    /// (1 − C)/C: bound of the correction per difference upwind (Roe 1985).
     pub(crate) steepest: N,
-    /// To fourth order, of the difference from the cell upwind, what leads: (1 − C²)(2 + C)/24.
+    /// Fourth order: weight of the difference from the cell upwind, (1 − C²)(2 + C)/24.
     pub(crate) upwind: N,
-    /// Of the difference to the cell downwind: (1 − C)/2 − C(1 − C²)/12.
+    /// Weight of the difference to the cell downwind: (1 − C)/2 − C(1 − C²)/12.
     pub(crate) central: N,
-    /// Of the next difference downwind: −(1 − C²)(2 − C)/24.
+    /// Weight of the next difference downwind: −(1 − C²)(2 − C)/24.
     pub(crate) downwind: N,
 }
 
@@ -29,15 +30,17 @@ impl<T: Real> Cell<T> {
         Self::reconstructed_as(courant, impedance, courant)
     }
 
-    /// The same in a run of several media, for [`Slopes::FourthOrder`](crate::solid::line::Slopes::FourthOrder): beside
-    /// interfaces no wave gains energy at Courant numbers from 0.02 on. Slower waves are reconstructed as at 0.02: then
-    /// neither do they, as with the same fluxes a smaller Courant number leaves less energy; they lose 2 % at most of
-    /// what they would to first order.
+    /// The same in a run of several media, for
+    /// [`Slopes::FourthOrder`](crate::solid::line::Slopes::FourthOrder). The weights beside interfaces let no
+    /// energy grow for C ≥ 0.02; slower waves take the weights of 0.02, by which no energy grows either, since
+    /// with the same fluxes a smaller Courant number leaves less energy. This adds 2 % at most of the
+    /// dissipation of first order.
     pub fn among_others(impedance: f64, courant: f64) -> Self {
         Self::reconstructed_as(courant.max(0.02), impedance, courant)
     }
 
-    /// The same with waves constant in the cell, whichever [`Slopes`](crate::solid::line::Slopes): as at Courant number 1 nothing leads.
+    /// The same for first order, whichever [`Slopes`](crate::solid::line::Slopes): the weights of Courant
+    /// number 1, which are zero.
     pub(crate) fn constant(impedance: f64, courant: f64) -> Self {
         Self { steepest: T::ZERO, ..Self::reconstructed_as(1.0, impedance, courant) }
     }
@@ -184,7 +187,7 @@ impl<V: Number> Cell<V> {
     }
 }
 
-/// A fit that is linear in the Courant number. No closure: those are not compiled for the instructions at hand.
+/// A fit that is linear in the Courant number. No closure: it would lose the SIMD instructions.
 #[inline(always)]
 fn fit<V: Number>(courant: V, at: f64, slope: f64) -> V {
     V::constant(at) + V::constant(slope) * courant

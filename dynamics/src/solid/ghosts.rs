@@ -1,10 +1,10 @@
-//! Sides as sweeps see them: ghost states beyond them.
+//! Boundary conditions as ghost cells.
 //!
-//! Across a plane of symmetry they are mirror images, which is exact. Elsewhere the normal derivative of the velocity
-//! on a free side, or of the stress on a fixed one, is not zero. An image then has a kink at the side, which limiters and
-//! linear reconstructions alike take for a crest, and the error of the face state is of first order. Ghosts are
-//! therefore such that the sweeps, which know nothing of sides, make better face states from them: [`limited`] and
-//! [`fourth_order`].
+//! Across a plane of symmetry ghosts are mirror images, which is exact. Elsewhere the normal derivative of the
+//! velocity at a free boundary, or of the stress at a fixed one, is not zero: an image has a kink at the
+//! boundary, which limiters and linear reconstructions take for an extremum, and the error of the face state is
+//! of first order. Ghosts are therefore chosen such that the sweeps, which treat them like all cells, make
+//! better face states from them: [`limited`] and [`fourth_order`].
 
 use crate::simd::{self, Group, Number, Real};
 use crate::solid::boundary::{Boundary, Condition, Load, Signal};
@@ -12,12 +12,12 @@ use crate::solid::cell::Cell;
 use crate::solid::reconstruction::{GHOSTS, Slopes};
 use crate::solid::riemann::{RiemannInvariants, State};
 
-/// What lies beyond a side, ready for the sweeps.
+/// The faces at an end of an axis, ready for the sweeps.
 #[derive(Clone)]
 pub(crate) enum BoundaryFaces<T: Real> {
-    /// The opposite side.
+    /// Periodic.
     Periodic,
-    /// A halo ends here: what lies beyond it does not matter.
+    /// The end of a halo: ghosts are arbitrary there.
     Exchange,
     /// A mirror: ghosts are (±v + a, ±s + b), or nothing.
     Mirror(GhostRule<T>),
@@ -82,9 +82,8 @@ struct SideLoad {
 }
 
 impl<T: Real> GhostRule<T> {
-    /// The faces of a side by their numbers in the whole of it, in order, and where they stand here. What is the
-    /// same at all faces, as it is at most sides without loads, is kept once: it is looked up at both ends of every
-    /// row.
+    /// Of the faces of a boundary: global number, in ascending order, and local slot. A uniform boundary stores
+    /// one entry, since it is looked up at both ends of every row.
     pub(crate) fn new(
         boundary: &Boundary,
         pairs: usize,
@@ -102,7 +101,7 @@ impl<T: Real> GhostRule<T> {
             Some(Condition::OddStress) => [1.0, 0.0, -1.0, 0.0, 0.0],
             None => [0.0; 5],
         };
-        // Shifts would move lanes that are no cells.
+        // Non-zero shifts are stored by face: they would alter padding lanes.
         let alike = |pair: usize| {
             let mut all = faces.iter().map(|(face, _)| entry(boundary.condition(pair, *face)));
             let first = all.next()?;
@@ -243,8 +242,8 @@ fn by_way<N: Number>(end: usize, state: State<N>, cell: &Cell<N>) -> [N; 2] {
     if end == 0 { [left, right] } else { [right, left] }
 }
 
-/// Beside a free or fixed side the corrections of three fluxes, over 1 − C, by powers of C, of the differences between
-/// the arriving wave in the two outermost cells and in their images, from inside to outside.
+/// Reflecting closure: flux corrections over 1 − C, as [flux][power of C][difference of the unfolded arriving
+/// wave], the differences between the two outermost cells and their images, from inside to outside.
 const REFLECTING: [[[f64; 3]; 4]; 3] = [
     [
         [-0.020542, -0.082548, 0.066958],
@@ -266,9 +265,9 @@ const REFLECTING: [[[f64; 3]; 4]; 3] = [
     ],
 ];
 
-/// Beside an open side what leads over 1 − C, by powers of C: of the arriving wave at the face between the two
-/// outermost cells and at the side, of the leaving one between those cells, of the differences between the three
-/// outermost cells in the direction of the wave.
+/// Non-reflecting closure: (face value − upwind mean)/(1 − C), as [face][power of C][difference]. Faces: of the
+/// arriving wave the last interior face and the boundary, of the leaving wave the last interior face.
+/// Differences: between the three outermost cells in the direction of the wave.
 const OPEN: [[[f64; 2]; 3]; 3] = [
     [[1.0 / 12.0, 0.33211 + 1.0 / 12.0], [0.25089, -0.24095], [-0.0514, 0.02737]],
     [[0.0, 0.40692], [-0.25572, 0.25506], [0.24459, -0.22165]],

@@ -2,8 +2,8 @@
 
 /// What steps do to the energy, J (in plane strain of a slice of unit thickness).
 ///
-/// Energy after − energy before = inflow + sources + released − plastic − numerical: none is what the
-/// others leave.
+/// Energy after − energy before = inflow + sources + released − plastic − numerical. Each term is computed, none as a
+/// residual.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ledger {
     /// Work at the sides, positive inwards.
@@ -50,8 +50,7 @@ impl Ledger {
     }
 }
 
-/// Sums over many steps, whose terms may be a thousand times the energy there is: each with what its last
-/// digit could not hold (Kahan 1965).
+/// Sums over many steps, whose terms may be a thousand times the energy: with compensation (Kahan 1965).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Total {
     sum: Ledger,

@@ -51,7 +51,7 @@ impl<'a> std::iter::Sum<&'a Self> for Account {
     }
 }
 
-/// The joints of a face as the cells to its left and to its right see them, from the four cells around it.
+/// The interface states of a face for the cells at its left and right, from the four cells around it.
 fn face<T: Real>(
     states: [State<T>; 4],
     cells: [&Cell<T>; 4],
@@ -68,9 +68,9 @@ fn work<T: Real>(joint: &InterfaceState<T>, cell: &Cell<T>) -> f64 {
     joint.sum.wide() * joint.difference.wide() / (4.0 * cell.impedance.wide())
 }
 
-/// Mean stress times mean velocity over the step at the face in the middle of four cells, W/m²; positive towards the
-/// first of them. Of these one is constant on sides that do work, so that this is their work; on open sides it
-/// leaves out what the change of the wave during a step carries away.
+/// Mean stress times mean velocity over the step at the face in the middle of four cells, W/m²; positive
+/// towards the first of them. Exact at driven boundaries, where one factor is constant in time; at
+/// non-reflecting ones the correlation within the step is neglected.
 pub(crate) fn work_between<T: Real>(
     states: [State<T>; 4],
     cells: [Cell<T>; 4],

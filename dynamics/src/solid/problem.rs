@@ -39,10 +39,10 @@ pub enum Placement {
     /// ends are as sharp as the sweeps make them.
     #[default]
     Last,
-    /// 2P − I between the halves of the elastic step: second order while the same conditions stay active. Where
-    /// flow ends at once, behind a shock, what the last reflection went beyond stays as an error of the size
-    /// of a step's plastic strain.
-    /// The state is in its set in the middle of steps; [`Domain::admissible`](crate::solid::domain::Domain::admissible) is what to look at.
+    /// 2P − I between the halves of the elastic step: second order while the same conditions stay active. If
+    /// plastic flow stops abruptly, as behind a shock, the overshoot of the last reflection remains: an error
+    /// of one step's plastic strain. The state is in its set in the middle of steps; output is
+    /// [`Domain::admissible`](crate::solid::domain::Domain::admissible).
     Middle,
 }
 
@@ -150,10 +150,10 @@ impl<const D: usize> Problem<D> {
         }
     }
 
-    /// The axis of which the sweeps should be in the place of those along the first one. Where sweeps alternate in
-    /// space, those along one axis alternate with those along both others, which do not with each other: this axis is
-    /// the last one across whose sides waves are reflected, if there are any. RiemannInvariants along a free side have an error
-    /// of the splitting four times as large where the sweeps across the side do not alternate with those along it.
+    /// The axis that should be swept as the first one. In space, alternating sweeps along one axis alternate
+    /// with those along both others, which do not alternate with each other: this is the last axis with
+    /// reflecting boundaries, if there is any. Waves along a free boundary have four times the splitting error
+    /// if sweeps normal to the boundary do not alternate with tangential ones.
     pub fn first_axis(&self) -> usize {
         let reflects = |side: &Boundary| match side {
             Boundary::Fixed | Boundary::Free => true,

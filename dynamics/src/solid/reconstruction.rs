@@ -26,12 +26,12 @@ pub enum Slopes {
 }
 
 impl Slopes {
-    /// Of a piecewise linear reconstruction: the face value downwind less the cell mean, averaged over the step, (1 − C)
-    /// times half the limited slope. Arguments: the differences upwind and downwind.
+    /// Time-averaged outflow minus cell mean of a piecewise linear reconstruction: (1 − C)/2 × limited slope.
+    /// Arguments: the differences upwind and downwind.
     ///
-    /// With leads l a wave w in cell i becomes w − C(w + l − w′ − l′), w′ and l′ being those of the cell upwind. Of
-    /// one sign with d = w − w′ and within l ≤ d(1 − C)/C and l′ ≤ d, the leads make that a mean of w and w′ with
-    /// weights from 0 to 1 (Harten 1983): nothing new stands out.
+    /// With corrections l a wave w in cell i becomes w − C(w + l − w′ − l′), where w′ and l′ are those of the
+    /// cell upwind. With d = w − w′, corrections of the sign of d with |l| ≤ |d|(1 − C)/C (Roe 1985) and |l′| ≤
+    /// |d| make the update a convex combination of w and w′, hence TVD (Harten 1983).
     #[inline(always)]
     pub(crate) fn half_slope_correction<N: Number>(
         self,
@@ -67,7 +67,7 @@ impl Slopes {
         }
     }
 
-    /// What is looked at of the cell after the one at hand: to fourth order its waves, else their differences.
+    /// Stencil data of the next cell: its invariants (fourth order), else the difference to it.
     #[inline(always)]
     pub(crate) fn ahead<N: Number>(
         self,
@@ -80,7 +80,7 @@ impl Slopes {
         }
     }
 
-    /// The same of the cell before the one at hand.
+    /// The same of the previous cell.
     #[inline(always)]
     pub(crate) fn behind<N: Number>(
         self,
@@ -140,8 +140,8 @@ impl Slopes {
                     .difference(own_behind);
                 let before = own.continued(own_behind, -reflection).difference(own);
                 let after = own.difference(own.continued(next, cell.reflection(cell_after)));
-                // Across an interface at the face what leaves it differs from what scattering makes of the waves that
-                // arrive; scattered back this is a difference of those.
+                // At a material interface the outgoing waves differ from the scattered incoming ones. Mapped
+                // back through the scattering matrix this gives one more difference in the stencil.
                 let beyond = own_behind.continued(own, reflection);
                 let right = cell.staying() * before.right;
                 let left = cell_behind.staying() * (own_behind.left - beyond.left);
@@ -173,7 +173,7 @@ impl Slopes {
         }
     }
 
-    /// What [`Self::reach_between_media`] wants to know of the first two of three cells and the one after them.
+    /// Initial stencil data for the first face of a line: see [`Self::reach_between_media`].
     pub(crate) fn known<N: Number>(
         self,
         states: [State<N>; 3],
@@ -198,7 +198,7 @@ fn led_left<N: Number>(mean: N, [a, b, c]: [N; 3], [upwind, central, downwind]: 
     mean - a * upwind - b * central - c * downwind
 }
 
-/// Both waves in a cell, and how much what leaves it during the step is beyond their means.
+/// Cell means of both invariants, and their time-averaged outflow minus the mean.
 #[derive(Clone, Copy)]
 struct Reconstruction<N> {
     mean: RiemannInvariants<N>,
@@ -250,13 +250,13 @@ impl<N: Number> Reconstruction<N> {
         Self { mean, lead }
     }
 
-    /// Mean over the step of what leaves to the left: the foremost part of length C.
+    /// Time-averaged outflow to the left: the mean over the leftmost fraction C of the cell.
     #[inline(always)]
     fn to_left(self) -> N {
         self.mean.left - self.lead.left
     }
 
-    /// What leaves to the right, which the next face wants to know.
+    /// Time-averaged outflow to the right, which the next face needs.
     #[inline(always)]
     fn known(self) -> RiemannInvariants<N> {
         RiemannInvariants { right: self.mean.right + self.lead.right, left: N::ZERO }

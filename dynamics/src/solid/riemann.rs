@@ -28,11 +28,11 @@ impl<N: Number> RiemannInvariants<N> {
         Self { right: state.stress - zv, left: state.stress + zv }
     }
 
-    /// The waves of a neighbour, continued across the interface with it as what scattering there makes of them, with
-    /// the coefficient of reflection ρ = (y − z)/(y + z), y being the impedance of the neighbour: the wave that comes from there is joined by the reflection
-    /// of the own one that runs there, w = (1 − ρ) w′ + ρ ŵ; the one that runs there has the waves that leave the
-    /// interface before it, reversed in time, which is the same formula. Unfolded like this a line has no interface:
-    /// scattering keeps energy.
+    /// The invariants of a neighbour, mapped through the scattering matrix of the interface with it: w = (1 −
+    /// ρ)w′ + ρŵ, with the coefficient of reflection ρ = (y − z)/(y + z), y being the impedance of the
+    /// neighbour and ŵ the own counter-propagating wave. The outgoing wave has the waves that leave the
+    /// interface before it, reversed in time: the same formula. Unfolded like this a line has no interface:
+    /// scattering conserves energy.
     #[inline(always)]
     pub(crate) fn continued(self, neighbour: Self, reflection: N) -> Self {
         Self {
@@ -65,8 +65,8 @@ impl<N: Number> RiemannInvariants<N> {
     }
 }
 
-/// A joint as the cell at one of its sides sees it, by the z of that cell: the difference of the waves that the
-/// cell has in it is 2zv, their sum 2s.
+/// Solution of the Riemann problem at a face, scaled by the impedance z of the cell that uses it: difference =
+/// 2zv*, sum = 2s*.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InterfaceState<N> {
     pub(crate) difference: N,
@@ -74,8 +74,8 @@ pub(crate) struct InterfaceState<N> {
 }
 
 impl<N: Number> InterfaceState<N> {
-    /// Between cells of one impedance, which s − zv reaches from the left and s + zv from the right: both cells see
-    /// the same.
+    /// Between cells of equal impedance, from the invariants s − zv of the left and s + zv of the right one:
+    /// the same for both.
     #[inline(always)]
     pub(crate) fn riemann_equal_impedance([left, right]: [N; 2]) -> Self {
         Self { difference: right - left, sum: left + right }
@@ -114,7 +114,7 @@ impl<N: Number> InterfaceState<N> {
     }
 }
 
-/// A cell after the step between its joints.
+/// Finite-volume update of a cell from its two interface states.
 #[inline(always)]
 pub(crate) fn updated<N: Number>(
     own: State<N>,

@@ -40,8 +40,8 @@ impl<T: Real, const D: usize> Boundaries<T, D> {
         }
     }
 
-    /// Sets the values that are given in a half step of the pass, in which the step takes from `start` on; sweeps along
-    /// the first axis have a time of their own where they alternate, and then a step is completed at its end.
+    /// Evaluates the boundary values of a half step of the pass at its middle; `start` is the time at the
+    /// beginning of its step, and `first` overrides the time of the first axis (alternating sweeps).
     pub(super) fn set_time(&mut self, half: usize, start: f64, step: f64, first: Option<f64>) {
         for faces in &mut self.faces[half] {
             set_time(faces, start + [0.25, 0.75][half % 2] * step);

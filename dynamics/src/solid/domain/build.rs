@@ -48,8 +48,9 @@ impl<const D: usize> Layout<D> {
 
 /// Parts of a row that the halo of a neighbour needs.
 ///
-/// In a pass of one step a halo goes as far as the second sweep along the last axis, which reads its own fields and what
-/// has been rotated with them. Further steps read all, and so does a correction before that sweep.
+/// In a pass of one step these are the fields that the second sweep along the last axis reads, and those
+/// rotated with them. If two steps share a pass, or the midpoint return mapping precedes that sweep, all fields
+/// are exchanged.
 fn exchanged<const D: usize>(problem: &Problem<D>, pitch: usize) -> Vec<Range<usize>> {
     let Problem { media, scheme, .. } = problem;
     let fields = &media[0].fields;

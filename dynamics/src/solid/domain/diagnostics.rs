@@ -10,9 +10,9 @@ use std::ops::Range;
 /// Sums and records. Sums have a fixed order: they depend neither on the tiling nor on the number of parts.
 #[derive(Clone)]
 pub(super) struct Diagnostics {
-    /// By half step of the pass and by layer across the last axis. Behind the layers stands the work at both ends of that
-    /// axis, since layers are swept along it when others of the part are ready. Each half step has sums of its own:
-    /// how they follow each other depends on the tiling.
+    /// By half step of the pass and by layer across the last axis; two more entries hold the boundary work at
+    /// the ends of that axis. Each half step has sums of its own, so that the order of additions does not
+    /// depend on the tiling.
     pub(super) ledgers: Vec<Vec<Ledger>>,
     /// Of all steps before, by own layer.
     pub(super) totals: Vec<Total>,

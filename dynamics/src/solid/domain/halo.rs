@@ -21,8 +21,8 @@ impl<T> Halo<T> for () {
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Does the first sweeps of a pass in a block of the own layers that are in halos, and hands over the rows that
-    /// are ready. Layers that are their own halo are sent to nobody.
+    /// Does the first x and y sweeps of a block of rows in the layers that are exchanged, then sends their
+    /// finished rows. Layers that are their own halo are sent to nobody.
     pub(super) fn send(
         &mut self,
         block: &Range<usize>,

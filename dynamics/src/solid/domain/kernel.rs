@@ -1,10 +1,10 @@
-//! The sweep of [`crate::solid::line`] on many lines at once, in the instructions that the processor has.
+//! The sweep of [`crate::solid::line`] on many lines at once, in SIMD lanes.
 //!
-//! Cells lie in groups, as many as fill a line of the cache, and whichever axis is swept, the neighbours of
-//! a group's cells are the cells of another group in the same lanes: a walk from group to group moves as
-//! many lines as there are lanes, and none of them looks at another. At the ends of a row, where the
-//! neighbours are in the next lane, moved copies stand as ghosts. Every cell sees what the plain sweep does, in
-//! the same order: the bits are the same.
+//! Cells lie in groups of as many as fill a cache line, and whichever axis is swept, the neighbours of a
+//! group's cells are the cells of another group in the same lanes: a sweep from group to group advances as many
+//! lines as there are lanes, without shuffles. At the ends of a row, where the neighbours are in the next lane,
+//! shifted copies stand as ghosts. Every cell sees the same operations as in the plain sweep, in the same
+//! order: the bits are the same.
 
 use super::layout::GroupIndex;
 use super::rows::Rows;
@@ -18,8 +18,7 @@ use std::ops::Range;
 /// Fields by wave at most: 24 by 6 in Cosserat's space, 12 by 3 in its plane.
 pub(crate) const MOST_SHARE: usize = 4;
 
-/// Calls for what stands so far behind the beginning of a slice, whether there is anything or not: `soon` it will
-/// be wanted, or else called for again before.
+/// Prefetches the cache lines of `from[distance]`, which may be out of bounds, into L1 if `soon`, else into L2.
 #[inline(always)]
 fn prefetch<N>(from: &[N], distance: usize, soon: bool) {
     #[cfg(target_arch = "x86_64")]
@@ -38,12 +37,12 @@ fn prefetch<N>(from: &[N], distance: usize, soon: bool) {
     let _ = (from, distance, soon);
 }
 
-/// What a walk along a line carries from a group to the next, by wave.
+/// What a sweep along a line carries from a group to the next, by pair of waves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Carried<N> {
-    /// What the next face wants to know of the groups behind; see [`Slopes::reach`].
+    /// Stencil data of the groups behind for the next face; see [`Slopes::reach`].
     known: RiemannInvariants<N>,
-    /// The joint in front of the group behind, as that sees it.
+    /// Interface state at the lower face of the group that is updated next, scaled by its impedance.
     joint: InterfaceState<N>,
 }
 
@@ -77,7 +76,7 @@ impl<V: Number> Carried<V> {
     }
 }
 
-/// Lines that lie side by side, and the part of their path that is to be gone.
+/// Adjacent lines, and the part of their path that is swept now.
 pub(crate) struct Lines<'a, T: Real> {
     /// By row, field and group.
     pub(crate) data: &'a mut [T::Lanes],
@@ -90,24 +89,24 @@ pub(crate) struct Lines<'a, T: Real> {
     pub(crate) slopes: Slopes,
     /// Of all groups.
     pub(crate) patterns: &'a [u32],
-    /// Of all groups: how many that follow along such a line have the same pattern, so far as this number goes. Where a
-    /// line ends at a cut they may be beyond it: what is next there is of the last group's pattern, too.
+    /// By group: how many that follow along such a line have the same pattern, so far as this number goes.
+    /// Where a line ends at a cut they may be beyond it: the group beyond has the last group's pattern, too.
     pub(crate) run_lengths: &'a [u8],
-    /// Groups of the first line in the order of the path: all but the first and the last are at hand one after
-    /// the other, while the one before is written and the one after is read. Those of the other lines follow
+    /// Groups of the first line in the order of the sweep: each but the first and the last is current once,
+    /// while the one before it is written and the one after it is read. The groups of the other lines follow
     /// each of them.
     pub(crate) path: &'a [GroupIndex],
-    /// The group of the first line in front of those, or the first of them where there is none.
+    /// The group of the first line before those, or the first of them where there is none.
     pub(crate) in_front: GroupIndex,
     /// From a line to the next.
     pub(crate) across: GroupIndex,
-    /// Whether the path begins with the ghosts in front, where nothing is carried yet. They are written like all
-    /// groups, and must be filled anew for another walk.
+    /// Whether the path begins with the ghosts at the lower end, where nothing is carried yet. The sweep writes
+    /// ghosts like all groups: they must be filled anew for another one.
     pub(crate) begins: bool,
-    /// How far behind those at hand fields are called for that the path reads next, so many lines or the next row: rows
-    /// and layers lie too far apart for the processor to guess them.
+    /// L1 prefetch distance in groups, some lines or the next row: rows and layers are too far apart for the
+    /// hardware prefetcher.
     pub(crate) next: usize,
-    /// The same of whatever comes in later, and which of each wave's [`MOST_SHARE`] fields are called for.
+    /// L2 prefetch distance, and which of each pair's [`MOST_SHARE`] fields are prefetched.
     pub(crate) later: (usize, Range<usize>),
     /// By line and wave.
     pub(crate) carried: &'a mut [Carried<T::Lanes>],
@@ -115,8 +114,7 @@ pub(crate) struct Lines<'a, T: Real> {
     pub(crate) rows: Option<Rows<'a, T>>,
 }
 
-/// Lines that lie side by side, of one pattern each or `MIXED`: two routines, as loops of the one would cost those of the
-/// other registers.
+/// Adjacent lines, of one pattern each or `MIXED`: compiled separately to limit register pressure.
 struct Advance<'a, 'b, T: Real, const MIXED: bool> {
     all: &'a mut Lines<'b, T>,
     lines: Range<usize>,
@@ -125,13 +123,13 @@ struct Advance<'a, 'b, T: Real, const MIXED: bool> {
 }
 
 impl<T: Real, const MIXED: bool> Work<T> for Advance<'_, '_, T, MIXED> {
-    /// Loops of their own for all kinds of slopes.
+    /// One loop for each kind of reconstruction.
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
         let Self { all, lines, pattern } = self;
         match all.slopes {
             Slopes::Limited => all.advance_lines::<V, MIXED>(lines, pattern, Slopes::Limited),
-            // Constant pieces are those of cells that have no weights.
+            // For first order the weights in the cell constants are zero.
             Slopes::Godunov | Slopes::FourthOrder => {
                 all.advance_lines::<V, MIXED>(lines, pattern, Slopes::FourthOrder);
             }
@@ -140,10 +138,10 @@ impl<T: Real, const MIXED: bool> Work<T> for Advance<'_, '_, T, MIXED> {
 }
 
 impl<T: Real> Lines<'_, T> {
-    /// Goes the path in such instructions: lines of one pattern together, and together those that go through several.
+    /// Sweeps the lines in such instructions: lines of one pattern together, and together those of several.
     pub(super) fn walk(mut self, instructions: Instructions) {
         let lines = self.carried.len() / self.waves.len().max(1);
-        // Where there is one, nobody looks: patterns would have to come from the memory, too.
+        // A single pattern: skip the lookup and its memory traffic.
         let own = |lines: &Self, line: usize| match lines.table.is_of_one_pattern() {
             true => Some(0),
             false => lines.own_pattern(line),
@@ -165,7 +163,7 @@ impl<T: Real> Lines<'_, T> {
         }
     }
 
-    /// The pattern of a line that has one all the path, ghosts included.
+    /// The pattern of a line that has the same one everywhere, ghosts included.
     fn own_pattern(&self, line: usize) -> Option<u32> {
         let offset = line * self.across.group;
         let pattern = |place: usize| self.patterns[self.path[place].group + offset];
@@ -225,7 +223,7 @@ impl<T: Real> Lines<'_, T> {
         pattern: u32,
         wave: &Wave,
     ) -> [V; FOLLOWERS] {
-        // In the instructions at hand, which the closures of an array's making are not compiled for.
+        // No closure: closures are not inlined into the target-feature function and lose its SIMD instructions.
         let mut ratios = [V::ZERO; FOLLOWERS];
         for (follower, ratio) in ratios.iter_mut().enumerate() {
             *ratio = V::load(self.table.ratio(pattern, wave, follower));
@@ -243,7 +241,7 @@ impl<T: Real> Lines<'_, T> {
         State { velocity: V::load(&group[places.velocity]), stress: V::load(&group[places.stress]) }
     }
 
-    /// A wave on its path along lines, of one pattern or `MIXED`.
+    /// Sweeps a pair of waves along lines, of one pattern or `MIXED`.
     #[inline(always)]
     fn advance<V: Vector<T>, const FOLLOWERS: usize, const MIXED: bool>(
         &mut self,

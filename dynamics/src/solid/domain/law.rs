@@ -21,7 +21,7 @@ pub(super) struct LocalLaws<T: Real> {
     pub(super) yields: Vec<bool>,
     /// Yield sets in lanes.
     pub(super) sets: Option<Sets<T>>,
-    /// The axis across which the initial stress varies, and the stress by layer.
+    /// The axis along which the initial stress varies, and the stress in each layer across it.
     pub(super) initial_stress: Option<(usize, Vec<Stress>)>,
 }
 

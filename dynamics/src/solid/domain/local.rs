@@ -1,4 +1,5 @@
-//! What a step does to cells on their own: sources, gravity, rotation, correction; and sums over them.
+//! Operators that act in each cell on its own: rotation Q, return mapping P, flush of subnormals; and sums over
+//! cells.
 
 use super::law::SpinStressRotation;
 use super::layout::Tile;
@@ -11,8 +12,7 @@ use models::solid::stress::Stress;
 use models::solid::waves::Field;
 use std::ops::Range;
 
-/// Steps from one time when traces are forgotten to the next: few, so that little decays past the least normal number in
-/// between.
+/// Steps between flushes of subnormals: few, so that little decays below the least normal number in between.
 const FLUSH_INTERVAL: usize = 16;
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
@@ -242,7 +242,7 @@ impl<T: Real> Work<T> for Rotate<'_, T> {
     }
 }
 
-/// Zeros in the place of traces.
+/// Flushes values below a limit to zero.
 struct FlushSubnormals<'a, T: Real> {
     data: &'a mut [T::Lanes],
     limit: T,

@@ -11,8 +11,8 @@ use crate::solid::reconstruction::GHOSTS;
 /// Room for the sweeps.
 #[derive(Clone)]
 pub(super) struct Buffer<T: Real> {
-    /// What sweeps carry by line and wave, by axis and half step of the pass; of those that run within layers or
-    /// rows by layer or row that is swept.
+    /// Interface states that sweeps carry, by axis and half step of the pass, then by line and pair of waves;
+    /// sweeps within layers or rows have them by layer or row.
     pub(super) carried: [Vec<Vec<Carried<T::Lanes>>>; 3],
     /// Groups on the path along a line.
     pub(super) path: Vec<GroupIndex>,

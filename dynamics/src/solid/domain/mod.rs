@@ -26,9 +26,9 @@
 //! not in the ledger.
 //!
 //! Where a domain is cut, or periodic, along the last axis, it has a halo of [`HALO`](crate::solid::line::HALO) layers for
-//! each step of a pass. They are filled in the pass with the outermost layers beyond the cut after the first sweeps
-//! within layers, which so are done once: those in front before the first layers are loaded, those behind before the last
-//! ones are. Their content after a pass does not matter.
+//! each step of a pass, recomputed redundantly. Block by block of rows, the neighbour does the first x and y sweeps of its
+//! outermost layers, then sends them; the lower halo is received before the first layer is loaded, the upper one before
+//! the tile that reaches it. The content of a halo after a pass is arbitrary.
 
 mod boundaries;
 mod build;

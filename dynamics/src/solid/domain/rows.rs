@@ -1,4 +1,4 @@
-//! The ends of rows, which are folded into the lanes of groups: see [`crate::solid::domain`].
+//! Ghost cells at the ends of rows; how rows are folded into lanes: see [`super::layout`].
 
 use super::table::{Table, Wave};
 use crate::simd::{Group, Number, Real, Vector};
@@ -13,7 +13,8 @@ use std::ops::Range;
 pub(crate) struct RowEnds<T: Real> {
     /// Groups of a row.
     groups: usize,
-    /// What ghosts see of both ends, the outermost first; rows shorter than the ghosts repeat themselves.
+    /// Slots of the outermost cells at each end, on which ghosts depend; rows shorter than that repeat
+    /// themselves.
     inside: [[Slot; BESIDE]; 2],
     /// Whether a row is a single cell.
     is_single: bool,
@@ -23,10 +24,10 @@ pub(crate) struct RowEnds<T: Real> {
     behind: [Slot; GHOSTS],
     /// Of each of the first groups the lanes where those stand, by bits.
     in_first: [[u16; GHOSTS]; GHOSTS],
-    /// What is no cell and may be moved: ghosts stand in the first of these while the row is swept, and the sweep
-    /// reaches as far beyond them; else zeros in all, as ever in what is behind.
+    /// Padding lanes after the last cell. During a sweep the first [`GHOSTS`] hold ghost values, and the sweep
+    /// changes as many beyond them; otherwise all are zero.
     empty: Vec<Slot>,
-    /// The mirror that changes nothing, not even the sign of zero.
+    /// The rule that copies values, the sign of zero included: for periodic ends.
     window: [T::Lanes; 5],
 }
 
@@ -311,7 +312,8 @@ impl<T: Real> Rows<'_, T> {
     }
 }
 
-// No closures here, and no arrays made by them: they are not compiled for the instructions at hand.
+// No closures here, and no arrays made by them: they are not inlined into the target-feature function and lose
+// its SIMD instructions.
 
 /// The numbers of a lane of a mirror in all lanes.
 #[inline(always)]

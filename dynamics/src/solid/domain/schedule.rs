@@ -9,19 +9,20 @@
 use crate::solid::reconstruction::{GHOSTS, HALO};
 use std::ops::Range;
 
-/// Rows or layers that are loaded at a time: what a sweep carries from one of these chunks to the next is little beside
-/// them, and they stay in the cache.
+/// Rows or layers that are loaded at a time: few enough to stay in the cache, enough to amortise loading and
+/// storing the interface states that sweeps carry from chunk to chunk.
 pub(super) const CHUNK: usize = 8;
 
 /// Steps of a pass at most, in the plane: in space few layers fit in the cache.
 pub(super) const STEPS: usize = 2;
 
-/// The first rows that come to a sweep must be two: the ghosts in front of them are not there any more when others
-/// follow. Each sweep has two rows less than the one before it. (In space [`TileSizes`] keeps to it.)
+/// The last of 2·[`STEPS`] sweeps must still get [`GHOSTS`] rows of the first chunk: ghosts at the lower end
+/// are overwritten once a sweep has moved on. (In space [`TileSizes`] keeps to it.)
 const _: () = assert!(CHUNK >= 2 * STEPS * GHOSTS);
 
-/// How many rows or layers have passed each of three stages when so many are loaded: each of two sweeps across them reads
-/// [`GHOSTS`] more than it writes.
+/// Progress of rows or layers, of which so many are loaded: loaded, past the first sweep across them, past the
+/// second. Each sweep trails the previous stage by [`GHOSTS`], the half-width of its stencil, until all are
+/// loaded.
 pub(super) fn stage_progress(loaded: usize, all: usize) -> [usize; 3] {
     let written = |ready: usize| if ready == all { all } else { ready.saturating_sub(GHOSTS) };
     [loaded, written(loaded), written(written(loaded))]

@@ -18,9 +18,9 @@
 //! U ← x y z  then  K √Q x √Q K  then  z y,
 //! ```
 //!
-//! with x by a quarter of a step at the very beginning. With X = x² this is (√x … x … √x)ⁿ without the last √x.
-//! `complete` applies it to a copy of each cell for output; next to reflecting boundaries output is the mean of the
-//! states before and after X. Every factor keeps or lowers the energy.
+//! with the very first x by a quarter of a step, √x: n steps are (√x y z … x … z y √x)ⁿ without the last √x, which
+//! `complete` applies to a copy of each cell for output; near reflecting boundaries output is the mean of the states
+//! before and after x. Every factor keeps or lowers the energy.
 //!
 //! [`Domain::pass`] takes one or two such steps through memory, a block of rows and a few layers at a time, as
 //! [`super::schedule`] says; [`Domain::advance_layers`] is the recipe above on those.
@@ -61,7 +61,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.diagnostics.close_pass(self.layout.own_layers(), 2 * steps);
     }
 
-    /// Brings a block of the rows of all layers through some steps, as far as the rows behind it do not matter.
+    /// Advances a block of rows by some steps in all layers, up to rows whose stencil reaches into the next block.
     fn advance_block(
         &mut self,
         block: &Range<usize>,
@@ -111,9 +111,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.record(layers.clone(), step);
     }
 
-    /// Brings a block of layers through the stages of a step whose first half in the pass is `first`: `layers[0]` up to the
-    /// first sweep along the last axis, `layers[1]` from there to the second one, `layers[2]` through the rest; `ends`
-    /// are all layers that pass each stage. Rows within them follow each other likewise.
+    /// Advances layers by one step, in three stages: 0 is x y z, 1 is K Q K z, 2 is y x P. `layers` pass each
+    /// stage now, `ends` are all layers that pass it, `first` is the first half step of this step in the pass.
+    /// Rows within them follow each other likewise.
     fn advance_layers(
         &mut self,
         layers: &[Range<usize>; 3],

@@ -63,9 +63,9 @@ impl Bundle {
 
 /// Sweeps, their ghosts and their work.
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Goes on with a half step of the pass along all axes but the last one, in a layer across that: in their order
-    /// in the first half of a step, and in the second one in the other, without the first axis where sweeps alternate. Rows come through the stages of
-    /// [`Self::advance_layers`].
+    /// In-plane sweeps of one half step in one layer: x y in the first half of a step, y x in the second
+    /// (alternating sweeps: y only). Arguments: the rows that pass each of three stages,
+    /// [`super::schedule::stage_progress`].
     pub(super) fn sweep_layer(
         &mut self,
         layer: usize,
@@ -188,9 +188,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.sweep_on(bundle, ready.start - ends.start..ready.end - ends.start);
     }
 
-    /// Goes on with half a step across the rows: some of them are ready that were not before.
+    /// Continues a y or z sweep over newly loaded rows or layers; it writes as far as [`GHOSTS`] behind
+    /// `ready.end`.
     fn sweep_on(&mut self, bundle: Bundle, ready: Range<usize>) {
-        // The ghosts in front depend on so many cells. Until these are ready the walk would write ghosts alone.
+        // The ghosts at the lower end depend on BESIDE cells: wait until they are loaded.
         if ready.is_empty() || ready.end < BESIDE.min(bundle.count) {
             return;
         }
@@ -255,16 +256,16 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.buffer.path = path;
     }
 
-    /// The rows that come in next: how far behind the fields at hand they are, and the fields of each wave that are
-    /// called for. Each sweep across rows has its part of them, lest all be asked of the memory at once.
+    /// L2 prefetch: the distance to the rows that are loaded next, and the fields of each pair that this sweep
+    /// prefetches. The sweeps across rows share the fields, to spread the requests.
     fn later(&self, bundle: Bundle) -> (usize, Range<usize>) {
         let Bundle { axis, half, face, .. } = bundle;
-        // By how many pairs of rows and of layers the sweep is behind those that have come in last; layers of the
-        // plane are rows.
+        // Lag behind the rows loaded last, in units of GHOSTS rows and of GHOSTS layers; in the plane layers
+        // are rows.
         let (part, parts, rows, layers) = match (D, axis, half) {
-            // By the last step of the pass alone: what comes in long before it is wanted is gone by then.
+            // In the plane prefetch in the last step of a pass only: earlier requests would be evicted.
             (2, 1, half) if half + 2 >= 2 * self.schedule.pass_steps => (half % 2, 2, half, 0),
-            // No other sweep across rows goes along yet: this one calls for all fields.
+            // No other sweep across rows runs yet: this one prefetches all fields.
             (3, 1, 0) if self.layout.is_exchanged(face / self.layout.groups) => (0, 1, 0, 0),
             (3, 1, 0) => (0, 4, 0, 0),
             (3, 2, 0) => (1, 4, 1, 0),
@@ -315,8 +316,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// The ghosts at an end of lines across the groups. What they are beyond a halo does not matter, but that they
-    /// are numbers does: the walk writes them, and they must not grow from sweep to sweep.
+    /// The ghosts at an end of lines across the groups. Beyond a halo their values are arbitrary but must stay
+    /// bounded, since the kernel rewrites them in each sweep.
     fn fill_end(&mut self, bundle: Bundle, end: usize) {
         let Bundle { axis, half, count, lines, face, .. } = bundle;
         let sides = &self.boundary.faces[half][axis];
