@@ -19,8 +19,8 @@
 //!
 //! The [`Account`] holds what the step does to the energy, cell by cell and from the fluxes.
 //!
-//! What is written here is arithmetic on [`Number`]s: [`sweep`] does it to a line, cell by cell, and
-//! keeps the account; [`crate::solid::domain::kernel`] does the same to many lines at once.
+//! The formulas are generic over [`Number`](crate::simd::Number): [`sweep`] applies them to a line, cell by cell, and keeps
+//! the account; the kernel of [`crate::solid::domain`] applies them to many lines at once.
 
 pub use super::cell::Cell;
 pub use super::reconstruction::{GHOSTS, HALO, Slopes};
