@@ -5,7 +5,7 @@
 //! | [`problem`] | what is to be solved: grid, media, boundary conditions, sources, scheme |
 //! | [`medium`] | a solid as pairs of waves along the axes, a rotation, and a yield set |
 //! | [`boundary`] | boundary conditions, loads and sources |
-//! | `cell`, `riemann`, `reconstruction`, [`line`] | a one-dimensional sweep: constants of a cell, interface states, limiter, update |
+//! | `cell`, `riemann`, `reconstruction`, [`mod@line`] | a one-dimensional sweep: constants of a cell, interface states, limiter, update |
 //! | `ghosts` | boundary conditions as ghost cells |
 //! | [`domain`] | the fused solver; its `step` is the recipe of a time step |
 //! | [`ledger`] | the energy, and what steps do to it |
