@@ -21,6 +21,15 @@ pub(super) struct Tile {
     pub(super) groups: Range<usize>,
 }
 
+impl Tile {
+    /// A row of so many groups, in tiles that are as long as each other.
+    pub(super) fn of_row(row: usize, groups: usize) -> impl Iterator<Item = Self> {
+        let length = groups.div_ceil(groups.div_ceil(TILE));
+        let starts = (0..groups).step_by(length);
+        starts.map(move |start| Self { row, groups: start..groups.min(start + length) })
+    }
+}
+
 /// A group on the path of a sweep.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GroupIndex {
@@ -125,14 +134,6 @@ impl<const D: usize> Layout<D> {
     pub(super) fn groups_of(&self, layer: usize, tile: &Tile) -> (usize, Range<usize>) {
         let first = self.index(layer * self.rows + tile.row, tile.groups.start);
         (first.data, first.group..first.group + tile.groups.len())
-    }
-
-    /// A row in tiles that are as long as each other.
-    pub(super) fn tiles(&self, row: usize) -> impl Iterator<Item = Tile> + use<D> {
-        let groups = self.groups;
-        let length = groups.div_ceil(groups.div_ceil(TILE));
-        let starts = (0..groups).step_by(length);
-        starts.map(move |start| Tile { row, groups: start..groups.min(start + length) })
     }
 
     /// A row in one tile.

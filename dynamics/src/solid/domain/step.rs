@@ -139,8 +139,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             match self.scheme.alternates() {
                 true => self.apply_alternating_middle(layers, ends, &rows[1], first),
                 false => {
-                    let layout = self.layout.clone();
-                    for tile in rows[1].clone().flat_map(|row| layout.tiles(row)) {
+                    let groups = self.layout.groups;
+                    for tile in rows[1].clone().flat_map(|row| Tile::of_row(row, groups)) {
                         self.sweep_last(&layers[0], &ends[0], &tile, first);
                         self.apply_middle(&layers[1], &tile, first);
                         self.sweep_last(&layers[1], &ends[1], &tile, second);
@@ -184,14 +184,14 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         rows: &Range<usize>,
         first: usize,
     ) {
-        let layout = self.layout.clone();
+        let groups = self.layout.groups;
         for start in rows.clone().step_by(CHUNK) {
             let together = start..rows.end.min(start + CHUNK);
-            for tile in together.clone().flat_map(|row| layout.tiles(row)) {
+            for tile in together.clone().flat_map(|row| Tile::of_row(row, groups)) {
                 self.sweep_last(&layers[0], &ends[0], &tile, first);
             }
             self.sweep_middle(&layers[1], &together, first);
-            for tile in together.flat_map(|row| layout.tiles(row)) {
+            for tile in together.flat_map(|row| Tile::of_row(row, groups)) {
                 self.sweep_last(&layers[1], &ends[1], &tile, first + 1);
             }
         }
