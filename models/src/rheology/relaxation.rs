@@ -1,0 +1,304 @@
+//! The standard linear solid (Zener 1948, "Elasticity and anelasticity of metals"; Poynting & Thomson 1902): the deviator
+//! of the stress relaxes, the mean stress and whatever microrotation adds are elastic.
+//!
+//! A Maxwell branch (spring μ₁ in series with a dashpot η = μ₁τ) stands beside the relaxed shear modulus μ_R. With e the
+//! symmetric strain deviator, a the viscous strain of the dashpot, and μ_U = μ_R + μ₁ the unrelaxed modulus,
+//!
+//! ```text
+//! s = 2μ_R e + 2μ₁(e − a) = 2μ_U e − 2μ₁ a,    τ ȧ = e − a.
+//! ```
+//!
+//! The memory variable is a, a symmetric tensor. At constant a the solid is elastic with μ_U: that is what waves see within
+//! a step. At constant e the dashpot goes on by itself, exactly over any time t: with d = e − a = s/(2μ_U) − (μ_R/μ_U) a,
+//!
+//! ```text
+//! κ = 1 − exp(−t/τ),    a ← a + κd,    s ← s − 2μ₁κd,    dissipated: ∫ 2μ₁|e − a|²/τ dt = μ₁κ(2 − κ)|d|².
+//! ```
+//!
+//! The energy μ_R|e|² + μ₁|e − a|² of both springs is, in the variables of a solver,
+//!
+//! ```text
+//! |s|²/(4μ_U) + (μ₁μ_R/μ_U)|a|²,
+//! ```
+//!
+//! the elastic energy of s by the unrelaxed modulus and one of a alone: what does not increase the former at constant a
+//! does not increase the sum.
+
+use crate::common::elementary::Elementary;
+use crate::common::input::{InputError, ensure};
+use crate::common::number::Number;
+use crate::common::parameter::Parameter;
+use crate::common::range::Range;
+use crate::solid::parameters::Isotropic;
+use crate::solid::stress::{Stress, square};
+use nalgebra::Complex;
+
+/// Shear modulus μ₁ of the Maxwell branch.
+pub const BRANCH_MODULUS: Parameter = Parameter::required(
+    ["branch_mu", "modulus μ₁ of the Maxwell branch", "Pa"],
+    "shear modulus μ₁ of the Maxwell branch; > 0",
+    8.1e8,
+)
+.within(Range::Positive);
+
+/// Relaxation time τ.
+pub const RELAXATION_TIME: Parameter = Parameter::required(
+    ["relaxation_time", "relaxation time τ", "s"],
+    "relaxation time τ of the Maxwell branch at constant strain; > 0",
+    1e-3,
+)
+.within(Range::Positive);
+
+/// An isotropic solid whose deviatoric stress relaxes through one Maxwell branch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StandardLinearSolid {
+    unrelaxed: Isotropic,
+    branch_modulus: f64,
+    relaxation_time: f64,
+}
+
+impl StandardLinearSolid {
+    /// A branch of modulus μ₁ (Pa) and relaxation time τ (s) beside an elastic solid, which is what is left after a long
+    /// time. At once the bulk modulus is the same and the shear modulus μ_U = μ_R + μ₁.
+    ///
+    /// # Errors
+    /// μ₁ or τ is not positive.
+    pub fn from_relaxed(
+        relaxed: Isotropic,
+        branch_modulus: f64,
+        relaxation_time: f64,
+    ) -> Result<Self, InputError> {
+        let Isotropic { lambda, mu, density, microrotation } = relaxed;
+        check(branch_modulus, relaxation_time)?;
+        let lambda = lambda - 2.0 / 3.0 * branch_modulus;
+        let unrelaxed = Isotropic::new(lambda, mu + branch_modulus, density, microrotation)?;
+        Ok(Self { unrelaxed, branch_modulus, relaxation_time })
+    }
+
+    /// The solid that responds at once as `unrelaxed` does, of whose shear modulus μ_U the part μ₁ (Pa) relaxes with the
+    /// time τ (s).
+    ///
+    /// # Errors
+    /// μ₁ or τ is not positive, or μ₁ ≥ μ_U, so that no elastic solid would be left.
+    pub fn from_unrelaxed(
+        unrelaxed: Isotropic,
+        branch_modulus: f64,
+        relaxation_time: f64,
+    ) -> Result<Self, InputError> {
+        check(branch_modulus, relaxation_time)?;
+        ensure(
+            branch_modulus < unrelaxed.mu,
+            BRANCH_MODULUS.name,
+            format_args!("μ₁ = {branch_modulus}, μ = {}", unrelaxed.mu),
+            "the relaxed shear modulus μ − μ₁ must be positive",
+        )?;
+        Ok(Self { unrelaxed, branch_modulus, relaxation_time })
+    }
+
+    /// The elastic solid that it is at once, with μ_U.
+    pub fn unrelaxed(&self) -> Isotropic {
+        self.unrelaxed
+    }
+
+    /// The elastic solid that it is after a long time, with μ_R and the same bulk modulus.
+    pub fn relaxed(&self) -> Isotropic {
+        Isotropic {
+            lambda: self.unrelaxed.lambda + 2.0 / 3.0 * self.branch_modulus,
+            mu: self.relaxed_shear_modulus(),
+            ..self.unrelaxed
+        }
+    }
+
+    /// μ₁, Pa.
+    pub fn branch_modulus(&self) -> f64 {
+        self.branch_modulus
+    }
+
+    /// τ, s.
+    pub fn relaxation_time(&self) -> f64 {
+        self.relaxation_time
+    }
+
+    /// μ_R = μ_U − μ₁, Pa.
+    fn relaxed_shear_modulus(&self) -> f64 {
+        self.unrelaxed.mu - self.branch_modulus
+    }
+
+    /// The ratio of stress to strain of the modes exp(ςt) in shear, Pa: μ(ς) = μ_R + μ₁ςτ/(1 + ςτ), ς in 1/s. On ς = iω
+    /// the complex modulus of oscillations.
+    pub fn shear_modulus(&self, rate: Complex<f64>) -> Complex<f64> {
+        let times = rate * self.relaxation_time;
+        times / (times + 1.0) * self.branch_modulus + self.relaxed_shear_modulus()
+    }
+
+    /// The same of uniaxial strain, Pa: K + 4μ(ς)/3.
+    pub fn longitudinal_modulus(&self, rate: Complex<f64>) -> Complex<f64> {
+        let bulk = self.unrelaxed.lambda + 2.0 / 3.0 * self.unrelaxed.mu;
+        self.shear_modulus(rate) * (4.0 / 3.0) + bulk
+    }
+
+    /// Stored energy per square of viscous strain, μ₁μ_R/μ_U, Pa: beside the elastic energy of the stress by the unrelaxed
+    /// moduli.
+    pub fn viscous_strain_modulus(&self) -> f64 {
+        self.branch_modulus * (self.relaxed_shear_modulus() / self.unrelaxed.mu)
+    }
+
+    /// Energy that all springs store, that of the Maxwell branch included, J/m³. `viscous_strain` is a.
+    pub fn stored_energy(&self, stress: &Stress, viscous_strain: &[[f64; 3]; 3]) -> f64 {
+        self.unrelaxed.stored_energy(stress)
+            + self.viscous_strain_modulus() * square(viscous_strain)
+    }
+
+    /// Relaxation over a time ≥ 0 (s) at constant strain.
+    pub fn relaxation_over(&self, duration: f64) -> Relaxation<f64> {
+        // 1 − exp(−x) without cancellation; beyond 80 it is 1 to the last digit.
+        let half = (0.5 * duration / self.relaxation_time).min(40.0);
+        let share = (2.0 * half.cr_sinh() * (-half).cr_exp()).min(1.0);
+        Relaxation {
+            strain_per_stress: 0.5 / self.unrelaxed.mu,
+            strain_per_strain: self.relaxed_shear_modulus() / self.unrelaxed.mu,
+            share,
+            stress_per_strain: 2.0 * self.branch_modulus,
+            dissipation: self.branch_modulus * share * (2.0 - share),
+        }
+    }
+
+    /// Relaxes a state over a time ≥ 0 (s) at constant strain; the energy dissipated, J/m³. The viscous strain is
+    /// symmetric; so is what is added to the stress.
+    pub fn relax(
+        &self,
+        stress: &mut Stress,
+        viscous_strain: &mut [[f64; 3]; 3],
+        duration: f64,
+    ) -> f64 {
+        const PAIRS: [[usize; 2]; 3] = [[0, 1], [0, 2], [1, 2]];
+        let force = &mut stress.force;
+        let symmetric = |t: &[[f64; 3]; 3]| SymmetricTensor {
+            normal: [t[0][0], t[1][1], t[2][2]],
+            shear: PAIRS.map(|[i, j]| 0.5 * (t[i][j] + t[j][i])),
+        };
+        let step = self.relaxation_over(duration);
+        let Increments { stress, viscous_strain: strain, dissipated } =
+            step.increments(symmetric(force), symmetric(viscous_strain));
+        for i in 0..3 {
+            force[i][i] += stress.normal[i];
+            viscous_strain[i][i] += strain.normal[i];
+        }
+        for (pair, [i, j]) in PAIRS.into_iter().enumerate() {
+            for [i, j] in [[i, j], [j, i]] {
+                force[i][j] += stress.shear[pair];
+                viscous_strain[i][j] += strain.shear[pair];
+            }
+        }
+        dissipated
+    }
+}
+
+fn check(branch_modulus: f64, relaxation_time: f64) -> Result<(), InputError> {
+    BRANCH_MODULUS
+        .check(branch_modulus, "the modulus of the Maxwell branch must be μ₁ > 0, in Pa")?;
+    RELAXATION_TIME.check(relaxation_time, "the relaxation time must be τ > 0, in s")
+}
+
+/// A symmetric tensor: normal components, and those off the diagonal, each once: one in plane strain, three in space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SymmetricTensor<N, const SHEARS: usize> {
+    /// Components 11, 22, 33.
+    pub normal: [N; 3],
+    /// Components 12 or 12, 13, 23.
+    pub shear: [N; SHEARS],
+}
+
+impl<N: Number, const SHEARS: usize> SymmetricTensor<N, SHEARS> {
+    /// Zero.
+    pub const ZERO: Self = Self { normal: [N::ZERO; 3], shear: [N::ZERO; SHEARS] };
+
+    /// The tensor without its mean. Differences of normal components come first: a deviator far smaller than the mean
+    /// keeps its digits.
+    #[inline(always)]
+    #[must_use]
+    pub fn deviator(mut self) -> Self {
+        let [a, b, c] = self.normal;
+        self.normal = [
+            N::THIRD * ((a - b) + (a - c)),
+            N::THIRD * ((b - c) + (b - a)),
+            N::THIRD * ((c - a) + (c - b)),
+        ];
+        self
+    }
+}
+
+/// Relaxation over a time at constant strain, as factors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relaxation<N> {
+    /// 1/(2μ_U), 1/Pa: of s in d.
+    pub strain_per_stress: N,
+    /// μ_R/μ_U: of a in d, with the sign turned.
+    pub strain_per_strain: N,
+    /// κ = 1 − exp(−t/τ).
+    pub share: N,
+    /// 2μ₁, Pa.
+    pub stress_per_strain: N,
+    /// μ₁κ(2 − κ), Pa: dissipated energy per square of d.
+    pub dissipation: N,
+}
+
+/// What relaxation adds to a state, and the energy that it dissipates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Increments<N, const SHEARS: usize> {
+    /// Of the stress, Pa.
+    pub stress: SymmetricTensor<N, SHEARS>,
+    /// Of the viscous strain.
+    pub viscous_strain: SymmetricTensor<N, SHEARS>,
+    /// J/m³.
+    pub dissipated: N,
+}
+
+impl Relaxation<f64> {
+    /// Of an elastic medium: nothing.
+    pub const NONE: Self = Self {
+        strain_per_stress: 0.0,
+        strain_per_strain: 0.0,
+        share: 0.0,
+        stress_per_strain: 0.0,
+        dissipation: 0.0,
+    };
+}
+
+impl<N: Number> Relaxation<N> {
+    /// What it adds to the symmetric part of a stress and to the viscous strain. Means of both play no part.
+    #[inline(always)]
+    pub fn increments<const SHEARS: usize>(
+        &self,
+        stress: SymmetricTensor<N, SHEARS>,
+        viscous_strain: SymmetricTensor<N, SHEARS>,
+    ) -> Increments<N, SHEARS> {
+        let (stress, strain) = (stress.deviator(), viscous_strain.deviator());
+        let mut all = Increments {
+            stress: SymmetricTensor::ZERO,
+            viscous_strain: SymmetricTensor::ZERO,
+            dissipated: N::ZERO,
+        };
+        for i in 0..3 {
+            let (change, lost) = self.component(stress.normal[i], strain.normal[i]);
+            all.viscous_strain.normal[i] = change;
+            all.stress.normal[i] = -(self.stress_per_strain * change);
+            all.dissipated = all.dissipated + lost;
+        }
+        for i in 0..SHEARS {
+            let (change, lost) = self.component(stress.shear[i], strain.shear[i]);
+            all.viscous_strain.shear[i] = change;
+            all.stress.shear[i] = -(self.stress_per_strain * change);
+            // Both components of the pair.
+            all.dissipated = all.dissipated + (lost + lost);
+        }
+        all
+    }
+
+    /// Change of a component of the viscous strain, and the energy dissipated.
+    #[inline(always)]
+    fn component(&self, stress: N, strain: N) -> (N, N) {
+        let spring = self.strain_per_stress * stress - self.strain_per_strain * strain;
+        (self.share * spring, self.dissipation * spring * spring)
+    }
+}

@@ -1,0 +1,314 @@
+//! The standard linear solid against closed forms, integration of its rate equations and quadrature.
+
+use nalgebra::Complex;
+use testkit::random::Random;
+use wellposed_models::common::number::Number;
+use wellposed_models::rheology::relaxation::{Relaxation, StandardLinearSolid, SymmetricTensor};
+use wellposed_models::solid::parameters::{Isotropic, Microrotation};
+use wellposed_models::solid::stress::Stress;
+
+type Tensor = [[f64; 3]; 3];
+
+/// Relaxed moduli λ, μ, then μ₁ and τ.
+const RELAXED: [f64; 2] = [1.3, 0.7];
+const BRANCH: f64 = 0.45;
+const TIME: f64 = 0.8;
+
+fn solid() -> StandardLinearSolid {
+    let [lambda, mu] = RELAXED;
+    let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple: None };
+    let relaxed = Isotropic::new(lambda, mu, 1.2, Some(rotation)).expect("sound moduli");
+    StandardLinearSolid::from_relaxed(relaxed, BRANCH, TIME).expect("sound constants")
+}
+
+fn tensor(entry: impl Fn(usize, usize) -> f64) -> Tensor {
+    std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
+}
+
+fn trace(t: &Tensor) -> f64 {
+    t[0][0] + t[1][1] + t[2][2]
+}
+
+/// A symmetric deviator.
+fn deviator(random: &mut Random) -> Tensor {
+    let t = tensor(|_, _| 0.0).map(|row| row.map(|_| random.signed(0.1, 1.0)));
+    let mean = trace(&t) / 3.0;
+    tensor(|i, j| 0.5 * (t[i][j] + t[j][i]) - if i == j { mean } else { 0.0 })
+}
+
+fn double_product(a: &Tensor, b: &Tensor) -> f64 {
+    a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum()
+}
+
+/// Force stress of a strain deviator, a volume change, a viscous strain and an antisymmetric part: from the springs, by
+/// the relaxed moduli and the branch.
+fn force(e: &Tensor, volume: f64, a: &Tensor, antisymmetric: &Tensor) -> Tensor {
+    let bulk = RELAXED[0] + 2.0 / 3.0 * RELAXED[1];
+    tensor(|i, j| {
+        let mean = if i == j { bulk * volume } else { 0.0 };
+        let branch = 2.0 * BRANCH * (e[i][j] - a[i][j]);
+        mean + 2.0 * RELAXED[1] * e[i][j] + branch + antisymmetric[i][j]
+    })
+}
+
+fn shear(value: f64) -> Stress {
+    Stress { force: [[0.0, value, 0.0], [value, 0.0, 0.0], [0.0; 3]], ..Stress::default() }
+}
+
+fn antisymmetric(random: &mut Random) -> Tensor {
+    let [x, y, z] = [0; 3].map(|_| random.signed(0.1, 1.0));
+    [[0.0, x, y], [-x, 0.0, z], [-y, -z, 0.0]]
+}
+
+fn assert_near(found: &Tensor, expected: &Tensor, within: f64) {
+    for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
+        assert!((found - expected).abs() < within, "{found} {expected}");
+    }
+}
+
+/// s(t) = 2μ_R e + 2μ₁e exp(−t/τ) from a sudden strain on, in steps of any length; mean stress, antisymmetric part and
+/// couple stress stay.
+#[test]
+fn stress_relaxes_at_constant_strain() {
+    let (solid, mut random) = (solid(), Random::new(1));
+    let [e, spin] = [deviator(&mut random), antisymmetric(&mut random)];
+    let couple = [[0.3, -0.2, 0.1], [0.7, 0.5, -0.6], [0.9, -0.4, 0.8]];
+    let mut stress = Stress { force: force(&e, 0.31, &[[0.0; 3]; 3], &spin), couple };
+    let (mut strain, mut time) = ([[0.0; 3]; 3], 0.0);
+    for _ in 0..40 {
+        let step = random.decades(1e-4, 1.0);
+        solid.relax(&mut stress, &mut strain, step);
+        time += step;
+        let left = (-time / TIME).exp();
+        let bulk = RELAXED[0] + 2.0 / 3.0 * RELAXED[1];
+        let expected = tensor(|i, j| {
+            let mean = if i == j { bulk * 0.31 } else { 0.0 };
+            mean + (2.0 * RELAXED[1] + 2.0 * BRANCH * left) * e[i][j] + spin[i][j]
+        });
+        assert_near(&stress.force, &expected, 4e-15);
+        assert_near(&strain, &e.map(|row| row.map(|e| (1.0 - left) * e)), 4e-15);
+        assert_eq!(stress.couple, couple);
+    }
+    assert!(time > 3.0 * TIME);
+}
+
+/// Creep under constant stress, which an elastic strain at constant viscous strain restores after each relaxation: first
+/// order to the closed form e = s/(2μ_R) [1 − (μ₁/μ_U) exp(−t μ_R/(μ_U τ))].
+#[test]
+fn strain_creeps_at_constant_stress() {
+    let solid = solid();
+    let unrelaxed = RELAXED[1] + BRANCH;
+    let exact = |time: f64| {
+        let left = (-time * RELAXED[1] / (unrelaxed * TIME)).exp();
+        0.5 / RELAXED[1] * (1.0 - BRANCH / unrelaxed * left)
+    };
+    let error = |steps: usize| {
+        let step = 2.0 * TIME / steps as f64;
+        let (mut strain, mut viscous) = (0.5 / unrelaxed, [[0.0; 3]; 3]);
+        let mut worst = 0.0f64;
+        for index in 1..=steps {
+            let mut stress = shear(1.0);
+            solid.relax(&mut stress, &mut viscous, step);
+            strain += (1.0 - stress.force[0][1]) / (2.0 * unrelaxed);
+            worst = worst.max((strain - exact(index as f64 * step)).abs());
+        }
+        worst
+    };
+    let errors = [100, 200, 400].map(error);
+    println!("{errors:?}");
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((0.98..1.02).contains(&order), "{errors:?}");
+    }
+    // Extrapolated to steps of length zero.
+    assert!((2.0 * errors[2] - errors[1]).abs() < 2e-6, "{errors:?}");
+}
+
+/// τȧ = e − a by the classical Runge–Kutta scheme in 4000 steps.
+#[test]
+fn viscous_strain_solves_its_equation() {
+    let (solid, mut random) = (solid(), Random::new(2));
+    for duration in [0.05, 0.8, 3.0] {
+        let [e, start, spin] =
+            [deviator(&mut random), deviator(&mut random), antisymmetric(&mut random)];
+        let mut stress = Stress { force: force(&e, -0.7, &start, &spin), ..Stress::default() };
+        let mut strain = start;
+        let dissipated = solid.relax(&mut stress, &mut strain, duration);
+
+        let (steps, mut a, mut lost) = (4000, start, 0.0);
+        let h = duration / f64::from(steps);
+        let rate = |a: &Tensor| tensor(|i, j| (e[i][j] - a[i][j]) / TIME);
+        let power = |a: &Tensor| {
+            let spring = tensor(|i, j| 2.0 * BRANCH * (e[i][j] - a[i][j]));
+            double_product(&spring, &rate(a))
+        };
+        for _ in 0..steps {
+            let k1 = rate(&a);
+            let second = tensor(|i, j| a[i][j] + 0.5 * h * k1[i][j]);
+            let k2 = rate(&second);
+            let third = tensor(|i, j| a[i][j] + 0.5 * h * k2[i][j]);
+            let k3 = rate(&third);
+            let fourth = tensor(|i, j| a[i][j] + h * k3[i][j]);
+            let k4 = rate(&fourth);
+            lost +=
+                h / 6.0 * (power(&a) + 2.0 * power(&second) + 2.0 * power(&third) + power(&fourth));
+            a = tensor(|i, j| {
+                a[i][j] + h / 6.0 * (k1[i][j] + 2.0 * (k2[i][j] + k3[i][j]) + k4[i][j])
+            });
+        }
+        assert_near(&strain, &a, 1e-12);
+        assert_near(&stress.force, &force(&e, -0.7, &a, &spin), 1e-12);
+        assert!((dissipated - lost).abs() < 1e-12, "{dissipated} {lost}");
+    }
+}
+
+/// The stored energy is that of the springs, and falls by what is dissipated, to rounding, for any step.
+#[test]
+fn energy_falls_by_the_dissipation() {
+    let (solid, mut random) = (solid(), Random::new(3));
+    for _ in 0..2000 {
+        let [e, a, spin] =
+            [deviator(&mut random), deviator(&mut random), antisymmetric(&mut random)];
+        let volume = random.signed(0.1, 1.0);
+        let mut stress = Stress { force: force(&e, volume, &a, &spin), ..Stress::default() };
+        let bulk = RELAXED[0] + 2.0 / 3.0 * RELAXED[1];
+        let branch = tensor(|i, j| e[i][j] - a[i][j]);
+        let springs = RELAXED[1] * double_product(&e, &e)
+            + BRANCH * double_product(&branch, &branch)
+            + 0.5 * bulk * volume * volume
+            + double_product(&spin, &spin) / (4.0 * 0.6);
+        let mut strain = a;
+        let before = solid.stored_energy(&stress, &strain);
+        assert!((before - springs).abs() < 1e-14 * springs, "{before} {springs}");
+        let duration = TIME * random.decades(1e-8, 1e4);
+        let dissipated = solid.relax(&mut stress, &mut strain, duration);
+        let after = solid.stored_energy(&stress, &strain);
+        assert!(dissipated >= 0.0);
+        assert!((after - before + dissipated).abs() < 4e-15 * before, "{before} {after}");
+    }
+}
+
+/// Steps without length do nothing; endless ones end at rest; all are finite.
+#[test]
+fn steps_of_any_length() {
+    let solid = solid();
+    let mut random = Random::new(4);
+    let [e, a] = [deviator(&mut random), deviator(&mut random)];
+    let start = force(&e, 0.0, &a, &[[0.0; 3]; 3]);
+    for duration in [0.0, 5e-324, 1e-300] {
+        let (mut stress, mut strain) = (Stress { force: start, ..Stress::default() }, a);
+        let dissipated = solid.relax(&mut stress, &mut strain, duration);
+        assert_eq!((stress.force, strain), (start, a));
+        assert!(dissipated < 1e-299);
+    }
+    for duration in [1e3, 1e300, f64::MAX] {
+        let (mut stress, mut strain) = (Stress { force: start, ..Stress::default() }, a);
+        let dissipated = solid.relax(&mut stress, &mut strain, duration);
+        assert_near(&strain, &e, 1e-15);
+        assert_near(&stress.force, &e.map(|row| row.map(|e| 2.0 * RELAXED[1] * e)), 1e-15);
+        let spring = tensor(|i, j| e[i][j] - a[i][j]);
+        assert!((dissipated - BRANCH * double_product(&spring, &spring)).abs() < 1e-15);
+    }
+}
+
+/// The moduli of oscillations and of decaying modes are ς times the Laplace transform of what a unit of strain relaxes to,
+/// 2μ(ς) = ς∫exp(−ςt) s(t) dt, by Simpson's rule on the stresses that relaxation gives.
+#[test]
+fn complex_modulus_is_the_transform_of_relaxation() {
+    let solid = solid();
+    let (steps, end) = (40_000, 40.0 * TIME);
+    let h = end / f64::from(steps);
+    for rate in [(0.0, 0.3), (0.0, 1.25), (0.0, 9.0), (0.4, 2.0), (-0.2, 3.0)] {
+        let rate = Complex::new(rate.0, rate.1);
+        let mut stress = shear(2.0 * (RELAXED[1] + BRANCH));
+        let mut strain = [[0.0; 3]; 3];
+        let mut sum = Complex::new(0.0, 0.0);
+        for index in 0..=steps {
+            let weight = match index {
+                0 => 1.0,
+                _ if index == steps => 1.0,
+                _ if index % 2 == 1 => 4.0,
+                _ => 2.0,
+            };
+            // What stays for ever, 2μ_R, has the transform 2μ_R/ς.
+            let relaxing = stress.force[0][1] - 2.0 * RELAXED[1];
+            sum += (-rate * (f64::from(index) * h)).exp() * (weight * relaxing * h / 3.0);
+            solid.relax(&mut stress, &mut strain, h);
+        }
+        let expected = (sum * rate + 2.0 * RELAXED[1]) * 0.5;
+        let found = solid.shear_modulus(rate);
+        assert!((found - expected).norm() < 1e-9, "{rate}: {found} {expected}");
+        let bulk = RELAXED[0] + 2.0 / 3.0 * RELAXED[1];
+        let difference = solid.longitudinal_modulus(rate) - expected * (4.0 / 3.0) - bulk;
+        assert!(difference.norm() < 2e-9);
+    }
+    // Slow and fast oscillations see the relaxed and the unrelaxed solid.
+    for (frequency, limit) in [(1e-9, solid.relaxed()), (1e9, solid.unrelaxed())] {
+        let rate = Complex::new(0.0, frequency);
+        assert!((solid.shear_modulus(rate) - limit.mu).norm() < 1e-8);
+        let modulus = limit.lambda + 2.0 * limit.mu;
+        assert!((solid.longitudinal_modulus(rate) - modulus).norm() < 1e-8);
+    }
+}
+
+/// Both ways to state the solid agree, and each names the constant that cannot be.
+#[test]
+fn constants_are_checked() {
+    let own = solid();
+    let again = StandardLinearSolid::from_unrelaxed(own.unrelaxed(), BRANCH, TIME).expect("sound");
+    assert_eq!(again, own);
+    let [lambda, mu] = RELAXED;
+    let relaxed = again.relaxed();
+    assert!((relaxed.lambda - lambda).abs() < 1e-15 && (relaxed.mu - mu).abs() < 1e-15);
+    assert!((own.unrelaxed().mu - mu - BRANCH).abs() < 1e-15);
+    for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let name = |branch: f64, time: f64| {
+            let [one, other] = [own.relaxed(), own.unrelaxed()];
+            let one = StandardLinearSolid::from_relaxed(one, branch, time).expect_err("wrong");
+            let other =
+                StandardLinearSolid::from_unrelaxed(other, branch, time).expect_err("wrong");
+            assert_eq!(one.input, other.input);
+            one.input
+        };
+        assert_eq!(name(wrong, TIME), "branch_mu");
+        assert_eq!(name(BRANCH, wrong), "relaxation_time");
+    }
+    for branch in [own.unrelaxed().mu, 2.0] {
+        let refused = StandardLinearSolid::from_unrelaxed(own.unrelaxed(), branch, TIME);
+        let error = refused.expect_err("nothing elastic would be left");
+        assert_eq!(error.input, "branch_mu");
+        assert!(error.to_string().contains("must be positive"), "{error}");
+    }
+}
+
+/// In single precision the same formula, to its rounding; in plane strain that of space.
+#[test]
+fn other_numbers_and_dimensions() {
+    let step = solid().relaxation_over(0.3);
+    let narrow = Relaxation {
+        strain_per_stress: f32::constant(step.strain_per_stress),
+        strain_per_strain: f32::constant(step.strain_per_strain),
+        share: f32::constant(step.share),
+        stress_per_strain: f32::constant(step.stress_per_strain),
+        dissipation: f32::constant(step.dissipation),
+    };
+    let stress = SymmetricTensor { normal: [0.7, -0.2, 1.1], shear: [0.4] };
+    let strain = SymmetricTensor { normal: [0.1, 0.3, -0.4], shear: [-0.2] };
+    let plane = step.increments(stress, strain);
+    let thin = |own: SymmetricTensor<f64, 1>| SymmetricTensor {
+        normal: own.normal.map(f32::constant),
+        shear: own.shear.map(f32::constant),
+    };
+    let found = narrow.increments(thin(stress), thin(strain));
+    for (found, expected) in found.stress.normal.into_iter().zip(plane.stress.normal) {
+        assert!((f64::from(found) - expected).abs() < 1e-6);
+    }
+    assert!((f64::from(found.dissipated) - plane.dissipated).abs() < 1e-6);
+    let wide = |own: SymmetricTensor<f64, 1>| SymmetricTensor {
+        normal: own.normal,
+        shear: [own.shear[0], 0.0, 0.0],
+    };
+    let space = step.increments(wide(stress), wide(strain));
+    assert_eq!(space.viscous_strain, wide(plane.viscous_strain));
+    assert_eq!(space.dissipated, plane.dissipated);
+}
