@@ -3,6 +3,7 @@
 
 mod support;
 
+use models::rheology::relaxation::StandardLinearSolid;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
 use models::solid::waves::Field;
 use models::yield_set::YieldSet;
@@ -30,6 +31,10 @@ fn field(field: Field, frame: Frame) -> Field {
         Field::Spin(k) => Field::Spin(frame[k]),
         Field::Stress(i, j) => Field::Stress(frame[i], frame[j]),
         Field::Couple(k, j) => Field::Couple(frame[k], frame[j]),
+        Field::ViscousStrain(i, j) => {
+            let [i, j] = [frame[i], frame[j]];
+            Field::ViscousStrain(i.min(j), i.max(j))
+        }
     }
 }
 
@@ -65,8 +70,12 @@ fn problem(frame: Frame) -> Problem<3> {
         YieldSet::from(Mises { antisymmetric_weight: 0.5, ..Mises::drucker_prager(0.3, 0.2, 0.2) });
     let media = [1.0, 2.3].map(|factor| {
         let solid = Isotropic::new(1.4 * factor, 0.9 * factor, 1.2, Some(rotation(factor)));
-        let own = Medium::new(solid.expect("sound moduli"), 3);
-        if factor > 1.0 { own.yielding(set.clone()) } else { own }
+        let solid = solid.expect("sound moduli");
+        let relaxing = StandardLinearSolid::from_unrelaxed(solid, 0.4, 0.2);
+        match factor > 1.0 {
+            true => Medium::new(solid, 3).yielding(set.clone()),
+            false => Medium::relaxing(relaxing.expect("sound constants"), 3),
+        }
     });
     let count: usize = CELLS.iter().product();
     let of_cell = (0..count).map(|cell| u16::from(place(cell, frame)[2] > 4)).collect();

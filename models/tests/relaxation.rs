@@ -295,6 +295,15 @@ fn other_numbers_and_dimensions() {
     let stress = SymmetricTensor { normal: [0.7, -0.2, 1.1], shear: [0.4] };
     let strain = SymmetricTensor { normal: [0.1, 0.3, -0.4], shear: [-0.2] };
     let plane = step.increments(stress, strain);
+    // Means play no part.
+    let shifted = SymmetricTensor { normal: stress.normal.map(|x| x + 0.75), ..stress };
+    let means = step
+        .increments(shifted, SymmetricTensor { normal: strain.normal.map(|x| x - 0.5), ..strain });
+    for (found, expected) in means.stress.normal.into_iter().zip(plane.stress.normal) {
+        assert!((found - expected).abs() < 1e-15, "{found} {expected}");
+    }
+    let [a, b, c] = plane.stress.normal;
+    assert!((a + b + c).abs() < 1e-16);
     let thin = |own: SymmetricTensor<f64, 1>| SymmetricTensor {
         normal: own.normal.map(f32::constant),
         shear: own.shear.map(f32::constant),

@@ -26,6 +26,7 @@ impl Component {
             Field::Spin(_) => theory == Theory::Cosserat,
             Field::Stress(i, j) => j == axis || (theory == Theory::Classical && i == axis),
             Field::Couple(_, j) => j == axis,
+            Field::ViscousStrain(..) => false,
         };
         Self::all(theory, dimensions).into_iter().filter(acts).collect()
     }
@@ -40,7 +41,7 @@ impl Component {
         match self.0 {
             Field::Velocity(i) => Some(format!("u{}", i + 1)),
             Field::Spin(k) => Some(format!("phi{}", k + 1)),
-            Field::Stress(..) | Field::Couple(..) => None,
+            Field::Stress(..) | Field::Couple(..) | Field::ViscousStrain(..) => None,
         }
     }
 
@@ -65,6 +66,7 @@ impl fmt::Display for Component {
             Field::Spin(k) => write!(formatter, "w{}", k + 1),
             Field::Stress(i, j) => write!(formatter, "sigma{}{}", i + 1, j + 1),
             Field::Couple(k, j) => write!(formatter, "m{}{}", k + 1, j + 1),
+            Field::ViscousStrain(i, j) => write!(formatter, "viscous_strain{}{}", i + 1, j + 1),
         }
     }
 }

@@ -101,7 +101,7 @@ pub struct Snapshot<T> {
     /// Values by field, then by cell, the axis of the first sweeps running fastest.
     pub fields: Vec<Vec<T>>,
     /// The ledger by layer across the axis along which the domain is cut.
-    pub totals: Vec<[f64; 12]>,
+    pub totals: Vec<[f64; 14]>,
     /// Plastic dissipation by cell, where anything yields, J/m³; then the sums of the problem's integrals.
     pub sums: Vec<Vec<f64>>,
 }

@@ -6,7 +6,7 @@
 //! so that stresses stay in their convex yield sets.
 
 use super::{Simulation, State, TimeSteps, from_bytes, number, to_bytes};
-use crate::solid::ledger::{Energy, Ledger};
+use crate::solid::ledger::{Energy, Ledger, TOTAL_NUMBERS};
 use crate::solid::probe::Probe;
 use crate::solid::problem::{DomainError, Problem};
 
@@ -331,7 +331,7 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     fn restore(&mut self, state: &State) -> bool {
         let snapshot = || {
             let totals = from_bytes(state.sections.get("totals")?)?;
-            let (totals, []) = totals.as_chunks::<12>() else { return None };
+            let (totals, []) = totals.as_chunks::<TOTAL_NUMBERS>() else { return None };
             Some(Snapshot {
                 steps: state.steps,
                 fields: state.numbered("field").map(T::from_bytes).collect::<Option<_>>()?,

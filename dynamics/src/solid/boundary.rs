@@ -64,7 +64,7 @@ impl Boundary {
             let is_odd = match field {
                 Field::Velocity(i) => i == axis,
                 Field::Spin(k) => k != axis,
-                Field::Stress(..) | Field::Couple(..) => false,
+                Field::Stress(..) | Field::Couple(..) | Field::ViscousStrain(..) => false,
             };
             if is_odd == is_even { Condition::OddVelocity } else { Condition::OddStress }
         };

@@ -147,7 +147,7 @@ impl PlanePulse {
                 let normal = if i == j { self.lambda * dilation } else { 0.0 };
                 Some(-(normal + self.mu * (a[i] * n[j] + a[j] * n[i])) / self.speed)
             }
-            Field::Spin(_) | Field::Couple(..) => None,
+            Field::Spin(_) | Field::Couple(..) | Field::ViscousStrain(..) => None,
         }
     }
 }

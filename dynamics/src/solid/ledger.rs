@@ -2,8 +2,8 @@
 
 /// What steps do to the energy, J (in plane strain of a slice of unit thickness).
 ///
-/// Energy after − energy before = inflow + sources + released − plastic − numerical. Each term is computed, none as a
-/// residual.
+/// Energy after − energy before = inflow + sources + released − plastic − viscous − numerical. Each term is computed, none
+/// as a residual.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ledger {
     /// Work at the sides, positive inwards.
@@ -14,6 +14,8 @@ pub struct Ledger {
     pub released: f64,
     /// Plastic dissipation.
     pub plastic: f64,
+    /// Dissipation of dashpots.
+    pub viscous: f64,
     /// What the scheme itself dissipates; see [`Account`](crate::solid::line::Account). Zero where the ledger is light.
     pub numerical: f64,
     /// The least plastic dissipation of a cell in a step, over the energy stored there, where it is negative:
@@ -21,20 +23,26 @@ pub struct Ledger {
     pub least_plastic: f64,
 }
 
+/// Numbers of a ledger.
+const TERMS: usize = 7;
+
+/// Numbers of a [`Total`].
+pub(crate) const TOTAL_NUMBERS: usize = 2 * TERMS;
+
 impl Ledger {
     /// What all terms together do to the energy.
     pub fn change(&self) -> f64 {
-        self.inflow + self.sources + self.released - self.plastic - self.numerical
+        self.inflow + self.sources + self.released - self.plastic - self.viscous - self.numerical
     }
 
-    fn numbers(self) -> [f64; 6] {
-        let Self { inflow, sources, released, plastic, numerical, least_plastic } = self;
-        [inflow, sources, released, plastic, numerical, least_plastic]
+    fn numbers(self) -> [f64; TERMS] {
+        let Self { inflow, sources, released, plastic, viscous, numerical, least_plastic } = self;
+        [inflow, sources, released, plastic, viscous, numerical, least_plastic]
     }
 
-    fn from_numbers(numbers: [f64; 6]) -> Self {
-        let [inflow, sources, released, plastic, numerical, least_plastic] = numbers;
-        Self { inflow, sources, released, plastic, numerical, least_plastic }
+    fn from_numbers(numbers: [f64; TERMS]) -> Self {
+        let [inflow, sources, released, plastic, viscous, numerical, least_plastic] = numbers;
+        Self { inflow, sources, released, plastic, viscous, numerical, least_plastic }
     }
 
     /// Each term of both.
@@ -44,6 +52,7 @@ impl Ledger {
             sources: term(self.sources, other.sources),
             released: term(self.released, other.released),
             plastic: term(self.plastic, other.plastic),
+            viscous: term(self.viscous, other.viscous),
             numerical: term(self.numerical, other.numerical),
             least_plastic: self.least_plastic.min(other.least_plastic),
         }
@@ -59,15 +68,15 @@ pub(crate) struct Total {
 
 impl Total {
     /// As numbers.
-    pub(crate) fn numbers(&self) -> [f64; 12] {
+    pub(crate) fn numbers(&self) -> [f64; TOTAL_NUMBERS] {
         let [sum, rest] = [self.sum, self.rest].map(Ledger::numbers);
-        std::array::from_fn(|i| if i < 6 { sum[i] } else { rest[i - 6] })
+        std::array::from_fn(|i| if i < TERMS { sum[i] } else { rest[i - TERMS] })
     }
 
     /// From the same numbers.
-    pub(crate) fn from_numbers(numbers: [f64; 12]) -> Self {
+    pub(crate) fn from_numbers(numbers: [f64; TOTAL_NUMBERS]) -> Self {
         let of = |first: usize| Ledger::from_numbers(std::array::from_fn(|i| numbers[first + i]));
-        Self { sum: of(0), rest: of(6) }
+        Self { sum: of(0), rest: of(TERMS) }
     }
 
     pub(crate) fn add(&mut self, step: Ledger) {
@@ -93,7 +102,7 @@ impl Total {
 pub struct Energy {
     /// Of motion and spin.
     pub kinetic: f64,
-    /// Of the stress.
+    /// Of the stress and of memory variables.
     pub stored: f64,
 }
 

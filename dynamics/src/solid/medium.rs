@@ -1,15 +1,16 @@
 //! What a solid is to the sweeps.
 
+use models::rheology::relaxation::StandardLinearSolid;
 use models::solid::ElasticLaw;
 use models::solid::stress::Stress;
 use models::solid::waves::{Field, Pair, Rotation};
 use models::yield_set::YieldSet;
 use models::yield_set::projection::Projection;
 
-/// A solid as pairs of waves along the axes, a rotation, and the set in which its stress stays.
+/// A solid as pairs of waves along the axes, a rotation, a law of relaxation, and the set in which its stress stays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
-    /// The components of its state.
+    /// Velocities, spins and stresses: the components of its state without [memory variables](Self::history).
     pub fields: Vec<Field>,
     /// Pairs by axis; the same velocities and stresses in the same order for all media of a theory.
     pub pairs: Vec<Vec<Pair>>,
@@ -17,6 +18,8 @@ pub struct Medium {
     pub rotation: Option<Rotation>,
     /// Stress and energy.
     pub law: ElasticLaw,
+    /// Relaxation of the stress deviator; the other constants are those of the unrelaxed solid.
+    pub relaxation: Option<StandardLinearSolid>,
     /// What keeps the stress in a set: associated flow. Dilatancies play no part.
     pub yields: Option<YieldSet>,
 }
@@ -31,8 +34,26 @@ impl Medium {
             pairs: (0..dimensions).map(|axis| law.pairs(dimensions, axis)).collect(),
             rotation: law.rotation(),
             law,
+            relaxation: None,
             yields: None,
         }
+    }
+
+    /// A standard linear solid in 2 (plane strain) or 3 dimensions: waves see the unrelaxed solid, and the deviator of
+    /// the stress relaxes locally, which takes memory variables.
+    pub fn relaxing(solid: StandardLinearSolid, dimensions: usize) -> Self {
+        Self { relaxation: Some(solid), ..Self::new(solid.unrelaxed(), dimensions) }
+    }
+
+    /// The memory variables of its law, which are fields of a domain beside [`fields`](Self::fields): one viscous strain
+    /// per component of the stress deviator.
+    pub fn history(&self) -> Vec<Field> {
+        let viscous_strain = |field: &Field| match *field {
+            Field::Stress(i, j) if i <= j => Some(Field::ViscousStrain(i, j)),
+            _ => None,
+        };
+        let fields = self.fields.iter().filter(|_| self.relaxation.is_some());
+        fields.filter_map(viscous_strain).collect()
     }
 
     /// The same with a yield set that admits the law.
@@ -46,7 +67,7 @@ impl Medium {
         self.pairs.iter().flatten().map(Pair::speed).fold(0.0, f64::max)
     }
 
-    /// Energy that an elastic stress stores, J/m³.
+    /// Energy that a stress stores without viscous strain, J/m³.
     pub fn stored_energy(&self, stress: &Stress) -> f64 {
         self.law.stored_energy(stress)
     }
@@ -87,7 +108,7 @@ impl Medium {
                     }
                 }
                 Field::Couple(k, j) => stress.couple[k][j] = value,
-                Field::Velocity(_) | Field::Spin(_) => {}
+                Field::Velocity(_) | Field::Spin(_) | Field::ViscousStrain(..) => {}
             }
         }
         let stress = self.project(&stress).stress;
@@ -102,13 +123,13 @@ pub(crate) fn component(field: Field, stress: &Stress) -> Option<f64> {
     match field {
         Field::Stress(i, j) => Some(stress.force[i][j]),
         Field::Couple(k, j) => Some(stress.couple[k][j]),
-        Field::Velocity(_) | Field::Spin(_) => None,
+        Field::Velocity(_) | Field::Spin(_) | Field::ViscousStrain(..) => None,
     }
 }
 
-/// The energy density as products of fields: what the energies of one and of two components tell.
-pub(crate) fn energy_terms(medium: &Medium) -> Vec<(usize, usize, f64)> {
-    let fields = &medium.fields;
+/// The energy density of a medium as products of the fields of a domain: what the energies of one and of two components
+/// tell.
+pub(crate) fn energy_terms(medium: &Medium, fields: &[Field]) -> Vec<(usize, usize, f64)> {
     let stress = |places: &[usize]| {
         let mut stress = Stress::default();
         for &place in places {
@@ -120,13 +141,19 @@ pub(crate) fn energy_terms(medium: &Medium) -> Vec<(usize, usize, f64)> {
                     }
                 }
                 Field::Couple(k, j) => stress.couple[k][j] = 1.0,
-                Field::Velocity(_) | Field::Spin(_) => {}
+                Field::Velocity(_) | Field::Spin(_) | Field::ViscousStrain(..) => {}
             }
         }
         medium.stored_energy(&stress)
     };
     let mut terms = Vec::new();
     for (one, &field) in fields.iter().enumerate() {
+        if let Field::ViscousStrain(i, j) = field {
+            let modulus = medium.relaxation.map_or(0.0, |own| own.viscous_strain_modulus());
+            // One field stands for both components off the diagonal.
+            terms.push((one, one, if i == j { modulus } else { 2.0 * modulus }));
+            continue;
+        }
         let inertia = medium.inertia(field);
         let own = if inertia > 0.0 { 0.5 * inertia } else { stress(&[one]) };
         terms.push((one, one, own));

@@ -164,7 +164,7 @@ fn is_odd(field: Field, axis: usize) -> bool {
     match field {
         Field::Velocity(i) => i == axis,
         Field::Spin(k) => k != axis,
-        Field::Stress(i, j) => (i == axis) != (j == axis),
+        Field::Stress(i, j) | Field::ViscousStrain(i, j) => (i == axis) != (j == axis),
         Field::Couple(k, j) => (k != axis) != (j == axis),
     }
 }

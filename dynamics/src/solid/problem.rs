@@ -103,7 +103,7 @@ impl Scheme {
 pub struct Problem<const D: usize> {
     /// The grid.
     pub grid: Grid<D>,
-    /// The media: all of the same fields.
+    /// The media: all of the same fields, memory variables apart.
     pub media: Vec<Medium>,
     /// Medium of each cell, the first axis running fastest.
     pub of_cell: Vec<u16>,
@@ -163,6 +163,17 @@ impl<const D: usize> Problem<D> {
         };
         let axes = 0..if D == 3 && self.scheme.alternates() { D } else { 0 };
         axes.rev().find(|axis| self.boundaries[*axis].iter().any(reflects)).unwrap_or(0)
+    }
+
+    /// The components of the state: the fields of the media, then the memory variables of all of them.
+    pub fn fields(&self) -> Vec<Field> {
+        let mut fields = self.media.first().map_or(Vec::new(), |medium| medium.fields.clone());
+        for field in self.media.iter().flat_map(Medium::history) {
+            if !fields.contains(&field) {
+                fields.push(field);
+            }
+        }
+        fields
     }
 
     /// Looks whether it can be solved.

@@ -27,10 +27,13 @@ pub enum Field {
     Stress(usize, usize),
     /// mₖⱼ, N/m.
     Couple(usize, usize),
+    /// Viscous strain aᵢⱼ = aⱼᵢ of a [solid that relaxes](crate::rheology::relaxation), i ≤ j: a memory variable.
+    ViscousStrain(usize, usize),
 }
-use Field::{Couple, Spin, Stress, Velocity};
+use Field::{Couple, Spin, Stress, Velocity, ViscousStrain};
 
-/// The name of the same component among the unknowns of the [rate equations](crate::common::rates): `v1`, `ω3`, `σ12`, `m31`.
+/// The name of the same component among the unknowns of the [rate equations](crate::common::rates): `v1`, `ω3`, `σ12`, `m31`;
+/// of memory variables, `a12`.
 impl fmt::Display for Field {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -38,6 +41,7 @@ impl fmt::Display for Field {
             Spin(k) => write!(formatter, "ω{}", k + 1),
             Stress(i, j) => write!(formatter, "σ{}{}", i + 1, j + 1),
             Couple(k, j) => write!(formatter, "m{}{}", k + 1, j + 1),
+            ViscousStrain(i, j) => write!(formatter, "a{}{}", i + 1, j + 1),
         }
     }
 }

@@ -27,7 +27,7 @@ impl Place<'_> {
                     }
                 }
                 Field::Couple(k, j) => uniform.couple[k][j] = *value,
-                Field::Velocity(_) | Field::Spin(_) => {}
+                Field::Velocity(_) | Field::Spin(_) | Field::ViscousStrain(..) => {}
             }
         }
         let grid = &self.dynamics.grid;

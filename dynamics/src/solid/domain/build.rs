@@ -37,7 +37,7 @@ impl<const D: usize> Layout<D> {
             cells,
             halo,
             periodic_in_place,
-            fields: problem.media[0].fields.len(),
+            fields: problem.fields().len(),
             groups,
             pitch,
             rows: cells[1..D - 1].iter().product(),
@@ -49,14 +49,16 @@ impl<const D: usize> Layout<D> {
 /// Parts of a row that the halo of a neighbour needs.
 ///
 /// In a pass of one step these are the fields that the second sweep along the last axis reads, and those
-/// rotated with them. If two steps share a pass, or the midpoint return mapping precedes that sweep, all fields
-/// are exchanged.
+/// rotated with them. If two steps share a pass, or if relaxation or the midpoint return mapping precede that sweep, all
+/// fields are exchanged.
 fn exchanged<const D: usize>(problem: &Problem<D>, pitch: usize) -> Vec<Range<usize>> {
     let Problem { media, scheme, .. } = problem;
-    let fields = &media[0].fields;
+    let fields = &problem.fields();
     let is_plastic = media.iter().any(|medium| medium.yields.is_some());
-    let whole_state =
-        D == 2 || scheme.alternates() || (is_plastic && scheme.placement == Placement::Middle);
+    let whole_state = D == 2
+        || scheme.alternates()
+        || media.iter().any(|medium| medium.relaxation.is_some())
+        || (is_plastic && scheme.placement == Placement::Middle);
     let place = |field: Field| fields.iter().position(|own| *own == field).map(|own| own * pitch);
     let read = |of: &usize| {
         let mut pairs = media[0].pairs[D - 1].iter();
@@ -98,13 +100,13 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             layers.iter().flat_map(|&index| &problem.of_cell[of_layer(index)]).copied().collect();
         let (materials, patterns) = Materials::new(problem, of_cell, &layout);
         let media = &materials.media;
-        let fields = &media[0].fields;
+        let fields = &materials.fields;
         let initial_stress =
             problem.initial_stress.clone().map(|(axis, stress)| match axis + 1 == D {
                 true => (axis, layers.iter().map(|&layer| stress[layer]).collect()),
                 false => (axis, stress),
             });
-        let law = LocalLaws::new(media, &patterns, layout.pitch, problem.step, initial_stress);
+        let law = LocalLaws::new(&materials, &patterns, layout.pitch, problem.step, initial_stress);
         let source = |own| CellSource::new(own, fields, &layers, &layout, 2 * most_steps);
         let sources = Sources {
             list: problem.sources.iter().map(source).collect(),

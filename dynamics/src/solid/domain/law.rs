@@ -1,6 +1,8 @@
-//! What acts in a cell between sweeps: the rotation of spins against antisymmetric stress, and the yield sets.
+//! What acts in a cell between sweeps: the rotation of spins against antisymmetric stress, relaxation, and the yield sets.
 
+use super::materials::Materials;
 use super::plastic::Sets;
+use super::relaxation::Relaxations;
 use crate::simd::{Group, Real};
 use crate::solid::medium::Medium;
 use models::common::elementary::Elementary;
@@ -17,6 +19,8 @@ pub(super) struct LocalLaws<T: Real> {
     pub(super) rotations: Vec<[SpinStressRotation<T::Lanes>; 2]>,
     /// Places of a spin and of both stresses that rotate against each other.
     pub(super) rotated: Vec<[usize; 3]>,
+    /// Relaxation of stresses; `None` where nothing relaxes.
+    pub(super) relaxations: Option<Relaxations<T>>,
     /// Whether any lane of a pattern yields.
     pub(super) yields: Vec<bool>,
     /// Yield sets in lanes.
@@ -37,13 +41,14 @@ pub(super) fn rotated_fields(fields: &[Field], pitch: usize) -> Vec<[usize; 3]> 
 
 impl<T: Real> LocalLaws<T> {
     /// Those of media, by pattern, for a time step, s.
-    pub(super) fn new(
-        media: &[Medium],
+    pub(super) fn new<const D: usize>(
+        materials: &Materials<T, D>,
         patterns: &[Vec<u16>],
         pitch: usize,
         step: f64,
         initial_stress: Option<(usize, Vec<Stress>)>,
     ) -> Self {
+        let (media, fields) = (&materials.media, &materials.fields);
         let rotation = |medium: &Medium, part: f64| {
             let Some(rotation) = medium.rotation else { return [1.0, 0.0, 0.0] };
             let (sin, cos) = (rotation.frequency * part * step).cr_sin_cos();
@@ -61,7 +66,8 @@ impl<T: Real> LocalLaws<T> {
         let is_plastic = media.iter().any(|medium| medium.yields.is_some());
         Self {
             rotations: rotations.collect(),
-            rotated: rotated_fields(&media[0].fields, pitch),
+            rotated: rotated_fields(fields, pitch),
+            relaxations: Relaxations::new(media, patterns, fields, pitch, step),
             yields: patterns.iter().map(|pattern| pattern.iter().any(yields)).collect(),
             sets: Sets::new(media, patterns, pitch).filter(|_| is_plastic),
             initial_stress,

@@ -50,7 +50,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                     }
                 }
                 Field::Couple(k, j) => stress.couple[k][j] = value,
-                Field::Velocity(_) | Field::Spin(_) => {}
+                Field::Velocity(_) | Field::Spin(_) | Field::ViscousStrain(..) => {}
             }
         }
         stress

@@ -26,6 +26,8 @@ pub(super) struct EnergyTerms<T: Real> {
 #[derive(Clone)]
 pub(super) struct Materials<T: Real, const D: usize> {
     pub(super) media: Vec<Medium>,
+    /// The components of the state: fields of the media, then memory variables.
+    pub(super) fields: Vec<Field>,
     /// By cell.
     pub(super) of_cell: Vec<u16>,
     /// By axis.
@@ -190,7 +192,7 @@ impl<T: Real, const D: usize> Materials<T, D> {
         of_cell: Vec<u16>,
         layout: &Layout<D>,
     ) -> (Self, Vec<Vec<u16>>) {
-        let media = problem.media.clone();
+        let (media, fields) = (problem.media.clone(), problem.fields());
         let mut constants =
             WaveConstants { problem, pitch: layout.pitch, cells: Vec::new(), ratios: Vec::new() };
         let waves: [Vec<Wave>; D] = std::array::from_fn(|axis| {
@@ -223,11 +225,12 @@ impl<T: Real, const D: usize> Materials<T, D> {
             waves,
             quarter_waves,
             table: constants.table(&known.all),
-            energy_terms: EnergyTerms::new(&media, &known.all, layout.pitch),
+            energy_terms: EnergyTerms::new(&media, &fields, &known.all, layout.pitch),
             patterns,
             run_lengths,
             row_patterns,
             media,
+            fields,
         };
         (materials, known.all)
     }
@@ -240,16 +243,16 @@ impl<T: Real, const D: usize> Materials<T, D> {
 }
 
 impl<T: Real> EnergyTerms<T> {
-    fn new(media: &[Medium], patterns: &[Vec<u16>], pitch: usize) -> Self {
+    fn new(media: &[Medium], fields: &[Field], patterns: &[Vec<u16>], pitch: usize) -> Self {
         // Coefficients by term; kinetic terms in front, since velocities and spins are.
         let mut terms: BTreeMap<[usize; 2], Vec<f64>> = BTreeMap::new();
         for (index, medium) in media.iter().enumerate() {
-            for (one, other, factor) in energy_terms(medium) {
+            for (one, other, factor) in energy_terms(medium, fields) {
                 let term = terms.entry([one, other]).or_insert_with(|| vec![0.0; media.len()]);
                 term[index] = factor;
             }
         }
-        let is_kinetic = |indices: &[usize; 2]| media[0].inertia(media[0].fields[indices[0]]) > 0.0;
+        let is_kinetic = |indices: &[usize; 2]| media[0].inertia(fields[indices[0]]) > 0.0;
         let factors = patterns.iter().map(|pattern| {
             let of =
                 |term: &Vec<f64>| T::Lanes::by_lane(|lane| T::of(term[usize::from(pattern[lane])]));

@@ -2,13 +2,13 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `step` | **the recipe of a step**: the order of sweeps, sources, rotation, return mapping |
+//! | `step` | **the recipe of a step**: the order of sweeps, sources, rotation, relaxation, return mapping |
 //! | `schedule` | wavefront tiling: which rows and layers go through which stage when |
 //! | `layout` | where cells and fields stand in memory |
 //! | `materials`, `table` | media by lane pattern, constants of waves and energy |
 //! | `kernel`, `rows`, `fill` | a sweep of many lines in SIMD lanes; ghosts at the ends of rows and lines |
 //! | `sweep` | which lines a sweep takes, and the work at boundaries |
-//! | `law`, `local`, `plastic` | what acts in cells between sweeps: rotation, yield sets, subnormals |
+//! | `law`, `local`, `plastic`, `relaxation` | what acts in cells between sweeps: rotation, yield sets, relaxation, subnormals |
 //! | `sources`, `boundaries` | what acts inside and at the ends |
 //! | `halo` | exchange with the parts beyond a cut |
 //! | `complete`, `output`, `diagnostics` | fields at the time of the domain, records, ledger |
@@ -44,6 +44,7 @@ mod materials;
 mod memory;
 mod output;
 mod plastic;
+mod relaxation;
 mod rows;
 mod schedule;
 mod solver_real;
@@ -70,8 +71,8 @@ use models::solid::waves::Field;
 use schedule::Schedule;
 use sources::Sources;
 
-/// Fields at most: three velocities, three spins and nine stresses and couple stresses each.
-const MOST_FIELDS: usize = 24;
+/// Fields at most: three velocities, three spins, nine stresses and couple stresses each, and six viscous strains.
+const MOST_FIELDS: usize = 30;
 
 /// Fields and what moves them.
 #[derive(Clone)]
@@ -110,7 +111,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// The components of the state.
     pub fn fields(&self) -> &[Field] {
-        &self.materials.media[0].fields
+        &self.materials.fields
     }
 
     /// The grid.

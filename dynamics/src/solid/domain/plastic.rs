@@ -42,14 +42,14 @@ pub(super) struct Strengths<T: Real> {
 
 /// Places of the components of a stress.
 #[derive(Clone, Default)]
-struct Matrix {
-    normal: Option<[usize; 3]>,
+pub(super) struct Matrix {
+    pub(super) normal: Option<[usize; 3]>,
     /// Components that mirror each other; the same twice where one stands for both.
-    pairs: Vec<[usize; 2]>,
+    pub(super) pairs: Vec<[usize; 2]>,
 }
 
 impl Matrix {
-    fn new(fields: &[Field], pitch: usize, of: fn(usize, usize) -> Field) -> Self {
+    pub(super) fn new(fields: &[Field], pitch: usize, of: fn(usize, usize) -> Field) -> Self {
         let index = |i: usize, j: usize| fields.iter().position(|own| *own == of(i, j));
         let place = |i: usize, j: usize| Some(index(i, j)? * pitch);
         let normal = [place(0, 0), place(1, 1), place(2, 2)];

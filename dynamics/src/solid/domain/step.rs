@@ -7,6 +7,8 @@
 //! U ← x y z  then  K Q K  then  z y x.
 //! ```
 //!
+//! Where stresses relax, that [relaxation](super::relaxation) is part of Q, with which it commutes.
+//!
 //! Second order, since every factor is; each keeps or lowers the energy at Courant numbers c(Δt/2)/h ≤ 1, and so does the
 //! step. Boundary values are those in the middle of each half. Where stresses yield, with the projection P onto
 //! the yield set in the norm of the energy, the return mapping stands either last, or in the middle between two halves of Q
@@ -162,15 +164,18 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// K Q K, with the return mapping where it stands in the middle.
+    /// K Q K, with relaxation, and with the return mapping where it stands in the middle.
     fn apply_middle(&mut self, layers: &Range<usize>, tile: &Tile, first: usize) {
         self.apply_sources(layers, tile, first);
         if self.scheme.placement == Placement::Middle && !self.diagnostics.dissipated.is_empty() {
             self.rotate(layers, tile, 1);
+            self.relax(layers, tile, first + 1, 1);
             self.correct(layers, tile, first + 1, true);
+            self.relax(layers, tile, first + 1, 1);
             self.rotate(layers, tile, 1);
         } else {
             self.rotate(layers, tile, 0);
+            self.relax(layers, tile, first + 1, 0);
         }
         self.apply_sources(layers, tile, first + 1);
     }
@@ -204,6 +209,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let tile = self.layout.whole_row(row);
             self.apply_sources(layers, &tile, first);
             self.rotate(layers, &tile, 1);
+            self.relax(layers, &tile, first, 1);
             self.integrate_row(layers, row);
         }
         if D == 2 {
@@ -218,6 +224,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         for row in rows.clone() {
             let tile = self.layout.whole_row(row);
             self.integrate_row(layers, row);
+            self.relax(layers, &tile, first + 1, 1);
             self.rotate(layers, &tile, 1);
             self.apply_sources(layers, &tile, first + 1);
         }
