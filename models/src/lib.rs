@@ -10,6 +10,7 @@
 //! | [`solid`] | elastic laws, their symbol, and their waves in closed form |
 //! | [`yield_set`] | yield sets: conditions, return mapping, tangent of the flow rule |
 //! | [`rheology`] | solids whose stress depends on history: relaxation of the deviator |
+//! | [`interface`] | laws of faces with memory: interlayers |
 //! | [`elastoplastic`] | a solid with an elastic law and a yield set |
 //! | [`registry`] | all of them by name: to add one is one call |
 //!
@@ -27,6 +28,7 @@
 pub mod common;
 pub mod elastoplastic;
 pub mod flow;
+pub mod interface;
 pub mod registry;
 pub mod rheology;
 pub mod solid;

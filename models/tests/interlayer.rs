@@ -1,0 +1,159 @@
+//! The law of an elastic interlayer: against a dense solution of its equations, welded sides, energy, symmetry.
+
+use nalgebra::{DMatrix, DVector};
+use testkit::random::Random;
+use wellposed_models::interface::elastic::{ElasticInterlayer, ElasticMaterial};
+use wellposed_models::interface::{FaceLaw, Incoming};
+
+/// A face with numbers over some decades.
+fn face(random: &mut Random) -> (ElasticInterlayer<f64>, Incoming<f64>, f64, [f64; 2]) {
+    let mut power = || 10f64.powf(random.within(-2.0, 2.0));
+    let law = ElasticInterlayer { mass: power(), compliance: power() };
+    let (impedance, step) = ([power(), power()], power());
+    let invariant = [random.within(-1.0, 1.0), random.within(-1.0, 1.0)];
+    let memory = [random.within(-1.0, 1.0), random.within(-1.0, 1.0)];
+    (law, Incoming { impedance, invariant }, step, memory)
+}
+
+/// v⁻, v⁺, σ⁻, σ⁺ and the new V and S from the equations of the midpoint rule as they stand.
+fn solve(
+    law: &ElasticInterlayer<f64>,
+    incoming: &Incoming<f64>,
+    step: f64,
+    [velocity, stress]: [f64; 2],
+) -> DVector<f64> {
+    let [z, y] = incoming.impedance;
+    let (m, c) = (law.mass / step, law.compliance / step);
+    #[rustfmt::skip]
+    let matrix = DMatrix::from_row_slice(6, 6, &[
+        z,    0.0,  -1.0, 0.0,  0.0,  0.0,   // z⁻v⁻ − σ⁻ = R⁻
+        0.0,  y,    0.0,  1.0,  0.0,  0.0,   // z⁺v⁺ + σ⁺ = R⁺
+        0.5,  0.5,  0.0,  0.0,  -0.5, 0.0,   // ½(v⁺ + v⁻) = ½(V + V_old)
+        0.0,  0.0,  0.5,  0.5,  0.0,  -0.5,  // ½(σ⁺ + σ⁻) = ½(S + S_old)
+        0.0,  0.0,  1.0,  -1.0, m,    0.0,   // m (V − V_old)/Δt = σ⁺ − σ⁻
+        1.0,  -1.0, 0.0,  0.0,  0.0,  c,     // C (S − S_old)/Δt = v⁺ − v⁻
+    ]);
+    let [before, after] = incoming.invariant;
+    let right = [before, after, 0.5 * velocity, 0.5 * stress, m * velocity, c * stress];
+    matrix.lu().solve(&DVector::from_row_slice(&right)).expect("regular")
+}
+
+#[test]
+fn a_step_solves_the_equations_of_both_sides_and_the_layer() {
+    let mut random = Random::new(1);
+    let mut worst = 0.0f64;
+    for _ in 0..10_000 {
+        let (law, incoming, step, mut memory) = face(&mut random);
+        let expected = solve(&law, &incoming, step, memory);
+        let found = law.advance(&incoming, step, &mut memory);
+        let [before, after] = found.states;
+        let [z, y] = incoming.impedance;
+        // Each in units of what it is made of.
+        let scale = (memory[1].abs() + 1.0) * (z.max(y) / z.min(y)) / z.min(y).min(1.0);
+        for (found, expected) in [
+            (before.velocity, expected[0]),
+            (after.velocity, expected[1]),
+            (before.stress, expected[2]),
+            (after.stress, expected[3]),
+            (memory[0], expected[4]),
+            (memory[1], expected[5]),
+        ] {
+            worst = worst.max((found - expected).abs() / scale);
+        }
+    }
+    println!("{worst:e}");
+    // Condition of the equations over four decades of each coefficient.
+    assert!(worst < 1e-11, "{worst:e}");
+}
+
+/// Without mass and compliance: the Riemann problem of both sides, v = (R⁻ + R⁺)/(z⁻ + z⁺),
+/// s = (z⁻R⁺ − z⁺R⁻)/(z⁻ + z⁺).
+#[test]
+fn a_layer_without_mass_and_compliance_is_welded() {
+    let mut random = Random::new(2);
+    for _ in 0..1000 {
+        let (_, incoming, step, _) = face(&mut random);
+        let welded = ElasticInterlayer { mass: 0.0, compliance: 0.0 };
+        let found = welded.advance(&incoming, step, &mut [0.0; 2]);
+        let ([z, y], [before, after]) = (incoming.impedance, incoming.invariant);
+        let velocity = (before + after) / (z + y);
+        let stress = (z * after - y * before) / (z + y);
+        for state in found.states {
+            // Cancellation of z v against R, and of R⁺ against R⁻ over z.
+            let size = 2.0 * (z.max(y) / z.min(y));
+            assert!((state.velocity - velocity).abs() < 8.0 * f64::EPSILON * size / z.min(y));
+            assert!((state.stress - stress).abs() < 8.0 * f64::EPSILON * size);
+        }
+    }
+}
+
+#[test]
+fn what_both_sides_put_in_is_what_the_layer_gains() {
+    let mut random = Random::new(3);
+    let (mut worst, mut turnover) = (0.0f64, 0.0f64);
+    let (mut law, mut incoming, mut step, mut memory) = face(&mut random);
+    for number in 0..20_000 {
+        if number % 1000 == 0 {
+            (law, incoming, step, memory) = face(&mut random);
+        }
+        let energy = |memory: &[f64; 2]| law.kinetic_energy(memory) + law.stored_energy(memory);
+        incoming.invariant = [random.within(-1.0, 1.0), random.within(-1.0, 1.0)];
+        let before = energy(&memory);
+        let found = law.advance(&incoming, step, &mut memory);
+        // With the power of all waves that come and go, ½(zv² + σ²/z) on each side.
+        let passes = |side: usize| {
+            let (own, z) = (found.states[side], incoming.impedance[side]);
+            0.5 * (z * own.velocity * own.velocity + own.stress * own.stress / z)
+        };
+        let size = before + energy(&memory) + step * (passes(0) + passes(1));
+        let residual = energy(&memory) - before + found.dissipated - step * found.power();
+        worst = worst.max(residual.abs() / size);
+        turnover = turnover.max((energy(&memory) - before).abs() / size);
+    }
+    println!("{worst:e}, of a change of {turnover}");
+    assert!(worst < 20.0 * f64::EPSILON);
+    assert!(turnover > 0.01);
+}
+
+/// Seen from the other side velocities have the other sign.
+#[test]
+fn a_mirrored_layer_has_mirrored_bits() {
+    let mut random = Random::new(4);
+    for _ in 0..1000 {
+        let (law, incoming, step, mut memory) = face(&mut random);
+        let swap = |[a, b]: [f64; 2]| [b, a];
+        let mirrored = Incoming {
+            impedance: swap(incoming.impedance),
+            invariant: swap(incoming.invariant).map(|r| -r),
+        };
+        let mut mirrored_memory = [-memory[0], memory[1]];
+        let one = law.advance(&incoming, step, &mut memory);
+        let other = law.advance(&mirrored, step, &mut mirrored_memory);
+        for side in 0..2 {
+            let (one, other) = (one.states[side], other.states[1 - side]);
+            assert_eq!(one.velocity.to_bits(), (-other.velocity).to_bits());
+            assert_eq!(one.stress.to_bits(), other.stress.to_bits());
+        }
+        assert_eq!([-mirrored_memory[0], mirrored_memory[1]], memory);
+    }
+}
+
+/// K = ρ′c′²/δ, and the impedance √(mK) is that of the material of the layer, ρ′c′.
+#[test]
+fn a_layer_has_the_impedance_of_its_material() {
+    let material = ElasticMaterial {
+        thickness: 1e-3,
+        density: 1500.0,
+        longitudinal_speed: 1000.0,
+        shear_speed: 500.0,
+    };
+    assert_eq!(material.check(), Ok(()));
+    for (layer, stiffness, impedance) in
+        [(material.normal(), 1.5e12, 1.5e6), (material.tangential(), 3.75e11, 7.5e5)]
+    {
+        assert!((layer.compliance * stiffness - 1.0).abs() < 1e-15);
+        assert!(((layer.mass / layer.compliance).sqrt() / impedance - 1.0).abs() < 1e-15);
+    }
+    let refused = ElasticMaterial { density: 0.0, ..material }.check().expect_err("no density");
+    assert_eq!(refused.input, "density");
+}
