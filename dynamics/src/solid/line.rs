@@ -51,16 +51,29 @@ impl<'a> std::iter::Sum<&'a Self> for Account {
     }
 }
 
+/// The face values of the waves from the left and from the right of a face, from the four cells around it, with
+/// interlayers where 0 of 1 is `joined`.
+pub(super) fn reach<T: Real>(
+    states: [State<T>; 4],
+    cells: [&Cell<T>; 4],
+    joined: [T; 3],
+    slopes: Slopes,
+) -> [T; 2] {
+    let [first, left, right, _] = cells;
+    let in_front = [states[0], states[1], states[2]];
+    let known = slopes.known(in_front, [first, left, right], [joined[0], joined[1]]);
+    let around = [states[1], states[2], states[3]];
+    slopes.reach_beside_interlayers(known, around, cells, joined).0
+}
+
 /// The interface states of a face for the cells at its left and right, from the four cells around it.
 fn face<T: Real>(
     states: [State<T>; 4],
     cells: [&Cell<T>; 4],
     slopes: Slopes,
 ) -> [InterfaceState<T>; 2] {
-    let [_, left, right, _] = cells;
-    let known = slopes.known([states[0], states[1], states[2]], [cells[0], left, right]);
-    let (reach, _) = slopes.reach_between_media(known, [states[1], states[2], states[3]], cells);
-    InterfaceState::riemann([left.impedance, right.impedance], reach)
+    let impedance = [cells[1].impedance, cells[2].impedance];
+    InterfaceState::riemann(impedance, reach(states, cells, [T::ONE; 3], slopes))
 }
 
 /// Mean stress times mean velocity over the step, W/m².
@@ -89,6 +102,19 @@ pub fn sweep<T: Real>(
     stress: &mut [T],
     cells: &[Cell<T>],
     slopes: Slopes,
+    accounts: Option<&mut [Account]>,
+) {
+    let at_face = |states: [State<T>; 4], cells: [&Cell<T>; 4], _| face(states, cells, slopes);
+    advance(velocity, stress, cells, at_face, accounts);
+}
+
+/// The same with the interface states that `at_face` gives of the states and cells around a face and the place behind it:
+/// called once for each face, in their order.
+pub(super) fn advance<T: Real>(
+    velocity: &mut [T],
+    stress: &mut [T],
+    cells: &[Cell<T>],
+    mut at_face: impl FnMut([State<T>; 4], [&Cell<T>; 4], usize) -> [InterfaceState<T>; 2],
     mut accounts: Option<&mut [Account]>,
 ) {
     let length = cells.len().min(velocity.len()).min(stress.len());
@@ -101,9 +127,9 @@ pub fn sweep<T: Real>(
         stress: stress[place],
     };
     // The face behind a place, from old states.
-    let behind = |states: [State<T>; 4], place: usize| {
+    let mut behind = |states: [State<T>; 4], place: usize| {
         let around = std::array::from_fn(|i| &cells[place - 2 + i]);
-        face(states, around, slopes)
+        at_face(states, around, place)
     };
     let mut around: [State<T>; 4] = std::array::from_fn(|i| state(velocity, stress, first - 2 + i));
     let mut left = behind(around, first);

@@ -18,6 +18,7 @@ mod contraction;
 pub mod domain;
 mod ghosts;
 pub mod initial;
+pub mod interface;
 pub mod ledger;
 pub mod line;
 pub mod medium;

@@ -127,6 +127,21 @@ impl Slopes {
         states: [State<N>; 3],
         cells: [&Cell<N>; 4],
     ) -> ([N; 2], RiemannInvariants<N>) {
+        self.reach_beside_interlayers(known, states, cells, [N::ONE; 3])
+    }
+
+    /// The same with interlayers at some of the three faces between the cells, by what is `joined`: 0 at interlayers, 1 at
+    /// other faces. The stencil does not reach across an interlayer: differences across it are taken to be zero, as if the
+    /// state went on unchanged, and cells on both sides of it are never those of one medium. By this no wave gains energy,
+    /// whatever the interlayer sends back (tests of [`crate::solid::interface`]).
+    #[inline(always)]
+    pub(crate) fn reach_beside_interlayers<N: Number>(
+        self,
+        known: RiemannInvariants<N>,
+        states: [State<N>; 3],
+        cells: [&Cell<N>; 4],
+        [joined_behind, joined_here, joined_after]: [N; 3],
+    ) -> ([N; 2], RiemannInvariants<N>) {
         let [behind, here, next] = states;
         let [cell_before, cell_behind, cell, cell_after] = cells;
         match self {
@@ -137,20 +152,26 @@ impl Slopes {
                 let reflection = cell_behind.reflection(cell);
                 let first = own_behind
                     .continued(known, cell_behind.reflection(cell_before))
-                    .difference(own_behind);
+                    .difference(own_behind)
+                    .scaled(joined_behind);
                 let before = own.continued(own_behind, -reflection).difference(own);
+                let before = before.scaled(joined_here);
                 let after = own.difference(own.continued(next, cell.reflection(cell_after)));
+                let after = after.scaled(joined_after);
                 // At a material interface the outgoing waves differ from the scattered incoming ones. Mapped
                 // back through the scattering matrix this gives one more difference in the stencil.
                 let beyond = own_behind.continued(own, reflection);
                 let right = cell.staying() * before.right;
-                let left = cell_behind.staying() * (own_behind.left - beyond.left);
+                let left = joined_here * (cell_behind.staying() * (own_behind.left - beyond.left));
                 let across = RiemannInvariants {
                     right: right + reflection * (left - right),
                     left: left + reflection * (left - right),
                 };
-                let alike = Cell::alike(cells);
-                let [to_first, to_middle, to_last] = alike;
+                let [to_first, to_middle, to_last] = Cell::alike(cells);
+                let to_first = joined_behind * to_first;
+                let to_middle = joined_here * to_middle;
+                let to_last = joined_after * to_last;
+                let alike = [to_first, to_middle, to_last];
                 let (weights, weight) = cell_behind.weights(alike);
                 let right = own_behind.right + weight * across.right;
                 let right = led(right, weights, [first.right, before.right, after.right]);
@@ -167,21 +188,26 @@ impl Slopes {
                 ([right, left], own_behind)
             }
             Self::Godunov | Self::Limited => {
-                let pieces = Reconstruction::of(states, [cell_behind, cell, cell_after], self);
+                let cells = [cell_behind, cell, cell_after];
+                let joined = [joined_here, joined_after];
+                let pieces = Reconstruction::of(states, cells, joined, self);
                 ([known.right, pieces.to_left()], pieces.known())
             }
         }
     }
 
-    /// Initial stencil data for the first face of a line: see [`Self::reach_between_media`].
+    /// Initial stencil data for the first face of a line: see [`Self::reach_beside_interlayers`].
     pub(crate) fn known<N: Number>(
         self,
         states: [State<N>; 3],
         cells: [&Cell<N>; 3],
+        joined: [N; 2],
     ) -> RiemannInvariants<N> {
         match self {
             Self::FourthOrder => RiemannInvariants::of(states[0], cells[0]),
-            Self::Godunov | Self::Limited => Reconstruction::of(states, cells, self).known(),
+            Self::Godunov | Self::Limited => {
+                Reconstruction::of(states, cells, joined, self).known()
+            }
         }
     }
 }
@@ -222,11 +248,13 @@ impl<N: Number> Reconstruction<N> {
         Self { mean, lead }
     }
 
-    /// From the states of the cell before, of the cell, and of the cell after it, which may be of other media.
+    /// From the states of the cell before, of the cell, and of the cell after it, which may be of other media, or beyond
+    /// interlayers where 0 of 1 is `joined`.
     #[inline(always)]
     fn of(
         [before, own, after]: [State<N>; 3],
         [cell_before, cell, cell_after]: [&Cell<N>; 3],
+        [joined_before, joined_after]: [N; 2],
         slopes: Slopes,
     ) -> Self {
         let mean = RiemannInvariants::of(own, cell);
@@ -234,6 +262,7 @@ impl<N: Number> Reconstruction<N> {
             (RiemannInvariants::of(before, cell_before), RiemannInvariants::of(after, cell_after));
         let before = mean.continued(before, cell.reflection(cell_before)).difference(mean);
         let after = mean.difference(mean.continued(after, cell.reflection(cell_after)));
+        let (before, after) = (before.scaled(joined_before), after.scaled(joined_after));
         let contrast = cell.contrast(cell_before).greatest(cell.contrast(cell_after));
         let lead = RiemannInvariants {
             right: slopes.half_slope_correction_at_contrast(

@@ -41,6 +41,12 @@ impl<N: Number> RiemannInvariants<N> {
         }
     }
 
+    /// Both times a number.
+    #[inline(always)]
+    pub(crate) fn scaled(self, factor: N) -> Self {
+        Self { right: factor * self.right, left: factor * self.left }
+    }
+
     /// The difference to the next cell.
     #[inline(always)]
     pub(crate) fn difference(self, next: Self) -> Self {
