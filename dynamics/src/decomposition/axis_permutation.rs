@@ -4,6 +4,7 @@
 use std::borrow::Cow;
 
 use crate::solid::boundary::{Boundary, Condition, Load, Source};
+use crate::solid::interlayers::Interlayers;
 use crate::solid::problem::{Grid, Problem};
 
 /// The axes of a problem in the order in which a domain has them; cell indices are converted accordingly.
@@ -115,6 +116,9 @@ impl<const D: usize> AxisPermutation<D> {
             let cells = source.cells.iter().map(|&(cell, share)| (self.permuted_cell(cell), share));
             Source { cells: cells.collect(), ..source.clone() }
         };
+        let interlayers = own.interlayers.iter();
+        let interlayers =
+            interlayers.map(|own| Interlayers { axis: of_axis(own.axis), ..own.clone() });
         let initial_stress = own.initial_stress.clone();
         Cow::Owned(Problem {
             grid: self.grid(&own.grid),
@@ -125,6 +129,7 @@ impl<const D: usize> AxisPermutation<D> {
                 .map(|axis| own.boundaries[axis].each_ref().map(|side| boundary(axis, side))),
             loads: own.loads.iter().map(load).collect(),
             sources: own.sources.iter().map(source).collect(),
+            interlayers: interlayers.collect(),
             initial_stress: initial_stress.map(|(axis, stress)| (of_axis(axis), stress)),
             ..own.clone()
         })

@@ -104,6 +104,8 @@ pub struct Snapshot<T> {
     pub totals: Vec<[f64; 14]>,
     /// Plastic dissipation by cell, where anything yields, J/m³; then the sums of the problem's integrals.
     pub sums: Vec<Vec<f64>>,
+    /// V and S of interlayers, in the order of [`Domain::interlayer_memory`].
+    pub interlayers: Vec<[T; 2]>,
 }
 
 /// A domain in parts.
@@ -168,7 +170,9 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
                 continue;
             }
             // Channel capacity: the halo layers of two blocks of rows.
-            let bound = 2 * HALO * most_steps::<D>(layers / count);
+            // Interlayers send a second message for each layer.
+            let messages = if problem.interlayers.is_empty() { 1 } else { 2 };
+            let bound = messages * 2 * HALO * most_steps::<D>(layers / count);
             let ((forth, from_behind), (back, from_ahead)) =
                 (sync_channel(bound), sync_channel(bound));
             let neighbour = |to, from| Some(Neighbour { to, from, spare: Vec::new() });
@@ -271,6 +275,7 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
             fields: fields.into_iter().filter_map(|field| self.inner_values(field)).collect(),
             totals: totals.map(Total::numbers).collect(),
             sums: self.sums(),
+            interlayers: self.interlayer_memory(),
         }
     }
 
@@ -295,6 +300,7 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
             || snapshot.fields.iter().any(|values| values.len() != cells)
             || snapshot.totals.len() != layers
             || snapshot.sums.iter().map(Vec::len).ne(self.sums().iter().map(Vec::len))
+            || snapshot.interlayers.len() != self.interlayer_memory().len()
         {
             return false;
         }
@@ -304,11 +310,13 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
         for (field, values) in fields.into_iter().zip(&snapshot.fields) {
             self.set_inner(field, values);
         }
+        let mut interlayers = snapshot.interlayers.iter().copied();
         let mut totals = snapshot.totals.iter().map(|numbers| Total::from_numbers(*numbers));
         for part in &mut self.parts {
             let own = part.domain.totals().len();
             part.domain.restore_totals(snapshot.steps, totals.by_ref().take(own));
             part.domain.set_sums(&snapshot.sums, part.first);
+            part.domain.set_interlayer_memory(&mut interlayers);
         }
         true
     }
@@ -405,6 +413,27 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
             .map(|part| part.domain.values(field))
             .collect::<Option<Vec<_>>>()
             .map(|all| all.concat())
+    }
+
+    /// V and S of all faces with interlayers, in the order of [`Domain::interlayer_memory`] of the whole.
+    pub fn interlayer_memory(&self) -> Vec<[T; 2]> {
+        self.parts.iter().flat_map(|part| part.domain.interlayer_memory()).collect()
+    }
+
+    /// Lets interlayers move with the cells beside them, as [`Domain::initialise_interlayers`].
+    pub fn initialise_interlayers(&mut self) {
+        let fields = self.fields().to_vec();
+        let values: Vec<_> = fields.iter().map(|&field| self.inner_values(field)).collect();
+        let value = |field: Field, cell: usize| {
+            let index = fields.iter().position(|own| *own == field);
+            let values = index.and_then(|index| values[index].as_ref());
+            values.map_or(T::ZERO, |values| values[cell])
+        };
+        let layers = self.parts.iter().map(|part| part.domain.totals().len()).sum();
+        for part in &mut self.parts {
+            let memory = part.domain.interlayers_at_start(part.first, layers, value);
+            part.domain.set_interlayer_memory(&mut memory.into_iter());
+        }
     }
 
     /// Sets the values of a field, the first axis running fastest: as many as there are cells.

@@ -154,6 +154,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
             let values: Vec<T> = values.iter().map(|value| T::of(*value)).collect();
             self.split.set(*field, &values);
         }
+        self.split.initialise_interlayers();
     }
 
     /// What is solved.
@@ -315,16 +316,18 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     }
 
     fn state(&self) -> State {
-        let Snapshot { steps, fields, totals, sums } = self.split.snapshot();
-        let narrow = |values: &Vec<T>| values.iter().flat_map(|value| value.bytes()).collect();
-        let fields = number("field", fields.iter().map(narrow));
+        let Snapshot { steps, fields, totals, sums, interlayers } = self.split.snapshot();
+        let narrow = |values: &[T]| values.iter().flat_map(|value| value.bytes()).collect();
+        let fields = number("field", fields.iter().map(|values| narrow(values)));
         let sums = number("sums", sums.iter().map(|sums| to_bytes(sums)));
         let totals = ("totals".to_owned(), to_bytes(totals.as_flattened()));
+        let interlayers = (!interlayers.is_empty())
+            .then(|| ("interlayers".to_owned(), narrow(interlayers.as_flattened())));
         State {
             steps,
             time: self.account.time,
             initial_energy: self.account.initial_energy,
-            sections: [totals].into_iter().chain(fields).chain(sums).collect(),
+            sections: [totals].into_iter().chain(fields).chain(sums).chain(interlayers).collect(),
         }
     }
 
@@ -332,11 +335,17 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
         let snapshot = || {
             let totals = from_bytes(state.sections.get("totals")?)?;
             let (totals, []) = totals.as_chunks::<TOTAL_NUMBERS>() else { return None };
+            let interlayers = match state.sections.get("interlayers") {
+                Some(bytes) => T::from_bytes(bytes)?,
+                None => Vec::new(),
+            };
+            let (interlayers, []) = interlayers.as_chunks::<2>() else { return None };
             Some(Snapshot {
                 steps: state.steps,
                 fields: state.numbered("field").map(T::from_bytes).collect::<Option<_>>()?,
                 totals: totals.to_vec(),
                 sums: state.numbered("sums").map(from_bytes).collect::<Option<_>>()?,
+                interlayers: interlayers.to_vec(),
             })
         };
         if !snapshot().is_some_and(|snapshot| self.split.restore(&snapshot)) {

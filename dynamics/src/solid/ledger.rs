@@ -104,12 +104,16 @@ pub struct Energy {
     pub kinetic: f64,
     /// Of the stress and of memory variables.
     pub stored: f64,
+    /// Of the motion of interlayers.
+    pub interlayer_kinetic: f64,
+    /// Of their stress.
+    pub interlayer_stored: f64,
 }
 
 impl Energy {
-    /// Both.
+    /// All of it.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.stored
+        self.kinetic + self.stored + (self.interlayer_kinetic + self.interlayer_stored)
     }
 
     /// The sum of energies in their order.
@@ -117,6 +121,8 @@ impl Energy {
         energies.into_iter().fold(Self::default(), |sum, own| Self {
             kinetic: sum.kinetic + own.kinetic,
             stored: sum.stored + own.stored,
+            interlayer_kinetic: sum.interlayer_kinetic + own.interlayer_kinetic,
+            interlayer_stored: sum.interlayer_stored + own.interlayer_stored,
         })
     }
 }

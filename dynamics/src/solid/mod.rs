@@ -6,6 +6,7 @@
 //! | [`medium`] | a solid as pairs of waves along the axes, a rotation, and a yield set |
 //! | [`boundary`] | boundary conditions, loads and sources |
 //! | `cell`, `riemann`, `reconstruction`, [`mod@line`] | a one-dimensional sweep: constants of a cell, interface states, limiter, update |
+//! | [`interlayers`], [`interface`] | thin layers with mass between blocks of cells; faces with memory along a line |
 //! | `ghosts` | boundary conditions as ghost cells |
 //! | [`domain`] | the fused solver; its `step` is the recipe of a time step |
 //! | [`ledger`] | the energy, and what steps do to it |
@@ -19,6 +20,7 @@ pub mod domain;
 mod ghosts;
 pub mod initial;
 pub mod interface;
+pub mod interlayers;
 pub mod ledger;
 pub mod line;
 pub mod medium;

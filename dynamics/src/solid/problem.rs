@@ -1,6 +1,7 @@
 //! What is to be solved: grid, media, sides, what acts, and the choices of the scheme.
 
 use crate::solid::boundary::{Boundary, Condition, Load, Source};
+use crate::solid::interlayers::Interlayers;
 use crate::solid::medium::Medium;
 use crate::solid::reconstruction::{HALO, Slopes};
 use models::solid::stress::Stress;
@@ -123,6 +124,8 @@ pub struct Problem<const D: usize> {
     pub initial_stress: Option<(usize, Vec<Stress>)>,
     /// Velocities and spins of which the integrals in time, displacements and rotations, are kept.
     pub integrals: Vec<Field>,
+    /// Interlayers between blocks of cells, at most once across each axis.
+    pub interlayers: Vec<Interlayers>,
 }
 
 impl<const D: usize> Problem<D> {
@@ -147,6 +150,7 @@ impl<const D: usize> Problem<D> {
             acceleration: [0.0; D],
             initial_stress: None,
             integrals: Vec::new(),
+            interlayers: Vec::new(),
         }
     }
 
@@ -223,6 +227,7 @@ impl<const D: usize> Problem<D> {
                 return Err(DomainError::Periodic(axis));
             }
         }
+        self.check_interlayers()?;
         self.check_actions()
     }
 
@@ -315,6 +320,14 @@ pub enum DomainError {
         found: usize,
         /// Cells along the last axis.
         cells: usize,
+    },
+    /// Interlayers that cannot be taken.
+    #[error("interlayers {index}: {reason}")]
+    Interlayers {
+        /// Their number in the list, from 0.
+        index: usize,
+        /// Why.
+        reason: &'static str,
     },
     /// A periodic side whose opposite is not.
     #[error("both sides of axis {0} must be periodic, or neither")]

@@ -247,7 +247,7 @@ impl<T: SolverReal, const D: usize> View<SolidSimulation<T, D>> for SolidJob<'_>
 
     fn rows(&self, account: &SolidAccount) -> Vec<Vec<f64>> {
         let Ledger { inflow, sources, released, plastic, numerical, .. } = account.ledger;
-        let Energy { kinetic, stored } = account.energy;
+        let Energy { kinetic, stored, .. } = account.energy;
         let mut row = vec![account.time, kinetic, stored, inflow, sources, released, plastic];
         if self.dynamics.scheme.ledger == LedgerKind::Full {
             row.push(numerical);

@@ -2,8 +2,9 @@
 
 use super::boundaries::Boundaries;
 use super::diagnostics::Diagnostics;
+use super::interfaces::Interfaces;
 use super::law::{LocalLaws, rotated_fields};
-use super::layout::{Layout, groups, pitch};
+use super::layout::{Layout, groups_of_blocks, pitch};
 use super::materials::Materials;
 use super::memory::{Buffer, zeros};
 use super::schedule::{Schedule, TileSizes};
@@ -28,7 +29,8 @@ impl<const D: usize> Layout<D> {
         let mut cells = problem.grid.cells;
         let last = cells[D - 1];
         cells[D - 1] = own.len();
-        let groups = groups::<T>(cells[0]);
+        let block = problem.interlayers_across(0).map_or(1, |own| own.every);
+        let groups = groups_of_blocks::<T>(cells[0], block);
         let periodic_in_place =
             problem.boundaries[D - 1][0] == Boundary::Periodic && own.len() == last;
         let halo = is_cut.map(|cut| if cut || periodic_in_place { most_steps * HALO } else { 0 });
@@ -121,7 +123,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         };
         let is_plastic = media.iter().any(|medium| medium.yields.is_some());
         let pairs = std::array::from_fn(|axis| materials.waves[axis].len());
+        let interfaces = Interfaces::new(problem, &layout, &layers);
         Self {
+            interfaces,
             grid: Grid { cells: layout.cells, spacing: problem.grid.spacing },
             step: problem.step,
             scheme: match problem.scheme.slopes {

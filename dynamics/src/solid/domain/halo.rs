@@ -43,6 +43,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let depths = [layer - own.start, own.end - 1 - layer];
             for end in (0..2).filter(|end| depths[*end] < self.layout.halo[*end]) {
                 neighbours.begin(end, &self.data, self.layout.pieces(layer, ready));
+                if self.interfaces.is_any() {
+                    let pieces = self.interfaces.pieces(&self.layout, layer, ready);
+                    neighbours.begin(end, &self.interfaces.memory, pieces);
+                }
             }
         }
     }
@@ -57,6 +61,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let first = [0, self.layout.own_layers().end][end];
         for layer in first..first + self.layout.halo[end] {
             neighbours.finish(end, &mut self.data, self.layout.pieces(layer, rows));
+            if self.interfaces.is_any() {
+                let pieces = self.interfaces.pieces(&self.layout, layer, rows);
+                neighbours.finish(end, &mut self.interfaces.memory, pieces);
+            }
         }
     }
 
@@ -67,6 +75,11 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let source = own.start + (index + own.len() * own.start - own.start) % own.len();
             let [from, to] = [source, index].map(|layer| self.layout.stored(layer, rows));
             self.data.copy_within(from, to.start);
+            let [from, to] =
+                [source, index].map(|layer| self.interfaces.pieces(&self.layout, layer, rows));
+            for (from, to) in from.zip(to) {
+                self.interfaces.memory.copy_within(from, to.start);
+            }
         }
     }
 }

@@ -6,6 +6,8 @@
 //! shifted copies stand as ghosts. Every cell sees the same operations as in the plain sweep, in the same
 //! order: the bits are the same.
 
+pub(super) mod interlayers;
+
 use super::layout::GroupIndex;
 use super::rows::Rows;
 use super::table::{Table, Wave};

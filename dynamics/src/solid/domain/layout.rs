@@ -171,6 +171,14 @@ pub(super) fn groups<T: Real>(cells: usize) -> usize {
     (cells + GHOSTS).div_ceil(T::Lanes::COUNT).max(GHOSTS)
 }
 
+/// The same where an interlayer stands in front of every so many cells: a multiple of their number, so that they stand in
+/// all lanes of a group or in none, unless rows became longer by more than a quarter.
+pub(super) fn groups_of_blocks<T: Real>(cells: usize, block: usize) -> usize {
+    let groups = groups::<T>(cells);
+    let multiple = groups.next_multiple_of(block);
+    if multiple <= groups + groups / 4 { multiple } else { groups }
+}
+
 /// Room of a field in a row of so many groups. No multiple of four cache lines, so that fewer cells at one place of
 /// different fields and rows map to the same cache set.
 pub(super) fn pitch(groups: usize) -> usize {

@@ -193,12 +193,17 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let stored = self.layout.stored(layer, rows);
         let limit = T::of(2.0f64.powi(40) * T::LEAST.wide());
         self.instructions.run::<T>(FlushSubnormals { data: &mut self.data[stored], limit });
+        for stored in self.interfaces.stored(&self.layout, layer, rows) {
+            let data = &mut self.interfaces.memory[stored];
+            self.instructions.run::<T>(FlushSubnormals { data, limit });
+        }
     }
 
     /// Energy by own layer across the last axis.
     pub(crate) fn energies(&self) -> Vec<Energy> {
         let mut energies = vec![Energy::default(); self.diagnostics.totals.len()];
         self.instructions.run::<T>(Energies { domain: self, energies: &mut energies });
+        self.add_interlayer_energy(&mut energies);
         energies
     }
 }
@@ -291,7 +296,7 @@ impl<T: SolverReal, const D: usize> Work<T> for Energies<'_, T, D> {
                 }
             }
             let [kinetic, stored] = sums.map(|lanes| volume * lanes.iter().sum::<f64>());
-            *energy = Energy { kinetic, stored };
+            *energy = Energy { kinetic, stored, ..Energy::default() };
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Materials by lane: which medium each cell has, and the constants of waves and energy that follow from it.
 
-use super::layout::{Layout, groups};
+use super::layout::Layout;
 use super::schedule::CHUNK;
 use super::table::{Table, Wave};
 use crate::simd::{Group, Real};
@@ -62,9 +62,13 @@ impl Patterns {
     }
 
     /// Patterns of the groups of a row, and of the ghosts in front of it and behind.
-    fn row<T: Real>(&mut self, media: &[u16], is_periodic: bool) -> (Vec<u32>, [u32; 2 * GHOSTS]) {
-        let (lanes, length, groups) =
-            (T::Lanes::COUNT as isize, media.len(), groups::<T>(media.len()) as isize);
+    fn row<T: Real>(
+        &mut self,
+        media: &[u16],
+        groups: usize,
+        is_periodic: bool,
+    ) -> (Vec<u32>, [u32; 2 * GHOSTS]) {
+        let (lanes, length, groups) = (T::Lanes::COUNT as isize, media.len(), groups as isize);
         // Mirror images, or what comes round. In lanes that are neither cells nor ghosts stands any medium.
         let at = |x: isize| {
             let inside = usize::try_from(x).ok().and_then(|x| media.get(x));
@@ -125,9 +129,10 @@ impl<T: Real, const D: usize> WaveConstants<'_, T, D> {
             let own = &medium.pairs[axis][pair];
             let courant = own.speed() * (share * step / grid.spacing[axis]);
             let (impedance, courant) = (own.impedance(), courant.min(1.0));
-            match (scheme.slopes, media.len()) {
+            let is_mixed = media.len() > 1 || !self.problem.interlayers.is_empty();
+            match (scheme.slopes, is_mixed) {
                 (Slopes::Godunov, _) => Cell::constant(impedance, courant),
-                (Slopes::FourthOrder, 2..) => Cell::among_others(impedance, courant),
+                (Slopes::FourthOrder, true) => Cell::among_others(impedance, courant),
                 _ => Cell::new(impedance, courant),
             }
         };
@@ -203,8 +208,10 @@ impl<T: Real, const D: usize> Materials<T, D> {
 
         let mut known = Patterns::default();
         let is_periodic = problem.boundaries[0][0] == Boundary::Periodic;
-        let rows: Vec<_> =
-            of_cell.chunks(layout.cells[0]).map(|row| known.row::<T>(row, is_periodic)).collect();
+        let rows: Vec<_> = of_cell
+            .chunks(layout.cells[0])
+            .map(|row| known.row::<T>(row, layout.groups, is_periodic))
+            .collect();
         let mut patterns: Vec<u32> = rows.iter().flat_map(|row| row.0.iter().copied()).collect();
         // From a group to the next one, and groups of a line.
         let lines: [[usize; 2]; D] = std::array::from_fn(|axis| match axis {

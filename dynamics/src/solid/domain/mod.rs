@@ -10,6 +10,7 @@
 //! | `sweep` | which lines a sweep takes, and the work at boundaries |
 //! | `law`, `local`, `plastic`, `relaxation` | what acts in cells between sweeps: rotation, yield sets, relaxation, subnormals |
 //! | `sources`, `boundaries` | what acts inside and at the ends |
+//! | `interfaces`, `interlayers` | interlayers: where they stand, what they remember, how they are swept |
 //! | `halo` | exchange with the parts beyond a cut |
 //! | `complete`, `output`, `diagnostics` | fields at the time of the domain, records, ledger |
 //! | `build` | a domain made of a [`Problem`] |
@@ -36,6 +37,8 @@ mod complete;
 mod diagnostics;
 mod fill;
 mod halo;
+mod interfaces;
+mod interlayers;
 mod kernel;
 mod law;
 mod layout;
@@ -63,6 +66,7 @@ use crate::solid::ledger::{Energy, Ledger, Total};
 use crate::solid::problem::{DomainError, Grid, Problem, Scheme};
 use boundaries::Boundaries;
 use diagnostics::Diagnostics;
+use interfaces::Interfaces;
 use law::LocalLaws;
 use layout::Layout;
 use materials::Materials;
@@ -90,6 +94,7 @@ pub struct Domain<T: SolverReal, const D: usize> {
     law: LocalLaws<T>,
     /// By row, field and group, behind them ghosts of the lines that are swept.
     data: Vec<T::Lanes>,
+    interfaces: Interfaces<T, D>,
     diagnostics: Diagnostics,
     buffer: Buffer<T>,
 }
@@ -142,6 +147,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Sets everything to zero, what is no cell included.
     pub(crate) fn clear(&mut self) {
         self.data.fill(T::Lanes::ZERO);
+        self.interfaces.memory.fill(T::Lanes::ZERO);
     }
 
     /// The value of a field in a cell; `None` if there is no such field or cell.
@@ -150,13 +156,16 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.place(field).map(|place| self.at(cell, place))
     }
 
-    /// The first value that is not finite: its field and its cell.
+    /// The first value that is not finite: its field and its cell; of an interlayer those of the cell behind it.
     pub fn first_non_finite(&self) -> Option<(Field, usize)> {
         let is_broken = |cell: &usize| {
             self.places().find(|(_, place)| !self.at(*cell, *place).wide().is_finite())
         };
-        let cell = self.layout.own_cells().find(|cell| is_broken(cell).is_some())?;
-        is_broken(&cell).map(|(field, _)| (field, cell - self.layout.own_cells().start))
+        let first = self.layout.own_cells().start;
+        let Some(cell) = self.layout.own_cells().find(|cell| is_broken(cell).is_some()) else {
+            return self.first_non_finite_interlayer();
+        };
+        is_broken(&cell).map(|(field, _)| (field, cell - first))
     }
 
     /// All fields, and their places in a row.

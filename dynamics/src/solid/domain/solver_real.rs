@@ -3,6 +3,7 @@
 
 use super::fill::{Fill, FillEnd, FillOneSided};
 use super::kernel::Lines;
+use super::kernel::interlayers::InterlayerLines;
 use crate::simd::{Instructions, Real};
 
 /// `f32` or `f64`: the numbers of a [`Domain`](super::Domain).
@@ -11,6 +12,10 @@ pub trait SolverReal: Real {
     /// Sweeps lines.
     #[doc(hidden)]
     fn sweep_lines(lines: Lines<'_, Self>, instructions: Instructions);
+
+    /// Sweeps lines with interlayers.
+    #[doc(hidden)]
+    fn sweep_interlayers(lines: InterlayerLines<'_, Self>, instructions: Instructions);
 
     /// Fills ghosts of rows.
     #[doc(hidden)]
@@ -31,6 +36,13 @@ macro_rules! compiled {
         impl$(<$parameter: Real>)? SolverReal for $kind {
             fn sweep_lines(lines: Lines<'_, Self>, instructions: Instructions) {
                 lines.walk(instructions);
+            }
+
+            fn sweep_interlayers(
+                lines: InterlayerLines<'_, Self>,
+                instructions: Instructions,
+            ) {
+                instructions.run::<Self>(lines);
             }
 
             fn fill(work: Fill<'_, Self>, instructions: Instructions) {

@@ -1,6 +1,7 @@
 //! Sweeps along the axes, what lies beyond their ends, and the work done there.
 
 use super::fill::{Fill, FillEnd, FillOneSided};
+use super::kernel::interlayers::InterlayerLines;
 use super::kernel::{Lines, MOST_SHARE};
 use super::layout::{GroupIndex, Tile};
 use super::rows::Rows;
@@ -10,6 +11,7 @@ use super::{Domain, SolverReal};
 use crate::simd::Group;
 use crate::solid::cell::Cell;
 use crate::solid::ghosts::{BESIDE, BoundaryFaces};
+use crate::solid::interface::sweep_with_interlayers;
 use crate::solid::line::{self, Account};
 use crate::solid::problem::Detail;
 use crate::solid::reconstruction::GHOSTS;
@@ -231,6 +233,13 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let before = bundle.carried * self.materials.waves[axis].len();
         let mut carried = std::mem::take(&mut self.buffer.carried[axis][half]);
         let mut data = std::mem::take(&mut self.data);
+        let mut memory = std::mem::take(&mut self.interfaces.memory);
+        let mut faces = std::mem::take(&mut self.interfaces.path);
+        faces.clear();
+        if self.interfaces.has(axis) {
+            let origin = self.origin(bundle) as isize;
+            faces.extend(self.interfaces.faces(axis, origin + first..origin + end));
+        }
         let waves = self.waves_of(axis, half);
         let lines = Lines {
             data: &mut data,
@@ -250,7 +259,23 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             carried: &mut carried[before..before + lines * waves.len()],
             rows: (axis == 0).then(|| self.rows_of(bundle)),
         };
-        T::sweep_lines(lines, self.instructions);
+        match self.interfaces.lines(axis, bundle.face) {
+            None => T::sweep_lines(lines, self.instructions),
+            Some((laws, first, line)) => {
+                let step = T::of(self.time_of_sweep());
+                let lines = InterlayerLines {
+                    lines,
+                    faces: &faces,
+                    memory: &mut memory,
+                    first,
+                    line,
+                    laws,
+                    step,
+                };
+                T::sweep_interlayers(lines, self.instructions);
+            }
+        }
+        (self.interfaces.memory, self.interfaces.path) = (memory, faces);
         self.data = data;
         self.buffer.carried[axis][half] = carried;
         self.buffer.path = path;
@@ -435,6 +460,17 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             * self.step
     }
 
+    /// The time of a sweep where there are interlayers, which alternating sweeps do not have, s.
+    fn time_of_sweep(&self) -> f64 {
+        0.5 * self.step
+    }
+
+    /// The coordinate of the first place of a line along the axis; along the last one layers count, those of the halo
+    /// included.
+    fn origin(&self, bundle: Bundle) -> usize {
+        if bundle.axis + 1 == D { bundle.first.group / self.layout.layer_groups() } else { 0 }
+    }
+
     /// Adds the work at an end of lines that their sweep is about to do.
     fn note_work(&mut self, bundle: Bundle, end: usize) {
         let Bundle { axis, half, lines, .. } = bundle;
@@ -493,6 +529,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let Bundle { axis, half, .. } = bundle;
         let (length, _) = self.length(bundle);
         let unit = self.face_time(axis, half);
+        let (origin, step) = (self.origin(bundle), self.time_of_sweep());
+        let of_groups = (bundle.face + line.0, line.1);
         for pair in 0..self.materials.waves[axis].len() {
             let end = length + 2 * GHOSTS;
             for i in 0..end {
@@ -502,11 +540,30 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 self.buffer.cells[i] = cell;
             }
             let works = [0, 1].map(|end| self.work_at(bundle, line, pair, end));
+            let mut interlayers = self.interlayers_of_line((axis, pair), of_groups, origin, length);
             let super::Buffer { velocity, stress, cells, accounts, .. } = &mut self.buffer;
             let accounts = &mut accounts[..length];
             accounts.fill(Account::default());
             let (velocity, stress) = (&mut velocity[..end], &mut stress[..end]);
-            line::sweep(velocity, stress, &cells[..end], self.scheme.slopes, Some(accounts));
+            let (cells, slopes) = (&cells[..end], self.scheme.slopes);
+            match interlayers.is_empty() {
+                true => line::sweep(velocity, stress, cells, slopes, Some(accounts)),
+                false => {
+                    let step = T::of(step);
+                    let own = &mut interlayers;
+                    let lost = sweep_with_interlayers(
+                        velocity,
+                        stress,
+                        cells,
+                        slopes,
+                        own,
+                        step,
+                        Some(accounts),
+                    );
+                    debug_assert_eq!(lost, 0.0, "elastic ones dissipate nothing");
+                }
+            }
+            self.keep_interlayers((axis, pair), of_groups, origin, (length, interlayers));
             let wave = &self.materials.waves[axis][pair];
             for i in 0..length {
                 let (stop, lane) = self.place_of(bundle, line, i);
