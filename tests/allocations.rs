@@ -52,12 +52,14 @@ fn a_formula_needs_no_memory() {
     let mut case = Case::parse(CASE, "state.toml", &[]).expect("a case");
     let swept = Parameter::find("background.noncoaxiality_deg").expect("a parameter");
     let mut workspace = Workspace::default();
-    let (mut model, mut constants) = (case.flow_model().expect("a model"), Vec::new());
-    case.set_constants(&mut model, &mut constants).expect("in range");
+    let friction = Parameter::find("model.friction_angle_deg").expect("a parameter");
+    let (place, friction) = friction.constant_of(case.material.kind).expect("a constant");
+    let (mut model, mut constants) = (case.flow_model().expect("a model"), case.model_constants());
     let before = ALLOCATIONS.with(Cell::get);
     for delta in 0..45 {
         case.set(swept, f64::from(delta));
-        case.set_constants(&mut model, &mut constants).expect("in range");
+        constants[place] = friction.to_si(30.0 + 0.1 * f64::from(delta));
+        model.set(&constants).expect("in range");
         let background = model.background(&case.state()).expect("a state");
         let flow = background.flow().expect("on yield");
         let (_, route) = workspace.decide(&model, flow).expect("a verdict");

@@ -102,24 +102,22 @@ impl Case {
     /// # Errors
     /// The constant that is out of range, or that the case is one of a solid.
     pub fn flow_model(&self) -> Result<Model, InputError> {
-        let flow = self.flow_kind()?;
-        let mut constants = Vec::new();
-        self.material.numbers.model.in_order(flow.parameters(), &mut constants);
-        Model::new(flow, &constants)
+        Model::new(self.flow_kind()?, &self.model_constants())
     }
 
-    /// Gives the case's constants to a model of its kind, by way of a list that is kept; no memory is
-    /// taken.
-    ///
-    /// # Errors
-    /// The constant that is out of range.
-    pub fn set_constants(
-        &self,
-        model: &mut Model,
-        constants: &mut Vec<f64>,
-    ) -> Result<(), InputError> {
-        self.material.numbers.model.in_order(model.kind().parameters(), constants);
-        model.set(constants)
+    /// The constants of the model in the order in which its entry lists them, in SI units and rad; NaN for those
+    /// that are absent.
+    pub fn model_constants(&self) -> Vec<f64> {
+        let mut constants = Vec::new();
+        match self.material.kind {
+            Kind::Flow(flow) => {
+                self.material.numbers.model.in_order(flow.parameters(), &mut constants);
+            }
+            Kind::Solid(solid) => {
+                self.material.numbers.model.in_order(solid.parameters, &mut constants);
+            }
+        }
+        constants
     }
 
     fn flow_kind(&self) -> Result<FlowKind, InputError> {

@@ -14,6 +14,7 @@ pub use table::keys;
 use super::kind::Kind;
 use super::numbers::Numbers;
 use super::value::Value;
+use models::common::parameter::Parameter as Constant;
 use models::registry;
 
 impl Key {
@@ -89,6 +90,17 @@ impl Parameter {
     /// The row of the table.
     pub fn key(self) -> &'static Key {
         self.key
+    }
+
+    /// The constant of a model that it is, with its place among the constants of the model's entry; `None` of
+    /// numbers that are none of the model's constants.
+    pub fn constant_of(self, kind: Kind) -> Option<(usize, &'static Constant)> {
+        let Field::Constant(name) = self.key.field else { return None };
+        let constants = match kind {
+            Kind::Flow(flow) => flow.parameters(),
+            Kind::Solid(solid) => solid.parameters,
+        };
+        constants.iter().enumerate().find(|(_, own)| own.name == name)
     }
 
     /// The number, if the case has one.

@@ -1,7 +1,7 @@
 //! One point of a map after another.
 
 use super::MapOptions;
-use crate::case::{Case, Kind, Map, radians};
+use crate::case::{Case, Kind, Map, Sweep, radians};
 use crate::setup;
 use crate::setup::solid::normal;
 use analysis::StateError;
@@ -9,15 +9,19 @@ use analysis::bound;
 use analysis::flows::{Route, Workspace};
 use analysis::growth::Verdict;
 use analysis::solids::{self, AcousticTensorCache, Hyperbolicity, SolidAssessor, angles_deg};
-use models::flow::Model;
+use models::InputError;
+use models::common::parameter::Parameter;
 use models::flow::state::Background;
+use models::flow::{FlowKind, Model};
+use serde::{Serialize, Serializer};
 
-/// The verdict at one point of a map; numbers are NaN where there is none.
-#[derive(Clone, Copy, Debug)]
+/// The verdict at one point of a map; numbers are NaN where there is none, null in JSON.
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct MapPoint {
     /// The verdict, or why there is none.
     pub status: PointStatus,
     /// Where there is a verdict: the method.
+    #[serde(serialize_with = "route_name")]
     pub route: Option<Route>,
     /// Order of growth in k where ill-posed.
     pub order: f64,
@@ -38,9 +42,10 @@ pub struct MapPoint {
 }
 
 /// The speeds of a solid.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct PointSpeeds {
     /// Their type over all directions.
+    #[serde(serialize_with = "hyperbolicity_name")]
     pub hyperbolicity: Hyperbolicity,
     /// Greatest |Im c| of complex c², m/s; 0 without flutter.
     pub flutter: f64,
@@ -67,6 +72,24 @@ pub enum PointStatus {
     OutsideModel = 5,
     /// A yielding solid without a rate of response.
     NoResponse = 6,
+}
+
+/// By its name in results.
+impl Serialize for PointStatus {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+fn route_name<S: Serializer>(route: &Option<Route>, serializer: S) -> Result<S::Ok, S::Error> {
+    route.map(Route::name).serialize(serializer)
+}
+
+fn hyperbolicity_name<S: Serializer>(
+    hyperbolicity: &Hyperbolicity,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(hyperbolicity.name())
 }
 
 impl PointStatus {
@@ -135,16 +158,61 @@ impl MapPoint {
     }
 }
 
-/// Judges one point after another; one per thread. Only the swept numbers of its case change.
+/// Judges one point after another; one per thread. Only the swept numbers of its case change; of a flow, constants of
+/// the model change in the model alone.
 pub(super) struct Judge<'a> {
     case: Case,
     map: &'a Map,
     options: MapOptions,
     workspace: Workspace,
     solids: SolidAssessor<'a>,
-    /// The model of a flow, whose constants are set for each point, and the list by way of which they are.
+    flow: SweptFlow,
+}
+
+/// The model of a flow, whose constants are set where they change from one point to the next.
+struct SweptFlow {
+    /// `None` until constants were first in range.
     model: Option<Model>,
+    /// The constants in the order of the model's entry, in SI units and rad.
     constants: Vec<f64>,
+    /// Whether they are others than those of the model.
+    is_stale: bool,
+    /// Where a swept number is a constant: which. Names are compared once for a map.
+    swept: [Option<(usize, &'static Parameter)>; 2],
+}
+
+impl SweptFlow {
+    fn new(case: &Case, map: &Map) -> Self {
+        let constant = |sweep: &Sweep| sweep.parameter.constant_of(case.material.kind);
+        let swept = [&map.x, &map.y].map(constant);
+        Self { model: None, constants: case.model_constants(), is_stale: true, swept }
+    }
+
+    /// Takes a value of a sweep; false where it is none of a constant.
+    fn set(&mut self, axis: usize, value: f64) -> bool {
+        let Some((place, constant)) = self.swept[axis] else { return false };
+        let value = constant.to_si(value);
+        let own = &mut self.constants[place];
+        self.is_stale |= own.to_bits() != value.to_bits();
+        *own = value;
+        true
+    }
+
+    /// The model with the constants at hand.
+    fn model(&mut self, kind: FlowKind) -> Result<&Model, InputError> {
+        let Self { model, constants, is_stale, .. } = self;
+        let model = match model {
+            Some(model) => {
+                if *is_stale {
+                    model.set(constants)?;
+                }
+                model
+            }
+            None => model.insert(Model::new(kind, constants)?),
+        };
+        *is_stale = false;
+        Ok(model)
+    }
 }
 
 impl<'a> Judge<'a> {
@@ -155,19 +223,31 @@ impl<'a> Judge<'a> {
         cache: &'a AcousticTensorCache,
     ) -> Self {
         let (workspace, solids) = (Workspace::default(), SolidAssessor::new(cache));
-        let (model, constants) = (None, Vec::new());
-        Self { case: case.clone(), map, options, workspace, solids, model, constants }
+        let flow = SweptFlow::new(case, map);
+        Self { case: case.clone(), map, options, workspace, solids, flow }
     }
 
     pub(super) fn point(&mut self, x: usize, y: usize) -> Result<MapPoint, StateError> {
-        self.case.set(self.map.x.parameter, self.map.x.value(x));
-        self.case.set(self.map.y.parameter, self.map.y.value(y));
+        let sweeps = [(&self.map.x, x), (&self.map.y, y)];
         match self.case.material.kind {
-            Kind::Flow(_) => self.flow(),
-            Kind::Solid(_) => match self.solid() {
-                Err(StateError::NoResponse(_)) => Ok(MapPoint::empty(PointStatus::NoResponse)),
-                judged => judged,
-            },
+            Kind::Flow(kind) => {
+                for (axis, (sweep, index)) in sweeps.into_iter().enumerate() {
+                    let value = sweep.value(index);
+                    if !self.flow.set(axis, value) {
+                        self.case.set(sweep.parameter, value);
+                    }
+                }
+                self.flow(kind)
+            }
+            Kind::Solid(_) => {
+                for (sweep, index) in sweeps {
+                    self.case.set(sweep.parameter, sweep.value(index));
+                }
+                match self.solid() {
+                    Err(StateError::NoResponse(_)) => Ok(MapPoint::empty(PointStatus::NoResponse)),
+                    judged => judged,
+                }
+            }
         }
     }
 
@@ -205,16 +285,10 @@ impl<'a> Judge<'a> {
         Ok(point)
     }
 
-    fn flow(&mut self) -> Result<MapPoint, StateError> {
-        let Self { case, options, workspace, model, constants, .. } = self;
+    fn flow(&mut self, kind: FlowKind) -> Result<MapPoint, StateError> {
+        let Self { case, options, workspace, flow, .. } = self;
         let mut point = MapPoint::empty(PointStatus::NotFullyDeforming);
-        let model = match model {
-            Some(model) => {
-                case.set_constants(model, constants)?;
-                model
-            }
-            None => model.insert(case.flow_model()?),
-        };
+        let model = flow.model(kind)?;
         let Background::FullyDeforming(flow) = model.background(&case.state())? else {
             return Ok(point);
         };
