@@ -20,9 +20,11 @@
 //! Harris–Grekova (2005) at constant volume is well-posed while stress and deformation rate are less than 45° apart:
 //!
 //! ```
+//! use wellposed::study::unwatched;
+//!
 //! let path = "cases/granular-flow/noncoaxiality-bound.toml";
-//! let inside = wellposed::point(&wellposed::load(path, &["background.noncoaxiality_deg=40"])?)?;
-//! let outside = wellposed::point(&wellposed::load(path, &["background.noncoaxiality_deg=50"])?)?;
+//! let inside = wellposed::point(&wellposed::load(path, &["background.noncoaxiality_deg=40"])?, &unwatched)?;
+//! let outside = wellposed::point(&wellposed::load(path, &["background.noncoaxiality_deg=50"])?, &unwatched)?;
 //! assert_eq!(inside.verdict().map(|verdict| verdict.name()), Some("well-posed"));
 //! assert_eq!(outside.verdict().map(|verdict| verdict.name()), Some("ill-posed"));
 //!
@@ -41,6 +43,9 @@
 //! crates below from a case; [`report`], which makes text, JSON, tables and pictures from a value; and [`cli`], the
 //! verbs of the command line. No physics and no numerics stand here. [`mod@case`] is the crate that reads case files
 //! and writes them.
+//!
+//! All of them are handed on: a program needs no other dependency, and registers a model of its own by
+//! `wellposed::models::registry::register_solid`. [`CASES`] are the texts of the cases that come with the program.
 //!
 //! | crate | holds |
 //! |---|---|
@@ -63,7 +68,10 @@ pub mod report;
 pub mod setup;
 pub mod study;
 
+#[doc(no_inline)]
+pub use ::{agreement, analysis, cases, dynamics, figures, files, models};
 pub use ::cases as case;
+pub use cli::cases::CASES;
 pub use error::Error;
 pub use study::{
     check::check, dispersion::dispersion, map::map, point::point, simulate::simulate,
@@ -76,18 +84,31 @@ use std::path::Path;
 /// Version, and commit where the program was built from a repository: `0.1.0 (abcdef123)`.
 pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("WELLPOSED_COMMIT"), ")");
 
-/// Reads a case file, with `key=value` settings over it, of which the last one of a key holds.
+/// No settings over a case file, for [`load`].
+pub const NO_SETTINGS: [&str; 0] = [];
+
+/// Reads a case file, with `key=value` settings over it, of which the last one of a key holds: a list of any text.
 ///
 /// # Errors
 /// The file cannot be read, or what is wrong in it or in a setting, where, and what is allowed.
 ///
 /// # Examples
 /// ```
-/// let case = wellposed::load("cases/cosserat/forbidden-band.toml", &["wave.number=3"])?;
+/// let path = "cases/cosserat/forbidden-band.toml";
+/// let case = wellposed::load(path, ["wave.number=3"])?;
 /// assert_eq!(case.get("wave.number"), Some(3.0));
+/// for number in [1.0, 2.0] {
+///     let case = wellposed::load(path, [format!("wave.number={number}")])?;
+///     assert_eq!(case.get("wave.number"), Some(number));
+/// }
+/// wellposed::load(path, wellposed::NO_SETTINGS)?;
 /// # Ok::<(), wellposed::Error>(())
 /// ```
-pub fn load(path: impl AsRef<Path>, settings: &[&str]) -> Result<Case, Error> {
-    let settings: Vec<String> = settings.iter().map(|&setting| setting.to_owned()).collect();
+pub fn load(
+    path: impl AsRef<Path>,
+    settings: impl IntoIterator<Item: AsRef<str>>,
+) -> Result<Case, Error> {
+    let settings: Vec<String> =
+        settings.into_iter().map(|setting| setting.as_ref().to_owned()).collect();
     Ok(Case::load(path.as_ref(), &settings)?)
 }

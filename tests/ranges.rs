@@ -11,7 +11,7 @@ use wellposed::study::{MapOptions, unwatched};
 fn refusal(text: &str, key: &Key, value: f64) -> Option<String> {
     let set = format!("{}={value:?}", key.name);
     let state = Case::parse(text, "x.toml", &[set]).map_err(wellposed::Error::from);
-    state.and_then(|case| wellposed::point(&case)).err().map(|error| error.to_string())
+    state.and_then(|case| wellposed::point(&case, &unwatched)).err().map(|error| error.to_string())
 }
 
 #[test]

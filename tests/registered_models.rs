@@ -302,7 +302,7 @@ seed = 1
 #[test]
 fn a_flow_gets_verdict_map_run_and_check() {
     // Ill-posed as double shearing is: growth in proportion to k.
-    let point = wellposed::point(&case(FLOW)).expect("a state");
+    let point = wellposed::point(&case(FLOW), &unwatched).expect("a state");
     let Some(Verdict::IllPosed { growth: Some(growth), .. }) = point.verdict() else {
         panic!("{:?}", point.verdict());
     };
@@ -311,13 +311,14 @@ fn a_flow_gets_verdict_map_run_and_check() {
     let same = FLOW.replace("rotation_factor = 1.5", "rotation_factor = 1");
     let double =
         same.replace("slow-rotation", "double-shearing").replace("rotation_factor = 1", "");
-    let [own, double] = [same, double].map(|text| match wellposed::point(&case(&text)) {
-        Ok(point) => match point.verdict() {
-            Some(Verdict::IllPosed { growth: Some(growth), .. }) => growth.coefficient,
-            other => panic!("{other:?}"),
-        },
-        Err(error) => panic!("{error}"),
-    });
+    let [own, double] =
+        [same, double].map(|text| match wellposed::point(&case(&text), &unwatched) {
+            Ok(point) => match point.verdict() {
+                Some(Verdict::IllPosed { growth: Some(growth), .. }) => growth.coefficient,
+                other => panic!("{other:?}"),
+            },
+            Err(error) => panic!("{error}"),
+        });
     assert!((own / double - 1.0).abs() < 1e-9, "{own} {double}");
 
     let map = "[map]
@@ -350,10 +351,10 @@ direction_deg = 45
 
 #[test]
 fn a_solid_gets_verdict_waves_map_run_and_check() {
-    let point = wellposed::point(&case(SOLID)).expect("a state");
+    let point = wellposed::point(&case(SOLID), &unwatched).expect("a state");
     assert_eq!(point.verdict(), Some(&Verdict::WellPosed));
     // Christoffel's equation along 45°: ρc² are the eigenvalues of ½[c11 + c66, c12 + c66; c12 + c66, c22 + c66].
-    let found = wellposed::dispersion(&case(SOLID)).expect("waves");
+    let found = wellposed::dispersion(&case(SOLID), &unwatched).expect("waves");
     let mut speeds: Vec<f64> =
         found.families.iter().flat_map(|own| own.characteristic_speeds.clone()).collect();
     speeds.sort_by(f64::total_cmp);
@@ -387,7 +388,7 @@ kind = 'shear-limit'
 strength = 1e6
 ";
     let active = text.replace("strength = 1e6", "strength = 1e6\nactive = ['+sigma12']");
-    let point = wellposed::point(&case(&active)).expect("a state");
+    let point = wellposed::point(&case(&active), &unwatched).expect("a state");
     assert_eq!(point.verdict(), Some(&Verdict::WellPosed));
     let checked = wellposed::check(&case(&active), Extent::Short, &unwatched).expect("a check");
     assert_eq!(checked.agrees, Some(true), "{checked:?}");

@@ -204,7 +204,8 @@ fn ill_posed_flows_run_where_they_are_accepted() {
 /// A case without a grid is not run in time.
 #[test]
 fn cases_of_states_are_refused() {
-    let case = wellposed::load("cases/cosserat/forbidden-band.toml", &[]).expect("a shipped case");
+    let case = wellposed::load("cases/cosserat/forbidden-band.toml", wellposed::NO_SETTINGS)
+        .expect("a shipped case");
     let error = wellposed::simulate(&case, Settings::default(), &unwatched).unwrap_err();
     assert!(matches!(error, Error::Case(_)) && error.to_string().contains("grid"), "{error}");
 }

@@ -1,8 +1,10 @@
 //! `wellposed dispersion`.
 
+use super::progress::watched;
 use super::write::{would_write, write};
 use crate::case::Case;
 use crate::cli::folder::{self, ResultFolder};
+use crate::cli::options::pool;
 use crate::cli::{Error, Options};
 use crate::report::format::short;
 use crate::study;
@@ -14,7 +16,8 @@ use std::io::Write;
 /// The case is wrong, or results cannot be written.
 pub fn dispersion(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let case = Case::load(&options.case, &options.sets)?;
-    let found = study::dispersion(&case)?;
+    let pool = pool(options.threads)?;
+    let found = watched(&pool, "dispersion", |on_progress| study::dispersion(&case, on_progress))?;
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     if options.dry_run {
         let greatest = short(found.greatest_number);

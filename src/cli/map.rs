@@ -20,7 +20,8 @@ pub fn map(options: &Options, asked: MapOptions, stdout: &mut dyn Write) -> Resu
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     let states = map.x.points * map.y.points;
     if options.dry_run {
-        study::check_map(&case)?;
+        let pool = pool(options.threads)?;
+        watched(&pool, "checking states", |on_progress| study::check_map(&case, on_progress))?;
         writeln!(stdout, "would judge {states} states: {} × {}", map.x, map.y)?;
         return would_write(&folder, &folder::MAP, stdout);
     }

@@ -1,8 +1,10 @@
 //! `wellposed point`.
 
+use super::progress::watched;
 use super::write::{would_write, write};
 use crate::case::Case;
 use crate::cli::folder::{self, ResultFolder};
+use crate::cli::options::pool;
 use crate::cli::{Error, Options};
 use crate::report::format::case_title;
 use crate::{report, study};
@@ -15,7 +17,8 @@ use std::io::Write;
 pub fn point(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let case = Case::load(&options.case, &options.sets)?;
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
-    let found = study::point(&case)?;
+    let pool = pool(options.threads)?;
+    let found = watched(&pool, "point", |on_progress| study::point(&case, on_progress))?;
     if options.dry_run {
         writeln!(stdout, "would analyse {}", case_title(&case))?;
         let written = report::file_names(&found, &case)?;

@@ -1,5 +1,6 @@
 //! Frequencies and speeds of the waves of a solid against the wave number.
 
+use super::{OnProgress, report_progress};
 use crate::case::{Case, Wave};
 use crate::{Error, setup};
 use analysis::solids::{BranchGroup, BranchPoint, branches};
@@ -82,19 +83,22 @@ pub struct Branch {
     pub group_speed: f64,
 }
 
-/// Follows the waves of a solid.
+/// Follows the waves of a solid. Progress counts the families of waves.
 ///
 /// # Errors
-/// The case is none of a solid, its constants are out of range, its background flows, or its waves cannot be followed.
+/// The case is none of a solid, its constants are out of range, its background flows, or its waves cannot be followed;
+/// [`Error::Cancelled`].
 ///
 /// # Examples
 /// ```
-/// let case = wellposed::load("cases/cosserat/forbidden-band.toml", &[])?;
-/// let found = wellposed::dispersion(&case)?;
+/// use wellposed::study::unwatched;
+///
+/// let case = wellposed::load("cases/cosserat/forbidden-band.toml", wellposed::NO_SETTINGS)?;
+/// let found = wellposed::dispersion(&case, &unwatched)?;
 /// assert!(found.families.iter().any(|family| !family.forbidden_bands.is_empty()));
 /// # Ok::<(), wellposed::Error>(())
 /// ```
-pub fn dispersion(case: &Case) -> Result<Dispersion, Error> {
+pub fn dispersion(case: &Case, on_progress: OnProgress) -> Result<Dispersion, Error> {
     let solid = setup::solid::solid(&case.material).map_err(|error| case.locate(error))?;
     if solid.plastic.as_ref().is_some_and(|plastic| plastic.rate > 0.0) {
         let error = InputError {
@@ -123,14 +127,18 @@ pub fn dispersion(case: &Case) -> Result<Dispersion, Error> {
         };
         return Err(case.locate(error).into());
     }
+    let all = groups.len();
+    report_progress(on_progress, 0, all)?;
+    let family = |(index, group): (usize, &BranchGroup)| {
+        let family = BranchFamily::new(group, wave.number, greatest_number);
+        report_progress(on_progress, index + 1, all)?;
+        Ok(family)
+    };
     Ok(Dispersion {
+        families: groups.iter().enumerate().map(family).collect::<Result<_, Error>>()?,
         model: case.material.kind.name(),
         wave: wave.into(),
         greatest_number,
-        families: groups
-            .iter()
-            .map(|group| BranchFamily::new(group, wave.number, greatest_number))
-            .collect(),
         solid,
     })
 }

@@ -24,9 +24,10 @@ use super::OnProgress;
 use crate::Error;
 use crate::case::{Case, InTime};
 use memory::InMemory;
+use serde::Serialize;
 
 /// What a simulation is asked for beside its case.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Settings {
     /// Whether a flow is run in time although its equations are ill-posed.
     pub accept_ill_posed: bool,

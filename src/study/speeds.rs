@@ -74,7 +74,7 @@ pub struct VanishingSpeed {
 }
 
 /// Speeds on a grid of directions on the upper half of the sphere.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Hemisphere {
     /// Angles from x₃, degrees.
     pub polar_deg: Vec<f64>,

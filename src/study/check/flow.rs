@@ -87,7 +87,7 @@ pub struct SequenceRate {
 }
 
 /// Growth or decay of one mode in one direction.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RateCurve {
     /// Direction of the waves, degrees.
     pub direction_deg: f64,

@@ -6,12 +6,13 @@ pub mod summary;
 pub use judge::{MapPoint, PointSpeeds, PointStatus};
 pub use summary::MapResult;
 
-use super::OnProgress;
+use super::{OnProgress, report_progress};
 use crate::case::{Case, Map, Sweep};
 use crate::{Error, setup};
 use analysis::solids::AcousticTensorCache;
 use judge::Judge;
 use rayon::prelude::*;
+use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Points that a thread judges before it says so.
@@ -19,7 +20,7 @@ const BLOCK: usize = 64;
 
 /// What is asked of a map besides the verdicts. Growth rates need the dispersion polynomial of every
 /// state, so with them no verdict is left to a formula.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct MapOptions {
     /// The supremum of the growth rate over all waves at every well-posed point.
     pub bound: bool,
@@ -88,27 +89,26 @@ pub fn map(case: &Case, options: MapOptions, progress: OnProgress) -> Result<Map
     Ok(MapResult::new(case, map, options, points))
 }
 
-/// Makes sure that some state of the map of a case makes sense.
+/// Makes sure that some state of the map of a case makes sense: states are judged until one does. Progress counts them.
 ///
 /// # Errors
-/// The case has no map, or is wrong everywhere on it.
-pub fn check_map(case: &Case) -> Result<(), Error> {
+/// The case has no map, or is wrong everywhere on it; [`Error::Cancelled`].
+pub fn check_map(case: &Case, on_progress: OnProgress) -> Result<(), Error> {
     let map = case.required_map()?;
     let cache = AcousticTensorCache::default();
     let mut judge = Judge::new(case, map, MapOptions::default(), &cache);
+    let (nx, ny) = (map.x.points, map.y.points);
     let mut first_error = None;
-    let some_state = (0..map.y.points).any(|y| {
-        (0..map.x.points).any(|x| match judge.point(x, y) {
-            Ok(_) => true,
-            Err(error) => {
-                first_error.get_or_insert(error);
-                false
-            }
-        })
-    });
+    for index in 0..nx * ny {
+        match judge.point(index % nx, index / nx) {
+            Ok(_) => return Ok(()),
+            Err(error) => _ = first_error.get_or_insert(error),
+        }
+        report_progress(on_progress, index + 1, nx * ny)?;
+    }
     match first_error {
-        Some(error) if !some_state => Err(setup::locate_in_map(case, error)),
-        _ => Ok(()),
+        Some(error) => Err(setup::locate_in_map(case, error)),
+        None => Ok(()),
     }
 }
 

@@ -3,6 +3,7 @@
 use super::background::{FlowStress, PlaneWave};
 use super::flow_state::YieldingState;
 use crate::case::{Case, Kind, radians};
+use crate::study::{OnProgress, report_progress};
 use crate::{Error, setup};
 use analysis::bound;
 use analysis::characteristics;
@@ -115,13 +116,20 @@ impl NotYieldingState {
     }
 }
 
-/// Analyses the state of a flow.
+/// Analyses the state of a flow. Of every model two parts are counted: the verdict, and the curves of growth rates.
 ///
 /// # Errors
-/// The case is out of its model's range, or cannot be analysed.
-pub fn flow(case: &Case) -> Result<FlowPoint, Error> {
+/// The case is out of its model's range, or cannot be analysed; [`Error::Cancelled`].
+pub fn flow(case: &Case, on_progress: OnProgress) -> Result<FlowPoint, Error> {
+    let models = 1 + case.compare.as_ref().map_or(0, Vec::len);
+    let mut done = 0;
+    let mut part_is_done = || {
+        done += 1;
+        report_progress(on_progress, done, 2 * models)
+    };
     // Keys that only a compared kind uses are nothing to this one.
     let mut own = Analysed::new(&case.for_kind(case.material.kind))?;
+    part_is_done()?;
     let noncoaxiality = own.analysis.yielding().map(|state| state.flow.noncoaxiality.to_degrees());
     let mut compared = Vec::new();
     for &kind in case.compare.iter().flatten() {
@@ -129,8 +137,9 @@ pub fn flow(case: &Case) -> Result<FlowPoint, Error> {
         let mut other = Analysed::new(&converted.case)?;
         other.analysis.lost_noncoaxiality_deg = converted.lost_noncoaxiality_deg;
         compared.push(other);
+        part_is_done()?;
     }
-    add_curves(case, &mut own, &mut compared);
+    add_curves(case, &mut own, &mut compared, &mut part_is_done)?;
     Ok(FlowPoint {
         own: own.analysis,
         compare: compared.into_iter().map(|other| other.analysis).collect(),
@@ -203,16 +212,23 @@ fn analyse(
 }
 
 /// Samples the growth rates of all models, over the same wave numbers.
-fn add_curves(case: &Case, own: &mut Analysed, compared: &mut [Analysed]) {
+fn add_curves(
+    case: &Case,
+    own: &mut Analysed,
+    compared: &mut [Analysed],
+    model_is_done: &mut dyn FnMut() -> Result<(), Error>,
+) -> Result<(), Error> {
     let wave = case.material.numbers.wave;
     let direction = radians(wave.direction_deg);
     let decades = std::iter::once(&*own)
         .chain(&*compared)
         .filter_map(|a| Some(curves::decades(&a.workspace, a.regular()?, wave.number)))
         .max();
-    let Some(decades) = decades else { return };
     for a in std::iter::once(own).chain(compared) {
-        let Some(assessment) = a.regular() else { continue };
+        let (Some(decades), Some(assessment)) = (decades, a.regular()) else {
+            model_is_done()?;
+            continue;
+        };
         let by_direction = curves::by_direction(&a.workspace, assessment, wave.number);
         let by_wave_number =
             curves::by_wave_number(&a.workspace, assessment, wave.number, direction, decades);
@@ -222,5 +238,7 @@ fn add_curves(case: &Case, own: &mut Analysed, compared: &mut [Analysed]) {
             state.fitted_wave_numbers = fitted.map(|FittedOrder { numbers, .. }| numbers);
             (state.by_direction, state.by_wave_number) = (by_direction, by_wave_number);
         }
+        model_is_done()?;
     }
+    Ok(())
 }

@@ -9,6 +9,7 @@ pub use flow::{FlowAnalysis, FlowPoint, FlowState};
 pub use flow_state::YieldingState;
 pub use solid::SolidPoint;
 
+use super::OnProgress;
 use crate::Error;
 use crate::case::{Case, Kind};
 use analysis::growth::Verdict;
@@ -34,16 +35,16 @@ impl PointResult {
     }
 }
 
-/// Analyses the state of a case.
+/// Analyses the state of a case. Progress counts the parts of the analysis.
 ///
 /// # Errors
-/// The case is out of its model's range, or cannot be analysed.
+/// The case is out of its model's range, or cannot be analysed; [`Error::Cancelled`].
 ///
 /// # Examples
 /// Double shearing grows in proportion to the wave number:
 /// ```
 /// use wellposed::case::Case;
-/// use wellposed::study::PointResult;
+/// use wellposed::study::{PointResult, unwatched};
 ///
 /// let case = Case::parse(
 ///     "
@@ -62,7 +63,7 @@ impl PointResult {
 ///     "state.toml",
 ///     &[],
 /// )?;
-/// let found = wellposed::point(&case)?;
+/// let found = wellposed::point(&case, &unwatched)?;
 /// assert_eq!(found.verdict().map(|verdict| verdict.name()), Some("ill-posed"));
 ///
 /// let PointResult::Flow(flow) = &found else { unreachable!("double shearing is a flow") };
@@ -71,10 +72,10 @@ impl PointResult {
 /// println!("Re ς ≈ {:?} k at {:?}°", state.coefficient, state.direction_deg);
 /// # Ok::<(), wellposed::Error>(())
 /// ```
-pub fn point(case: &Case) -> Result<PointResult, Error> {
+pub fn point(case: &Case, on_progress: OnProgress) -> Result<PointResult, Error> {
     match case.material.kind {
-        Kind::Flow(_) => Ok(PointResult::Flow(flow::flow(case)?)),
-        Kind::Solid(_) => Ok(PointResult::Solid(Box::new(solid::solid(case)?))),
+        Kind::Flow(_) => Ok(PointResult::Flow(flow::flow(case, on_progress)?)),
+        Kind::Solid(_) => Ok(PointResult::Solid(Box::new(solid::solid(case, on_progress)?))),
     }
 }
 

@@ -5,6 +5,7 @@ use crate::case::{Case, Wave};
 use crate::setup::solid::normal;
 use crate::study::dispersion::WaveVector;
 use crate::study::extremes::{FlutterWave, SlowestWave};
+use crate::study::{OnProgress, report_progress};
 use crate::{Error, setup};
 use analysis::bound;
 use analysis::energy;
@@ -129,11 +130,15 @@ impl From<&energy::Energy> for Energy {
     }
 }
 
+/// Parts of the analysis whose end is told: verdict, curves, energy, waves.
+const PARTS: usize = 4;
+
 /// Analyses the solid of a case.
 ///
 /// # Errors
-/// Its constants are out of range, its stress does not yield, or it cannot be analysed.
-pub fn solid(case: &Case) -> Result<SolidPoint, Error> {
+/// Its constants are out of range, its stress does not yield, or it cannot be analysed; [`Error::Cancelled`].
+pub fn solid(case: &Case, on_progress: OnProgress) -> Result<SolidPoint, Error> {
+    let part_is_done = |part: usize| report_progress(on_progress, part, PARTS);
     let located = |error: NoResponse| setup::locate(&case.material, error.into());
     let wave = case.material.numbers.wave;
     let solid = setup::solid::solid(&case.material).map_err(|error| case.locate(error))?;
@@ -147,12 +152,19 @@ pub fn solid(case: &Case) -> Result<SolidPoint, Error> {
         Some(supremum) => Some(supremum.rate),
         None => solid.keeps_energy().then_some(0.0),
     };
+    part_is_done(1)?;
     let curves = Curves::new(&solid, wave, &assessment).map_err(located)?;
+    part_is_done(2)?;
     let energy = energy(&solid, wave.number).map_err(located)?;
+    part_is_done(3)?;
     let squared_speeds = |elastic: bool| {
         let waves = solids::waves(&solid, normal(&wave), elastic).map_err(located)?;
         Ok::<_, Error>(pairs(&squared_speeds(&waves)))
     };
+    let squared_speeds = [squared_speeds(false)?, squared_speeds(true)?];
+    let roots = pairs(&solids::roots(&solid, normal(&wave), wave.number).map_err(located)?);
+    part_is_done(PARTS)?;
+    let [squared_speeds, elastic_squared_speeds] = squared_speeds;
     let [order, coefficient] = order_and_coefficient(&assessment.verdict);
     let normal_deg = assessment.direction_deg();
     let plastic = solid.plastic.as_ref();
@@ -173,9 +185,9 @@ pub fn solid(case: &Case) -> Result<SolidPoint, Error> {
         active: plastic.map(|plastic| plastic.active.iter().map(|active| active.name).collect()),
         stress: plastic.and_then(|plastic| plastic.stress).map(YieldStress::from),
         wave: wave.into(),
-        squared_speeds: squared_speeds(false)?,
-        roots: pairs(&solids::roots(&solid, normal(&wave), wave.number).map_err(located)?),
-        elastic_squared_speeds: squared_speeds(true)?,
+        squared_speeds,
+        roots,
+        elastic_squared_speeds,
         energy: Energy::from(&energy),
         unknowns: energy.unknowns,
         zero_roots: energy.zeros,

@@ -58,8 +58,8 @@ fn words<S: Serializer>(stopped: &Option<Stopped>, serializer: S) -> Result<S::O
     stopped.as_ref().map(ToString::to_string).serialize(serializer)
 }
 
-/// All that is seen of a state.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// All that is seen of a state. Serialised with all values, unlike in the report of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Fields {
     /// s.
     pub time: f64,
@@ -83,7 +83,7 @@ impl Fields {
 }
 
 /// A field, or its integral in time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Quantity {
     /// `v1`, `sigma12`, …
     pub name: String,
@@ -159,7 +159,7 @@ pub struct Receiver {
 }
 
 /// What was recorded in the course of a run.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Records {
     /// What receivers saw: `time`, then `NAME.QUANTITY`, angles in degrees; none without receivers.
     pub receivers: Option<Table>,
@@ -172,14 +172,14 @@ pub struct Records {
 }
 
 /// Columns of equal length.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Table {
     /// The first one is the time.
     pub columns: Vec<Column>,
 }
 
 /// A column of a table.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Column {
     /// Its name.
     pub name: String,
