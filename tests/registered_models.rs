@@ -16,7 +16,7 @@ use models::solid::parameters::Theory;
 use models::solid::stress::{Component, Stress};
 use models::solid::waves::{Field, Pair};
 use models::solid::{ElasticLaw, Elasticity, SolidModel};
-use models::yield_set::parameters::{ActiveCondition, contract};
+use models::yield_set::parameters::{ActiveCondition, Mises, contract};
 use models::yield_set::projection::Projection;
 use models::yield_set::{
     Needs, Unusable, YieldConditions, YieldSet, YieldSetModel, check_associated, room,
@@ -157,7 +157,7 @@ const fn modulus(name: &'static str, example: f64) -> Parameter {
     Parameter::required([name, name, "Pa"], "stiffness; positive definite", example)
 }
 
-static ORTHOTROPIC: SolidModel = SolidModel {
+const ORTHOTROPIC_ENTRY: SolidModel = SolidModel {
     name: "orthotropic",
     title: "orthotropic solid",
     parameters: &[
@@ -182,6 +182,8 @@ static ORTHOTROPIC: SolidModel = SolidModel {
         Ok(ElasticLaw::from(Orthotropic { c11, c22, c12, c66, density }))
     },
 };
+
+static ORTHOTROPIC: SolidModel = ORTHOTROPIC_ENTRY;
 
 /// |σ₁₂| ≤ k in plane strain: layers normal to x₁ and x₂ that slip without friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -242,20 +244,22 @@ const STRENGTH: Parameter =
     Parameter::required(["strength", "shear strength k", "Pa"], "strength; > 0", 1e6)
         .within(Range::Positive);
 
-static SHEAR_LIMIT: YieldSetModel = YieldSetModel {
+const SHEAR_LIMIT_ENTRY: YieldSetModel = YieldSetModel {
     name: "shear-limit",
     title: "limit of shear",
     parameters: &[(STRENGTH, Needs::All)],
     is_plane: true,
     is_curved: false,
     conditions: &[("+sigma12", Needs::All), ("-sigma12", Needs::All)],
-    admits: |solid| solid.theory == Theory::Classical,
+    admits: |law| law.theory() == Theory::Classical,
     build: |_, given| {
         let [strength] = constants(given)?;
         STRENGTH.check(strength, "a positive strength, in Pa")?;
         Ok(YieldSet::from(ShearLimit { strength }))
     },
 };
+
+static SHEAR_LIMIT: YieldSetModel = SHEAR_LIMIT_ENTRY;
 
 fn register() {
     static ONCE: Once = Once::new();
@@ -437,4 +441,76 @@ fn names_are_listed_everywhere_and_taken_once() {
     ] {
         assert!(matches!(again, Err(registry::RegistryError::NameTaken(_))), "{again:?}");
     }
+}
+
+/// Sets of this project project stresses in the norm of their own elastic laws: another law stays elastic by them, and
+/// must be refused.
+#[test]
+fn a_solid_that_a_set_cannot_project_is_refused_with_both_names() {
+    register();
+    let run = "
+[grid]
+cells = [4, 8]
+spacing = 1.0
+[time]
+duration = 0.001
+[yield]
+kind = 'interlayer'
+shear_strength = 1e6
+shear_friction = 0.5
+shear_dilatancy = 0.5
+";
+    let error = Case::parse(&format!("{SOLID}{run}"), "toy.toml", &[]).expect_err("no such medium");
+    let error = error.to_string();
+    assert!(error.contains("orthotropic") && error.contains("interlayer"), "{error}");
+    assert!(error.contains("shear-limit"), "the set that it can have is named: {error}");
+    // Whatever solid admits a set, the projection brings a stress far outside onto it.
+    for medium in Medium::all() {
+        let (Kind::Solid(solid), Some(kind)) = (medium.kind, medium.yields) else { continue };
+        let examples: Vec<f64> =
+            kind.parameters_for(solid.theory).map(Parameter::example).collect();
+        let set = kind.set(solid.theory, &examples).expect("examples make a set");
+        let force = [[0.0, 1e9, 0.0], [1e9, 0.0, 0.0], [0.0; 3]];
+        let trial = Stress { force, ..Stress::default() };
+        let law = solid.example().expect("examples make a law");
+        let found = set.project(&law, &trial);
+        let excess = set.value(&found.stress) / set.value(&trial);
+        assert!(excess.abs() < 1e-12 && found.energy_lost > 0.0, "{}: {excess}", medium.title());
+    }
+}
+
+/// A user's solid that calls itself by another theory, or has examples out of range, and a user's set that names
+/// conditions and has none.
+#[test]
+fn entries_that_contradict_themselves_are_refused() {
+    static CURVED: YieldSetModel = YieldSetModel {
+        name: "curved-with-names",
+        title: "",
+        conditions: &[("+sigma12", Needs::All)],
+        build: |_, _| Ok(YieldSet::from(Mises::von_mises(1e6))),
+        ..SHEAR_LIMIT_ENTRY
+    };
+    let error = registry::register_yield_set(&CURVED).expect_err("no half-spaces").to_string();
+    assert!(error.contains("curved-with-names") && error.contains("0 half-spaces"), "{error}");
+
+    static SPACE: SolidModel =
+        SolidModel { name: "orthotropic-space", is_plane: false, ..ORTHOTROPIC_ENTRY };
+    let found = registry::register_solid(&SPACE);
+    assert!(matches!(found, Err(registry::RegistryError::OtherTheory(_))), "{found:?}");
+
+    static NEGATIVE: SolidModel = SolidModel {
+        name: "negative",
+        parameters: &[
+            modulus("c11", -9e9),
+            modulus("c22", 4e9),
+            modulus("c12", 2e9),
+            modulus("c66", 1.5e9),
+            Parameter::required(["density", "density ρ", "kg/m³"], "density ρ; > 0", 2000.0),
+        ],
+        ..ORTHOTROPIC_ENTRY
+    };
+    let error = registry::register_solid(&NEGATIVE).expect_err("a negative modulus").to_string();
+    assert!(error.contains("negative") && error.contains("c11"), "{error}");
+    let listed = registry::solids();
+    assert!(listed.iter().all(|own| !["orthotropic-space", "negative"].contains(&own.name)));
 }

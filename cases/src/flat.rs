@@ -75,7 +75,11 @@ pub(super) fn active(entries: &Entries, medium: Medium) -> Result<Option<Vec<usi
     let Some(Value::Texts(names)) = entries.get(KEY) else { return Ok(None) };
     if !Key::find(KEY).is_some_and(|key| key.is_used_by(medium)) {
         let found = format!("not used by {}", medium.title());
-        return Err(entries.places.error(KEY, found, "leave it out (it belongs to interlayer)"));
+        let sets = registry::yield_sets();
+        let owners: Vec<&str> =
+            sets.iter().filter(|set| !set.conditions.is_empty()).map(|set| set.name).collect();
+        let allowed = format!("leave it out (it belongs to {})", owners.join(", "));
+        return Err(entries.places.error(KEY, found, allowed));
     }
     if entries.has_section("stress") {
         let found = "active conditions beside a section [stress]";
@@ -132,10 +136,17 @@ pub(super) fn numbers(entries: &Entries, media: &[Medium]) -> Result<Numbers, Ca
     }
     let mut numbers = Numbers::default();
     for key in keys().iter().filter(|key| key.field.is_kept()) {
-        key.clear(&mut numbers);
+        let mut own = media.iter().filter(|medium| key.is_used_by(**medium));
+        let presence = own.next().map_or(key.presence, |medium| key.presence_for(*medium));
+        let is_required = |presence: Presence| matches!(presence, Presence::Required(_));
+        key.clear_to(presence, &mut numbers);
         match entries.get(key.name) {
             Some(value) => key.field.store(&mut numbers, value),
-            None if is_used(key) && matches!(key.presence, Presence::Required(_)) => {
+            // By the first medium that uses it, or another one.
+            None if is_used(key)
+                && (is_required(presence)
+                    || own.any(|medium| is_required(key.presence_for(*medium)))) =>
+            {
                 entries.require(key.name)?;
             }
             None => {}
@@ -152,9 +163,9 @@ pub(super) fn numbers(entries: &Entries, media: &[Medium]) -> Result<Numbers, Ca
         let allowed = "0: waves stay in the plane, unless model.dimensions = 3";
         return Err(entries.places.error("wave.elevation_deg", found, allowed));
     }
-    if numbers.dimensions == 3 && media[0].yields.is_some_and(|set| set.is_plane) {
-        let found = "found 3 with the yield set interlayer";
-        let allowed = "2: its layers are normal to x1 and x2, in plane strain";
+    if let Some(set) = media[0].yields.filter(|set| set.is_plane && numbers.dimensions == 3) {
+        let found = format!("found 3 with the yield set {}", set.name);
+        let allowed = "2: it is a set of plane strain";
         return Err(entries.places.error("model.dimensions", found, allowed));
     }
     for key in keys().iter().filter(|key| key.split().0 == "wave") {

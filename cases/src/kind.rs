@@ -94,7 +94,7 @@ impl Kind {
         match self {
             Self::Flow(_) => Vec::new(),
             Self::Solid(solid) => {
-                registry::yield_sets().into_iter().filter(|set| (set.admits)(solid)).collect()
+                registry::yield_sets().into_iter().filter(|set| set.admits(solid)).collect()
             }
         }
     }

@@ -18,7 +18,7 @@ pub struct Material {
     pub kind: Kind,
     /// The yield set of a solid that has one.
     pub yields: Option<Yield>,
-    /// The conditions of an interlayer set that hold with equality, by their places in
+    /// The conditions of a set with named conditions that hold with equality, by their places in
     /// [`Medium::condition_names`]; absent: as the stress decides.
     pub active: Option<Vec<usize>>,
     /// The numbers; SI units, angles in degrees.

@@ -171,7 +171,7 @@ kind = \"{name}\"
 
 /// The value of a key that a template shows; `None` where it has no use for the key.
 fn value_for(key: &Key, medium: Medium, purpose: Purpose) -> Option<String> {
-    let value = key.example()?;
+    let value = key.example_for(medium)?;
     let (section, name) = key.split();
     let has_active = !medium.condition_names().is_empty();
     // Of the two ways to say what slips one is shown.
@@ -196,7 +196,7 @@ fn value_for(key: &Key, medium: Medium, purpose: Purpose) -> Option<String> {
         return None;
     }
     let friction = key.name.replace("dilatancy", "friction");
-    let of_friction = || Key::find(&friction).and_then(Key::example);
+    let of_friction = || Key::find(&friction).and_then(|key| key.example_for(medium));
     Some(if name.ends_with("dilatancy") { of_friction().unwrap_or(value) } else { value })
 }
 
@@ -223,7 +223,8 @@ fn write_keys(text: &mut String, medium: Medium, purpose: Purpose) {
                 }
             }
         }
-        let mark = if matches!(key.presence, Presence::Required(_)) { "" } else { "# " };
+        let is_required = matches!(key.presence_for(medium), Presence::Required(_));
+        let mark = if is_required { "" } else { "# " };
         let comment = comment(key.unit, key.meaning);
         let _ = writeln!(text, "{:<46}  # {comment}", format!("{mark}{name} = {value}"));
     }
@@ -248,7 +249,7 @@ fn example_map(medium: Medium) -> [String; 2] {
     // The first constant of a section, around its example.
     let around = |section: &str| {
         let constants = keys().filter(|key| key.name.starts_with(section));
-        let example = |key: &Key| match key.presence {
+        let example = |key: &Key| match key.presence_for(medium) {
             Presence::Required(value) if !key.unit.is_empty() => Some((key.name, value)),
             _ => None,
         };

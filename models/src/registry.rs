@@ -3,9 +3,11 @@
 //! The first of each list are those of this crate. A program adds its own by [`register_flow`], [`register_solid`] or
 //! [`register_yield_set`]; from then on they can be named in case files and are treated like the others.
 
+use crate::common::input::InputError;
 use crate::common::parameter::Parameter;
 use crate::flow::{FlowKind, FlowModel};
 use crate::flow::{double_shearing, free_rotating, harris_grekova, plastic_potential};
+use crate::solid::parameters::Theory;
 use crate::solid::{SolidKind, SolidModel, cubic_plane, isotropic};
 use crate::yield_set::{YieldSetKind, YieldSetModel, interlayer, mises};
 use std::sync::{PoisonError, RwLock};
@@ -71,6 +73,32 @@ pub enum RegistryError {
         /// Its unit in the models that are listed already.
         unit: &'static str,
     },
+    /// The examples of its constants, of which templates are made, are out of range.
+    #[error("{model}: the examples of its constants are refused: {error}")]
+    Example {
+        /// The model.
+        model: &'static str,
+        /// The constant that is out of range.
+        error: InputError,
+    },
+    /// The law of a solid is of another theory, or for other dimensions, than its entry says.
+    #[error("{0}: its elastic law has another theory or other dimensions than its entry")]
+    OtherTheory(&'static str),
+    /// A yield set names conditions, but is no polyhedron with a half-space for each name.
+    #[error(
+        "{model}: {names} conditions are named, but the set of a {theory:?} solid has {half_spaces} \
+         half-spaces; give each half-space a name, or none"
+    )]
+    NamedConditions {
+        /// The yield set.
+        model: &'static str,
+        /// The theory of the solid.
+        theory: Theory,
+        /// The number of named conditions.
+        names: usize,
+        /// The number of half-spaces; 0 of a set that is no polyhedron.
+        half_spaces: usize,
+    },
 }
 
 /// All granular flows, those of this crate first.
@@ -116,9 +144,15 @@ pub fn register_flow(model: &'static FlowModel) -> Result<(), RegistryError> {
 /// Adds an elastic solid.
 ///
 /// # Errors
-/// Its name is taken, or a parameter has another unit in another model.
+/// Its name is taken, or a parameter has another unit in another model; the examples of its constants are out of
+/// range, or make a law of another theory than the entry's.
 pub fn register_solid(model: &'static SolidModel) -> Result<(), RegistryError> {
     let solid = SolidKind::new(model);
+    let law =
+        solid.example().map_err(|error| RegistryError::Example { model: model.name, error })?;
+    if law.theory() != model.theory || law.is_plane() != model.is_plane {
+        return Err(RegistryError::OtherTheory(model.name));
+    }
     flows().into_iter().try_for_each(|other| check(solid, other))?;
     SOLIDS.add(solid)
 }
@@ -126,9 +160,32 @@ pub fn register_solid(model: &'static SolidModel) -> Result<(), RegistryError> {
 /// Adds a yield set.
 ///
 /// # Errors
-/// Its name is taken, or a parameter has another unit in another set.
+/// Its name is taken, or a parameter has another unit in another set; the examples of its constants are out of range
+/// for solids of any theory; it names conditions, but has not as many half-spaces.
 pub fn register_yield_set(model: &'static YieldSetModel) -> Result<(), RegistryError> {
+    check_conditions(YieldSetKind::new(model))?;
     YIELD_SETS.add(YieldSetKind::new(model))
+}
+
+/// That a set which names its conditions has a half-space for each of them, and that its examples make a set.
+fn check_conditions(kind: YieldSetKind) -> Result<(), RegistryError> {
+    let model = kind.name;
+    let sets = [Theory::Classical, Theory::Reduced, Theory::Cosserat].map(|theory| {
+        let examples: Vec<f64> = kind.parameters_for(theory).map(Parameter::example).collect();
+        (theory, kind.set(theory, &examples))
+    });
+    for (theory, set) in sets.iter().filter_map(|(own, set)| Some((*own, set.as_ref().ok()?))) {
+        let names = kind.conditions_for(theory).len();
+        let half_spaces = set.half_spaces().map_or(0, |own| own.len());
+        if names > 0 && names != half_spaces {
+            return Err(RegistryError::NamedConditions { model, theory, names, half_spaces });
+        }
+    }
+    // Of a theory that the set does not admit nothing is asked.
+    match sets {
+        [(_, Err(error)), (_, Err(_)), (_, Err(_))] => Err(RegistryError::Example { model, error }),
+        _ => Ok(()),
+    }
 }
 
 /// What all entries of a list have.

@@ -15,6 +15,7 @@ use models::yield_set::{YieldSet, YieldSetKind};
 /// The constant that is out of range; that the stress never yields; that it is one of a flow.
 pub fn solid(material: &Material) -> Result<Solid, InputError> {
     let elastic = elastic_law(material)?;
+    check_admits(material, &elastic)?;
     let plastic = material.yields.map(|set| plastic(material, set)).transpose()?;
     Ok(Solid::new(elastic, material.numbers.dimensions, plastic))
 }
@@ -27,7 +28,9 @@ pub fn elastic_law_and_set(
     material: &Material,
 ) -> Result<(ElasticLaw, Option<YieldSet>), InputError> {
     let set = material.yields.map(|set| yield_set(material, set)).transpose()?;
-    Ok((elastic_law(material)?, set))
+    let elastic = elastic_law(material)?;
+    check_admits(material, &elastic)?;
+    Ok((elastic, set))
 }
 
 /// What a solid is to the solver.
@@ -57,6 +60,14 @@ fn elastic_law(material: &Material) -> Result<ElasticLaw, InputError> {
     let solid = solid_kind(material)?;
     material.numbers.model.in_order(solid.parameters, &mut constants);
     solid.law(&constants)
+}
+
+/// That the yield set of a material, if it has one, admits the elastic law.
+fn check_admits(material: &Material, law: &ElasticLaw) -> Result<(), InputError> {
+    match material.yields {
+        Some(set) => set.check_admits(solid_kind(material)?, law),
+        None => Ok(()),
+    }
 }
 
 /// The kind of a solid.

@@ -52,7 +52,7 @@ pub(super) enum Sets {
 impl Sets {
     /// Whether a set of a solid that can have it uses the key.
     fn contain(self, set: Yield, solid: Solid) -> bool {
-        (set.admits)(solid)
+        set.admits(solid)
             && match self {
                 Self::Any(uses) => uses(set),
                 Self::With(name) => set.parameters_for(solid.theory).any(|own| own.name == name),
@@ -232,16 +232,38 @@ impl Key {
         registry::yield_sets().into_iter().filter(uses).map(|set| set.name).collect()
     }
 
+    /// What holds where the key is absent from a case of this medium: of a constant what the entry of the medium says.
+    pub fn presence_for(&self, medium: Medium) -> Presence {
+        let constant = match (self.field, medium.kind, medium.yields) {
+            (Field::Constant(name), Kind::Flow(flow), _) => {
+                flow.parameters().iter().find(|own| own.name == name)
+            }
+            (Field::Constant(name), Kind::Solid(solid), _) => {
+                solid.parameters.iter().find(|own| own.name == name)
+            }
+            (Field::YieldConstant(name), Kind::Solid(solid), Some(set)) => {
+                set.parameters_for(solid.theory).find(|own| own.name == name)
+            }
+            _ => None,
+        };
+        constant.map_or(self.presence, |own| own.presence)
+    }
+
     /// Takes the key back to what holds where it is absent.
     pub(crate) fn clear(&self, numbers: &mut Numbers) {
-        let absent = match self.presence {
+        self.clear_to(self.presence, numbers);
+    }
+
+    /// Takes the key back to this, which holds where it is absent.
+    pub(crate) fn clear_to(&self, presence: Presence, numbers: &mut Numbers) {
+        let absent = match presence {
             Presence::Default(value) => value,
             _ => 0.0,
         };
         match self.field {
             Field::Whole(f) => *f(numbers) = absent as usize,
-            Field::Constant(name) => numbers.model.reset(name, self.presence),
-            Field::YieldConstant(name) => numbers.yields.reset(name, self.presence),
+            Field::Constant(name) => numbers.model.reset(name, presence),
+            Field::YieldConstant(name) => numbers.yields.reset(name, presence),
             Field::Number(f) => *f(numbers) = absent,
             Field::OptionalNumber(f) => *f(numbers) = None,
             Field::Pair(f) => *f(numbers) = [absent; 2],
@@ -254,7 +276,16 @@ impl Key {
     /// The value that `wellposed new` shows: default or example, as TOML; `None` for what is no
     /// number of the case.
     pub fn example(&self) -> Option<String> {
-        let number = match self.presence {
+        self.example_of(self.presence)
+    }
+
+    /// The same for a medium, by its own entry.
+    pub fn example_for(&self, medium: Medium) -> Option<String> {
+        self.example_of(self.presence_for(medium))
+    }
+
+    fn example_of(&self, presence: Presence) -> Option<String> {
+        let number = match presence {
             Presence::Required(value) | Presence::Default(value) => value,
             Presence::Optional => 0.0,
         };

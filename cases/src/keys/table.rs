@@ -4,10 +4,12 @@ use super::key::{Field, Key, Presence, Sets, Users};
 use crate::schema::Range;
 use models::common::parameter::Parameter as Constant;
 use models::elastoplastic::Plastic;
-use models::flow::RotationKind;
 use models::flow::state::State;
+use models::flow::{FlowKind, RotationKind};
 use models::registry;
+use models::solid::SolidKind;
 use models::solid::parameters::Theory;
+use models::yield_set::YieldSetKind;
 use std::sync::{PoisonError, RwLock};
 
 use Field::{
@@ -91,6 +93,11 @@ pub fn keys() -> &'static [Key] {
     let of_sets: Vec<&Constant> =
         sets.iter().flat_map(|set| set.parameters.iter().map(|own| &own.0)).collect();
     for key in &mut table {
+        match key.name {
+            "model.kind" => key.meaning = kinds_of_model(&flows, &solids).leak(),
+            "yield.kind" => key.meaning = kinds_of_set(&sets).leak(),
+            _ => {}
+        }
         let (all, name) = match key.field {
             Field::Constant(name) => (&of_models, name),
             Field::YieldConstant(name) => (&of_sets, name),
@@ -105,6 +112,29 @@ pub fn keys() -> &'static [Key] {
     let table: &'static [Key] = table.leak();
     *TABLE.write().unwrap_or_else(PoisonError::into_inner) = (entries, table);
     table
+}
+
+/// The kinds of model by name.
+fn kinds_of_model(flows: &[FlowKind], solids: &[SolidKind]) -> String {
+    let flows = alternatives(flows.iter().map(|flow| flow.name()));
+    let solids = alternatives(solids.iter().map(|solid| solid.name));
+    format!("{flows} for flows; {solids} for solids")
+}
+
+/// The yield sets by name.
+fn kinds_of_set(sets: &[YieldSetKind]) -> String {
+    let sets = alternatives(sets.iter().map(|set| set.name));
+    format!("{sets}; without the section [yield] a solid stays elastic")
+}
+
+/// `a, b or c`.
+fn alternatives<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let names: Vec<&str> = names.collect();
+    match names.split_last() {
+        Some((last, [])) => (*last).to_owned(),
+        Some((last, others)) => format!("{} or {last}", others.join(", ")),
+        None => String::new(),
+    }
 }
 
 /// The constants of several entries, each once, in an order that keeps the order of every entry where they agree on one:
@@ -131,14 +161,14 @@ fn ordered<I: Iterator<Item = &'static Constant>>(
     all
 }
 
-/// The keys before the constants of flows.
+/// The keys before the constants of flows. What kinds there are says the registry.
 static HEAD: &[Key] = keys! {
     "title": "title" [""] "one line that says what the case is";
         ALL, Optional, Text;
     "name": "name" [""] "names the folder of results: letters, digits, '-', '_' and '.', not dots alone; absent: the name of the file";
         ALL, Optional, Text;
 
-    "model.kind": "kind of model" [""] "harris-grekova, double-shearing, plastic-potential or free-rotating for flows; classical, reduced-cosserat, cosserat or cosserat-compliances for solids";
+    "model.kind": "kind of model" [""] "";
         ALL, Required(0.0), Text;
 };
 
@@ -193,7 +223,7 @@ static STATE: &[Key] = keys! {
     "background.stress_angle_rate_deg": "stress-angle rate DΨ_Σ/Dt" ["deg/s"] "material rate of the stress angle; derived, checked where given";
         WITH_STRESS_ANGLE_RATE, Optional, OptionalNumber(|n| &mut n.background.stress_angle_rate_deg);
 
-    "yield.kind": "yield set" [""] "interlayer, von-mises, drucker-prager or cosserat-mises; without the section [yield] a solid stays elastic";
+    "yield.kind": "yield set" [""] "";
         SOLIDS, Required(0.0), Text;
     "yield.active": "active conditions" [""] "the conditions that hold with equality, as in [\"+sigma21\", \"-m32\"]; absent: as the stress of [stress] decides";
         SOLIDS that yield by BY_NAMED_CONDITIONS, Optional, Texts;

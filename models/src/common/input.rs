@@ -1,7 +1,7 @@
 //! Inputs that a model cannot take.
 
 /// An input that a model cannot take.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{input}: found {found}; {allowed}")]
 pub struct InputError {
     /// Name of the input: a parameter of the model or of its yield set, or a number of the state.

@@ -81,6 +81,14 @@ impl Parameter {
         }
     }
 
+    /// The example or the default as the model takes it; NaN of what is absent without default.
+    pub fn example(&self) -> f64 {
+        match self.presence {
+            Presence::Required(value) | Presence::Default(value) => self.to_si(value),
+            Presence::Optional => f64::NAN,
+        }
+    }
+
     /// A stated value as the model takes it: angles in rad.
     pub fn to_si(&self, stated: f64) -> f64 {
         if self.unit == ANGLE { stated.to_radians() } else { stated }

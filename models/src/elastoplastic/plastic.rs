@@ -118,8 +118,9 @@ fn never_yields(found: &str) -> InputError {
     InputError {
         input: "stress",
         found: found.into(),
-        allowed: "a deviatoric, rotational or couple stress that reaches the yield set; for \
-                  interlayer, yield.active may name the conditions instead"
-            .into(),
+        allowed:
+            "a deviatoric, rotational or couple stress that reaches the yield set; where the set \
+                  names its conditions, yield.active may say which hold instead"
+                .into(),
     }
 }

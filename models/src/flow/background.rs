@@ -172,7 +172,7 @@ fn check_ranges(
         state.stress_angle_rate.is_none() || rotation == Rotation::StressAxes,
         "stress_angle_rate",
         degrees(state.stress_angle_rate.unwrap_or_default()),
-        "only the double-shearing model determines the rate of the stress angle: leave the key out",
+        "this model does not determine the rate of the stress angle: leave the key out",
     )
 }
 

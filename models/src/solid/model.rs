@@ -32,6 +32,16 @@ impl SolidKind {
         Self(model)
     }
 
+    /// The law with the constants that its parameters have for examples or defaults, by which a yield set says whether
+    /// it admits the solid.
+    ///
+    /// # Errors
+    /// The constant that is out of range.
+    pub fn example(self) -> Result<ElasticLaw, InputError> {
+        let constants: Vec<f64> = self.0.parameters.iter().map(Parameter::example).collect();
+        self.law(&constants)
+    }
+
     /// The law with these constants, which are in the order of the kind's parameters, in SI units.
     ///
     /// # Errors

@@ -37,7 +37,9 @@ pub static INTERLAYER: YieldSetModel = YieldSetModel {
         ("+m32", Couples),
         ("-m32", Couples),
     ],
-    admits: |_| true,
+    admits: |law| {
+        law.downcast::<Isotropic>().is_some() || law.downcast::<PlaneCompliances>().is_some()
+    },
     build: |theory, given| {
         let (shear, couple) = if theory == Theory::Cosserat {
             let [shear_strength, shear_friction, shear_dilatancy, strength, friction, dilatancy] =

@@ -22,7 +22,7 @@ pub static VON_MISES: YieldSetModel = YieldSetModel {
     is_plane: false,
     is_curved: true,
     conditions: &[],
-    admits: |solid| !solid.is_plane,
+    admits: is_isotropic,
     build: |_, given| {
         let [strength, hardening] = constants(given)?;
         checked(Mises { hardening, ..Mises::von_mises(strength) })
@@ -37,7 +37,7 @@ pub static DRUCKER_PRAGER: YieldSetModel = YieldSetModel {
     is_plane: false,
     is_curved: true,
     conditions: &[],
-    admits: |solid| !solid.is_plane,
+    admits: is_isotropic,
     build: |_, given| {
         let [strength, friction, dilatancy, hardening] = constants(given)?;
         checked(Mises { hardening, ..Mises::drucker_prager(strength, friction, dilatancy) })
@@ -60,7 +60,7 @@ pub static COSSERAT_MISES: YieldSetModel = YieldSetModel {
     is_plane: false,
     is_curved: true,
     conditions: &[],
-    admits: |solid| !solid.is_plane && solid.theory != Theory::Classical,
+    admits: |law| is_isotropic(law) && law.theory() != Theory::Classical,
     build: |theory, given| {
         let ([strength, friction, dilatancy, antisymmetric_weight, hardening], lengths) =
             if theory == Theory::Cosserat {
@@ -83,6 +83,11 @@ pub static COSSERAT_MISES: YieldSetModel = YieldSetModel {
         })
     },
 };
+
+/// The projection takes Hooke's law by its eigenvalues.
+fn is_isotropic(law: &ElasticLaw) -> bool {
+    law.downcast::<Isotropic>().is_some()
+}
 
 fn checked(set: Mises) -> Result<YieldSet, InputError> {
     set.check().map(YieldSet::from)

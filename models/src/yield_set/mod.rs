@@ -40,7 +40,8 @@ pub trait YieldConditions: DynEq + Debug + Send + Sync {
     /// [`Unusable`]: the set does not hold `start` with room around it.
     fn reach(&self, start: &Stress, direction: &Stress) -> Result<f64, Unusable>;
 
-    /// The stress of the set next to a trial stress in the norm of the elastic energy of this law.
+    /// The stress of the set next to a trial stress in the norm of the elastic energy of this law, which the set's
+    /// [entry](YieldSetModel::admits) admits.
     fn project(&self, law: &ElasticLaw, trial: &Stress) -> Projection<Stress>;
 
     /// Second derivatives of the condition by the components of the list, 1/Pa, where it is curved.
@@ -143,8 +144,9 @@ pub struct YieldSetModel {
     /// Names of its conditions, in the order of its half-spaces, by which a case may say what is active: a sign, and
     /// the stress that the condition limits. Empty if a case may not.
     pub conditions: &'static [(&'static str, Needs)],
-    /// Whether a solid can have it.
-    pub admits: fn(SolidKind) -> bool,
+    /// Whether a solid with this elastic law can have it: what [`YieldConditions::project`] cannot project in the norm
+    /// of the law's energy must be refused here.
+    pub admits: fn(&ElasticLaw) -> bool,
     /// Checks the constants that a solid of this theory needs, in the order of `parameters`, in SI units.
     pub build: fn(Theory, &[f64]) -> Result<YieldSet, InputError>,
 }
@@ -185,6 +187,26 @@ impl YieldSetKind {
     pub fn parameters_for(self, theory: Theory) -> impl Iterator<Item = &'static Parameter> {
         let needed = move |own: &&(Parameter, Needs)| own.1.are_those_of(theory);
         self.0.parameters.iter().filter(needed).map(|own| &own.0)
+    }
+
+    /// Whether a solid can have the set, by its law with the constants of [`SolidKind::example`].
+    pub fn admits(self, solid: SolidKind) -> bool {
+        solid.example().is_ok_and(|law| (self.0.admits)(&law))
+    }
+
+    /// That a solid with this law, of that kind, can have the set.
+    ///
+    /// # Errors
+    /// It cannot; both are named.
+    pub fn check_admits(self, solid: SolidKind, law: &ElasticLaw) -> Result<(), InputError> {
+        match (self.0.admits)(law) {
+            true => Ok(()),
+            false => Err(InputError {
+                input: "kind",
+                found: format!("{}, which cannot yield by {}", solid.name, self.name),
+                allowed: format!("a solid whose elastic law the yield set {} admits", self.name),
+            }),
+        }
     }
 
     /// The names of the conditions that a solid of this theory has.
