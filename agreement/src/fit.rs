@@ -35,6 +35,9 @@ pub fn slope(abscissae: &[f64], values: &[f64]) -> f64 {
     let low = abscissae.iter().copied().fold(f64::INFINITY, f64::min);
     let high = abscissae.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
+    if half.is_nan() || half <= 0.0 {
+        return f64::NAN;
+    }
     let scaled: Vec<f64> = abscissae.iter().map(|x| (x - centre) / half).collect();
     polyfit_rs::polyfit_rs::polyfit(&scaled, values, 1).map_or(f64::NAN, |found| found[1] / half)
 }
@@ -127,6 +130,13 @@ mod tests {
         let of = |t: &f64| Complex64::new(planted.growth * t, 0.7 - planted.frequency * t).exp();
         let found = fit_rate(&times, &times.iter().map(of).collect::<Vec<_>>());
         assert!((found - planted).max_norm() < 1e-11 * planted.frequency, "{found:?}");
+    }
+
+    #[test]
+    fn one_abscissa_has_no_slope() {
+        for abscissae in [&[2.0, 2.0][..], &[2.0], &[], &[f64::NAN, 1.0]] {
+            assert!(slope(abscissae, &vec![1.0; abscissae.len()]).is_nan(), "{abscissae:?}");
+        }
     }
 
     #[test]

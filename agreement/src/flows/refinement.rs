@@ -65,11 +65,21 @@ impl Refinement {
         (grid.measured - grid.predicted).abs() <= Self::RATE_TOLERANCE * scale
     }
 
-    /// Orders in the wave number of predicted and measured rates, fitted to all grids; `None` where nothing grows faster
-    /// than the mean flow deforms.
-    pub fn orders(&self) -> Option<[f64; 2]> {
+    /// Whether the fastest mode of each grid grows faster than the mean flow deforms.
+    pub fn grows(&self) -> bool {
         let grows = |own: &FastestMode| own.predicted.min(own.measured) > 3.0 * self.shear_rate;
-        if self.grids.len() < 2 || !self.grids.iter().all(grows) {
+        !self.grids.is_empty() && self.grids.iter().all(grows)
+    }
+
+    /// Orders in the wave number of predicted and measured rates, fitted to all grids; `None` where nothing grows faster
+    /// than the mean flow deforms, and where the fastest modes of all grids have one wave number.
+    pub fn orders(&self) -> Option<[f64; 2]> {
+        let ends = self.grids.iter().fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], own| {
+            [low.min(own.number), high.max(own.number)]
+        });
+        // The same but for rounding.
+        let is_one_number = ends[1] - ends[0] <= 1e-9 * ends[1];
+        if self.grids.len() < 2 || is_one_number || !self.grows() {
             return None;
         }
         let numbers: Vec<f64> = self.grids.iter().map(|own| own.number.cr_ln()).collect();
@@ -83,7 +93,7 @@ impl Refinement {
     /// Whether rates and orders agree, and the order is next to that of the verdict.
     pub fn agrees(&self) -> bool {
         let orders = match self.orders() {
-            // On grids too coarse for growth there is no order.
+            // On grids too coarse for growth, or for another fastest mode on a finer one, there is no order.
             None => true,
             Some([predicted, measured]) => {
                 (predicted - self.verdict_order).abs() < Self::ORDER_TOLERANCE

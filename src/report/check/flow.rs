@@ -83,16 +83,16 @@ impl FlowCheck {
     pub(super) fn refinement_figure(&self, case: &Case) -> Option<SpectrumFigure> {
         let points =
             |own: &RefinementCheck, value: fn(&FastestModeCheck) -> f64| -> Vec<[f64; 2]> {
-                let grids = own.grids.iter().filter(|_| own.orders.is_some());
+                let grids = own.grids.iter().filter(|_| own.grows);
                 grids.map(|grid| [grid.number, value(grid)]).collect()
             };
         let first = self.refinements.first()?;
         let counts: Vec<String> =
             first.grids.iter().map(|grid| format!("{}²", grid.points[0])).collect();
         let line = |own: &RefinementCheck| Line {
-            label: match own.orders {
-                Some(_) => own.title.to_owned(),
-                None => format!("{}: nothing grows", own.title),
+            label: match own.grows {
+                true => own.title.to_owned(),
+                false => format!("{}: nothing grows", own.title),
             },
             points: points(own, |grid| grid.predicted),
         };
@@ -161,6 +161,10 @@ impl RefinementCheck {
                 text,
                 "  order in k: predicted {predicted:.4}, measured {measured:.4}, as k → ∞ {}  {verdict}",
                 order_words(self.limit_of_the_order),
+            ),
+            None if self.grows => writeln!(
+                text,
+                "  one wave number is the fastest on all grids: no order in k  {verdict}",
             ),
             None => writeln!(
                 text,

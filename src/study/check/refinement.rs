@@ -19,12 +19,16 @@ pub struct RefinementCheck {
     pub lost_noncoaxiality_deg: Option<f64>,
     /// The order of growth in k as k → ∞, by the verdict; 0 where the flow is well-posed.
     pub limit_of_the_order: f64,
-    /// Orders on these grids; `None` where nothing grows faster than the mean flow deforms.
+    /// Orders on these grids; `None` where nothing grows faster than the mean flow deforms, and where the fastest modes
+    /// of all grids have one wave number.
     pub orders: Option<Orders>,
     /// Grid by grid.
     pub grids: Vec<FastestModeCheck>,
     /// Whether rates and orders agree, and the order is next to that of the verdict.
     pub agrees: bool,
+    /// Whether the fastest mode of each grid grows faster than the mean flow deforms.
+    #[serde(skip)]
+    pub grows: bool,
     /// The model in words.
     #[serde(skip)]
     pub title: &'static str,
@@ -95,6 +99,7 @@ pub(super) fn refine(
         orders: own.orders().map(|[predicted, measured]| Orders { predicted, measured }),
         grids: own.grids.iter().map(grid).collect(),
         agrees: own.agrees(),
+        grows: own.grows(),
         title: case.material.kind.title(),
         shear_rate: own.shear_rate,
     })
