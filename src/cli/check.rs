@@ -34,7 +34,10 @@ fn check_case(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) -> R
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     if options.dry_run {
         writeln!(stdout, "would {}", plan_words(&plan))?;
-        return would_write(&folder, &folder::CHECK[..4], stdout);
+        // The pictures of a refinement come last.
+        let refines = matches!(&plan, CheckPlan::Flow(flow) if !flow.grids.is_empty());
+        let count = if refines { folder::CHECK.len() } else { folder::CHECK.len() - 2 };
+        return would_write(&folder, &folder::CHECK[..count], stdout);
     }
     let found = study(&case, Extent::Full, pool)?;
     write(&found, &case, &folder, options.format, stdout)?;

@@ -8,6 +8,7 @@ mod animation;
 mod appended;
 mod checkpoint;
 mod control;
+mod planned;
 mod recorder;
 
 pub(super) use animation::animation;
@@ -48,7 +49,7 @@ pub fn run(options: &Options, control: Control, stdout: &mut dyn Write) -> Resul
     if options.dry_run {
         job.check()?;
         writeln!(stdout, "would compute {plan}")?;
-        return would_write(&folder, &["run.png"], stdout);
+        return would_write(&folder, &planned::planned(&case)?, stdout);
     }
     // Nothing is left to be said if standard error is closed.
     let _ = writeln!(std::io::stderr(), "{plan}");

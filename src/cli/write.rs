@@ -53,13 +53,13 @@ pub(super) fn print(
     Ok(())
 }
 
-/// Says which files would be written.
+/// Says which files would be written: these, and those of every folder of results.
 pub(super) fn would_write(
     folder: &ResultFolder,
-    names: &[&str],
+    names: &[impl AsRef<str>],
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
-    for name in names {
+    for name in ResultFolder::ALWAYS.into_iter().chain(names.iter().map(AsRef::as_ref)) {
         writeln!(stdout, "would write {}", folder.path().join(name).display())?;
     }
     Ok(())

@@ -8,6 +8,7 @@ mod run;
 pub use error::OutputError;
 pub use names::{
     AppendedFile, CHECK, DISPERSION, MAP, POINT, RUN, SNAPSHOTS, SPEEDS, is_snapshot, results,
+    snapshot_name,
 };
 
 use crate::case::Case;
@@ -70,6 +71,9 @@ impl ResultFolder {
     pub fn undrawn(&self) -> &str {
         &self.undrawn
     }
+
+    /// Names of the files that stand in every folder of results.
+    pub const ALWAYS: [&str; 2] = [CASE, PROGRAM];
 
     /// Where a file stands.
     pub fn path_of(&self, file: AppendedFile) -> PathBuf {

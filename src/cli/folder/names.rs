@@ -1,5 +1,7 @@
 //! Names of the files of results.
 
+use crate::case::Case;
+
 /// The resolved case of a folder.
 pub(super) const CASE: &str = "case.toml";
 /// Name, version and commit of the program that wrote a folder, and the checksum of what it computed.
@@ -95,7 +97,8 @@ pub enum AppendedFile {
 }
 
 impl AppendedFile {
-    pub(super) const fn name(self) -> &'static str {
+    /// The name of the file.
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Receivers => "receivers.csv",
             Self::Ledger => "ledger.csv",
@@ -105,6 +108,13 @@ impl AppendedFile {
             Self::Lock => "lock",
         }
     }
+}
+
+/// The name of the file of a snapshot of a case, by its place among all, from 0 on.
+pub fn snapshot_name(case: &Case, index: usize) -> String {
+    // Those of flows are in a box that deforms.
+    let extension = if case.flow.is_some() { "vts" } else { "vti" };
+    format!("snapshot-{index:08}.{extension}")
 }
 
 /// Whether the name is that of a snapshot: `snapshot-00000012.vti`, of a flow `.vts`.

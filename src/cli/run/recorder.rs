@@ -5,6 +5,7 @@ use super::appended::{Files, check_snapshots, records};
 use super::checkpoint::Checkpoint;
 use super::control::{CheckpointTimer, computed};
 use crate::Error;
+use crate::cli::folder::snapshot_name;
 use crate::cli::progress::Progress;
 use crate::report::format::short;
 use crate::report::run::image;
@@ -61,9 +62,7 @@ impl<'a> FileRecorder<'a> {
 
     /// The name of the file of a snapshot.
     fn snapshot_name(&self, index: usize) -> String {
-        // Those of flows are in a box that deforms.
-        let extension = if self.run.case.flow.is_some() { "vts" } else { "vti" };
-        format!("snapshot-{index:08}.{extension}")
+        snapshot_name(self.run.case, index)
     }
 }
 

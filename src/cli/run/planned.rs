@@ -1,0 +1,64 @@
+//! The files that a run will write.
+
+use crate::case::{Case, InTime};
+use crate::cli::folder::{AppendedFile, SNAPSHOTS, snapshot_name};
+use crate::{Error, case::dynamics::Picture};
+use dynamics::simulation::RegularTimes;
+
+/// The files of a run that comes to its end, besides those of every folder of results; of more than two snapshots the
+/// first and the last one stand for all. A picture in which nothing is ever seen gets no animation all the same.
+///
+/// # Errors
+/// The case does not say how it is run in time.
+pub(super) fn planned(case: &Case) -> Result<Vec<String>, Error> {
+    let (has_receivers, interval, duration) = match case.in_time()? {
+        InTime::Solid(own) => {
+            (!own.receivers.is_empty(), own.output.snapshot_interval, own.time.duration)
+        }
+        InTime::Flow(own) => {
+            (!own.receivers.is_empty(), own.output.snapshot_interval, own.time.duration)
+        }
+    };
+    let shows_dissipation = case.dynamics.as_ref().is_some_and(|own| {
+        let in_regions = || own.regions.iter().any(|region| region.material.yields.is_some());
+        let yields = match own.regions.is_empty() {
+            true => case.material.yields.is_some(),
+            false => in_regions(),
+        };
+        yields && own.output.picture != Picture::Dissipation
+    });
+    let mut names: Vec<String> = Vec::new();
+    let mut add = |stem: &str, endings: &[&str]| {
+        names.extend(endings.iter().map(|ending| format!("{stem}.{ending}")));
+    };
+    add("run", &["png", "svg"]);
+    if has_receivers {
+        add("seismograms", &["png", "svg"]);
+    }
+    add("ledger", &["png", "svg"]);
+    if shows_dissipation {
+        add("dissipation", &["png", "svg"]);
+    }
+    if case.flow.is_some() {
+        add("spectrum", &["png", "svg", "csv"]);
+    }
+    if has_receivers {
+        add("receivers", &["csv", "npz"]);
+    }
+    add("ledger", &["csv"]);
+    add("fields", &["npz"]);
+    add("run", &["txt", "json"]);
+    names.push(AppendedFile::Log.name().to_owned());
+    if interval > 0.0 {
+        let last = RegularTimes::new(interval, duration).until(duration).saturating_sub(1);
+        let name = |index| snapshot_name(case, index);
+        names.push("animation.gif".to_owned());
+        names.push(SNAPSHOTS.to_owned());
+        match last {
+            0 => names.push(name(0)),
+            1 => names.extend([name(0), name(1)]),
+            _ => names.push(format!("{} to {}", name(0), name(last))),
+        }
+    }
+    Ok(names)
+}
