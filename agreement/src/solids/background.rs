@@ -5,7 +5,7 @@ use crate::scheme::Equations;
 use models::elastoplastic::{Plastic, Solid};
 use models::solid::stress::{Component, Stress};
 use models::yield_set::parameters::{ActiveCondition, contract};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 /// A stress on the yield surface.
 pub(super) struct Background {
@@ -76,21 +76,54 @@ fn stress_of(plastic: &Plastic) -> Stress {
     if let Some(stress) = plastic.stress {
         return stress;
     }
+    let half_spaces = plastic.set.half_spaces().into_iter().flatten();
+    let active: Vec<(ActiveCondition, f64)> =
+        half_spaces.filter(|(condition, _)| plastic.active.contains(condition)).collect();
+    let shears: Vec<Stress> = active.iter().map(|(condition, _)| shear(condition)).collect();
+    // A condition that limits normal stresses alone is met by no shear.
+    let mut own = active.iter().zip(&shears);
+    if !own.all(|((condition, _), shear)| contract(&condition.normal, shear) > 0.0) {
+        return least_stress(&active);
+    }
     // On each active condition, by its own shear or couple stress alone.
     let mut stress = Stress::default();
-    for (condition, strength) in plastic.set.half_spaces().into_iter().flatten() {
-        if plastic.active.contains(&condition) {
-            let own = condition.normal;
-            let mut shear = Stress::default();
-            for face in 0..2 {
-                shear.force[1 - face][face] = own.force[1 - face][face];
-                shear.couple[2][face] = own.couple[2][face];
-            }
-            // The multiple of it that meets the condition with equality.
-            let scale = strength / contract(&own, &shear);
-            for face in 0..2 {
-                stress.force[1 - face][face] += shear.force[1 - face][face] * scale;
-                stress.couple[2][face] += shear.couple[2][face] * scale;
+    for ((condition, strength), shear) in active.iter().zip(&shears) {
+        // The multiple of it that meets the condition with equality.
+        let scale = strength / contract(&condition.normal, shear);
+        for face in 0..2 {
+            stress.force[1 - face][face] += shear.force[1 - face][face] * scale;
+            stress.couple[2][face] += shear.couple[2][face] * scale;
+        }
+    }
+    stress
+}
+
+/// The shear and couple stress of a condition's normal in the plane.
+fn shear(condition: &ActiveCondition) -> Stress {
+    let own = condition.normal;
+    let mut shear = Stress::default();
+    for face in 0..2 {
+        shear.force[1 - face][face] = own.force[1 - face][face];
+        shear.couple[2][face] = own.couple[2][face];
+    }
+    shear
+}
+
+/// The combination s = Σ cᵢnᵢ of the normals at which all conditions hold with equality, nᵢ·s = kᵢ: of all such stresses
+/// the least, as numbers in SI units. Zero where the normals are linearly dependent.
+fn least_stress(active: &[(ActiveCondition, f64)]) -> Stress {
+    let normal = |index: usize| &active[index].0.normal;
+    let count = active.len();
+    let products = DMatrix::from_fn(count, count, |i, j| contract(normal(i), normal(j)));
+    let strengths = DVector::from_iterator(count, active.iter().map(|own| own.1));
+    let mut stress = Stress::default();
+    let Some(factors) = products.lu().solve(&strengths) else { return stress };
+    for (index, factor) in factors.iter().enumerate() {
+        let own = normal(index);
+        for i in 0..3 {
+            for j in 0..3 {
+                stress.force[i][j] += factor * own.force[i][j];
+                stress.couple[i][j] += factor * own.couple[i][j];
             }
         }
     }
