@@ -113,7 +113,10 @@ impl MediumCheck {
                 to: band.to,
             })
         });
-        let is_alike = self.is_isotropic() && self.solid.plastic.is_none();
+        let mut measured = self.rows.iter().filter(|row| row.limit.is_some());
+        let first = measured.next().map(|row| direction(&row.wave));
+        let are_several = measured.any(|row| Some(direction(&row.wave)) != first);
+        let is_alike = self.is_isotropic() && self.solid.plastic.is_none() && are_several;
         DispersionFigure {
             title: case_title(case),
             subtitle: format!(
@@ -174,8 +177,7 @@ impl MediumCheck {
         let Some(first) = self.rows.first().map(|row| row.wave) else { return Vec::new() };
         let is_isotropic = self.is_isotropic();
         let is_own = |row: &&BranchCheck| {
-            let is_along = (row.wave.direction_deg, row.wave.elevation_deg)
-                == (first.direction_deg, first.elevation_deg);
+            let is_along = direction(&row.wave) == direction(&first);
             row.response == response
                 && row.branch == label
                 && (is_along || (is_isotropic && response != Response::Loading))
@@ -183,6 +185,11 @@ impl MediumCheck {
         let own = self.rows.iter().filter(is_own);
         own.filter_map(|row| Some([row.wave.number, row.limit?.frequency])).collect()
     }
+}
+
+/// In the plane and above it, degrees.
+fn direction(wave: &WaveVector) -> [f64; 2] {
+    [wave.direction_deg, wave.elevation_deg]
 }
 
 impl BranchCheck {

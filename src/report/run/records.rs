@@ -2,9 +2,10 @@
 
 use super::words::label;
 use crate::case::Case;
+use crate::case::dynamics::Precision;
 use crate::report::Picture;
 use crate::report::format::case_title;
-use crate::study::simulate::Table;
+use crate::study::simulate::{Table, unit_of};
 use figures::{LedgerFigure, LedgerTerm, SeismogramFigure, SeismogramPanel, Trace};
 
 /// Receivers that a picture names: of many some, evenly spread from the first to the last.
@@ -36,20 +37,22 @@ pub(super) fn seismograms(case: &Case, table: &Table) -> Picture {
             None => panels.push((name.to_owned(), vec![trace])),
         }
     }
+    let vanishing = remove_vanishing(&mut panels, rounding(case));
     let all = panels.len();
     panels.truncate(MOST);
+    let mut words = Vec::new();
+    if all > MOST {
+        words.push(format!("the first {MOST} of {all} quantities in receivers.csv"));
+    }
+    if receivers.len() > drawn.len() {
+        words.push(format!("{} of {} receivers", drawn.len(), receivers.len()));
+    }
+    if !vanishing.is_empty() {
+        words.push(format!("without {}, no more than rounding", vanishing.join(", ")));
+    }
     let figure = SeismogramFigure {
         title: case_title(case),
-        subtitle: match (all > MOST, receivers.len() > drawn.len()) {
-            (true, false) => format!("the first {MOST} of {all} quantities in receivers.csv"),
-            (false, true) => format!("{} of {} receivers", drawn.len(), receivers.len()),
-            (true, true) => format!(
-                "the first {MOST} of {all} quantities in receivers.csv, {} of {} receivers",
-                drawn.len(),
-                receivers.len()
-            ),
-            (false, false) => String::new(),
-        },
+        subtitle: words.join(", "),
         time_label: "time t, s".to_owned(),
         panels: panels
             .into_iter()
@@ -58,6 +61,42 @@ pub(super) fn seismograms(case: &Case, table: &Table) -> Picture {
         times: columns.first().map(|column| column.values.clone()).unwrap_or_default(),
     };
     Picture::new("seismograms", move |format| figure.draw(format))
+}
+
+/// The rounding of a number relative to its size in the precision of the solver.
+fn rounding(case: &Case) -> f64 {
+    match case.dynamics.as_ref().map(|dynamics| dynamics.scheme.precision) {
+        Some(Precision::F32) => f32::EPSILON.into(),
+        _ => f64::EPSILON,
+    }
+}
+
+/// Takes away the panels of quantities that vanish but for rounding, and names them: beside others of the same unit they
+/// are zero, alone on a scale of their own they would look like motion. `rounding` is relative.
+fn remove_vanishing(panels: &mut Vec<(String, Vec<Trace>)>, rounding: f64) -> Vec<String> {
+    /// Roundings that add up in the course of a run.
+    const SUM: f64 = 256.0;
+    let greatest = |traces: &[Trace]| {
+        let all = traces.iter().flat_map(|trace| &trace.values);
+        all.fold(0.0, |sum: f64, value| sum.max(value.abs()))
+    };
+    let sizes: Vec<(&'static str, f64)> =
+        panels.iter().map(|(name, traces)| (unit_of(name), greatest(traces))).collect();
+    let vanishes = |&(unit, size): &(&str, f64)| {
+        let beside = sizes.iter().filter(|own| own.0 == unit).map(|own| own.1);
+        size <= SUM * rounding * beside.fold(0.0, f64::max) && size > 0.0
+    };
+    let vanishing: Vec<bool> = sizes.iter().map(vanishes).collect();
+    let mut names = Vec::new();
+    let mut index = 0;
+    panels.retain(|(name, _)| {
+        index += 1;
+        if vanishing[index - 1] {
+            names.push(name.clone());
+        }
+        !vanishing[index - 1]
+    });
+    names
 }
 
 /// Where the energy was, and what became of it: columns of the ledger that are energies, the last one what is left
