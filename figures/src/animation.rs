@@ -53,6 +53,9 @@ struct Reel<W: Write> {
 
 /// Draws fields one after the other as the bytes of an animated GIF, `seconds_per_frame` each and
 /// `width` pixels wide; see [`Animation`].
+///
+/// # Errors
+/// As of [`Animation::new`], [`Animation::add`] and [`Animation::finish`].
 pub fn animate(
     frames: &[FieldFigure],
     seconds_per_frame: f64,
@@ -69,6 +72,9 @@ impl<W: Write> Animation<W> {
     /// An animation without frames yet, of `seconds_per_frame` rounded to hundredths, of which
     /// viewers want at least two, and of `width` pixels, at most the 1600 of a figure; the height
     /// follows from the first frame.
+    ///
+    /// # Errors
+    /// Frames cannot be shown so long, or be no pixel wide.
     pub fn new(writer: W, seconds_per_frame: f64, width: u32) -> Result<Self, FigureError> {
         let hundredths = (100.0 * seconds_per_frame).round();
         if !(2.0..=f64::from(u16::MAX)).contains(&hundredths) {
@@ -84,6 +90,9 @@ impl<W: Write> Animation<W> {
     }
 
     /// Draws a frame and writes it.
+    ///
+    /// # Errors
+    /// The frame has no scale or another one than the first, cannot be drawn, or the writer refuses.
     pub fn add(&mut self, figure: &FieldFigure) -> Result<(), FigureError> {
         let Some(scale) = figure.scale else {
             return refuse("needs frames of one scale, but one of them has none".to_owned());
@@ -151,6 +160,9 @@ impl<W: Write> Animation<W> {
     }
 
     /// Completes the file and gives the writer back.
+    ///
+    /// # Errors
+    /// There is no frame, or the writer refuses.
     pub fn finish(self) -> Result<W, FigureError> {
         match self.state {
             State::Begun(reel) => {

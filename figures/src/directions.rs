@@ -74,6 +74,9 @@ const CLEARANCE: f64 = 32.0;
 
 impl DirectionsFigure {
     /// Draws the figure into the bytes of a file.
+    ///
+    /// # Errors
+    /// The picture cannot be drawn or encoded.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture().render(format)
     }

@@ -132,6 +132,9 @@ const MARK_ROW: f64 = 1.35 * MARK_LABEL;
 
 impl GrowthFigure {
     /// Draws the figure into the bytes of a file.
+    ///
+    /// # Errors
+    /// The picture cannot be drawn or encoded.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture().render(format)
     }

@@ -39,6 +39,9 @@ const LEAST: [f64; 2] = [420.0, 120.0];
 
 impl LedgerFigure {
     /// Draws the figure into the bytes of a file.
+    ///
+    /// # Errors
+    /// A record has not one value for each time, or the picture cannot be drawn or encoded.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.sheet().draw(format)
     }

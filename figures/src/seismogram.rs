@@ -48,6 +48,9 @@ const LEAST: f64 = 110.0;
 
 impl SeismogramFigure {
     /// Draws the figure into the bytes of a file.
+    ///
+    /// # Errors
+    /// A trace has not one value for each time, or the picture cannot be drawn or encoded.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.sheet().draw(format)
     }

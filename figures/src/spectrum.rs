@@ -33,6 +33,9 @@ const DECADES: f64 = 16.0;
 
 impl SpectrumFigure {
     /// Draws the figure into the bytes of a file.
+    ///
+    /// # Errors
+    /// The picture cannot be drawn or encoded.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture().render(format)
     }

@@ -89,6 +89,9 @@ const FINITE: f64 = 1e300;
 
 impl SpeedsFigure {
     /// Draws the figure into the bytes of a file.
+    ///
+    /// # Errors
+    /// The picture cannot be drawn or encoded.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture().render(format)
     }

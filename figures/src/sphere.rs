@@ -99,8 +99,10 @@ struct Range {
 }
 
 impl SphereFigure {
-    /// Draws the figure into the bytes of a file. Angles that do not ascend or values of another
-    /// number than the pairs of angles are refused.
+    /// Draws the figure into the bytes of a file.
+    ///
+    /// # Errors
+    /// Angles do not ascend, there is not one value for each pair of them, or the picture cannot be drawn or encoded.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture()?.render(format)
     }

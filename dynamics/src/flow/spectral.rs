@@ -85,6 +85,9 @@ impl Series {
     }
 
     /// Modes from values at the points, of which the first axis runs fastest.
+    ///
+    /// # Panics
+    /// Never: buffers have the lengths of their plans.
     pub fn forward(&mut self, value: impl Fn(usize) -> f64 + Sync, modes: &mut [Complex64]) {
         let [columns, rows] = self.points;
         let (stored, height, greatest) = (self.greatest[0] + 1, self.column(), self.greatest[1]);
@@ -124,6 +127,9 @@ impl Series {
     }
 
     /// Values at the points from modes: each stored one multiplied by a factor of its wave vector.
+    ///
+    /// # Panics
+    /// Never: buffers have the lengths of their plans.
     pub fn inverse(
         &mut self,
         modes: &[Complex64],

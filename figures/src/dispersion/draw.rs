@@ -11,6 +11,9 @@ use crate::picture::{Picture, Point, Rectangle};
 
 impl DispersionFigure {
     /// Draws the figure into the bytes of a file.
+    ///
+    /// # Errors
+    /// The picture cannot be drawn or encoded.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture().render(format)
     }

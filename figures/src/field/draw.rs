@@ -21,6 +21,10 @@ pub(super) struct Arrangement {
 
 impl FieldFigure {
     /// Draws the figure into the bytes of a file.
+    ///
+    /// # Errors
+    /// A list has not one value for each cell, the limit of the colours is not positive, or the picture cannot be drawn or
+    /// encoded.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture(format)?.render(format)
     }

@@ -15,6 +15,9 @@ use crate::scale::Tick;
 
 impl PolarFigure {
     /// Draws the figure into the bytes of a file.
+    ///
+    /// # Errors
+    /// The picture cannot be drawn or encoded.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture().render(format)
     }

@@ -14,6 +14,10 @@ use crate::scale::{self, Tick};
 
 impl VerdictMap {
     /// Draws the map into the bytes of a file.
+    ///
+    /// # Errors
+    /// An axis is not a uniform grid, a list has not one value for each cell, a category is not described, or the picture
+    /// cannot be drawn or encoded.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture()?.render(format)
     }

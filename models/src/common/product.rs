@@ -7,6 +7,9 @@
 use nalgebra::{DMatrix, Dim, Matrix, Storage};
 
 /// AB, column by column: the terms of each entry are added in the order of their index, each product rounded.
+///
+/// # Panics
+/// A has another number of columns than B has rows.
 pub fn product<R1, C1, S1, R2, C2, S2>(
     a: &Matrix<f64, R1, C1, S1>,
     b: &Matrix<f64, R2, C2, S2>,
