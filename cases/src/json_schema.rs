@@ -7,9 +7,10 @@
 use crate::dynamics::stress;
 use crate::forms::forms_in_time;
 use crate::keys::{Key, Presence, keys};
-use crate::kind::{Kind, NO_YIELD};
+use crate::kind::{Kind, Medium, NO_YIELD};
 use crate::schema::{Condition, Form, Item, Layout, Length, Need, Order, Range, Scope, Type};
 use crate::value::text;
+use models::registry;
 use serde_json::{Map, Value, json};
 use toml::de::DeValue;
 
@@ -23,7 +24,7 @@ pub fn json_schema() -> Value {
     for section in ["model", "background", "yield", "stress", "wave", "map", "compare"] {
         properties.entry(section).or_insert_with(|| object(Map::new(), Vec::new()));
     }
-    properties.insert("check".into(), of_form(&crate::check::FORM));
+    properties.insert("check".into(), of_form(&crate::check::FORM, &Scope::default()));
     for kind in Kind::all() {
         let sets: Vec<&str> = kind.yield_sets().iter().map(|set| set.name).collect();
         let schema = match sets.is_empty() {
@@ -33,6 +34,7 @@ pub fn json_schema() -> Value {
         let then = branches.under(is_one("model", "kind", &[kind.name()]));
         inside(then, "properties").insert("yield".into(), schema);
     }
+    add_dimensions(&mut branches);
     let mut definitions = Map::new();
     for (name, kinds) in [("solid", Kind::solids()), ("flow", Kind::flows())] {
         add_forms(name, &kinds, &mut properties, &mut branches, &mut definitions);
@@ -49,6 +51,32 @@ pub fn json_schema() -> Value {
         "allOf": branches.into_list(),
         "$defs": definitions,
     })
+}
+
+/// Which dimensions go together: of the solid, its yield set, its grid and its waves.
+fn add_dimensions(branches: &mut Branches) {
+    let in_model = |dimensions: usize| {
+        json!({
+            "properties": { "model": { "properties": { "dimensions": { "const": dimensions } }, "required": ["dimensions"] } },
+            "required": ["model"],
+        })
+    };
+    let mut ask = |condition: Value, section: &str, key: &str, schema: Value| {
+        let then = branches.under(condition);
+        let table = inside(inside(then, "properties"), section);
+        inside(table, "properties").insert(key.to_owned(), schema);
+    };
+    ask(in_model(2), "grid", "cells", json!({ "maxItems": 2 }));
+    ask(in_model(3), "grid", "cells", json!({ "minItems": 3 }));
+    ask(in_model(2), "wave", "elevation_deg", json!({ "const": 0 }));
+    let sets = registry::yield_sets();
+    let sets: Vec<&str> = sets.iter().filter(|set| set.is_plane).map(|set| set.name).collect();
+    let of_plane = is_one("yield", "kind", &sets);
+    ask(of_plane.clone(), "model", "dimensions", json!({ "const": 2 }));
+    ask(of_plane, "grid", "cells", json!({ "maxItems": 2 }));
+    let solids = registry::solids();
+    let solids: Vec<&str> = solids.iter().filter(|own| own.is_plane).map(|own| own.name).collect();
+    ask(is_one("model", "kind", &solids), "grid", "cells", json!({ "maxItems": 2 }));
 }
 
 /// What holds under conditions: each condition once, with what it asks for.
@@ -104,6 +132,40 @@ fn is_one(section: &str, key: &str, words: &[&str]) -> Value {
     })
 }
 
+/// A condition that the model, or a flow that it is compared with, is one of these kinds, and yields by one of these
+/// sets if there are any.
+fn has_one(kinds: &[&str], sets: &[&str]) -> Value {
+    let own = is_one("model", "kind", kinds);
+    let compared = json!({ "properties": { "compare": { "properties": { "kinds": { "contains": { "enum": kinds } } }, "required": ["kinds"] } }, "required": ["compare"] });
+    let is_of_flows = kinds.iter().all(|name| matches!(Kind::from_name(name), Some(Kind::Flow(_))));
+    let condition = if is_of_flows { json!({ "anyOf": [own, compared] }) } else { own };
+    match sets {
+        [] => condition,
+        sets => json!({ "allOf": [condition, is_one("yield", "kind", sets)] }),
+    }
+}
+
+/// Those of the kinds and of the sets that use a key whose own entries require it.
+fn requiring<'a>(key: &Key, kinds: Vec<&'a str>, sets: Vec<&'a str>) -> [Vec<&'a str>; 2] {
+    let is_required = |medium: Medium| matches!(key.presence_for(medium), Presence::Required(_));
+    let by_kind = |name: &&str| {
+        Kind::from_name(name).is_some_and(|kind| match sets.is_empty() {
+            true => is_required(kind.into()),
+            false => true,
+        })
+    };
+    let kinds: Vec<&str> = kinds.into_iter().filter(by_kind).collect();
+    let by_set = |name: &&str| {
+        registry::yield_set(name).is_some_and(|set| {
+            let media = kinds.iter().filter_map(|kind| Kind::from_name(kind));
+            let media = media.filter_map(|kind| Medium::new(kind, Some(set)).ok());
+            media.filter(|medium| key.is_used_by(*medium)).all(is_required)
+        })
+    };
+    let sets = sets.iter().copied().filter(by_set).collect();
+    [kinds, sets]
+}
+
 /// A row of the table of keys, with the conditions under which it may or must stand.
 fn add_key(key: &'static Key, properties: &mut Map<String, Value>, branches: &mut Branches) {
     let path: Vec<&str> = key.name.split('.').collect();
@@ -131,18 +193,13 @@ fn add_key(key: &'static Key, properties: &mut Map<String, Value>, branches: &mu
         }
         return;
     }
-    let own = is_one("model", "kind", &kinds);
-    let compared = json!({ "properties": { "compare": { "properties": { "kinds": { "contains": { "enum": kinds } } }, "required": ["kinds"] } }, "required": ["compare"] });
-    let is_of_flows = kinds.iter().all(|name| matches!(Kind::from_name(name), Some(Kind::Flow(_))));
-    let mut condition = if is_of_flows { json!({ "anyOf": [own, compared] }) } else { own };
     let sets = key.set_names();
-    if !sets.is_empty() {
-        condition = json!({ "allOf": [condition, is_one("yield", "kind", &sets)] });
-    }
-    let forbidden = branches.under(json!({ "not": condition }));
+    let forbidden = branches.under(json!({ "not": has_one(&kinds, &sets) }));
     let table = inside(inside(forbidden, "properties"), section);
     inside(table, "properties").insert((*last).to_owned(), json!(false));
-    if is_required {
+    let [kinds, sets] = requiring(key, kinds, sets);
+    if !kinds.is_empty() && (sets.is_empty() == key.set_names().is_empty()) {
+        let mut condition = has_one(&kinds, &sets);
         // The grid says in how many dimensions a solid is.
         if key.name == "model.dimensions" {
             condition = json!({ "allOf": [condition, { "not": { "required": ["grid"] } }] });
@@ -156,8 +213,21 @@ fn add_key(key: &'static Key, properties: &mut Map<String, Value>, branches: &mu
 fn of_key(key: &Key) -> Value {
     let mut schema = match key.value_type() {
         Type::Number(_) => of_range(key.range),
-        other => of_type(&other),
+        other => of_type(&other, &Scope::default()),
     };
+    match key.name {
+        "name" => {
+            // Dots alone are folders already.
+            schema = of_type(&Type::Name, &Scope::default());
+            schema["not"] = json!({ "pattern": r"^\.*$" });
+        }
+        "model.dimensions" => schema = json!({ "enum": [2, 3] }),
+        // Each once, and at least one.
+        "yield.active" | "compare.kinds" => {
+            (schema["minItems"], schema["uniqueItems"]) = (json!(1), json!(true));
+        }
+        _ => {}
+    }
     if let Some(words) = key.words() {
         match schema.get_mut("items") {
             Some(items) => *items = json!({ "enum": words }),
@@ -179,7 +249,7 @@ fn description(unit: &str, meaning: &str) -> String {
     }
 }
 
-/// The sections of solids or flows in time.
+/// The sections of solids or flows in time, in as many dimensions as the grid has.
 fn add_forms(
     name: &str,
     kinds: &[Kind],
@@ -189,12 +259,22 @@ fn add_forms(
 ) {
     for kind in kinds {
         let forms = forms_in_time(*kind);
-        let then = branches.under(is_one("model", "kind", &[kind.name()]));
+        let own = is_one("model", "kind", &[kind.name()]);
+        for dimensions in if let Kind::Solid(_) = kind { 2..=3 } else { 2..=2 } {
+            let then = branches.under(match kind {
+                Kind::Solid(_) => json!({ "allOf": [own, has_grid_of(dimensions)] }),
+                Kind::Flow(_) => own.clone(),
+            });
+            let scope = Scope { dimensions: Some(dimensions), ..Scope::default() };
+            for form in &forms {
+                let own = format!("{name}.{}d.{}", dimensions, form.name);
+                let reference = json!({ "$ref": format!("#/$defs/{own}") });
+                inside(then, "properties").insert(form.name.to_owned(), reference);
+                definitions.entry(own).or_insert_with(|| of_form(form, &scope));
+            }
+        }
+        let then = branches.under(own);
         for form in &forms {
-            let own = format!("{name}.{}", form.name);
-            let reference = json!({ "$ref": format!("#/$defs/{own}") });
-            inside(then, "properties").insert(form.name.to_owned(), reference);
-            definitions.entry(own).or_insert_with(|| of_form(form));
             properties.entry(form.name).or_insert_with(|| json!({}));
             let needed: Vec<&str> = forms
                 .iter()
@@ -216,11 +296,20 @@ fn add_forms(
     }
 }
 
+/// A condition that the grid has so many dimensions; one of another number than 2 and 3 is refused by both.
+fn has_grid_of(dimensions: usize) -> Value {
+    let cells = match dimensions {
+        2 => json!({ "maxItems": 2 }),
+        _ => json!({ "minItems": 3 }),
+    };
+    json!({ "properties": { "grid": { "properties": { "cells": cells } } } })
+}
+
 /// A table, or a list of tables.
-fn of_form(form: &'static Form) -> Value {
+fn of_form(form: &'static Form, scope: &Scope) -> Value {
     let mut schema = match form.groups {
         [] => of_stresses(),
-        _ => of_items(form),
+        _ => of_items(form, scope),
     };
     schema["description"] = json!(form.meaning);
     match form.layout {
@@ -240,20 +329,25 @@ fn of_stresses() -> Value {
     object(stresses.collect(), Vec::new())
 }
 
-fn of_items(form: &'static Form) -> Value {
+fn of_items(form: &'static Form, scope: &Scope) -> Value {
     let mut properties = Map::new();
     let mut required = Vec::new();
     let mut branches = Branches::default();
     // Conditions under which a name may stand.
     let mut allowed: Vec<(&str, Vec<Value>)> = Vec::new();
     for (when, item) in form.items() {
-        let conditions: Vec<&Condition> = when.iter().chain(item.when).collect();
+        let is_elsewhere = |own: &&Condition| holds(own, scope) == Some(false);
+        if when.iter().chain(item.when).any(|own| is_elsewhere(&own)) {
+            continue;
+        }
+        let is_open = |own: &&Condition| holds(own, scope).is_none();
+        let conditions: Vec<&Condition> = when.iter().chain(item.when).filter(is_open).collect();
         let known: Vec<Value> = conditions.iter().filter_map(|own| of_condition(own)).collect();
         // In how many dimensions a table is, it does not say itself.
         let is_everywhere = known.len() == conditions.len();
         let is_required = matches!(item.need, Need::Required(_)) && is_everywhere;
         if known.is_empty() {
-            merge(&mut properties, item);
+            merge(&mut properties, item, scope);
             if is_required {
                 required.push(item.name);
             }
@@ -270,7 +364,7 @@ fn of_items(form: &'static Form) -> Value {
             None => allowed.push((item.name, vec![condition.clone()])),
         }
         let then = branches.under(condition);
-        merge(inside(then, "properties"), item);
+        merge(inside(then, "properties"), item, scope);
         if is_required {
             append(then, "required", item.name);
         }
@@ -288,13 +382,22 @@ fn of_items(form: &'static Form) -> Value {
 }
 
 /// Adds a key; one of the same name may have another type in other dimensions.
-fn merge(properties: &mut Map<String, Value>, item: &Item) {
-    let schema = of_item(item);
+fn merge(properties: &mut Map<String, Value>, item: &Item, scope: &Scope) {
+    let schema = of_item(item, scope);
     let merged = match properties.remove(item.name) {
         Some(other) if other != json!({}) => json!({ "anyOf": [other, schema] }),
         _ => schema,
     };
     properties.insert(item.name.to_owned(), merged);
+}
+
+/// Whether a condition on the dimensions holds; `None` where these are unknown, and of any other condition.
+fn holds(condition: &Condition, scope: &Scope) -> Option<bool> {
+    match condition {
+        Condition::Plane => Some(scope.dimensions? == 2),
+        Condition::Space => Some(scope.dimensions? == 3),
+        _ => None,
+    }
 }
 
 fn of_condition(condition: &Condition) -> Option<Value> {
@@ -309,8 +412,8 @@ fn of_condition(condition: &Condition) -> Option<Value> {
     }
 }
 
-fn of_item(item: &Item) -> Value {
-    let mut schema = of_type(&item.value);
+fn of_item(item: &Item, scope: &Scope) -> Value {
+    let mut schema = of_type(&item.value, scope);
     schema["description"] = json!(description(item.unit, item.meaning));
     match item.need {
         Need::Default(text) => schema["default"] = json_of(text),
@@ -360,21 +463,27 @@ fn list_of(items: Value, least: usize, most: usize) -> Value {
     json!({ "type": "array", "items": items, "minItems": least, "maxItems": most })
 }
 
-/// Least and greatest length of a list, whatever the case.
-fn lengths(length: Length) -> [usize; 2] {
-    match length {
-        Length::Two => [2, 2],
-        Length::Axes => [2, 3],
-        Length::SideAxes => [1, 2],
-        Length::Spins => [1, 3],
+/// Least and greatest length of a list in so many dimensions, or whatever the case.
+fn lengths(length: Length, scope: &Scope) -> [usize; 2] {
+    match (length, scope.dimensions) {
+        (Length::Two, _) => [2, 2],
+        (Length::Axes, Some(d)) => [d, d],
+        (Length::Axes, None) => [2, 3],
+        (Length::SideAxes, Some(d)) => [d - 1, d - 1],
+        (Length::SideAxes, None) => [1, 2],
+        (Length::Spins, Some(2)) => [1, 1],
+        (Length::Spins, Some(_)) => [3, 3],
+        (Length::Spins, None) => [1, 3],
     }
 }
 
-fn of_type(value: &Type) -> Value {
+fn of_type(value: &Type, scope: &Scope) -> Value {
+    let [axes, most] = lengths(Length::Axes, scope);
     let number = || json!({ "type": "number" });
-    let axis = || json!({ "type": "integer", "minimum": 1, "maximum": 3 });
+    let axis = |most: usize| json!({ "type": "integer", "minimum": 1, "maximum": most });
     match *value {
-        Type::Text => json!({ "type": "string" }),
+        // In one line.
+        Type::Text => json!({ "type": "string", "pattern": r"^[^\x00-\x1f\x7f-\x9f]*$" }),
         Type::Texts => json!({ "type": "array", "items": { "type": "string" } }),
         Type::Name => {
             // Of ASCII letters, digits, '-', '_' and '.'; classes of other letters are not the same in all engines.
@@ -384,22 +493,23 @@ fn of_type(value: &Type) -> Value {
         Type::Truth => json!({ "type": "boolean" }),
         Type::Number(range) => of_range(range),
         Type::Whole(least) => json!({ "type": "integer", "minimum": least }),
-        Type::Axis | Type::AxisOfSpace => axis(),
+        Type::Axis => axis(most),
+        Type::AxisOfSpace => axis(3),
         Type::Pair => list_of(number(), 2, 2),
         Type::Matrix => list_of(list_of(number(), 2, 2), 2, 2),
         Type::Numbers(length) => {
-            let [least, most] = lengths(length);
+            let [least, most] = lengths(length, scope);
             let list = list_of(number(), least, most);
             // One number alone needs no brackets.
             if least == 1 { json!({ "anyOf": [number(), list] }) } else { list }
         }
         Type::PerAxis(length) => {
-            let [least, most] = lengths(length);
+            let [least, most] = lengths(length, scope);
             let one = of_range(Range::Positive);
             json!({ "anyOf": [one.clone(), list_of(one, least, most)] })
         }
         Type::Direction => {
-            let mut list = list_of(number(), 2, 3);
+            let mut list = list_of(number(), axes, most);
             list["contains"] = json!({ "not": { "const": 0 } });
             list
         }
@@ -418,24 +528,24 @@ fn of_type(value: &Type) -> Value {
             list["contains"] = json!({ "not": { "const": 0 } });
             list
         }
-        Type::Tensor => list_of(list_of(number(), 2, 3), 2, 3),
+        Type::Tensor => list_of(list_of(number(), axes, most), axes, most),
         Type::Samples(_) => {
             json!({ "type": "array", "items": list_of(number(), 2, 2), "minItems": 2 })
         }
         Type::Points => {
-            let point = list_of(number(), 2, 3);
-            json!({ "anyOf": [point.clone(), list_of(point, 1, 3)] })
+            let point = list_of(number(), axes, most);
+            json!({ "anyOf": [point.clone(), list_of(point, 1, most)] })
         }
         Type::Divisions => {
             let count = json!({ "type": "integer", "minimum": 2 });
-            json!({ "anyOf": [count.clone(), list_of(count, 1, 3)] })
+            json!({ "anyOf": [count.clone(), list_of(count, 1, most)] })
         }
-        Type::OneOf(words) => json!({ "enum": words(&Scope::default()) }),
+        Type::OneOf(words) => json!({ "enum": words(scope) }),
         Type::AnyOf(words) => {
-            let items = json!({ "enum": words(&Scope::default()) });
+            let items = json!({ "enum": words(scope) });
             json!({ "type": "array", "items": items, "uniqueItems": true })
         }
-        Type::Table(form) => of_form(form),
+        Type::Table(form) => of_form(form, scope),
         Type::Part(section) => of_part(section),
     }
 }
