@@ -1,0 +1,253 @@
+//! What the documents say exists: links, paths, commands, what a command prints.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use wellposed::CASES;
+use wellposed::cli::folder::{is_snapshot, results};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(name: &str) -> String {
+    fs::read_to_string(root().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// The documents by their paths from the root.
+fn documents() -> Vec<String> {
+    let docs = fs::read_dir(root().join("docs")).expect("docs");
+    let docs = docs.map(|entry| entry.expect("an entry").file_name().into_string().expect("text"));
+    let pages = docs.filter(|name| name.ends_with(".md")).map(|name| format!("docs/{name}"));
+    let others = ["README.md", "CONTRIBUTING.md", "BENCHMARKS.md", "CHANGELOG.md"];
+    others.map(str::to_owned).into_iter().chain(pages).collect()
+}
+
+/// Files and folders of the repository, from its root, folders with a slash at the end.
+fn tree() -> BTreeSet<String> {
+    fn collect(folder: &Path, prefix: &str, names: &mut BTreeSet<String>) {
+        for entry in fs::read_dir(folder).expect("a folder") {
+            let entry = entry.expect("an entry");
+            let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
+            if name == ".git" || name == "target" || name == "out" {
+                continue;
+            }
+            if entry.path().is_dir() {
+                collect(&entry.path(), &format!("{name}/"), names);
+                names.insert(format!("{name}/"));
+            } else {
+                names.insert(name);
+            }
+        }
+    }
+    let mut names = BTreeSet::new();
+    collect(root(), "", &mut names);
+    names
+}
+
+/// The parts of a document that are code: in blocks by their language, and in spans in lines of text.
+struct Code {
+    blocks: Vec<(String, String)>,
+    spans: Vec<String>,
+}
+
+impl Code {
+    fn new(text: &str) -> Self {
+        let (mut blocks, mut spans) = (Vec::new(), Vec::new());
+        for (index, part) in text.split("```").enumerate() {
+            if index % 2 == 1 {
+                let (language, block) = part.split_once('\n').unwrap_or((part, ""));
+                blocks.push((language.to_owned(), block.to_owned()));
+            } else {
+                let own = part.split('`').skip(1).step_by(2);
+                spans.extend(own.filter(|span| !span.contains("\n\n")).map(str::to_owned));
+            }
+        }
+        Self { blocks, spans }
+    }
+}
+
+/// The name by which a headline is linked to.
+fn anchor(headline: &str) -> String {
+    let kept = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
+    headline.trim().to_lowercase().chars().filter(kept).collect::<String>().replace(' ', "-")
+}
+
+#[test]
+fn relative_links_lead_somewhere() {
+    let mut count = 0;
+    for document in documents() {
+        let text = read(&document);
+        let folder = root().join(&document).parent().expect("a folder").to_owned();
+        let links = text.split("](").skip(1).filter_map(|rest| rest.split_once(')'));
+        for link in links.map(|own| own.0).filter(|link| !link.starts_with("http")) {
+            let (path, place) = link.split_once('#').unwrap_or((link, ""));
+            let target = match path {
+                "" => root().join(&document),
+                path => folder.join(path),
+            };
+            assert!(target.exists(), "{document}: {link}");
+            if !place.is_empty() {
+                let target = fs::read_to_string(&target).expect("a page");
+                let mut headlines = target.lines().filter(|line| line.starts_with('#'));
+                let is_meant = |line: &str| anchor(line.trim_start_matches('#')) == place;
+                assert!(headlines.any(is_meant), "{document}: {link}");
+            }
+            count += 1;
+        }
+    }
+    assert!(count > 20, "{count}");
+}
+
+/// A path, or the name of a file, is one of the repository, or that of a result.
+#[test]
+fn paths_exist() {
+    const ENDINGS: [&str; 12] =
+        ["rs", "toml", "md", "py", "svg", "png", "csv", "json", "txt", "npz", "gif", "pvd"];
+    let tree = tree();
+    let is_file = |word: &str| word.rsplit_once('.').is_some_and(|(_, own)| ENDINGS.contains(&own));
+    let exists = |word: &str| {
+        let end = format!("/{word}");
+        // From the root, from the folder of cases, or anywhere for a name alone.
+        let is_named = |own: &&String| match word.trim_end_matches('/').contains('/') {
+            true => **own == word || **own == format!("cases/{word}"),
+            false => **own == word || own.ends_with(&end),
+        };
+        let is_result = results().chain(["case.toml", "program.json", "log.txt"]);
+        tree.iter().any(|own| is_named(&own) || own.trim_end_matches('/') == word)
+            || is_result.into_iter().any(|own| own == word)
+            || is_snapshot(word)
+            || word.starts_with("out/")
+    };
+    let first = |word: &str| word.split('/').next().is_some_and(|own| root().join(own).is_dir());
+    let mut count = 0;
+    for document in ["README.md", "CONTRIBUTING.md", "docs/reference.md"] {
+        let code = Code::new(&read(document));
+        let is_path = |word: &&str| {
+            let may_stand = |c: char| c.is_ascii_alphanumeric() || "-_./".contains(c);
+            word.chars().all(may_stand)
+                && !word.starts_with("..")
+                && word.chars().any(|c| c.is_ascii_alphabetic())
+                && (is_file(word) || word.ends_with('/') || (word.contains('/') && first(word)))
+        };
+        for word in code.spans.iter().flat_map(|span| span.split_whitespace()).filter(is_path) {
+            assert!(exists(word), "{document}: {word}");
+            count += 1;
+        }
+        // The folders of the layout.
+        let plain = code.blocks.iter().filter(|(language, _)| language.is_empty());
+        for word in plain.flat_map(|(_, block)| block.split_whitespace()) {
+            if let Some(folder) = word.trim_matches([',', ';', ':']).strip_suffix('/') {
+                assert!(exists(&format!("{folder}/")), "{document}: {word}");
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 100, "{count}");
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(PROGRAM).current_dir(folder).args(arguments).output().expect("the program")
+}
+
+/// Commands of the program in a block: lines that begin with it, with those that they go on in.
+fn commands(block: &str) -> Vec<String> {
+    let joined = block.replace("\\\n", " ");
+    let own = |line: &str| {
+        let line = line.trim().trim_start_matches("$ ");
+        let rest = ["wellposed ", "cargo run --release -- "];
+        let found = rest.iter().find_map(|start| line.strip_prefix(start))?;
+        // Without a remark, and without where the output goes.
+        let end = [" #", " >"].iter().filter_map(|mark| found.find(mark)).min();
+        Some(found[..end.unwrap_or(found.len())].trim().to_owned())
+    };
+    joined.lines().filter_map(own).collect()
+}
+
+/// Runs what can be run without results, and reads what else can be read.
+fn parses(command: &str) {
+    let case = "cases/granular-flow/noncoaxiality-bound.toml";
+    let arguments: Vec<&str> = command.split_whitespace().collect();
+    let place = |word: &&str| ["CASE", "DIR", "KIND", "SHELL", "FILE", "SET", "…"].contains(word);
+    let (verb, rest) = arguments.split_first().expect("a verb");
+    let takes_case = ["map", "point", "dispersion", "speeds", "run", "check"].contains(verb);
+    let has_place = rest.iter().any(|word| place(&word.trim_matches(['[', ']'])));
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let out = scratch.path().join("out");
+    let out = out.to_str().expect("text");
+    let (folder, arguments): (&Path, Vec<&str>) = match *verb {
+        _ if rest.is_empty() || (has_place && !takes_case) => {
+            (scratch.path(), vec![verb, "--help"])
+        }
+        // A solid for the verbs that take no other.
+        _ if takes_case && has_place => {
+            let case = match *verb {
+                "map" | "point" => case,
+                "run" => "cases/flow/decay.toml",
+                _ => "cases/cosserat/forbidden-band.toml",
+            };
+            let own = rest.iter().map(|word| if *word == "CASE" { case } else { word });
+            let own = std::iter::once(*verb).chain(own).chain(["--dry-run", "--out", out]);
+            (root(), own.collect())
+        }
+        _ if takes_case => {
+            let own = arguments.iter().copied();
+            (root(), own.chain(["--dry-run", "--out", out]).collect())
+        }
+        _ => (scratch.path(), arguments.clone()),
+    };
+    let output = run(folder, &arguments);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "wellposed {command}\n{errors}");
+}
+
+#[test]
+fn commands_parse_and_name_cases_that_there_are() {
+    let mut commands_found = BTreeSet::new();
+    for document in documents() {
+        let text = read(&document);
+        let code = Code::new(&text);
+        // Blocks by four spaces as well.
+        let indented: Vec<&str> = text.lines().filter(|line| line.starts_with("    ")).collect();
+        commands_found.extend(code.blocks.iter().flat_map(|(_, block)| commands(block)));
+        commands_found.extend(commands(&indented.join("\n")));
+        let spans = code.spans.iter().map(|span| span.replace('\n', " "));
+        commands_found.extend(spans.flat_map(|span| commands(&span)));
+    }
+    // What stands at the head of cases: how to run them.
+    for (_, text) in CASES {
+        let lines = text.lines().filter_map(|line| line.strip_prefix('#')).map(str::trim);
+        let own = |line: &str| line.find("wellposed ").map(|place| line[place..].to_owned());
+        commands_found.extend(lines.filter_map(own).flat_map(|line| commands(&line)));
+    }
+    let is_verb = |command: &&String| !command.starts_with('-') && !command.starts_with('=');
+    let all: Vec<&String> = commands_found.iter().filter(is_verb).collect();
+    assert!(all.len() > 40, "{all:#?}");
+    all.iter().for_each(|command| parses(command));
+}
+
+/// What the README shows of a command's output is what it prints.
+#[test]
+fn transcripts_are_what_is_printed() {
+    let code = Code::new(&read("README.md"));
+    let mut count = 0;
+    for (_, block) in code.blocks.iter().filter(|(_, block)| block.starts_with("$ wellposed ")) {
+        let command = commands(block).remove(0);
+        let lines = block.lines().position(|line| !line.ends_with('\\')).expect("a command") + 1;
+        let shown: Vec<&str> = block.lines().skip(lines).collect();
+        let scratch = tempfile::tempdir().expect("a scratch folder");
+        let out: PathBuf = scratch.path().join("out");
+        let mut arguments: Vec<&str> = command.split_whitespace().collect();
+        arguments.extend(["--out", out.to_str().expect("text")]);
+        let printed = String::from_utf8(run(root(), &arguments).stdout).expect("text");
+        // Where the results are is left out.
+        let printed: Vec<&str> =
+            printed.lines().filter(|line| !line.starts_with("picture: ")).collect();
+        assert_eq!(printed, shown, "wellposed {command}");
+        count += 1;
+    }
+    assert_eq!(count, 2);
+}
