@@ -44,7 +44,7 @@ fn settings_are_any_list_of_texts() {
     assert_eq!(number(wellposed::load(SOLID, &["wave.number=4"][..])), Some(4.0));
     assert_eq!(number(wellposed::load(SOLID, [format!("wave.number={}", 5)])), Some(5.0));
     let error = wellposed::load(SOLID, ["wave.numbr=1"]).expect_err("no such key").to_string();
-    assert!(error.contains("wave.number"), "{error}");
+    assert!(error.contains("did you mean 'number'"), "{error}");
 }
 
 /// A study tells its steps, which grow to all of them, and ends where it is told to, however often it asks.

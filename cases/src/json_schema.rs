@@ -53,7 +53,7 @@ pub fn json_schema() -> Value {
     })
 }
 
-/// Which dimensions go together: of the solid, its yield set, its grid and its waves.
+/// Which dimensions go together: of the solid, its yield set and its grid.
 fn add_dimensions(branches: &mut Branches) {
     let in_model = |dimensions: usize| {
         json!({
@@ -68,7 +68,6 @@ fn add_dimensions(branches: &mut Branches) {
     };
     ask(in_model(2), "grid", "cells", json!({ "maxItems": 2 }));
     ask(in_model(3), "grid", "cells", json!({ "minItems": 3 }));
-    ask(in_model(2), "wave", "elevation_deg", json!({ "const": 0 }));
     let sets = registry::yield_sets();
     let sets: Vec<&str> = sets.iter().filter(|set| set.is_plane).map(|set| set.name).collect();
     let of_plane = is_one("yield", "kind", &sets);
@@ -521,7 +520,11 @@ fn of_type(value: &Type, scope: &Scope) -> Value {
             if order == Order::Even {
                 items["multipleOf"] = json!(2);
             }
-            list_of(items, few, many)
+            let mut list = list_of(items, few, many);
+            if order == Order::Ascending {
+                list["uniqueItems"] = json!(true);
+            }
+            list
         }
         Type::Mode => {
             let mut list = list_of(json!({ "type": "integer" }), 2, 2);

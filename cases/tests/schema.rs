@@ -368,6 +368,17 @@ fn spoiled_cases_are_refused_by_both() {
         (FLOW, "cells = [32, 32]", "cells = [32, 31]"),
         (FLOW, "duration = 1e-3", "duration = 1e-3\ntolerance = 1"),
         (FLOW, "from = 1\n", "from = 0\n"),
+        // names, dimensions, and lists of another length than the grid has axes
+        (SOLID, "[model]", "name = 'a/b'\n[model]"),
+        (SOLID, "[model]", "name = '..'\n[model]"),
+        (SOLID, "[model]", "name = ''\n[model]"),
+        (SOLID, "mu = 1e9", "mu = 1e9\ndimensions = 4"),
+        (SOLID, "mu = 1e9", "mu = 1e9\ndimensions = 3"),
+        (SOLID, "acceleration = [0, -9.81]", "acceleration = [0, 0, -9.81]"),
+        (SOLID, "at = [5, 5]", "at = [5, 5, 5]"),
+        (SOLID, "axis = 2\n", "axis = 3\n"),
+        (FLOW, "at = [0.05, 0.05]", "at = [0.05, 0.05, 0.05]"),
+        (FLOW, "[background]", "[compare]\nkinds = []\n[background]"),
         // one thing in place of another
         (SOLID, "at = 5\n", "at = 5\nfrom = 1\nto = 2\n"),
         (SOLID, "count = 3", "count = 3\nat = [1, 1]"),
