@@ -130,6 +130,7 @@ fn paths_exist() {
             let may_stand = |c: char| c.is_ascii_alphanumeric() || "-_./".contains(c);
             word.chars().all(may_stand)
                 && !word.starts_with("..")
+                && (word.contains('/') || !word.starts_with('.'))
                 && word.chars().any(|c| c.is_ascii_alphabetic())
                 && (is_file(word) || word.ends_with('/') || (word.contains('/') && first(word)))
         };
@@ -220,7 +221,9 @@ fn commands_parse_and_name_cases_that_there_are() {
     // What stands at the head of cases: how to run them.
     for (_, text) in CASES {
         let lines = text.lines().filter_map(|line| line.strip_prefix('#')).map(str::trim);
-        let own = |line: &str| line.find("wellposed ").map(|place| line[place..].to_owned());
+        // What it answers stands behind, at some distance.
+        let command = |line: &str| line.split("  ").next().unwrap_or_default().to_owned();
+        let own = |line: &str| line.find("wellposed ").map(|place| command(&line[place..]));
         commands_found.extend(lines.filter_map(own).flat_map(|line| commands(&line)));
     }
     let is_verb = |command: &&String| !command.starts_with('-') && !command.starts_with('=');
