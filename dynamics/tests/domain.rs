@@ -39,6 +39,7 @@ fn name(field: Field) -> String {
         Field::Spin(k) => format!("ω{}", k + 1),
         Field::Stress(i, j) => format!("σ{}{}", i + 1, j + 1),
         Field::Couple(k, j) => format!("m{}{}", k + 1, j + 1),
+        Field::ViscousStrain(i, j) => format!("e{}{}", i + 1, j + 1),
     }
 }
 
@@ -139,12 +140,11 @@ fn errors<const D: usize>(theory: Theory, count: usize, branch: usize, slopes: S
     for (&field, &place) in fields.iter().zip(&places) {
         domain.set(field, &(0..cells).map(|cell| exact(place, cell, 0.0)).collect::<Vec<_>>());
     }
-    // The greatest error of these instants: at a single one errors of several kinds may cancel in a field, and
-    // its order would mean little.
+    // The greatest error of several instants: at a single one, errors of several kinds may cancel in a field.
     let kind = |field: &Field| match field {
         Field::Velocity(_) => 0,
         Field::Spin(_) => 1,
-        Field::Stress(..) => 2,
+        Field::Stress(..) | Field::ViscousStrain(..) => 2,
         Field::Couple(..) => 3,
     };
     let mut greatest = vec![0.0f64; fields.len()];
@@ -458,7 +458,7 @@ fn mirrored_halves_are_halves() {
                 let is_odd = match field {
                     Field::Velocity(i) => ones(&[i]) == 1,
                     Field::Spin(k) => ones(&[k]) == 0,
-                    Field::Stress(i, j) => ones(&[i, j]) == 1,
+                    Field::Stress(i, j) | Field::ViscousStrain(i, j) => ones(&[i, j]) == 1,
                     Field::Couple(k, j) => ones(&[k, j]) == 0,
                 };
                 let sign = if is_odd == is_even { -1.0 } else { 1.0 };

@@ -73,7 +73,7 @@ fn same_of<T: SolverReal, const D: usize>(
     let plain = Problem { scheme: full, ..problem.clone() };
     let ways = [(1, &plain), (3, &plain), (1, &problem), (2, &problem), (3, &problem)];
     let mut full_ledger: Option<Ledger> = None;
-    let mut light_totals: Option<Vec<[f64; 12]>> = None;
+    let mut light_totals: Option<Vec<[f64; 14]>> = None;
     for ((parts, problem), set) in
         Instructions::available().flat_map(|set| ways.map(|way| (way, set)))
     {

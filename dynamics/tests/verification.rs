@@ -191,6 +191,7 @@ fn name(field: Field) -> String {
         Field::Spin(k) => format!("ω{}", k + 1),
         Field::Stress(i, j) => format!("σ{}{}", i + 1, j + 1),
         Field::Couple(k, j) => format!("m{}{}", k + 1, j + 1),
+        Field::ViscousStrain(i, j) => format!("e{}{}", i + 1, j + 1),
     }
 }
 
