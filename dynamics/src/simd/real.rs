@@ -99,6 +99,7 @@ impl<T: Number, const COUNT: usize> Number for Lanes<T, COUNT> {
     const THIRD: Self = Self([T::THIRD; COUNT]);
     const QUARTER: Self = Self([T::QUARTER; COUNT]);
     const LEAST: Self = Self([T::LEAST; COUNT]);
+    const EPSILON: Self = Self([T::EPSILON; COUNT]);
 
     #[inline(always)]
     fn constant(value: f64) -> Self {
@@ -189,6 +190,9 @@ pub trait Vector<T: Real>: Number {
 
     /// The numbers of another group in some lanes, by bits, and the own ones in the rest.
     fn with_lanes(self, lanes: u16, other: Self) -> Self;
+
+    /// The lanes in which a number is greater than its counterpart, by bits.
+    fn greater_lanes(self, other: Self) -> u16;
 }
 
 /// Something to be done in any set of instructions: `run` and all that it calls must be inlined, which

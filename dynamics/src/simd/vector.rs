@@ -47,6 +47,15 @@ macro_rules! real {
                 }
                 self
             }
+
+            #[inline(always)]
+            fn greater_lanes(self, other: Self) -> u16 {
+                let mut lanes = 0;
+                for lane in 0..$lanes {
+                    lanes |= u16::from(self.0[lane] > other.0[lane]) << lane;
+                }
+                lanes
+            }
         }
 
         impl Real for $kind {

@@ -49,6 +49,7 @@ macro_rules! vector {
             const THIRD: Self = Self::all(1.0 / 3.0);
             const QUARTER: Self = Self::all(0.25);
             const LEAST: Self = Self::all(<$scalar>::MIN_POSITIVE);
+            const EPSILON: Self = Self::all(<$scalar>::EPSILON);
 
             #[inline(always)]
             #[allow(clippy::unnecessary_cast, reason = "it is one for f32")]
@@ -90,11 +91,7 @@ macro_rules! vector {
 
             #[inline(always)]
             fn exceeds(self, other: Self) -> bool {
-                let mut any = false;
-                for i in 0..$count {
-                    any |= unsafe { $exceeds(self.0[i], other.0[i]) };
-                }
-                any
+                self.greater_lanes(other) != 0
             }
         }
 
@@ -150,6 +147,15 @@ macro_rules! vector {
                 }
                 self
             }
+
+            #[inline(always)]
+            fn greater_lanes(self, other: Self) -> u16 {
+                let mut lanes = 0;
+                for i in 0..$count {
+                    lanes |= unsafe { $exceeds(self.0[i], other.0[i]) } << (i * $width);
+                }
+                lanes
+            }
         }
     };
     (@binary $name:ident, $count:literal, $($operation:ident $function:ident $instruction:ident),*) => {
@@ -167,26 +173,26 @@ macro_rules! vector {
     };
 }
 
-// Whether any number of a register is greater than its counterpart.
+// The numbers of a register that are greater than their counterparts, by bits.
 
 #[inline(always)]
-unsafe fn double256(one: __m256d, other: __m256d) -> bool {
-    unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(one, other)) != 0 }
+unsafe fn double256(one: __m256d, other: __m256d) -> u16 {
+    unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(one, other)) as u16 }
 }
 
 #[inline(always)]
-unsafe fn single256(one: __m256, other: __m256) -> bool {
-    unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(one, other)) != 0 }
+unsafe fn single256(one: __m256, other: __m256) -> u16 {
+    unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(one, other)) as u16 }
 }
 
 #[inline(always)]
-unsafe fn double512(one: __m512d, other: __m512d) -> bool {
-    unsafe { _mm512_cmp_pd_mask::<_CMP_GT_OQ>(one, other) != 0 }
+unsafe fn double512(one: __m512d, other: __m512d) -> u16 {
+    unsafe { _mm512_cmp_pd_mask::<_CMP_GT_OQ>(one, other).into() }
 }
 
 #[inline(always)]
-unsafe fn single512(one: __m512, other: __m512) -> bool {
-    unsafe { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(one, other) != 0 }
+unsafe fn single512(one: __m512, other: __m512) -> u16 {
+    unsafe { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(one, other) }
 }
 
 // Two registers behind one another, without so many numbers in front.

@@ -28,6 +28,8 @@ pub trait Number:
     const QUARTER: Self;
     /// The least normal number.
     const LEAST: Self;
+    /// From 1 to the next number.
+    const EPSILON: Self;
 
     /// The nearest number to a constant.
     fn constant(value: f64) -> Self;
@@ -55,6 +57,16 @@ pub trait Number:
     fn exceeds(self, other: Self) -> bool;
 }
 
+/// x/3 to the nearest number, as a division by 3 rounds it, without one: with q = x·⅓, 3q is so close to x that both
+/// differences of (x − 2q) − q are exact (Sterbenz 1974), and x/3 is a sixth of a unit in the last place or more from
+/// where rounding changes. Next to underflow the last place may be another one; −0 becomes 0.
+#[inline(always)]
+pub fn third<N: Number>(x: N) -> N {
+    let quotient = x * N::THIRD;
+    let rest = (x - (quotient + quotient)) - quotient;
+    quotient + rest * N::THIRD
+}
+
 macro_rules! number {
     ($kind:ty) => {
         impl Number for $kind {
@@ -64,6 +76,7 @@ macro_rules! number {
             const THIRD: Self = 1.0 / 3.0;
             const QUARTER: Self = 0.25;
             const LEAST: Self = Self::MIN_POSITIVE;
+            const EPSILON: Self = Self::EPSILON;
 
             #[inline(always)]
             #[allow(clippy::unnecessary_cast, reason = "it is one for f32")]

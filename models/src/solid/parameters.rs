@@ -7,8 +7,9 @@
 //! ½λ (tr Λ)² + μ|Λˢ|² + α|Λᵃ|² + ½β (tr M)² + γ|Mˢ|² + η|Mᵃ|².
 //! ```
 
-use super::stress::{Stress, split, square};
+use super::stress::{Shape, Stress, Tensor};
 use crate::common::input::{InputError, ensure};
+use crate::common::number::Number;
 use crate::common::parameter::Parameter;
 use crate::common::range::Range;
 
@@ -163,16 +164,18 @@ impl Isotropic {
 
     /// Energy stored by a stress, J/m³: ½σ·C·σ + ½m·C·m. What the solid has no modulus for stores nothing.
     pub fn stored_energy(&self, stress: &Stress) -> f64 {
-        let over = |value: f64, modulus: f64| if modulus > 0.0 { value / modulus } else { 0.0 };
-        let part = |tensor: &[[f64; 3]; 3], [trace, symmetric, antisymmetric]: [f64; 3]| {
-            let (mean, deviator, spin) = split(tensor);
-            over(0.25 * square(&deviator), symmetric)
-                + over(0.25 * square(&spin), antisymmetric)
-                + over(1.5 * mean * mean, 3.0 * trace + 2.0 * symmetric)
-        };
+        stored_energy(Shape::ANY, &stress.force, &stress.couple, &self.energy_moduli())
+    }
+
+    /// Moduli by which parts of the stress store energy: μ, α and 3λ + 2μ for symmetric deviator, antisymmetric part and
+    /// mean of the force stress, Pa; γ, η and 3β + 2γ for those of the couple stress, N. Infinite where there is none.
+    pub fn energy_moduli(&self) -> [[f64; 3]; 2] {
         let alpha = self.microrotation.map_or(0.0, |m| m.alpha);
         let couple = self.couple().map_or([0.0; 3], |c| [c.beta, c.gamma, c.eta]);
-        part(&stress.force, [self.lambda, self.mu, alpha]) + part(&stress.couple, couple)
+        [[self.lambda, self.mu, alpha], couple].map(|[trace, symmetric, antisymmetric]| {
+            [symmetric, antisymmetric, 3.0 * trace + 2.0 * symmetric]
+                .map(|modulus| if modulus > 0.0 { modulus } else { f64::INFINITY })
+        })
     }
 
     /// Wave speeds: what the symbol's characteristic speeds must come to.
@@ -294,6 +297,37 @@ impl PlaneCompliances {
         let mu = 0.5 / (a1 + b1);
         Ok([b1 / ((a1 - b1) * (a1 + b1)), mu, 0.5 / (a2 + b2)])
     }
+}
+
+/// What a stress stores, J/m³: moduli are μ, α and 3λ + 2μ of the force stress, γ, η and 3β + 2γ of the couple stress;
+/// infinite where the solid has none.
+#[inline(always)]
+pub fn stored_energy<N: Number>(
+    shape: Shape,
+    force: &Tensor<N>,
+    couple: &Tensor<N>,
+    moduli: &[[N; 3]; 2],
+) -> N {
+    let sum = stored_in_part(shape, 0, force, &moduli[0]);
+    match shape.has_couples {
+        true => sum + stored_in_part(shape, 1, couple, &moduli[1]),
+        false => sum,
+    }
+}
+
+#[inline(always)]
+fn stored_in_part<N: Number>(
+    shape: Shape,
+    which: usize,
+    tensor: &Tensor<N>,
+    [symmetric, antisymmetric, mean]: &[N; 3],
+) -> N {
+    let (own, deviator, spin) = shape.split(tensor);
+    let mut sum = N::QUARTER * shape.square(which, &deviator) / *symmetric;
+    if !shape.is_symmetric {
+        sum = sum + N::QUARTER * shape.square_antisymmetric(which, &spin) / *antisymmetric;
+    }
+    sum + (N::ONE + N::HALF) * own * own / *mean
 }
 
 fn combined(key: &'static str, value: f64, name: &str, allowed: &str) -> Result<(), InputError> {

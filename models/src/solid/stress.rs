@@ -1,4 +1,7 @@
 //! Stress of a Cosserat solid, and lists of its components.
+#![allow(clippy::needless_range_loop, reason = "indices are those of tensors and parts")]
+
+use crate::common::number::{Number, third};
 
 /// Force stress and couple stress in space. The second index is the face normal: σᵢⱼ is the i-th
 /// component of the traction on the face with normal j, mₖⱼ the couple about axis k on it.
@@ -53,24 +56,90 @@ impl Component {
     }
 }
 
-/// Trace over 3, symmetric deviator and antisymmetric part. Differences between the normal stresses
-/// come first: a deviator far smaller than the mean keeps its digits.
-pub(crate) fn split(t: &[[f64; 3]; 3]) -> (f64, [[f64; 3]; 3], [[f64; 3]; 3]) {
-    let mean = (t[0][0] + t[1][1] + t[2][2]) / 3.0;
-    let entries =
-        |f: &dyn Fn(usize, usize) -> f64| std::array::from_fn(|i| std::array::from_fn(|j| f(i, j)));
-    let deviator = entries(&|i, j| {
-        if i == j {
-            ((t[i][i] - t[(i + 1) % 3][(i + 1) % 3]) + (t[i][i] - t[(i + 2) % 3][(i + 2) % 3]))
-                / 3.0
-        } else {
-            0.5 * (t[i][j] + t[j][i])
+/// The nine components of a tensor, by rows.
+pub type Tensor<N> = [[N; 3]; 3];
+
+/// What is known of a stress beforehand, so that nothing is computed of what is zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shape {
+    /// The force stress is symmetric, to the bit.
+    pub is_symmetric: bool,
+    /// Of the force stress σ₁₃, σ₂₃, σ₃₁ and σ₃₂ are zero, of the couple stress all but m₁₃, m₂₃, m₃₁ and m₃₂.
+    pub is_plane: bool,
+    /// There is couple stress.
+    pub has_couples: bool,
+}
+
+impl Shape {
+    /// Nothing is known.
+    pub const ANY: Self = Self { is_symmetric: false, is_plane: false, has_couples: true };
+
+    /// Whether a component of the force stress (0) or the couple stress (1) may be other than zero.
+    #[inline(always)]
+    pub const fn has(self, which: usize, i: usize, j: usize) -> bool {
+        let is_across = (i == 2) != (j == 2);
+        match which {
+            0 => !(self.is_plane && is_across),
+            _ => self.has_couples && (!self.is_plane || is_across),
         }
-    });
-    (mean, deviator, entries(&|i, j| 0.5 * (t[i][j] - t[j][i])))
+    }
+
+    /// |t|² of the force stress (0) or the couple stress (1), or of a part of it.
+    #[inline(always)]
+    pub fn square<N: Number>(self, which: usize, t: &Tensor<N>) -> N {
+        let mut sum = N::ZERO;
+        for i in 0..3 {
+            for j in 0..3 {
+                if self.has(which, i, j) {
+                    sum = sum + t[i][j] * t[i][j];
+                }
+            }
+        }
+        sum
+    }
+
+    /// The same of an antisymmetric part.
+    #[inline(always)]
+    pub fn square_antisymmetric<N: Number>(self, which: usize, t: &Tensor<N>) -> N {
+        let mut sum = N::ZERO;
+        for i in 0..3 {
+            for j in 0..3 {
+                if i != j && self.has(which, i, j) {
+                    sum = sum + t[i][j] * t[i][j];
+                }
+            }
+        }
+        sum
+    }
+
+    /// Mean, symmetric deviator and antisymmetric part of a force stress or, if there is one, of the couple stress.
+    /// Differences between the normal stresses come first: a deviator far smaller than the mean keeps its digits.
+    #[inline(always)]
+    pub fn split<N: Number>(self, t: &Tensor<N>) -> (N, Tensor<N>, Tensor<N>) {
+        let mean = third(t[0][0] + t[1][1] + t[2][2]);
+        let (mut deviator, mut antisymmetric) = ([[N::ZERO; 3]; 3], [[N::ZERO; 3]; 3]);
+        for i in 0..3 {
+            let (next, last) = ((i + 1) % 3, (i + 2) % 3);
+            deviator[i][i] = third((t[i][i] - t[next][next]) + (t[i][i] - t[last][last]));
+            for j in [next, last] {
+                if self.is_symmetric {
+                    deviator[i][j] = t[i][j];
+                } else {
+                    deviator[i][j] = N::HALF * (t[i][j] + t[j][i]);
+                    antisymmetric[i][j] = N::HALF * (t[i][j] - t[j][i]);
+                }
+            }
+        }
+        (mean, deviator, antisymmetric)
+    }
+}
+
+/// Mean, symmetric deviator and antisymmetric part.
+pub(crate) fn split(t: &Tensor<f64>) -> (f64, Tensor<f64>, Tensor<f64>) {
+    Shape::ANY.split(t)
 }
 
 /// |t|².
-pub(crate) fn square(t: &[[f64; 3]; 3]) -> f64 {
-    t.iter().flatten().map(|x| x * x).sum()
+pub(crate) fn square(t: &Tensor<f64>) -> f64 {
+    Shape::ANY.square(0, t)
 }

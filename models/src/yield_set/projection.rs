@@ -18,10 +18,10 @@
 //! projected once stays where it is.
 
 use super::parameters::{Interlayer, Mises};
-use super::return_mapping::{PARTS, multiplier_per_shear};
+use super::return_mapping::{Cone, Equation, Mapped, PARTS, Parts, ROUNDING, energy_lost, sum_of};
 use crate::common::elementary::Elementary;
 use crate::solid::parameters::{Isotropic, PlaneCompliances, Theory};
-use crate::solid::stress::{Stress, split, square};
+use crate::solid::stress::{Shape, Stress, square};
 use crate::solid::symbol::plane;
 
 /// A stress in F, and what the way there cost.
@@ -33,39 +33,9 @@ pub struct Projection<S> {
     pub energy_lost: f64,
 }
 
-/// Rounding of a condition's value, relative to the terms that it compares.
-const ROUNDING: f64 = 32.0 * f64::EPSILON;
-
 /// What rounding leaves of a number that cancels, after it was corrected once more: ε² with room for
 /// normals that are nearly dependent, and far below all that such a number could mean.
 const CANCELLED: f64 = 65536.0 * f64::EPSILON * f64::EPSILON;
-
-/// A part of the stress that Hooke's law multiplies by a number.
-#[derive(Clone, Copy)]
-struct Part {
-    /// ½ p |s̄|², Pa², where p is its weight in τ̄².
-    square: f64,
-    /// D p, Pa.
-    rate: f64,
-    /// |s̄|²/D, J/m³, twice its energy.
-    energy: f64,
-}
-
-impl Part {
-    /// Parts without stiffness are zero in their solid: they are left alone, as those without weight
-    /// are.
-    fn new(square: f64, [weight, stiffness]: [f64; 2]) -> Self {
-        if weight > 0.0 && stiffness > 0.0 {
-            Self {
-                square: 0.5 * weight * square,
-                rate: stiffness * weight,
-                energy: square / stiffness,
-            }
-        } else {
-            Self { square: 0.0, rate: 0.0, energy: 0.0 }
-        }
-    }
-}
 
 impl Mises {
     /// Weights p in τ̄² and stiffnesses D (Pa or N) of the parts of the stress that Hooke's law multiplies
@@ -105,106 +75,86 @@ impl Mises {
     /// with one value of Dp they are there after one step.
     pub fn project(&self, solid: &Isotropic, trial: &Stress) -> Projection<Stress> {
         let inside = Projection { stress: *trial, energy_lost: 0.0 };
-        let (pressure, deviator, antisymmetric) = split(&trial.force);
-        let (couple_mean, couple_deviator, couple_antisymmetric) = split(&trial.couple);
-        let squares = [
-            square(&deviator),
-            square(&antisymmetric),
-            square(&couple_deviator),
-            3.0 * couple_mean * couple_mean,
-            square(&couple_antisymmetric),
-        ];
-        let weights = self.parts(solid);
-        let parts: [Part; PARTS] =
-            std::array::from_fn(|part| Part::new(squares[part], weights[part]));
-        let bulk = solid.lambda + 2.0 / 3.0 * solid.mu;
-        let (friction, strength) = (self.friction, self.strength);
+        let cone = Cone::new(self, solid);
+        let seen = cone.seen();
+        let parts = Parts::new(Shape::ANY, &trial.force, &trial.couple);
+        let squares = parts.weighted(&cone, &seen);
+        let pressure = parts.force.0;
+        let Cone { friction, strength, a, rates, .. } = cone;
 
-        let shear = parts.iter().map(|part| part.square).sum::<f64>().sqrt();
+        let shear = sum_of(&squares, &seen).sqrt();
         let room = strength - friction * pressure;
         // The components are rounded, and not the parts.
-        let force = self.antisymmetric_weight.max(1.0) * square(&trial.force);
-        let couple = weights[2][0].max(weights[4][0]) * square(&trial.couple);
-        let rounded = (force + couple).sqrt();
+        let [force, couple] = cone.rounding_weights;
+        let rounded = (force * square(&trial.force) + couple * square(&trial.couple)).sqrt();
         let size = shear + friction * pressure.abs() + strength + rounded;
         let excess = shear - room;
         // A stress that is not a number comes back as it is.
         if excess.is_nan() || excess <= ROUNDING * size {
             return inside;
         }
-
-        let a = 2.0 * friction * friction * bulk;
-        let (squares, rates) = (parts.map(|part| part.square), parts.map(|part| part.rate));
-        // 1/τ̄ for (u, v) = (1, x), 1/(xτ̄) for (y, 1), and the derivative of that by y.
-        let reciprocal = |u: f64, v: f64| {
-            let (mut norm, mut slope) = (0.0, 0.0);
-            for part in &parts {
-                let fraction = 1.0 / (u + v * part.rate);
-                if part.square > 0.0 {
-                    norm += part.square * fraction * fraction;
-                    slope += part.square * fraction * fraction * fraction;
-                }
-            }
-            let reciprocal = 1.0 / norm.sqrt();
-            (reciprocal, slope / norm * reciprocal)
-        };
-        let at_apex = room < 0.0 && a + room * reciprocal(0.0, 1.0).0 <= 0.0;
-        let (u, v) = if room < 0.0 {
-            let mut y = 0.0;
-            // At the apex y = 0 is the answer: the step from there is none, and ends the loop.
-            loop {
-                let (value, slope) = reciprocal(y, 1.0);
-                let before = y;
-                y += ((a - y + room * value) / (1.0 - room * slope)).max(0.0);
-                if y == before {
-                    break;
-                }
-            }
-            (y, 1.0)
+        let (mapped, apex) = if room < 0.0 {
+            beyond_apex(&cone, &squares, &parts, &seen, room)
         } else {
-            let seen = squares.map(|square| square > 0.0);
-            (1.0, multiplier_per_shear(squares, rates, a, room, &seen))
+            let root = Equation { squares, rates, a, room, seen: &seen }.root();
+            let scale = [1.0, root.x];
+            (Mapped::new(&cone, &parts.squares, scale, root.reciprocal, root.kept, &seen), None)
         };
-
-        let (multiplier, mean) = if at_apex {
-            let apex = strength / friction;
-            ((pressure - apex) / (friction * bulk), apex)
-        } else {
-            let value = reciprocal(u, v).0;
-            let (multiplier, shear) = (2.0 * v / value, u / value);
-            let shift = friction * bulk * multiplier;
-            // From the condition, where the difference would lose more digits.
-            let mean = if strength + shear < friction * (pressure.abs() + shift) {
-                (strength - shear) / friction
+        // From the condition, where the difference would lose more digits.
+        let mean = apex.unwrap_or_else(|| {
+            if strength + mapped.shear < friction * (pressure.abs() + mapped.fall) {
+                (strength - mapped.shear) / friction
             } else {
-                pressure - shift
-            };
-            (multiplier, mean)
-        };
-
-        // s/s̄ and (s̄ − s)/s̄.
-        let shares = parts.map(|part| match part.rate {
-            0.0 => (1.0, 0.0),
-            rate => (u / (u + v * rate), v * rate / (u + v * rate)),
+                pressure - mapped.fall
+            }
         });
-        let kept = shares.map(|(kept, _)| kept);
-        let mut energy_lost = strength * multiplier + 0.25 * a * multiplier * multiplier;
-        for (part, (_, lost)) in parts.iter().zip(shares) {
-            energy_lost += 0.5 * part.energy * lost * lost;
-        }
-        let mut stress = *trial;
-        for i in 0..3 {
-            for j in 0..3 {
-                let diagonal = f64::from(u8::from(i == j));
-                stress.force[i][j] =
-                    kept[0] * deviator[i][j] + kept[1] * antisymmetric[i][j] + mean * diagonal;
-                stress.couple[i][j] = kept[2] * couple_deviator[i][j]
-                    + kept[3] * couple_mean * diagonal
-                    + kept[4] * couple_antisymmetric[i][j];
+        let (force, couple) = parts.scaled(Shape::ANY, &mapped.kept, mean);
+        Projection { stress: Stress { force, couple }, energy_lost: mapped.energy_lost }
+    }
+}
+
+/// The mapping of a stress with r < 0, and the mean of the apex if that is where it leads; see [`Mises::project`].
+fn beyond_apex(
+    cone: &Cone<f64>,
+    squares: &[f64; PARTS],
+    parts: &Parts<f64>,
+    seen: &[bool; PARTS],
+    room: f64,
+) -> (Mapped<f64>, Option<f64>) {
+    let Cone { strength, friction, fall, a, rates, .. } = *cone;
+    // 1/(xτ̄) at y = 1/x, and its derivative by y.
+    let reciprocal = |y: f64| {
+        let (mut norm, mut slope) = (0.0, 0.0);
+        for (square, rate) in squares.iter().zip(rates) {
+            let fraction = 1.0 / (y + rate);
+            if *square > 0.0 {
+                norm += square * fraction * fraction;
+                slope += square * fraction * fraction * fraction;
             }
         }
-        Projection { stress, energy_lost }
+        let reciprocal = 1.0 / norm.sqrt();
+        (reciprocal, slope / norm * reciprocal)
+    };
+    let is_apex = a + room * reciprocal(0.0).0 <= 0.0;
+    let mut y = 0.0;
+    // At the apex y = 0 is the answer: the step from there is none, and ends the loop.
+    loop {
+        let (value, slope) = reciprocal(y);
+        let before = y;
+        y += ((a - y + room * value) / (1.0 - room * slope)).max(0.0);
+        if y == before {
+            break;
+        }
     }
+    let kept = rates.map(|rate| if rate == 0.0 { 1.0 } else { y / (y + rate) });
+    let mut mapped = Mapped::new(cone, &parts.squares, [y, 1.0], reciprocal(y).0, kept, seen);
+    if !is_apex {
+        return (mapped, None);
+    }
+    let apex = strength / friction;
+    let multiplier = (parts.force.0 - apex) / fall;
+    mapped.energy_lost = energy_lost(cone, &parts.squares, &mapped.lost, multiplier, seen);
+    (mapped, Some(apex))
 }
 
 /// Hooke's law between the stresses of a plane, (σ₁₁, σ₂₂, σ₂₁, σ₁₂, m₃₁, m₃₂), by the square roots of

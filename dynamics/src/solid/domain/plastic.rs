@@ -1,8 +1,9 @@
-//! The correction of stresses beyond their yield set, many at once: Mises' set in all its forms, and what
-//! it costs. Its terms are those of [`Mises::project`](models::yield_set::parameters::Mises::project),
-//! where they are derived; what is rare, the apex and the half-line before it, is left to that. Of the other
-//! sets all conditions are looked at together, and what is beyond one is corrected alone. So is everything
-//! where there is an initial stress, a reflection instead of the projection, or sets of both kinds.
+//! Return mapping without initial stress, by the projection, where all sets are of one kind: Mises' set in all its forms
+//! in lanes, and the energy it dissipates. Its terms are those of
+//! [`Mises::project`](models::yield_set::parameters::Mises::project), where they are derived; where one part of the stress
+//! is seen the root is in closed form. Stresses at the apex and on the half-line before it are left to that function.
+//! Of polyhedra all conditions are evaluated in lanes, and a stress beyond one is projected alone. All other configurations
+//! are those of `return_mapping`.
 //!
 //! A stress just on the surface may move by rounding if one in another lane of its group yields.
 
@@ -11,7 +12,7 @@ use crate::solid::medium::{Medium, component};
 use models::solid::parameters::Isotropic;
 use models::solid::waves::Field;
 use models::yield_set::parameters::{ActiveCondition, Mises};
-use models::yield_set::return_mapping::{PARTS, multiplier_per_shear};
+use models::yield_set::return_mapping::{Equation, Iterate, PARTS};
 
 /// Yield sets by pattern.
 #[derive(Clone)]
@@ -441,7 +442,7 @@ fn one_rate<T: Real, V: Vector<T>>(square: V, room: V, own: &Strength<T::Lanes>)
     (V::load(&own.half_rate) * multiplier / shear.greatest(V::LEAST), multiplier)
 }
 
-/// What each part loses of itself, λ, and what the parts lose of their energy: by [`multiplier_per_shear`].
+/// What each part loses of itself, λ, and what the parts lose of their energy: by [`Equation::root`].
 #[inline(always)]
 fn several_rates<T: Real, V: Vector<T>>(
     squares: [V; PARTS],
@@ -458,12 +459,12 @@ fn several_rates<T: Real, V: Vector<T>>(
     for part in 0..PARTS {
         weighted[part] = V::load(&own.weights[part]) * squares[part];
     }
-    let x = multiplier_per_shear(weighted, rates, a, room, seen);
+    let Iterate { x, kept, .. } = Equation { squares: weighted, rates, a, room, seen }.root();
     let mut shares = [V::ZERO; PARTS];
     let (mut square_left, mut loss) = (V::ZERO, V::ZERO);
     for part in 0..PARTS {
         if seen[part] {
-            let fraction = V::ONE / (V::ONE + x * rates[part]);
+            let fraction = kept[part];
             shares[part] = x * rates[part] * fraction;
             square_left = square_left + weighted[part] * fraction * fraction;
             let compliance = V::load(&own.compliances[part]);
