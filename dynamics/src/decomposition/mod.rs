@@ -189,6 +189,14 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
         }
     }
 
+    /// See [`Domain::map_stresses_one_by_one`].
+    #[doc(hidden)]
+    pub fn map_stresses_one_by_one(&mut self) {
+        for part in &mut self.parts {
+            part.domain.map_stresses_one_by_one();
+        }
+    }
+
     /// Advances all fields by `steps` time steps, each part in a thread of its own.
     pub fn advance(&mut self, steps: usize) {
         if let [part] = self.parts.as_mut_slice() {

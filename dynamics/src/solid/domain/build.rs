@@ -108,7 +108,14 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 true => (axis, layers.iter().map(|&layer| stress[layer]).collect()),
                 false => (axis, stress),
             });
-        let law = LocalLaws::new(&materials, &patterns, layout.pitch, problem.step, initial_stress);
+        let reflects = problem.scheme.placement == Placement::Middle;
+        let law = LocalLaws::new(
+            &materials,
+            &patterns,
+            (layout.groups, layout.pitch),
+            (problem.step, reflects),
+            initial_stress,
+        );
         let source = |own| CellSource::new(own, fields, &layers, &layout, 2 * most_steps);
         let sources = Sources {
             list: problem.sources.iter().map(source).collect(),
@@ -149,7 +156,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 is_plastic,
                 most_steps,
             ),
-            buffer: Buffer::new(&layout, pairs, 2 * most_steps),
+            buffer: Buffer::new(&layout, pairs, 2 * most_steps, law.needs_wide_blocks()),
             law,
             layout,
             materials,

@@ -3,6 +3,7 @@
 use super::materials::Materials;
 use super::plastic::Sets;
 use super::relaxation::Relaxations;
+use super::whole_stress::{InitialStress, WholeStressSets, blocks_of_group, initial_blocks};
 use crate::simd::{Group, Real};
 use crate::solid::medium::Medium;
 use models::common::elementary::Elementary;
@@ -27,6 +28,12 @@ pub(super) struct LocalLaws<T: Real> {
     pub(super) sets: Option<Sets<T>>,
     /// The axis along which the initial stress varies, and the stress in each layer across it.
     pub(super) initial_stress: Option<(usize, Vec<Stress>)>,
+    /// The same by block of a row, where that axis is the first one.
+    pub(super) initial_blocks: Vec<InitialStress>,
+    /// Yield sets in lanes for whole stresses, with reflections, and where several kinds stand side by side.
+    pub(super) whole: WholeStressSets,
+    /// Whether whole stresses are mapped one by one and not in lanes; results do not depend on it.
+    pub(super) maps_one_by_one: bool,
 }
 
 /// Places of spins and of the stresses that rotate with them, where fields are so far apart.
@@ -40,12 +47,12 @@ pub(super) fn rotated_fields(fields: &[Field], pitch: usize) -> Vec<[usize; 3]> 
 }
 
 impl<T: Real> LocalLaws<T> {
-    /// Those of media, by pattern, for a time step, s.
+    /// Those of materials, by pattern, in rows of so many groups, for a time step, s, and reflections or none.
     pub(super) fn new<const D: usize>(
         materials: &Materials<T, D>,
         patterns: &[Vec<u16>],
-        pitch: usize,
-        step: f64,
+        (groups, pitch): (usize, usize),
+        (step, reflects): (f64, bool),
         initial_stress: Option<(usize, Vec<Stress>)>,
     ) -> Self {
         let (media, fields) = (&materials.media, &materials.fields);
@@ -64,13 +71,30 @@ impl<T: Real> LocalLaws<T> {
         });
         let yields = |medium: &u16| media[usize::from(*medium)].yields.is_some();
         let is_plastic = media.iter().any(|medium| medium.yields.is_some());
+        let sets = Sets::new(media, patterns, pitch).filter(|_| is_plastic);
+        let needs_whole = is_plastic && (sets.is_none() || reflects || initial_stress.is_some());
+        let initial = initial_stress.as_ref().map_or(&[][..], |own| &own.1);
         Self {
+            whole: match needs_whole {
+                true => WholeStressSets::new(media, patterns, initial),
+                false => WholeStressSets::default(),
+            },
+            initial_blocks: match &initial_stress {
+                Some((0, layers)) if needs_whole => initial_blocks::<T>(layers, groups),
+                _ => Vec::new(),
+            },
+            maps_one_by_one: false,
             rotations: rotations.collect(),
             rotated: rotated_fields(fields, pitch),
             relaxations: Relaxations::new(media, patterns, fields, pitch, step),
             yields: patterns.iter().map(|pattern| pattern.iter().any(yields)).collect(),
-            sets: Sets::new(media, patterns, pitch).filter(|_| is_plastic),
+            sets,
             initial_stress,
         }
+    }
+
+    /// Whether numbers in single precision must be taken to double precision for the return mapping.
+    pub(super) fn needs_wide_blocks(&self) -> bool {
+        blocks_of_group::<T>() > 1 && self.whole != WholeStressSets::default()
     }
 }

@@ -3,11 +3,10 @@
 
 use super::law::SpinStressRotation;
 use super::layout::Tile;
-use super::plastic::Correct;
+use super::whole_stress::combined;
 use super::{Domain, MOST_FIELDS, SolverReal};
 use crate::simd::{Group, MOST_LANES, Real, Vector, Work};
 use crate::solid::ledger::Energy;
-use crate::solid::medium::component;
 use models::solid::stress::Stress;
 use models::solid::waves::Field;
 use std::ops::Range;
@@ -56,109 +55,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         stress
     }
 
-    /// The initial stress in a cell.
-    pub(super) fn initial_stress(&self, cell: usize) -> Stress {
-        let Some((axis, layers)) = &self.law.initial_stress else { return Stress::default() };
-        let stride: usize = self.grid.cells[..*axis].iter().product();
-        layers[cell / stride % layers.len()]
-    }
-
     /// The whole stress in a cell, the initial one included.
     pub fn whole_stress(&self, cell: usize) -> Stress {
         let cell = cell + self.layout.own_cells().start;
         combined(&self.stress(cell), &self.initial_stress(cell), 1.0)
-    }
-
-    /// P, or with `reflects` 2P − I, in a half step of the pass.
-    pub(super) fn correct(
-        &mut self,
-        layers: &Range<usize>,
-        tile: &Tile,
-        half: usize,
-        reflects: bool,
-    ) {
-        if self.diagnostics.dissipated.is_empty() {
-            return;
-        }
-        let mut left = std::mem::take(&mut self.buffer.left);
-        for layer in layers.clone() {
-            let (first, groups) = self.layout.groups_of(layer, tile);
-            left.clear();
-            match &self.law.sets {
-                Some(sets) if !reflects && self.law.initial_stress.is_none() => {
-                    let lanes = T::Lanes::COUNT;
-                    let mut sum = 0.0;
-                    self.instructions.run::<T>(Correct {
-                        data: &mut self.data[first..],
-                        patterns: &self.materials.patterns[groups.clone()],
-                        sets,
-                        yields: &self.law.yields,
-                        dissipated: &mut self.diagnostics.dissipated
-                            [groups.start * lanes..groups.end * lanes],
-                        sum: &mut sum,
-                        left: &mut left,
-                    });
-                    self.diagnostics.ledgers[half][layer].plastic += self.grid.volume() * sum;
-                }
-                _ => left.extend(0..groups.len()),
-            }
-            for group in left.iter().map(|index| groups.start + index) {
-                if !self.law.yields[self.materials.patterns[group] as usize] {
-                    continue;
-                }
-                for lane in 0..T::Lanes::COUNT {
-                    if let Some(cell) = self.layout.cell_of(group, lane) {
-                        self.correct_cell(cell, (half, layer), reflects);
-                    }
-                }
-            }
-        }
-        self.buffer.left = left;
-    }
-
-    fn correct_cell(&mut self, cell: usize, (half, layer): (usize, usize), reflects: bool) {
-        let medium = &self.materials.media[usize::from(self.materials.of_cell[cell])];
-        if medium.yields.is_none() {
-            return;
-        }
-        let initial = self.initial_stress(cell);
-        let trial = combined(&self.stress(cell), &initial, 1.0);
-        let corrected = medium.project(&trial);
-        if corrected.stress == trial {
-            return;
-        }
-        let (volume, times) = (self.grid.volume(), if reflects { 2.0 } else { 1.0 });
-        let plastic = combined(&trial, &corrected.stress, -1.0);
-        let energy = |stress: &Stress| medium.stored_energy(stress);
-        // ½|s̄|² − ½|2s − s̄|² = 2(½|s̄|² − ½|s|² − ½|s̄ − s|²).
-        let beyond = if reflects { energy(&plastic) } else { 0.0 };
-        let loss = times * (corrected.energy_lost - beyond);
-        let released = match &self.law.initial_stress {
-            // The product of both in the energy.
-            Some(_) => {
-                let both = combined(&plastic, &initial, 1.0);
-                times * (energy(&both) - energy(&plastic) - energy(&initial))
-            }
-            None => 0.0,
-        };
-        let share = loss / energy(&trial).max(f64::MIN_POSITIVE);
-        debug_assert!(share >= -1e-14, "the correction adds energy: {share:e} of what is there");
-        let ledger = &mut self.diagnostics.ledgers[half][layer];
-        ledger.plastic += volume * loss;
-        ledger.released += volume * released;
-        ledger.least_plastic = ledger.least_plastic.min(share);
-        let lane = self.layout.lane_of::<T>(cell);
-        self.diagnostics.dissipated[lane] += loss;
-        let (fields, pitch) = (self.materials.media[0].fields.len(), self.layout.pitch);
-        for index in 0..fields {
-            let of = |stress: &Stress| component(self.fields()[index], stress);
-            let (Some(own), Some(plastic)) = (of(&corrected.stress), of(&plastic)) else {
-                continue;
-            };
-            let moved = if reflects { own - plastic } else { own };
-            let moved = moved - of(&initial).unwrap_or(0.0);
-            *self.at_mut(cell, index * pitch) = T::of(moved);
-        }
     }
 
     /// Spins against antisymmetric stress, over a whole step (0) or a half (1).
@@ -206,14 +106,6 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.add_interlayer_energy(&mut energies);
         energies
     }
-}
-
-/// a + factor·b.
-pub(super) fn combined(a: &Stress, b: &Stress, factor: f64) -> Stress {
-    let part = |a: [[f64; 3]; 3], b: [[f64; 3]; 3]| -> [[f64; 3]; 3] {
-        std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + factor * b[i][j]))
-    };
-    Stress { force: part(a.force, b.force), couple: part(a.couple, b.couple) }
 }
 
 /// Q on groups that follow each other in a row.

@@ -3,6 +3,7 @@
 use super::kernel::Carried;
 use super::layout::{GroupIndex, Layout};
 use super::schedule::CHUNK;
+use super::whole_stress::{Wide, blocks_of_group};
 use crate::simd::{Number, Real};
 use crate::solid::cell::Cell;
 use crate::solid::line::Account;
@@ -18,6 +19,8 @@ pub(super) struct Buffer<T: Real> {
     pub(super) path: Vec<GroupIndex>,
     /// Groups that are yet to be projected one cell at a time.
     pub(super) left: Vec<usize>,
+    /// The fields of a row in double precision, where the return mapping needs them.
+    pub(super) wide: Vec<Wide>,
     pub(super) velocity: Vec<T>,
     pub(super) stress: Vec<T>,
     pub(super) cells: Vec<Cell<T>>,
@@ -25,11 +28,12 @@ pub(super) struct Buffer<T: Real> {
 }
 
 impl<T: Real> Buffer<T> {
-    /// For so many pairs of waves by axis and half steps of a pass.
+    /// For so many pairs of waves by axis and half steps of a pass, and rows in double precision or none.
     pub(super) fn new<const D: usize>(
         layout: &Layout<D>,
         pairs: [usize; D],
         halves: usize,
+        needs_wide: bool,
     ) -> Self {
         let layers = layout.layers();
         let longest = layout.cells.iter().copied().max().unwrap_or(0).max(layers) + 2 * GHOSTS;
@@ -42,10 +46,12 @@ impl<T: Real> Buffer<T> {
             let waves = pairs.get(axis).copied().unwrap_or(0);
             vec![vec![Carried::empty(); lines * waves]; halves]
         });
+        let blocks = layout.fields * layout.groups * blocks_of_group::<T>();
         Self {
             carried,
             path: Vec::with_capacity(longest),
             left: Vec::with_capacity(layout.layer_groups()),
+            wide: vec![Wide::ZERO; if needs_wide { blocks } else { 0 }],
             velocity: vec![T::ZERO; longest],
             stress: vec![T::ZERO; longest],
             cells: vec![Cell::new(1.0, 0.0); longest],

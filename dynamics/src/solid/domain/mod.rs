@@ -8,7 +8,8 @@
 //! | `materials`, `table` | media by lane pattern, constants of waves and energy |
 //! | `kernel`, `rows`, `fill` | a sweep of many lines in SIMD lanes; ghosts at the ends of rows and lines |
 //! | `sweep` | which lines a sweep takes, and the work at boundaries |
-//! | `law`, `local`, `plastic`, `relaxation` | what acts in cells between sweeps: rotation, yield sets, relaxation, subnormals |
+//! | `law`, `local`, `relaxation` | what acts in cells between sweeps: rotation, relaxation, subnormals |
+//! | `correct`, `plastic`, `return_mapping`, `whole_stress` | yield sets: the choice of the return mapping, that of stresses without initial ones, that of whole stresses in lanes and one by one |
 //! | `sources`, `boundaries` | what acts inside and at the ends |
 //! | `interfaces`, `interlayers` | interlayers: where they stand, what they remember, how they are swept |
 //! | `halo` | exchange with the parts beyond a cut |
@@ -34,6 +35,7 @@
 mod boundaries;
 mod build;
 mod complete;
+mod correct;
 mod diagnostics;
 mod fill;
 mod halo;
@@ -48,6 +50,7 @@ mod memory;
 mod output;
 mod plastic;
 mod relaxation;
+mod return_mapping;
 mod rows;
 mod schedule;
 mod solver_real;
@@ -55,6 +58,7 @@ mod sources;
 mod step;
 mod sweep;
 mod table;
+mod whole_stress;
 
 pub(crate) use halo::Halo;
 pub use layout::memory;
@@ -112,6 +116,13 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Uses other instructions than the best; results do not depend on them.
     pub fn set_instructions(&mut self, instructions: Instructions) {
         self.instructions = instructions;
+    }
+
+    /// Maps stresses into their yield sets one by one wherever the projection in lanes is that of one stress: with an
+    /// initial stress, as a reflection, or with several kinds of sets. Results do not depend on it.
+    #[doc(hidden)]
+    pub fn map_stresses_one_by_one(&mut self) {
+        self.law.maps_one_by_one = true;
     }
 
     /// The components of the state.

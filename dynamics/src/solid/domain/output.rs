@@ -1,7 +1,7 @@
 //! What a domain gives to the outside: fields of cells at the time of the domain, records of watched cells, sums.
 
 use super::complete::ClosingBoundaries;
-use super::local::combined;
+use super::whole_stress::combined;
 use super::{Domain, SolverReal};
 
 use crate::solid::ledger::Ledger;

@@ -1,0 +1,187 @@
+//! Where stresses are taken into their yield sets.
+
+use super::layout::Tile;
+use super::plastic::Correct;
+use super::return_mapping::{MapStresses, map_in_lanes};
+use super::whole_stress::{InitialStress, WIDTH, Wide, blocks_of_group, correction};
+use super::{Domain, SolverReal};
+use crate::simd::{Group, Real};
+use crate::solid::medium::component;
+use models::solid::stress::Stress;
+use std::any::Any;
+use std::ops::Range;
+
+impl<T: SolverReal, const D: usize> Domain<T, D> {
+    /// The initial stress in a cell.
+    pub(super) fn initial_stress(&self, cell: usize) -> Stress {
+        let Some((axis, layers)) = &self.law.initial_stress else { return Stress::default() };
+        let stride: usize = self.grid.cells[..*axis].iter().product();
+        layers[cell / stride % layers.len()]
+    }
+
+    /// P, or with `reflects` 2P − I, in a half step of the pass.
+    pub(super) fn correct(
+        &mut self,
+        layers: &Range<usize>,
+        tile: &Tile,
+        half: usize,
+        reflects: bool,
+    ) {
+        if self.diagnostics.dissipated.is_empty() {
+            return;
+        }
+        let is_plain = !reflects && self.law.initial_stress.is_none() && self.law.sets.is_some();
+        for layer in layers.clone() {
+            match (is_plain, self.law.maps_one_by_one) {
+                (true, _) => self.correct_plain(layer, tile, half),
+                (false, false) => self.map_stresses(layer, tile, half, reflects),
+                (false, true) => {
+                    for group in self.layout.groups_of(layer, tile).1 {
+                        self.correct_group(group, (half, layer), reflects);
+                    }
+                }
+            }
+        }
+    }
+
+    /// P without initial stress, where all sets are of one kind.
+    fn correct_plain(&mut self, layer: usize, tile: &Tile, half: usize) {
+        let Some(sets) = &self.law.sets else { return };
+        let mut left = std::mem::take(&mut self.buffer.left);
+        left.clear();
+        let (first, groups) = self.layout.groups_of(layer, tile);
+        let lanes = T::Lanes::COUNT;
+        let mut sum = 0.0;
+        self.instructions.run::<T>(Correct {
+            data: &mut self.data[first..],
+            patterns: &self.materials.patterns[groups.clone()],
+            sets,
+            yields: &self.law.yields,
+            dissipated: &mut self.diagnostics.dissipated[groups.start * lanes..groups.end * lanes],
+            sum: &mut sum,
+            left: &mut left,
+        });
+        self.diagnostics.ledgers[half][layer].plastic += self.grid.volume() * sum;
+        for index in &left {
+            self.correct_group(groups.start + index, (half, layer), false);
+        }
+        self.buffer.left = left;
+    }
+
+    /// P or 2P − I of whole stresses.
+    fn map_stresses(&mut self, layer: usize, tile: &Tile, half: usize, reflects: bool) {
+        let (first, groups) = self.layout.groups_of(layer, tile);
+        let lanes = T::Lanes::COUNT;
+        let length = self.grid.cells[0];
+        let uniform;
+        let initial = match &self.law.initial_stress {
+            None => &[],
+            Some((0, _)) => self.law.initial_blocks.as_slice(),
+            Some(_) => {
+                let cell = (layer * self.layout.rows + tile.row) * length;
+                uniform = [InitialStress::uniform(&self.initial_stress(cell))];
+                &uniform
+            }
+        };
+        let mut wide = std::mem::take(&mut self.buffer.wide);
+        let (halves, count) = (blocks_of_group::<T>(), groups.len() * blocks_of_group::<T>());
+        let stresses = self.fields().iter().position(|own| component(*own, &NONE).is_some());
+        let stresses = stresses.unwrap_or(0)..self.fields().len();
+        let is_double = (&self.data as &dyn Any).is::<Vec<Wide>>();
+        if !is_double {
+            // In double precision, as the projection of one stress is.
+            for field in stresses.clone() {
+                let own = &self.data[first + field * self.layout.pitch..][..groups.len()];
+                widen::<T>(own, &mut wide[field * count..][..count]);
+            }
+        }
+        let mut has_mapped = false;
+        let (data, pitch) = match (&mut self.data as &mut dyn Any).downcast_mut::<Vec<Wide>>() {
+            Some(data) => (&mut data[first..], self.layout.pitch),
+            None => (wide.as_mut_slice(), count),
+        };
+        map_in_lanes(
+            self.instructions,
+            MapStresses {
+                mapping: &self.law.whole,
+                media: &self.materials.media,
+                data,
+                pitch,
+                patterns: &self.materials.patterns[groups.clone()],
+                yields: &self.law.yields,
+                halves,
+                initial,
+                reflects,
+                row: [tile.groups.start, length / self.layout.groups, length % self.layout.groups],
+                volume: self.grid.volume(),
+                dissipated: &mut self.diagnostics.dissipated
+                    [groups.start * lanes..groups.end * lanes],
+                ledger: &mut self.diagnostics.ledgers[half][layer],
+                has_mapped: &mut has_mapped,
+            },
+        );
+        if !is_double && has_mapped {
+            for field in stresses {
+                let own = &mut self.data[first + field * self.layout.pitch..][..groups.len()];
+                narrow::<T>(&wide[field * count..][..count], own);
+            }
+        }
+        self.buffer.wide = wide;
+    }
+
+    /// The cells of a group, one by one.
+    fn correct_group(&mut self, group: usize, place: (usize, usize), reflects: bool) {
+        if !self.law.yields[self.materials.patterns[group] as usize] {
+            return;
+        }
+        for lane in 0..T::Lanes::COUNT {
+            if let Some(cell) = self.layout.cell_of(group, lane) {
+                self.correct_cell(cell, place, reflects);
+            }
+        }
+    }
+
+    fn correct_cell(&mut self, cell: usize, (half, layer): (usize, usize), reflects: bool) {
+        let medium = self.materials.of(cell);
+        if medium.yields.is_none() {
+            return;
+        }
+        let initial = self.law.initial_stress.is_some().then(|| self.initial_stress(cell));
+        let deviation = self.stress(cell);
+        let Some(done) = correction(medium, &deviation, initial.as_ref(), reflects) else { return };
+        let volume = self.grid.volume();
+        let ledger = &mut self.diagnostics.ledgers[half][layer];
+        ledger.plastic += volume * done.dissipated;
+        ledger.released += volume * done.released;
+        ledger.least_plastic = ledger.least_plastic.min(done.share);
+        let lane = self.layout.lane_of::<T>(cell);
+        self.diagnostics.dissipated[lane] += done.dissipated;
+        for index in 0..self.materials.media[0].fields.len() {
+            if let Some(moved) = component(self.fields()[index], &done.stress) {
+                *self.at_mut(cell, index * self.layout.pitch) = T::of(moved);
+            }
+        }
+    }
+}
+
+const NONE: Stress = Stress { force: [[0.0; 3]; 3], couple: [[0.0; 3]; 3] };
+
+/// Groups as blocks in double precision.
+fn widen<T: Real>(groups: &[T::Lanes], blocks: &mut [Wide]) {
+    let lanes = groups.iter().flat_map(|group| group.lanes().chunks(WIDTH));
+    for (block, own) in blocks.iter_mut().zip(lanes) {
+        for (wide, own) in block.lanes_mut().iter_mut().zip(own) {
+            *wide = own.wide();
+        }
+    }
+}
+
+/// The nearest numbers of the groups' own kind.
+fn narrow<T: Real>(blocks: &[Wide], groups: &mut [T::Lanes]) {
+    let lanes = groups.iter_mut().flat_map(|group| group.lanes_mut().chunks_mut(WIDTH));
+    for (block, own) in blocks.iter().zip(lanes) {
+        for (own, wide) in own.iter_mut().zip(block.lanes()) {
+            *own = T::of(*wide);
+        }
+    }
+}

@@ -1,0 +1,316 @@
+//! Yield sets and initial stresses in lanes of double precision, for the return mapping of whole stresses; and that
+//! mapping for a single stress.
+#![allow(clippy::needless_range_loop, reason = "indices are those of tensors and parts")]
+
+use crate::simd::{Group, Number, Real, Vector};
+use crate::solid::medium::Medium;
+use models::solid::parameters::Isotropic;
+use models::solid::stress::{Shape, Stress, Tensor};
+use models::solid::waves::Field;
+use models::yield_set::parameters::Mises;
+use models::yield_set::return_mapping::{Cone, PARTS};
+
+/// Numbers in double precision in lanes: a block. A group in single precision is two of these.
+pub(super) type Wide = <f64 as Real>::Lanes;
+
+/// Lanes of these.
+pub(super) const WIDTH: usize = 8;
+
+/// How many of these a group is.
+pub(super) const fn blocks_of_group<T: Real>() -> usize {
+    T::Lanes::COUNT / WIDTH
+}
+
+/// Force and couple stress.
+pub(super) type Tensors<N> = [Tensor<N>; 2];
+
+/// Far beyond any stress, with room for products.
+const UNBOUNDED: f64 = 1e120;
+
+/// What holds stresses in their sets, by pattern.
+#[derive(Clone, Default, PartialEq)]
+pub(super) struct WholeStressSets {
+    pub(super) shape: Shape,
+    /// Which field is a component of force or couple stress; one stands for both in classical solids.
+    pub(super) places: Tensors<Option<usize>>,
+    /// Of the components that are fields: no mirrored ones.
+    pub(super) targets: Tensors<Option<usize>>,
+    /// Parts that any cone sees.
+    pub(super) seen: [bool; PARTS],
+    /// By pattern, and within a group.
+    pub(super) blocks: Vec<Block>,
+}
+
+/// Constants of the lanes of half a group, or of a group.
+#[derive(Clone, PartialEq)]
+pub(super) struct Block {
+    pub(super) media: [u16; WIDTH],
+    /// Lanes with a cone, by bits.
+    pub(super) cones: u16,
+    pub(super) cone: Cone<Wide>,
+    /// See [`Isotropic::energy_moduli`].
+    pub(super) moduli: [[Wide; 3]; 2],
+    pub(super) half_spaces: Vec<HalfSpace>,
+    /// Lanes with a set that is known as nothing else.
+    pub(super) others: u16,
+}
+
+/// n·s ≤ k in lanes.
+#[derive(Clone, PartialEq)]
+pub(super) struct HalfSpace {
+    /// Components, as in [`WholeStressSets::places`], and those of n.
+    pub(super) normal: Vec<([usize; 3], Wide)>,
+    pub(super) strength: Wide,
+}
+
+/// An initial stress in lanes.
+#[derive(Clone)]
+pub(super) struct InitialStress(pub(super) Tensors<Wide>);
+
+impl InitialStress {
+    /// The same in all lanes.
+    pub(super) fn uniform(stress: &Stress) -> Self {
+        Self::by_lane(|_| *stress)
+    }
+
+    /// One for each lane.
+    pub(super) fn by_lane(stress: impl Fn(usize) -> Stress) -> Self {
+        let lanes: [Stress; WIDTH] = std::array::from_fn(stress);
+        let tensor = |of: fn(&Stress) -> &Tensor<f64>| {
+            std::array::from_fn(|i| {
+                std::array::from_fn(|j| Wide::by_lane(|lane| of(&lanes[lane])[i][j]))
+            })
+        };
+        Self([tensor(|own| &own.force), tensor(|own| &own.couple)])
+    }
+
+    /// That of a lane.
+    pub(super) fn of(&self, lane: usize) -> Stress {
+        let [force, couple] =
+            self.0.each_ref().map(|own| own.map(|row| row.map(|lanes| lanes.lanes()[lane])));
+        Stress { force, couple }
+    }
+}
+
+/// An initial stress by layer across the first axis, by place in a row of so many groups.
+pub(super) fn initial_blocks<T: Real>(layers: &[Stress], groups: usize) -> Vec<InitialStress> {
+    let places =
+        (0..groups).flat_map(|group| (0..blocks_of_group::<T>()).map(move |half| (group, half)));
+    let at = |(group, half): (usize, usize)| {
+        let cell = move |lane: usize| (half * WIDTH + lane) * groups + group;
+        InitialStress::by_lane(|lane| layers.get(cell(lane)).copied().unwrap_or_default())
+    };
+    places.map(at).collect()
+}
+
+impl Block {
+    fn new(media: &[Medium], lanes: &[u16]) -> Self {
+        let own = |lane: usize| &media[usize::from(lanes[lane])];
+        let cone_of = |lane: usize| {
+            let medium = own(lane);
+            let set = medium.yields.as_ref()?.downcast::<Mises>()?;
+            Some(Cone::new(set, medium.law.downcast::<Isotropic>()?))
+        };
+        let known: [Option<Cone<f64>>; WIDTH] = std::array::from_fn(cone_of);
+        let half_spaces_of = |lane: usize| match (&known[lane], &own(lane).yields) {
+            (None, Some(set)) => set.half_spaces(),
+            _ => None,
+        };
+        let polyhedra: Vec<_> = (0..WIDTH).map(half_spaces_of).collect();
+        let bits = |is: &dyn Fn(usize) -> bool| {
+            (0..WIDTH).map(|lane| u16::from(is(lane)) << lane).sum::<u16>()
+        };
+        let most = polyhedra.iter().flatten().map(Vec::len).max().unwrap_or(0);
+        let half_space = |index: usize| {
+            let of = |lane: usize| polyhedra[lane].as_ref().and_then(|own| own.get(index));
+            let lanes = |which: usize, i: usize, j: usize| {
+                Wide::by_lane(|lane| {
+                    of(lane).map_or(0.0, |own| tensors(&own.0.normal)[which][i][j])
+                })
+            };
+            let components = (0..18).map(|number| [number / 9, number / 3 % 3, number % 3]);
+            let normal = components.map(|own| (own, lanes(own[0], own[1], own[2])));
+            HalfSpace {
+                normal: normal.filter(|own| own.1 != Wide::ZERO).collect(),
+                strength: Wide::by_lane(|lane| of(lane).map_or(UNBOUNDED, |own| own.1)),
+            }
+        };
+        let cones = known.map(|own| own.unwrap_or(Cone::unbounded(UNBOUNDED)));
+        let moduli: [[[f64; 3]; 2]; WIDTH] = std::array::from_fn(|lane| {
+            own(lane).law.downcast::<Isotropic>().map_or([[1.0; 3]; 2], Isotropic::energy_moduli)
+        });
+        Self {
+            media: std::array::from_fn(|lane| lanes[lane]),
+            cones: bits(&|lane| known[lane].is_some()),
+            cone: Cone::gather(|value| Wide::by_lane(|lane| value(&cones[lane]))),
+            moduli: std::array::from_fn(|which| {
+                std::array::from_fn(|part| Wide::by_lane(|lane| moduli[lane][which][part]))
+            }),
+            half_spaces: (0..most).map(half_space).collect(),
+            others: bits(&|lane| {
+                own(lane).yields.is_some() && known[lane].is_none() && polyhedra[lane].is_none()
+            }),
+        }
+    }
+}
+
+pub(super) fn tensors(stress: &Stress) -> Tensors<f64> {
+    [stress.force, stress.couple]
+}
+
+impl WholeStressSets {
+    /// The sets of media with initial stresses.
+    pub(super) fn new(media: &[Medium], patterns: &[Vec<u16>], initial: &[Stress]) -> Self {
+        let fields = &media[0].fields;
+        let index = |field: Field| fields.iter().position(|own| *own == field);
+        let is_symmetric = media[0].rotation.is_none();
+        let places = |which: usize, mirrors: bool| -> Tensor<Option<usize>> {
+            std::array::from_fn(|i| {
+                std::array::from_fn(|j| {
+                    let of = |i, j| match which {
+                        0 => index(Field::Stress(i, j)),
+                        _ => index(Field::Couple(i, j)),
+                    };
+                    of(i, j).or_else(|| of(j, i).filter(|_| mirrors))
+                })
+            })
+        };
+        let [places, targets] =
+            [is_symmetric, false].map(|mirrors| [0, 1].map(|which| places(which, mirrors)));
+        let is_zero = |which: usize, i: usize, j: usize| {
+            let is_zero = |own: &Stress| tensors(own)[which][i][j] == 0.0;
+            places[which][i][j].is_none() && initial.iter().all(is_zero)
+        };
+        let mut shape = Shape {
+            is_symmetric: is_symmetric
+                && initial.iter().all(|own| {
+                    let same =
+                        |i: usize, j: usize| own.force[i][j].to_bits() == own.force[j][i].to_bits();
+                    same(0, 1) && same(0, 2) && same(1, 2)
+                }),
+            is_plane: (0..18).all(|number| {
+                let [which, i, j] = [number / 9, number / 3 % 3, number % 3];
+                ((i == 2) != (j == 2)) == (which == 1) || is_zero(which, i, j)
+            }),
+            has_couples: places[1] != [[None; 3]; 3]
+                || initial.iter().any(|own| own.couple != [[0.0; 3]; 3]),
+        };
+        // Four shapes have loops of their own.
+        if !shape.is_symmetric || shape.has_couples {
+            shape = Shape { is_symmetric: false, has_couples: true, ..shape };
+        }
+        let blocks: Vec<Block> = patterns
+            .iter()
+            .flat_map(|pattern| pattern.chunks(WIDTH).map(|lanes| Block::new(media, lanes)))
+            .collect();
+        let mut seen = [false; PARTS];
+        for block in &blocks {
+            for (seen, weights) in seen.iter_mut().zip(&block.cone.half_weights) {
+                *seen |= weights.lanes().iter().any(|weight| *weight > 0.0);
+            }
+        }
+        Self { shape, places, targets, seen, blocks }
+    }
+}
+
+/// What the mapping of one stress does.
+pub(super) struct Correction {
+    /// The stress that is left, without the initial one.
+    pub(super) stress: Stress,
+    /// Plastic dissipation and work of the initial stress, J/m³.
+    pub(super) dissipated: f64,
+    /// See there.
+    pub(super) released: f64,
+    /// The dissipation over the energy stored.
+    pub(super) share: f64,
+}
+
+/// P, or 2P − I, of a stress, the deviation from the initial one; `None` where it is in its set.
+pub(super) fn correction(
+    medium: &Medium,
+    deviation: &Stress,
+    initial: Option<&Stress>,
+    reflects: bool,
+) -> Option<Correction> {
+    let none = Stress::default();
+    let offset = initial.unwrap_or(&none);
+    let trial = combined(deviation, offset, 1.0);
+    let corrected = medium.project(&trial);
+    if corrected.stress == trial {
+        return None;
+    }
+    let times = if reflects { 2.0 } else { 1.0 };
+    let plastic = combined(&trial, &corrected.stress, -1.0);
+    let energy = |stress: &Stress| medium.stored_energy(stress);
+    // ½|s̄|² − ½|2s − s̄|² = 2(½|s̄|² − ½|s|² − ½|s̄ − s|²).
+    let beyond = if reflects { energy(&plastic) } else { 0.0 };
+    let dissipated = times * (corrected.energy_lost - beyond);
+    // The product of both in the energy.
+    let released = initial.map_or(0.0, |initial| {
+        let both = combined(&plastic, initial, 1.0);
+        times * (energy(&both) - energy(&plastic) - energy(initial))
+    });
+    let share = dissipated / energy(&trial).max(f64::MIN_POSITIVE);
+    debug_assert!(share >= -1e-14, "the correction adds energy: {share:e} of what is there");
+    let moved = match reflects {
+        true => combined(&corrected.stress, &plastic, -1.0),
+        false => corrected.stress,
+    };
+    Some(Correction { stress: combined(&moved, offset, -1.0), dissipated, released, share })
+}
+
+/// a + factor·b.
+pub(super) fn combined(a: &Stress, b: &Stress, factor: f64) -> Stress {
+    let part = |a: [[f64; 3]; 3], b: [[f64; 3]; 3]| -> [[f64; 3]; 3] {
+        std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + factor * b[i][j]))
+    };
+    Stress { force: part(a.force, b.force), couple: part(a.couple, b.couple) }
+}
+
+/// Force and couple stress in registers.
+#[inline(always)]
+pub(super) fn load_tensors<V: Vector<f64>>(tensors: &Tensors<Wide>) -> Tensors<V> {
+    let mut loaded = [[[V::ZERO; 3]; 3]; 2];
+    for which in 0..2 {
+        for i in 0..3 {
+            for j in 0..3 {
+                loaded[which][i][j] = V::load(&tensors[which][i][j]);
+            }
+        }
+    }
+    loaded
+}
+
+/// Moduli in registers.
+#[inline(always)]
+pub(super) fn load_moduli<V: Vector<f64>>(moduli: &[[Wide; 3]; 2]) -> [[V; 3]; 2] {
+    let mut loaded = [[V::ZERO; 3]; 2];
+    for which in 0..2 {
+        for part in 0..3 {
+            loaded[which][part] = V::load(&moduli[which][part]);
+        }
+    }
+    loaded
+}
+
+/// A cone in registers.
+#[inline(always)]
+pub(super) fn load_cone<V: Vector<f64>>(cone: &Cone<Wide>) -> Cone<V> {
+    let [mut half_weights, mut stiffnesses, mut rates] = [[V::ZERO; PARTS]; 3];
+    for part in 0..PARTS {
+        half_weights[part] = V::load(&cone.half_weights[part]);
+        stiffnesses[part] = V::load(&cone.stiffnesses[part]);
+        rates[part] = V::load(&cone.rates[part]);
+    }
+    let [force, couple] = &cone.rounding_weights;
+    Cone {
+        strength: V::load(&cone.strength),
+        friction: V::load(&cone.friction),
+        fall: V::load(&cone.fall),
+        a: V::load(&cone.a),
+        half_weights,
+        stiffnesses,
+        rates,
+        rounding_weights: [V::load(force), V::load(couple)],
+    }
+}
