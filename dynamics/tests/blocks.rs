@@ -1,5 +1,7 @@
 //! Blocks with interlayers between them: the fused solver against lines swept one at a time, in parts, from snapshots, in all
 //! instructions; energy and its ledger; rigid motions.
+//!
+//! `ROUGH=1000 cargo test --release -p wellposed-dynamics --test blocks` takes so many random problems in each dimension.
 
 mod support;
 
@@ -29,6 +31,12 @@ impl Chance {
     fn below(&mut self, count: usize) -> usize {
         ((0.5 * self.number() + 0.5) * count as f64) as usize % count
     }
+}
+
+/// Numbers of random problems from one on: so many, unless others are asked for.
+fn runs(first: usize, count: usize) -> std::ops::Range<usize> {
+    let asked = std::env::var("ROUGH").ok().and_then(|count| count.parse().ok());
+    first * 1_000_000..first * 1_000_000 + asked.unwrap_or(count)
 }
 
 fn classical(factor: f64) -> Isotropic {
@@ -163,10 +171,10 @@ fn fused_as_plain<T: SolverReal, const D: usize>(numbers: std::ops::Range<usize>
 
 #[test]
 fn fused_sweeps_have_the_bits_of_plain_ones() {
-    fused_as_plain::<f64, 2>(0..60);
-    fused_as_plain::<f32, 2>(100..120);
-    fused_as_plain::<f64, 3>(200..215);
-    fused_as_plain::<f32, 3>(300..305);
+    fused_as_plain::<f64, 2>(runs(0, 40));
+    fused_as_plain::<f32, 2>(runs(1, 15));
+    fused_as_plain::<f64, 3>(runs(2, 10));
+    fused_as_plain::<f32, 3>(runs(3, 5));
 }
 
 fn parts_as_whole<const D: usize>(numbers: std::ops::Range<usize>) {
@@ -217,8 +225,8 @@ fn parts_as_whole<const D: usize>(numbers: std::ops::Range<usize>) {
 
 #[test]
 fn parts_snapshots_and_instructions_have_the_bits_of_the_whole() {
-    parts_as_whole::<2>(400..440);
-    parts_as_whole::<3>(500..510);
+    parts_as_whole::<2>(runs(4, 30));
+    parts_as_whole::<3>(runs(5, 6));
 }
 
 fn ledger_closes<const D: usize>(numbers: std::ops::Range<usize>) {
@@ -246,13 +254,13 @@ fn ledger_closes<const D: usize>(numbers: std::ops::Range<usize>) {
 
 #[test]
 fn the_ledger_of_blocks_closes() {
-    ledger_closes::<2>(600..660);
-    ledger_closes::<3>(700..710);
+    ledger_closes::<2>(runs(6, 40));
+    ledger_closes::<3>(runs(7, 6));
 }
 
 #[test]
 fn energy_of_blocks_never_grows() {
-    for number in 800..950 {
+    for number in runs(8, 100) {
         let (problem, words) = blocks::<2>(number, Detail::Light);
         let mut domain = rough::<f64, 2>(&problem, 1);
         let mut before = domain.energy().total();
