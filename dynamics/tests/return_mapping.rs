@@ -157,7 +157,7 @@ fn same<T: SolverReal, const D: usize>(first: u64) {
     let bits = |all: &[Vec<T>]| -> Vec<u64> {
         all.iter().flatten().map(|value| value.wide().to_bits()).collect()
     };
-    let of_numbers = |all: &[[f64; 12]]| -> Vec<u64> {
+    let of_numbers = |all: &[[f64; 14]]| -> Vec<u64> {
         all.iter().flatten().map(|value| value.to_bits()).collect()
     };
     let (mut yielding, mut released) = (0, 0);
