@@ -140,7 +140,7 @@ fn errors<const D: usize>(theory: Theory, count: usize, branch: usize, slopes: S
     for (&field, &place) in fields.iter().zip(&places) {
         domain.set(field, &(0..cells).map(|cell| exact(place, cell, 0.0)).collect::<Vec<_>>());
     }
-    // The greatest error of several instants: at a single one, errors of several kinds may cancel in a field.
+    // Of several instants: at a single one, errors of several kinds may cancel.
     let kind = |field: &Field| match field {
         Field::Velocity(_) => 0,
         Field::Spin(_) => 1,

@@ -9,6 +9,7 @@ use clarabel::solver::{
 };
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
 use models::solid::stress::Stress;
+use models::solid::waves::Field;
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
 use support::noise;
@@ -279,7 +280,12 @@ fn mapped_whole_stresses_are_the_nearest_of_a_conic_solver() {
         problem.initial_stress = Some((1, (0..6).map(stress).collect()));
         let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("a sound problem");
         for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
-            let value = |cell: usize| 1.5 * noise((1000 * index + cell) as u64);
+            // A third of the cells in tension, some of which go to the apex.
+            let is_normal = matches!(field, Field::Stress(i, j) if i == j);
+            let value = |cell: usize| {
+                let tension = if is_normal && cell.is_multiple_of(3) { 2.0 } else { 0.0 };
+                tension + 1.5 * noise((1000 * index + cell) as u64)
+            };
             domain.set(field, &(0..grid.count()).map(value).collect::<Vec<_>>());
         }
         let plane = |stress: &Stress| -> Plane {
