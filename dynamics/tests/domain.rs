@@ -140,13 +140,13 @@ fn errors<const D: usize>(theory: Theory, count: usize, branch: usize, slopes: S
     for (&field, &place) in fields.iter().zip(&places) {
         domain.set(field, &(0..cells).map(|cell| exact(place, cell, 0.0)).collect::<Vec<_>>());
     }
-    // Of several instants: at a single one, errors of several kinds may cancel.
     let kind = |field: &Field| match field {
         Field::Velocity(_) => 0,
         Field::Spin(_) => 1,
         Field::Stress(..) | Field::ViscousStrain(..) => 2,
         Field::Couple(..) => 3,
     };
+    // Over several instants, since at a single one errors of several kinds may cancel.
     let mut greatest = vec![0.0f64; fields.len()];
     let mut greatest_of_kind = [0.0f64; 4];
     let mut done = 0;
@@ -581,9 +581,8 @@ fn many_steps_are_stable() {
             let scheme = Scheme::new(Slopes::Limited, Placement::Middle);
             let grid = Grid { cells: [7, 6], spacing: [0.1, 0.1] };
             let all = std::array::from_fn(|_| [sides.clone(), sides.clone()]);
-            let mut domain: Domain<f64, 2> =
-                Domain::new(&Problem::new(grid, vec![medium], vec![0; 42], all, step, scheme))
-                    .expect("sound");
+            let problem = Problem::new(grid, vec![medium], vec![0; 42], all, step, scheme);
+            let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
             fill(&mut domain);
             let equations = equations::<2>(&solid(theory));
             let forms = [(equations.clone(), equations.symmetric().expect("elastic"))];
