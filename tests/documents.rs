@@ -221,9 +221,10 @@ fn commands_parse_and_name_cases_that_there_are() {
     // What stands at the head of cases: how to run them.
     for (_, text) in CASES {
         let lines = text.lines().filter_map(|line| line.strip_prefix('#')).map(str::trim);
+        let lines = lines.map(|line| line.strip_prefix("Run").unwrap_or(line).trim());
         // What it answers stands behind, at some distance.
         let command = |line: &str| line.split("  ").next().unwrap_or_default().to_owned();
-        let own = |line: &str| line.find("wellposed ").map(|place| command(&line[place..]));
+        let own = |line: &str| line.starts_with("wellposed ").then(|| command(line));
         commands_found.extend(lines.filter_map(own).flat_map(|line| commands(&line)));
     }
     let is_verb = |command: &&String| !command.starts_with('-') && !command.starts_with('=');
