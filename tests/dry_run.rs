@@ -116,3 +116,15 @@ fn of_runs() {
     let sets = [&sets[..], &["output.snapshot_interval=1e-4"]].concat();
     compare("run", "flow/decay.toml", &sets, &["snapshot-00000001.vts"]);
 }
+
+/// What a run refuses, its dry run refuses, too.
+#[test]
+fn of_an_ill_posed_flow_is_refused_as_the_run_is() {
+    let arguments = ["run", "cases/flow/outside-the-bound.toml", "--dry-run"];
+    let refused = wellposed(&arguments);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(refused.stdout.is_empty());
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("--accept-ill-posed"));
+    let accepted = wellposed(&[&arguments[..], &["--accept-ill-posed"]].concat());
+    assert_eq!(accepted.status.code(), Some(0));
+}

@@ -48,6 +48,9 @@ pub fn run(options: &Options, control: Control, stdout: &mut dyn Write) -> Resul
     folder.check_runs(options.force)?;
     if options.dry_run {
         job.check()?;
+        if let Some(found) = job.ill_posed()?.filter(|_| !options.accept_ill_posed) {
+            return Err(Error::IllPosed(found));
+        }
         writeln!(stdout, "would compute {plan}")?;
         return would_write(&folder, &planned::planned(&case)?, stdout);
     }
