@@ -310,7 +310,8 @@ fn dry_run(folder: &Path, case: &str) -> Result<String, Error> {
     let file = folder.join("case.run.toml");
     fs::write(&file, case).unwrap();
     let out = Some(folder.join("out"));
-    let options = Options { case: file, out, dry_run: true, ..Options::default() };
+    let options =
+        Options { case: file, out, dry_run: true, accept_ill_posed: true, ..Options::default() };
     let mut stdout = Vec::new();
     cli::run(&options, CONTROL, &mut stdout)?;
     assert!(!folder.join("out").exists());
