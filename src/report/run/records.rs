@@ -48,7 +48,10 @@ pub(super) fn seismograms(case: &Case, table: &Table) -> Picture {
         words.push(format!("{} of {} receivers", drawn.len(), receivers.len()));
     }
     if !vanishing.is_empty() {
-        words.push(format!("without {}, no more than rounding", vanishing.join(", ")));
+        // As at the axes, without the unit.
+        let quantity = |name: &String| label(name).split(',').next().map(str::to_owned);
+        let names: Vec<String> = vanishing.iter().filter_map(quantity).collect();
+        words.push(format!("without {}, no more than rounding", names.join(", ")));
     }
     let figure = SeismogramFigure {
         title: case_title(case),
