@@ -47,7 +47,7 @@ fn at<'a>(value: &'a mut toml::Value, path: &[String]) -> &'a mut toml::Value {
     })
 }
 
-/// What is done to a list.
+/// Changes of a list.
 #[derive(Clone, Copy, Debug)]
 enum Change {
     Empty,

@@ -22,7 +22,7 @@ use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme, Splitting};
 /// Cells along each axis.
 const CELLS: usize = 500;
 
-/// What stands in the way of the mapping of stresses without initial ones in lanes.
+/// What a row has beyond the plain configuration: initial stress, reflections, or several kinds of yield sets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Plain,

@@ -178,7 +178,7 @@ mod tests {
         }
     }
 
-    /// What is smaller in size than a limit is zero without a sign, all else stays, in any instructions, to the bit.
+    /// Values below a limit are flushed to +0, all others stay, to the bit and in all instruction sets.
     fn traces_vanish<T: Real>() {
         let limit = 1e-3;
         let all = [0.0, 1e-40, 0.9e-3, 1e-3, 1.1e-3, 7.0, f64::INFINITY, f64::NAN];

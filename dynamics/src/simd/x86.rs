@@ -316,7 +316,7 @@ unsafe fn least_single512(mean: __m512, one: __m512, other: __m512) -> __m512 {
 /// Of bits of the second and the third number whether they are the same.
 const XNOR: i32 = 0b1001_1001;
 
-// Numbers, or zeros where they are smaller in size than a limit; what is no number stays.
+// Flush to zero below a limit; NaN stays.
 
 #[inline(always)]
 unsafe fn kept_double256(own: __m256d, limit: __m256d) -> __m256d {

@@ -1,6 +1,7 @@
 //! What is to be solved: grid, media, sides, what acts, and the choices of the scheme.
 
 use crate::solid::boundary::{Boundary, Condition, Load, Source};
+use crate::solid::ghosts::BESIDE;
 use crate::solid::interlayers::Interlayers;
 use crate::solid::medium::Medium;
 use crate::solid::reconstruction::{HALO, Slopes};
@@ -257,6 +258,46 @@ impl<const D: usize> Problem<D> {
             }
             _ => Ok(()),
         }
+    }
+}
+
+impl<const D: usize> Problem<D> {
+    /// The interlayers across an axis.
+    pub(crate) fn interlayers_across(&self, axis: usize) -> Option<&Interlayers> {
+        self.interlayers.iter().find(|own| own.axis == axis)
+    }
+
+    /// That all interlayers can be taken.
+    pub(crate) fn check_interlayers(&self) -> Result<(), DomainError> {
+        for (index, own) in self.interlayers.iter().enumerate() {
+            let refuse = |reason| Err(DomainError::Interlayers { index, reason });
+            if own.axis >= D {
+                return refuse("there is no such axis");
+            }
+            if self.interlayers[..index].iter().any(|other| other.axis == own.axis) {
+                return refuse("there are others across the same axis");
+            }
+            if own.laws.len() != self.media[0].pairs[own.axis].len() {
+                return refuse("a law is needed for each pair of waves");
+            }
+            let is_sound = |value: f64| value >= 0.0 && value.is_finite();
+            if !own.laws.iter().all(|law| is_sound(law.mass) && is_sound(law.compliance)) {
+                return refuse("masses and compliances must be finite and not negative");
+            }
+            if self.scheme.alternates() {
+                return refuse("sweeps must not alternate");
+            }
+            let cells = self.grid.cells[own.axis];
+            if own.every == 0 || own.offset >= cells {
+                return refuse("blocks must have cells, and there must be an interlayer");
+            }
+            let behind = (cells - own.offset - 1) % own.every + 1;
+            if self.boundaries[own.axis][0] != Boundary::Periodic && own.offset.min(behind) < BESIDE
+            {
+                return refuse("blocks beside sides that are not periodic must have three cells");
+            }
+        }
+        Ok(())
     }
 }
 

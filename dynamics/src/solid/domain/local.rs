@@ -78,8 +78,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// With so many steps done, if they are a multiple of [`FLUSH_INTERVAL`], sets to zero what is smaller in size than
-    /// 2⁴⁰ times the least normal number, see [`crate::solid::domain`]. The factor leaves room for products with constants of
+    /// Every [`FLUSH_INTERVAL`] steps, flushes values below 2⁴⁰ times the least normal number to zero, see [`crate::solid::domain`]. The factor leaves room for products with constants of
     /// the media.
     pub(super) fn flush_subnormals(
         &mut self,
