@@ -7,15 +7,18 @@
 mod support;
 
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
+use models::solid::waves::Field;
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::Mises;
 use std::time::Instant;
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::Boundary;
+use wellposed_dynamics::ledger::Energy;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme, Splitting};
+use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme, Splitting};
 use wellposed_dynamics::real::Instructions;
+use wellposed_dynamics::reference::Reference;
 use wellposed_dynamics::split::Split;
 
 /// What stands where.
@@ -45,15 +48,16 @@ struct Row {
     media: Media,
     is_single: bool,
     threads: usize,
-    detail: Detail,
+    is_reference: bool,
     instructions: Instructions,
 }
 
 impl Row {
     fn name(&self) -> String {
-        let Self { dimensions, theory, count, media, threads, detail, instructions, .. } = self;
+        let Self { dimensions, theory, count, media, threads, is_reference, instructions, .. } =
+            self;
         let bits = if self.is_single { "f32" } else { "f64" };
-        let plain = if *detail == Detail::Full { " reference" } else { "" };
+        let plain = if *is_reference { " reference" } else { "" };
         let name = format!("{dimensions}D {theory:?} {count} {media:?} {bits} {threads}t");
         format!("{name} {instructions:?}{plain}").to_lowercase()
     }
@@ -140,6 +144,44 @@ struct Measured {
     size: usize,
 }
 
+/// What is measured.
+enum Solver<T: SolverReal, const D: usize> {
+    Fused(Split<T, D>),
+    Reference(Box<Reference<T, D>>),
+}
+
+impl<T: SolverReal, const D: usize> Solver<T, D> {
+    fn new(problem: &Problem<D>, row: &Row) -> Self {
+        if row.is_reference {
+            return Self::Reference(Box::new(Reference::new(problem).expect("sound")));
+        }
+        let mut split = Split::new(problem, row.threads).expect("sound");
+        split.set_instructions(row.instructions);
+        Self::Fused(split)
+    }
+
+    fn set(&mut self, field: Field, values: &[T]) {
+        match self {
+            Self::Fused(own) => own.set(field, values),
+            Self::Reference(own) => own.set(field, values),
+        }
+    }
+
+    fn advance(&mut self, steps: usize) {
+        match self {
+            Self::Fused(own) => own.advance(steps),
+            Self::Reference(own) => own.advance(steps),
+        }
+    }
+
+    fn energy(&self) -> Energy {
+        match self {
+            Self::Fused(own) => own.energy(),
+            Self::Reference(own) => own.energy(),
+        }
+    }
+}
+
 fn measure<T: SolverReal, const D: usize>(row: &Row) -> Measured {
     let (media, of_cell) = media::<D>(row);
     let count = of_cell.len();
@@ -147,31 +189,28 @@ fn measure<T: SolverReal, const D: usize>(row: &Row) -> Measured {
     // The defaults of cases.
     let is_elastic = media.iter().all(|medium| medium.yields.is_none());
     let slopes = if is_elastic { Slopes::FourthOrder } else { Slopes::Limited };
-    let scheme = Scheme {
-        detail: row.detail,
-        splitting: Splitting::Alternating,
-        ..Scheme::new(slopes, Placement::Last)
-    };
+    let scheme =
+        Scheme { splitting: Splitting::Alternating, ..Scheme::new(slopes, Placement::Last) };
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let grid = Grid { cells: [row.count; D], spacing: [0.1; D] };
     let problem = Problem::new(grid, media, of_cell, sides, 0.9 * 2.0 * 0.1 / speed, scheme);
-    let mut split: Split<T, D> = Split::new(&problem, row.threads).expect("sound");
-    split.set_instructions(row.instructions);
+    let mut solver = Solver::new(&problem, row);
+    let fields = problem.media[0].fields.clone();
     let layer = row.count.pow(D as u32 - 1);
-    for (index, field) in split.fields().to_vec().into_iter().enumerate() {
+    for (index, field) in fields.iter().enumerate() {
         let value = |i: usize| {
             let tail = (i / layer) as f64 / row.count as f64 - 0.1;
             let size =
                 if row.media == Media::Tails { (-2000.0 * tail.max(0.0)).exp() } else { 1.0 };
             T::of(size * (noise(i + 31 * index) - 0.5))
         };
-        split.set(field, &(0..count).map(value).collect::<Vec<_>>());
+        solver.set(*field, &(0..count).map(value).collect::<Vec<_>>());
     }
-    split.advance(2);
+    solver.advance(2);
     // Rounds so short that other processes leave some of them alone, and so long that it does not matter that each
     // starts its threads anew.
     let probe = Instant::now();
-    split.advance(2);
+    solver.advance(2);
     let probe = probe.elapsed().as_secs_f64();
     let steps = 2 * ((0.05 / probe) as usize).max(1);
     let rounds = ((5.0 / probe) as usize / (steps / 2)).max(5);
@@ -179,7 +218,7 @@ fn measure<T: SolverReal, const D: usize>(row: &Row) -> Measured {
     let mut seconds: Vec<f64> = (0..rounds)
         .map(|_| {
             let start = Instant::now();
-            split.advance(steps);
+            solver.advance(steps);
             start.elapsed().as_secs_f64() / steps as f64
         })
         .collect();
@@ -187,10 +226,10 @@ fn measure<T: SolverReal, const D: usize>(row: &Row) -> Measured {
     let share = begun.1.zip(processor_time()).map(|(before, after)| (after - before) / wall);
     seconds.sort_by(f64::total_cmp);
     let start = Instant::now();
-    std::hint::black_box(split.energy());
+    std::hint::black_box(solver.energy());
     let [quick, middle] = [10, 2].map(|share| seconds[rounds / share]);
     let energies = start.elapsed().as_secs_f64() / middle;
-    let fields = split.fields().len();
+    let fields = fields.len();
     let rate = |seconds: f64| 2.0 * count as f64 / seconds / 1e6;
     Measured {
         rate: rate(middle),
@@ -198,8 +237,12 @@ fn measure<T: SolverReal, const D: usize>(row: &Row) -> Measured {
         share,
         energies,
         // All fields in and out, once in a pass; two updates a step.
-        bytes: (row.detail == Detail::Light)
-            .then(|| (fields * size_of::<T>()) as f64 / split.most_steps() as f64),
+        bytes: match solver {
+            Solver::Fused(split) => {
+                Some((fields * size_of::<T>()) as f64 / split.most_steps() as f64)
+            }
+            Solver::Reference(_) => None,
+        },
         size: fields * size_of::<T>() * count,
     }
 }
@@ -233,13 +276,21 @@ fn triad(bytes: usize, threads: usize) -> f64 {
 /// All rows, the small ones first.
 fn rows() -> Vec<Row> {
     let instructions = Instructions::best();
-    let (detail, is_single, threads, media) = (Detail::Light, false, 1, Media::Elastic);
+    let (is_reference, is_single, threads, media) = (false, false, 1, Media::Elastic);
     let mut rows = Vec::new();
     let sizes = [(2, 500), (2, 1000), (2, 4000), (3, 64), (3, 150), (3, 158), (3, 256)];
     for (dimensions, count) in sizes {
         for theory in [Theory::Classical, Theory::Cosserat] {
-            let row =
-                Row { dimensions, theory, count, media, is_single, threads, detail, instructions };
+            let row = Row {
+                dimensions,
+                theory,
+                count,
+                media,
+                is_single,
+                threads,
+                is_reference,
+                instructions,
+            };
             // With its ghosts a row fills the lanes of both kinds of numbers.
             if count == 158 {
                 rows.extend([false, true].map(|is_single| Row { is_single, ..row }));
@@ -247,7 +298,7 @@ fn rows() -> Vec<Row> {
             }
             let is_middle = [1000, 150].contains(&count);
             if count == 500 || count == 64 {
-                rows.push(Row { detail: Detail::Full, ..row });
+                rows.push(Row { is_reference: true, ..row });
             }
             if is_middle {
                 let sets = Instructions::available().filter(|set| *set != instructions);

@@ -5,7 +5,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`solid`] | media, problems, boundary conditions; one-dimensional sweeps; the fused solver, [`domain`] |
+//! | [`solid`] | media, problems, boundary conditions; one-dimensional sweeps; the fused solver, [`domain`]; a plain one with the full energy account, [`mod@reference`] |
 //! | [`decomposition`] | domain decomposition: subdomains in threads, and the halo between them |
 //! | [`simulation`] | the time loop of solids and flows: stop rules, observers, snapshots |
 //! | [`flow`] | granular flow in a box that deforms with it, by Fourier series |
@@ -14,6 +14,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod decomposition;
+mod exact_sum;
 pub mod flow;
 pub mod simd;
 pub mod simulation;
@@ -22,4 +23,6 @@ pub mod solid;
 pub use decomposition as split;
 pub use simd as real;
 pub use solid::domain::SolverReal;
-pub use solid::{boundary, domain, initial, ledger, line, medium, point_kernel, probe, problem};
+pub use solid::{
+    boundary, domain, initial, ledger, line, medium, point_kernel, probe, problem, reference,
+};

@@ -18,11 +18,13 @@
 mod flow;
 mod regular_times;
 mod solid;
+mod solver;
 mod time_steps;
 
 pub use flow::{FlowAccount, FlowFields, FlowSimulation};
 pub use regular_times::RegularTimes;
 pub use solid::{SolidAccount, SolidFault, SolidFields, SolidSimulation};
+pub use solver::SolverChoice;
 pub use time_steps::{StepLimit, TimeSteps, TooManySteps};
 
 use std::cmp::Ordering;

@@ -9,15 +9,16 @@ use models::interface::elastic::{ElasticInterlayer, ElasticMaterial};
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
 use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition};
-use wellposed_dynamics::decomposition::Split;
+use wellposed_dynamics::decomposition::{Snapshot, Split};
 use wellposed_dynamics::domain::{Domain, SolverReal};
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::Splitting;
-use wellposed_dynamics::problem::{Detail, DomainError, Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::problem::{DomainError, Grid, Placement, Problem, Scheme};
 use wellposed_dynamics::real::Instructions;
+use wellposed_dynamics::reference::Reference;
 use wellposed_dynamics::solid::interface::{Interlayer, sweep_with_interlayers};
 use wellposed_dynamics::solid::interlayers::Interlayers;
-use wellposed_dynamics::solid::line::{Cell, GHOSTS, Slopes};
+use wellposed_dynamics::solid::line::{Cell, GHOSTS, HALO, Slopes};
 
 /// Numbers by chance, the same every time.
 struct Chance(u64);
@@ -76,7 +77,7 @@ fn side(chance: &mut Chance, medium: &Medium, axis: usize) -> Boundary {
 }
 
 /// Blocks across some axes, at least one.
-fn blocks<const D: usize>(number: usize, detail: Detail) -> (Problem<D>, String) {
+fn blocks<const D: usize>(number: usize) -> (Problem<D>, String) {
     let mut chance = Chance((number as u64) << 40);
     let media = media(&mut chance, D);
     let most = if D == 2 { [40, 29, 33, 24, 16] } else { [18, 13, 17, 12, 16] };
@@ -87,13 +88,10 @@ fn blocks<const D: usize>(number: usize, detail: Detail) -> (Problem<D>, String)
         _ => [0, 1].map(|_| side(&mut chance, &media[0], axis)),
     });
     let courant = [0.4, 0.8, 1.0][chance.below(3)];
-    let scheme = Scheme {
-        detail,
-        ..Scheme::new(
-            [Slopes::Godunov, Slopes::Limited, Slopes::FourthOrder][chance.below(3)],
-            Placement::Last,
-        )
-    };
+    let scheme = Scheme::new(
+        [Slopes::Godunov, Slopes::Limited, Slopes::FourthOrder][chance.below(3)],
+        Placement::Last,
+    );
     let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
     let step = 2.0 * courant * 0.1 / speed;
     let of_cell = (0..grid.count()).map(|_| chance.below(media.len()) as u16).collect();
@@ -130,63 +128,102 @@ fn blocks<const D: usize>(number: usize, detail: Detail) -> (Problem<D>, String)
     (problem, words)
 }
 
-/// A rough state.
-fn set<T: SolverReal, const D: usize>(domain: &mut Split<T, D>, cells: usize) {
-    for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
-        let value = |cell: usize| T::of(noise((index * 1_000_003 + cell) as u64));
-        domain.set(field, &(0..cells).map(value).collect::<Vec<T>>());
-    }
-    domain.initialise_interlayers();
+/// A rough state: values of a field by its number.
+fn value<T: SolverReal>(index: usize, cell: usize) -> T {
+    T::of(noise((index * 1_000_003 + cell) as u64))
 }
 
-fn bits<T: SolverReal, const D: usize>(domain: &Split<T, D>) -> Vec<u64> {
-    let snapshot = domain.snapshot();
+fn rough<T: SolverReal, const D: usize>(problem: &Problem<D>) -> Split<T, D> {
+    rough_in(problem, [1; D])
+}
+
+fn rough_in<T: SolverReal, const D: usize>(problem: &Problem<D>, parts: [usize; D]) -> Split<T, D> {
+    let mut domain: Split<T, D> = Split::in_box(0, problem, parts).expect("sound");
+    let cells = 0..problem.grid.count();
+    for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
+        domain.set(field, &cells.clone().map(|cell| value(index, cell)).collect::<Vec<T>>());
+    }
+    domain.initialise_interlayers();
+    domain
+}
+
+/// The same of the reference solver.
+fn rough_reference<T: SolverReal, const D: usize>(problem: &Problem<D>) -> Reference<T, D> {
+    let mut solver: Reference<T, D> = Reference::new(problem).expect("sound");
+    let cells = 0..problem.grid.count();
+    for (index, field) in solver.fields().to_vec().into_iter().enumerate() {
+        solver.set(field, &cells.clone().map(|cell| value(index, cell)).collect::<Vec<T>>());
+    }
+    solver.initialise_interlayers();
+    solver
+}
+
+fn bits_of<T: SolverReal>(snapshot: &Snapshot<T>) -> Vec<u64> {
     let fields = snapshot.fields.iter().flatten().chain(snapshot.interlayers.as_flattened());
     fields.map(|value| value.wide().to_bits()).collect()
 }
 
-fn rough<T: SolverReal, const D: usize>(problem: &Problem<D>, parts: usize) -> Split<T, D> {
-    let mut domain = Split::new(problem, parts).expect("sound");
-    set(&mut domain, problem.grid.count());
-    domain
+fn bits<T: SolverReal, const D: usize>(domain: &Split<T, D>) -> Vec<u64> {
+    bits_of(&domain.snapshot())
 }
 
-fn fused_as_plain<T: SolverReal, const D: usize>(numbers: std::ops::Range<usize>) {
+fn fused_as_reference<T: SolverReal, const D: usize>(numbers: std::ops::Range<usize>) {
     for number in numbers {
-        let (light, words) = blocks::<D>(number, Detail::Light);
-        let (full, _) = blocks::<D>(number, Detail::Full);
-        let [mut one, mut other] = [rough::<T, D>(&light, 1), rough::<T, D>(&full, 1)];
+        let (problem, words) = blocks::<D>(number);
+        let (mut one, mut other) = (rough::<T, D>(&problem), rough_reference::<T, D>(&problem));
         assert!(!one.interlayer_memory().is_empty(), "{words}");
         let before = bits(&one);
+        assert!(before == bits_of(&other.snapshot()), "{words}");
         for steps in [1, 2, 3] {
             one.advance(steps);
             other.advance(steps);
-            assert!(bits(&one) == bits(&other), "{words}");
+            assert!(bits(&one) == bits_of(&other.snapshot()), "{words}");
+            assert_eq!(one.energy(), other.energy(), "{words}");
         }
+        assert_eq!(one.interlayer_memory(), other.interlayer_memory());
         let memory = one.interlayer_memory();
         assert!(memory.iter().flatten().all(|value| value.wide() != 0.0), "{words}");
         assert!(bits(&one) != before);
+        // Each goes on from a snapshot of the other.
+        let mut resumed: Reference<T, D> = Reference::new(&problem).expect("sound");
+        assert!(resumed.restore(&one.snapshot()));
+        assert!(one.restore(&other.snapshot()));
+        one.advance(2);
+        resumed.advance(2);
+        assert!(bits(&one) == bits_of(&resumed.snapshot()), "{words}");
+        let mut short = one.snapshot();
+        short.interlayers.pop();
+        assert!(!resumed.restore(&short));
     }
 }
 
 #[test]
-fn fused_sweeps_have_the_bits_of_plain_ones() {
-    fused_as_plain::<f64, 2>(runs(0, 40));
-    fused_as_plain::<f32, 2>(runs(1, 15));
-    fused_as_plain::<f64, 3>(runs(2, 10));
-    fused_as_plain::<f32, 3>(runs(3, 5));
+fn fused_sweeps_have_the_bits_of_the_reference() {
+    fused_as_reference::<f64, 2>(runs(0, 40));
+    fused_as_reference::<f32, 2>(runs(1, 15));
+    fused_as_reference::<f64, 3>(runs(2, 10));
+    fused_as_reference::<f32, 3>(runs(3, 5));
 }
 
 fn parts_as_whole<const D: usize>(numbers: std::ops::Range<usize>) {
     for number in numbers {
-        let (problem, words) = blocks::<D>(number, Detail::Light);
-        let mut whole = rough::<f64, D>(&problem, 1);
-        let most = Split::<f64, D>::max_parts(0, &problem);
-        let mut parts: Vec<_> =
-            [2, 3].into_iter().filter(|n| *n <= most).map(|n| rough(&problem, n)).collect();
+        let (problem, words) = blocks::<D>(number);
+        let mut whole = rough::<f64, D>(&problem);
+        let most = problem.grid.cells.map(|cells| (cells / HALO).max(1));
+        let cuts = [[1, 1, 2], [1, 1, 3], [2, 1, 1], [3, 1, 2], [2, 2, 1], [2, 2, 2]];
+        let cuts = cuts.map(|[first, middle, last]| -> [usize; D] {
+            std::array::from_fn(|axis| match axis {
+                0 => first,
+                _ if axis + 1 == D => last,
+                _ => middle,
+            })
+        });
+        let is_possible = |cut: &[usize; D]| cut.iter().zip(most).all(|(own, most)| *own <= most);
+        let cuts = cuts.into_iter().filter(is_possible);
+        let mut parts: Vec<_> = cuts.map(|cut| rough_in(&problem, cut)).collect();
         // Other instructions, and a stop in between.
         let mut others: Vec<_> =
-            Instructions::available().map(|own| (own, rough::<f64, D>(&problem, 1))).collect();
+            Instructions::available().map(|own| (own, rough::<f64, D>(&problem))).collect();
         // A pulse in a domain at rest: numbers of all sizes, and a flush of small ones in between.
         let pulse = |own: &mut Split<f64, D>| {
             if number % 2 == 1 {
@@ -232,8 +269,8 @@ fn parts_snapshots_and_instructions_have_the_bits_of_the_whole() {
 fn ledger_closes<const D: usize>(numbers: std::ops::Range<usize>) {
     let (mut worst, mut moved) = (0.0f64, 0.0f64);
     for number in numbers {
-        let (problem, words) = blocks::<D>(number, Detail::Full);
-        let mut domain = rough::<f64, D>(&problem, 1);
+        let (problem, words) = blocks::<D>(number);
+        let mut domain = rough_reference::<f64, D>(&problem);
         let start = domain.energy();
         let mut before = start.total();
         for _ in 0..10 {
@@ -261,8 +298,8 @@ fn the_ledger_of_blocks_closes() {
 #[test]
 fn energy_of_blocks_never_grows() {
     for number in runs(8, 100) {
-        let (problem, words) = blocks::<2>(number, Detail::Light);
-        let mut domain = rough::<f64, 2>(&problem, 1);
+        let (problem, words) = blocks::<2>(number);
+        let mut domain = rough::<f64, 2>(&problem);
         let mut before = domain.energy().total();
         for _ in 0..100 {
             domain.advance(1);
@@ -359,7 +396,7 @@ fn a_row_of_blocks_moves_as_a_line() {
 /// All cells with one velocity, and interlayers with them: nothing changes but by rounding.
 #[test]
 fn a_rigid_motion_stays_one() {
-    let (mut problem, _) = blocks::<2>(3, Detail::Light);
+    let (mut problem, _) = blocks::<2>(3);
     problem.boundaries = [0, 1].map(|_| [Boundary::Free, Boundary::Free]);
     problem.interlayers.truncate(1);
     let mut domain = Split::<f64, 2>::new(&problem, 1).expect("sound");
@@ -375,18 +412,26 @@ fn a_rigid_motion_stays_one() {
 
 #[test]
 fn a_number_that_is_not_finite_is_found_in_interlayers() {
-    let (problem, _) = blocks::<2>(5, Detail::Light);
+    let (problem, _) = blocks::<2>(5);
     let mut domain = Domain::<f64, 2>::new(&problem).expect("sound");
     assert_eq!(domain.first_non_finite(), None);
     let count = domain.interlayer_memory().len();
     let memory = (0..count).map(|i| [0.0, if i + 1 == count { f64::NAN } else { 0.0 }]);
     domain.set_interlayer_memory(&mut memory.into_iter());
     assert!(domain.first_non_finite().is_some());
+    let mut reference = Reference::<f64, 2>::new(&problem).expect("sound");
+    assert_eq!(reference.first_non_finite(), None);
+    let mut snapshot = reference.snapshot();
+    if let Some(last) = snapshot.interlayers.last_mut() {
+        last[1] = f64::NAN;
+    }
+    assert!(reference.restore(&snapshot));
+    assert_eq!(reference.first_non_finite(), domain.first_non_finite());
 }
 
 #[test]
 fn interlayers_that_cannot_be_are_refused() {
-    let (sound, _) = blocks::<2>(7, Detail::Light);
+    let (sound, _) = blocks::<2>(7);
     let refused = |change: fn(&mut Problem<2>)| {
         let mut problem = sound.clone();
         problem.boundaries = [0, 1].map(|_| [Boundary::Free, Boundary::Free]);
@@ -395,7 +440,9 @@ fn interlayers_that_cannot_be_are_refused() {
         problem.interlayers[0].every = problem.grid.cells[problem.interlayers[0].axis];
         assert!(problem.check().is_ok());
         change(&mut problem);
-        matches!(problem.check(), Err(DomainError::Interlayers { .. }))
+        let found = problem.check();
+        assert_eq!(Reference::<f64, 2>::new(&problem).err(), found.clone().err());
+        matches!(found, Err(DomainError::Interlayers { .. }))
     };
     assert!(refused(|own| own.interlayers[0].axis = 2));
     assert!(refused(|own| own.interlayers.push(own.interlayers[0].clone())));

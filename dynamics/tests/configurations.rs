@@ -1,12 +1,14 @@
-//! Problems made by chance: the fast way through them, in any instructions and a few parts, with a stop or without, has the
-//! bits of the plain one, which sweeps line by line in one part. Both share what stands beside the sweeps: ghosts,
-//! patterns, rotation, correction.
+//! Problems made by chance: the fused solver, in any instructions and a few parts, with a stop or without, has the bits of
+//! the reference solver. Both call the same formulas in a cell and at a face; what they do not share is which cells these
+//! are called for, and when.
 //!
 //! `CONFIGURATIONS=20000 cargo test --release -p wellposed-dynamics --test configurations` makes so many problems in each of
 //! the four tests.
 
 mod support;
 
+use models::interface::elastic::ElasticInterlayer;
+use models::rheology::relaxation::StandardLinearSolid;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances, Theory};
 use models::solid::stress::Stress;
 use models::solid::waves::Field;
@@ -16,10 +18,13 @@ use std::sync::Arc;
 use support::noise;
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Signal, Source};
+use wellposed_dynamics::ledger::Energy;
 use wellposed_dynamics::line::{HALO, Slopes};
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme, Splitting};
+use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme, Splitting};
 use wellposed_dynamics::real::Instructions;
+use wellposed_dynamics::reference::Reference;
+use wellposed_dynamics::solid::interlayers::Interlayers;
 use wellposed_dynamics::split::{Snapshot, Split};
 
 /// Chance that is the same every time: where it begins, and how often it was asked.
@@ -61,9 +66,24 @@ fn solid(theory: Theory, factor: f64) -> Isotropic {
     Isotropic::new(1.4 * factor, 0.9 * factor, 1.2, rotation).expect("sound moduli")
 }
 
+/// Blocks with interlayers between them, where they are allowed: some of those that chance proposes.
+fn add_interlayers<const D: usize>(chance: &mut Chance, problem: &mut Problem<D>) {
+    for axis in 0..D {
+        let (every, offset) = (1 + chance.below(8), chance.below(8));
+        let laws = problem.media[0].pairs[axis].iter().map(|_| {
+            let mut size = || 0.2 * 10f64.powf(1.5 * chance.number());
+            ElasticInterlayer { mass: size(), compliance: size() }
+        });
+        problem.interlayers.push(Interlayers { axis, offset, every, laws: laws.collect() });
+        if problem.check().is_err() {
+            problem.interlayers.pop();
+        }
+    }
+}
+
 fn media<const D: usize>(chance: &mut Chance) -> Vec<Medium> {
     let theory = chance.one_of(&[Theory::Classical, Theory::Reduced, Theory::Cosserat]);
-    let yields = !chance.one_in(3);
+    let (yields, relaxes) = (!chance.one_in(4), chance.one_in(3));
     let medium = |chance: &mut Chance| {
         let factor = chance.one_of(&[1.0, 1.0, 0.3, 2.3, 40.0]);
         if D == 2 && theory == Theory::Cosserat && chance.one_in(6) {
@@ -80,7 +100,15 @@ fn media<const D: usize>(chance: &mut Chance) -> Vec<Medium> {
                 2,
             );
         }
-        let own = Medium::new(solid(theory, factor), D);
+        let solid = solid(theory, factor);
+        let own = match relaxes && chance.one_in(2) {
+            true => {
+                let time = chance.one_of(&[1e-3, 0.05, 1.0]);
+                let own = StandardLinearSolid::from_unrelaxed(solid, 0.4 * factor, time);
+                Medium::relaxing(own.expect("sound constants"), D)
+            }
+            false => Medium::new(solid, D),
+        };
         if !yields || chance.one_in(5) {
             return own;
         }
@@ -224,6 +252,9 @@ fn problem<const D: usize>(chance: &mut Chance) -> Problem<D> {
         let all: Vec<Field> = fields.iter().copied().filter(moves).collect();
         problem.integrals = (0..=chance.below(2)).map(|_| chance.one_of(&all)).collect();
     }
+    if chance.one_in(2) {
+        add_interlayers(chance, &mut problem);
+    }
     problem
 }
 
@@ -237,35 +268,57 @@ struct Start {
     share: f64,
 }
 
-/// All that comes of some steps, in so many parts, and in others after a stop if there is one.
+impl Start {
+    /// Values by field and cell.
+    fn values<T: SolverReal, const D: usize>(self, problem: &Problem<D>) -> Vec<Vec<T>> {
+        let Self { seed, scale, share } = self;
+        let value = |number: usize| {
+            let number = seed + number as u64;
+            let is_zero = 0.5 * noise(number + (1 << 29)) + 0.5 >= share;
+            T::of(scale * noise(number) * if is_zero { 0.0 } else { 1.0 })
+        };
+        let count = problem.grid.count();
+        let of_field = |index: usize| (index * count..(index + 1) * count).map(value).collect();
+        (0..problem.fields().len()).map(of_field).collect()
+    }
+}
+
+/// What the reference solver makes of some steps.
+fn reference<T: SolverReal, const D: usize>(
+    problem: &Problem<D>,
+    start: Start,
+    steps: usize,
+) -> Reference<T, D> {
+    let mut reference: Reference<T, D> = Reference::new(problem).expect("a sound problem");
+    let fields = reference.fields().to_vec();
+    fields.iter().zip(start.values(problem)).for_each(|(f, own)| reference.set(*f, &own));
+    reference.initialise_interlayers();
+    reference.advance(steps);
+    reference
+}
+
+/// All that comes of some steps of the fused solver, in so many parts along each axis, and in others after a stop if there
+/// is one.
 fn after<T: SolverReal, const D: usize>(
     problem: &Problem<D>,
     start: Start,
     instructions: Instructions,
-    ways: &[(usize, usize)],
-) -> Snapshot<T> {
-    let Start { seed, scale, share } = start;
-    let value = |number: usize| {
-        let number = seed + number as u64;
-        let is_zero = 0.5 * noise(number + (1 << 29)) + 0.5 >= share;
-        T::of(scale * noise(number) * if is_zero { 0.0 } else { 1.0 })
-    };
-    let mut last: Option<Snapshot<T>> = None;
+    ways: &[([usize; D], usize)],
+) -> (Snapshot<T>, Vec<Vec<f64>>, Energy) {
+    let mut last: Option<(Snapshot<T>, Vec<Vec<f64>>, Energy)> = None;
     for &(parts, steps) in ways {
-        let mut split: Split<T, D> = Split::new(problem, parts).expect("a sound problem");
+        let mut split: Split<T, D> = Split::in_box(0, problem, parts).expect("a sound problem");
         split.set_instructions(instructions);
         match &last {
-            Some(snapshot) => assert!(split.restore(snapshot)),
+            Some((snapshot, ..)) => assert!(split.restore(snapshot)),
             None => {
-                let count = problem.grid.count();
-                for (index, field) in split.fields().to_vec().into_iter().enumerate() {
-                    let values = index * count..(index + 1) * count;
-                    split.set(field, &values.map(value).collect::<Vec<_>>());
-                }
+                let fields = split.fields().to_vec();
+                fields.iter().zip(start.values(problem)).for_each(|(f, own)| split.set(*f, &own));
+                split.initialise_interlayers();
             }
         }
         split.advance(steps);
-        last = Some(split.snapshot());
+        last = Some((split.snapshot(), split.shown(), split.energy()));
     }
     last.expect("a way")
 }
@@ -274,65 +327,69 @@ fn bits<T: SolverReal>(all: &[Vec<T>]) -> Vec<Vec<u64>> {
     all.iter().map(|own| own.iter().map(|value| value.wide().to_bits()).collect()).collect()
 }
 
+fn numbers<T: SolverReal>(memory: &[[T; 2]]) -> [Vec<T>; 1] {
+    [memory.as_flattened().to_vec()]
+}
+
 /// Makes problems from this number on, and takes all ways through them.
 fn same<T: SolverReal, const D: usize>(first: usize, traces: f64) {
     let wanted = std::env::var("CONFIGURATIONS").ok();
     let wanted = wanted.map(|count| count.parse().expect("CONFIGURATIONS must be a number"));
-    let (mut yielding, mut divided) = (0, 0);
+    let (mut yielding, mut divided, mut relaxing, mut layered) = (0, 0, 0, 0);
     let count = wanted.unwrap_or(if D == 2 { 100 } else { 50 });
     for number in first..first + count {
         let mut chance = Chance::new(number);
-        let light = problem::<D>(&mut chance);
-        let full = Scheme { detail: Detail::Full, ..light.scheme };
-        let plain = Problem { scheme: full, ..light.clone() };
+        let problem = problem::<D>(&mut chance);
         let steps = [chance.below(4), chance.one_of(&[1, 1, 2, 7, 20, 20])];
         let start = Start {
             seed: chance.seed + (3 << 30),
             scale: chance.one_of(&[1.0, 1.0, 1.0, traces]),
             share: chance.one_of(&[1.0, 1.0, 0.5, 0.05]),
         };
-        let most = (light.grid.cells[D - 1] / HALO).clamp(1, 6);
-        let parts: [[usize; 2]; 3] =
-            std::array::from_fn(|_| [0, 1].map(|_| 1 + chance.below(most)));
-        let whole = [(1, steps[0] + steps[1])];
-        let expected: Snapshot<T> = after(&plain, start, Instructions::Baseline, &whole);
+        // Along the first axis output may look at two cells more.
+        let most = |axis: usize| {
+            let cells = problem.grid.cells[axis];
+            if axis == 0 { (cells / (HALO + 2)).clamp(1, 3) } else { (cells / HALO).clamp(1, 4) }
+        };
+        let mut some_parts = || std::array::from_fn(|axis| 1 + chance.below(most(axis)));
+        let parts: [[[usize; D]; 2]; 2] = std::array::from_fn(|_| [0, 1].map(|_| some_parts()));
+        let whole = [([1; D], steps[0] + steps[1])];
+        let reference: Reference<T, D> = reference(&problem, start, steps[0] + steps[1]);
+        let expected: Snapshot<T> = reference.snapshot();
         let (values, sums) = (bits(&expected.fields), bits(&expected.sums));
+        let memory = bits(&numbers(&expected.interlayers));
+        let energies = [reference.energy()];
         let all = expected.fields.iter().flatten().map(|value| value.wide());
         let mut all = all.chain(expected.sums.iter().flatten().copied());
         assert!(all.all(f64::is_finite), "problem {number}");
-        let mut totals = None;
+        let mut inflow = None;
         for instructions in Instructions::available() {
             let stops = parts.map(|[one, other]| [(one, steps[0]), (other, steps[1])]);
-            let ways = [
-                (&light, whole.as_slice()),
-                (&light, stops[0].as_slice()),
-                (&light, stops[1].as_slice()),
-                (&plain, stops[2].as_slice()),
-            ];
-            for (problem, way) in ways {
-                let found: Snapshot<T> = after(problem, start, instructions, way);
-                let detail = problem.scheme.detail;
-                let what = format!("problem {number}: {instructions:?}, {detail:?}, {way:?}");
+            for way in [whole.as_slice(), stops[0].as_slice(), stops[1].as_slice()] {
+                let (found, shown, found_energy) =
+                    after::<T, D>(&problem, start, instructions, way);
+                let what = format!("problem {number}: {instructions:?}, {way:?}");
                 assert!(values == bits(&found.fields), "{what}");
                 assert!(sums == bits(&found.sums), "{what}");
-                match detail {
-                    Detail::Full => assert_eq!(expected.totals, found.totals, "{what}"),
-                    Detail::Light => {
-                        // What sources, initial stress and yielding add is the same line by line.
-                        for (one, other) in expected.totals.iter().zip(&found.totals) {
-                            assert_eq!(one[1..4], other[1..4], "{what}");
-                        }
-                        let totals = totals.get_or_insert_with(|| found.totals.clone());
-                        assert_eq!(*totals, found.totals, "{what}");
-                    }
-                }
+                assert!(memory == bits(&numbers(&found.interlayers)), "{what}");
+                assert!(bits(&reference.shown()) == bits(&shown), "{what}");
+                assert_eq!(expected.work[1], found.work[1], "{what}");
+                assert_eq!(expected.work[3], found.work[3], "{what}");
+                let inflow = inflow.get_or_insert_with(|| found.work[0].clone());
+                assert_eq!(*inflow, found.work[0], "{what}");
+                assert!(energies == [found_energy], "{what}");
             }
         }
         yielding += usize::from(expected.sums[0].iter().any(|lost| *lost > 0.0));
-        divided += usize::from(parts != [[1; 2]; 3]);
+        divided +=
+            usize::from(parts.iter().flatten().any(|parts| parts[..D - 1] != [1; 2][..D - 1]));
+        relaxing += usize::from(reference.ledger().viscous > 0.0);
+        layered += usize::from(!expected.interlayers.is_empty());
     }
-    // A third of them at least yield, and a quarter are cut.
-    assert!(count < 40 || (3 * yielding > count && 4 * divided > count), "{yielding}, {divided}");
+    // A quarter of them at least yield, a quarter are cut along an axis but the last one, a tenth relax, and as many have
+    // interlayers.
+    let kinds = [4 * yielding, 4 * divided, 10 * relaxing, 10 * layered];
+    assert!(count < 40 || kinds.iter().all(|own| *own > count), "{kinds:?}");
 }
 
 /// Near the size that is forgotten.

@@ -19,12 +19,11 @@ use wellposed_dynamics::boundary::{Boundary, Load, Source};
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{
-    Detail, DomainError, Grid, Placement, Problem, Scheme, Splitting,
-};
+use wellposed_dynamics::problem::{DomainError, Grid, Placement, Problem, Scheme, Splitting};
 use wellposed_dynamics::real::Instructions;
-use wellposed_dynamics::simulation::{Simulation, SolidSimulation, TimeSteps};
-use wellposed_dynamics::split::Split;
+use wellposed_dynamics::reference::Reference;
+use wellposed_dynamics::simulation::{Simulation, SolidSimulation, SolverChoice, TimeSteps};
+use wellposed_dynamics::split::{Snapshot, Split};
 
 const LAMBDA: f64 = 1.4;
 /// μ_R.
@@ -352,11 +351,7 @@ fn the_ledger_closes() {
         (Splitting::Alternating, Placement::Last),
     ] {
         for theory in [Theory::Classical, Theory::Reduced, Theory::Cosserat] {
-            let scheme = Scheme {
-                detail: Detail::Full,
-                placement,
-                ..self::scheme(Slopes::FourthOrder, splitting)
-            };
+            let scheme = Scheme { placement, ..self::scheme(Slopes::FourthOrder, splitting) };
             let mut problem = mixed([12, 10], theory, scheme);
             let signal = Arc::new(|time: f64| (3.0 * time).sin());
             let faces = (0..9).map(|face| (face, 0.3)).collect();
@@ -369,7 +364,7 @@ fn the_ledger_closes() {
                 let stress = Stress { force, ..Stress::default() };
                 problem.initial_stress = Some((1, vec![stress; 10]));
             }
-            let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
+            let mut domain: Reference<f64, 2> = Reference::new(&problem).expect("sound");
             for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
                 let values = (0..120).map(|cell| 0.5 * noise(1000 * index as u64 + cell));
                 domain.set(field, &values.collect::<Vec<_>>());
@@ -377,7 +372,7 @@ fn the_ledger_closes() {
             let start = domain.energy().total();
             let (mut worst, mut greatest) = (0.0f64, start);
             for index in 0..3000 {
-                domain.advance();
+                domain.advance(1);
                 if index % 10 == 0 {
                     let energy = domain.energy().total();
                     greatest = greatest.max(energy);
@@ -421,25 +416,27 @@ fn stored_energy_is_that_of_the_springs() {
     assert!((found - stored).abs() < 1e-13 * stored, "{found} {stored}");
 }
 
-/// The state in bits, and totals.
-fn bits<T: SolverReal, const D: usize>(split: &Split<T, D>) -> (Vec<Vec<u64>>, Vec<Vec<u64>>) {
-    let own = split.snapshot();
+/// The state and sums by cell in bits.
+fn bits<T: SolverReal>(own: &Snapshot<T>) -> (Vec<Vec<u64>>, Vec<Vec<u64>>) {
     let of = |values: &Vec<T>| values.iter().map(|value| value.wide().to_bits()).collect();
-    let totals = own.totals.iter().map(|own| own.map(f64::to_bits).to_vec());
-    (own.fields.iter().map(of).collect(), totals.collect())
+    let sums = own.sums.iter().map(|own| own.iter().map(|value| value.to_bits()).collect());
+    (own.fields.iter().map(of).collect(), sums.collect())
 }
 
-/// In parts, in all instructions, line by line, from a snapshot in the middle.
+/// In parts, in all instructions, by the reference solver, from a snapshot in the middle.
 fn same_bits<T: SolverReal, const D: usize>(cells: [usize; D], theory: Theory) {
     for splitting in SPLITTINGS {
         for placement in [Placement::Last, Placement::Middle] {
             let scheme = Scheme { placement, ..scheme(Slopes::Limited, splitting) };
             let problem = mixed(cells, theory, scheme);
             let mut expected = None;
-            for parts in 1..=3 {
+            let cut = |axis: usize, count: usize| {
+                std::array::from_fn(|own| if own == axis { count } else { 1 })
+            };
+            for parts in [cut(D - 1, 1), cut(D - 1, 2), cut(D - 1, 3), cut(0, 2)] {
                 for instructions in Instructions::available() {
                     let make = || -> Split<T, D> {
-                        let mut split = Split::new(&problem, parts).expect("sound");
+                        let mut split = Split::in_box(0, &problem, parts).expect("sound");
                         split.set_instructions(instructions);
                         split
                     };
@@ -450,19 +447,24 @@ fn same_bits<T: SolverReal, const D: usize>(cells: [usize; D], theory: Theory) {
                     assert!(other.restore(&split.snapshot()));
                     other.advance(12);
                     assert!(other.ledger().viscous > 0.0 && other.ledger().plastic > 0.0);
-                    let found = bits(&other);
+                    let found = bits(&other.snapshot());
                     split.advance(12);
-                    assert!(found == bits(&split), "{splitting:?} {parts}: after a snapshot");
+                    assert!(
+                        found == bits(&split.snapshot()),
+                        "{splitting:?} {parts:?}: after a snapshot"
+                    );
                     let is_same = *expected.get_or_insert(found.clone()) == found;
-                    assert!(is_same, "{splitting:?} {placement:?} {parts} {instructions:?}");
+                    assert!(is_same, "{splitting:?} {placement:?} {parts:?} {instructions:?}");
                 }
             }
-            let full = Scheme { detail: Detail::Full, ..problem.scheme };
-            let full = Problem { scheme: full, ..problem };
-            let mut split: Split<T, D> = Split::new(&full, 2).expect("sound");
-            fill(&mut split, 1.0);
-            split.advance(19);
-            assert!(expected.is_some_and(|own| own.0 == bits(&split).0), "line by line");
+            let mut start: Split<T, D> = Split::new(&problem, 1).expect("sound");
+            fill(&mut start, 1.0);
+            let mut reference: Reference<T, D> = Reference::new(&problem).expect("sound");
+            assert!(reference.restore(&start.snapshot()));
+            reference.advance(19);
+            start.advance(19);
+            assert!(expected == Some(bits(&reference.snapshot())), "line by line");
+            assert_eq!(reference.energy(), start.energy());
         }
     }
 }
@@ -471,7 +473,7 @@ fn same_bits<T: SolverReal, const D: usize>(cells: [usize; D], theory: Theory) {
 fn bits_do_not_depend_on_how_it_is_computed() {
     same_bits::<f64, 2>([21, 14], Theory::Cosserat);
     same_bits::<f32, 2>([37, 14], Theory::Classical);
-    same_bits::<f64, 3>([11, 6, 13], Theory::Reduced);
+    same_bits::<f64, 3>([13, 6, 13], Theory::Reduced);
 }
 
 /// Media without the law have no viscous strain, and stresses as if there were none that relax anywhere.
@@ -505,10 +507,10 @@ fn other_media_keep_their_bits() {
             let mut split: Split<f64, 2> = Split::new(&problem, 1).expect("sound");
             fill(&mut split, 1.0);
             split.advance(20);
-            (bits(&split), split.fields().len())
+            (bits(&split.snapshot()), split.fields().len())
         });
         assert!(with.1 == plain.1 + 4 && with.0.0[..plain.1] == plain.0.0[..]);
-        assert_eq!(with.0.1, plain.0.1);
+        assert_eq!(with.0.1[0], plain.0.1[0]);
     }
 }
 
@@ -526,24 +528,26 @@ fn viscous_strains_are_fields() {
 
     let steps = TimeSteps::new(&problem.media, &[0.1; 2], 0.9, 1.0, 1.0).expect("few steps");
     let problem = Problem { step: steps.step, ..problem };
-    let make = || {
-        let start = (0..72).map(noise).collect::<Vec<_>>();
-        let initial = vec![(Field::Velocity(0), start.clone()), (strain, start)];
-        SolidSimulation::<f64, 2>::new(problem.clone(), steps, initial, Vec::new(), 2)
-            .expect("sound")
-    };
-    let mut one = make();
-    assert!(one.advance(0.5 * steps.time(steps.count)).is_ok());
-    let state = one.state();
-    let mut other = make();
-    assert!(other.restore(&state) && one.steps() == other.steps() && one.steps() > 0);
-    assert_eq!(one.account(), other.account());
-    while !one.is_finished() {
-        assert!(one.advance(1.0).is_ok() && other.advance(1.0).is_ok());
+    for choice in [SolverChoice::Fused { threads: 2 }, SolverChoice::Reference] {
+        let make = || {
+            let start = (0..72).map(noise).collect::<Vec<_>>();
+            let initial = vec![(Field::Velocity(0), start.clone()), (strain, start)];
+            SolidSimulation::<f64, 2>::new(problem.clone(), steps, initial, Vec::new(), choice)
+                .expect("sound")
+        };
+        let mut one = make();
+        assert!(one.advance(0.5 * steps.time(steps.count)).is_ok());
+        let state = one.state();
+        let mut other = make();
+        assert!(other.restore(&state) && one.steps() == other.steps() && one.steps() > 0);
+        assert_eq!(one.account(), other.account());
+        while !one.is_finished() {
+            assert!(one.advance(1.0).is_ok() && other.advance(1.0).is_ok());
+        }
+        assert!(one.fields() == other.fields() && one.account() == other.account());
+        assert!(one.account().ledger.viscous > 0.0);
+        assert_eq!(one.fields().values.len(), problem.fields().len());
     }
-    assert!(one.fields() == other.fields() && one.account() == other.account());
-    assert!(one.account().ledger.viscous > 0.0);
-    assert_eq!(one.fields().values.len(), problem.fields().len());
 
     let amplitudes = vec![(strain, 1.0)];
     let source = Source { cells: vec![(0, 1.0)], amplitudes, signal: Arc::new(|_: f64| 1.0) };

@@ -12,7 +12,8 @@ use wellposed_dynamics::boundary::{Boundary, Condition, Load, Source};
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::{Cell, GHOSTS, Slopes, sweep};
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Detail, Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::reference::Reference;
 
 fn classical() -> Isotropic {
     Isotropic::new(1.0, 0.6, 1.1, None).expect("sound moduli")
@@ -391,13 +392,19 @@ fn a_traction_in_time() {
         let sides = [[Boundary::Free, Boundary::Fixed], [Boundary::Periodic, Boundary::Periodic]];
         let faces = (0..3).map(|face| (face, 1.0)).collect();
         let load = Load { axis: 0, end: 0, pair: 0, faces, signal: Arc::new(pulse) };
-        let full = Scheme { detail: Detail::Full, ..scheme(Slopes::Limited) };
         let problem = Problem {
             loads: vec![load],
-            ..Problem::new(grid, vec![medium.clone()], vec![0; 3 * count], sides, step, full)
+            ..Problem::new(
+                grid,
+                vec![medium.clone()],
+                vec![0; 3 * count],
+                sides,
+                step,
+                scheme(Slopes::Limited),
+            )
         };
-        let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
-        (0..steps as usize).for_each(|_| domain.advance());
+        let mut domain: Reference<f64, 2> = Reference::new(&problem).expect("sound");
+        domain.advance(steps as usize);
         let ledger = domain.ledger();
         let residual = domain.energy().total() - ledger.change();
         assert!(residual.abs() < 1e-13 * ledger.inflow, "{residual:e}");

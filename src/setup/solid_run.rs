@@ -14,7 +14,7 @@ use crate::setup::solid;
 use dynamics::boundary::Boundary;
 use dynamics::line::Slopes;
 use dynamics::medium::Medium;
-use dynamics::problem::{Detail, DomainError, Grid, Placement, Problem, Scheme, Splitting};
+use dynamics::problem::{DomainError, Grid, Placement, Problem, Scheme, Splitting};
 use dynamics::simulation::TimeSteps;
 pub(crate) use geometry::{cell_at, centre, probe};
 use models::solid::waves::Field;
@@ -81,10 +81,6 @@ pub(crate) fn scheme(chosen: case::Scheme) -> Scheme {
         splitting: match chosen.splitting {
             case::Splitting::Alternating => Splitting::Alternating,
             case::Splitting::TwoCyclic => Splitting::TwoCyclic,
-        },
-        detail: match chosen.ledger {
-            case::Ledger::Light => Detail::Light,
-            case::Ledger::Full => Detail::Full,
         },
     }
 }

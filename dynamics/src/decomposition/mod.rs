@@ -1,76 +1,33 @@
-//! Domain decomposition: slabs along the last axis, each in a thread of its own.
+//! Domain decomposition: parts of a grid, each in a thread of its own.
 //!
-//! In each pass over memory a subdomain receives [`HALO`] layers for each of its steps from its neighbours and
-//! recomputes them redundantly. Every cell sees the same operations as in the whole, and sums are made by
-//! layers: the same bits. The upper halo is received last, so that a thread can run almost one block of rows
-//! ahead of its upper neighbour: a thread that is delayed for a moment does not delay the others.
+//! In each pass over memory a part receives a halo of [`HALO`](crate::solid::line::HALO) cells for each step of the pass from
+//! its neighbours and recomputes it redundantly. Every cell sees the same operations as in the whole, and sums are exact: the
+//! same bits. Along the last axis layers are exchanged while the pass goes on: the upper halo is received last, so that a
+//! thread can run almost one block of rows ahead of its upper neighbour, and one that is delayed for a moment does not delay
+//! the others. Along the other axes all is exchanged before a pass begins, see [`Halo`](crate::solid::domain::Halo).
 
-mod axis_permutation;
+mod channels;
+mod plan;
 
 use crate::simd::Instructions;
+use crate::solid::axis_permutation::AxisPermutation;
 use crate::solid::boundary::Boundary;
-use crate::solid::domain::{Domain, Halo, SolverReal, most_steps};
-use crate::solid::ledger::{Energy, Ledger, Total};
+use crate::solid::domain::{Domain, SolverReal};
+use crate::solid::ledger::{Energy, EnergySums, Ledger, LedgerSums, WorkSums};
 use crate::solid::line::HALO;
 use crate::solid::problem::{DomainError, Problem};
-use axis_permutation::AxisPermutation;
+use crate::solid::region::Region;
+use channels::{Channels, Disconnected};
 use models::solid::waves::Field;
-use std::ops::Range;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-/// The halo of a part whose neighbours are other threads of the process.
-#[derive(Debug)]
-struct Channels<T> {
-    neighbours: [Option<Neighbour<T>>; 2],
-}
+pub use crate::solid::snapshot::Snapshot;
+pub use plan::Decomposition;
 
-impl<T> Default for Channels<T> {
-    fn default() -> Self {
-        Self { neighbours: [None, None] }
-    }
-}
-
-/// A neighbour, and messages that came from it, to be filled anew.
-#[derive(Debug)]
-struct Neighbour<T> {
-    to: SyncSender<Vec<T>>,
-    from: Receiver<Vec<T>>,
-    spare: Vec<Vec<T>>,
-}
-
-impl<T: Copy> Halo<T> for Channels<T> {
-    fn begin(&mut self, end: usize, data: &[T], pieces: impl Iterator<Item = Range<usize>>) {
-        if let Some(neighbour) = &mut self.neighbours[end] {
-            let mut message = neighbour.spare.pop().unwrap_or_default();
-            message.clear();
-            pieces.for_each(|piece| message.extend_from_slice(&data[piece]));
-            // A neighbour that is gone has panicked, as the thread that joins it will.
-            let _ = neighbour.to.send(message);
-        }
-    }
-
-    fn finish(&mut self, end: usize, data: &mut [T], pieces: impl Iterator<Item = Range<usize>>) {
-        if let Some(neighbour) = &mut self.neighbours[end]
-            && let Ok(received) = neighbour.from.recv()
-        {
-            let mut rest = received.as_slice();
-            for piece in pieces {
-                let (own, others) = rest.split_at(piece.len());
-                data[piece].copy_from_slice(own);
-                rest = others;
-            }
-            debug_assert!(rest.is_empty());
-            neighbour.spare.push(received);
-        }
-    }
-}
-
-/// A slab with its halo.
+/// A part with its halo.
 struct Part<T: SolverReal, const D: usize> {
     domain: Domain<T, D>,
-    halo: Channels<T::Lanes>,
-    /// Its first cell.
-    first: usize,
+    region: Region<D>,
+    halo: Channels<T::Lanes, D>,
     /// Cells to be recorded after each step, in their order: places in the list of all, and own cells.
     watched: Vec<(usize, usize)>,
     /// All fields of those cells by step and cell.
@@ -78,34 +35,30 @@ struct Part<T: SolverReal, const D: usize> {
 }
 
 impl<T: SolverReal, const D: usize> Part<T, D> {
-    fn advance(&mut self, steps: usize) {
+    fn advance(&mut self, steps: usize) -> Result<(), Disconnected> {
         let Self { domain, halo, records, .. } = self;
         // A panic drops the channels, so that `recv` of the neighbours fails instead of blocking.
         let mut own = std::mem::take(halo);
         let mut left = steps;
         while left > 0 {
             let steps = left.min(domain.most_steps());
-            domain.pass(steps, &mut own);
+            domain.pass(steps, &mut own)?;
             domain.drain_records(records);
             left -= steps;
         }
         *halo = own;
+        Ok(())
     }
-}
 
-/// All that the steps to come depend on, however many parts there are.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Snapshot<T> {
-    /// Steps done.
-    pub steps: usize,
-    /// Values by field, then by cell, the axis of the first sweeps running fastest.
-    pub fields: Vec<Vec<T>>,
-    /// The ledger by layer across the axis along which the domain is cut.
-    pub totals: Vec<[f64; 14]>,
-    /// Plastic dissipation by cell, where anything yields, J/m³; then the sums of the problem's integrals.
-    pub sums: Vec<Vec<f64>>,
-    /// V and S of interlayers, in the order of [`Domain::interlayer_memory`].
-    pub interlayers: Vec<[T; 2]>,
+    /// Places of interlayers in front of own cells: by layer, axis of the face, cell behind it among all, pair of waves.
+    fn interlayers(&self, layer_cells: usize) -> Vec<([usize; 4], [T; 2])> {
+        let cells = self.region.own_global_cells();
+        let own = self.domain.interlayers().into_iter();
+        own.map(|([axis, cell, pair], memory)| {
+            ([cells[cell] / layer_cells, axis, cells[cell], pair], memory)
+        })
+        .collect()
+    }
 }
 
 /// A domain in parts.
@@ -113,12 +66,14 @@ pub struct Split<T: SolverReal, const D: usize> {
     parts: Vec<Part<T, D>>,
     /// From the axes and cells of the problem to those of the parts.
     permutation: AxisPermutation<D>,
+    /// Cells of the whole along each axis of the parts.
+    cells: [usize; D],
     /// Number of watched cells.
     watched: usize,
 }
 
 impl<T: SolverReal, const D: usize> Split<T, D> {
-    /// A domain at rest, in `count` parts.
+    /// A domain at rest, in `count` parts along its last axis.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -126,7 +81,7 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
         Self::with_first_axis(0, problem, count)
     }
 
-    /// The largest number of parts a domain may be cut into.
+    /// The largest number of parts a domain may be cut into along its last axis.
     pub fn max_parts(first_axis: usize, problem: &Problem<D>) -> usize {
         let permutation = AxisPermutation::with_first(first_axis, &problem.grid);
         (permutation.grid(&problem.grid).cells[D - 1] / HALO).max(1)
@@ -142,44 +97,56 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
         problem: &Problem<D>,
         count: usize,
     ) -> Result<Self, DomainError> {
-        problem.check()?;
         let permutation = AxisPermutation::with_first(axis, &problem.grid);
+        let mut parts = [1; D];
+        parts[D - 1] = count;
+        Self::in_parts(problem, permutation, parts)
+    }
+
+    /// A domain at rest, in a box of so many parts along each axis of the problem, with `first_axis` swept as the first one.
+    ///
+    /// # Errors
+    /// See [`DomainError`].
+    pub fn in_box(
+        first_axis: usize,
+        problem: &Problem<D>,
+        parts: [usize; D],
+    ) -> Result<Self, DomainError> {
+        let permutation = AxisPermutation::with_first(first_axis, &problem.grid);
+        Self::in_parts(problem, permutation, permutation.along(parts))
+    }
+
+    /// So many parts along each permuted axis.
+    fn in_parts(
+        problem: &Problem<D>,
+        permutation: AxisPermutation<D>,
+        parts: [usize; D],
+    ) -> Result<Self, DomainError> {
+        problem.check()?;
         let problem = &permutation.problem(problem);
-        let layers = problem.grid.cells[D - 1];
-        if count == 0 || (count > 1 && layers / count < HALO) {
-            return Err(DomainError::Parts { found: count, cells: layers });
-        }
-        let is_periodic = problem.boundaries[D - 1][0] == Boundary::Periodic;
-        let mut parts = Vec::with_capacity(count);
-        for index in 0..count {
-            let range = index * layers / count..(index + 1) * layers / count;
-            let is_cut =
-                [index > 0, index + 1 < count].map(|inside| count > 1 && (inside || is_periodic));
-            let first = range.start * problem.grid.faces(D - 1);
-            parts.push(Part {
-                domain: Domain::slab(problem, range, is_cut, most_steps::<D>(layers / count)),
-                halo: Channels::default(),
-                first,
-                watched: Vec::new(),
-                records: Vec::new(),
-            });
-        }
-        for index in 0..count {
-            let next = (index + 1) % count;
-            if count == 1 || (next == 0 && !is_periodic) {
-                continue;
+        let is_periodic = problem.boundaries.each_ref().map(|own| own[0] == Boundary::Periodic);
+        let plan = Decomposition::new(&problem.grid, is_periodic, &problem.scheme, parts)?;
+        let part = |region: &Region<D>| Part {
+            domain: Domain::of_region(&problem.restricted(region), region, plan.most_steps()),
+            region: region.clone(),
+            halo: Channels::default(),
+            watched: Vec::new(),
+            records: Vec::new(),
+        };
+        let mut parts: Vec<_> = plan.regions().iter().map(part).collect();
+        let mut channels: Vec<_> = parts.iter().map(|_| Channels::default()).collect();
+        for (index, part) in parts.iter().enumerate() {
+            for axis in 0..D {
+                if let Some(next) = plan.neighbour(index, axis, 1) {
+                    let room = part.domain.messages_ahead(axis);
+                    Channels::connect(&mut channels, axis, [index, next], room);
+                }
             }
-            // Channel capacity: the halo layers of two blocks of rows.
-            // Interlayers send a second message for each layer.
-            let messages = if problem.interlayers.is_empty() { 1 } else { 2 };
-            let bound = messages * 2 * HALO * most_steps::<D>(layers / count);
-            let ((forth, from_behind), (back, from_ahead)) =
-                (sync_channel(bound), sync_channel(bound));
-            let neighbour = |to, from| Some(Neighbour { to, from, spare: Vec::new() });
-            parts[index].halo.neighbours[1] = neighbour(forth, from_ahead);
-            parts[next].halo.neighbours[0] = neighbour(back, from_behind);
         }
-        Ok(Self { parts, permutation, watched: 0 })
+        for (part, halo) in parts.iter_mut().zip(channels) {
+            part.halo = halo;
+        }
+        Ok(Self { parts, permutation, cells: problem.grid.cells, watched: 0 })
     }
 
     /// Uses other instructions than the best; results do not depend on them.
@@ -199,8 +166,10 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
 
     /// Advances all fields by `steps` time steps, each part in a thread of its own.
     pub fn advance(&mut self, steps: usize) {
+        // The thread of a neighbour is gone only if it has panicked, and then the scope panics as well.
         if let [part] = self.parts.as_mut_slice() {
-            return part.advance(steps);
+            let _ = part.advance(steps);
+            return;
         }
         std::thread::scope(|scope| {
             for part in &mut self.parts {
@@ -209,8 +178,7 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
         });
     }
 
-    /// Steps that a pass over the memory makes at most. With [`Detail::Light`](crate::solid::problem::Detail) each field
-    /// goes in and out of the memory once in it.
+    /// Steps that a pass over the memory makes at most: each field goes in and out of the memory once in it.
     pub fn most_steps(&self) -> usize {
         self.parts.first().map_or(1, |part| part.domain.most_steps())
     }
@@ -237,13 +205,12 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
         self.watched = cells.len();
         for part in &mut self.parts {
             part.records.clear();
-            let own = part.first..part.first + part.domain.grid().count();
-            part.watched = cells
-                .iter()
-                .map(|cell| self.permutation.permuted_cell(*cell))
-                .enumerate()
-                .filter(|(_, cell)| own.contains(cell))
-                .map(|(place, cell)| (place, cell - part.first))
+            let all = cells.iter().enumerate();
+            part.watched = all
+                .filter_map(|(place, cell)| {
+                    let cell = self.permutation.permuted_cell(*cell);
+                    Some((place, part.region.own_number(cell)?))
+                })
                 .collect();
             part.watched.sort_by_key(|(_, cell)| *cell);
             part.domain.watch(part.watched.iter().map(|(_, cell)| *cell));
@@ -277,14 +244,20 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
     /// All that the steps to come depend on.
     pub fn snapshot(&self) -> Snapshot<T> {
         let fields = self.fields().to_vec();
-        let totals = self.parts.iter().flat_map(|part| part.domain.totals());
         Snapshot {
             steps: self.parts.first().map_or(0, |part| part.domain.steps()),
             fields: fields.into_iter().filter_map(|field| self.inner_values(field)).collect(),
-            totals: totals.map(Total::numbers).collect(),
+            work: self.work().parts(),
             sums: self.sums(),
             interlayers: self.interlayer_memory(),
         }
+    }
+
+    /// What steps added up in all parts.
+    fn work(&self) -> WorkSums {
+        let mut sums = WorkSums::default();
+        self.parts.iter().for_each(|part| sums.merge(part.domain.work()));
+        sums
     }
 
     /// Goes back to rest, before the first step.
@@ -293,20 +266,17 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
         sums.iter_mut().for_each(|own| own.fill(0.0));
         for part in &mut self.parts {
             part.domain.clear();
-            let layers = part.domain.totals().len();
-            part.domain.restore_totals(0, vec![Total::default(); layers].into_iter());
-            part.domain.set_sums(&sums, part.first);
+            part.domain.restore_work(0, WorkSums::default());
         }
+        self.set_sums(&sums);
     }
 
     /// Goes back, or on, to a snapshot of the same problem; `false` where it is one of another.
     pub fn restore(&mut self, snapshot: &Snapshot<T>) -> bool {
-        let cells: usize = self.parts.iter().map(|part| part.domain.grid().count()).sum();
-        let layers: usize = self.parts.iter().map(|part| part.domain.totals().len()).sum();
+        let cells: usize = self.cells.iter().product();
         let fields = self.fields().to_vec();
         if snapshot.fields.len() != fields.len()
             || snapshot.fields.iter().any(|values| values.len() != cells)
-            || snapshot.totals.len() != layers
             || snapshot.sums.iter().map(Vec::len).ne(self.sums().iter().map(Vec::len))
             || snapshot.interlayers.len() != self.interlayer_memory().len()
         {
@@ -318,14 +288,13 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
         for (field, values) in fields.into_iter().zip(&snapshot.fields) {
             self.set_inner(field, values);
         }
-        let mut interlayers = snapshot.interlayers.iter().copied();
-        let mut totals = snapshot.totals.iter().map(|numbers| Total::from_numbers(*numbers));
+        // Sums over all parts are one part's.
+        let mut work = WorkSums::from_parts(&snapshot.work);
         for part in &mut self.parts {
-            let own = part.domain.totals().len();
-            part.domain.restore_totals(snapshot.steps, totals.by_ref().take(own));
-            part.domain.set_sums(&snapshot.sums, part.first);
-            part.domain.set_interlayer_memory(&mut interlayers);
+            part.domain.restore_work(snapshot.steps, std::mem::take(&mut work));
         }
+        self.set_sums(&snapshot.sums);
+        self.set_interlayer_memory(&snapshot.interlayers);
         true
     }
 
@@ -334,14 +303,34 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
         self.permutation.unpermute(self.sums().swap_remove(0))
     }
 
+    /// By kind and cell of the whole.
     fn sums(&self) -> Vec<Vec<f64>> {
-        let mut all: Vec<Vec<f64>> = Vec::new();
-        for part in &self.parts {
-            for (index, own) in part.domain.sums().into_iter().enumerate() {
-                match all.get_mut(index) {
-                    Some(sum) => sum.extend(own),
-                    None => all.push(own),
-                }
+        let of_parts: Vec<_> = self.parts.iter().map(|part| part.domain.sums()).collect();
+        let kinds = of_parts.first().map_or(0, Vec::len);
+        (0..kinds).map(|kind| self.gather(of_parts.iter().map(|sums| sums[kind].clone()))).collect()
+    }
+
+    fn set_sums(&mut self, sums: &[Vec<f64>]) {
+        for part in &mut self.parts {
+            let cells = part.region.own_global_cells();
+            let of_part = |all: &Vec<f64>| {
+                let own = cells.iter().filter(|_| !all.is_empty());
+                own.map(|cell| all[*cell]).collect()
+            };
+            part.domain.set_sums(&sums.iter().map(of_part).collect::<Vec<_>>());
+        }
+    }
+
+    /// Values of the whole, from those of the own cells of all parts; none where these have none.
+    fn gather<V: Copy + Default>(&self, of_parts: impl Iterator<Item = Vec<V>>) -> Vec<V> {
+        let mut all = Vec::new();
+        for (part, values) in self.parts.iter().zip(of_parts) {
+            if values.is_empty() {
+                continue;
+            }
+            all.resize(self.cells.iter().product(), V::default());
+            for (cell, value) in part.region.own_global_cells().into_iter().zip(values) {
+                all[cell] = value;
             }
         }
         all
@@ -349,30 +338,46 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
 
     /// What steps did to the energy so far.
     pub fn ledger(&self) -> Ledger {
-        Total::sum(self.parts.iter().flat_map(|part| part.domain.totals()))
+        let mut sums = LedgerSums::default();
+        let of_parts = self.of_parts(|domain| domain.ledger_sums());
+        of_parts.iter().for_each(|own| sums.merge(own));
+        sums.ledger(self.volume())
     }
 
-    /// Energy of the deviation from the initial stress, each part in a thread of its own.
+    /// Energy of the deviation from the initial stress.
     pub fn energy(&self) -> Energy {
-        let domains: Vec<&Domain<T, D>> = self.parts.iter().map(|part| &part.domain).collect();
-        if let [domain] = domains.as_slice() {
-            return domain.energy();
+        let mut sums = EnergySums::default();
+        let of_parts = self.of_parts(|domain| domain.energy_sums());
+        of_parts.iter().for_each(|own| sums.merge(own));
+        sums.energy(self.volume())
+    }
+
+    /// Volume of a cell, m³.
+    fn volume(&self) -> f64 {
+        self.parts.first().map_or(0.0, |part| part.domain.grid().volume())
+    }
+
+    /// Something of each part, each in a thread of its own.
+    fn of_parts<V: Send + Default>(&self, of: impl Fn(&Domain<T, D>) -> V + Sync) -> Vec<V> {
+        if let [part] = self.parts.as_slice() {
+            return vec![of(&part.domain)];
         }
-        let all: Vec<Vec<Energy>> = std::thread::scope(|scope| {
-            let threads: Vec<_> =
-                domains.into_iter().map(|domain| scope.spawn(|| domain.energies())).collect();
+        let of = &of;
+        std::thread::scope(|scope| {
+            let domains = self.parts.iter().map(|part| &part.domain);
+            let threads: Vec<_> = domains.map(|domain| scope.spawn(move || of(domain))).collect();
             threads.into_iter().map(|thread| thread.join().unwrap_or_default()).collect()
-        });
-        Energy::sum(all.iter().flatten())
+        })
     }
 
     /// The first value that is not finite: its field and its cell.
     pub fn first_non_finite(&self) -> Option<(Field, usize)> {
         let own = |part: &Part<T, D>| {
             let (field, cell) = part.domain.first_non_finite()?;
-            Some((field, self.permutation.original_cell(part.first + cell)))
+            Some((part.region.own_global_cell(cell), field))
         };
-        self.parts.iter().find_map(own)
+        let (cell, field) = self.parts.iter().filter_map(own).min_by_key(|own| own.0)?;
+        Some((field, self.permutation.original_cell(cell)))
     }
 
     /// Records all fields of the watched cells as they are.
@@ -387,25 +392,34 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
 
     /// The first cell whose stress is not in its yield set.
     pub fn first_beyond_yield(&self) -> Option<usize> {
-        let own = |part: &Part<T, D>| Some(part.first + part.domain.first_beyond_yield()?);
-        self.parts.iter().find_map(own).map(|cell| self.permutation.original_cell(cell))
+        let own = |part: &Part<T, D>| {
+            Some(part.region.own_global_cell(part.domain.first_beyond_yield()?))
+        };
+        let first = self.parts.iter().filter_map(own).min();
+        first.map(|cell| self.permutation.original_cell(cell))
     }
 
     /// The values of all fields, the first axis running fastest, as [`Domain::output_cell`] gives them.
     pub fn shown(&self) -> Vec<Vec<f64>> {
-        let mut fields = vec![Vec::new(); self.width()];
-        let mut state = Vec::new();
-        for part in &self.parts {
-            let sides = part.domain.closing_boundaries();
-            for cell in 0..part.domain.grid().count() {
+        let of_part = |domain: &Domain<T, D>| {
+            let mut fields = vec![Vec::new(); self.width()];
+            let (sides, mut state) = (domain.closing_boundaries(), Vec::new());
+            for cell in 0..domain.grid().count() {
                 state.clear();
-                part.domain.output_cell_between(cell, sides.as_ref(), &mut state);
+                domain.output_cell_between(cell, sides.as_ref(), &mut state);
                 for (values, value) in fields.iter_mut().zip(&state) {
                     values.push(*value);
                 }
             }
-        }
-        fields.into_iter().map(|values| self.permutation.unpermute(values)).collect()
+            fields
+        };
+        let mut of_parts: Vec<_> = self.parts.iter().map(|part| of_part(&part.domain)).collect();
+        let fields = 0..self.width();
+        let gathered = fields.map(|field| {
+            let own = of_parts.iter_mut().map(|fields| std::mem::take(&mut fields[field]));
+            self.permutation.unpermute(self.gather(own))
+        });
+        gathered.collect()
     }
 
     /// The values of a field as they are computed with, the first axis running fastest; `None` if there is
@@ -414,18 +428,43 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
         self.inner_values(field).map(|values| self.permutation.unpermute(values))
     }
 
-    /// By cell of the parts.
+    /// By cell of the whole, with the axes of the parts.
     fn inner_values(&self, field: Field) -> Option<Vec<T>> {
-        self.parts
-            .iter()
-            .map(|part| part.domain.values(field))
-            .collect::<Option<Vec<_>>>()
-            .map(|all| all.concat())
+        let of_parts = self.parts.iter().map(|part| part.domain.values(field));
+        let of_parts = of_parts.collect::<Option<Vec<_>>>()?;
+        let mut all = vec![T::ZERO; self.cells.iter().product()];
+        for (part, values) in self.parts.iter().zip(of_parts) {
+            for (cell, value) in part.region.own_global_cells().into_iter().zip(values) {
+                all[cell] = value;
+            }
+        }
+        Some(all)
+    }
+
+    /// Places of all interlayers and their memories, in the order of [`Domain::interlayer_memory`] of the whole.
+    fn interlayers(&self) -> Vec<([usize; 4], [T; 2])> {
+        let layer: usize = self.cells[..D - 1].iter().product();
+        let mut all: Vec<_> = self.parts.iter().flat_map(|part| part.interlayers(layer)).collect();
+        all.sort_unstable_by_key(|own| own.0);
+        all
     }
 
     /// V and S of all faces with interlayers, in the order of [`Domain::interlayer_memory`] of the whole.
     pub fn interlayer_memory(&self) -> Vec<[T; 2]> {
-        self.parts.iter().flat_map(|part| part.domain.interlayer_memory()).collect()
+        self.interlayers().into_iter().map(|own| own.1).collect()
+    }
+
+    fn set_interlayer_memory(&mut self, memory: &[[T; 2]]) {
+        let places: Vec<_> = self.interlayers().into_iter().map(|own| own.0).collect();
+        let layer: usize = self.cells[..D - 1].iter().product();
+        for part in &mut self.parts {
+            let own = part.interlayers(layer).into_iter();
+            let memory = own.map(|(place, _)| {
+                let index = places.partition_point(|other| *other < place);
+                memory.get(index).copied().unwrap_or([T::ZERO; 2])
+            });
+            part.domain.set_interlayer_memory(&mut memory.collect::<Vec<_>>().into_iter());
+        }
     }
 
     /// Lets interlayers move with the cells beside them, as [`Domain::initialise_interlayers`].
@@ -437,9 +476,9 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
             let values = index.and_then(|index| values[index].as_ref());
             values.map_or(T::ZERO, |values| values[cell])
         };
-        let layers = self.parts.iter().map(|part| part.domain.totals().len()).sum();
         for part in &mut self.parts {
-            let memory = part.domain.interlayers_at_start(part.first, layers, value);
+            let cells = part.region.own_global_cells();
+            let memory = part.domain.interlayers_at_start(&self.cells, |cell| cells[cell], value);
             part.domain.set_interlayer_memory(&mut memory.into_iter());
         }
     }
@@ -449,9 +488,11 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
         self.set_inner(field, &self.permutation.permute(values));
     }
 
+    /// By cell of the whole, with the axes of the parts; those of halos as well, which output may look at.
     fn set_inner(&mut self, field: Field, values: &[T]) {
         for part in &mut self.parts {
-            part.domain.set(field, values.get(part.first..).unwrap_or(&[]));
+            let cells = part.region.global_cells();
+            part.domain.set_all(field, |cell| values.get(cells[cell]).copied());
         }
     }
 }

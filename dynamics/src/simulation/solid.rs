@@ -5,12 +5,13 @@
 //! Steps are as long as waves let them be: fields between two steps are on the straight line between the states,
 //! so that stresses stay in their convex yield sets.
 
+use super::solver::{Solver, SolverChoice};
 use super::{Simulation, State, TimeSteps, from_bytes, number, to_bytes};
-use crate::solid::ledger::{Energy, Ledger, TOTAL_NUMBERS};
+use crate::solid::ledger::{Energy, Ledger};
 use crate::solid::probe::Probe;
 use crate::solid::problem::{DomainError, Problem};
+use crate::solid::snapshot::Snapshot;
 
-use crate::decomposition::{Snapshot, Split};
 use crate::solid::domain::SolverReal;
 use models::solid::waves::Field;
 use std::cmp::Ordering;
@@ -32,7 +33,7 @@ pub struct SolidAccount {
 }
 
 impl SolidAccount {
-    /// Energy that no term accounts for, J: rounding in a full ledger; in a light one it is what the scheme
+    /// Energy that no term accounts for, J: rounding where the ledger is full; else it is what the scheme
     /// dissipates, with the sign turned.
     pub fn balance(&self) -> f64 {
         self.energy.total() - self.initial_energy - self.ledger.change()
@@ -85,9 +86,8 @@ pub struct SolidSimulation<T: SolverReal, const D: usize> {
     probes: Vec<Probe>,
     /// The cells that these need, ascending.
     watched: Vec<usize>,
-    split: Split<T, D>,
-    /// Parts of the domain, one for each thread.
-    parts: usize,
+    solver: Box<dyn Solver<T>>,
+    threads: usize,
     /// Steps done.
     done: usize,
     /// The account after these.
@@ -101,8 +101,7 @@ pub struct SolidSimulation<T: SolverReal, const D: usize> {
 }
 
 impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
-    /// A solid at its beginning, on as many of the threads as its layers allow. `initial` are the values of fields that
-    /// are not zero, by cell.
+    /// A solid at its beginning. `initial` are the values of fields that are not zero, by cell.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -111,14 +110,13 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         steps: TimeSteps,
         initial: Vec<(Field, Vec<f64>)>,
         probes: Vec<Probe>,
-        threads: usize,
+        choice: SolverChoice,
     ) -> Result<Self, DomainError> {
-        let first = problem.first_axis();
-        let parts = threads.clamp(1, Split::<T, D>::max_parts(first, &problem));
         let mut watched: Vec<usize> = probes.iter().flat_map(Probe::cells).collect();
         watched.sort_unstable();
         watched.dedup();
-        let split = Split::with_first_axis(first, &problem, parts)?;
+        let solver = choice.start(&problem)?;
+        let threads = choice.threads::<T, D>(&problem);
         let account = SolidAccount {
             time: 0.0,
             energy: Energy::default(),
@@ -131,8 +129,8 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
             steps,
             initial,
             watched,
-            split,
-            parts,
+            solver,
+            threads,
             done: 0,
             account,
             before: None,
@@ -142,8 +140,8 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         own.set_initial();
         own.account = own.account_after(0);
         own.account.initial_energy = own.account.energy.total();
-        own.split.watch(&own.watched);
-        own.split.record();
+        own.solver.watch(&own.watched);
+        own.solver.record();
         own.keep_records(0);
         Ok(own)
     }
@@ -152,9 +150,9 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
     fn set_initial(&mut self) {
         for (field, values) in &self.initial {
             let values: Vec<T> = values.iter().map(|value| T::of(*value)).collect();
-            self.split.set(*field, &values);
+            self.solver.set(*field, &values);
         }
-        self.split.initialise_interlayers();
+        self.solver.initialise_interlayers();
     }
 
     /// What is solved.
@@ -167,22 +165,22 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         self.steps
     }
 
-    /// Parts of the domain, each in a thread of its own.
-    pub fn parts(&self) -> usize {
-        self.parts
+    /// Threads that steps run on.
+    pub fn threads(&self) -> usize {
+        self.threads
     }
 
     /// The first cell whose stress is not in its yield set.
     pub fn first_beyond_yield(&self) -> Option<usize> {
-        self.split.first_beyond_yield()
+        self.solver.first_beyond_yield()
     }
 
     /// The account of what is computed, which so many steps have led to.
     fn account_after(&self, done: usize) -> SolidAccount {
         SolidAccount {
             time: self.steps.time(done),
-            energy: self.split.energy(),
-            ledger: self.split.ledger(),
+            energy: self.solver.energy(),
+            ledger: self.solver.ledger(),
             ..self.account
         }
     }
@@ -194,32 +192,32 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         }
         if self.records.is_empty() {
             self.first_record = first;
-            self.records = self.split.records();
+            self.records = self.solver.records();
         } else {
-            self.records.extend(self.split.records());
+            self.records.extend(self.solver.records());
         }
     }
 
     /// What is wrong with the fields that are computed.
     fn fault(&self) -> SolidFault {
-        SolidFault { time: self.split.time(), place: self.split.first_non_finite() }
+        SolidFault { time: self.solver.time(), place: self.solver.first_non_finite() }
     }
 
     /// The same bits again as far as they were sound, then step by step up to the last sound state.
     fn replay_to_fault(&mut self) -> SolidFault {
-        self.split.reset();
+        self.solver.reset();
         self.set_initial();
-        self.split.watch(&[]);
-        self.split.advance(self.done);
-        self.split.watch(&self.watched);
+        self.solver.watch(&[]);
+        self.solver.advance(self.done);
+        self.solver.watch(&self.watched);
         loop {
-            let sound = self.split.snapshot();
-            self.split.advance(1);
+            let sound = self.solver.snapshot();
+            self.solver.advance(1);
             let account = self.account_after(self.done + 1);
             if !account.is_sound() || self.done == self.steps.count {
                 let fault = self.fault();
-                self.split.restore(&sound);
-                self.split.watch(&self.watched);
+                self.solver.restore(&sound);
+                self.solver.watch(&self.watched);
                 return fault;
             }
             self.keep_records(self.done + 1);
@@ -264,7 +262,7 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
         self.before = is_between.then(|| self.fields());
         let next = step.saturating_sub(self.done).max(1);
         let next = next.min(LOOK).min(self.steps.count - self.done);
-        self.split.advance(next);
+        self.solver.advance(next);
         let account = self.account_after(self.done + next);
         if !account.is_sound() {
             return Err(self.replay_to_fault());
@@ -278,7 +276,7 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
         &mut self,
         mut deliver: impl FnMut(f64, &[f64]) -> Result<(), E>,
     ) -> Result<(), E> {
-        let width = self.split.width();
+        let width = self.solver.width();
         let Problem { media, of_cell, .. } = &self.problem;
         let mut state = Vec::with_capacity(self.probes.len() * width);
         let size = (self.watched.len() * width).max(1);
@@ -303,7 +301,7 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     }
 
     fn fields(&self) -> SolidFields {
-        SolidFields { values: self.split.shown(), dissipated: self.split.dissipated() }
+        SolidFields { values: self.solver.shown(), dissipated: self.solver.dissipated() }
     }
 
     fn fields_at(&self, time: f64) -> Result<SolidFields, SolidFault> {
@@ -316,25 +314,24 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     }
 
     fn state(&self) -> State {
-        let Snapshot { steps, fields, totals, sums, interlayers } = self.split.snapshot();
+        let Snapshot { steps, fields, work, sums, interlayers } = self.solver.snapshot();
         let narrow = |values: &[T]| values.iter().flat_map(|value| value.bytes()).collect();
         let fields = number("field", fields.iter().map(|values| narrow(values)));
         let sums = number("sums", sums.iter().map(|sums| to_bytes(sums)));
-        let totals = ("totals".to_owned(), to_bytes(totals.as_flattened()));
+        let work = number("work", work.iter().map(|parts| to_bytes(parts)));
         let interlayers = (!interlayers.is_empty())
             .then(|| ("interlayers".to_owned(), narrow(interlayers.as_flattened())));
         State {
             steps,
             time: self.account.time,
             initial_energy: self.account.initial_energy,
-            sections: [totals].into_iter().chain(fields).chain(sums).chain(interlayers).collect(),
+            sections: work.chain(fields).chain(sums).chain(interlayers).collect(),
         }
     }
 
     fn restore(&mut self, state: &State) -> bool {
         let snapshot = || {
-            let totals = from_bytes(state.sections.get("totals")?)?;
-            let (totals, []) = totals.as_chunks::<TOTAL_NUMBERS>() else { return None };
+            let work = state.numbered("work").map(from_bytes).collect::<Option<Vec<_>>>()?;
             let interlayers = match state.sections.get("interlayers") {
                 Some(bytes) => T::from_bytes(bytes)?,
                 None => Vec::new(),
@@ -343,12 +340,12 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
             Some(Snapshot {
                 steps: state.steps,
                 fields: state.numbered("field").map(T::from_bytes).collect::<Option<_>>()?,
-                totals: totals.to_vec(),
+                work: work.try_into().ok()?,
                 sums: state.numbered("sums").map(from_bytes).collect::<Option<_>>()?,
                 interlayers: interlayers.to_vec(),
             })
         };
-        if !snapshot().is_some_and(|snapshot| self.split.restore(&snapshot)) {
+        if !snapshot().is_some_and(|snapshot| self.solver.restore(&snapshot)) {
             return false;
         }
         self.done = state.steps;

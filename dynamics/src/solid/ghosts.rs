@@ -24,6 +24,15 @@ pub(crate) enum BoundaryFaces<T: Real> {
 }
 
 impl<T: Real> BoundaryFaces<T> {
+    /// How waves are reconstructed beside it; without slopes ghosts are images.
+    #[inline(always)]
+    pub(crate) fn closure(&self) -> Closure {
+        match self {
+            Self::Mirror(mirror) if mirror.is_one_sided => mirror.closure,
+            _ => Closure { slopes: Slopes::Godunov, is_open: false },
+        }
+    }
+
     /// The mirror, where there is one.
     pub(crate) fn mirror(&self) -> Option<&GhostRule<T>> {
         match self {
@@ -93,6 +102,8 @@ impl<T: Real> GhostRule<T> {
     ) -> Self {
         // Without slopes images give the same face states.
         let one_sided = if slopes == Slopes::Godunov { 0.0 } else { 1.0 };
+        // Of conditions by face a part of a grid may see some: it must not depend on which.
+        let is_by_face = matches!(boundary, Boundary::ByFace(_));
         let entry = |condition| match condition {
             Some(Condition::Velocity(given)) => [-1.0, 2.0 * given, 1.0, 0.0, one_sided],
             Some(Condition::Traction(given)) => [1.0, 0.0, -1.0, 2.0 * given, one_sided],
@@ -111,8 +122,9 @@ impl<T: Real> GhostRule<T> {
         let alike = (0..pairs).map(alike).collect::<Option<Vec<_>>>().filter(|_| !is_loaded);
         if let Some(entries) = alike {
             let works = entries.iter().any(|own| own[0] == 0.0);
-            let is_one_sided = entries.iter().any(|own| own[4] != 0.0);
-            let closure = Closure { slopes, is_open: works };
+            let is_one_sided =
+                entries.iter().any(|own| own[4] != 0.0) || (is_by_face && one_sided != 0.0);
+            let closure = Closure { slopes, is_open: works || is_by_face };
             let lanes = |own: [f64; 5]| own.map(|value| T::Lanes::all(T::of(value)));
             let by_face = entries.into_iter().map(lanes).collect();
             return Self {
@@ -126,7 +138,8 @@ impl<T: Real> GhostRule<T> {
             };
         }
         let mut by_face = vec![[T::Lanes::ZERO; 5]; pairs * groups];
-        let (mut works, mut is_one_sided, mut is_open) = (false, false, false);
+        let (mut works, mut is_one_sided, mut is_open) =
+            (false, is_by_face && one_sided != 0.0, is_by_face);
         for pair in 0..pairs {
             for &(face, (group, lane)) in faces {
                 let entry = entry(boundary.condition(pair, face));
@@ -180,9 +193,8 @@ impl<T: Real> GhostRule<T> {
     }
 
     /// Whether work is done on a face now: neither its velocity nor its traction is zero.
-    pub(crate) fn works_on(&self, pair: usize, (group, lane): Slot) -> bool {
-        let [sign, velocity, _, stress, _] =
-            self.face(pair, group).map(|lanes| lanes.lanes()[lane]);
+    pub(crate) fn works_on(&self, pair: usize, slot: Slot) -> bool {
+        let [sign, velocity, _, stress, _] = self.face_at(pair, slot);
         self.works && (sign == T::ZERO || velocity != T::ZERO || stress != T::ZERO)
     }
 
@@ -195,6 +207,11 @@ impl<T: Real> GhostRule<T> {
     #[inline(always)]
     pub(crate) fn face(&self, pair: usize, group: usize) -> &[T::Lanes; 5] {
         &self.by_face[pair * self.groups + group.min(self.groups - 1)]
+    }
+
+    /// The same of one face.
+    pub(crate) fn face_at(&self, pair: usize, (group, lane): Slot) -> [T; 5] {
+        self.face(pair, group).map(|lanes| lanes.lanes()[lane])
     }
 }
 
@@ -478,7 +495,10 @@ fn fourth_order<N: Number>(
         ];
     }
     let half_admittance = N::HALF / cell.impedance;
-    let one_sided = one_sided * if is_open { N::ONE } else { of_one };
+    // Faces that reflect are alike whether others of the side are open or not.
+    let open_face = N::ONE - reflection * reflection;
+    let of_one = if is_open { open_face + (N::ONE - open_face) * of_one } else { of_one };
+    let one_sided = one_sided * of_one;
     let made = [
         state_of(end == 0, nearest, half_admittance),
         state_of(end == 0, farther, half_admittance),

@@ -6,6 +6,7 @@ use models::solid::stress::Stress;
 use models::solid::waves::{Field, Pair, Rotation};
 use models::yield_set::YieldSet;
 use models::yield_set::projection::Projection;
+use std::collections::BTreeMap;
 
 /// A solid as pairs of waves along the axes, a rotation, a law of relaxation, and the set in which its stress stays.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,7 +130,7 @@ pub(crate) fn component(field: Field, stress: &Stress) -> Option<f64> {
 
 /// The energy density of a medium as products of the fields of a domain: what the energies of one and of two components
 /// tell.
-pub(crate) fn energy_terms(medium: &Medium, fields: &[Field]) -> Vec<(usize, usize, f64)> {
+fn energy_terms(medium: &Medium, fields: &[Field]) -> Vec<(usize, usize, f64)> {
     let stress = |places: &[usize]| {
         let mut stress = Stress::default();
         for &place in places {
@@ -166,4 +167,23 @@ pub(crate) fn energy_terms(medium: &Medium, fields: &[Field]) -> Vec<(usize, usi
     }
     terms.retain(|term| term.2 != 0.0);
     terms
+}
+
+/// The energy density of media as products of the fields of a domain: places of two fields, by medium a coefficient. Kinetic terms
+/// stand first; how many they are.
+pub(crate) fn energy_terms_of_all(
+    media: &[Medium],
+    fields: &[Field],
+) -> (BTreeMap<[usize; 2], Vec<f64>>, usize) {
+    let mut terms: BTreeMap<[usize; 2], Vec<f64>> = BTreeMap::new();
+    for (index, medium) in media.iter().enumerate() {
+        for (one, other, factor) in energy_terms(medium, fields) {
+            let term = terms.entry([one, other]).or_insert_with(|| vec![0.0; media.len()]);
+            term[index] = factor;
+        }
+    }
+    // Velocities and spins are the first fields.
+    let is_kinetic = |places: &&[usize; 2]| media[0].inertia(fields[places[0]]) > 0.0;
+    let kinetic = terms.keys().filter(is_kinetic).count();
+    (terms, kinetic)
 }

@@ -12,8 +12,10 @@
 //! | [`ledger`] | the energy, and what steps do to it |
 //! | [`initial`], [`point_kernel`], [`probe`] | initial states, point sources spread over cells, receivers |
 
+pub(crate) mod axis_permutation;
 pub mod boundary;
 mod cell;
+mod cell_laws;
 #[cfg(test)]
 mod contraction;
 pub mod domain;
@@ -28,4 +30,8 @@ pub mod point_kernel;
 pub mod probe;
 pub mod problem;
 mod reconstruction;
+pub mod reference;
+pub mod region;
+mod restriction;
 mod riemann;
+pub mod snapshot;

@@ -4,7 +4,8 @@ use crate::solid::boundary::{Boundary, Condition, Load, Source};
 use crate::solid::ghosts::BESIDE;
 use crate::solid::interlayers::Interlayers;
 use crate::solid::medium::Medium;
-use crate::solid::reconstruction::{HALO, Slopes};
+use crate::solid::reconstruction::Slopes;
+use crate::solid::region::Region;
 use models::solid::stress::Stress;
 use models::solid::waves::Field;
 
@@ -64,16 +65,6 @@ pub enum Splitting {
     Alternating,
 }
 
-/// How much of the energy is accounted for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Detail {
-    /// All but the dissipation of the scheme.
-    #[default]
-    Light,
-    /// That of the scheme as well, from the fluxes of every cell and sweep: many times slower.
-    Full,
-}
-
 /// The choices of the scheme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scheme {
@@ -81,22 +72,29 @@ pub struct Scheme {
     pub slopes: Slopes,
     /// Where the correction stands.
     pub placement: Placement,
-    /// What the ledger holds.
-    pub detail: Detail,
     /// The order of sweeps. [`Placement::Middle`] needs a step with a middle between sweeps:
     /// [`Splitting::TwoCyclic`] is taken.
     pub splitting: Splitting,
 }
 
 impl Scheme {
-    /// A two-cyclic scheme with a light ledger.
+    /// A two-cyclic scheme.
     pub fn new(slopes: Slopes, placement: Placement) -> Self {
-        Self { slopes, placement, detail: Detail::Light, splitting: Splitting::TwoCyclic }
+        Self { slopes, placement, splitting: Splitting::TwoCyclic }
     }
 
     /// Whether sweeps alternate.
     pub(crate) fn alternates(&self) -> bool {
         self.splitting == Splitting::Alternating && self.placement == Placement::Last
+    }
+
+    /// The reconstruction that sweeps compute with.
+    pub(crate) fn sweep_slopes(&self) -> Slopes {
+        match self.slopes {
+            // The weights of their cells are zero.
+            Slopes::Godunov => Slopes::FourthOrder,
+            own => own,
+        }
     }
 }
 
@@ -186,7 +184,12 @@ impl<const D: usize> Problem<D> {
     /// # Errors
     /// See [`DomainError`].
     pub fn check(&self) -> Result<(), DomainError> {
-        let needed = self.grid.count();
+        self.check_in(&Region::whole(self.grid.cells))
+    }
+
+    /// The same of the problem of a region, see [`Self::restricted`].
+    pub(crate) fn check_in(&self, region: &Region<D>) -> Result<(), DomainError> {
+        let needed = region.count();
         if needed == 0 || self.of_cell.len() != needed {
             return Err(DomainError::Cells { found: self.of_cell.len(), needed });
         }
@@ -211,7 +214,7 @@ impl<const D: usize> Problem<D> {
                 let found = match side {
                     Boundary::Given(conditions) => conditions.len(),
                     Boundary::ByFace(conditions)
-                        if conditions.iter().any(|own| own.len() != self.grid.faces(axis)) =>
+                        if conditions.iter().any(|own| own.len() != region.faces(axis)) =>
                     {
                         0
                     }
@@ -229,16 +232,16 @@ impl<const D: usize> Problem<D> {
             }
         }
         self.check_interlayers()?;
-        self.check_actions()
+        self.check_actions(region)
     }
 
     /// That loads, sources and the initial stress have their places.
-    fn check_actions(&self) -> Result<(), DomainError> {
+    fn check_actions(&self, region: &Region<D>) -> Result<(), DomainError> {
         let is_lost = |load: &Load| {
             load.axis >= D
                 || load.end > 1
                 || load.pair >= self.media[0].pairs[load.axis].len()
-                || load.faces.iter().any(|&(face, _)| face >= self.grid.faces(load.axis))
+                || load.faces.iter().any(|&(face, _)| face >= region.faces(load.axis))
                 || self.boundaries[load.axis][load.end] == Boundary::Periodic
         };
         if let Some(index) = self.loads.iter().position(is_lost) {
@@ -262,6 +265,11 @@ impl<const D: usize> Problem<D> {
 }
 
 impl<const D: usize> Problem<D> {
+    /// Whether waves meet other media or interlayers.
+    pub(crate) fn is_mixed(&self) -> bool {
+        self.media.len() > 1 || !self.interlayers.is_empty()
+    }
+
     /// The interlayers across an axis.
     pub(crate) fn interlayers_across(&self, axis: usize) -> Option<&Interlayers> {
         self.interlayers.iter().find(|own| own.axis == axis)
@@ -355,12 +363,18 @@ pub enum DomainError {
     #[error("an initial stress is needed for every layer across its axis")]
     InitialStress,
     /// Parts that are too many or none.
-    #[error("{found} parts: at least 1, and {HALO} cells along the last axis in each, of {cells}")]
+    #[error(
+        "{found} parts along axis {axis}: at least 1, and {least} cells in each of several, of {cells}"
+    )]
     Parts {
+        /// The axis, from 0.
+        axis: usize,
         /// Parts asked for.
         found: usize,
-        /// Cells along the last axis.
+        /// Cells along the axis.
         cells: usize,
+        /// Cells that a part must have.
+        least: usize,
     },
     /// Interlayers that cannot be taken.
     #[error("interlayers {index}: {reason}")]

@@ -18,7 +18,8 @@ use dynamics::domain::memory;
 use dynamics::ledger::{Energy, Ledger};
 use dynamics::medium::Medium;
 use dynamics::simulation::{
-    Simulation as _, SolidAccount, SolidFault, SolidFields, SolidSimulation, TimeSteps,
+    Simulation as _, SolidAccount, SolidFault, SolidFields, SolidSimulation, SolverChoice,
+    TimeSteps,
 };
 
 /// Lines of the ledger where the case does not say how many.
@@ -169,8 +170,11 @@ impl SolidJob<'_> {
             Setup::<D>::new(self.case, dynamics, self.media.clone())?;
         let of_cell = &problem.of_cell;
         let probes = dynamics.receivers.iter().map(|own| probe(dynamics, of_cell, own)).collect();
-        let threads = rayon::current_num_threads();
-        let simulation = SolidSimulation::new(problem, steps, initial, probes, threads);
+        let solver = match dynamics.scheme.ledger {
+            LedgerKind::Light => SolverChoice::Fused { threads: rayon::current_num_threads() },
+            LedgerKind::Full => SolverChoice::Reference,
+        };
+        let simulation = SolidSimulation::new(problem, steps, initial, probes, solver);
         Ok(simulation
             .map_err(|error| dynamics.locate("grid", error.to_string(), "see the README"))?)
     }
@@ -278,7 +282,7 @@ impl<T: SolverReal, const D: usize> View<SolidSimulation<T, D>> for SolidJob<'_>
         Effort::Solid {
             energy: simulation.account().energy.total(),
             cells: simulation.problem().grid.count(),
-            threads: simulation.parts(),
+            threads: simulation.threads(),
         }
     }
 

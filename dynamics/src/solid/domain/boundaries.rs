@@ -7,6 +7,7 @@ use crate::simd::{Group, Real};
 use crate::solid::boundary::{Boundary, Load};
 use crate::solid::ghosts::{BoundaryFaces, GhostRule, Slot, set_time};
 use crate::solid::problem::Problem;
+use crate::solid::region::Region;
 
 /// Both ends of all axes.
 pub(super) type Faces<T, const D: usize> = [[BoundaryFaces<T>; 2]; D];
@@ -22,15 +23,15 @@ pub(super) struct Boundaries<T: Real, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Boundaries<T, D> {
-    /// Those of these layers of a problem, for passes of so many steps at most.
+    /// Those of the problem of a region, for passes of so many steps at most.
     pub(super) fn new(
         problem: &Problem<D>,
-        layers: &[usize],
+        region: &Region<D>,
         layout: &Layout<D>,
         most_steps: usize,
     ) -> Self {
         let faces: Faces<T, D> = std::array::from_fn(|axis| {
-            std::array::from_fn(|end| faces_of(problem, (axis, end), layers, layout))
+            std::array::from_fn(|end| faces_of(problem, (axis, end), region, layout))
         });
         let closing = if problem.scheme.alternates() { most_steps } else { 0 };
         Self {
@@ -56,44 +57,37 @@ impl<T: Real, const D: usize> Boundaries<T, D> {
 fn faces_of<T: Real, const D: usize>(
     problem: &Problem<D>,
     (axis, end): (usize, usize),
-    layers: &[usize],
+    region: &Region<D>,
     layout: &Layout<D>,
 ) -> BoundaryFaces<T> {
     let boundary = &problem.boundaries[axis][end];
-    if axis + 1 == D && layout.halo[end] > 0 {
+    if region.halo(axis)[end] > 0 {
         return BoundaryFaces::Exchange;
     }
     if *boundary == Boundary::Periodic {
         return BoundaryFaces::Periodic;
     }
-    let layer = layout.layer_cells();
     let slot = |cell: usize| {
         let (index, lane) = layout.slot(cell);
         (index.group, lane)
     };
-    let mut faces: Vec<(usize, Slot)> = if axis + 1 == D {
-        (0..layer).map(|face| (face, slot(face))).collect()
-    } else {
-        // Those of the layer, and how they stand together.
-        let own = layer / layout.cells[axis];
-        let of_face = |index: usize, face: usize| match axis {
-            0 => {
-                let row = index * own + face;
-                (row / T::Lanes::COUNT, row % T::Lanes::COUNT)
-            }
-            _ => (index * layout.groups + slot(face).0, slot(face).1),
-        };
-        let of_layer = |(index, &layer): (usize, &usize)| {
-            (0..own).map(move |face| (layer * own + face, of_face(index, face)))
-        };
-        layers.iter().enumerate().flat_map(of_layer).collect()
+    let (layers, layer) = (layout.layers(), layout.layer_cells());
+    let of_layer = layer / layout.cells[axis];
+    // Where faces stand together: across the first axis by row, else by group of the cells beside them.
+    let place = |face: usize| match axis {
+        0 => (face / T::Lanes::COUNT, face % T::Lanes::COUNT),
+        _ if axis + 1 == D => slot(face),
+        _ => {
+            let (group, lane) = slot(face % of_layer);
+            (face / of_layer * layout.groups + group, lane)
+        }
     };
-    faces.sort_unstable();
-    let groups = match axis {
-        0 => (layers.len() * layout.rows).div_ceil(T::Lanes::COUNT),
-        _ if axis + 1 == D => layout.layer_groups(),
-        _ => layers.len() * layout.groups,
+    let (count, groups) = match axis {
+        0 => (layers * layout.rows, (layers * layout.rows).div_ceil(T::Lanes::COUNT)),
+        _ if axis + 1 == D => (layer, layout.layer_groups()),
+        _ => (layers * of_layer, layers * layout.groups),
     };
+    let faces: Vec<(usize, Slot)> = (0..count).map(|face| (face, place(face))).collect();
     let own = |load: &&Load| (load.axis, load.end) == (axis, end);
     let loads: Vec<&Load> = problem.loads.iter().filter(own).collect();
     let pairs = problem.media[0].pairs[axis].len();

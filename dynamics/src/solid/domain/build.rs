@@ -4,41 +4,39 @@ use super::boundaries::Boundaries;
 use super::diagnostics::Diagnostics;
 use super::interfaces::Interfaces;
 use super::law::{LocalLaws, rotated_fields};
-use super::layout::{Layout, groups_of_blocks, pitch};
+use super::layout::{Layout, groups_of_rows, pitch};
 use super::materials::Materials;
 use super::memory::{Buffer, zeros};
-use super::schedule::{Schedule, TileSizes};
+use super::schedule::{CHUNK, Schedule, TileSizes};
 use super::sources::{CellSource, Sources};
 use super::{Domain, SolverReal};
-use crate::simd::{Instructions, Real};
+use crate::simd::{Group, Instructions, Real};
 use crate::solid::boundary::Boundary;
-use crate::solid::problem::{Detail, Grid, Placement, Problem, Scheme};
-use crate::solid::reconstruction::{HALO, Slopes};
+use crate::solid::problem::{DomainError, Grid, Placement, Problem, Scheme};
+use crate::solid::reconstruction::GHOSTS;
+use crate::solid::region::Region;
 use models::solid::waves::Field;
 use std::ops::Range;
 
 impl<const D: usize> Layout<D> {
-    /// That of layers of a problem across the last axis, cut where there are others beyond, for passes of so many steps
-    /// at most.
-    fn new<T: Real>(
-        problem: &Problem<D>,
-        own: &Range<usize>,
-        is_cut: [bool; 2],
-        most_steps: usize,
-    ) -> Self {
-        let mut cells = problem.grid.cells;
-        let last = cells[D - 1];
-        cells[D - 1] = own.len();
-        let block = problem.interlayers_across(0).map_or(1, |own| own.every);
-        let groups = groups_of_blocks::<T>(cells[0], block);
-        let periodic_in_place =
-            problem.boundaries[D - 1][0] == Boundary::Periodic && own.len() == last;
-        let halo = is_cut.map(|cut| if cut || periodic_in_place { most_steps * HALO } else { 0 });
+    /// That of a region of a problem.
+    fn new<T: Real>(problem: &Problem<D>, region: &Region<D>) -> Self {
+        let cells = region.cells();
+        let own: [Range<usize>; D] = std::array::from_fn(|axis| {
+            let [front, behind] = region.halo(axis);
+            front..cells[axis] - behind
+        });
+        let groups = groups_of_rows::<T, D>(problem, cells[0]);
+        let lanes = |group: usize| {
+            let is_own = |lane: usize| own[0].contains(&(lane * groups + group));
+            (0..T::Lanes::COUNT).map(|lane| u16::from(is_own(lane)) << lane).sum()
+        };
         let pitch = pitch(groups);
         Self {
             cells,
-            halo,
-            periodic_in_place,
+            own_lanes: (0..groups).map(lanes).collect(),
+            own,
+            periodic_in_place: region.halo(D - 1) != [0, 0] && region.is_cut(D - 1) == [false; 2],
             fields: problem.fields().len(),
             groups,
             pitch,
@@ -83,79 +81,63 @@ fn exchanged<const D: usize>(problem: &Problem<D>, pitch: usize) -> Vec<Range<us
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// The part of a sound problem in these layers across the last axis, cut where there are others beyond, for
-    /// passes of so many steps at most.
-    pub(crate) fn slab(
+    /// A part of a grid, at rest: the domain of a region, from the problem of that region alone, see
+    /// [`Problem::restricted`], for passes of so many steps at most.
+    ///
+    /// # Errors
+    /// See [`DomainError`].
+    pub fn part(
         problem: &Problem<D>,
-        own: Range<usize>,
-        is_cut: [bool; 2],
+        region: &Region<D>,
         most_steps: usize,
-    ) -> Self {
-        let layout = Layout::new::<T>(problem, &own, is_cut, most_steps);
-        let (layer, last) = (layout.layer_cells(), problem.grid.cells[D - 1]);
-        // Layers of the problem, those of the halo included; they count round where the domain does.
-        let layers: Vec<usize> = (0..layout.layers())
-            .map(|index| (index + own.start + layout.halo[0] * last - layout.halo[0]) % last)
-            .collect();
-        let of_layer = |values: usize| values * layer..(values + 1) * layer;
-        let of_cell: Vec<u16> =
-            layers.iter().flat_map(|&index| &problem.of_cell[of_layer(index)]).copied().collect();
-        let (materials, patterns) = Materials::new(problem, of_cell, &layout);
-        let media = &materials.media;
+    ) -> Result<Self, DomainError> {
+        problem.check_in(region)?;
+        Ok(Self::of_region(problem, region, most_steps))
+    }
+
+    /// The same of a sound problem.
+    pub(crate) fn of_region(problem: &Problem<D>, region: &Region<D>, most_steps: usize) -> Self {
+        let layout = Layout::new::<T>(problem, region);
+        let is_periodic = |axis: usize| {
+            problem.boundaries[axis][0] == Boundary::Periodic && region.halo(axis) == [0, 0]
+        };
+        let (materials, patterns) = Materials::new(problem, &layout, is_periodic(0));
         let fields = &materials.fields;
-        let initial_stress =
-            problem.initial_stress.clone().map(|(axis, stress)| match axis + 1 == D {
-                true => (axis, layers.iter().map(|&layer| stress[layer]).collect()),
-                false => (axis, stress),
-            });
+        let whole = problem.initial_stress.as_ref().map_or(&[][..], |own| &own.1);
+        let initial_stress = problem.initial_stress.as_ref().map(|(axis, stress)| {
+            let coordinates = region.coordinates(*axis).into_iter();
+            (*axis, coordinates.map(|place| stress[place]).collect())
+        });
         let reflects = problem.scheme.placement == Placement::Middle;
         let law = LocalLaws::new(
             &materials,
             &patterns,
             (layout.groups, layout.pitch),
             (problem.step, reflects),
-            initial_stress,
+            (initial_stress, whole),
         );
-        let source = |own| CellSource::new(own, fields, &layers, &layout, 2 * most_steps);
+        let source = |own| CellSource::new(own, fields, &layout, 2 * most_steps);
         let sources = Sources {
             list: problem.sources.iter().map(source).collect(),
             acceleration: problem.acceleration,
         };
         let row = layout.row_size() * size_of::<T::Lanes>();
-        let is_periodic = problem.boundaries[1][0] == Boundary::Periodic;
-        let tiles = match (problem.scheme.detail, D) {
-            (Detail::Full, _) => TileSizes::ALL,
-            (Detail::Light, 3) => TileSizes::in_space(row, is_periodic),
-            (Detail::Light, _) => TileSizes::ROWS,
+        let tiles = match D {
+            3 => TileSizes::in_space(row, is_periodic(1)),
+            _ => TileSizes::ROWS,
         };
-        let is_plastic = media.iter().any(|medium| medium.yields.is_some());
         let pairs = std::array::from_fn(|axis| materials.waves[axis].len());
-        let interfaces = Interfaces::new(problem, &layout, &layers);
         Self {
-            interfaces,
-            grid: Grid { cells: layout.cells, spacing: problem.grid.spacing },
+            interfaces: Interfaces::new(problem, &layout, region),
+            grid: Grid { cells: region.own_cells(), spacing: problem.grid.spacing },
             step: problem.step,
-            scheme: match problem.scheme.slopes {
-                // The weights of their cells are zero.
-                Slopes::Godunov => Scheme { slopes: Slopes::FourthOrder, ..problem.scheme },
-                _ => problem.scheme,
-            },
+            scheme: Scheme { slopes: problem.scheme.sweep_slopes(), ..problem.scheme },
             instructions: Instructions::best(),
-            boundary: Boundaries::new(problem, &layers, &layout, most_steps),
+            boundary: Boundaries::new(problem, region, &layout, most_steps),
             sources,
             schedule: Schedule::new(most_steps, tiles),
-            data: zeros(
-                layout.layers() * layout.rows * layout.row_size()
-                    + 2 * crate::solid::reconstruction::GHOSTS
-                        * super::schedule::CHUNK
-                        * layout.row_size(),
-            ),
-            diagnostics: Diagnostics::new::<T, D>(
-                &layout,
-                (fields, &problem.integrals),
-                is_plastic,
-                most_steps,
-            ),
+            data: zeros((layout.layers() * layout.rows + 2 * GHOSTS * CHUNK) * layout.row_size()),
+            diagnostics: Diagnostics::new::<T, D>(&layout, problem, fields, most_steps),
             buffer: Buffer::new(&layout, pairs, 2 * most_steps, law.needs_wide_blocks()),
             law,
             layout,

@@ -17,7 +17,7 @@ const WINDOW: usize = 2 * GHOSTS + 1;
 /// The numerical boundary layer there depends on the Courant number of the sweeps. A sweep of a quarter of a step
 /// disturbs it, by several per cent of a Rayleigh wave at 20 cells per wavelength. Farther inside the mean would damp a
 /// wave by (ωΔt)²/32.
-const BOUNDARY_LAYER: usize = 4;
+pub(crate) const BOUNDARY_LAYER: usize = 4;
 
 /// The boundaries across the first axis for the sweeps that complete a step.
 #[derive(Clone)]
@@ -54,9 +54,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// taken into the yield set as what [`Self::output_cell`] gives is.
     pub fn deviations(&self, cells: &[usize]) -> Vec<f64> {
         let sides = self.closing_boundaries();
-        let (first, count) = (self.layout.own_cells().start, self.fields().len());
+        let count = self.fields().len();
         let of_cell = |cell: &usize| {
-            let own = self.completed(first + cell, sides.as_ref());
+            let own = self.completed(self.layout.own_cell(*cell), sides.as_ref());
             own[..count].iter().map(|value| value.wide()).collect::<Vec<f64>>()
         };
         cells.iter().flat_map(of_cell).collect()
@@ -69,10 +69,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         cell: usize,
         sides: Option<&ClosingBoundaries<T>>,
     ) -> [T; MOST_FIELDS] {
-        let mut values = [T::ZERO; MOST_FIELDS];
-        for (value, (_, place)) in values.iter_mut().zip(self.places()) {
-            *value = self.at(cell, place);
-        }
+        let mut values = self.cell_state(cell);
         let Some(sides) = sides.filter(|_| self.schedule.steps > 0) else { return values };
         let pattern = self.materials.patterns[self.layout.slot(cell).0.group];
         let lane = self.layout.slot(cell).1;
@@ -100,12 +97,12 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Whether a cell is within [`BOUNDARY_LAYER`] cells of a boundary across the first axis that reflects this pair of
     /// waves.
     fn is_near_reflecting_side(&self, cell: usize, pair: usize) -> bool {
-        let length = self.grid.cells[0];
+        let length = self.layout.cells[0];
         let (row, depth) = (cell / length, cell % length);
         let (group, lane) = (row / T::Lanes::COUNT, row % T::Lanes::COUNT);
         let reflects = |side: &BoundaryFaces<T>| {
             side.mirror().is_some_and(|mirror| {
-                let [sign, .., one_sided] = mirror.face(pair, group).map(|own| own.lanes()[lane]);
+                let [sign, .., one_sided] = mirror.face_at(pair, (group, lane));
                 sign != T::ZERO && one_sided != T::ZERO
             })
         };
@@ -121,7 +118,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         (pair, wave): (usize, &Wave),
         sides: &[BoundaryFaces<T>; 2],
     ) -> ([T; WINDOW], [T; WINDOW], [Cell<T>; WINDOW]) {
-        let length = self.grid.cells[0];
+        let length = self.layout.cells[0];
         let (row, x) = (cell / length, cell % length);
         let state = |x: usize| {
             let cell = row * length + x;
@@ -137,9 +134,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let (own, across) = if end == 0 { (own, across) } else { (across, own) };
             let BoundaryFaces::Mirror(mirror) = &sides[end] else { return (state(across), across) };
             let face = (row / T::Lanes::COUNT, row % T::Lanes::COUNT);
-            let numbers = |mirror: &crate::solid::ghosts::GhostRule<T>| {
-                mirror.face(pair, face.0).map(|lanes| lanes.lanes()[face.1])
-            };
+            let numbers = |mirror: &crate::solid::ghosts::GhostRule<T>| mirror.face_at(pair, face);
             let imaged = |[v, a, s, b, _]: [T; 5], seen: State<T>| State {
                 velocity: image([v, a], seen.velocity),
                 stress: image([s, b], seen.stress),

@@ -3,9 +3,11 @@
 use super::layout::Tile;
 use super::plastic::Correct;
 use super::return_mapping::{MapStresses, map_in_lanes};
-use super::whole_stress::{InitialStress, WIDTH, Wide, blocks_of_group, correction};
+use super::whole_stress::{InitialStress, WIDTH, Wide, blocks_of_group};
 use super::{Domain, SolverReal};
 use crate::simd::{Group, Real};
+use crate::solid::cell_laws::correction;
+use crate::solid::ledger::CellDissipation;
 use crate::solid::medium::component;
 use models::solid::stress::Stress;
 use std::any::Any;
@@ -15,29 +17,23 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// The initial stress in a cell.
     pub(super) fn initial_stress(&self, cell: usize) -> Stress {
         let Some((axis, layers)) = &self.law.initial_stress else { return Stress::default() };
-        let stride: usize = self.grid.cells[..*axis].iter().product();
+        let stride: usize = self.layout.cells[..*axis].iter().product();
         layers[cell / stride % layers.len()]
     }
 
-    /// P, or with `reflects` 2P − I, in a half step of the pass.
-    pub(super) fn correct(
-        &mut self,
-        layers: &Range<usize>,
-        tile: &Tile,
-        half: usize,
-        reflects: bool,
-    ) {
-        if self.diagnostics.dissipated.is_empty() {
+    /// P, or with `reflects` 2P − I.
+    pub(super) fn correct(&mut self, layers: &Range<usize>, tile: &Tile, reflects: bool) {
+        if self.diagnostics.dissipation.plastic.is_empty() {
             return;
         }
         let is_plain = !reflects && self.law.initial_stress.is_none() && self.law.sets.is_some();
         for layer in layers.clone() {
             match (is_plain, self.law.maps_one_by_one) {
-                (true, _) => self.correct_plain(layer, tile, half),
-                (false, false) => self.map_stresses(layer, tile, half, reflects),
+                (true, _) => self.correct_plain(layer, tile),
+                (false, false) => self.map_stresses(layer, tile, reflects),
                 (false, true) => {
                     for group in self.layout.groups_of(layer, tile).1 {
-                        self.correct_group(group, (half, layer), reflects);
+                        self.correct_lanes(group, u16::MAX, reflects);
                     }
                 }
             }
@@ -45,34 +41,32 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// P without initial stress, where all sets are of one kind.
-    fn correct_plain(&mut self, layer: usize, tile: &Tile, half: usize) {
+    fn correct_plain(&mut self, layer: usize, tile: &Tile) {
         let Some(sets) = &self.law.sets else { return };
         let mut left = std::mem::take(&mut self.buffer.left);
         left.clear();
         let (first, groups) = self.layout.groups_of(layer, tile);
         let lanes = T::Lanes::COUNT;
-        let mut sum = 0.0;
+        let dissipated = &mut self.diagnostics.dissipation.plastic;
         self.instructions.run::<T>(Correct {
             data: &mut self.data[first..],
             patterns: &self.materials.patterns[groups.clone()],
             sets,
             yields: &self.law.yields,
-            dissipated: &mut self.diagnostics.dissipated[groups.start * lanes..groups.end * lanes],
-            sum: &mut sum,
+            dissipated: &mut dissipated[groups.start * lanes..groups.end * lanes],
             left: &mut left,
         });
-        self.diagnostics.ledgers[half][layer].plastic += self.grid.volume() * sum;
-        for index in &left {
-            self.correct_group(groups.start + index, (half, layer), false);
+        for &(index, lanes) in &left {
+            self.correct_lanes(groups.start + index, lanes, false);
         }
         self.buffer.left = left;
     }
 
     /// P or 2P − I of whole stresses.
-    fn map_stresses(&mut self, layer: usize, tile: &Tile, half: usize, reflects: bool) {
+    fn map_stresses(&mut self, layer: usize, tile: &Tile, reflects: bool) {
         let (first, groups) = self.layout.groups_of(layer, tile);
         let lanes = T::Lanes::COUNT;
-        let length = self.grid.cells[0];
+        let length = self.layout.cells[0];
         let uniform;
         let initial = match &self.law.initial_stress {
             None => &[],
@@ -96,6 +90,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             }
         }
         let mut has_mapped = false;
+        let CellDissipation { plastic, released, .. } = &mut self.diagnostics.dissipation;
+        let of_tile = groups.start * lanes..groups.end * lanes;
+        let is_own = self.layout.is_own_row(layer, tile.row);
         let (data, pitch) = match (&mut self.data as &mut dyn Any).downcast_mut::<Vec<Wide>>() {
             Some(data) => (&mut data[first..], self.layout.pitch),
             None => (wide.as_mut_slice(), count),
@@ -113,10 +110,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 initial,
                 reflects,
                 row: [tile.groups.start, length / self.layout.groups, length % self.layout.groups],
-                volume: self.grid.volume(),
-                dissipated: &mut self.diagnostics.dissipated
-                    [groups.start * lanes..groups.end * lanes],
-                ledger: &mut self.diagnostics.ledgers[half][layer],
+                dissipated: &mut plastic[of_tile.clone()],
+                released: released.get_mut(of_tile).unwrap_or(&mut []),
+                own_lanes: is_own.then_some(&self.layout.own_lanes[tile.groups.clone()]),
+                least_plastic: &mut self.diagnostics.work.least_plastic,
                 has_mapped: &mut has_mapped,
             },
         );
@@ -129,19 +126,19 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.buffer.wide = wide;
     }
 
-    /// The cells of a group, one by one.
-    fn correct_group(&mut self, group: usize, place: (usize, usize), reflects: bool) {
+    /// The cells in some lanes of a group, one by one.
+    fn correct_lanes(&mut self, group: usize, lanes: u16, reflects: bool) {
         if !self.law.yields[self.materials.patterns[group] as usize] {
             return;
         }
-        for lane in 0..T::Lanes::COUNT {
+        for lane in (0..T::Lanes::COUNT).filter(|lane| lanes >> lane & 1 == 1) {
             if let Some(cell) = self.layout.cell_of(group, lane) {
-                self.correct_cell(cell, place, reflects);
+                self.correct_cell(cell, reflects);
             }
         }
     }
 
-    fn correct_cell(&mut self, cell: usize, (half, layer): (usize, usize), reflects: bool) {
+    fn correct_cell(&mut self, cell: usize, reflects: bool) {
         let medium = self.materials.of(cell);
         if medium.yields.is_none() {
             return;
@@ -149,13 +146,16 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let initial = self.law.initial_stress.is_some().then(|| self.initial_stress(cell));
         let deviation = self.stress(cell);
         let Some(done) = correction(medium, &deviation, initial.as_ref(), reflects) else { return };
-        let volume = self.grid.volume();
-        let ledger = &mut self.diagnostics.ledgers[half][layer];
-        ledger.plastic += volume * done.dissipated;
-        ledger.released += volume * done.released;
-        ledger.least_plastic = ledger.least_plastic.min(done.share);
         let lane = self.layout.lane_of::<T>(cell);
-        self.diagnostics.dissipated[lane] += done.dissipated;
+        let CellDissipation { plastic, released, .. } = &mut self.diagnostics.dissipation;
+        plastic[lane] += done.dissipated;
+        if let Some(sum) = released.get_mut(lane) {
+            *sum += done.released;
+        }
+        if self.layout.own_number(cell).is_some() {
+            let least = &mut self.diagnostics.work.least_plastic;
+            *least = least.min(done.share);
+        }
         for index in 0..self.materials.media[0].fields.len() {
             if let Some(moved) = component(self.fields()[index], &done.stress) {
                 *self.at_mut(cell, index * self.layout.pitch) = T::of(moved);

@@ -1,34 +1,95 @@
-//! What crosses the cuts of a domain.
+//! Exchange with the parts of a grid beyond the cuts of a domain.
+//!
+//! Along the last axis a pass exchanges layers while it runs, see [`crate::solid::domain`]. Along the other axes it does so
+//! before it begins, axis by axis, those of the first axis first: the halo along an axis takes the cells in the halo along
+//! the axes before it with it, so that edges and corners arrive by two or three exchanges.
 
 use super::{Domain, SolverReal};
+use crate::simd::{Group, Number};
+use crate::solid::interlayers::MEMORY;
+use std::convert::Infallible;
 use std::ops::Range;
 
-/// What crosses the cuts of a domain, at the ends towards smaller (0) and towards greater coordinates (1), in the
-/// order of these.
-pub(crate) trait Halo<T> {
-    /// Hands over pieces of an outermost layer at an end.
-    fn begin(&mut self, end: usize, data: &[T], pieces: impl Iterator<Item = Range<usize>>);
+/// What crosses the cuts of a domain, at the ends of its axes towards smaller (0) and towards greater coordinates (1).
+///
+/// Messages at an end of an axis arrive in the order in which the neighbour begins them at the opposite end of its own. At
+/// each end a domain begins as many messages as it finishes; it never finishes one that its neighbour begins only after
+/// having finished the next one of this domain, so that `begin` may wait until there is room for
+/// [`Domain::messages_ahead`] messages, and `finish` for the message.
+pub trait Halo<T> {
+    /// Why there is no exchange.
+    type Error;
 
-    /// Brings those of the neighbour at an end; where there is none they are left as they are.
-    fn finish(&mut self, end: usize, data: &mut [T], pieces: impl Iterator<Item = Range<usize>>);
+    /// Hands over pieces of the data at an end of an axis.
+    ///
+    /// # Errors
+    /// The neighbour cannot be reached.
+    fn begin(
+        &mut self,
+        axis: usize,
+        end: usize,
+        data: &[T],
+        pieces: impl Iterator<Item = Range<usize>>,
+    ) -> Result<(), Self::Error>;
+
+    /// Brings the next message from the neighbour there.
+    ///
+    /// # Errors
+    /// The neighbour cannot be reached, or does not send any more.
+    fn finish(
+        &mut self,
+        axis: usize,
+        end: usize,
+        data: &mut [T],
+        pieces: impl Iterator<Item = Range<usize>>,
+    ) -> Result<(), Self::Error>;
 }
 
 /// No neighbours.
 impl<T> Halo<T> for () {
-    fn begin(&mut self, _: usize, _: &[T], _: impl Iterator<Item = Range<usize>>) {}
+    type Error = Infallible;
 
-    fn finish(&mut self, _: usize, _: &mut [T], _: impl Iterator<Item = Range<usize>>) {}
+    fn begin(
+        &mut self,
+        _: usize,
+        _: usize,
+        _: &[T],
+        _: impl Iterator<Item = Range<usize>>,
+    ) -> Result<(), Infallible> {
+        Ok(())
+    }
+
+    fn finish(
+        &mut self,
+        _: usize,
+        _: usize,
+        _: &mut [T],
+        _: impl Iterator<Item = Range<usize>>,
+    ) -> Result<(), Infallible> {
+        Ok(())
+    }
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
+    /// How many messages at an end of an axis a neighbour may begin before this domain finishes the first of them.
+    pub fn messages_ahead(&self, axis: usize) -> usize {
+        // Interlayers have messages of their own.
+        let kinds = if self.interfaces.is_any() { 2 } else { 1 };
+        match axis + 1 == D {
+            // A neighbour may be a block of rows ahead.
+            true => kinds * 2 * self.layout.halo(axis).into_iter().max().unwrap_or(0),
+            false => kinds * 2,
+        }
+    }
+
     /// Does the first x and y sweeps of a block of rows in the layers that are exchanged, then sends their
     /// finished rows. Layers that are their own halo are sent to nobody.
-    pub(super) fn send(
+    pub(super) fn send<H: Halo<T::Lanes>>(
         &mut self,
         block: &Range<usize>,
         ready: &Range<usize>,
-        neighbours: &mut impl Halo<T::Lanes>,
-    ) {
+        neighbours: &mut H,
+    ) -> Result<(), H::Error> {
         let own = self.layout.own_layers();
         for layer in own.clone() {
             if !self.layout.is_exchanged(layer) {
@@ -41,31 +102,35 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 self.sweep_layer(layer, &[rows, 0..0, 0..0], 0);
             }
             let depths = [layer - own.start, own.end - 1 - layer];
-            for end in (0..2).filter(|end| depths[*end] < self.layout.halo[*end]) {
-                neighbours.begin(end, &self.data, self.layout.pieces(layer, ready));
+            let halo = self.layout.halo(D - 1);
+            for end in (0..2).filter(|end| depths[*end] < halo[*end]) {
+                neighbours.begin(D - 1, end, &self.data, self.layout.pieces(layer, ready))?;
                 if self.interfaces.is_any() {
                     let pieces = self.interfaces.pieces(&self.layout, layer, ready);
-                    neighbours.begin(end, &self.interfaces.memory, pieces);
+                    neighbours.begin(D - 1, end, &self.interfaces.memory, pieces)?;
                 }
             }
         }
+        Ok(())
     }
 
-    /// Fills rows of the halo at an end.
-    pub(super) fn receive(
+    /// Fills rows of the halo at an end of the last axis.
+    pub(super) fn receive<H: Halo<T::Lanes>>(
         &mut self,
         end: usize,
         rows: &Range<usize>,
-        neighbours: &mut impl Halo<T::Lanes>,
-    ) {
+        neighbours: &mut H,
+    ) -> Result<(), H::Error> {
         let first = [0, self.layout.own_layers().end][end];
-        for layer in first..first + self.layout.halo[end] {
-            neighbours.finish(end, &mut self.data, self.layout.pieces(layer, rows));
+        for layer in first..first + self.layout.halo(D - 1)[end] {
+            let pieces = self.layout.pieces(layer, rows);
+            neighbours.finish(D - 1, end, &mut self.data, pieces)?;
             if self.interfaces.is_any() {
                 let pieces = self.interfaces.pieces(&self.layout, layer, rows);
-                neighbours.finish(end, &mut self.interfaces.memory, pieces);
+                neighbours.finish(D - 1, end, &mut self.interfaces.memory, pieces)?;
             }
         }
+        Ok(())
     }
 
     /// Fills rows of the halo from the own layers.
@@ -81,5 +146,87 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 self.interfaces.memory.copy_within(from, to.start);
             }
         }
+    }
+
+    /// Exchanges the halo along all axes but the last one.
+    pub(super) fn exchange<H: Halo<T::Lanes>>(
+        &mut self,
+        neighbours: &mut H,
+    ) -> Result<(), H::Error> {
+        for axis in 0..D - 1 {
+            let halo = self.layout.halo(axis);
+            let ends = || (0..2).filter(|end| halo[*end] > 0);
+            for end in ends() {
+                self.pack(&self.layout.strip(axis, end, true), |buffer| {
+                    neighbours.begin(axis, end, buffer, std::iter::once(0..buffer.len()))
+                })?;
+            }
+            for end in ends() {
+                self.unpack(&self.layout.strip(axis, end, false), |buffer| {
+                    let all = 0..buffer.len();
+                    neighbours.finish(axis, end, buffer, std::iter::once(all))
+                })?;
+            }
+        }
+        if self.interfaces.is_any() && (0..D - 1).any(|axis| self.layout.halo(axis) != [0, 0]) {
+            self.interfaces.copy_to_other_places(&self.layout);
+        }
+        Ok(())
+    }
+
+    /// Numbers of the cells in a box: fields, then the memories of the interlayers in front of them.
+    fn numbers_in(&self, cells: &[Range<usize>; D]) -> usize {
+        let count: usize = cells.iter().map(ExactSizeIterator::len).product();
+        count * self.fields().len() + MEMORY * self.interfaces.sites_in(&self.layout, cells).len()
+    }
+
+    /// Hands over the numbers of the cells in a box, lane by lane.
+    fn pack<E>(
+        &self,
+        cells: &[Range<usize>; D],
+        hand_over: impl FnOnce(&[T::Lanes]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let groups = self.numbers_in(cells).div_ceil(T::Lanes::COUNT);
+        let mut buffer = vec![T::Lanes::ZERO; groups];
+        let mut to = buffer.iter_mut().flat_map(|group| group.lanes_mut());
+        let mut put = |value: T| {
+            if let Some(to) = to.next() {
+                *to = value;
+            }
+        };
+        for cell in self.layout.cells_in(cells) {
+            let (index, lane) = self.layout.slot(cell);
+            for place in 0..self.layout.fields {
+                put(self.data[index.data + place * self.layout.pitch].lanes()[lane]);
+            }
+        }
+        for site in self.interfaces.sites_in(&self.layout, cells) {
+            self.interfaces.get(&site).into_iter().for_each(&mut put);
+        }
+        hand_over(&buffer)
+    }
+
+    /// Takes over the numbers of the cells in a box.
+    fn unpack<E>(
+        &mut self,
+        cells: &[Range<usize>; D],
+        fill: impl FnOnce(&mut [T::Lanes]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let groups = self.numbers_in(cells).div_ceil(T::Lanes::COUNT);
+        let mut buffer = vec![T::Lanes::ZERO; groups];
+        fill(&mut buffer)?;
+        let mut from = buffer.iter().flat_map(|group| group.lanes()).copied();
+        for cell in self.layout.cells_in(cells) {
+            let (index, lane) = self.layout.slot(cell);
+            let places = (0..self.layout.fields).map(|place| place * self.layout.pitch);
+            for (place, value) in places.zip(&mut from) {
+                self.data[index.data + place].lanes_mut()[lane] = value;
+            }
+        }
+        for site in self.interfaces.sites_in(&self.layout, cells) {
+            let mut next = || from.next().unwrap_or(T::ZERO);
+            self.interfaces.set(&site, [next(), next()]);
+        }
+        Ok(())
     }
 }

@@ -9,15 +9,13 @@
 use super::layout::Layout;
 use crate::simd::{Group, Number, Real};
 use crate::solid::boundary::Boundary;
-use crate::solid::ledger::Energy;
+use crate::solid::interlayers::{MEMORY, energy_of};
+use crate::solid::ledger::EnergySums;
 use crate::solid::problem::Problem;
 use crate::solid::reconstruction::GHOSTS;
-use models::interface::FaceLaw;
+use crate::solid::region::Region;
 use models::interface::elastic::ElasticInterlayer;
 use std::ops::Range;
-
-/// Numbers of a memory: V and S.
-pub(super) const MEMORY: usize = 2;
 
 /// The face in front of a group on the path of a sweep.
 #[derive(Clone, Copy, Debug, Default)]
@@ -83,14 +81,19 @@ impl<T: Real> Across<T> {
 }
 
 impl<T: Real, const D: usize> Interfaces<T, D> {
-    /// Those of a part of a problem, whose layers across the last axis are `layers`.
-    pub(super) fn new(problem: &Problem<D>, layout: &Layout<D>, layers: &[usize]) -> Self {
+    /// Those of a region of a problem.
+    pub(super) fn new(problem: &Problem<D>, layout: &Layout<D>, region: &Region<D>) -> Self {
         let mut memories = 0;
         let across = std::array::from_fn(|axis| {
             let own = problem.interlayers_across(axis)?;
+            let coordinates = region.coordinates(axis).into_iter();
+            let is_layered = coordinates.map(|place| own.is_in_front_of(place)).collect();
+            let is_periodic =
+                problem.boundaries[axis][0] == Boundary::Periodic && region.halo(axis) == [0, 0];
+            let (pairs, ends) = (own.laws.len(), (is_layered, is_periodic));
             let across = match axis {
-                0 => Self::along_rows(own.laws.len(), layout, |x| own.is_in_front_of(x), problem),
-                _ => Self::across_rows(axis, own.laws.len(), layout, problem, layers),
+                0 => Self::along_rows(pairs, layout, ends),
+                _ => Self::across_rows(axis, pairs, layout, ends),
             };
             let laws = own.laws.iter().map(ElasticInterlayer::to_number).collect();
             let across = Across { laws, first: memories, ..across };
@@ -104,18 +107,18 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         Self { across, memory: vec![T::Lanes::ZERO; memories], path: Vec::new() }
     }
 
-    /// Across the first axis: lanes follow each other along rows.
+    /// Across the first axis: lanes follow each other along rows. Given are where interlayers stand, and whether rows are
+    /// periodic.
     fn along_rows(
         pairs: usize,
         layout: &Layout<D>,
-        is_in_front_of: impl Fn(usize) -> bool,
-        problem: &Problem<D>,
+        (is_layered, is_periodic): (Vec<bool>, bool),
     ) -> Across<T> {
         let (count, groups) = (layout.cells[0] as isize, layout.groups as isize);
         let mut across = Across {
             laws: Vec::new(),
-            is_layered: (0..layout.cells[0]).map(is_in_front_of).collect(),
-            is_periodic: problem.boundaries[0][0] == Boundary::Periodic,
+            is_layered,
+            is_periodic,
             faces: Vec::new(),
             first: 0,
             line: 0,
@@ -147,27 +150,16 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         axis: usize,
         pairs: usize,
         layout: &Layout<D>,
-        problem: &Problem<D>,
-        layers: &[usize],
+        (is_layered, is_periodic): (Vec<bool>, bool),
     ) -> Across<T> {
-        let is_last = axis + 1 == D;
-        let is_in_front_of = |place: usize| {
-            problem.interlayers_across(axis).is_some_and(|own| own.is_in_front_of(place))
-        };
-        let (is_layered, lines): (Vec<bool>, usize) = match is_last {
-            true => {
-                let own = layers.iter().map(|&layer| is_in_front_of(layer));
-                (own.collect(), layout.layer_groups())
-            }
-            false => {
-                let own = (0..layout.cells[axis]).map(is_in_front_of);
-                (own.collect(), layout.layers() * layout.groups)
-            }
+        let lines = match axis + 1 == D {
+            true => layout.layer_groups(),
+            false => layout.layers() * layout.groups,
         };
         let mut across = Across {
             laws: Vec::new(),
             is_layered,
-            is_periodic: !is_last && problem.boundaries[axis][0] == Boundary::Periodic,
+            is_periodic,
             faces: Vec::new(),
             first: 0,
             line: MEMORY * pairs,
@@ -239,40 +231,21 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         (face.active >> lane & 1 == 1).then_some((start + MEMORY * pair, lane))
     }
 
-    /// The law and the memory of the face at a place of a line, ghosts included, for a pair, and whether it is the face's
-    /// own one.
-    pub(super) fn at(
+    /// The memory of the face at a place of a line, the face behind it included, for a pair.
+    fn memory_at(
         &self,
         layout: &Layout<D>,
         (axis, pair): (usize, usize),
         place: isize,
         line: (usize, usize),
-    ) -> Option<(ElasticInterlayer<T>, [T; MEMORY], bool)> {
-        let own = self.across[axis].as_ref()?;
-        let around = own.coordinate(place)?;
+    ) -> Option<[T; MEMORY]> {
+        let around = self.across[axis].as_ref()?.coordinate(place)?;
         let (group, lane) = self.site(layout, (axis, pair), around, line)?;
-        let memory = [0, 1].map(|index| self.memory[group + index].lanes()[lane]);
-        Some((own.laws[pair], memory, around as isize == place))
-    }
-
-    /// Sets such a memory.
-    pub(super) fn set_at(
-        &mut self,
-        layout: &Layout<D>,
-        pair: (usize, usize),
-        place: usize,
-        line: (usize, usize),
-        memory: [T; MEMORY],
-    ) {
-        if let Some((group, lane)) = self.site(layout, pair, place, line) {
-            for (index, value) in memory.into_iter().enumerate() {
-                self.memory[group + index].lanes_mut()[lane] = value;
-            }
-        }
+        Some([0, 1].map(|index| self.memory[group + index].lanes()[lane]))
     }
 
     /// The memories of the faces of a layer across the last axis: by axis, face and pair.
-    pub(super) fn sites(&self, layout: &Layout<D>, layer: usize) -> Vec<Site> {
+    fn sites(&self, layout: &Layout<D>, layer: usize) -> Vec<Site> {
         let mut sites = Vec::new();
         let (first, cells) = (layer * layout.layer_cells(), layout.layer_cells());
         for (axis, own) in self.across.iter().enumerate() {
@@ -306,6 +279,28 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         sites
     }
 
+    /// Those of the own cells, layer by layer.
+    pub(super) fn own_sites(&self, layout: &Layout<D>) -> Vec<Site> {
+        self.sites_in(layout, &layout.own)
+    }
+
+    /// Those of the cells in a box, layer by layer.
+    pub(super) fn sites_in(&self, layout: &Layout<D>, cells: &[Range<usize>; D]) -> Vec<Site> {
+        if !self.is_any() {
+            return Vec::new();
+        }
+        let is_inside = |site: &Site| {
+            let mut rest = site.cell;
+            cells.iter().zip(layout.cells).all(|(range, count)| {
+                let place = rest % count;
+                rest /= count;
+                range.contains(&place)
+            })
+        };
+        let sites = cells[D - 1].clone().flat_map(|layer| self.sites(layout, layer));
+        sites.filter(is_inside).collect()
+    }
+
     /// V and S.
     pub(super) fn get(&self, site: &Site) -> [T; MEMORY] {
         [0, 1].map(|index| self.memory[site.group + index].lanes()[site.lane])
@@ -318,22 +313,14 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         }
     }
 
-    /// Adds the energy of the faces of a layer, whose area across an axis is given, m².
-    pub(super) fn add_energy(
-        &self,
-        layout: &Layout<D>,
-        layer: usize,
-        area: [f64; D],
-        energy: &mut Energy,
-    ) {
-        for site in self.sites(layout, layer) {
+    /// Adds the energy of the faces of own cells, whose areas across the axes are given, m².
+    pub(super) fn add_energy(&self, layout: &Layout<D>, area: [f64; D], sums: &mut EnergySums) {
+        for site in self.own_sites(layout) {
             let Some(own) = &self.across[site.axis] else { continue };
-            let law = own.laws[site.pair];
-            let law =
-                ElasticInterlayer { mass: law.mass.wide(), compliance: law.compliance.wide() };
-            let memory = self.get(&site).map(T::wide);
-            energy.interlayer_kinetic += area[site.axis] * law.kinetic_energy(&memory);
-            energy.interlayer_stored += area[site.axis] * law.stored_energy(&memory);
+            let (law, memory) = (&own.laws[site.pair], self.get(&site));
+            let [kinetic, stored] = energy_of(law, memory, area[site.axis]);
+            sums.interlayer_kinetic.add(kinetic);
+            sums.interlayer_stored.add(stored);
         }
     }
 
@@ -347,10 +334,10 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
                     let x = lane * layout.groups + index - GHOSTS;
                     for row in rows.clone() {
                         for pair in 0..across.laws.len() {
-                            let found = self.at(layout, (0, pair), x as isize, (row, 0));
+                            let found = self.memory_at(layout, (0, pair), x as isize, (row, 0));
                             let start =
                                 across.first + row * across.line + face.start + MEMORY * pair;
-                            let Some((_, memory, _)) = found else { continue };
+                            let Some(memory) = found else { continue };
                             for (index, value) in memory.into_iter().enumerate() {
                                 self.memory[start + index].lanes_mut()[lane] = value;
                             }

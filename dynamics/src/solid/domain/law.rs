@@ -5,13 +5,9 @@ use super::plastic::Sets;
 use super::relaxation::Relaxations;
 use super::whole_stress::{InitialStress, WholeStressSets, blocks_of_group, initial_blocks};
 use crate::simd::{Group, Real};
-use crate::solid::medium::Medium;
-use models::common::elementary::Elementary;
+use crate::solid::cell_laws::{self, SpinStressRotation, spin_stress_rotation};
 use models::solid::stress::Stress;
 use models::solid::waves::Field;
-
-/// Constants of the rotation of a spin and antisymmetric stress by a time: cos, √(αj) sin, sin/√(αj).
-pub(super) type SpinStressRotation<N> = [N; 3];
 
 /// Local laws by lane pattern.
 #[derive(Clone)]
@@ -38,33 +34,29 @@ pub(super) struct LocalLaws<T: Real> {
 
 /// Places of spins and of the stresses that rotate with them, where fields are so far apart.
 pub(super) fn rotated_fields(fields: &[Field], pitch: usize) -> Vec<[usize; 3]> {
-    let place = |field: Field| Some(fields.iter().position(|own| *own == field)? * pitch);
-    let triple = |k: usize| {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        Some([place(Field::Spin(k))?, place(Field::Stress(i, j))?, place(Field::Stress(j, i))?])
-    };
-    (0..3).filter_map(triple).collect()
+    cell_laws::rotated_fields(fields)
+        .into_iter()
+        .map(|own| own.map(|index| index * pitch))
+        .collect()
 }
 
 impl<T: Real> LocalLaws<T> {
-    /// Those of materials, by pattern, in rows of so many groups, for a time step, s, and reflections or none.
+    /// Those of materials, by pattern, in rows of so many groups, for a time step, s, and reflections or none; with the
+    /// initial stress of this part, and that of the whole.
     pub(super) fn new<const D: usize>(
         materials: &Materials<T, D>,
         patterns: &[Vec<u16>],
         (groups, pitch): (usize, usize),
         (step, reflects): (f64, bool),
-        initial_stress: Option<(usize, Vec<Stress>)>,
+        (initial_stress, whole): (Option<(usize, Vec<Stress>)>, &[Stress]),
     ) -> Self {
         let (media, fields) = (&materials.media, &materials.fields);
-        let rotation = |medium: &Medium, part: f64| {
-            let Some(rotation) = medium.rotation else { return [1.0, 0.0, 0.0] };
-            let (sin, cos) = (rotation.frequency * part * step).cr_sin_cos();
-            [cos, rotation.ratio * sin, sin / rotation.ratio]
-        };
         let rotations = patterns.iter().map(|pattern| {
             [1.0, 0.5].map(|part| {
                 [0, 1, 2].map(|which| {
-                    let own = |lane: usize| rotation(&media[usize::from(pattern[lane])], part);
+                    let own = |lane: usize| {
+                        spin_stress_rotation(&media[usize::from(pattern[lane])], part, step)
+                    };
                     T::Lanes::by_lane(|lane| T::of(own(lane)[which]))
                 })
             })
@@ -73,10 +65,9 @@ impl<T: Real> LocalLaws<T> {
         let is_plastic = media.iter().any(|medium| medium.yields.is_some());
         let sets = Sets::new(media, patterns, pitch).filter(|_| is_plastic);
         let needs_whole = is_plastic && (sets.is_none() || reflects || initial_stress.is_some());
-        let initial = initial_stress.as_ref().map_or(&[][..], |own| &own.1);
         Self {
             whole: match needs_whole {
-                true => WholeStressSets::new(media, patterns, initial),
+                true => WholeStressSets::new(media, patterns, whole),
                 false => WholeStressSets::default(),
             },
             initial_blocks: match &initial_stress {

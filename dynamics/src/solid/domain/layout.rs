@@ -5,11 +5,13 @@
 //! each with all groups. Two ghosts stand behind the last cell in the row itself, and there are at least two groups:
 //! the neighbours of a row's first and last groups are in the adjacent lanes, not farther.
 //!
-//! Where a domain is cut, or periodic, along the last axis, it has [`HALO`](crate::solid::line::HALO) halo layers for
-//! each step of a pass.
+//! Where a domain is cut along an axis, or periodic along the last one, it has [`HALO`](crate::solid::line::HALO) cells of a
+//! halo for each step of a pass. Cells are counted with those of the halo.
 
 use crate::simd::{Group, Real};
+use crate::solid::problem::Problem;
 use crate::solid::reconstruction::GHOSTS;
+use std::cmp::Ordering;
 use std::ops::Range;
 
 /// Groups of a row, at most, that go through the middle of a step together, so that their layers stay in the cache.
@@ -50,10 +52,12 @@ impl GroupIndex {
 /// Shape of a domain and the order of its data: by row, field and group.
 #[derive(Clone, Debug)]
 pub(super) struct Layout<const D: usize> {
-    /// Own cells along each axis.
+    /// Cells along each axis, those of the halo included.
     pub(super) cells: [usize; D],
-    /// Halo layers in front of the own ones and behind.
-    pub(super) halo: [usize; 2],
+    /// The own cells among these.
+    pub(super) own: [Range<usize>; D],
+    /// By group of a row, the lanes of own cells.
+    pub(super) own_lanes: Vec<u16>,
     /// Whether the own layers are each other's halo.
     pub(super) periodic_in_place: bool,
     /// Number of fields.
@@ -82,18 +86,71 @@ impl<const D: usize> Layout<D> {
 
     /// All layers, the halo included.
     pub(super) fn layers(&self) -> usize {
-        self.cells[D - 1] + self.halo[0] + self.halo[1]
+        self.cells[D - 1]
     }
 
     /// The own layers among all.
     pub(super) fn own_layers(&self) -> Range<usize> {
-        self.halo[0]..self.layers() - self.halo[1]
+        self.own[D - 1].clone()
     }
 
-    /// The own cells among all.
-    pub(super) fn own_cells(&self) -> Range<usize> {
-        let first = self.halo[0] * self.layer_cells();
-        first..first + self.cells.iter().product::<usize>()
+    /// Cells of the halo in front of the own ones along an axis and behind.
+    pub(super) fn halo(&self, axis: usize) -> [usize; 2] {
+        [self.own[axis].start, self.cells[axis] - self.own[axis].end]
+    }
+
+    /// The cells in a box among all, the first axis running fastest.
+    pub(super) fn cells_in(&self, ranges: &[Range<usize>; D]) -> impl Iterator<Item = usize> {
+        let counts = ranges.each_ref().map(ExactSizeIterator::len);
+        let (first, cells) = (ranges.each_ref().map(|range| range.start), self.cells);
+        (0..counts.iter().product()).map(move |index| box_cell(index, &counts, &first, &cells))
+    }
+
+    /// The own cells among all, in their order.
+    pub(super) fn own_cells(&self) -> impl Iterator<Item = usize> {
+        self.cells_in(&self.own)
+    }
+
+    /// The cells at an end of an axis that are sent there, or those that are received: along the axes before it all, along
+    /// those behind it the own ones.
+    pub(super) fn strip(&self, axis: usize, end: usize, is_sent: bool) -> [Range<usize>; D] {
+        let (own, width) = (self.own[axis].clone(), self.halo(axis)[end]);
+        let along = match (end, is_sent) {
+            (0, true) => own.start..own.start + width,
+            (0, false) => own.start - width..own.start,
+            (_, true) => own.end - width..own.end,
+            (_, false) => own.end..own.end + width,
+        };
+        std::array::from_fn(|other| match other.cmp(&axis) {
+            Ordering::Less => 0..self.cells[other],
+            Ordering::Equal => along.clone(),
+            Ordering::Greater => self.own[other].clone(),
+        })
+    }
+
+    /// An own cell, by its number among these, among all.
+    pub(super) fn own_cell(&self, number: usize) -> usize {
+        let counts = self.own.each_ref().map(ExactSizeIterator::len);
+        box_cell(number, &counts, &self.own.each_ref().map(|range| range.start), &self.cells)
+    }
+
+    /// The number of a cell among the own ones, if it is one.
+    pub(super) fn own_number(&self, cell: usize) -> Option<usize> {
+        let (mut rest, mut number, mut stride) = (cell, 0, 1);
+        for (own, count) in self.own.iter().zip(self.cells) {
+            let place = rest % count;
+            if !own.contains(&place) {
+                return None;
+            }
+            number += (place - own.start) * stride;
+            (rest, stride) = (rest / count, stride * own.len());
+        }
+        Some(number)
+    }
+
+    /// Whether a row of a layer has own cells.
+    pub(super) fn is_own_row(&self, layer: usize, row: usize) -> bool {
+        self.own_layers().contains(&layer) && (D == 2 || self.own[1].contains(&row))
     }
 
     /// From the beginning of a row in the data to that of the next one.
@@ -149,7 +206,8 @@ impl<const D: usize> Layout<D> {
 
     /// Whether a layer is in the halo of this domain, or may be in a neighbour's.
     pub(super) fn is_exchanged(&self, layer: usize) -> bool {
-        layer < 2 * self.halo[0] || layer + 2 * self.halo[1] >= self.layers()
+        let [front, behind] = self.halo(D - 1);
+        layer < 2 * front || layer + 2 * behind >= self.layers()
     }
 
     /// Where the exchanged parts of rows of a layer stand.
@@ -166,14 +224,31 @@ impl<const D: usize> Layout<D> {
     }
 }
 
+/// A cell of a box, whose first cell and counts are given, among all.
+fn box_cell<const D: usize>(
+    mut index: usize,
+    counts: &[usize; D],
+    first: &[usize; D],
+    cells: &[usize; D],
+) -> usize {
+    let (mut cell, mut stride) = (0, 1);
+    for axis in 0..D {
+        cell += (first[axis] + index % counts[axis]) * stride;
+        index /= counts[axis];
+        stride *= cells[axis];
+    }
+    cell
+}
+
 /// Groups of a row: its cells, and the ghosts behind them; neighbours in other lanes are next to each other.
-pub(super) fn groups<T: Real>(cells: usize) -> usize {
+fn groups<T: Real>(cells: usize) -> usize {
     (cells + GHOSTS).div_ceil(T::Lanes::COUNT).max(GHOSTS)
 }
 
-/// The same where an interlayer stands in front of every so many cells: a multiple of their number, so that they stand in
-/// all lanes of a group or in none, unless rows became longer by more than a quarter.
-pub(super) fn groups_of_blocks<T: Real>(cells: usize, block: usize) -> usize {
+/// Groups of the rows of a problem, or of a part of it with rows of so many cells. Where an interlayer stands in front of every so many cells they are a multiple of that
+/// number, so that interlayers stand in all lanes of a group or in none, unless rows became longer by more than a quarter.
+pub(super) fn groups_of_rows<T: Real, const D: usize>(problem: &Problem<D>, cells: usize) -> usize {
+    let block = problem.interlayers_across(0).map_or(1, |own| own.every);
     let groups = groups::<T>(cells);
     let multiple = groups.next_multiple_of(block);
     if multiple <= groups + groups / 4 { multiple } else { groups }

@@ -1,18 +1,14 @@
 //! Operators that act in each cell on its own: rotation Q, return mapping P, flush of subnormals; and sums over
 //! cells.
 
-use super::law::SpinStressRotation;
+use super::diagnostics::Diagnostics;
 use super::layout::Tile;
-use super::whole_stress::combined;
 use super::{Domain, MOST_FIELDS, SolverReal};
 use crate::simd::{Group, MOST_LANES, Real, Vector, Work};
-use crate::solid::ledger::Energy;
+use crate::solid::cell_laws::{SpinStressRotation, combined, flush_limit, rotated, stress_of};
+use crate::solid::ledger::{EnergySums, LedgerSums};
 use models::solid::stress::Stress;
-use models::solid::waves::Field;
 use std::ops::Range;
-
-/// Steps between flushes of subnormals: few, so that little decays below the least normal number in between.
-const FLUSH_INTERVAL: usize = 16;
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Adds so many steps to the integrals in time of some cells.
@@ -26,38 +22,28 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.diagnostics.integrals = integrals;
     }
 
-    /// The stress in a cell without the initial one.
-    pub(super) fn stress(&self, cell: usize) -> Stress {
+    /// All fields of a cell.
+    pub(super) fn cell_state(&self, cell: usize) -> [T; MOST_FIELDS] {
         let mut values = [T::ZERO; MOST_FIELDS];
         for (value, (_, place)) in values.iter_mut().zip(self.places()) {
             *value = self.at(cell, place);
         }
-        self.stress_of(&values)
+        values
+    }
+
+    /// The stress in a cell without the initial one.
+    pub(super) fn stress(&self, cell: usize) -> Stress {
+        self.stress_of(&self.cell_state(cell))
     }
 
     /// The stress of a state.
     pub(super) fn stress_of(&self, values: &[T; MOST_FIELDS]) -> Stress {
-        let mut stress = Stress::default();
-        for (&field, value) in self.fields().iter().zip(values) {
-            let value = value.wide();
-            match field {
-                Field::Stress(i, j) => {
-                    stress.force[i][j] = value;
-                    // One field stands for both in classical solids.
-                    if self.law.rotated.is_empty() {
-                        stress.force[j][i] = value;
-                    }
-                }
-                Field::Couple(k, j) => stress.couple[k][j] = value,
-                Field::Velocity(_) | Field::Spin(_) | Field::ViscousStrain(..) => {}
-            }
-        }
-        stress
+        stress_of(self.fields(), values)
     }
 
     /// The whole stress in a cell, the initial one included.
     pub fn whole_stress(&self, cell: usize) -> Stress {
-        let cell = cell + self.layout.own_cells().start;
+        let cell = self.layout.own_cell(cell);
         combined(&self.stress(cell), &self.initial_stress(cell), 1.0)
     }
 
@@ -78,19 +64,15 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Every [`FLUSH_INTERVAL`] steps, flushes values below 2⁴⁰ times the least normal number to zero, see [`crate::solid::domain`]. The factor leaves room for products with constants of
-    /// the media.
+    /// Flushes subnormal numbers after so many steps, if it is time to: see [`flush_limit`].
     pub(super) fn flush_subnormals(
         &mut self,
         layer: usize,
         rows: &Range<usize>,
         steps_done: usize,
     ) {
-        if !steps_done.is_multiple_of(FLUSH_INTERVAL) {
-            return;
-        }
+        let Some(limit) = flush_limit::<T>(steps_done) else { return };
         let stored = self.layout.stored(layer, rows);
-        let limit = T::of(2.0f64.powi(40) * T::LEAST.wide());
         self.instructions.run::<T>(FlushSubnormals { data: &mut self.data[stored], limit });
         for stored in self.interfaces.stored(&self.layout, layer, rows) {
             let data = &mut self.interfaces.memory[stored];
@@ -98,12 +80,36 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Energy by own layer across the last axis.
-    pub(crate) fn energies(&self) -> Vec<Energy> {
-        let mut energies = vec![Energy::default(); self.diagnostics.totals.len()];
-        self.instructions.run::<T>(Energies { domain: self, energies: &mut energies });
-        self.add_interlayer_energy(&mut energies);
-        energies
+    /// Sums of the energy in own cells and faces.
+    pub(crate) fn energy_sums(&self) -> EnergySums {
+        let mut sums = EnergySums::default();
+        let mut of_cells = vec![[0.0; 2]; self.layout.groups * T::Lanes::COUNT];
+        for layer in self.layout.own_layers() {
+            for row in (0..self.layout.rows).filter(|row| self.layout.is_own_row(layer, *row)) {
+                let row = layer * self.layout.rows + row;
+                self.instructions.run::<T>(Energies { domain: self, row, of_lanes: &mut of_cells });
+                for x in self.layout.own[0].clone() {
+                    let place = x % self.layout.groups * T::Lanes::COUNT + x / self.layout.groups;
+                    let [kinetic, stored] = of_cells[place];
+                    sums.kinetic.add(kinetic);
+                    sums.stored.add(stored);
+                }
+            }
+        }
+        self.add_interlayer_energy(&mut sums);
+        sums
+    }
+
+    /// What steps did to the energy so far, in own cells and faces.
+    pub(crate) fn ledger_sums(&self) -> LedgerSums {
+        let Diagnostics { work, dissipation, .. } = &self.diagnostics;
+        LedgerSums::new(work, dissipation.all().map(|sums| self.of_own_lanes(sums)))
+    }
+
+    /// Of a list by group and lane, the values of own cells in their order; none of an empty one.
+    pub(super) fn of_own_lanes(&self, values: &[f64]) -> impl Iterator<Item = f64> {
+        let cells = self.layout.own_cells().take(if values.is_empty() { 0 } else { usize::MAX });
+        cells.map(|cell| values[self.layout.lane_of::<T>(cell)])
     }
 }
 
@@ -123,16 +129,14 @@ impl<T: Real> Work<T> for Rotate<'_, T> {
         for (index, &pattern) in self.patterns.iter().enumerate() {
             let group = &mut self.data[index..];
             let [cos, ratio_sin, sin_over_ratio] = &self.rotations[pattern as usize][self.part];
-            let (cos, ratio_sin) = (V::load(cos), V::load(ratio_sin));
-            let sin_over_ratio = V::load(sin_over_ratio);
+            let rotation = [V::load(cos), V::load(ratio_sin), V::load(sin_over_ratio)];
             for &[spin, first, second] in self.rotated {
-                let omega = V::load(&group[spin]);
-                let (a, b) = (V::load(&group[first]), V::load(&group[second]));
-                let half = V::HALF * (a - b);
-                let turned = half * cos + ratio_sin * omega - half;
-                (omega * cos - half * sin_over_ratio).store(&mut group[spin]);
-                (a + turned).store(&mut group[first]);
-                (b - turned).store(&mut group[second]);
+                let before =
+                    [V::load(&group[spin]), V::load(&group[first]), V::load(&group[second])];
+                let [omega, one, other] = rotated(rotation, before);
+                omega.store(&mut group[spin]);
+                one.store(&mut group[first]);
+                other.store(&mut group[second]);
             }
         }
     }
@@ -154,10 +158,12 @@ impl<T: Real> Work<T> for FlushSubnormals<'_, T> {
     }
 }
 
-/// The energy of layers.
+/// Kinetic and stored energy of the cells of a row, J/m³.
 struct Energies<'a, T: SolverReal, const D: usize> {
     domain: &'a Domain<T, D>,
-    energies: &'a mut [Energy],
+    row: usize,
+    /// By group and lane.
+    of_lanes: &'a mut [[f64; 2]],
 }
 
 impl<T: SolverReal, const D: usize> Work<T> for Energies<'_, T, D> {
@@ -165,29 +171,25 @@ impl<T: SolverReal, const D: usize> Work<T> for Energies<'_, T, D> {
     fn run<V: Vector<T>>(self) {
         let Domain { layout, materials, data, .. } = self.domain;
         let (terms, patterns) = (&materials.energy_terms, &materials.patterns);
-        let (rows, groups) = (layout.rows, layout.groups);
-        let volume = self.domain.grid.volume();
-        for (energy, layer) in self.energies.iter_mut().zip(layout.own_layers()) {
-            // Sums of each lane on its own, in numbers of twice the digits where there are such.
+        let lanes = T::Lanes::COUNT;
+        for (group, of_lanes) in self.of_lanes.chunks_exact_mut(lanes).enumerate() {
+            let index = layout.index(self.row, group);
+            let factors = &terms.factors[patterns[index.group] as usize];
+            let group = &data[index.data..];
+            // In numbers of twice the digits where there are such.
             let mut sums = [[0.0f64; MOST_LANES]; 2];
-            let rows = layer * rows..(layer + 1) * rows;
-            for (row, group) in rows.flat_map(|row| (0..groups).map(move |group| (row, group))) {
-                let index = layout.index(row, group);
-                let factors = &terms.factors[patterns[index.group] as usize];
-                let group = &data[index.data..];
-                for (term, (&[one, other], factor)) in terms.places.iter().zip(factors).enumerate()
+            for (term, (&[one, other], factor)) in terms.places.iter().zip(factors).enumerate() {
+                let sums = &mut sums[usize::from(term >= terms.kinetic)];
+                let lanes = factor.lanes().iter().zip(group[one].lanes());
+                for (sum, ((factor, one), other)) in
+                    sums.iter_mut().zip(lanes.zip(group[other].lanes()))
                 {
-                    let sums = &mut sums[usize::from(term >= terms.kinetic)];
-                    let lanes = factor.lanes().iter().zip(group[one].lanes());
-                    for (sum, ((factor, one), other)) in
-                        sums.iter_mut().zip(lanes.zip(group[other].lanes()))
-                    {
-                        *sum += factor.wide() * one.wide() * other.wide();
-                    }
+                    *sum += factor.wide() * one.wide() * other.wide();
                 }
             }
-            let [kinetic, stored] = sums.map(|lanes| volume * lanes.iter().sum::<f64>());
-            *energy = Energy { kinetic, stored, ..Energy::default() };
+            for (lane, own) in of_lanes.iter_mut().enumerate() {
+                *own = [sums[0][lane], sums[1][lane]];
+            }
         }
     }
 }

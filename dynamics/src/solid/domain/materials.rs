@@ -4,14 +4,13 @@ use super::layout::Layout;
 use super::schedule::CHUNK;
 use super::table::{Table, Wave};
 use crate::simd::{Group, Real};
-use crate::solid::boundary::Boundary;
 use crate::solid::cell::Cell;
 use crate::solid::ghosts::GhostCoefficients;
-use crate::solid::medium::{Medium, energy_terms};
+use crate::solid::medium::{Medium, energy_terms_of_all};
 use crate::solid::problem::Problem;
-use crate::solid::reconstruction::{GHOSTS, Slopes};
+use crate::solid::reconstruction::GHOSTS;
 use models::solid::waves::Field;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 /// Terms of the energy density: places of two fields, by pattern a coefficient. Kinetic terms stand first.
 #[derive(Clone)]
@@ -128,13 +127,7 @@ impl<T: Real, const D: usize> WaveConstants<'_, T, D> {
         let cell = |medium: &Medium| {
             let own = &medium.pairs[axis][pair];
             let courant = own.speed() * (share * step / grid.spacing[axis]);
-            let (impedance, courant) = (own.impedance(), courant.min(1.0));
-            let is_mixed = media.len() > 1 || !self.problem.interlayers.is_empty();
-            match (scheme.slopes, is_mixed) {
-                (Slopes::Godunov, _) => Cell::constant(impedance, courant),
-                (Slopes::FourthOrder, true) => Cell::among_others(impedance, courant),
-                _ => Cell::new(impedance, courant),
-            }
+            Cell::of_pair(own, courant, scheme.slopes, self.problem.is_mixed())
         };
         let cells: Vec<Cell<T>> = media.iter().map(cell).collect();
         let ratio = |medium: &Medium, index: usize| {
@@ -191,11 +184,11 @@ impl<T: Real, const D: usize> WaveConstants<'_, T, D> {
 }
 
 impl<T: Real, const D: usize> Materials<T, D> {
-    /// Those of the cells of a part of a problem, and the media in the lanes of each pattern.
+    /// Those of the problem of a region, whose rows are periodic or not, and the media in the lanes of each pattern.
     pub(super) fn new(
         problem: &Problem<D>,
-        of_cell: Vec<u16>,
         layout: &Layout<D>,
+        is_periodic: bool,
     ) -> (Self, Vec<Vec<u16>>) {
         let (media, fields) = (problem.media.clone(), problem.fields());
         let mut constants =
@@ -207,7 +200,7 @@ impl<T: Real, const D: usize> Materials<T, D> {
         let quarter_waves = pairs.map(|pair| constants.wave(0, pair, 0.25)).collect();
 
         let mut known = Patterns::default();
-        let is_periodic = problem.boundaries[0][0] == Boundary::Periodic;
+        let of_cell = problem.of_cell.clone();
         let rows: Vec<_> = of_cell
             .chunks(layout.cells[0])
             .map(|row| known.row::<T>(row, layout.groups, is_periodic))
@@ -251,22 +244,14 @@ impl<T: Real, const D: usize> Materials<T, D> {
 
 impl<T: Real> EnergyTerms<T> {
     fn new(media: &[Medium], fields: &[Field], patterns: &[Vec<u16>], pitch: usize) -> Self {
-        // Coefficients by term; kinetic terms in front, since velocities and spins are.
-        let mut terms: BTreeMap<[usize; 2], Vec<f64>> = BTreeMap::new();
-        for (index, medium) in media.iter().enumerate() {
-            for (one, other, factor) in energy_terms(medium, fields) {
-                let term = terms.entry([one, other]).or_insert_with(|| vec![0.0; media.len()]);
-                term[index] = factor;
-            }
-        }
-        let is_kinetic = |indices: &[usize; 2]| media[0].inertia(fields[indices[0]]) > 0.0;
+        let (terms, kinetic) = energy_terms_of_all(media, fields);
         let factors = patterns.iter().map(|pattern| {
             let of =
                 |term: &Vec<f64>| T::Lanes::by_lane(|lane| T::of(term[usize::from(pattern[lane])]));
             terms.values().map(of).collect()
         });
         Self {
-            kinetic: terms.keys().filter(|indices| is_kinetic(indices)).count(),
+            kinetic,
             factors: factors.collect(),
             places: terms.keys().map(|indices| indices.map(|index| index * pitch)).collect(),
         }

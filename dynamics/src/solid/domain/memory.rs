@@ -5,8 +5,6 @@ use super::layout::{GroupIndex, Layout};
 use super::schedule::CHUNK;
 use super::whole_stress::{Wide, blocks_of_group};
 use crate::simd::{Number, Real};
-use crate::solid::cell::Cell;
-use crate::solid::line::Account;
 use crate::solid::reconstruction::GHOSTS;
 
 /// Room for the sweeps.
@@ -17,14 +15,10 @@ pub(super) struct Buffer<T: Real> {
     pub(super) carried: [Vec<Vec<Carried<T::Lanes>>>; 3],
     /// Groups on the path along a line.
     pub(super) path: Vec<GroupIndex>,
-    /// Groups that are yet to be projected one cell at a time.
-    pub(super) left: Vec<usize>,
+    /// Groups with cells that are yet to be projected one at a time, and the lanes of these.
+    pub(super) left: Vec<(usize, u16)>,
     /// The fields of a row in double precision, where the return mapping needs them.
     pub(super) wide: Vec<Wide>,
-    pub(super) velocity: Vec<T>,
-    pub(super) stress: Vec<T>,
-    pub(super) cells: Vec<Cell<T>>,
-    pub(super) accounts: Vec<Account>,
 }
 
 impl<T: Real> Buffer<T> {
@@ -52,10 +46,6 @@ impl<T: Real> Buffer<T> {
             path: Vec::with_capacity(longest),
             left: Vec::with_capacity(layout.layer_groups()),
             wide: vec![Wide::ZERO; if needs_wide { blocks } else { 0 }],
-            velocity: vec![T::ZERO; longest],
-            stress: vec![T::ZERO; longest],
-            cells: vec![Cell::new(1.0, 0.0); longest],
-            accounts: vec![Account::default(); longest],
         }
     }
 }

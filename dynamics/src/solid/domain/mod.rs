@@ -9,7 +9,8 @@
 //! | `kernel`, `rows`, `fill` | a sweep of many lines in SIMD lanes; ghosts at the ends of rows and lines |
 //! | `sweep` | which lines a sweep takes, and the work at boundaries |
 //! | `law`, `local`, `relaxation` | what acts in cells between sweeps: rotation, relaxation, subnormals |
-//! | `correct`, `plastic`, `return_mapping`, `whole_stress` | yield sets: the choice of the return mapping, that of stresses without initial ones, that of whole stresses in lanes and one by one |
+//! | `correct`, `plastic`, `return_mapping`, `whole_stress` | yield sets: the choice of the return mapping, that of stresses without initial ones, that of whole stresses in lanes |
+//! | `cell_mapping` | the return mapping in lanes for single cells, for the reference solver |
 //! | `sources`, `boundaries` | what acts inside and at the ends |
 //! | `interfaces`, `interlayers` | interlayers: where they stand, what they remember, how they are swept |
 //! | `halo` | exchange with the parts beyond a cut |
@@ -17,9 +18,8 @@
 //! | `build` | a domain made of a [`Problem`] |
 //!
 //! The formulas of a sweep are those of [`crate::solid::line`], which applies them one line at a time; here they run over
-//! many lines at once. The bits of the fields are the same, for any tiling, number of parts and instruction set. With
-//! [`Detail::Full`](crate::solid::problem::Detail::Full) all layers are loaded together, sweeps run line by line and keep the
-//! account of the scheme's own dissipation.
+//! many lines at once. The bits of the fields are the same, for any tiling, number of parts and instruction set, and those of
+//! [`Reference`](crate::solid::reference::Reference), which also accounts for the dissipation of the scheme itself.
 //!
 //! Fields are the deviation from an initial stress in equilibrium: it moves nothing, and yield conditions see the sum.
 //!
@@ -27,13 +27,17 @@
 //! since subnormal arithmetic is slow on many processors and tails of waves would be full of it. The energy removed is
 //! not in the ledger.
 //!
-//! Where a domain is cut, or periodic, along the last axis, it has a halo of [`HALO`](crate::solid::line::HALO) layers for
+//! Sums of the ledger are exact, so that they depend on no order; each own cell and face enters them once.
+//!
+//! Where a domain is cut along another axis, its halo there is exchanged before a pass: see `halo`. Where it is cut, or
+//! periodic, along the last axis, it has a halo of [`HALO`](crate::solid::line::HALO) layers for
 //! each step of a pass, recomputed redundantly. Block by block of rows, the neighbour does the first x and y sweeps of its
 //! outermost layers, then sends them; the lower halo is received before the first layer is loaded, the upper one before
 //! the tile that reaches it. The content of a halo after a pass is arbitrary.
 
 mod boundaries;
 mod build;
+mod cell_mapping;
 mod complete;
 mod correct;
 mod diagnostics;
@@ -60,13 +64,16 @@ mod sweep;
 mod table;
 mod whole_stress;
 
-pub(crate) use halo::Halo;
+pub(crate) use cell_mapping::CellMapping;
+pub(crate) use complete::BOUNDARY_LAYER;
+pub use halo::Halo;
 pub use layout::memory;
 pub(crate) use schedule::most_steps;
 pub use solver_real::SolverReal;
 
 use crate::simd::{Group, Instructions, Number};
-use crate::solid::ledger::{Energy, Ledger, Total};
+use crate::solid::cell_laws::MOST_FIELDS;
+use crate::solid::ledger::{Energy, Ledger, WorkSums};
 use crate::solid::problem::{DomainError, Grid, Problem, Scheme};
 use boundaries::Boundaries;
 use diagnostics::Diagnostics;
@@ -78,9 +85,6 @@ use memory::Buffer;
 use models::solid::waves::Field;
 use schedule::Schedule;
 use sources::Sources;
-
-/// Fields at most: three velocities, three spins, nine stresses and couple stresses each, and six viscous strains.
-const MOST_FIELDS: usize = 30;
 
 /// Fields and what moves them.
 #[derive(Clone)]
@@ -110,7 +114,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// See [`DomainError`].
     pub fn new(problem: &Problem<D>) -> Result<Self, DomainError> {
         problem.check()?;
-        Ok(Self::slab(problem, 0..problem.grid.cells[D - 1], [false; 2], 1))
+        let region = problem.uncut_region(1);
+        Ok(Self::of_region(&problem.restricted(&region), &region, 1))
     }
 
     /// Uses other instructions than the best; results do not depend on them.
@@ -150,8 +155,19 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// nothing happens.
     pub fn set(&mut self, field: Field, values: &[T]) {
         let Some(place) = self.place(field) else { return };
-        for (cell, &value) in self.layout.own_cells().zip(values) {
+        let layout = self.layout.clone();
+        for (cell, &value) in layout.own_cells().zip(values) {
             *self.at_mut(cell, place) = value;
+        }
+    }
+
+    /// Sets the values of a field in all cells, those of the halo included, where there are such.
+    pub(crate) fn set_all(&mut self, field: Field, value: impl Fn(usize) -> Option<T>) {
+        let Some(place) = self.place(field) else { return };
+        for cell in 0..self.layout.cells.iter().product() {
+            if let Some(value) = value(cell) {
+                *self.at_mut(cell, place) = value;
+            }
         }
     }
 
@@ -163,7 +179,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// The value of a field in a cell; `None` if there is no such field or cell.
     pub fn value(&self, field: Field, cell: usize) -> Option<T> {
-        let cell = self.layout.own_cells().nth(cell)?;
+        let cell = (cell < self.grid.count()).then(|| self.layout.own_cell(cell))?;
         self.place(field).map(|place| self.at(cell, place))
     }
 
@@ -172,11 +188,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let is_broken = |cell: &usize| {
             self.places().find(|(_, place)| !self.at(*cell, *place).wide().is_finite())
         };
-        let first = self.layout.own_cells().start;
         let Some(cell) = self.layout.own_cells().find(|cell| is_broken(cell).is_some()) else {
             return self.first_non_finite_interlayer();
         };
-        is_broken(&cell).map(|(field, _)| (field, cell - first))
+        Some((is_broken(&cell)?.0, self.layout.own_number(cell)?))
     }
 
     /// All fields, and their places in a row.
@@ -202,24 +217,22 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// What steps did to the energy so far.
     pub fn ledger(&self) -> Ledger {
-        Total::sum(&self.diagnostics.totals)
+        self.ledger_sums().ledger(self.grid.volume())
     }
 
-    /// The same by layer across the last axis.
-    pub(crate) fn totals(&self) -> &[Total] {
-        &self.diagnostics.totals
+    /// What steps added up over faces and sources.
+    pub(crate) fn work(&self) -> &WorkSums {
+        &self.diagnostics.work
     }
 
-    /// Takes over steps done and totals by layer, as after so many steps.
-    pub(crate) fn restore_totals(&mut self, steps: usize, totals: impl Iterator<Item = Total>) {
+    /// Takes over steps done and what they added up.
+    pub(crate) fn restore_work(&mut self, steps: usize, work: WorkSums) {
         self.schedule.steps = steps;
-        for (own, total) in self.diagnostics.totals.iter_mut().zip(totals) {
-            *own = total;
-        }
+        self.diagnostics.work = work;
     }
 
     /// Steps of a pass at most.
-    pub(crate) fn most_steps(&self) -> usize {
+    pub fn most_steps(&self) -> usize {
         self.schedule.most_steps
     }
 
@@ -230,6 +243,6 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Energy of the deviation from the initial stress.
     pub fn energy(&self) -> Energy {
-        Energy::sum(&self.energies())
+        self.energy_sums().energy(self.grid.volume())
     }
 }

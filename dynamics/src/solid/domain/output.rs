@@ -1,10 +1,9 @@
 //! What a domain gives to the outside: fields of cells at the time of the domain, records of watched cells, sums.
 
 use super::complete::ClosingBoundaries;
-use super::whole_stress::combined;
 use super::{Domain, SolverReal};
 
-use crate::solid::ledger::Ledger;
+use crate::solid::cell_laws::combined;
 use crate::solid::medium::{Medium, component};
 use std::ops::Range;
 
@@ -14,7 +13,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         // Of the trapezoidal rule; where sweeps alternate the rule is that of midpoints.
         let last = if self.scheme.alternates() { 0.0 } else { 0.5 * self.step };
         let is_under_way = self.schedule.steps > 0;
-        let cell = cell + self.layout.own_cells().start;
+        let cell = self.layout.own_cell(cell);
         self.diagnostics.integrals.iter().map(move |(place, sums)| match is_under_way {
             true => sums[cell] - last * self.at(cell, *place).wide(),
             false => 0.0,
@@ -26,28 +25,30 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.diagnostics.integrals.len()
     }
 
-    /// What steps added up by cell: dissipation, where anything yields, and the sums of integrals.
+    /// What steps added up by own cell: the lists of [`CellDissipation`], then the sums of integrals.
+    ///
+    /// [`CellDissipation`]: crate::solid::ledger::CellDissipation
     pub(crate) fn sums(&self) -> Vec<Vec<f64>> {
-        let own = self.layout.own_cells();
-        let is_plastic = !self.diagnostics.dissipated.is_empty();
-        let cells = own.clone().filter(|_| is_plastic);
-        let dissipated =
-            cells.map(|cell| self.diagnostics.dissipated[self.layout.lane_of::<T>(cell)]).collect();
+        let dissipation = self.diagnostics.dissipation.all();
+        let dissipation = dissipation.map(|sums| self.of_own_lanes(sums).collect());
+        let integrals = self.diagnostics.integrals.iter();
         let integrals =
-            self.diagnostics.integrals.iter().map(|(_, sums)| sums[own.clone()].to_vec());
-        std::iter::once(dissipated).chain(integrals).collect()
+            integrals.map(|(_, sums)| self.layout.own_cells().map(|cell| sums[cell]).collect());
+        dissipation.into_iter().chain(integrals).collect()
     }
 
-    /// Takes over such sums from the place of the first own cell on.
-    pub(crate) fn set_sums(&mut self, sums: &[Vec<f64>], first: usize) {
-        let Some((dissipated, integrals)) = sums.split_first() else { return };
-        let own = self.layout.own_cells();
-        for (cell, &sum) in own.clone().zip(dissipated.get(first..).unwrap_or(&[])) {
-            let lane = self.layout.lane_of::<T>(cell);
-            self.diagnostics.dissipated[lane] = sum;
+    /// Takes over such sums.
+    pub(crate) fn set_sums(&mut self, sums: &[Vec<f64>]) {
+        let Some((dissipation, integrals)) = sums.split_at_checked(3) else { return };
+        for (own, values) in self.diagnostics.dissipation.all_mut().into_iter().zip(dissipation) {
+            for (cell, &value) in self.layout.own_cells().zip(values) {
+                own[self.layout.lane_of::<T>(cell)] = value;
+            }
         }
-        for ((_, own_sums), all) in self.diagnostics.integrals.iter_mut().zip(integrals) {
-            own_sums[own.clone()].copy_from_slice(&all[first..first + own.len()]);
+        for ((_, own), values) in self.diagnostics.integrals.iter_mut().zip(integrals) {
+            for (cell, &value) in self.layout.own_cells().zip(values) {
+                own[cell] = value;
+            }
         }
     }
 
@@ -57,10 +58,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let mut shown = self.clone();
         for row in 0..self.layout.rows {
             let tile = self.layout.whole_row(row);
-            shown.correct(&(0..self.layout.layers()), &tile, 1, false);
+            shown.correct(&(0..self.layout.layers()), &tile, false);
         }
-        shown.diagnostics.ledgers.iter_mut().for_each(|half| half.fill(Ledger::default()));
-        shown.diagnostics.dissipated.clone_from(&self.diagnostics.dissipated);
+        shown.diagnostics.work.clone_from(&self.diagnostics.work);
+        shown.diagnostics.dissipation.clone_from(&self.diagnostics.dissipation);
         shown
     }
 
@@ -80,11 +81,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Records what is watched in layers that have come through a step of the pass.
     pub(super) fn record(&mut self, layers: Range<usize>, step: usize) {
         let mut records = std::mem::take(&mut self.diagnostics.records[step]);
-        let first = self.layout.own_cells().start;
         let [from, to] = [layers.start, layers.end].map(|layer| {
-            self.diagnostics
-                .watched
-                .partition_point(|cell| first + cell < layer * self.layout.layer_cells())
+            let is_before =
+                |cell: &usize| self.layout.own_cell(*cell) < layer * self.layout.layer_cells();
+            self.diagnostics.watched.partition_point(is_before)
         });
         let sides = self.boundary.closing.get(step);
         for &cell in &self.diagnostics.watched[from..to] {
@@ -111,10 +111,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         sides: Option<&ClosingBoundaries<T>>,
         values: &mut Vec<f64>,
     ) {
-        let own = self.completed(cell + self.layout.own_cells().start, sides);
+        let of_all = self.layout.own_cell(cell);
+        let own = self.completed(of_all, sides);
         let stress = self.stress_of(&own);
-        let whole =
-            combined(&stress, &self.initial_stress(cell + self.layout.own_cells().start), 1.0);
+        let whole = combined(&stress, &self.initial_stress(of_all), 1.0);
         let stress = self.medium(cell).project(&whole).stress;
         for (&field, value) in self.fields().iter().zip(own) {
             values.push(component(field, &stress).unwrap_or_else(|| value.wide()));
@@ -124,7 +124,6 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// The medium of an own cell.
     fn medium(&self, cell: usize) -> &Medium {
-        &self.materials.media
-            [usize::from(self.materials.of_cell[cell + self.layout.own_cells().start])]
+        self.materials.of(self.layout.own_cell(cell))
     }
 }

@@ -5,9 +5,9 @@
 //! Of polyhedra all conditions are evaluated in lanes, and a stress beyond one is projected alone. All other configurations
 //! are those of `return_mapping`.
 //!
-//! A stress just on the surface may move by rounding if one in another lane of its group yields.
+//! A lane does not depend on those beside it: stresses within their sets stay as they are to the bit, wherever rows are cut.
 
-use crate::simd::{Group, MOST_LANES, Number, Real, Vector, Work};
+use crate::simd::{Group, Number, Real, Vector, Work};
 use crate::solid::medium::{Medium, component};
 use models::solid::parameters::Isotropic;
 use models::solid::waves::Field;
@@ -244,10 +244,8 @@ pub(super) struct Correct<'a, T: Real> {
     pub(super) yields: &'a [bool],
     /// Plastic dissipation by group and lane, J/m³; added to.
     pub(super) dissipated: &'a mut [f64],
-    /// Its sum over these groups, J/m³: of each lane first.
-    pub(super) sum: &'a mut f64,
-    /// Groups that have stresses which are left.
-    pub(super) left: &'a mut Vec<usize>,
+    /// Groups that have stresses which are left, and their lanes.
+    pub(super) left: &'a mut Vec<(usize, u16)>,
 }
 
 impl<T: Real> Work<T> for Correct<'_, T> {
@@ -257,8 +255,12 @@ impl<T: Real> Work<T> for Correct<'_, T> {
             Sets::HalfSpaces(all) => {
                 for (index, &pattern) in self.patterns.iter().enumerate() {
                     let (group, pattern) = (&self.data[index..], pattern as usize);
-                    if self.yields[pattern] && !admits::<T, V>(group, &all[pattern]) {
-                        self.left.push(index);
+                    if !self.yields[pattern] {
+                        continue;
+                    }
+                    let lanes = beyond::<T, V>(group, &all[pattern]);
+                    if lanes != 0 {
+                        self.left.push((index, lanes));
                     }
                 }
             }
@@ -275,7 +277,6 @@ impl<T: Real> Correct<'_, T> {
     #[inline(always)]
     fn each<V: Vector<T>, const DEVIATOR: bool>(self, strengths: &Strengths<T>) {
         let lanes = T::Lanes::COUNT;
-        let mut sums = [0.0f64; MOST_LANES];
         for (index, &pattern) in self.patterns.iter().enumerate() {
             let group = &mut self.data[index..];
             if !self.yields[pattern as usize] {
@@ -283,46 +284,42 @@ impl<T: Real> Correct<'_, T> {
             }
             let own = &strengths.by_pattern[pattern as usize];
             let mut lost = T::Lanes::ZERO;
-            match correct::<T, V, DEVIATOR>(group, own, strengths, &mut lost) {
-                Done::Nothing => {}
-                Done::All => {
-                    let dissipated = &mut self.dissipated[index * lanes..][..lanes];
-                    for ((sum, own), lost) in sums.iter_mut().zip(dissipated).zip(lost.lanes()) {
-                        let lost = lost.wide();
-                        // What is no number is so in the stress as well, where it is looked for.
-                        debug_assert!(lost.is_nan() || lost >= 0.0, "the correction adds energy");
-                        *own += lost.max(0.0);
-                        *sum += lost.max(0.0);
-                    }
+            let Done { mapped, left } = correct::<T, V, DEVIATOR>(group, own, strengths, &mut lost);
+            if mapped != 0 {
+                let dissipated = &mut self.dissipated[index * lanes..][..lanes];
+                for (own, lost) in dissipated.iter_mut().zip(lost.lanes()) {
+                    let lost = lost.wide();
+                    // What is no number is so in the stress as well, where it is looked for.
+                    debug_assert!(lost.is_nan() || lost >= 0.0, "the correction adds energy");
+                    *own += lost.max(0.0);
                 }
-                Done::NotAll => self.left.push(index),
+            }
+            if left != 0 {
+                self.left.push((index, left));
             }
         }
-        *self.sum = sums.iter().sum();
     }
 }
 
-/// Whether all stresses of a group are within all conditions.
+/// The lanes of a group whose stresses are beyond any condition.
 #[inline(always)]
-fn admits<T: Real, V: Vector<T>>(group: &[T::Lanes], half_spaces: &[HalfSpace<T::Lanes>]) -> bool {
+fn beyond<T: Real, V: Vector<T>>(group: &[T::Lanes], half_spaces: &[HalfSpace<T::Lanes>]) -> u16 {
+    let mut lanes = 0;
     for half_space in half_spaces {
         let mut value = V::ZERO;
         for (place, component) in &half_space.normal {
             value = value + V::load(component) * V::load(&group[*place]);
         }
-        if value.exceeds(V::load(&half_space.strength)) {
-            return false;
-        }
+        lanes |= value.greater_lanes(V::load(&half_space.strength));
     }
-    true
+    lanes
 }
 
-/// What was done to a group.
-enum Done {
-    Nothing,
-    All,
-    /// Nothing either, though it should.
-    NotAll,
+/// What was done to a group, by lanes.
+struct Done {
+    mapped: u16,
+    /// Beyond their sets, and yet to be mapped one by one.
+    left: u16,
 }
 
 /// Mean, ½ the square of the symmetric deviator and of the antisymmetric part of a stress.
@@ -344,10 +341,12 @@ fn invariants<T: Real, V: Vector<T>>(group: &[T::Lanes], matrix: &Matrix) -> (V,
     (mean, deviator, antisymmetric)
 }
 
-/// Takes shares of the deviator and of the antisymmetric part, if not of the former alone, away and adds to the mean.
+/// Takes shares of the deviator and of the antisymmetric part, if not of the former alone, away and adds to the mean, in
+/// some lanes.
 #[inline(always)]
 fn relax<T: Real, V: Vector<T>, const DEVIATOR: bool>(
     group: &mut [T::Lanes],
+    lanes: u16,
     matrix: &Matrix,
     (mean, more): (V, V),
     (deviator, antisymmetric): (V, V),
@@ -355,23 +354,24 @@ fn relax<T: Real, V: Vector<T>, const DEVIATOR: bool>(
     if let Some(normal) = matrix.normal {
         for place in normal {
             let own = V::load(&group[place]);
-            (own + (more - deviator * (own - mean))).store(&mut group[place]);
+            let moved = own + (more - deviator * (own - mean));
+            own.with_lanes(lanes, moved).store(&mut group[place]);
         }
     }
     for &[one, other] in &matrix.pairs {
         let (a, b) = (V::load(&group[one]), V::load(&group[other]));
         let symmetric = deviator * (V::HALF * (a + b));
         if DEVIATOR {
-            (a - symmetric).store(&mut group[one]);
+            a.with_lanes(lanes, a - symmetric).store(&mut group[one]);
             if other != one {
-                (b - symmetric).store(&mut group[other]);
+                b.with_lanes(lanes, b - symmetric).store(&mut group[other]);
             }
             continue;
         }
         let antisymmetric = antisymmetric * (V::HALF * (a - b));
-        (a - (symmetric + antisymmetric)).store(&mut group[one]);
+        a.with_lanes(lanes, a - (symmetric + antisymmetric)).store(&mut group[one]);
         if other != one {
-            (b - (symmetric - antisymmetric)).store(&mut group[other]);
+            b.with_lanes(lanes, b - (symmetric - antisymmetric)).store(&mut group[other]);
         }
     }
 }
@@ -404,13 +404,11 @@ fn correct<T: Real, V: Vector<T>, const DEVIATOR: bool>(
     }
     let strength = V::load(&own.strength);
     let room = strength - V::load(&own.friction) * mean;
-    let is_apart = V::LEAST.exceeds(room);
-    if !is_apart && !square.exceeds(room * room) {
-        return Done::Nothing;
-    }
     // Where the mean alone is beyond.
-    if is_apart {
-        return Done::NotAll;
+    let left = V::LEAST.greater_lanes(room);
+    let mapped = square.greater_lanes(room * room) & !left;
+    if mapped == 0 {
+        return Done { mapped, left };
     }
     let (shares, multiplier, parts_lost) = if DEVIATOR {
         let (share, multiplier) = one_rate::<T, V>(square, room, own);
@@ -421,15 +419,14 @@ fn correct<T: Real, V: Vector<T>, const DEVIATOR: bool>(
         several_rates::<T, V>(squares, room, own, seen)
     };
     let quarter = V::QUARTER * V::load(&own.a) * multiplier;
-    // In lanes that do not yield this is nothing times a great number.
-    (parts_lost + (strength + quarter) * multiplier).store(lost);
+    V::ZERO.with_lanes(mapped, parts_lost + (strength + quarter) * multiplier).store(lost);
     let more = -(V::load(&own.shift) * multiplier);
-    relax::<T, V, DEVIATOR>(group, force, (mean, more), (shares[0], shares[1]));
+    relax::<T, V, DEVIATOR>(group, mapped, force, (mean, more), (shares[0], shares[1]));
     if sees_couples {
         let less = -(shares[3] * couple_mean);
-        relax::<T, V, false>(group, couple, (couple_mean, less), (shares[2], shares[4]));
+        relax::<T, V, false>(group, mapped, couple, (couple_mean, less), (shares[2], shares[4]));
     }
-    Done::All
+    Done { mapped, left }
 }
 
 /// What the deviator loses of itself, and λ, where h(x) = 0 is linear: with τ̄ − r in excess

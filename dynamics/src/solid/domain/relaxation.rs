@@ -7,24 +7,25 @@
 //! [`Relaxation::NONE`], by which its viscous strain stays zero.
 
 use super::layout::Tile;
-use super::plastic::Matrix;
 use super::{Domain, SolverReal};
-use crate::simd::{Group, MOST_LANES, Number, Real, Vector, Work};
+use crate::simd::{Group, Number, Real, Vector, Work};
+use crate::solid::cell_laws::{RelaxedFields, relax, relaxation_over, relaxed_fields};
 use crate::solid::medium::Medium;
-use models::rheology::relaxation::{Increments, Relaxation, SymmetricTensor};
+use models::rheology::relaxation::Relaxation;
 use models::solid::waves::Field;
 use std::ops::Range;
 
 /// The laws by pattern.
 #[derive(Clone)]
 pub(super) struct Relaxations<T: Real> {
-    /// Places of normal stresses and viscous strains.
-    normal: [[usize; 2]; 3],
-    /// Places of both shear stresses, which may be one, and of the viscous strain.
-    shear: Vec<[usize; 3]>,
-    /// Over a whole step and a half; `None` where no lane relaxes.
-    by_pattern: Vec<Option<[Relaxation<T::Lanes>; 2]>>,
+    /// Places of what relaxes.
+    fields: RelaxedFields,
+    /// `None` where no lane relaxes.
+    by_pattern: Vec<Option<OfPattern<T>>>,
 }
+
+/// Lanes that relax, and constants over a whole step and a half.
+type OfPattern<T> = (u16, [Relaxation<<T as Real>::Lanes>; 2]);
 
 impl<T: Real> Relaxations<T> {
     /// `None` where nothing relaxes. The place of a field is its index times `pitch`.
@@ -35,54 +36,39 @@ impl<T: Real> Relaxations<T> {
         pitch: usize,
         step: f64,
     ) -> Option<Self> {
-        let stress = Matrix::new(fields, pitch, Field::Stress);
-        let strain = Matrix::new(fields, pitch, Field::ViscousStrain);
-        let (normal, strains) = (stress.normal?, strain.normal?);
-        let shear = stress.pairs.iter().zip(&strain.pairs);
+        let (normal, shear) = relaxed_fields(fields)?;
+        let normal = normal.map(|own| own.map(|index| index * pitch));
+        let shear = shear.into_iter().map(|own| own.map(|index| index * pitch)).collect();
         let by_pattern = patterns.iter().map(|pattern| {
-            let law = |lane: usize| media[usize::from(pattern[lane])].relaxation;
-            (0..pattern.len()).any(|lane| law(lane).is_some()).then(|| {
-                [1.0, 0.5].map(|part| {
-                    let own = |lane: usize| {
-                        law(lane).map_or(Relaxation::NONE, |own| own.relaxation_over(part * step))
-                    };
-                    let lanes = |value: fn(&Relaxation<f64>) -> f64| {
-                        T::Lanes::by_lane(|lane| T::of(value(&own(lane))))
-                    };
-                    Relaxation {
-                        strain_per_stress: lanes(|own| own.strain_per_stress),
-                        strain_per_strain: lanes(|own| own.strain_per_strain),
-                        share: lanes(|own| own.share),
-                        stress_per_strain: lanes(|own| own.stress_per_strain),
-                        dissipation: lanes(|own| own.dissipation),
-                    }
-                })
+            let medium = |lane: usize| &media[usize::from(pattern[lane])];
+            let relaxes = |lane: usize| u16::from(medium(lane).relaxation.is_some()) << lane;
+            let relaxing = (0..pattern.len()).map(relaxes).sum();
+            (relaxing != 0).then(|| {
+                let lanes = |value: &dyn Fn(&Medium) -> f64| {
+                    T::Lanes::by_lane(|lane| T::of(value(medium(lane))))
+                };
+                (relaxing, [1.0, 0.5].map(|part| relaxation_over(lanes, part, step)))
             })
         });
-        Some(Self {
-            normal: [0, 1, 2].map(|i| [normal[i], strains[i]]),
-            shear: shear.map(|(&[one, other], &[strain, _])| [one, other, strain]).collect(),
-            by_pattern: by_pattern.collect(),
-        })
+        Some(Self { fields: (normal, shear), by_pattern: by_pattern.collect() })
     }
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Relaxes stresses in a half step of the pass over a whole step (0) or a half (1).
-    pub(super) fn relax(&mut self, layers: &Range<usize>, tile: &Tile, half: usize, part: usize) {
+    /// Relaxes stresses over a whole step (0) or a half (1).
+    pub(super) fn relax(&mut self, layers: &Range<usize>, tile: &Tile, part: usize) {
         let Some(relaxations) = &self.law.relaxations else { return };
-        let volume = self.grid.volume();
+        let lanes = T::Lanes::COUNT;
         for layer in layers.clone() {
             let (first, groups) = self.layout.groups_of(layer, tile);
-            let mut sum = 0.0;
+            let of_tile = groups.start * lanes..groups.end * lanes;
             self.instructions.run::<T>(Relax {
                 data: &mut self.data[first..],
                 patterns: &self.materials.patterns[groups],
                 relaxations,
                 part,
-                sum: &mut sum,
+                dissipated: &mut self.diagnostics.dissipation.viscous[of_tile],
             });
-            self.diagnostics.ledgers[half][layer].viscous += volume * sum;
         }
     }
 }
@@ -94,14 +80,14 @@ struct Relax<'a, T: Real> {
     patterns: &'a [u32],
     relaxations: &'a Relaxations<T>,
     part: usize,
-    /// Energy dissipated in these groups, J/m³: of each lane first.
-    sum: &'a mut f64,
+    /// Energy dissipated by group and lane, J/m³; added to.
+    dissipated: &'a mut [f64],
 }
 
 impl<T: Real> Work<T> for Relax<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
-        match self.relaxations.shear.as_slice() {
+        match self.relaxations.fields.1.as_slice() {
             [first] => self.each::<V, 1>([*first]),
             [first, second, third] => self.each::<V, 3>([*first, *second, *third]),
             _ => debug_assert!(false, "one shear stress in plane strain, three in space"),
@@ -111,43 +97,44 @@ impl<T: Real> Work<T> for Relax<'_, T> {
 
 impl<T: Real> Relax<'_, T> {
     #[inline(always)]
-    fn each<V: Vector<T>, const SHEARS: usize>(self, shear: [[usize; 3]; SHEARS]) {
-        let Relaxations { normal, by_pattern, .. } = self.relaxations;
-        let mut sums = [0.0f64; MOST_LANES];
+    fn each<V: Vector<T>, const SHEARS: usize>(self, shear_places: [[usize; 3]; SHEARS]) {
+        let Relaxations { fields: (normal_places, _), by_pattern } = self.relaxations;
+        let count = T::Lanes::COUNT;
         for (index, &pattern) in self.patterns.iter().enumerate() {
-            let Some(constants) = &by_pattern[pattern as usize] else { continue };
+            let Some((lanes, constants)) = &by_pattern[pattern as usize] else { continue };
             let constants = load::<T, V>(&constants[self.part]);
             let group = &mut self.data[index..];
-            let mut stress = SymmetricTensor::<V, SHEARS>::ZERO;
-            let mut strain = SymmetricTensor::<V, SHEARS>::ZERO;
-            for (i, &[own, viscous]) in normal.iter().enumerate() {
-                stress.normal[i] = V::load(&group[own]);
-                strain.normal[i] = V::load(&group[viscous]);
+            let (mut normal, mut shear) = ([[V::ZERO; 2]; 3], [[V::ZERO; 3]; SHEARS]);
+            for (values, &[own, viscous]) in normal.iter_mut().zip(normal_places) {
+                *values = [V::load(&group[own]), V::load(&group[viscous])];
             }
-            for (i, &[one, other, viscous]) in shear.iter().enumerate() {
-                stress.shear[i] = V::HALF * (V::load(&group[one]) + V::load(&group[other]));
-                strain.shear[i] = V::load(&group[viscous]);
+            for (values, &[one, other, viscous]) in shear.iter_mut().zip(&shear_places) {
+                *values = [V::load(&group[one]), V::load(&group[other]), V::load(&group[viscous])];
             }
-            let change: Increments<V, SHEARS> = constants.increments(stress, strain);
-            for (i, &[own, viscous]) in normal.iter().enumerate() {
-                (stress.normal[i] + change.stress.normal[i]).store(&mut group[own]);
-                (strain.normal[i] + change.viscous_strain.normal[i]).store(&mut group[viscous]);
+            let lost = relax(&constants, &mut normal, &mut shear);
+            for (values, &[own, viscous]) in normal.iter().zip(normal_places) {
+                put_lanes(group, own, *lanes, values[0]);
+                put_lanes(group, viscous, *lanes, values[1]);
             }
-            for (i, &[one, other, viscous]) in shear.iter().enumerate() {
-                (V::load(&group[one]) + change.stress.shear[i]).store(&mut group[one]);
-                if other != one {
-                    (V::load(&group[other]) + change.stress.shear[i]).store(&mut group[other]);
-                }
-                (strain.shear[i] + change.viscous_strain.shear[i]).store(&mut group[viscous]);
+            for (values, &[one, other, viscous]) in shear.iter().zip(&shear_places) {
+                put_lanes(group, one, *lanes, values[0]);
+                put_lanes(group, other, *lanes, values[1]);
+                put_lanes(group, viscous, *lanes, values[2]);
             }
-            let mut dissipated = T::Lanes::ZERO;
-            change.dissipated.store(&mut dissipated);
-            for (sum, own) in sums.iter_mut().zip(dissipated.lanes()) {
+            let mut of_lanes = T::Lanes::ZERO;
+            V::ZERO.with_lanes(*lanes, lost).store(&mut of_lanes);
+            let sums = &mut self.dissipated[index * count..][..count];
+            for (sum, own) in sums.iter_mut().zip(of_lanes.lanes()) {
                 *sum += own.wide();
             }
         }
-        *self.sum = sums.iter().sum();
     }
+}
+
+/// Sets some lanes of a field; the others stay as they are, to the sign of zeros.
+#[inline(always)]
+fn put_lanes<T: Real, V: Vector<T>>(group: &mut [T::Lanes], place: usize, lanes: u16, value: V) {
+    V::load(&group[place]).with_lanes(lanes, value).store(&mut group[place]);
 }
 
 /// Constants of a group.

@@ -11,11 +11,11 @@
 #![allow(clippy::needless_range_loop, reason = "indices are those of tensors, parts and lanes")]
 
 use super::whole_stress::{
-    Block, InitialStress, Tensors, WIDTH, WholeStressSets, Wide, correction, load_cone,
-    load_moduli, load_tensors, tensors,
+    Block, InitialStress, Tensors, WIDTH, WholeStressSets, Wide, load_cone, load_moduli,
+    load_tensors, tensors,
 };
 use crate::simd::{Group, Instructions, Number, Vector, Work};
-use crate::solid::ledger::Ledger;
+use crate::solid::cell_laws::correction;
 use crate::solid::medium::Medium;
 use models::common::number::third;
 use models::solid::parameters::stored_energy;
@@ -44,11 +44,14 @@ pub(super) struct MapStresses<'a> {
     /// Place of the first group in the row; lanes that are cells in each of its groups, and how many of the first groups have
     /// one more.
     pub(super) row: [usize; 3],
-    /// Volume of a cell, m³.
-    pub(super) volume: f64,
     /// Plastic dissipation by block and lane, J/m³; added to.
     pub(super) dissipated: &'a mut [f64],
-    pub(super) ledger: &'a mut Ledger,
+    /// The same for the work of the initial stress; empty where there is none.
+    pub(super) released: &'a mut [f64],
+    /// By group, the lanes of own cells; `None` where there are none.
+    pub(super) own_lanes: Option<&'a [u16]>,
+    /// The least plastic dissipation of own cells over the energy stored.
+    pub(super) least_plastic: &'a mut f64,
     /// Set where there was something to be mapped.
     pub(super) has_mapped: &'a mut bool,
 }
@@ -79,7 +82,8 @@ impl Work<f64> for MapStresses<'_> {
 struct Taken {
     dissipated: [f64; WIDTH],
     released: [f64; WIDTH],
-    least: f64,
+    /// The dissipation over the energy stored, where it is negative.
+    shares: [f64; WIDTH],
 }
 
 /// Blocks that are mapped together: so many that none waits for the results of another.
@@ -126,12 +130,6 @@ impl Pending {
         self.all[self.count] = index as u8;
         self.count += usize::from(is_pending);
     }
-}
-
-/// Sums of the ledger while they go on.
-struct Sums {
-    plastic: f64,
-    released: f64,
 }
 
 /// A trial stress in lanes, and its parts.
@@ -201,7 +199,6 @@ impl<'a> MapStresses<'a> {
     #[inline(always)]
     fn each<V: Vector<f64>>(&mut self, shape: Shape, seen: &[bool; PARTS]) {
         let count = self.patterns.len() * self.halves;
-        let mut sums = Sums { plastic: self.ledger.plastic, released: self.ledger.released };
         // The energy of the initial stress, and the block it is known for.
         let mut energy = (V::ZERO, usize::MAX);
         let mut batch = Batch { count: 0, found: [Found::NONE; BATCH] };
@@ -215,13 +212,12 @@ impl<'a> MapStresses<'a> {
             }
             self.iterate(seen, &mut batch, pending);
             for index in 0..batch.count {
-                self.finish((shape, seen), &batch.found[index], &mut energy, &mut sums);
+                self.finish((shape, seen), &batch.found[index], &mut energy);
             }
             if batch.count > 0 {
                 *self.has_mapped = true;
             }
         }
-        (self.ledger.plastic, self.ledger.released) = (sums.plastic, sums.released);
     }
 
     /// By how many bits places of blocks are more than those of groups.
@@ -312,12 +308,12 @@ impl<'a> MapStresses<'a> {
         (shape, seen): (Shape, &[bool; PARTS]),
         found: &Found<V>,
         (energy, known): &mut (V, usize),
-        sums: &mut Sums,
     ) {
         let place = found.place;
         let (number, block) = self.block(place);
         let initial = self.initial_at(place);
-        let mut taken = Taken { dissipated: [0.0; WIDTH], released: [0.0; WIDTH], least: 0.0 };
+        let mut taken =
+            Taken { dissipated: [0.0; WIDTH], released: [0.0; WIDTH], shares: [0.0; WIDTH] };
         let mut alone = found.alone;
         if found.lanes != 0 {
             let moduli = load_moduli::<V>(&block.moduli);
@@ -337,10 +333,19 @@ impl<'a> MapStresses<'a> {
         let dissipated = &mut self.dissipated[place * WIDTH..][..WIDTH];
         for lane in 0..WIDTH {
             dissipated[lane] += taken.dissipated[lane];
-            sums.plastic += self.volume * taken.dissipated[lane];
-            sums.released += self.volume * taken.released[lane];
         }
-        self.ledger.least_plastic = self.ledger.least_plastic.min(taken.least);
+        if let Some(released) = self.released.get_mut(place * WIDTH..(place + 1) * WIDTH) {
+            for lane in 0..WIDTH {
+                released[lane] += taken.released[lane];
+            }
+        }
+        if let (Some(own), true) = (self.own_lanes, taken.shares != [0.0; WIDTH]) {
+            let half = place & (self.halves - 1);
+            let own = own[place >> self.halving()] >> (half * WIDTH);
+            for lane in (0..WIDTH).filter(|lane| own >> lane & 1 == 1) {
+                *self.least_plastic = self.least_plastic.min(taken.shares[lane]);
+            }
+        }
     }
 
     /// The initial stress there, if there is one.
@@ -469,9 +474,8 @@ impl<'a> MapStresses<'a> {
         store_lanes(dissipated, lanes, &mut taken.dissipated);
         if V::ZERO.greater_lanes(dissipated) & lanes != 0 {
             let energy = stored_energy(shape, &stress[0], &stress[1], moduli);
-            let mut shares = [0.0; WIDTH];
-            store_lanes(dissipated / energy.greatest(V::LEAST), lanes, &mut shares);
-            taken.least = shares.into_iter().fold(taken.least, f64::min);
+            let share = dissipated / energy.greatest(V::LEAST);
+            store_lanes(share.least(V::ZERO), lanes, &mut taken.shares);
         }
         if let Some(initial) = initial {
             let mut both = plastic;
@@ -553,7 +557,7 @@ impl<'a> MapStresses<'a> {
             };
             taken.dissipated[lane] = done.dissipated;
             taken.released[lane] = done.released;
-            taken.least = taken.least.min(done.share);
+            taken.shares[lane] = done.share.min(0.0);
             for which in 0..2 {
                 for i in 0..3 {
                     for j in 0..3 {

@@ -4,7 +4,7 @@ use super::table::{Table, Wave};
 use crate::simd::{Group, Number, Real, Vector};
 use crate::solid::cell::Cell;
 use crate::solid::ghosts::{BESIDE, BoundaryFaces, Closure, Slot, ghosts, image};
-use crate::solid::reconstruction::GHOSTS;
+use crate::solid::reconstruction::{GHOSTS, Slopes};
 use crate::solid::riemann::State;
 use std::ops::Range;
 
@@ -94,13 +94,11 @@ impl<T: Real> Rows<'_, T> {
         rows: Range<usize>,
     ) {
         let &RowEnds { groups, inside: [first, last], .. } = self.ends;
-        // Rows come round at both ends or at none.
-        let [near, far] = match self.sides[0] {
-            BoundaryFaces::Mirror(_) => [first, last],
-            BoundaryFaces::Periodic | BoundaryFaces::Exchange => [last, first],
-        };
-        if let (false, Some(closure)) = (self.ends.is_short, self.closure()) {
-            return self.fill_one_sided::<V>(closure, data, wave, pair, rows);
+        let near = if self.sides[0].mirror().is_some() { first } else { last };
+        let far = if self.sides[1].mirror().is_some() { last } else { first };
+        let is_one_sided = |end: usize| self.sides[end].closure().slopes != Slopes::Godunov;
+        if !self.ends.is_short && (is_one_sided(0) || is_one_sided(1)) {
+            return self.fill_one_sided::<V>(data, wave, pair, rows);
         }
         for row in rows {
             let (group, lane) =
@@ -131,18 +129,18 @@ impl<T: Real> Rows<'_, T> {
     #[inline(always)]
     fn fill_one_sided<V: Vector<T>>(
         &self,
-        closure: Closure,
         data: &mut [T::Lanes],
         wave: &Wave,
         pair: usize,
         rows: Range<usize>,
     ) {
+        let closures = [self.sides[0].closure(), self.sides[1].closure()];
         let mut start = rows.start;
         while start < rows.end {
             let end = rows.end.min(start + T::Lanes::COUNT);
             let [front, back] = [
-                self.one_sided::<V>(closure, data, wave, pair, (start..end, 0)),
-                self.one_sided::<V>(closure, data, wave, pair, (start..end, 1)),
+                self.one_sided::<V>(closures[0], data, wave, pair, (start..end, 0)),
+                self.one_sided::<V>(closures[1], data, wave, pair, (start..end, 1)),
             ];
             for row in start..end {
                 let lane = row - start;
@@ -229,14 +227,6 @@ impl<T: Real> Rows<'_, T> {
         one.stress.store(&mut made[1][0]);
         two.stress.store(&mut made[1][1]);
         made
-    }
-
-    /// How waves are reconstructed beside the ends, if not by images at both of them.
-    fn closure(&self) -> Option<Closure> {
-        let mirrors = || self.sides.iter().filter_map(BoundaryFaces::mirror);
-        let closure = mirrors().find(|mirror| mirror.is_one_sided)?.closure();
-        let is_open = mirrors().any(|mirror| mirror.closure().is_open);
-        Some(Closure { is_open, ..closure })
     }
 
     /// The constants of a cell of some rows, a lane each; where there is no row those of the last one.

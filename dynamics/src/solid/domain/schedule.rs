@@ -57,9 +57,6 @@ pub(super) struct TileSizes {
 }
 
 impl TileSizes {
-    /// All at once.
-    pub(super) const ALL: Self = Self { layers: usize::MAX, rows: usize::MAX, block: usize::MAX };
-
     /// For the plane, where layers are rows.
     pub(super) const ROWS: Self = Self { layers: CHUNK, rows: 1, block: 1 };
 
@@ -69,7 +66,7 @@ impl TileSizes {
         let layers = (2 * GHOSTS..=CHUNK).rev().step_by(2).find(fits).unwrap_or(2 * GHOSTS);
         let block = SHARED_CACHE / ((layers + 2 * GHOSTS) * row) / CHUNK;
         match periodic {
-            true => Self { layers, ..Self::ALL },
+            true => Self { layers, rows: usize::MAX, block: usize::MAX },
             false => Self { layers, rows: CHUNK, block: block.max(1) * CHUNK },
         }
     }

@@ -2,10 +2,10 @@
 
 use super::layout::{Layout, Tile};
 use super::{Domain, SolverReal};
-use crate::simd::{Group, Real};
+use crate::simd::Group;
 use crate::solid::boundary::{Signal, Source};
+use crate::solid::cell_laws::{apply_source, over_interval, push};
 use models::solid::waves::Field;
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// A source on the cells of a domain.
@@ -29,27 +29,18 @@ pub(super) struct Sources<const D: usize> {
 }
 
 impl CellSource {
-    /// A source of a problem on the layers of a part of it; `halves` are the half steps of a pass.
+    /// A source of the problem of a part; `halves` are the half steps of a pass.
     pub(super) fn new<const D: usize>(
         source: &Source,
         fields: &[Field],
-        layers: &[usize],
         layout: &Layout<D>,
         halves: usize,
     ) -> Self {
-        // Where each layer of the whole stands.
-        let mut standing: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        for (index, &layer) in layers.iter().enumerate() {
-            standing.entry(layer).or_default().push(index);
-        }
-        let layer = layout.layer_cells();
-        let mut cells = Vec::new();
-        for &(cell, share) in &source.cells {
-            for index in standing.get(&(cell / layer)).into_iter().flatten() {
-                let (index, lane) = layout.slot(index * layer + cell % layer);
-                cells.push((index.group, lane, share));
-            }
-        }
+        let place_of = |&(cell, share): &(usize, f64)| {
+            let (index, lane) = layout.slot(cell);
+            (index.group, lane, share)
+        };
+        let mut cells: Vec<_> = source.cells.iter().map(place_of).collect();
         cells.sort_by_key(|&(group, lane, _)| (group, lane));
         let place = |field| Some(fields.iter().position(|own| *own == field)? * layout.pitch);
         let amplitudes = source.amplitudes.iter();
@@ -58,11 +49,8 @@ impl CellSource {
     }
 
     /// Integrates the signal over a half step of the pass, s.
-    pub(super) fn set_time(&mut self, half: usize, [from, to]: [f64; 2]) {
-        // Before the beginning there is none: what is there at once comes with the first step.
-        let before = if from > 0.0 { (self.signal)(from) } else { 0.0 };
-        let mean = (self.signal)(0.5 * (from + to));
-        self.now[half] = [mean * (to - from), (self.signal)(to) - before];
+    pub(super) fn set_time(&mut self, half: usize, interval: [f64; 2]) {
+        self.now[half] = over_interval(&self.signal, interval);
     }
 }
 
@@ -76,7 +64,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.sources.list = sources;
         for (axis, acceleration) in self.sources.acceleration.into_iter().enumerate() {
             if acceleration != 0.0 {
-                self.apply_gravity(axis, acceleration, (layers, tile), half);
+                self.apply_gravity(axis, acceleration, layers, tile);
             }
         }
     }
@@ -89,7 +77,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         half: usize,
     ) {
         let volume = self.grid.volume();
-        let [impulse, moment] = source.now[half];
+        let now = source.now[half];
         for layer in layers.clone() {
             let groups = self.layout.groups_of(layer, tile).1;
             let [from, to] = [groups.start, groups.end]
@@ -97,19 +85,13 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             for &(group, lane, share) in &source.cells[from..to] {
                 let Some(cell) = self.layout.cell_of(group, lane) else { continue };
                 for &(place, amplitude) in &source.amplitudes {
-                    let inertia =
-                        self.materials.of(cell).inertia(self.fields()[place / self.layout.pitch]);
-                    let work = if inertia > 0.0 {
-                        let change = amplitude * share * impulse / (inertia * volume);
-                        push(self.at_mut(cell, place), change) * inertia
-                    } else {
-                        let before = self.materials.of(cell).stored_energy(&self.stress(cell));
-                        let value =
-                            self.at(cell, place).wide() - amplitude * share * moment / volume;
-                        *self.at_mut(cell, place) = T::of(value);
-                        self.materials.of(cell).stored_energy(&self.stress(cell)) - before
-                    };
-                    self.diagnostics.ledgers[half][layer].sources += volume * work;
+                    let (mut state, field) = (self.cell_state(cell), place / self.layout.pitch);
+                    let (medium, strength) = (self.materials.of(cell), amplitude * share);
+                    let work = apply_source(medium, &mut state, field, strength, now, volume);
+                    *self.at_mut(cell, place) = state[field];
+                    if self.layout.own_number(cell).is_some() {
+                        self.diagnostics.work.sources.add(work);
+                    }
                 }
             }
         }
@@ -119,31 +101,26 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         &mut self,
         axis: usize,
         acceleration: f64,
-        (layers, tile): (&Range<usize>, &Tile),
-        half: usize,
+        layers: &Range<usize>,
+        tile: &Tile,
     ) {
-        let volume = self.grid.volume();
         let Some(place) = self.place(Field::Velocity(axis)) else { return };
         let change = acceleration * 0.5 * self.step;
         for layer in layers.clone() {
             let (first, groups) = self.layout.groups_of(layer, tile);
+            let is_own = self.layout.is_own_row(layer, tile.row);
             for (index, group) in groups.enumerate() {
+                let own = self.layout.own_lanes[tile.groups.start + index];
                 for lane in 0..T::Lanes::COUNT {
                     let Some(cell) = self.layout.cell_of(group, lane) else { continue };
                     let inertia = self.materials.of(cell).inertia(Field::Velocity(axis));
                     let value = &mut self.data[first + index + place].lanes_mut()[lane];
-                    let work = volume * inertia * push(value, change);
-                    self.diagnostics.ledgers[half][layer].sources += work;
+                    let work = inertia * push(value, change);
+                    if is_own && own >> lane & 1 == 1 {
+                        self.diagnostics.work.sources.add(work);
+                    }
                 }
             }
         }
     }
-}
-
-/// Adds to a velocity; the energy that it takes, per inertia.
-fn push<T: Real>(value: &mut T, change: f64) -> f64 {
-    let before = value.wide();
-    *value = T::of(before + change);
-    let after = value.wide();
-    (after - before) * 0.5 * (after + before)
 }

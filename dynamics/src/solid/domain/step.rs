@@ -39,13 +39,21 @@ use std::ops::Range;
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Advances all fields by Δt.
     pub fn advance(&mut self) {
-        self.pass(1, &mut ());
+        let Ok(()) = self.pass(1, &mut ());
     }
 
     /// Advances all fields by some steps in one pass over the memory: one at least, and no more than
-    /// [`Self::most_steps`].
-    pub(crate) fn pass(&mut self, steps: usize, neighbours: &mut impl Halo<T::Lanes>) {
-        debug_assert!((1..=self.schedule.most_steps).contains(&steps));
+    /// [`Self::most_steps`]. Neighbours make the same passes.
+    ///
+    /// # Errors
+    /// Those of the halo. The pass is not complete then, and fields are of no use.
+    pub fn pass<H: Halo<T::Lanes>>(
+        &mut self,
+        steps: usize,
+        neighbours: &mut H,
+    ) -> Result<(), H::Error> {
+        let steps = steps.clamp(1, self.schedule.most_steps);
+        self.exchange(neighbours)?;
         if self.schedule.steps == 0 && !self.scheme.alternates() {
             let all = 0..self.layout.layers() * self.layout.layer_cells();
             self.integrate(all, 0.5);
@@ -58,31 +66,31 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         while loaded < rows {
             let block = loaded..rows.min(loaded.saturating_add(self.schedule.tiles.block));
             loaded = block.end;
-            self.advance_block(&block, steps, neighbours);
+            self.advance_block(&block, steps, neighbours)?;
         }
-        self.diagnostics.close_pass(self.layout.own_layers(), 2 * steps);
+        Ok(())
     }
 
     /// Advances a block of rows by some steps in all layers, up to rows whose stencil reaches into the next block.
-    fn advance_block(
+    fn advance_block<H: Halo<T::Lanes>>(
         &mut self,
         block: &Range<usize>,
         steps: usize,
-        neighbours: &mut impl Halo<T::Lanes>,
-    ) {
+        neighbours: &mut H,
+    ) -> Result<(), H::Error> {
         let (all, own, rows) = (self.layout.layers(), self.layout.own_layers(), self.layout.rows);
         let swept = stage_progress(block.start, rows)[1]..stage_progress(block.end, rows)[1];
-        self.send(block, &swept, neighbours);
+        self.send(block, &swept, neighbours)?;
         if self.layout.periodic_in_place {
             self.fill_own_halo(&swept);
         }
-        self.receive(0, &swept, neighbours);
+        self.receive(0, &swept, neighbours)?;
         let mut ready = [[0; 3]; STEPS];
         while ready[steps - 1][2] < all {
             let mut loaded = all.min(ready[0][0].saturating_add(self.schedule.tiles.layers));
             // As late as possible: a neighbour may be behind for a while before anyone waits for it.
             if ready[0][0] <= own.end && own.end < loaded {
-                self.receive(1, &swept, neighbours);
+                self.receive(1, &swept, neighbours)?;
             }
             for (step, ready) in ready[..steps].iter_mut().enumerate() {
                 let before = std::mem::replace(ready, stage_progress(loaded, all));
@@ -102,6 +110,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 loaded = ready[2];
             }
         }
+        Ok(())
     }
 
     /// Integrals in time and records of layers that have passed a step.
@@ -156,7 +165,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                     // Row by row: sums do not depend on how many rows are loaded.
                     for row in rows[2].clone() {
                         let tile = self.layout.whole_row(row);
-                        self.correct(&(layer..layer + 1), &tile, second, false);
+                        self.correct(&(layer..layer + 1), &tile, false);
                     }
                 }
                 self.flush_subnormals(layer, &rows[2], steps_done);
@@ -167,15 +176,17 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// K Q K, with relaxation, and with the return mapping where it stands in the middle.
     fn apply_middle(&mut self, layers: &Range<usize>, tile: &Tile, first: usize) {
         self.apply_sources(layers, tile, first);
-        if self.scheme.placement == Placement::Middle && !self.diagnostics.dissipated.is_empty() {
+        if self.scheme.placement == Placement::Middle
+            && !self.diagnostics.dissipation.plastic.is_empty()
+        {
             self.rotate(layers, tile, 1);
-            self.relax(layers, tile, first + 1, 1);
-            self.correct(layers, tile, first + 1, true);
-            self.relax(layers, tile, first + 1, 1);
+            self.relax(layers, tile, 1);
+            self.correct(layers, tile, true);
+            self.relax(layers, tile, 1);
             self.rotate(layers, tile, 1);
         } else {
             self.rotate(layers, tile, 0);
-            self.relax(layers, tile, first + 1, 0);
+            self.relax(layers, tile, 0);
         }
         self.apply_sources(layers, tile, first + 1);
     }
@@ -209,7 +220,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let tile = self.layout.whole_row(row);
             self.apply_sources(layers, &tile, first);
             self.rotate(layers, &tile, 1);
-            self.relax(layers, &tile, first, 1);
+            self.relax(layers, &tile, 1);
             self.integrate_row(layers, row);
         }
         if D == 2 {
@@ -224,7 +235,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         for row in rows.clone() {
             let tile = self.layout.whole_row(row);
             self.integrate_row(layers, row);
-            self.relax(layers, &tile, first + 1, 1);
+            self.relax(layers, &tile, 1);
             self.rotate(layers, &tile, 1);
             self.apply_sources(layers, &tile, first + 1);
         }

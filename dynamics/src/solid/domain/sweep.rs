@@ -11,9 +11,7 @@ use super::{Domain, SolverReal};
 use crate::simd::Group;
 use crate::solid::cell::Cell;
 use crate::solid::ghosts::{BESIDE, BoundaryFaces};
-use crate::solid::interface::sweep_with_interlayers;
-use crate::solid::line::{self, Account};
-use crate::solid::problem::Detail;
+use crate::solid::line;
 use crate::solid::reconstruction::GHOSTS;
 use crate::solid::riemann::State;
 use std::ops::Range;
@@ -86,7 +84,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 half,
                 first: self.layout.index(first_row, 0),
                 stride: self.layout.index(1, 0),
-                count: self.grid.cells[1],
+                count: self.layout.cells[1],
                 lines: groups,
                 across: NEXT_GROUP,
                 face: layer * groups,
@@ -122,17 +120,6 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.fill_row_patterns(bundle);
         let works =
             |side: &BoundaryFaces<T>| matches!(side, BoundaryFaces::Mirror(mirror) if mirror.works);
-        if self.scheme.detail == Detail::Full {
-            self.fill_rows(bundle);
-            self.sweep_plainly(bundle);
-            let mut data = std::mem::take(&mut self.data);
-            let rows = self.rows_of(bundle);
-            for row in 0..bundle.lines {
-                self.places().for_each(|(_, place)| rows.clear(&mut data, place, row));
-            }
-            self.data = data;
-            return;
-        }
         if self.boundary.faces[half][0].iter().any(works) {
             self.fill_rows(bundle);
             (0..2).for_each(|end| self.note_work(bundle, end));
@@ -199,14 +186,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
         let start = if ready.start < BESIDE { 0 } else { ready.start };
         let ready = start..ready.end;
-        let is_full = self.scheme.detail == Detail::Full;
         let ends = [ready.start == 0, ready.end == bundle.count];
         // Where there is a single row its work at one end needs the ghosts at the other.
         for end in (0..2).filter(|end| ends[*end]) {
             self.fill_end(bundle, end);
-        }
-        if is_full {
-            return self.sweep_plainly(bundle);
         }
         for end in (0..2).filter(|end| ends[*end]) {
             self.note_work(bundle, end);
@@ -404,7 +387,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Cells of a line, and its lines of cells by line of groups and lane.
     fn length(&self, bundle: Bundle) -> (usize, usize) {
         match bundle.axis {
-            0 => (self.grid.cells[0], 1),
+            0 => (self.layout.cells[0], 1),
             _ => (bundle.count, T::Lanes::COUNT),
         }
     }
@@ -412,7 +395,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Whether there are cells in a lane of a line of groups.
     fn has_cells(&self, bundle: Bundle, line: usize, lane: usize) -> bool {
         let place = (bundle.first.group + line) % self.layout.groups;
-        bundle.axis == 0 || lane * self.layout.groups + place < self.grid.cells[0]
+        bundle.axis == 0 || lane * self.layout.groups + place < self.layout.cells[0]
     }
 
     /// Group and lane of a cell of a line.
@@ -440,7 +423,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let wave = &self.waves_of(bundle.axis, bundle.half)[pair];
         // Behind a row its ghosts stand in it.
         let (length, beyond) = match bundle.axis {
-            0 => (self.grid.cells[0], GHOSTS),
+            0 => (self.layout.cells[0], GHOSTS),
             _ => (bundle.count, 0),
         };
         let (stop, lane) = match usize::try_from(place) {
@@ -483,14 +466,16 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             if !self.has_cells(bundle, line.0, line.1) {
                 continue;
             }
-            let outermost = self.place_of(bundle, line, [0, length - 1][end]).0.group;
+            let (outermost, lane) = self.place_of(bundle, line, [0, length - 1][end]);
+            let cell = self.layout.cell_of(outermost.group, lane);
+            if cell.and_then(|cell| self.layout.own_number(cell)).is_none() {
+                continue;
+            }
             for pair in 0..self.materials.waves[axis].len() {
-                let inflow = self.face_time(axis, half) * self.work_at(bundle, line, pair, end);
-                let layer = match axis + 1 == D {
-                    true => self.layout.layers() + end,
-                    false => outermost / self.layout.layer_groups(),
-                };
-                self.diagnostics.ledgers[half][layer].inflow += inflow;
+                let power = self.work_at(bundle, line, pair, end);
+                if power != 0.0 {
+                    self.diagnostics.work.inflow.add(self.face_time(axis, half) * power);
+                }
             }
         }
     }
@@ -513,80 +498,5 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let (states, cells) = (four.map(|own| own.0), four.map(|own| own.1));
         let work = line::work_between(states, cells, self.scheme.slopes);
         if end == 0 { -work } else { work }
-    }
-
-    /// The sweep line by line and cell by cell, with its account.
-    fn sweep_plainly(&mut self, bundle: Bundle) {
-        let (_, lanes) = self.length(bundle);
-        for line in (0..bundle.lines).flat_map(|line| (0..lanes).map(move |lane| (line, lane))) {
-            if self.has_cells(bundle, line.0, line.1) {
-                self.sweep_line(bundle, line);
-            }
-        }
-    }
-
-    fn sweep_line(&mut self, bundle: Bundle, line: (usize, usize)) {
-        let Bundle { axis, half, .. } = bundle;
-        let (length, _) = self.length(bundle);
-        let unit = self.face_time(axis, half);
-        let (origin, step) = (self.origin(bundle), self.time_of_sweep());
-        let of_groups = (bundle.face + line.0, line.1);
-        for pair in 0..self.materials.waves[axis].len() {
-            let end = length + 2 * GHOSTS;
-            for i in 0..end {
-                let (state, cell) = self.read(bundle, line, i as isize - GHOSTS as isize, pair);
-                self.buffer.velocity[i] = state.velocity;
-                self.buffer.stress[i] = state.stress;
-                self.buffer.cells[i] = cell;
-            }
-            let works = [0, 1].map(|end| self.work_at(bundle, line, pair, end));
-            let mut interlayers = self.interlayers_of_line((axis, pair), of_groups, origin, length);
-            let super::Buffer { velocity, stress, cells, accounts, .. } = &mut self.buffer;
-            let accounts = &mut accounts[..length];
-            accounts.fill(Account::default());
-            let (velocity, stress) = (&mut velocity[..end], &mut stress[..end]);
-            let (cells, slopes) = (&cells[..end], self.scheme.slopes);
-            match interlayers.is_empty() {
-                true => line::sweep(velocity, stress, cells, slopes, Some(accounts)),
-                false => {
-                    let step = T::of(step);
-                    let own = &mut interlayers;
-                    let lost = sweep_with_interlayers(
-                        velocity,
-                        stress,
-                        cells,
-                        slopes,
-                        own,
-                        step,
-                        Some(accounts),
-                    );
-                    debug_assert_eq!(lost, 0.0, "elastic ones dissipate nothing");
-                }
-            }
-            self.keep_interlayers((axis, pair), of_groups, origin, (length, interlayers));
-            let wave = &self.materials.waves[axis][pair];
-            for i in 0..length {
-                let (stop, lane) = self.place_of(bundle, line, i);
-                let pattern = self.materials.patterns[stop.group];
-                let layer = stop.group / self.layout.layer_groups();
-                let [v, s] = [self.buffer.velocity[GHOSTS + i], self.buffer.stress[GHOSTS + i]];
-                let group = &mut self.data[stop.data..];
-                let change = s - group[wave.stress].lanes()[lane];
-                group[wave.velocity].lanes_mut()[lane] = v;
-                group[wave.stress].lanes_mut()[lane] = s;
-                for (index, &place) in wave.followers.iter().enumerate() {
-                    let ratio = self.materials.table.ratio(pattern, wave, index).lanes()[lane];
-                    let value = &mut group[place].lanes_mut()[lane];
-                    *value = *value + ratio * change;
-                }
-                let account = self.buffer.accounts[i];
-                // What crosses a cut, or comes round, stays inside.
-                let ends = [i == 0, i + 1 == length];
-                let ledger = &mut self.diagnostics.ledgers[half][layer];
-                let work: f64 = (0..2).filter(|end| ends[*end]).map(|end| works[end]).sum();
-                ledger.inflow += unit * work;
-                ledger.numerical += unit * account.dissipated;
-            }
-        }
     }
 }

@@ -1,5 +1,4 @@
-//! Yield sets and initial stresses in lanes of double precision, for the return mapping of whole stresses; and that
-//! mapping for a single stress.
+//! Yield sets and initial stresses in lanes of double precision, for the return mapping of whole stresses.
 #![allow(clippy::needless_range_loop, reason = "indices are those of tensors and parts")]
 
 use crate::simd::{Group, Number, Real, Vector};
@@ -211,60 +210,6 @@ impl WholeStressSets {
         }
         Self { shape, places, targets, seen, blocks }
     }
-}
-
-/// What the mapping of one stress does.
-pub(super) struct Correction {
-    /// The stress that is left, without the initial one.
-    pub(super) stress: Stress,
-    /// Plastic dissipation and work of the initial stress, J/m³.
-    pub(super) dissipated: f64,
-    /// See there.
-    pub(super) released: f64,
-    /// The dissipation over the energy stored.
-    pub(super) share: f64,
-}
-
-/// P, or 2P − I, of a stress, the deviation from the initial one; `None` where it is in its set.
-pub(super) fn correction(
-    medium: &Medium,
-    deviation: &Stress,
-    initial: Option<&Stress>,
-    reflects: bool,
-) -> Option<Correction> {
-    let none = Stress::default();
-    let offset = initial.unwrap_or(&none);
-    let trial = combined(deviation, offset, 1.0);
-    let corrected = medium.project(&trial);
-    if corrected.stress == trial {
-        return None;
-    }
-    let times = if reflects { 2.0 } else { 1.0 };
-    let plastic = combined(&trial, &corrected.stress, -1.0);
-    let energy = |stress: &Stress| medium.stored_energy(stress);
-    // ½|s̄|² − ½|2s − s̄|² = 2(½|s̄|² − ½|s|² − ½|s̄ − s|²).
-    let beyond = if reflects { energy(&plastic) } else { 0.0 };
-    let dissipated = times * (corrected.energy_lost - beyond);
-    // The product of both in the energy.
-    let released = initial.map_or(0.0, |initial| {
-        let both = combined(&plastic, initial, 1.0);
-        times * (energy(&both) - energy(&plastic) - energy(initial))
-    });
-    let share = dissipated / energy(&trial).max(f64::MIN_POSITIVE);
-    debug_assert!(share >= -1e-14, "the correction adds energy: {share:e} of what is there");
-    let moved = match reflects {
-        true => combined(&corrected.stress, &plastic, -1.0),
-        false => corrected.stress,
-    };
-    Some(Correction { stress: combined(&moved, offset, -1.0), dissipated, released, share })
-}
-
-/// a + factor·b.
-pub(super) fn combined(a: &Stress, b: &Stress, factor: f64) -> Stress {
-    let part = |a: [[f64; 3]; 3], b: [[f64; 3]; 3]| -> [[f64; 3]; 3] {
-        std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + factor * b[i][j]))
-    };
-    Stress { force: part(a.force, b.force), couple: part(a.couple, b.couple) }
 }
 
 /// Force and couple stress in registers.

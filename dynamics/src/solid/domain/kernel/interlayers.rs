@@ -1,12 +1,13 @@
 //! The sweep of lines with interlayers. A kernel of its own: lines without them do not pay for it.
 
-use super::super::interfaces::{Face, MEMORY};
+use super::super::interfaces::Face;
 use super::super::layout::GroupIndex;
 use super::super::table::Wave;
 use super::{Carried, Lines};
 use crate::simd::{Number, Real, Vector, Work};
 use crate::solid::cell::Cell;
 use crate::solid::interface::interlayer_states;
+use crate::solid::interlayers::MEMORY;
 use crate::solid::reconstruction::Slopes;
 use crate::solid::riemann::{InterfaceState, State, updated};
 use models::interface::elastic::ElasticInterlayer;

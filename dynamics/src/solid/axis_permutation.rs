@@ -77,6 +77,11 @@ impl<const D: usize> AxisPermutation<D> {
         (0..values.len()).map(|cell| values[self.permuted_cell(cell)]).collect()
     }
 
+    /// Numbers by axis of the problem, by axis of the domain.
+    pub(crate) fn along(&self, numbers: [usize; D]) -> [usize; D] {
+        self.axes.map(|axis| numbers[axis])
+    }
+
     /// The grid with permuted axes.
     pub(crate) fn grid(&self, own: &Grid<D>) -> Grid<D> {
         Grid {

@@ -1,0 +1,84 @@
+//! The halo of a part whose neighbours are other threads of the process.
+
+use crate::solid::domain::Halo;
+use std::ops::Range;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+
+/// A neighbour's thread is gone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the thread of a neighbouring part has ended")]
+pub(super) struct Disconnected;
+
+/// Neighbours by axis and end.
+#[derive(Debug)]
+pub(super) struct Channels<T, const D: usize> {
+    neighbours: [[Option<Neighbour<T>>; 2]; D],
+}
+
+impl<T, const D: usize> Default for Channels<T, D> {
+    fn default() -> Self {
+        Self { neighbours: std::array::from_fn(|_| [None, None]) }
+    }
+}
+
+/// A neighbour, and messages that came from it, to be filled anew.
+#[derive(Debug)]
+struct Neighbour<T> {
+    to: SyncSender<Vec<T>>,
+    from: Receiver<Vec<T>>,
+    spare: Vec<Vec<T>>,
+}
+
+impl<T, const D: usize> Channels<T, D> {
+    /// Connects the upper end of an axis of one part with the lower end of another one, which may be itself, by channels
+    /// with room for so many messages.
+    pub(super) fn connect(
+        parts: &mut [Self],
+        axis: usize,
+        [lower, upper]: [usize; 2],
+        room: usize,
+    ) {
+        let ((forth, from_below), (back, from_above)) = (sync_channel(room), sync_channel(room));
+        let neighbour = |to, from| Some(Neighbour { to, from, spare: Vec::new() });
+        parts[lower].neighbours[axis][1] = neighbour(forth, from_above);
+        parts[upper].neighbours[axis][0] = neighbour(back, from_below);
+    }
+}
+
+impl<T: Copy, const D: usize> Halo<T> for Channels<T, D> {
+    type Error = Disconnected;
+
+    fn begin(
+        &mut self,
+        axis: usize,
+        end: usize,
+        data: &[T],
+        pieces: impl Iterator<Item = Range<usize>>,
+    ) -> Result<(), Disconnected> {
+        let Some(neighbour) = &mut self.neighbours[axis][end] else { return Ok(()) };
+        let mut message = neighbour.spare.pop().unwrap_or_default();
+        message.clear();
+        pieces.for_each(|piece| message.extend_from_slice(&data[piece]));
+        neighbour.to.send(message).map_err(|_| Disconnected)
+    }
+
+    fn finish(
+        &mut self,
+        axis: usize,
+        end: usize,
+        data: &mut [T],
+        pieces: impl Iterator<Item = Range<usize>>,
+    ) -> Result<(), Disconnected> {
+        let Some(neighbour) = &mut self.neighbours[axis][end] else { return Ok(()) };
+        let received = neighbour.from.recv().map_err(|_| Disconnected)?;
+        let mut rest = received.as_slice();
+        for piece in pieces {
+            let (own, others) = rest.split_at(piece.len());
+            data[piece].copy_from_slice(own);
+            rest = others;
+        }
+        debug_assert!(rest.is_empty());
+        neighbour.spare.push(received);
+        Ok(())
+    }
+}

@@ -1,0 +1,137 @@
+//! Where a grid is cut, and who is beside whom.
+
+use crate::solid::domain::most_steps;
+use crate::solid::line::{GHOSTS, HALO};
+use crate::solid::problem::{DomainError, Grid, Scheme};
+use crate::solid::region::Region;
+use std::ops::Range;
+
+/// A grid cut into a box of parts: so many along each axis, as equal as whole cells allow.
+///
+/// Parts are numbered with the first axis running fastest. The halo of a part is [`HALO`] cells wide for each step of a
+/// pass; edges and corners of it are those of neighbours of neighbours, which exchanges axis by axis bring.
+#[derive(Clone, Debug)]
+pub struct Decomposition<const D: usize> {
+    parts: [usize; D],
+    is_periodic: [bool; D],
+    regions: Vec<Region<D>>,
+    most_steps: usize,
+}
+
+impl<const D: usize> Decomposition<D> {
+    /// `parts` along each axis of a grid, of which some are periodic, for a scheme.
+    ///
+    /// # Errors
+    /// [`DomainError::Parts`] where there are no parts along an axis, or one of several has fewer cells than its
+    /// neighbours' halo.
+    pub fn new(
+        grid: &Grid<D>,
+        is_periodic: [bool; D],
+        scheme: &Scheme,
+        parts: [usize; D],
+    ) -> Result<Self, DomainError> {
+        // Where sweeps alternate, output sweeps once more along the first axis.
+        let beyond = |axis: usize| if axis == 0 && scheme.alternates() { GHOSTS } else { 0 };
+        let mut steps = most_steps::<D>(grid.cells[D - 1] / parts[D - 1].max(1));
+        for (axis, (&found, &cells)) in parts.iter().zip(&grid.cells).enumerate() {
+            let least = cells / found.max(1);
+            if found == 0 || (found > 1 && least < HALO + beyond(axis)) {
+                return Err(DomainError::Parts { axis, found, cells, least: HALO + beyond(axis) });
+            }
+            if found > 1 {
+                steps = steps.min(most_steps::<D>(least - beyond(axis)));
+            }
+        }
+        let own = |axis: usize, index: usize| -> Range<usize> {
+            let (count, cells) = (parts[axis], grid.cells[axis]);
+            index * cells / count..(index + 1) * cells / count
+        };
+        let region = |part: usize| {
+            let place = place_of(part, &parts);
+            let halo = std::array::from_fn(|axis| {
+                // Layers across a periodic last axis are each other's halo.
+                let comes_round = is_periodic[axis] && (parts[axis] > 1 || axis + 1 == D);
+                let has = [place[axis] > 0, place[axis] + 1 < parts[axis]];
+                has.map(|has| if has || comes_round { steps * HALO + beyond(axis) } else { 0 })
+            });
+            Region::new(grid.cells, std::array::from_fn(|axis| own(axis, place[axis])), halo)
+        };
+        let count: usize = parts.iter().product();
+        Ok(Self {
+            parts,
+            is_periodic,
+            regions: (0..count).map(region).collect(),
+            most_steps: steps,
+        })
+    }
+
+    /// The regions of all parts.
+    pub fn regions(&self) -> &[Region<D>] {
+        &self.regions
+    }
+
+    /// The part beyond an end (0 towards smaller coordinates, 1 towards greater ones) of an axis of a part, if the grid is
+    /// cut there.
+    pub fn neighbour(&self, part: usize, axis: usize, end: usize) -> Option<usize> {
+        let count = self.parts[axis];
+        let stride: usize = self.parts[..axis].iter().product();
+        let place = part / stride % count;
+        let is_last = place == [0, count - 1][end];
+        if count == 1 || (is_last && !self.is_periodic[axis]) {
+            return None;
+        }
+        let next = (place + [count - 1, 1][end]) % count;
+        Some(part - place * stride + next * stride)
+    }
+
+    /// Steps of a pass at most: an exchange of halos suffices for so many.
+    pub fn most_steps(&self) -> usize {
+        self.most_steps
+    }
+}
+
+/// The place of a part along each axis.
+fn place_of<const D: usize>(mut part: usize, parts: &[usize; D]) -> [usize; D] {
+    parts.map(|count| {
+        let place = part % count;
+        part /= count;
+        place
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Decomposition;
+    use crate::solid::line::Slopes;
+    use crate::solid::problem::{DomainError, Grid, Placement, Scheme};
+
+    #[test]
+    fn parts_tile_the_grid() {
+        let grid = Grid { cells: [23, 9, 17], spacing: [1.0; 3] };
+        let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+        let plan =
+            Decomposition::new(&grid, [true, false, false], &scheme, [3, 2, 4]).expect("sound");
+        let mut owners = vec![0; grid.count()];
+        for region in plan.regions() {
+            region.own_global_cells().into_iter().for_each(|cell| owners[cell] += 1);
+        }
+        assert!(owners.iter().all(|count| *count == 1));
+        // Neighbours are each other's.
+        for part in 0..24 {
+            for (axis, end) in (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]) {
+                let neighbour = plan.neighbour(part, axis, end);
+                assert_eq!(neighbour.is_some(), plan.regions()[part].is_cut(axis)[end]);
+                if let Some(neighbour) = neighbour {
+                    assert_eq!(plan.neighbour(neighbour, axis, 1 - end), Some(part));
+                }
+            }
+        }
+        assert_eq!(plan.neighbour(0, 0, 0), Some(2));
+        assert_eq!(plan.neighbour(0, 1, 1), Some(3));
+        let refused = Decomposition::new(&grid, [false; 3], &scheme, [1, 3, 1]);
+        assert!(matches!(
+            refused,
+            Err(DomainError::Parts { axis: 1, found: 3, cells: 9, least: 4 })
+        ));
+    }
+}

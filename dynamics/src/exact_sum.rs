@@ -1,0 +1,231 @@
+//! Sums whose bits do not depend on the order of their terms.
+//!
+//! An accumulator holds a sum exactly, as a fixed-point number that spans the range of double precision (Kulisch 1971; the
+//! "small superaccumulator" of Neal 2015, *Fast exact summation using small and large superaccumulators*). Parts of a
+//! domain, threads and tiles add their terms in any order; accumulators are merged in any order; the sum is rounded once.
+
+/// Bits of a digit.
+const BITS: usize = 32;
+
+/// Digits: the least subnormal number is 2⁻¹⁰⁷⁴, the greatest number less than 2¹⁰²⁴, and two digits are left for carries.
+const DIGITS: usize = (1074_usize + 1024).div_ceil(BITS) + 2;
+
+/// Terms between two carries: a term adds less than 2³² to a digit, which holds less than 2⁶³.
+const TERMS: u32 = 1 << 30;
+
+/// An exact sum of numbers.
+#[derive(Clone, Debug)]
+pub(crate) struct ExactSum {
+    /// Digit `i` counts multiples of 2^(32 i − 1074), of either sign.
+    digits: [i64; DIGITS],
+    /// Terms until carries must be propagated.
+    left: u32,
+    /// The sum of terms that are not finite; else zero.
+    not_finite: f64,
+}
+
+impl Default for ExactSum {
+    fn default() -> Self {
+        Self { digits: [0; DIGITS], left: TERMS, not_finite: 0.0 }
+    }
+}
+
+impl ExactSum {
+    /// Adds a term.
+    #[inline]
+    pub(crate) fn add(&mut self, term: f64) {
+        let bits = term.to_bits();
+        let exponent = (bits >> 52 & 0x7ff) as usize;
+        let fraction = bits & ((1 << 52) - 1);
+        if exponent == 0x7ff {
+            self.not_finite += term;
+            return;
+        }
+        // Subnormal numbers have the exponent of the least normal ones, and no leading bit.
+        let mantissa = if exponent == 0 { fraction } else { fraction | 1 << 52 };
+        let place = exponent.saturating_sub(1);
+        let (digit, shift) = (place / BITS, place % BITS);
+        let shifted = u128::from(mantissa) << shift;
+        let sign = 1 - 2 * (bits >> 63) as i64;
+        for (own, part) in self.digits[digit..digit + 3].iter_mut().zip([0, 1, 2]) {
+            *own += sign * i64::from((shifted >> (part * BITS)) as u32);
+        }
+        self.left -= 1;
+        if self.left == 0 {
+            self.carry();
+        }
+    }
+
+    /// Adds all terms of another sum.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        let mut other = other.clone();
+        other.carry();
+        self.carry();
+        for (own, digit) in self.digits.iter_mut().zip(other.digits) {
+            *own += digit;
+        }
+        self.left -= 1;
+        self.not_finite += other.not_finite;
+    }
+
+    /// Brings all digits but the uppermost one into 0 … 2³² − 1.
+    fn carry(&mut self) {
+        let mut carry = 0;
+        let (last, rest) = self.digits.split_last_mut().expect("there are digits");
+        for digit in rest {
+            let sum = *digit + carry;
+            carry = sum >> BITS;
+            *digit = sum & ((1 << BITS) - 1);
+        }
+        *last += carry;
+        self.left = TERMS;
+    }
+
+    /// The sign of the sum and its digits, all in 0 … 2³² − 1.
+    fn magnitude(&self) -> (f64, [i64; DIGITS]) {
+        let mut own = self.clone();
+        own.carry();
+        if own.digits[DIGITS - 1] >= 0 {
+            return (1.0, own.digits);
+        }
+        own.digits.iter_mut().for_each(|digit| *digit = -*digit);
+        own.carry();
+        (-1.0, own.digits)
+    }
+
+    /// The sum, rounded to the nearest number; +0 where it vanishes.
+    pub(crate) fn value(&self) -> f64 {
+        if self.not_finite != 0.0 {
+            return self.not_finite;
+        }
+        let (sign, digits) = self.magnitude();
+        let Some(first) = digits.iter().rposition(|digit| *digit != 0) else { return 0.0 };
+        let low = first.saturating_sub(2);
+        let upper = digits[low..=first]
+            .iter()
+            .rev()
+            .fold(0, |sum: u128, digit| sum << BITS | *digit as u128);
+        // What is below the three uppermost digits decides between two numbers that are equally near.
+        let sticky = u128::from(digits[..low].iter().any(|digit| *digit != 0));
+        sign * scaled((upper << 1 | sticky) as f64, (low * BITS) as i32 - 1075)
+    }
+
+    /// Numbers whose sum it is, without rounding: a few, for storing it.
+    pub(crate) fn parts(&self) -> Vec<f64> {
+        let (sign, digits) = self.magnitude();
+        let part = |(index, digit): (usize, &i64)| {
+            sign * scaled(*digit as f64, (index * BITS) as i32 - 1074)
+        };
+        let finite = digits.iter().enumerate().filter(|(_, digit)| **digit != 0).map(part);
+        finite.chain(Some(self.not_finite).filter(|rest| *rest != 0.0)).collect()
+    }
+}
+
+/// A number times a power of two; rounded once, where the result is subnormal.
+fn scaled(mut number: f64, mut exponent: i32) -> f64 {
+    let power = |exponent: i32| f64::from_bits(((1023 + exponent) as u64) << 52);
+    while exponent > 1023 {
+        number *= power(1023);
+        exponent -= 1023;
+    }
+    if exponent < -1022 {
+        // The first factor leaves the number far above subnormal ones.
+        number *= power(exponent + 1022 / 2);
+        exponent = -1022 / 2;
+    }
+    number * power(exponent)
+}
+
+impl FromIterator<f64> for ExactSum {
+    fn from_iter<I: IntoIterator<Item = f64>>(terms: I) -> Self {
+        let mut sum = Self::default();
+        terms.into_iter().for_each(|term| sum.add(term));
+        sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ExactSum;
+    use testkit::random::Random;
+
+    /// Numbers of many sizes and either sign.
+    fn terms(seed: u64, count: usize, exponents: f64) -> Vec<f64> {
+        let mut random = Random::new(seed);
+        let mut term = || random.within(-1.0, 1.0) * random.decades(exponents.recip(), exponents);
+        (0..count).map(|_| term()).collect()
+    }
+
+    fn sum(terms: &[f64]) -> ExactSum {
+        terms.iter().copied().collect()
+    }
+
+    /// Against 128-bit integers, which hold sums of numbers of such sizes exactly.
+    #[test]
+    fn sums_are_rounded_once() {
+        for seed in 0..200 {
+            let integers = terms(seed, 50, 1e6).into_iter().map(|term| (term * 2e14).trunc());
+            let integers: Vec<f64> = integers.collect();
+            let exact: i128 = integers.iter().map(|term| *term as i128).sum();
+            assert_eq!(sum(&integers).value(), exact as f64, "{seed}");
+            // At the lower end of the range nothing is lost: these are multiples of the least number.
+            let least: Vec<f64> =
+                terms(seed, 50, 1e3).iter().map(|term| (term * 1e3).trunc()).collect();
+            let exact: f64 = least.iter().sum();
+            let scaled: Vec<f64> = least.iter().map(|term| term * 5e-324).collect();
+            assert_eq!(sum(&scaled).value(), exact * 5e-324, "{seed}");
+        }
+    }
+
+    #[test]
+    fn halves_are_rounded_to_even() {
+        let one = 1.0;
+        let half = f64::EPSILON / 2.0;
+        assert_eq!(sum(&[one, half]).value(), 1.0);
+        assert_eq!(sum(&[one, half, 1e-300]).value(), 1.0 + f64::EPSILON);
+        assert_eq!(sum(&[one, half, -1e-300]).value(), 1.0);
+        assert_eq!(sum(&[1.0 + f64::EPSILON, half]).value(), 1.0 + 2.0 * f64::EPSILON);
+        assert_eq!(sum(&[-one, -half, -1e-300]).value(), -1.0 - f64::EPSILON);
+    }
+
+    #[test]
+    fn order_and_merging_do_not_matter() {
+        for seed in 0..50 {
+            let mut all = terms(seed, 300, 1e90);
+            // Nearly everything cancels.
+            all.extend(terms(seed, 300, 1e90).iter().map(|term| -term * (1.0 + f64::EPSILON)));
+            let expected = sum(&all).value().to_bits();
+            let mut random = Random::new(seed + 1000);
+            for _ in 0..5 {
+                for last in (1..all.len()).rev() {
+                    all.swap(last, random.below(last + 1));
+                }
+                let cut = random.below(all.len());
+                let (mut one, other) = (sum(&all[cut..]), sum(&all[..cut]));
+                one.merge(&other);
+                assert_eq!(one.value().to_bits(), expected, "{seed}");
+                let stored = one.parts();
+                assert!(stored.len() < 30);
+                assert_eq!(sum(&stored).value().to_bits(), expected, "{seed}");
+            }
+        }
+    }
+
+    #[test]
+    fn extremes() {
+        assert_eq!(ExactSum::default().value().to_bits(), 0.0_f64.to_bits());
+        assert_eq!(sum(&[1e300, 1.0, -1e300]).value(), 1.0);
+        assert_eq!(sum(&[f64::MAX, f64::MAX]).value(), f64::INFINITY);
+        assert_eq!(sum(&[f64::MAX, f64::MAX, -f64::MAX]).value(), f64::MAX);
+        assert_eq!(sum(&[5e-324, -1e-323]).value(), -5e-324);
+        assert_eq!(sum(&[f64::MIN_POSITIVE, -5e-324]).value(), f64::MIN_POSITIVE - 5e-324);
+        assert!(sum(&[1.0, f64::NAN]).value().is_nan());
+        assert_eq!(sum(&[1.0, f64::NEG_INFINITY]).value(), f64::NEG_INFINITY);
+        // Many carries.
+        let many = 5_000_000;
+        let ones: ExactSum = (0..many).map(|_| 0.1).collect();
+        // The double nearest to 0.1 is 3602879701896397 / 2^55.
+        let exact = 3_602_879_701_896_397_i128 * many;
+        assert_eq!(ones.value(), exact as f64 / 55_f64.exp2());
+    }
+}

@@ -1,0 +1,238 @@
+//! What acts in a cell between sweeps, one formula each: sources, gravity, the rotation of spins against antisymmetric
+//! stress, relaxation, the return mapping with its energies, and the flushing of subnormal numbers. The fused solver and
+//! [`Reference`](crate::solid::reference::Reference) both call these.
+
+use crate::simd::{Number, Real};
+use crate::solid::boundary::Signal;
+use crate::solid::medium::Medium;
+use models::common::elementary::Elementary;
+use models::rheology::relaxation::{Increments, Relaxation, SymmetricTensor};
+use models::solid::stress::Stress;
+use models::solid::waves::Field;
+
+/// Fields at most: three velocities, three spins, nine stresses and couple stresses each, and six viscous strains.
+pub(crate) const MOST_FIELDS: usize = 30;
+
+/// Steps from one flushing of subnormal numbers to the next: few, so that little decays past the least normal number in
+/// between.
+const FLUSH_INTERVAL: usize = 16;
+
+/// With so many steps done, if they are a multiple of [`FLUSH_INTERVAL`], the size below which values are set to zero:
+/// 2⁴⁰ times the least normal number. The factor leaves room for products with constants of the media.
+pub(crate) fn flush_limit<T: Real>(steps_done: usize) -> Option<T> {
+    steps_done.is_multiple_of(FLUSH_INTERVAL).then(|| T::of(2.0f64.powi(40) * T::LEAST.wide()))
+}
+
+/// The stress of a state whose values are in the order of the fields.
+pub(crate) fn stress_of<T: Real>(fields: &[Field], values: &[T]) -> Stress {
+    // One field stands for both in classical solids.
+    let is_symmetric = !fields.iter().any(|field| matches!(field, Field::Spin(_)));
+    let mut stress = Stress::default();
+    for (&field, value) in fields.iter().zip(values) {
+        let value = value.wide();
+        match field {
+            Field::Stress(i, j) => {
+                stress.force[i][j] = value;
+                if is_symmetric {
+                    stress.force[j][i] = value;
+                }
+            }
+            Field::Couple(k, j) => stress.couple[k][j] = value,
+            Field::Velocity(_) | Field::Spin(_) | Field::ViscousStrain(..) => {}
+        }
+    }
+    stress
+}
+
+/// a + factor·b.
+pub(crate) fn combined(a: &Stress, b: &Stress, factor: f64) -> Stress {
+    let part = |a: [[f64; 3]; 3], b: [[f64; 3]; 3]| -> [[f64; 3]; 3] {
+        std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + factor * b[i][j]))
+    };
+    Stress { force: part(a.force, b.force), couple: part(a.couple, b.couple) }
+}
+
+/// Adds to a velocity; the energy that it takes, per inertia.
+pub(crate) fn push<T: Real>(value: &mut T, change: f64) -> f64 {
+    let before = value.wide();
+    *value = T::of(before + change);
+    let after = value.wide();
+    (after - before) * 0.5 * (after + before)
+}
+
+/// The signal of a source over an interval of time, s: its mean times the duration, and its change.
+pub(crate) fn over_interval(signal: &Signal, [from, to]: [f64; 2]) -> [f64; 2] {
+    // Before the beginning there is none: what is there at once comes with the first step.
+    let before = if from > 0.0 { signal(from) } else { 0.0 };
+    let mean = signal(0.5 * (from + to));
+    [mean * (to - from), signal(to) - before]
+}
+
+/// What a source does to a field of a cell over an interval: `strength` is its amplitude times the cell's share, then the
+/// numbers of [`over_interval`]. Forces and couples push velocities, moments relieve stresses. The work, J/m³.
+pub(crate) fn apply_source<T: Real>(
+    medium: &Medium,
+    state: &mut [T],
+    field: usize,
+    strength: f64,
+    [impulse, moment]: [f64; 2],
+    volume: f64,
+) -> f64 {
+    let fields = &medium.fields;
+    let inertia = medium.inertia(fields[field]);
+    if inertia > 0.0 {
+        let change = strength * impulse / (inertia * volume);
+        push(&mut state[field], change) * inertia
+    } else {
+        let before = medium.stored_energy(&stress_of(fields, state));
+        state[field] = T::of(state[field].wide() - strength * moment / volume);
+        medium.stored_energy(&stress_of(fields, state)) - before
+    }
+}
+
+/// Places in the list of fields of spins and of the stresses that rotate with them.
+pub(crate) fn rotated_fields(fields: &[Field]) -> Vec<[usize; 3]> {
+    let place = |field: Field| fields.iter().position(|own| *own == field);
+    let triple = |k: usize| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        Some([place(Field::Spin(k))?, place(Field::Stress(i, j))?, place(Field::Stress(j, i))?])
+    };
+    (0..3).filter_map(triple).collect()
+}
+
+/// Constants of the rotation of a spin and antisymmetric stress by a time: cos, √(αj) sin, sin/√(αj).
+pub(crate) type SpinStressRotation<N> = [N; 3];
+
+/// Those of a medium for a part of a time step, s.
+pub(crate) fn spin_stress_rotation(
+    medium: &Medium,
+    part: f64,
+    step: f64,
+) -> SpinStressRotation<f64> {
+    let Some(rotation) = medium.rotation else { return [1.0, 0.0, 0.0] };
+    let (sin, cos) = (rotation.frequency * part * step).cr_sin_cos();
+    [cos, rotation.ratio * sin, sin / rotation.ratio]
+}
+
+/// Q: a spin and both stresses after the rotation.
+#[inline(always)]
+pub(crate) fn rotated<N: Number>(
+    [cos, ratio_sin, sin_over_ratio]: SpinStressRotation<N>,
+    [omega, first, second]: [N; 3],
+) -> [N; 3] {
+    let half = N::HALF * (first - second);
+    let turned = half * cos + ratio_sin * omega - half;
+    [omega * cos - half * sin_over_ratio, first + turned, second - turned]
+}
+
+/// Places in the list of fields of normal stresses and viscous strains, and of both shear stresses, which may be one, and the
+/// viscous strain of each plane; `None` where nothing relaxes.
+pub(crate) type RelaxedFields = ([[usize; 2]; 3], Vec<[usize; 3]>);
+
+/// Those of a list.
+pub(crate) fn relaxed_fields(fields: &[Field]) -> Option<RelaxedFields> {
+    let place = |field: Field| fields.iter().position(|own| *own == field);
+    let normal = |i: usize| Some([place(Field::Stress(i, i))?, place(Field::ViscousStrain(i, i))?]);
+    let shear = [[0, 1], [0, 2], [1, 2]].into_iter().filter_map(|[i, j]| {
+        let [one, other] = [place(Field::Stress(i, j)), place(Field::Stress(j, i))];
+        Some([one.or(other)?, other.or(one)?, place(Field::ViscousStrain(i, j))?])
+    });
+    Some(([normal(0)?, normal(1)?, normal(2)?], shear.collect()))
+}
+
+/// Relaxation over a part of a time step, s; `value` makes a constant of what it is in a medium.
+pub(crate) fn relaxation_over<N>(
+    value: impl Fn(&dyn Fn(&Medium) -> f64) -> N,
+    part: f64,
+    step: f64,
+) -> Relaxation<N> {
+    let constant = |of: fn(&Relaxation<f64>) -> f64| {
+        value(&|medium| {
+            of(&medium.relaxation.map_or(Relaxation::NONE, |own| own.relaxation_over(part * step)))
+        })
+    };
+    Relaxation {
+        strain_per_stress: constant(|own| own.strain_per_stress),
+        strain_per_strain: constant(|own| own.strain_per_strain),
+        share: constant(|own| own.share),
+        stress_per_strain: constant(|own| own.stress_per_strain),
+        dissipation: constant(|own| own.dissipation),
+    }
+}
+
+/// Relaxes normal stresses and viscous strains, and both shear stresses and the viscous strain of each plane; the energy
+/// dissipated, J/m³.
+#[inline(always)]
+pub(crate) fn relax<N: Number, const SHEARS: usize>(
+    constants: &Relaxation<N>,
+    normal: &mut [[N; 2]; 3],
+    shear: &mut [[N; 3]; SHEARS],
+) -> N {
+    let mut stress = SymmetricTensor::<N, SHEARS>::ZERO;
+    let mut strain = SymmetricTensor::<N, SHEARS>::ZERO;
+    for (i, &[own, viscous]) in normal.iter().enumerate() {
+        stress.normal[i] = own;
+        strain.normal[i] = viscous;
+    }
+    for (i, &[one, other, viscous]) in shear.iter().enumerate() {
+        stress.shear[i] = N::HALF * (one + other);
+        strain.shear[i] = viscous;
+    }
+    let change: Increments<N, SHEARS> = constants.increments(stress, strain);
+    for (i, [own, viscous]) in normal.iter_mut().enumerate() {
+        *own = *own + change.stress.normal[i];
+        *viscous = *viscous + change.viscous_strain.normal[i];
+    }
+    for (i, [one, other, viscous]) in shear.iter_mut().enumerate() {
+        *one = *one + change.stress.shear[i];
+        *other = *other + change.stress.shear[i];
+        *viscous = *viscous + change.viscous_strain.shear[i];
+    }
+    change.dissipated
+}
+
+/// What the return mapping does to the stress of a cell.
+pub(crate) struct Correction {
+    /// The stress after it, without the initial one.
+    pub(crate) stress: Stress,
+    /// Plastic dissipation, J/m³.
+    pub(crate) dissipated: f64,
+    /// Work of the initial stress, J/m³.
+    pub(crate) released: f64,
+    /// The dissipation over the energy stored.
+    pub(crate) share: f64,
+}
+
+/// P, or with `reflects` 2P − I, of a stress that deviates so much from the initial one; `None` where it is in its set.
+pub(crate) fn correction(
+    medium: &Medium,
+    deviation: &Stress,
+    initial: Option<&Stress>,
+    reflects: bool,
+) -> Option<Correction> {
+    let none = Stress::default();
+    let offset = initial.unwrap_or(&none);
+    let trial = combined(deviation, offset, 1.0);
+    let corrected = medium.project(&trial);
+    if corrected.stress == trial {
+        return None;
+    }
+    let times = if reflects { 2.0 } else { 1.0 };
+    let plastic = combined(&trial, &corrected.stress, -1.0);
+    let energy = |stress: &Stress| medium.stored_energy(stress);
+    // ½|s̄|² − ½|2s − s̄|² = 2(½|s̄|² − ½|s|² − ½|s̄ − s|²).
+    let beyond = if reflects { energy(&plastic) } else { 0.0 };
+    let dissipated = times * (corrected.energy_lost - beyond);
+    // The product of both in the energy.
+    let released = initial.map_or(0.0, |initial| {
+        let both = combined(&plastic, initial, 1.0);
+        times * (energy(&both) - energy(&plastic) - energy(initial))
+    });
+    let share = dissipated / energy(&trial).max(f64::MIN_POSITIVE);
+    debug_assert!(share >= -1e-14, "the correction adds energy: {share:e} of what is there");
+    let moved = match reflects {
+        true => combined(&corrected.stress, &plastic, -1.0),
+        false => corrected.stress,
+    };
+    Some(Correction { stress: combined(&moved, offset, -1.0), dissipated, released, share })
+}

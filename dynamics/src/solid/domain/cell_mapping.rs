@@ -1,0 +1,54 @@
+//! The return mapping of this solver in lanes, for single cells: for
+//! [`Reference`](crate::solid::reference::Reference), since it rounds otherwise than the projection of one stress.
+
+use super::plastic::{Correct, Sets};
+use crate::simd::{Group, Instructions, Number, Real};
+use crate::solid::problem::Problem;
+
+/// Yield sets in lanes, and a group of them.
+#[derive(Clone)]
+pub(crate) struct CellMapping<T: Real> {
+    /// By medium.
+    sets: Sets<T>,
+    yields: Vec<bool>,
+    /// By field.
+    data: Vec<T::Lanes>,
+}
+
+impl<T: Real> CellMapping<T> {
+    /// `None` where stresses are mapped as if one by one.
+    pub(crate) fn new<const D: usize>(problem: &Problem<D>) -> Option<Self> {
+        let media = &problem.media;
+        if problem.initial_stress.is_some() || media.iter().all(|own| own.yields.is_none()) {
+            return None;
+        }
+        let patterns: Vec<_> =
+            (0..media.len()).map(|medium| vec![medium as u16; T::Lanes::COUNT]).collect();
+        Some(Self {
+            sets: Sets::new(media, &patterns, 1)?,
+            yields: media.iter().map(|own| own.yields.is_some()).collect(),
+            data: vec![T::Lanes::ZERO; media[0].fields.len()],
+        })
+    }
+
+    /// Maps the stress of a state of a medium; the plastic dissipation, J/m³. `None` where it is yet to be mapped as one
+    /// stress.
+    pub(crate) fn map(&mut self, medium: u16, state: &mut [T]) -> Option<f64> {
+        for (group, value) in self.data.iter_mut().zip(state.iter()) {
+            *group = T::Lanes::all(*value);
+        }
+        let (mut dissipated, mut left) = (vec![0.0; T::Lanes::COUNT], Vec::new());
+        Instructions::best().run::<T>(Correct {
+            data: &mut self.data,
+            patterns: &[medium.into()],
+            sets: &self.sets,
+            yields: &self.yields,
+            dissipated: &mut dissipated,
+            left: &mut left,
+        });
+        for (group, value) in self.data.iter().zip(state) {
+            *value = group.lanes()[0];
+        }
+        left.is_empty().then_some(dissipated[0])
+    }
+}

@@ -1,0 +1,250 @@
+//! What a step does to cells on their own, between its sweeps.
+
+use super::Reference;
+use crate::simd::Real;
+use crate::solid::cell_laws::{
+    MOST_FIELDS, RelaxedFields, SpinStressRotation, apply_source, combined, correction,
+    flush_limit, over_interval, push, relax, relaxation_over, relaxed_fields, rotated,
+    rotated_fields, spin_stress_rotation, stress_of,
+};
+use crate::solid::domain::CellMapping;
+use crate::solid::medium::{Medium, component};
+use crate::solid::problem::Problem;
+use models::rheology::relaxation::Relaxation;
+use models::solid::stress::Stress;
+use models::solid::waves::Field;
+
+/// What acts in cells on their own.
+#[derive(Clone)]
+pub(super) struct LocalLaws<T: Real> {
+    /// By medium, over a whole step and over half a step.
+    rotations: Vec<[SpinStressRotation<T>; 2]>,
+    /// Fields that rotate: a spin and two stresses each.
+    rotated: Vec<[usize; 3]>,
+    /// `None` where nothing relaxes.
+    relaxations: Option<Relaxations<T>>,
+    /// The return mapping in lanes, which rounds otherwise than that of one stress; `None` where it is not used.
+    mapping: Option<CellMapping<T>>,
+}
+
+/// Relaxation of stresses.
+#[derive(Clone)]
+struct Relaxations<T> {
+    fields: RelaxedFields,
+    /// By medium, over a whole step and over half a step.
+    by_medium: Vec<[Relaxation<T>; 2]>,
+}
+
+impl<T: Real> LocalLaws<T> {
+    /// Those of a problem with these fields.
+    pub(super) fn new<const D: usize>(problem: &Problem<D>, fields: &[Field]) -> Self {
+        let Problem { media, step, .. } = problem;
+        let rotations = media.iter().map(|medium| {
+            [1.0, 0.5].map(|part| spin_stress_rotation(medium, part, *step).map(T::of))
+        });
+        let relaxations = relaxed_fields(fields).map(|fields| Relaxations {
+            fields,
+            by_medium: media
+                .iter()
+                .map(|medium| {
+                    [1.0, 0.5].map(|part| relaxation_over(|of| T::of(of(medium)), part, *step))
+                })
+                .collect(),
+        });
+        Self {
+            rotations: rotations.collect(),
+            rotated: rotated_fields(fields),
+            relaxations,
+            mapping: CellMapping::new(problem),
+        }
+    }
+}
+
+impl<T: Real, const D: usize> Reference<T, D> {
+    pub(super) fn medium(&self, cell: usize) -> &Medium {
+        &self.problem.media[usize::from(self.problem.of_cell[cell])]
+    }
+
+    /// All fields of a cell.
+    pub(super) fn state(&self, cell: usize) -> [T; MOST_FIELDS] {
+        let mut state = [T::ZERO; MOST_FIELDS];
+        for (value, field) in state.iter_mut().zip(&self.fields) {
+            *value = field[cell];
+        }
+        state
+    }
+
+    /// The initial stress in a cell, if there is one.
+    pub(super) fn initial_stress(&self, cell: usize) -> Option<Stress> {
+        let (axis, layers) = self.problem.initial_stress.as_ref()?;
+        let stride: usize = self.problem.grid.cells[..*axis].iter().product();
+        Some(layers[cell / stride % layers.len()])
+    }
+
+    /// The whole stress in a cell of the sweeps, the initial one included.
+    pub(super) fn whole_stress_of(&self, cell: usize) -> Stress {
+        let deviation = stress_of(self.fields(), &self.state(cell));
+        combined(&deviation, &self.initial_stress(cell).unwrap_or_default(), 1.0)
+    }
+
+    /// What the signals of all sources are over an interval, s.
+    pub(super) fn sources_over(&self, interval: [f64; 2]) -> Vec<[f64; 2]> {
+        self.problem.sources.iter().map(|own| over_interval(&own.signal, interval)).collect()
+    }
+
+    /// K: sources, whose signals are given, and gravity over half a step.
+    pub(super) fn apply_sources(&mut self, signals: &[[f64; 2]]) {
+        for (source, signal) in signals.iter().enumerate() {
+            for index in 0..self.problem.sources[source].cells.len() {
+                let (cell, share) = self.problem.sources[source].cells[index];
+                self.apply_source(source, (cell, share), *signal);
+            }
+        }
+        self.apply_gravity();
+    }
+
+    fn apply_source(&mut self, source: usize, (cell, share): (usize, f64), signal: [f64; 2]) {
+        let volume = self.problem.grid.volume();
+        for index in 0..self.problem.sources[source].amplitudes.len() {
+            let (field, amplitude) = self.problem.sources[source].amplitudes[index];
+            let Some(field) = self.place(field) else { continue };
+            let (mut state, strength) = (self.state(cell), amplitude * share);
+            let work = apply_source(self.medium(cell), &mut state, field, strength, signal, volume);
+            self.fields[field][cell] = state[field];
+            self.work.sources.add(work);
+        }
+    }
+
+    fn apply_gravity(&mut self) {
+        for (axis, acceleration) in self.problem.acceleration.into_iter().enumerate() {
+            let field = Field::Velocity(axis);
+            let Some(place) = self.place(field).filter(|_| acceleration != 0.0) else { continue };
+            let change = acceleration * 0.5 * self.problem.step;
+            for cell in 0..self.problem.grid.count() {
+                let inertia = self.medium(cell).inertia(field);
+                let work = inertia * push(&mut self.fields[place][cell], change);
+                self.work.sources.add(work);
+            }
+        }
+    }
+
+    /// Q: spins against antisymmetric stress, over a whole step (0) or a half (1).
+    pub(super) fn rotate(&mut self, part: usize) {
+        for &places in &self.laws.rotated {
+            for (cell, medium) in self.problem.of_cell.iter().enumerate() {
+                let constants = self.laws.rotations[usize::from(*medium)][part];
+                let before = places.map(|place| self.fields[place][cell]);
+                for (place, value) in places.into_iter().zip(rotated(constants, before)) {
+                    self.fields[place][cell] = value;
+                }
+            }
+        }
+    }
+
+    /// Relaxes stresses over a whole step (0) or a half (1).
+    pub(super) fn relax(&mut self, part: usize) {
+        let Some(relaxations) = self.laws.relaxations.take() else { return };
+        let (normal, shear) = &relaxations.fields;
+        for cell in 0..self.problem.grid.count() {
+            if self.medium(cell).relaxation.is_none() {
+                continue;
+            }
+            let medium = usize::from(self.problem.of_cell[cell]);
+            let constants = &relaxations.by_medium[medium][part];
+            let lost = match shear.as_slice() {
+                [first] => self.relax_cell(cell, constants, normal, &[*first]),
+                [first, second, third] => {
+                    self.relax_cell(cell, constants, normal, &[*first, *second, *third])
+                }
+                _ => T::ZERO,
+            };
+            self.dissipation.viscous[cell] += lost.wide();
+        }
+        self.laws.relaxations = Some(relaxations);
+    }
+
+    /// The energy dissipated, J/m³.
+    fn relax_cell<const SHEARS: usize>(
+        &mut self,
+        cell: usize,
+        constants: &Relaxation<T>,
+        normal: &[[usize; 2]; 3],
+        shear: &[[usize; 3]; SHEARS],
+    ) -> T {
+        let value = |place: usize| self.fields[place][cell];
+        let mut normal_values = normal.map(|places| places.map(value));
+        let mut shear_values = shear.map(|places| places.map(value));
+        let lost = relax(constants, &mut normal_values, &mut shear_values);
+        let places = normal.as_flattened().iter().chain(shear.as_flattened());
+        let values = normal_values.as_flattened().iter().chain(shear_values.as_flattened());
+        places.zip(values).for_each(|(&place, value)| self.fields[place][cell] = *value);
+        lost
+    }
+
+    /// P.
+    pub(super) fn map_stresses(&mut self) {
+        if self.dissipation.plastic.is_empty() {
+            return;
+        }
+        let Some(mut mapping) = self.laws.mapping.take() else {
+            return self.map_one_by_one(false);
+        };
+        for cell in 0..self.problem.grid.count() {
+            let medium = self.problem.of_cell[cell];
+            let mut state = self.state(cell);
+            match mapping.map(medium, &mut state) {
+                Some(dissipated) => {
+                    self.dissipation.plastic[cell] += dissipated;
+                    for (field, value) in self.fields.iter_mut().zip(state) {
+                        field[cell] = value;
+                    }
+                }
+                None => self.map_stress(cell, false),
+            }
+        }
+        self.laws.mapping = Some(mapping);
+    }
+
+    /// P, or with `reflects` 2P − I.
+    pub(super) fn map_one_by_one(&mut self, reflects: bool) {
+        (0..self.problem.grid.count()).for_each(|cell| self.map_stress(cell, reflects));
+    }
+
+    fn map_stress(&mut self, cell: usize, reflects: bool) {
+        let medium = self.medium(cell);
+        if medium.yields.is_none() {
+            return;
+        }
+        let deviation = stress_of(self.fields(), &self.state(cell));
+        let initial = self.initial_stress(cell);
+        let Some(own) = correction(medium, &deviation, initial.as_ref(), reflects) else { return };
+        self.dissipation.plastic[cell] += own.dissipated;
+        if let Some(released) = self.dissipation.released.get_mut(cell) {
+            *released += own.released;
+        }
+        self.work.least_plastic = self.work.least_plastic.min(own.share);
+        for (field, values) in self.problem.media[0].fields.iter().zip(&mut self.fields) {
+            if let Some(value) = component(*field, &own.stress) {
+                values[cell] = T::of(value);
+            }
+        }
+    }
+
+    /// Sets to zero what is near the subnormal numbers, when it is time to.
+    pub(super) fn flush_subnormals(&mut self) {
+        let Some(limit) = flush_limit::<T>(self.steps) else { return };
+        for value in self.fields.iter_mut().flatten() {
+            *value = value.unless_below(limit);
+        }
+        self.faces.flush_below(limit);
+    }
+
+    /// Adds so many steps to the integrals in time.
+    pub(super) fn integrate(&mut self, steps: f64) {
+        for (place, sums) in &mut self.integrals {
+            for (sum, value) in sums.iter_mut().zip(&self.fields[*place]) {
+                *sum += steps * self.problem.step * value.wide();
+            }
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! The reference solver: the scheme of the fused solver, written plainly.
+//!
+//! Fields are arrays by field and cell, sweeps run line by line on one thread, and every sweep keeps the account of
+//! the energy that the scheme itself dissipates, so that the ledger is full: nothing in it is a remainder.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `step` | the recipe of a step |
+//! | `sweep` | a sweep along an axis, line by line, with ghosts, work at boundaries and the energy account |
+//! | `interlayers` | faces with memory: where they stand, what they remember |
+//! | `cells` | sources, gravity, rotation, relaxation, return mapping, flushing of subnormals, integrals in time |
+//! | `output` | fields at the time of the solver, records, snapshots, energies |
+//!
+//! The fields are those of [`Domain`](crate::solid::domain::Domain), bit for bit: both call the same formulas
+//! ([`mod@line`], `cell_laws`, `ghosts`), and random problems are held against each other. Sums over cells are exact, and so
+//! the same as well.
+
+mod cells;
+mod interlayers;
+mod output;
+mod step;
+mod sweep;
+
+use crate::simd::{Group, Real};
+use crate::solid::axis_permutation::AxisPermutation;
+use crate::solid::boundary::{Boundary, Load};
+use crate::solid::ghosts::{BoundaryFaces, GhostRule, Slot};
+use crate::solid::ledger::{CellDissipation, Energy, Ledger, LedgerSums, WorkSums};
+use crate::solid::line;
+use crate::solid::problem::{DomainError, Grid, Problem};
+use cells::LocalLaws;
+use interlayers::Faces;
+use models::solid::waves::Field;
+use sweep::Wave;
+
+/// Fields on a rectangular grid and what moves them, without lanes, tiles, halo or threads.
+#[derive(Clone)]
+pub struct Reference<T: Real, const D: usize> {
+    /// With the axes in the order of the sweeps.
+    problem: Problem<D>,
+    /// From the axes and cells of the problem that was given to those of the sweeps.
+    permutation: AxisPermutation<D>,
+    /// The components of the state.
+    names: Vec<Field>,
+    /// Reconstruction of the sweeps.
+    slopes: line::Slopes,
+    /// By axis, for half a step.
+    waves: [Vec<Wave<T>>; D],
+    /// Along the first axis for a quarter of a step.
+    quarter_waves: Vec<Wave<T>>,
+    sides: [[BoundaryFaces<T>; 2]; D],
+    /// What acts in cells on their own.
+    laws: LocalLaws<T>,
+    /// By field and cell, the first axis running fastest: the deviation from the initial stress.
+    fields: Vec<Vec<T>>,
+    /// Faces with interlayers.
+    faces: Faces<T, D>,
+    work: WorkSums,
+    /// By cell.
+    dissipation: CellDissipation,
+    /// Places of velocities and spins, and Δt times the sum of their values by cell.
+    integrals: Vec<(usize, Vec<f64>)>,
+    /// Cells that are recorded after each step.
+    watched: Vec<usize>,
+    records: Vec<f64>,
+    /// Steps done.
+    steps: usize,
+}
+
+impl<T: Real, const D: usize> Reference<T, D> {
+    /// A solid at rest.
+    ///
+    /// # Errors
+    /// See [`DomainError`].
+    pub fn new(problem: &Problem<D>) -> Result<Self, DomainError> {
+        Self::with_first_axis(0, problem)
+    }
+
+    /// The same with this axis swept as the first one; the others keep their order.
+    ///
+    /// # Errors
+    /// See [`DomainError`].
+    pub fn with_first_axis(axis: usize, problem: &Problem<D>) -> Result<Self, DomainError> {
+        problem.check()?;
+        let permutation = AxisPermutation::with_first(axis, &problem.grid);
+        let problem = permutation.problem(problem).into_owned();
+        let Problem { media, grid, .. } = &problem;
+        let (count, names) = (grid.count(), problem.fields());
+        let wave = |axis: usize, share: f64| {
+            let pairs = 0..media[0].pairs[axis].len();
+            pairs.map(|pair| Wave::new(&problem, axis, pair, share)).collect::<Vec<_>>()
+        };
+        let place = |field: &Field| names.iter().position(|own| own == field);
+        Ok(Self {
+            slopes: problem.scheme.sweep_slopes(),
+            waves: std::array::from_fn(|axis| wave(axis, 0.5)),
+            quarter_waves: wave(0, 0.25),
+            sides: std::array::from_fn(|axis| [0, 1].map(|end| side(&problem, axis, end))),
+            laws: LocalLaws::new(&problem, &names),
+            fields: vec![vec![T::ZERO; count]; names.len()],
+            faces: Faces::new(&problem),
+            work: WorkSums::default(),
+            dissipation: CellDissipation::new(&problem, || vec![0.0; count]),
+            integrals: problem
+                .integrals
+                .iter()
+                .filter_map(|field| Some((place(field)?, vec![0.0; count])))
+                .collect(),
+            watched: Vec::new(),
+            records: Vec::new(),
+            steps: 0,
+            names,
+            permutation,
+            problem,
+        })
+    }
+
+    /// The components of the state.
+    pub fn fields(&self) -> &[Field] {
+        &self.names
+    }
+
+    /// The grid, with the axes in the order of the sweeps.
+    pub fn grid(&self) -> Grid<D> {
+        self.problem.grid
+    }
+
+    /// Time, s.
+    pub fn time(&self) -> f64 {
+        self.steps as f64 * self.problem.step
+    }
+
+    fn place(&self, field: Field) -> Option<usize> {
+        self.fields().iter().position(|own| *own == field)
+    }
+
+    /// The values of a field as they are computed with, the first axis running fastest; `None` if there is no such
+    /// field.
+    pub fn values(&self, field: Field) -> Option<Vec<T>> {
+        self.place(field).map(|place| self.permutation.unpermute(self.fields[place].clone()))
+    }
+
+    /// Sets the values of a field, the first axis running fastest; of those beyond the end of either nothing happens.
+    pub fn set(&mut self, field: Field, values: &[T]) {
+        let values = self.permutation.permute(values);
+        let Some(place) = self.place(field) else { return };
+        for (own, &value) in self.fields[place].iter_mut().zip(values.iter()) {
+            *own = value;
+        }
+    }
+
+    /// Lets interlayers move with the cells beside them, as
+    /// [`Domain::initialise_interlayers`](crate::solid::domain::Domain::initialise_interlayers).
+    pub fn initialise_interlayers(&mut self) {
+        let place = |field| self.place(field);
+        let value = |field, cell: usize| place(field).map_or(T::ZERO, |own| self.fields[own][cell]);
+        let memory = self.faces.at_start(&self.problem, value);
+        self.faces.set_memory(&memory);
+    }
+
+    /// V and S of all faces with interlayers, in the order of
+    /// [`Domain::interlayer_memory`](crate::solid::domain::Domain::interlayer_memory).
+    pub fn interlayer_memory(&self) -> Vec<[T; 2]> {
+        self.faces.memory()
+    }
+
+    /// What steps did to the energy so far.
+    pub fn ledger(&self) -> Ledger {
+        let sums = self.dissipation.all().map(|sums| sums.iter().copied());
+        LedgerSums::new(&self.work, sums).ledger(self.problem.grid.volume())
+    }
+
+    /// Energy of the deviation from the initial stress.
+    pub fn energy(&self) -> Energy {
+        self.energy_sums().energy(self.problem.grid.volume())
+    }
+}
+
+/// Where a face stands among the lanes of its side.
+fn slot<T: Real>(face: usize) -> Slot {
+    (face / T::Lanes::COUNT, face % T::Lanes::COUNT)
+}
+
+/// What lies beyond a side.
+fn side<T: Real, const D: usize>(
+    problem: &Problem<D>,
+    axis: usize,
+    end: usize,
+) -> BoundaryFaces<T> {
+    let boundary = &problem.boundaries[axis][end];
+    if *boundary == Boundary::Periodic {
+        return BoundaryFaces::Periodic;
+    }
+    let count = problem.grid.faces(axis);
+    let faces: Vec<(usize, Slot)> = (0..count).map(|face| (face, slot::<T>(face))).collect();
+    let own = |load: &&Load| (load.axis, load.end) == (axis, end);
+    let loads: Vec<&Load> = problem.loads.iter().filter(own).collect();
+    let pairs = problem.media[0].pairs[axis].len();
+    let groups = count.div_ceil(T::Lanes::COUNT);
+    let slopes = problem.scheme.slopes;
+    let mut rule = GhostRule::new(boundary, pairs, (&faces, groups), !loads.is_empty(), slopes);
+    loads.into_iter().for_each(|load| rule.add(load, &faces));
+    BoundaryFaces::Mirror(rule)
+}

@@ -1,0 +1,267 @@
+//! What the solver gives to the outside: fields at its time, records, energies, snapshots.
+
+use super::sweep::{LineOfCells, Strip, Wave};
+use super::{Reference, slot};
+use crate::simd::Real;
+use crate::solid::cell_laws::{combined, stress_of};
+use crate::solid::domain::BOUNDARY_LAYER;
+use crate::solid::ghosts::{BoundaryFaces, set_time};
+use crate::solid::ledger::{EnergySums, WorkSums};
+use crate::solid::line;
+use crate::solid::medium::{component, energy_terms_of_all};
+use crate::solid::reconstruction::GHOSTS;
+use crate::solid::snapshot::Snapshot;
+use models::solid::stress::Stress;
+use models::solid::waves::Field;
+
+/// The boundaries across the first axis for the sweeps that complete a step: of a quarter of a step, and of half a step.
+struct ClosingSides<T: Real> {
+    quarter: [BoundaryFaces<T>; 2],
+    half: [BoundaryFaces<T>; 2],
+}
+
+impl<T: Real, const D: usize> Reference<T, D> {
+    /// Numbers that are shown of a cell: its fields and the integrals of the problem.
+    pub fn width(&self) -> usize {
+        self.fields.len() + self.integrals.len()
+    }
+
+    /// The whole stress in a cell of the problem, the initial one included.
+    pub fn whole_stress(&self, cell: usize) -> Stress {
+        self.whole_stress_of(self.permutation.permuted_cell(cell))
+    }
+
+    /// The same with its stresses in their yield sets: what is shown of it.
+    #[must_use]
+    pub fn admissible(&self) -> Self {
+        let mut shown = self.clone();
+        shown.map_stresses();
+        shown.work.clone_from(&self.work);
+        shown.dissipation.clone_from(&self.dissipation);
+        shown
+    }
+
+    /// The first value that is not finite: its field and its cell; of an interlayer those of the cell behind it.
+    pub fn first_non_finite(&self) -> Option<(Field, usize)> {
+        let is_broken = |cell: &usize| {
+            let broken = self.fields.iter().position(|own| !own[*cell].wide().is_finite());
+            broken.map(|place| self.fields()[place])
+        };
+        let first = (0..self.problem.grid.count()).find(|cell| is_broken(cell).is_some());
+        let (field, cell) = match first {
+            Some(cell) => (is_broken(&cell)?, cell),
+            None => self.faces.first_non_finite(&self.problem)?,
+        };
+        Some((field, self.permutation.original_cell(cell)))
+    }
+
+    /// The first cell whose stress is not in its yield set.
+    pub fn first_beyond_yield(&self) -> Option<usize> {
+        let cell = (0..self.problem.grid.count()).find(|&cell| {
+            let stress = self.whole_stress_of(cell);
+            self.medium(cell).project(&stress).stress != stress
+        });
+        cell.map(|cell| self.permutation.original_cell(cell))
+    }
+
+    /// Records all fields of these cells after each step, and forgets what was recorded of others.
+    pub fn watch(&mut self, cells: &[usize]) {
+        self.records.clear();
+        self.watched = cells.iter().map(|cell| self.permutation.permuted_cell(*cell)).collect();
+    }
+
+    /// Records all fields of the watched cells as they are.
+    pub fn record(&mut self) {
+        let mut records = std::mem::take(&mut self.records);
+        let sides = self.closing_sides();
+        for &cell in &self.watched {
+            let length = self.problem.grid.cells[0];
+            let row = self.completed_row(cell / length, sides.as_ref());
+            self.output_cell(cell, &row, &mut records);
+        }
+        self.records = records;
+    }
+
+    /// What was recorded since the last call: by step, then by watched cell, then by field.
+    pub fn records(&mut self) -> Vec<f64> {
+        std::mem::take(&mut self.records)
+    }
+
+    /// The values of all fields at the time of the solver, the first axis running fastest: the whole stress, the initial
+    /// one included, in its yield set. Behind them the integrals of the problem.
+    pub fn shown(&self) -> Vec<Vec<f64>> {
+        let mut fields = vec![Vec::new(); self.width()];
+        let (mut state, sides) = (Vec::new(), self.closing_sides());
+        let length = self.problem.grid.cells[0];
+        for row in 0..self.problem.grid.faces(0) {
+            let completed = self.completed_row(row, sides.as_ref());
+            for cell in row * length..(row + 1) * length {
+                state.clear();
+                self.output_cell(cell, &completed, &mut state);
+                for (values, value) in fields.iter_mut().zip(&state) {
+                    values.push(*value);
+                }
+            }
+        }
+        fields.into_iter().map(|values| self.permutation.unpermute(values)).collect()
+    }
+
+    /// Appends all that is shown of a cell, whose row at the time of the solver is given.
+    fn output_cell(&self, cell: usize, row: &[Vec<T>], values: &mut Vec<f64>) {
+        let x = cell % self.problem.grid.cells[0];
+        let state: Vec<T> = row.iter().map(|field| field[x]).collect();
+        let initial = self.initial_stress(cell).unwrap_or_default();
+        let whole = combined(&stress_of(self.fields(), &state), &initial, 1.0);
+        let stress = self.medium(cell).project(&whole).stress;
+        for (&field, value) in self.fields().iter().zip(&state) {
+            values.push(component(field, &stress).unwrap_or_else(|| value.wide()));
+        }
+        // Of the trapezoidal rule; where sweeps alternate the rule is that of midpoints.
+        let last = if self.problem.scheme.alternates() { 0.0 } else { 0.5 * self.problem.step };
+        for (place, sums) in &self.integrals {
+            let sum = sums[cell] - last * self.fields[*place][cell].wide();
+            values.push(if self.steps > 0 { sum } else { 0.0 });
+        }
+    }
+
+    /// The boundaries of the sweeps that complete the last step; none where nothing is to be completed.
+    fn closing_sides(&self) -> Option<ClosingSides<T>> {
+        (self.problem.scheme.alternates() && self.steps > 0).then(|| {
+            let [mut quarter, mut half] = [0, 1].map(|_| self.sides[0].clone());
+            set_time(&mut quarter, self.time() - 0.125 * self.problem.step);
+            set_time(&mut half, self.time());
+            ClosingSides { quarter, half }
+        })
+    }
+
+    /// The fields of a row at the time of the solver. Where sweeps alternate the state lacks a sweep of a quarter of a
+    /// step along the first axis, which is applied to a copy; beside boundaries that reflect the mean of the states before
+    /// and after half a step is taken.
+    fn completed_row(&self, row: usize, sides: Option<&ClosingSides<T>>) -> Vec<Vec<T>> {
+        let length = self.problem.grid.cells[0];
+        let first = row * length;
+        let mut values: Vec<Vec<T>> =
+            self.fields.iter().map(|own| own[first..first + length].to_vec()).collect();
+        let Some(sides) = sides else { return values };
+        let line = LineOfCells { axis: 0, first, stride: 1, count: length, face: row };
+        let mut strips = [Strip::new(), Strip::new()];
+        for (pair, wave) in self.quarter_waves.iter().enumerate() {
+            let both = [(wave, &sides.quarter), (&self.waves[0][pair], &sides.half)];
+            for (strip, (wave, sides)) in strips.iter_mut().zip(both) {
+                self.fill(strip, line, (pair, wave), sides);
+                let Strip { velocity, stress, cells, .. } = strip;
+                line::sweep(velocity, stress, cells, self.slopes, None);
+            }
+            let reflects = self.sides[0].each_ref().map(|side| reflects(side, pair, row));
+            for x in 0..length {
+                let is_near = (reflects[0] && x < BOUNDARY_LAYER)
+                    || (reflects[1] && length - 1 - x < BOUNDARY_LAYER);
+                let (strip, part) = match is_near {
+                    true => (&strips[1], T::HALF),
+                    false => (&strips[0], T::ONE),
+                };
+                self.complete(&mut values, (first + x, x), wave, (strip, part));
+            }
+        }
+        values
+    }
+
+    /// Adds a part of what a sweep of a row has changed in a cell, at a place of the row, to the fields of the row.
+    fn complete(
+        &self,
+        values: &mut [Vec<T>],
+        (cell, x): (usize, usize),
+        wave: &Wave<T>,
+        (strip, part): (&Strip<T>, T),
+    ) {
+        let before = self.fields[wave.velocity][cell];
+        values[wave.velocity][x] = before + part * (strip.velocity[GHOSTS + x] - before);
+        let before = self.fields[wave.stress][cell];
+        let change = part * (strip.stress[GHOSTS + x] - before);
+        values[wave.stress][x] = before + change;
+        let medium = usize::from(self.problem.of_cell[cell]);
+        for (place, ratios) in &wave.followers {
+            let value = &mut values[*place][x];
+            *value = *value + ratios[medium] * change;
+        }
+    }
+
+    /// Plastic dissipation by cell, J/m³; empty where nothing yields.
+    pub fn dissipated(&self) -> Vec<f64> {
+        self.permutation.unpermute(self.dissipation.plastic.clone())
+    }
+
+    /// Sums of the energy.
+    pub(super) fn energy_sums(&self) -> EnergySums {
+        let (terms, kinetic) = energy_terms_of_all(&self.problem.media, &self.names);
+        let mut sums = EnergySums::default();
+        for (cell, medium) in self.problem.of_cell.iter().enumerate() {
+            let mut of_cell = [0.0; 2];
+            for (term, ([one, other], factors)) in terms.iter().enumerate() {
+                let factor = T::of(factors[usize::from(*medium)]);
+                let [one, other] = [one, other].map(|place| self.fields[*place][cell].wide());
+                of_cell[usize::from(term >= kinetic)] += factor.wide() * one * other;
+            }
+            sums.kinetic.add(of_cell[0]);
+            sums.stored.add(of_cell[1]);
+        }
+        self.faces.add_energy(&self.problem, &mut sums);
+        sums
+    }
+
+    fn sums(&self) -> Vec<Vec<f64>> {
+        let integrals = self.integrals.iter().map(|(_, sums)| sums);
+        self.dissipation.all().into_iter().chain(integrals).cloned().collect()
+    }
+
+    /// All that the steps to come depend on.
+    pub fn snapshot(&self) -> Snapshot<T> {
+        Snapshot {
+            steps: self.steps,
+            fields: self.fields.clone(),
+            work: self.work.parts(),
+            sums: self.sums(),
+            interlayers: self.faces.memory(),
+        }
+    }
+
+    /// Goes back to rest, before the first step.
+    pub(crate) fn reset(&mut self) {
+        self.steps = 0;
+        self.fields.iter_mut().for_each(|own| own.fill(T::ZERO));
+        self.work = WorkSums::default();
+        self.dissipation.all_mut().into_iter().for_each(|sums| sums.fill(0.0));
+        self.integrals.iter_mut().for_each(|(_, sums)| sums.fill(0.0));
+        self.faces.set_memory(&vec![[T::ZERO; 2]; self.faces.memory().len()]);
+    }
+
+    /// Goes back, or on, to a snapshot of the same problem; `false` where it is one of another.
+    pub fn restore(&mut self, snapshot: &Snapshot<T>) -> bool {
+        let Snapshot { steps, fields, work, sums, interlayers } = snapshot;
+        let is_same = fields.iter().map(Vec::len).eq(self.fields.iter().map(Vec::len))
+            && interlayers.len() == self.faces.memory().len()
+            && sums.iter().map(Vec::len).eq(self.sums().iter().map(Vec::len));
+        let (Some((dissipation, integrals)), true) = (sums.split_at_checked(3), is_same) else {
+            return false;
+        };
+        self.steps = *steps;
+        self.fields.clone_from(fields);
+        self.faces.set_memory(interlayers);
+        self.work = WorkSums::from_parts(work);
+        for (own, sums) in self.dissipation.all_mut().into_iter().zip(dissipation) {
+            own.clone_from(sums);
+        }
+        for ((_, own), sums) in self.integrals.iter_mut().zip(integrals) {
+            own.clone_from(sums);
+        }
+        true
+    }
+}
+
+/// Whether a side reflects a pair of waves at a row.
+fn reflects<T: Real>(side: &BoundaryFaces<T>, pair: usize, row: usize) -> bool {
+    side.mirror().is_some_and(|rule| {
+        let [sign, .., one_sided] = rule.face_at(pair, slot::<T>(row));
+        sign != T::ZERO && one_sided != T::ZERO
+    })
+}

@@ -1,0 +1,99 @@
+//! The recipe of a time step; see the step of the fused solver for the theory, with references.
+
+use super::Reference;
+use crate::simd::Real;
+use crate::solid::problem::Placement;
+
+impl<T: Real, const D: usize> Reference<T, D> {
+    /// Advances all fields by so many time steps.
+    pub fn advance(&mut self, steps: usize) {
+        for _ in 0..steps {
+            let start = self.steps as f64 * self.problem.step;
+            let end = (self.steps + 1) as f64 * self.problem.step;
+            match self.problem.scheme.alternates() {
+                true => self.alternating_step(start, end),
+                false => self.two_cyclic_step(start, end),
+            }
+            self.steps += 1;
+            self.flush_subnormals();
+            if !self.problem.scheme.alternates() {
+                self.integrate(1.0);
+            }
+            self.record();
+        }
+    }
+
+    /// U ← x y z, K Q K, z y x, with P behind it or 2P − I in the middle of Q, of which relaxation is part.
+    fn two_cyclic_step(&mut self, start: f64, end: f64) {
+        let step = self.problem.step;
+        let middle = start + 0.5 * step;
+        if self.steps == 0 {
+            // The trapezoidal rule.
+            self.integrate(0.5);
+        }
+
+        for axis in 0..D {
+            self.sweep(axis, start + 0.25 * step);
+        }
+
+        let sources = [self.sources_over([start, middle]), self.sources_over([middle, end])];
+        self.apply_middle(&sources);
+
+        for axis in (0..D).rev() {
+            self.sweep(axis, start + 0.75 * step);
+        }
+        if self.problem.scheme.placement == Placement::Last {
+            self.map_stresses();
+        }
+    }
+
+    /// K Q K, with relaxation, and with the return mapping where it stands in the middle.
+    fn apply_middle(&mut self, sources: &[Vec<[f64; 2]>; 2]) {
+        self.apply_sources(&sources[0]);
+        match self.problem.scheme.placement {
+            Placement::Middle if !self.dissipation.plastic.is_empty() => {
+                self.rotate(1);
+                self.relax(1);
+                self.map_one_by_one(true);
+                self.relax(1);
+                self.rotate(1);
+            }
+            _ => {
+                self.rotate(0);
+                self.relax(0);
+            }
+        }
+        self.apply_sources(&sources[1]);
+    }
+
+    /// U ← x y z, K √Q x √Q K, z y, then P; the first x of all by a quarter of a step.
+    fn alternating_step(&mut self, start: f64, end: f64) {
+        let step = self.problem.step;
+        let middle = start + 0.5 * step;
+
+        match self.steps {
+            0 => self.quarter_sweep(start + 0.125 * step),
+            _ => self.sweep(0, start),
+        }
+        for axis in 1..D {
+            self.sweep(axis, start + 0.25 * step);
+        }
+
+        let sources = [self.sources_over([start, middle]), self.sources_over([middle, end])];
+        self.apply_sources(&sources[0]);
+        self.rotate(1);
+        self.relax(1);
+        // The mean of the states before and after the sweep, which is second order in the middle of the step.
+        self.integrate(0.5);
+        self.sweep(0, middle);
+        self.integrate(0.5);
+        self.relax(1);
+        self.rotate(1);
+        self.apply_sources(&sources[1]);
+
+        for axis in (1..D).rev() {
+            self.sweep(axis, start + 0.75 * step);
+        }
+        self.map_stresses();
+    }
+}

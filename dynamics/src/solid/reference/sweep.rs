@@ -1,0 +1,258 @@
+//! A sweep along an axis: each line with its ghosts, pair by pair.
+
+use super::{Reference, slot};
+use crate::simd::Real;
+use crate::solid::cell::Cell;
+use crate::solid::ghosts::{BESIDE, BoundaryFaces, GhostCoefficients, ghosts, image, set_time};
+use crate::solid::interface::sweep_with_interlayers;
+use crate::solid::line::{self, Account};
+use crate::solid::problem::Problem;
+use crate::solid::reconstruction::GHOSTS;
+use crate::solid::riemann::State;
+use models::solid::waves::Field;
+
+/// A pair of waves along an axis.
+#[derive(Clone)]
+pub(super) struct Wave<T: Real> {
+    /// Places of its fields.
+    pub(super) velocity: usize,
+    pub(super) stress: usize,
+    /// By medium.
+    pub(super) cells: Vec<Cell<T>>,
+    coefficients: Vec<GhostCoefficients<T>>,
+    /// Places of the stresses that follow in any medium, and by medium r = ds′/ds.
+    pub(super) followers: Vec<(usize, Vec<T>)>,
+}
+
+impl<T: Real> Wave<T> {
+    /// A pair along an axis, swept by a share of the time step.
+    pub(super) fn new<const D: usize>(
+        problem: &Problem<D>,
+        axis: usize,
+        pair: usize,
+        share: f64,
+    ) -> Self {
+        let Problem { media, grid, scheme, step, .. } = problem;
+        let fields = &media[0].fields;
+        let place = |field: Field| fields.iter().position(|own| *own == field).unwrap_or(0);
+        let pairs = || media.iter().map(|medium| &medium.pairs[axis][pair]);
+        let mut places: Vec<usize> =
+            pairs().flat_map(|own| &own.followers).map(|(field, _)| place(*field)).collect();
+        places.sort_unstable();
+        places.dedup();
+        let follower = |index: usize| {
+            let ratio = |own: &models::solid::waves::Pair| {
+                let found = own.followers.iter().find(|own| own.0 == fields[index]);
+                T::of(found.map_or(0.0, |own| own.1))
+            };
+            (index, pairs().map(ratio).collect())
+        };
+        let cell = |own: &models::solid::waves::Pair| {
+            let courant = own.speed() * (share * step / grid.spacing[axis]);
+            Cell::of_pair(own, courant, scheme.slopes, problem.is_mixed())
+        };
+        let cells: Vec<Cell<T>> = pairs().map(cell).collect();
+        Self {
+            velocity: place(media[0].pairs[axis][pair].velocity),
+            stress: place(media[0].pairs[axis][pair].stress),
+            coefficients: cells.iter().map(GhostCoefficients::new).collect(),
+            cells,
+            followers: places.into_iter().map(follower).collect(),
+        }
+    }
+}
+
+/// The cells of a line, and its number among the faces of its sides.
+#[derive(Clone, Copy)]
+pub(super) struct LineOfCells {
+    pub(super) axis: usize,
+    pub(super) first: usize,
+    pub(super) stride: usize,
+    pub(super) count: usize,
+    pub(super) face: usize,
+}
+
+impl LineOfCells {
+    pub(super) fn cell(&self, place: usize) -> usize {
+        self.first + place * self.stride
+    }
+
+    /// The place at a depth behind an end; lines shorter than that repeat themselves.
+    fn inside(&self, end: usize, depth: usize) -> usize {
+        [depth % self.count, self.count - 1 - depth % self.count][end]
+    }
+}
+
+/// A pair of fields along a line with its ghosts.
+pub(super) struct Strip<T> {
+    pub(super) velocity: Vec<T>,
+    pub(super) stress: Vec<T>,
+    pub(super) cells: Vec<Cell<T>>,
+    accounts: Vec<Account>,
+}
+
+impl<T: Real> Strip<T> {
+    pub(super) fn new() -> Self {
+        Self { velocity: Vec::new(), stress: Vec::new(), cells: Vec::new(), accounts: Vec::new() }
+    }
+
+    fn push(&mut self, (state, cell): (State<T>, Cell<T>)) {
+        self.velocity.push(state.velocity);
+        self.stress.push(state.stress);
+        self.cells.push(cell);
+    }
+}
+
+impl<T: Real, const D: usize> Reference<T, D> {
+    /// A sweep of half a step along an axis, with boundary values of this time, s.
+    pub(super) fn sweep(&mut self, axis: usize, time: f64) {
+        let waves = std::mem::take(&mut self.waves[axis]);
+        self.sweep_axis(axis, (&waves, 0.5), time);
+        self.waves[axis] = waves;
+    }
+
+    /// A sweep of a quarter of a step along the first axis.
+    pub(super) fn quarter_sweep(&mut self, time: f64) {
+        let waves = std::mem::take(&mut self.quarter_waves);
+        self.sweep_axis(0, (&waves, 0.25), time);
+        self.quarter_waves = waves;
+    }
+
+    fn sweep_axis(&mut self, axis: usize, waves: (&[Wave<T>], f64), time: f64) {
+        set_time(&mut self.sides[axis], time);
+        let mut strip = Strip::new();
+        let [length, layer] = [self.problem.grid.cells[0], self.problem.grid.faces(D - 1)];
+        let count = self.problem.grid.cells[axis];
+        let faces = self.problem.grid.faces(axis);
+        // From a cell to the next one along the axis, from a row of lines to the next one, and lines of a row.
+        let (stride, next, lines) = match axis {
+            0 => (1, length, 1),
+            _ if axis + 1 == D => (layer, length, length),
+            _ => (length, layer, length),
+        };
+        for face in 0..faces {
+            let first = face / lines * next + face % lines;
+            self.sweep_line(LineOfCells { axis, first, stride, count, face }, waves, &mut strip);
+        }
+    }
+
+    fn sweep_line(
+        &mut self,
+        line: LineOfCells,
+        (waves, part): (&[Wave<T>], f64),
+        strip: &mut Strip<T>,
+    ) {
+        let Problem { grid, step, .. } = &self.problem;
+        // Accounts are powers per area.
+        let face_time = grid.volume() / grid.spacing[line.axis] * part * step;
+        for (pair, wave) in waves.iter().enumerate() {
+            let sides = &self.sides[line.axis];
+            self.fill(strip, line, (pair, wave), sides);
+            let works = [0, 1].map(|end| self.work_at(strip, line, pair, end));
+            strip.accounts.clear();
+            strip.accounts.resize(line.count, Account::default());
+            let Strip { velocity, stress, cells, accounts } = strip;
+            let mut interlayers = self.faces.of_line(pair, line);
+            let (own, time) = (&mut interlayers, T::of(part * step));
+            let accounts = Some(accounts.as_mut_slice());
+            let lost =
+                sweep_with_interlayers(velocity, stress, cells, self.slopes, own, time, accounts);
+            debug_assert_eq!(lost, 0.0, "elastic ones dissipate nothing");
+            self.faces.keep(pair, line, &interlayers);
+            for place in 0..line.count {
+                let cell = line.cell(place);
+                let medium = usize::from(self.problem.of_cell[cell]);
+                let change = strip.stress[GHOSTS + place] - self.fields[wave.stress][cell];
+                self.fields[wave.velocity][cell] = strip.velocity[GHOSTS + place];
+                self.fields[wave.stress][cell] = strip.stress[GHOSTS + place];
+                for (index, ratios) in &wave.followers {
+                    let value = &mut self.fields[*index][cell];
+                    *value = *value + ratios[medium] * change;
+                }
+                self.work.numerical.add(face_time * strip.accounts[place].dissipated);
+            }
+            for work in works.into_iter().filter(|work| *work != 0.0) {
+                self.work.inflow.add(face_time * work);
+            }
+        }
+    }
+
+    /// Velocities, stresses and constants of a pair of waves along a line, with its ghosts.
+    pub(super) fn fill(
+        &self,
+        strip: &mut Strip<T>,
+        line: LineOfCells,
+        wave: (usize, &Wave<T>),
+        sides: &[BoundaryFaces<T>; 2],
+    ) {
+        strip.velocity.clear();
+        strip.stress.clear();
+        strip.cells.clear();
+        let [front, back] = [0, 1].map(|end| self.beyond(line, wave, sides, end));
+        front.into_iter().rev().for_each(|own| strip.push(own));
+        (0..line.count).for_each(|place| strip.push(self.cell_of(line, wave.1, place)));
+        back.into_iter().for_each(|own| strip.push(own));
+    }
+
+    /// State and constants of a cell.
+    fn cell_of(&self, line: LineOfCells, wave: &Wave<T>, place: usize) -> (State<T>, Cell<T>) {
+        let cell = line.cell(place);
+        let state = State {
+            velocity: self.fields[wave.velocity][cell],
+            stress: self.fields[wave.stress][cell],
+        };
+        (state, wave.cells[usize::from(self.problem.of_cell[cell])])
+    }
+
+    /// The ghosts beyond an end, the nearest first.
+    fn beyond(
+        &self,
+        line: LineOfCells,
+        (pair, wave): (usize, &Wave<T>),
+        sides: &[BoundaryFaces<T>; 2],
+        end: usize,
+    ) -> [(State<T>, Cell<T>); GHOSTS] {
+        let at = |end: usize, depth: usize| self.cell_of(line, wave, line.inside(end, depth));
+        let BoundaryFaces::Mirror(rule) = &sides[end] else {
+            return std::array::from_fn(|depth| at(1 - end, depth));
+        };
+        let face = slot::<T>(line.face);
+        if line.count >= BESIDE {
+            let beside: [_; BESIDE] = std::array::from_fn(|depth| at(end, depth));
+            let medium = self.problem.of_cell[line.cell(line.inside(end, 0))];
+            let coefficients = &wave.coefficients[usize::from(medium)];
+            let (states, cells) = (beside.map(|own| own.0), beside.map(|own| own.1));
+            let rule = rule.face_at(pair, face);
+            let made =
+                ghosts(sides[end].closure(), states, rule, end, cells.each_ref(), coefficients);
+            return std::array::from_fn(|depth| (made[depth], cells[depth]));
+        }
+        let image_by = |rule: [T; 5], own: State<T>| State {
+            velocity: image([rule[0], rule[1]], own.velocity),
+            stress: image([rule[2], rule[3]], own.stress),
+        };
+        std::array::from_fn(|depth| {
+            let (mut seen, cell) = at(end, depth);
+            // A single cell is seen through the other boundary.
+            if let (BoundaryFaces::Mirror(other), true) = (&sides[1 - end], depth >= line.count) {
+                seen = image_by(other.face_at(pair, face), seen);
+            }
+            (image_by(rule.face_at(pair, face), seen), cell)
+        })
+    }
+
+    /// Power per area that a side does work with at an end of a line before its sweep, W/m², positive inwards.
+    fn work_at(&self, strip: &Strip<T>, line: LineOfCells, pair: usize, end: usize) -> f64 {
+        match &self.sides[line.axis][end] {
+            BoundaryFaces::Mirror(rule) if rule.works_on(pair, slot::<T>(line.face)) => {}
+            _ => return 0.0,
+        }
+        let first = [0, line.count][end];
+        let at =
+            |place: usize| State { velocity: strip.velocity[place], stress: strip.stress[place] };
+        let states = [0, 1, 2, 3].map(|i| at(first + i));
+        let cells = [0, 1, 2, 3].map(|i| strip.cells[first + i]);
+        let work = line::work_between(states, cells, self.slopes);
+        if end == 0 { -work } else { work }
+    }
+}

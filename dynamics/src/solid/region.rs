@@ -1,0 +1,153 @@
+//! A box of cells of a grid with the halo around it.
+
+use std::ops::Range;
+
+/// A box of cells of a grid, and the halo around it: copies of cells of its neighbours.
+///
+/// Along each axis the cells of a region are those of its lower halo, its own ones and those of its upper halo, in the order
+/// of the coordinate; beyond a periodic side the coordinate begins anew. Cells are numbered with the first axis running
+/// fastest.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Region<const D: usize> {
+    whole: [usize; D],
+    own: [Range<usize>; D],
+    halo: [[usize; 2]; D],
+}
+
+impl<const D: usize> Region<D> {
+    /// The own cells `own` of a grid with the cells `whole`, and a halo so many cells wide at each end of each axis: none
+    /// where the region is not cut.
+    pub(crate) fn new(whole: [usize; D], own: [Range<usize>; D], halo: [[usize; 2]; D]) -> Self {
+        debug_assert!((0..D).all(|axis| own[axis].end <= whole[axis]));
+        Self { whole, own, halo }
+    }
+
+    /// All cells of a grid.
+    pub fn whole(cells: [usize; D]) -> Self {
+        Self::new(cells, cells.map(|count| 0..count), [[0; 2]; D])
+    }
+
+    /// Coordinates of the own cells along an axis of the whole grid.
+    pub fn own(&self, axis: usize) -> Range<usize> {
+        self.own[axis].clone()
+    }
+
+    /// Own cells along each axis.
+    pub fn own_cells(&self) -> [usize; D] {
+        self.own.each_ref().map(ExactSizeIterator::len)
+    }
+
+    /// Cells of the halo at both ends of an axis.
+    pub fn halo(&self, axis: usize) -> [usize; 2] {
+        self.halo[axis]
+    }
+
+    /// Whether there are neighbours beyond both ends of an axis.
+    pub fn is_cut(&self, axis: usize) -> [bool; 2] {
+        let is_part = self.own[axis].len() < self.whole[axis];
+        self.halo[axis].map(|width| width > 0 && is_part)
+    }
+
+    /// Cells along each axis, those of the halo included.
+    pub fn cells(&self) -> [usize; D] {
+        std::array::from_fn(|axis| self.own[axis].len() + self.halo[axis][0] + self.halo[axis][1])
+    }
+
+    /// Cells in all, those of the halo included.
+    pub fn count(&self) -> usize {
+        self.cells().iter().product()
+    }
+
+    /// Faces of a side across an axis, those of the halo included.
+    pub fn faces(&self, axis: usize) -> usize {
+        self.count() / self.cells()[axis].max(1)
+    }
+
+    /// Coordinates in the whole grid of the cells along an axis, those of the halo included.
+    pub fn coordinates(&self, axis: usize) -> Vec<usize> {
+        let (whole, halo) = (self.whole[axis], self.halo[axis][0]);
+        // A halo may be wider than the grid.
+        let first = self.own[axis].start + halo * whole - halo;
+        (first..first + self.cells()[axis]).map(|place| place % whole).collect()
+    }
+
+    /// The cells in the whole grid of all cells of the region.
+    pub fn global_cells(&self) -> Vec<usize> {
+        products(&std::array::from_fn::<_, D, _>(|axis| self.coordinates(axis)), &self.whole)
+    }
+
+    /// The same for the own cells alone.
+    pub fn own_global_cells(&self) -> Vec<usize> {
+        let own = std::array::from_fn::<_, D, _>(|axis| self.own(axis).collect());
+        products(&own, &self.whole)
+    }
+
+    /// The cell of the whole grid that is an own one, by its number among these.
+    pub fn own_global_cell(&self, mut number: usize) -> usize {
+        let (mut cell, mut stride) = (0, 1);
+        for (own, whole) in self.own.iter().zip(self.whole) {
+            cell += (own.start + number % own.len()) * stride;
+            number /= own.len();
+            stride *= whole;
+        }
+        cell
+    }
+
+    /// The number among the own cells of a cell of the whole grid, if it is one.
+    pub fn own_number(&self, cell: usize) -> Option<usize> {
+        let (mut rest, mut number, mut stride) = (cell, 0, 1);
+        for (own, whole) in self.own.iter().zip(self.whole) {
+            let place = rest % whole;
+            if !own.contains(&place) {
+                return None;
+            }
+            number += (place - own.start) * stride;
+            (rest, stride) = (rest / whole, stride * own.len());
+        }
+        (rest == 0).then_some(number)
+    }
+
+    /// The faces of a side across `axis` of the whole grid, in the order of those of the region.
+    pub fn global_faces(&self, axis: usize) -> Vec<usize> {
+        let others = (0..D).filter(|other| *other != axis);
+        let (along, cells): (Vec<_>, Vec<_>) =
+            others.map(|other| (self.coordinates(other), self.whole[other])).unzip();
+        products(&along, &cells)
+    }
+}
+
+/// Indices with these coordinates along each axis, the first axis running fastest, in a grid of so many cells.
+fn products(along: &[Vec<usize>], cells: &[usize]) -> Vec<usize> {
+    let last_first = along.iter().zip(cells).rev();
+    last_first.fold(vec![0], |before, (along, cells)| {
+        let finer = |index: usize| along.iter().map(move |place| index * cells + place);
+        before.into_iter().flat_map(finer).collect()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Region;
+
+    #[test]
+    fn cells_come_round() {
+        let region = Region::new([5, 3], [3..5, 1..2], [[1, 2], [1, 1]]);
+        assert_eq!(region.coordinates(0), [2, 3, 4, 0, 1]);
+        assert_eq!(region.coordinates(1), [0, 1, 2]);
+        assert_eq!(region.global_cells()[..6], [2, 3, 4, 0, 1, 7]);
+        assert_eq!(region.own_global_cells(), [8, 9]);
+        assert_eq!(region.global_faces(1), [2, 3, 4, 0, 1]);
+        assert_eq!(region.global_faces(0), [0, 1, 2]);
+        // Wider than the grid.
+        let narrow = Region::new([2], std::array::from_fn(|_| 0..2), [[3, 4]]);
+        assert_eq!(narrow.coordinates(0), [1, 0, 1, 0, 1, 0, 1, 0, 1]);
+    }
+
+    #[test]
+    fn faces_in_space() {
+        let region = Region::new([2, 3, 4], [0..2, 1..3, 2..4], [[0, 0], [1, 0], [0, 1]]);
+        // Across the second axis: the first axis fastest, then the third, whose coordinates are 2, 3, 0.
+        assert_eq!(region.global_faces(1), [4, 5, 6, 7, 0, 1]);
+        assert_eq!(region.cells(), [2, 3, 3]);
+    }
+}

@@ -1,0 +1,272 @@
+//! Parts of a grid that know nothing of the whole: each is made from the problem of its own region, and neighbours meet in
+//! a halo of the caller's.
+
+mod support;
+
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
+use models::solid::stress::Stress;
+use models::solid::waves::Field;
+use models::yield_set::YieldSet;
+use models::yield_set::parameters::Mises;
+use std::collections::HashMap;
+use std::ops::Range;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex};
+use support::noise;
+use wellposed_dynamics::boundary::{Boundary, Condition, Load, Signal, Source};
+use wellposed_dynamics::decomposition::Decomposition;
+use wellposed_dynamics::domain::{Domain, Halo};
+use wellposed_dynamics::line::Slopes;
+use wellposed_dynamics::medium::Medium;
+use wellposed_dynamics::problem::{DomainError, Grid, Placement, Problem, Scheme, Splitting};
+use wellposed_dynamics::real::Real;
+use wellposed_dynamics::solid::region::Region;
+
+type Lanes = <f64 as Real>::Lanes;
+
+/// Why there is no exchange.
+#[derive(Clone, Debug, PartialEq)]
+struct Lost;
+
+/// Messages to and from a neighbour.
+type Link = (Sender<Vec<Lanes>>, Receiver<Vec<Lanes>>);
+
+/// Neighbours by axis and end; after so many messages the line is cut.
+struct Links {
+    links: HashMap<(usize, usize), Link>,
+    left: usize,
+}
+
+impl Halo<Lanes> for Links {
+    type Error = Lost;
+
+    fn begin(
+        &mut self,
+        axis: usize,
+        end: usize,
+        data: &[Lanes],
+        pieces: impl Iterator<Item = Range<usize>>,
+    ) -> Result<(), Lost> {
+        let Some((to, _)) = self.links.get(&(axis, end)) else { return Ok(()) };
+        self.left = self.left.checked_sub(1).ok_or(Lost)?;
+        to.send(pieces.flat_map(|piece| data[piece].to_vec()).collect()).map_err(|_| Lost)
+    }
+
+    fn finish(
+        &mut self,
+        axis: usize,
+        end: usize,
+        data: &mut [Lanes],
+        pieces: impl Iterator<Item = Range<usize>>,
+    ) -> Result<(), Lost> {
+        let Some((_, from)) = self.links.get(&(axis, end)) else { return Ok(()) };
+        let mut received = from.recv().map_err(|_| Lost)?.into_iter();
+        for piece in pieces {
+            data[piece].iter_mut().zip(&mut received).for_each(|(own, new)| *own = new);
+        }
+        assert!(received.next().is_none(), "neighbours agree on the length of messages");
+        Ok(())
+    }
+}
+
+fn connect<const D: usize>(plan: &Decomposition<D>, left: usize) -> Vec<Links> {
+    let parts = plan.regions().len();
+    let mut all: Vec<_> = (0..parts).map(|_| Links { links: HashMap::new(), left }).collect();
+    for part in 0..parts {
+        for axis in 0..D {
+            let Some(next) = plan.neighbour(part, axis, 1) else { continue };
+            let ((to, from_part), (back, from_next)) = (channel(), channel());
+            all[part].links.insert((axis, 1), (to, from_next));
+            all[next].links.insert((axis, 0), (back, from_part));
+        }
+    }
+    all
+}
+
+fn media<const D: usize>() -> Vec<Medium> {
+    let couple = Some(CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 });
+    let rotation = Some(Microrotation { alpha: 0.6, inertia: 0.37, couple });
+    let solid = |factor: f64| {
+        Isotropic::new(1.4 * factor, 0.9 * factor, 1.2, rotation).expect("sound moduli")
+    };
+    let set = Mises { antisymmetric_weight: 0.5, ..Mises::drucker_prager(0.3, 0.2, 0.2) };
+    vec![Medium::new(solid(1.0), D).yielding(YieldSet::from(set)), Medium::new(solid(2.3), D)]
+}
+
+/// The problem of a region, from functions of the coordinates: no list is longer than the region.
+fn problem_of<const D: usize>(
+    grid: Grid<D>,
+    region: &Region<D>,
+    splitting: Splitting,
+) -> Problem<D> {
+    let media = media::<D>();
+    let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
+    let step = 1.9 * 0.1 / speed;
+    let cells = region.global_cells();
+    let of_cell = cells.iter().map(|&cell| u16::from(noise(cell as u64) > 0.2)).collect();
+    let mut sides: [[Boundary; 2]; D] =
+        std::array::from_fn(|_| [Boundary::Free, Boundary::NonReflecting]);
+    sides[1] = [Boundary::Periodic, Boundary::Periodic];
+    // Any condition by face.
+    let condition = |pair: usize, face: usize| match (pair + face) % 3 {
+        0 => Condition::Velocity(0.1),
+        1 => Condition::NonReflecting,
+        _ => Condition::Traction(0.0),
+    };
+    let pairs = media[0].pairs[0].len();
+    let faces = region.global_faces(0);
+    let by_face = |pair: usize| faces.iter().map(|&face| condition(pair, face)).collect::<Vec<_>>();
+    sides[0][1] = Boundary::ByFace((0..pairs).map(by_face).collect());
+    let scheme = Scheme { splitting, ..Scheme::new(Slopes::Limited, Placement::Last) };
+    let mut problem = Problem::new(grid, media, of_cell, sides, step, scheme);
+    let signal: Signal = Arc::new(move |time: f64| 0.3 * (0.7 * time / step).sin());
+    let loaded = faces.iter().enumerate().filter(|(_, face)| **face % 2 == 0);
+    problem.loads.push(Load {
+        axis: 0,
+        end: 0,
+        pair: 0,
+        faces: loaded.map(|(own, _)| (own, 0.4)).collect(),
+        signal: signal.clone(),
+    });
+    let acts = cells.iter().enumerate().filter(|(_, cell)| **cell % 17 == 3);
+    problem.sources.push(Source {
+        cells: acts.map(|(own, _)| (own, 0.5)).collect(),
+        amplitudes: vec![(Field::Velocity(1), 1e-3), (Field::Stress(0, 0), 2e-3)],
+        signal,
+    });
+    problem.acceleration[1] = 0.2;
+    let stress = |layer: usize| {
+        let force = std::array::from_fn(|i| {
+            std::array::from_fn(|j| if i == j { -0.05 * layer as f64 } else { 0.0 })
+        });
+        Stress { force, ..Stress::default() }
+    };
+    problem.initial_stress = Some((0, (0..grid.cells[0]).map(stress).collect()));
+    problem
+}
+
+/// Values of a field in a cell of the whole.
+fn value(field: usize, cell: usize) -> f64 {
+    noise((field * 100_003 + cell) as u64)
+}
+
+/// Fills a domain, advances it by passes, and gives its fields by own cell.
+fn run<const D: usize>(
+    domain: &mut Domain<f64, D>,
+    region: &Region<D>,
+    links: &mut Links,
+    passes: usize,
+) -> Result<Vec<Vec<f64>>, Lost> {
+    let fields = domain.fields().to_vec();
+    let cells = region.own_global_cells();
+    for (index, field) in fields.iter().enumerate() {
+        let values: Vec<f64> = cells.iter().map(|&cell| value(index, cell)).collect();
+        domain.set(*field, &values);
+    }
+    for _ in 0..passes {
+        domain.pass(1, links)?;
+    }
+    Ok(fields.iter().filter_map(|field| domain.values(*field)).collect())
+}
+
+/// What each part ends with, in a thread of its own.
+type Outcome = Result<Vec<Vec<f64>>, Lost>;
+
+fn run_parts<const D: usize>(
+    grid: Grid<D>,
+    plan: &Decomposition<D>,
+    splitting: Splitting,
+    messages: usize,
+) -> Vec<Outcome> {
+    let outcomes = Mutex::new(vec![Ok(Vec::new()); plan.regions().len()]);
+    std::thread::scope(|scope| {
+        for (part, mut links) in connect(plan, messages).into_iter().enumerate() {
+            let (region, outcomes) = (&plan.regions()[part], &outcomes);
+            scope.spawn(move || {
+                let problem = problem_of(grid, region, splitting);
+                assert_eq!(problem.of_cell.len(), region.count());
+                let domain = Domain::part(&problem, region, plan.most_steps());
+                let outcome = run(&mut domain.expect("sound"), region, &mut links, 12);
+                outcomes.lock().expect("no thread panics")[part] = outcome;
+            });
+        }
+    });
+    outcomes.into_inner().expect("no thread panics")
+}
+
+fn same<const D: usize>(cells: [usize; D], cuts: &[[usize; D]], splitting: Splitting) {
+    let grid = Grid { cells, spacing: [0.1; D] };
+    let whole = Region::whole(cells);
+    let problem = problem_of(grid, &whole, splitting);
+    let mut domain: Domain<f64, D> = Domain::new(&problem).expect("sound");
+    let mut nobody = Links { links: HashMap::new(), left: 0 };
+    let expected = run(&mut domain, &whole, &mut nobody, 12).expect("no neighbours");
+    assert!(domain.ledger().plastic > 0.0 && domain.ledger().sources != 0.0);
+    let is_periodic = problem.boundaries.each_ref().map(|own| own[0] == Boundary::Periodic);
+    for &parts in cuts {
+        let plan = Decomposition::new(&grid, is_periodic, &problem.scheme, parts).expect("room");
+        let outcomes = run_parts(grid, &plan, splitting, usize::MAX);
+        for (region, outcome) in plan.regions().iter().zip(outcomes) {
+            let found = outcome.expect("no line is cut");
+            for (field, values) in found.iter().enumerate() {
+                for (&cell, value) in region.own_global_cells().iter().zip(values) {
+                    let expected = expected[field][cell];
+                    assert!(value.to_bits() == expected.to_bits(), "{parts:?} {field} {cell}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn parts_built_from_their_own_regions_have_the_bits_of_the_whole() {
+    for splitting in [Splitting::TwoCyclic, Splitting::Alternating] {
+        same([21, 17], &[[2, 2], [3, 2], [1, 4], [3, 1]], splitting);
+        same([13, 9, 11], &[[2, 2, 2], [2, 1, 1], [1, 2, 1]], splitting);
+    }
+}
+
+/// The problem of a region made by restriction is that made from the coordinates.
+#[test]
+fn restriction_is_what_functions_of_the_coordinates_give() {
+    let grid = Grid { cells: [13, 9, 11], spacing: [0.1; 3] };
+    let whole = problem_of(grid, &Region::whole(grid.cells), Splitting::TwoCyclic);
+    let plan = Decomposition::new(&grid, [false, true, false], &whole.scheme, [2, 2, 2]);
+    for region in plan.expect("room").regions() {
+        let own = problem_of(grid, region, Splitting::TwoCyclic);
+        let restricted = whole.restricted(region);
+        assert_eq!(own.of_cell, restricted.of_cell);
+        assert_eq!(own.boundaries, restricted.boundaries);
+        // In the order of the whole, which is another one where a halo comes round.
+        let (mut faces, mut cells) =
+            (restricted.loads[0].faces.clone(), restricted.sources[0].cells.clone());
+        faces.sort_by_key(|own| own.0);
+        cells.sort_by_key(|own| own.0);
+        assert_eq!(own.loads[0].faces, faces);
+        assert_eq!(own.sources[0].cells, cells);
+    }
+}
+
+/// A line that is cut is an error of the parts beside it, and of those that wait for these, and blocks nobody.
+#[test]
+fn lost_neighbours_are_errors() {
+    let grid = Grid { cells: [21, 17], spacing: [0.1; 2] };
+    let problem = problem_of(grid, &Region::whole(grid.cells), Splitting::TwoCyclic);
+    let plan = Decomposition::new(&grid, [false, true], &problem.scheme, [2, 2]).expect("room");
+    for messages in [0, 1, 7, 40] {
+        let outcomes = run_parts(grid, &plan, Splitting::TwoCyclic, messages);
+        assert!(outcomes.iter().all(|outcome| *outcome == Err(Lost)), "{messages}");
+    }
+}
+
+#[test]
+fn problems_of_other_regions_are_refused() {
+    let grid = Grid { cells: [21, 17], spacing: [0.1; 2] };
+    let whole = problem_of(grid, &Region::whole(grid.cells), Splitting::TwoCyclic);
+    let plan = Decomposition::new(&grid, [false, true], &whole.scheme, [2, 2]).expect("room");
+    let region = &plan.regions()[0];
+    let refused = Domain::<f64, 2>::part(&whole, region, plan.most_steps());
+    assert!(
+        matches!(refused, Err(DomainError::Cells { found: 357, needed }) if needed == region.count())
+    );
+}
