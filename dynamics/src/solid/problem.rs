@@ -4,6 +4,7 @@ use crate::solid::boundary::{Boundary, Condition, Load, Source};
 use crate::solid::ghosts::BESIDE;
 use crate::solid::interlayers::Interlayers;
 use crate::solid::medium::Medium;
+use crate::solid::metric::Metric;
 use crate::solid::reconstruction::Slopes;
 use crate::solid::region::Region;
 use models::solid::stress::Stress;
@@ -125,6 +126,8 @@ pub struct Problem<const D: usize> {
     pub integrals: Vec<Field>,
     /// Interlayers between blocks of cells, at most once across each axis.
     pub interlayers: Vec<Interlayers>,
+    /// Spacings and curvatures by layer of a block in the plane, if layers differ.
+    pub metric: Option<Metric>,
 }
 
 impl<const D: usize> Problem<D> {
@@ -150,6 +153,7 @@ impl<const D: usize> Problem<D> {
             initial_stress: None,
             integrals: Vec::new(),
             interlayers: Vec::new(),
+            metric: None,
         }
     }
 
@@ -203,9 +207,14 @@ impl<const D: usize> Problem<D> {
             let medium = usize::from(self.of_cell[cell]);
             return Err(DomainError::NoSuchMedium { cell, medium, count });
         }
+        self.check_metric()?;
         for (axis, sides) in self.boundaries.iter().enumerate() {
             let speeds = self.media.iter().flat_map(|m| &m.pairs[axis]).map(|pair| pair.speed());
-            let courant = 0.5 * self.step * speeds.fold(0.0, f64::max) / self.grid.spacing[axis];
+            let spacing = match &self.metric {
+                Some(metric) if axis == 0 => metric.least_spacing(),
+                _ => self.grid.spacing[axis],
+            };
+            let courant = 0.5 * self.step * speeds.fold(0.0, f64::max) / spacing;
             // A step that was computed from the Courant number may miss it by rounding.
             if courant.is_nan() || courant > 1.0 + 1e-11 {
                 return Err(DomainError::Courant { axis, courant });
@@ -233,6 +242,30 @@ impl<const D: usize> Problem<D> {
         }
         self.check_interlayers()?;
         self.check_actions(region)
+    }
+
+    /// That there are spacings and curvatures for all layers, and nothing that needs one spacing or straight rows.
+    fn check_metric(&self) -> Result<(), DomainError> {
+        let Some(metric) = &self.metric else { return Ok(()) };
+        let is_curved = !metric.curvature.is_empty();
+        let yields = self.media.iter().any(|medium| medium.yields.is_some());
+        let refuse = |reason| Err(DomainError::Metric(reason));
+        if D != 2 {
+            return refuse("it is for blocks in the plane");
+        }
+        if !metric.is_sound(self.grid.cells[D - 1]) {
+            return refuse("every layer needs a positive spacing, and a curvature if any has one");
+        }
+        if self.scheme.alternates() || !self.interlayers.is_empty() {
+            return refuse("sweeps must not alternate, and there must be no interlayers");
+        }
+        if is_curved && (yields || self.initial_stress.is_some()) {
+            return refuse("media of curved blocks must not yield, nor have an initial stress");
+        }
+        if is_curved && self.acceleration != [0.0; D] {
+            return refuse("an acceleration has no one direction in a curved block");
+        }
+        Ok(())
     }
 
     /// That loads, sources and the initial stress have their places.
@@ -384,6 +417,9 @@ pub enum DomainError {
         /// Why.
         reason: &'static str,
     },
+    /// A metric that cannot be taken.
+    #[error("metric: {0}")]
+    Metric(&'static str),
     /// A periodic side whose opposite is not.
     #[error("both sides of axis {0} must be periodic, or neither")]
     Periodic(usize),

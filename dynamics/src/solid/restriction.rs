@@ -72,6 +72,7 @@ impl<const D: usize> Problem<D> {
             initial_stress: self.initial_stress.clone(),
             integrals: self.integrals.clone(),
             interlayers: self.interlayers.clone(),
+            metric: self.metric.clone(),
         }
     }
 }

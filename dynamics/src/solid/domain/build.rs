@@ -1,6 +1,7 @@
 //! A domain, or a part of it, made of a problem.
 
 use super::boundaries::Boundaries;
+use super::curvilinear::{GeometricRotation, RowSpacing};
 use super::diagnostics::Diagnostics;
 use super::interfaces::Interfaces;
 use super::law::{LocalLaws, rotated_fields};
@@ -101,7 +102,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let is_periodic = |axis: usize| {
             problem.boundaries[axis][0] == Boundary::Periodic && region.halo(axis) == [0, 0]
         };
-        let (materials, patterns) = Materials::new(problem, &layout, is_periodic(0));
+        let (mut materials, patterns) = Materials::new(problem, &layout, is_periodic(0));
+        let layers = region.coordinates(D - 1);
+        materials.row_spacing = RowSpacing::new(problem, &materials, &patterns, &layers);
         let fields = &materials.fields;
         let whole = problem.initial_stress.as_ref().map_or(&[][..], |own| &own.1);
         let initial_stress = problem.initial_stress.as_ref().map(|(axis, stress)| {
@@ -109,13 +112,14 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             (*axis, coordinates.map(|place| stress[place]).collect())
         });
         let reflects = problem.scheme.placement == Placement::Middle;
-        let law = LocalLaws::new(
+        let mut law = LocalLaws::new(
             &materials,
             &patterns,
             (layout.groups, layout.pitch),
             (problem.step, reflects),
             (initial_stress, whole),
         );
+        law.geometry = GeometricRotation::new(problem, &patterns, layout.pitch, &layers);
         let source = |own| CellSource::new(own, fields, &layout, 2 * most_steps);
         let sources = Sources {
             list: problem.sources.iter().map(source).collect(),

@@ -1,5 +1,6 @@
 //! What acts in a cell between sweeps: the rotation of spins against antisymmetric stress, relaxation, and the yield sets.
 
+use super::curvilinear::GeometricRotation;
 use super::materials::Materials;
 use super::plastic::Sets;
 use super::relaxation::Relaxations;
@@ -28,6 +29,8 @@ pub(super) struct LocalLaws<T: Real> {
     pub(super) initial_blocks: Vec<InitialStress>,
     /// Yield sets in lanes for whole stresses, with reflections, and where several kinds stand side by side.
     pub(super) whole: WholeStressSets,
+    /// The rotation by which curved rows turn the state; `None` where they are straight.
+    pub(super) geometry: Option<GeometricRotation<T>>,
     /// Whether whole stresses are mapped one by one and not in lanes; results do not depend on it.
     pub(super) maps_one_by_one: bool,
 }
@@ -74,6 +77,7 @@ impl<T: Real> LocalLaws<T> {
                 Some((0, layers)) if needs_whole => initial_blocks::<T>(layers, groups),
                 _ => Vec::new(),
             },
+            geometry: None,
             maps_one_by_one: false,
             rotations: rotations.collect(),
             rotated: rotated_fields(fields, pitch),

@@ -1,5 +1,6 @@
 //! Materials by lane: which medium each cell has, and the constants of waves and energy that follow from it.
 
+use super::curvilinear::RowSpacing;
 use super::layout::Layout;
 use super::schedule::CHUNK;
 use super::table::{Table, Wave};
@@ -34,6 +35,8 @@ pub(super) struct Materials<T: Real, const D: usize> {
     /// Along the first axis by a quarter of a step, where sweeps alternate; else none.
     pub(super) quarter_waves: Vec<Wave>,
     pub(super) table: Table<T>,
+    /// Constants along rows, where layers differ.
+    pub(super) row_spacing: Option<RowSpacing<T>>,
     pub(super) energy_terms: EnergyTerms<T>,
     /// By group: those of the rows, and ghosts beyond the ends of the lines that are swept.
     pub(super) patterns: Vec<u32>,
@@ -225,6 +228,7 @@ impl<T: Real, const D: usize> Materials<T, D> {
             waves,
             quarter_waves,
             table: constants.table(&known.all),
+            row_spacing: None,
             energy_terms: EnergyTerms::new(&media, &fields, &known.all, layout.pitch),
             patterns,
             run_lengths,
@@ -233,6 +237,15 @@ impl<T: Real, const D: usize> Materials<T, D> {
             fields,
         };
         (materials, known.all)
+    }
+
+    /// The constants of waves along an axis; along rows those of the row at hand, where rows differ.
+    #[inline(always)]
+    pub(super) fn table_along(&self, axis: usize) -> &Table<T> {
+        match &self.row_spacing {
+            Some(rows) if axis == 0 => &rows.table,
+            _ => &self.table,
+        }
     }
 
     /// The medium of a cell among all.

@@ -11,6 +11,7 @@
 //! | `law`, `local`, `relaxation` | what acts in cells between sweeps: rotation, relaxation, subnormals |
 //! | `correct`, `plastic`, `return_mapping`, `whole_stress` | yield sets: the choice of the return mapping, that of stresses without initial ones, that of whole stresses in lanes |
 //! | `cell_mapping` | the return mapping in lanes for single cells, for the reference solver |
+//! | `curvilinear` | spacing by layer along rows, and the rotation of curved rows |
 //! | `sources`, `boundaries` | what acts inside and at the ends |
 //! | `interfaces`, `interlayers` | interlayers: where they stand, what they remember, how they are swept |
 //! | `halo` | exchange with the parts beyond a cut |
@@ -40,6 +41,7 @@ mod build;
 mod cell_mapping;
 mod complete;
 mod correct;
+mod curvilinear;
 mod diagnostics;
 mod fill;
 mod halo;

@@ -185,8 +185,14 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             self.relax(layers, tile, 1);
             self.rotate(layers, tile, 1);
         } else {
+            // Spins and the geometry rotate in planes that do not commute.
+            let part = usize::from(!self.law.rotated.is_empty() || self.law.relaxations.is_some());
+            self.turn(layers, tile, part);
             self.rotate(layers, tile, 0);
             self.relax(layers, tile, 0);
+            if part == 1 {
+                self.turn(layers, tile, part);
+            }
         }
         self.apply_sources(layers, tile, first + 1);
     }
@@ -254,7 +260,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     pub(super) fn waves_of(&self, axis: usize, half: usize) -> &[Wave] {
         match self.scheme.alternates() && axis == 0 && self.schedule.is_first(half) {
             true => &self.materials.quarter_waves,
-            false => &self.materials.waves[axis],
+            false => match &self.materials.row_spacing {
+                Some(rows) if axis == 0 => &rows.waves,
+                _ => &self.materials.waves[axis],
+            },
         }
     }
 

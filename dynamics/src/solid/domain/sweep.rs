@@ -99,8 +99,11 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Half a step along the first axis in rows that follow each other.
     pub(super) fn sweep_rows_of(&mut self, rows: Range<usize>, half: usize) {
-        for start in rows.clone().step_by(CHUNK) {
-            self.sweep_rows(start..rows.end.min(start + CHUNK), half);
+        // Rows of one spacing go together.
+        let together = if self.materials.row_spacing.is_some() { 1 } else { CHUNK };
+        for start in rows.clone().step_by(together) {
+            self.fill_row_constants(start);
+            self.sweep_rows(start..rows.end.min(start + together), half);
         }
     }
 
@@ -139,7 +142,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             ghosts: self.layout.layers() * self.layout.rows * size,
             apart: CHUNK * size,
             group: bundle.first.group,
-            table: &self.materials.table,
+            table: self.materials.table_along(0),
             patterns: &self.materials.patterns,
         }
     }
@@ -228,7 +231,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             data: &mut data,
             fields,
             pitch: self.layout.pitch,
-            table: &self.materials.table,
+            table: self.materials.table_along(axis),
             waves,
             slopes: self.scheme.slopes,
             patterns: &self.materials.patterns,
@@ -431,16 +434,19 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             _ => (self.index_at(bundle, line, place), lane),
         };
         let state = self.state((stop, lane), wave);
-        let cell = self.materials.table.cell(self.materials.patterns[stop.group], wave);
+        let table = self.materials.table_along(bundle.axis);
+        let cell = table.cell(self.materials.patterns[stop.group], wave);
         (state, cell.lane(lane))
     }
 
-    /// A face times the time of a sweep: accounts are powers per area.
-    fn face_time(&self, axis: usize, half: usize) -> f64 {
+    /// A face of a line times the time of a sweep: accounts are powers per area.
+    fn face_time(&self, Bundle { axis, half, face, .. }: Bundle) -> f64 {
         let is_quarter = self.scheme.alternates() && axis == 0 && self.schedule.is_first(half);
-        self.grid.volume() / self.grid.spacing[axis]
-            * if is_quarter { 0.25 } else { 0.5 }
-            * self.step
+        let spacing = match &self.materials.row_spacing {
+            Some(rows) if axis == 0 => rows.spacing[face],
+            _ => self.grid.spacing[axis],
+        };
+        self.grid.volume() / spacing * if is_quarter { 0.25 } else { 0.5 } * self.step
     }
 
     /// The time of a sweep where there are interlayers, which alternating sweeps do not have, s.
@@ -474,7 +480,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             for pair in 0..self.materials.waves[axis].len() {
                 let power = self.work_at(bundle, line, pair, end);
                 if power != 0.0 {
-                    self.diagnostics.work.inflow.add(self.face_time(axis, half) * power);
+                    self.diagnostics.work.inflow.add(self.face_time(bundle) * power);
                 }
             }
         }

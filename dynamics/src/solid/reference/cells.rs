@@ -9,6 +9,7 @@ use crate::solid::cell_laws::{
 };
 use crate::solid::domain::CellMapping;
 use crate::solid::medium::{Medium, component};
+use crate::solid::metric::{GeometricPlane, rotated_by_geometry};
 use crate::solid::problem::Problem;
 use models::rheology::relaxation::Relaxation;
 use models::solid::stress::Stress;
@@ -21,11 +22,16 @@ pub(super) struct LocalLaws<T: Real> {
     rotations: Vec<[SpinStressRotation<T>; 2]>,
     /// Fields that rotate: a spin and two stresses each.
     rotated: Vec<[usize; 3]>,
+    /// Planes of the rotation of curved rows by medium; none where rows are straight.
+    geometry: Vec<Vec<PlaneByLayer<T>>>,
     /// `None` where nothing relaxes.
     relaxations: Option<Relaxations<T>>,
     /// The return mapping in lanes, which rounds otherwise than that of one stress; `None` where it is not used.
     mapping: Option<CellMapping<T>>,
 }
+
+/// A plane of the rotation of curved rows, and its constants by layer over a whole step and over half a step.
+type PlaneByLayer<T> = (GeometricPlane, Vec<[[T; 4]; 2]>);
 
 /// Relaxation of stresses.
 #[derive(Clone)]
@@ -51,12 +57,32 @@ impl<T: Real> LocalLaws<T> {
                 })
                 .collect(),
         });
+        let curvature = problem.metric.as_ref().map_or(&[][..], |metric| &metric.curvature);
+        let plane = |plane: GeometricPlane| {
+            let of_layer = |curvature: &f64| {
+                [1.0, 0.5].map(|part| plane.rotation(*curvature, part * step).map(T::of))
+            };
+            let by_layer = curvature.iter().map(of_layer).collect();
+            (plane, by_layer)
+        };
+        let planes = |medium: &Medium| match curvature {
+            [] => Vec::new(),
+            _ => GeometricPlane::of_medium(medium).into_iter().map(plane).collect(),
+        };
         Self {
+            geometry: media.iter().map(planes).collect(),
             rotations: rotations.collect(),
             rotated: rotated_fields(fields),
             relaxations,
             mapping: CellMapping::new(problem),
         }
+    }
+}
+
+impl<T: Real> LocalLaws<T> {
+    /// Whether spins rotate or stresses relax.
+    pub(super) fn is_any(&self) -> bool {
+        !self.rotated.is_empty() || self.relaxations.is_some()
     }
 }
 
@@ -136,6 +162,26 @@ impl<T: Real, const D: usize> Reference<T, D> {
                 let before = places.map(|place| self.fields[place][cell]);
                 for (place, value) in places.into_iter().zip(rotated(constants, before)) {
                     self.fields[place][cell] = value;
+                }
+            }
+        }
+    }
+
+    /// The rotation of curved rows over a whole step (0) or a half (1).
+    pub(super) fn turn(&mut self, part: usize) {
+        let length = self.problem.grid.cells[0];
+        for (cell, medium) in self.problem.of_cell.iter().enumerate() {
+            for (plane, by_layer) in &self.laws.geometry[usize::from(*medium)] {
+                let weights = plane.weights.iter();
+                let y = weights.fold(T::ZERO, |y, &(place, weight)| {
+                    y + T::of(weight) * self.fields[place][cell]
+                });
+                let v = self.fields[plane.velocity][cell];
+                let [v, strain] = rotated_by_geometry(by_layer[cell / length][part], v, y);
+                self.fields[plane.velocity][cell] = v;
+                for &(place, modulus) in &plane.moduli {
+                    let stress = &mut self.fields[place][cell];
+                    *stress = *stress - T::of(modulus) * strain;
                 }
             }
         }

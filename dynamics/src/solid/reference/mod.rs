@@ -46,6 +46,8 @@ pub struct Reference<T: Real, const D: usize> {
     slopes: line::Slopes,
     /// By axis, for half a step.
     waves: [Vec<Wave<T>>; D],
+    /// Along the first axis for half a step by layer, where layers have spacings of their own; else none.
+    row_waves: Vec<Vec<Wave<T>>>,
     /// Along the first axis for a quarter of a step.
     quarter_waves: Vec<Wave<T>>,
     sides: [[BoundaryFaces<T>; 2]; D],
@@ -86,15 +88,18 @@ impl<T: Real, const D: usize> Reference<T, D> {
         let problem = permutation.problem(problem).into_owned();
         let Problem { media, grid, .. } = &problem;
         let (count, names) = (grid.count(), problem.fields());
-        let wave = |axis: usize, share: f64| {
+        let waves = |axis: usize, spacing: f64, share: f64| {
             let pairs = 0..media[0].pairs[axis].len();
-            pairs.map(|pair| Wave::new(&problem, axis, pair, share)).collect::<Vec<_>>()
+            let wave = |pair| Wave::new(&problem, (axis, spacing), pair, share);
+            pairs.map(wave).collect::<Vec<_>>()
         };
+        let of_layers = problem.metric.as_ref().map_or(&[][..], |metric| &metric.spacing);
         let place = |field: &Field| names.iter().position(|own| own == field);
         Ok(Self {
             slopes: problem.scheme.sweep_slopes(),
-            waves: std::array::from_fn(|axis| wave(axis, 0.5)),
-            quarter_waves: wave(0, 0.25),
+            waves: std::array::from_fn(|axis| waves(axis, grid.spacing[axis], 0.5)),
+            row_waves: of_layers.iter().map(|spacing| waves(0, *spacing, 0.5)).collect(),
+            quarter_waves: waves(0, grid.spacing[0], 0.25),
             sides: std::array::from_fn(|axis| [0, 1].map(|end| side(&problem, axis, end))),
             laws: LocalLaws::new(&problem, &names),
             fields: vec![vec![T::ZERO; count]; names.len()],

@@ -59,8 +59,14 @@ impl<T: Real, const D: usize> Reference<T, D> {
                 self.rotate(1);
             }
             _ => {
+                // Spins and the geometry rotate in planes that do not commute.
+                let part = usize::from(self.laws.is_any());
+                self.turn(part);
                 self.rotate(0);
                 self.relax(0);
+                if part == 1 {
+                    self.turn(part);
+                }
             }
         }
         self.apply_sources(&sources[1]);

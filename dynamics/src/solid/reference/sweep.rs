@@ -14,6 +14,9 @@ use models::solid::waves::Field;
 /// A pair of waves along an axis.
 #[derive(Clone)]
 pub(super) struct Wave<T: Real> {
+    /// Length of a cell along the line, m, and the share of a time step that a sweep takes.
+    spacing: f64,
+    share: f64,
     /// Places of its fields.
     pub(super) velocity: usize,
     pub(super) stress: usize,
@@ -25,14 +28,14 @@ pub(super) struct Wave<T: Real> {
 }
 
 impl<T: Real> Wave<T> {
-    /// A pair along an axis, swept by a share of the time step.
+    /// A pair along an axis with a spacing, m, swept by a share of the time step.
     pub(super) fn new<const D: usize>(
         problem: &Problem<D>,
-        axis: usize,
+        (axis, spacing): (usize, f64),
         pair: usize,
         share: f64,
     ) -> Self {
-        let Problem { media, grid, scheme, step, .. } = problem;
+        let Problem { media, scheme, step, .. } = problem;
         let fields = &media[0].fields;
         let place = |field: Field| fields.iter().position(|own| *own == field).unwrap_or(0);
         let pairs = || media.iter().map(|medium| &medium.pairs[axis][pair]);
@@ -48,11 +51,13 @@ impl<T: Real> Wave<T> {
             (index, pairs().map(ratio).collect())
         };
         let cell = |own: &models::solid::waves::Pair| {
-            let courant = own.speed() * (share * step / grid.spacing[axis]);
+            let courant = own.speed() * (share * step / spacing);
             Cell::of_pair(own, courant, scheme.slopes, problem.is_mixed())
         };
         let cells: Vec<Cell<T>> = pairs().map(cell).collect();
         Self {
+            spacing,
+            share,
             velocity: place(media[0].pairs[axis][pair].velocity),
             stress: place(media[0].pairs[axis][pair].stress),
             coefficients: cells.iter().map(GhostCoefficients::new).collect(),
@@ -107,18 +112,25 @@ impl<T: Real, const D: usize> Reference<T, D> {
     /// A sweep of half a step along an axis, with boundary values of this time, s.
     pub(super) fn sweep(&mut self, axis: usize, time: f64) {
         let waves = std::mem::take(&mut self.waves[axis]);
-        self.sweep_axis(axis, (&waves, 0.5), time);
-        self.waves[axis] = waves;
+        let of_rows = std::mem::take(&mut self.row_waves);
+        self.sweep_axis(axis, |row| of_rows.get(row).filter(|_| axis == 0).unwrap_or(&waves), time);
+        (self.waves[axis], self.row_waves) = (waves, of_rows);
     }
 
     /// A sweep of a quarter of a step along the first axis.
     pub(super) fn quarter_sweep(&mut self, time: f64) {
         let waves = std::mem::take(&mut self.quarter_waves);
-        self.sweep_axis(0, (&waves, 0.25), time);
+        self.sweep_axis(0, |_| &waves, time);
         self.quarter_waves = waves;
     }
 
-    fn sweep_axis(&mut self, axis: usize, waves: (&[Wave<T>], f64), time: f64) {
+    /// `waves` are those of a line by its number among the faces of its sides.
+    fn sweep_axis<'a>(
+        &mut self,
+        axis: usize,
+        waves: impl Fn(usize) -> &'a Vec<Wave<T>>,
+        time: f64,
+    ) {
         set_time(&mut self.sides[axis], time);
         let mut strip = Strip::new();
         let [length, layer] = [self.problem.grid.cells[0], self.problem.grid.faces(D - 1)];
@@ -132,20 +144,16 @@ impl<T: Real, const D: usize> Reference<T, D> {
         };
         for face in 0..faces {
             let first = face / lines * next + face % lines;
-            self.sweep_line(LineOfCells { axis, first, stride, count, face }, waves, &mut strip);
+            let line = LineOfCells { axis, first, stride, count, face };
+            self.sweep_line(line, waves(face), &mut strip);
         }
     }
 
-    fn sweep_line(
-        &mut self,
-        line: LineOfCells,
-        (waves, part): (&[Wave<T>], f64),
-        strip: &mut Strip<T>,
-    ) {
-        let Problem { grid, step, .. } = &self.problem;
-        // Accounts are powers per area.
-        let face_time = grid.volume() / grid.spacing[line.axis] * part * step;
+    fn sweep_line(&mut self, line: LineOfCells, waves: &[Wave<T>], strip: &mut Strip<T>) {
         for (pair, wave) in waves.iter().enumerate() {
+            let time = wave.share * self.problem.step;
+            // Accounts are powers per area.
+            let face_time = self.problem.grid.volume() / wave.spacing * time;
             let sides = &self.sides[line.axis];
             self.fill(strip, line, (pair, wave), sides);
             let works = [0, 1].map(|end| self.work_at(strip, line, pair, end));
@@ -153,7 +161,7 @@ impl<T: Real, const D: usize> Reference<T, D> {
             strip.accounts.resize(line.count, Account::default());
             let Strip { velocity, stress, cells, accounts } = strip;
             let mut interlayers = self.faces.of_line(pair, line);
-            let (own, time) = (&mut interlayers, T::of(part * step));
+            let (own, time) = (&mut interlayers, T::of(time));
             let accounts = Some(accounts.as_mut_slice());
             let lost =
                 sweep_with_interlayers(velocity, stress, cells, self.slopes, own, time, accounts);

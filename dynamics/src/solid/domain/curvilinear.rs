@@ -1,0 +1,244 @@
+//! Layers with a spacing of their own along rows, and the rotation by which curved rows turn the state: see
+//! [`crate::solid::metric`].
+//!
+//! Constants along rows depend on the medium and on the layer. Lines across layers must not see that, or no two of their
+//! cells would be alike: they keep the table of all patterns of media, and rows have a table of their own, which is filled
+//! for the row that is swept.
+
+use super::layout::Tile;
+use super::materials::Materials;
+use super::table::{Table, Wave};
+use super::{Domain, SolverReal};
+use crate::simd::{Group, Number, Real, Vector, Work};
+use crate::solid::cell::Cell;
+use crate::solid::ghosts::GhostCoefficients;
+use crate::solid::medium::Medium;
+use crate::solid::metric::{GeometricPlane, rotated_by_geometry};
+use crate::solid::problem::Problem;
+use crate::solid::reconstruction::GHOSTS;
+use std::ops::Range;
+
+/// Waves along rows, and their constants in the row at hand.
+#[derive(Clone)]
+pub(super) struct RowSpacing<T: Real> {
+    /// Length of a cell along rows by layer, m.
+    pub(super) spacing: Vec<f64>,
+    pub(super) waves: Vec<Wave>,
+    pub(super) table: Table<T>,
+    /// By layer, medium and pair of waves.
+    cells: Vec<Vec<Vec<Cell<T>>>>,
+    /// Media in the lanes of a pattern.
+    patterns: Vec<Vec<u16>>,
+    /// By pattern, the layer for which the table is filled.
+    filled: Vec<usize>,
+}
+
+impl<T: Real> RowSpacing<T> {
+    /// That of the layers of a region of a problem with these numbers in the whole; `None` where all layers are alike.
+    pub(super) fn new<const D: usize>(
+        problem: &Problem<D>,
+        materials: &Materials<T, D>,
+        patterns: &[Vec<u16>],
+        layers: &[usize],
+    ) -> Option<Self> {
+        let metric = problem.metric.as_ref()?;
+        let spacing: Vec<f64> = layers.iter().map(|layer| metric.spacing[*layer]).collect();
+        let waves = materials.waves[0].iter().enumerate();
+        let waves: Vec<_> =
+            waves.map(|(pair, own)| Wave { constants: pair, ..own.clone() }).collect();
+        let cells_of = |spacing: &f64| {
+            let of_medium = |medium: &Medium| {
+                let cell = |pair: &models::solid::waves::Pair| {
+                    let courant = pair.speed() * (0.5 * problem.step / spacing);
+                    Cell::of_pair(pair, courant, problem.scheme.slopes, problem.is_mixed())
+                };
+                medium.pairs[0].iter().map(cell).collect()
+            };
+            materials.media.iter().map(of_medium).collect()
+        };
+        let count = patterns.len() * waves.len();
+        Some(Self {
+            table: Table {
+                // To be filled.
+                cells: vec![materials.table.cells[0]; count],
+                waves: waves.len(),
+                ghost_coefficients: Vec::new(),
+                ..materials.table.clone()
+            },
+            cells: spacing.iter().map(cells_of).collect(),
+            patterns: patterns.to_vec(),
+            filled: vec![usize::MAX; patterns.len()],
+            waves,
+            spacing,
+        })
+    }
+
+    /// Fills the table of a layer, where these patterns are.
+    fn fill(&mut self, layer: usize, patterns: impl Iterator<Item = u32>) {
+        for pattern in patterns.map(|pattern| pattern as usize) {
+            if std::mem::replace(&mut self.filled[pattern], layer) == layer {
+                continue;
+            }
+            let (media, cells) = (&self.patterns[pattern], &self.cells[layer]);
+            let own = self.table.cells[pattern * self.waves.len()..].iter_mut();
+            for (pair, lanes) in own.take(self.waves.len()).enumerate() {
+                for (lane, medium) in media.iter().enumerate() {
+                    lanes.set_lane(lane, &cells[usize::from(*medium)][pair]);
+                }
+            }
+        }
+        if self.table.is_of_one_pattern() {
+            self.table.ghost_coefficients =
+                self.table.cells.iter().map(GhostCoefficients::new).collect();
+        }
+    }
+}
+
+/// A plane of the rotation of curved rows, in lanes.
+#[derive(Clone)]
+struct Plane<T: Real> {
+    /// Place of v.
+    velocity: usize,
+    /// Places of stresses, and q.
+    weights: Vec<(usize, T)>,
+    /// Places of stresses; by pattern Cq.
+    moduli: Vec<(usize, Vec<T::Lanes>)>,
+    /// By pattern, in the layer and for the part of a step at hand.
+    constants: Vec<[T::Lanes; 4]>,
+    /// By layer, part of a step (whole or half) and medium.
+    by_layer: Vec<[Vec<[T; 4]>; 2]>,
+}
+
+/// The rotation by which curved rows turn the state.
+#[derive(Clone)]
+pub(super) struct GeometricRotation<T: Real> {
+    planes: Vec<Plane<T>>,
+    patterns: Vec<Vec<u16>>,
+    /// By pattern, the layer and the part of a step for which constants are filled.
+    filled: Vec<(usize, usize)>,
+}
+
+impl<T: Real> GeometricRotation<T> {
+    /// That of layers of a region of a problem; `None` where rows are straight. The place of a field is so many times its
+    /// index.
+    pub(super) fn new<const D: usize>(
+        problem: &Problem<D>,
+        patterns: &[Vec<u16>],
+        pitch: usize,
+        layers: &[usize],
+    ) -> Option<Self> {
+        let curvature = &problem.metric.as_ref().filter(|own| !own.curvature.is_empty())?.curvature;
+        let of_media: Vec<_> = problem.media.iter().map(GeometricPlane::of_medium).collect();
+        let plane = |index: usize| {
+            let planes: Vec<&GeometricPlane> = of_media.iter().map(|own| &own[index]).collect();
+            let lanes = |pattern: &Vec<u16>, place: usize| {
+                T::Lanes::by_lane(|lane| T::of(planes[usize::from(pattern[lane])].modulus(place)))
+            };
+            let mut places: Vec<usize> =
+                planes.iter().flat_map(|own| &own.moduli).map(|own| own.0).collect();
+            places.sort_unstable();
+            places.dedup();
+            let moduli = places.into_iter().map(|place| {
+                (place * pitch, patterns.iter().map(|own| lanes(own, place)).collect())
+            });
+            let weights = planes[0].weights.iter();
+            let constants = |layer: &usize| {
+                [1.0, 0.5].map(|part| {
+                    let own = |plane: &&GeometricPlane| {
+                        plane.rotation(curvature[*layer], part * problem.step).map(T::of)
+                    };
+                    planes.iter().map(own).collect()
+                })
+            };
+            Plane {
+                velocity: planes[0].velocity * pitch,
+                weights: weights.map(|&(place, q)| (place * pitch, T::of(q))).collect(),
+                moduli: moduli.collect(),
+                constants: vec![[T::Lanes::ZERO; 4]; patterns.len()],
+                by_layer: layers.iter().map(constants).collect(),
+            }
+        };
+        Some(Self {
+            planes: (0..of_media[0].len()).map(plane).collect(),
+            patterns: patterns.to_vec(),
+            filled: vec![(usize::MAX, 0); patterns.len()],
+        })
+    }
+
+    /// Fills the constants of a layer for a part of a step, where these patterns are.
+    fn fill(&mut self, layer: usize, part: usize, patterns: &[u32]) {
+        for pattern in patterns.iter().map(|pattern| *pattern as usize) {
+            if std::mem::replace(&mut self.filled[pattern], (layer, part)) == (layer, part) {
+                continue;
+            }
+            for plane in &mut self.planes {
+                for (lane, medium) in self.patterns[pattern].iter().enumerate() {
+                    let own = plane.by_layer[layer][part][usize::from(*medium)];
+                    for (lanes, value) in plane.constants[pattern].iter_mut().zip(own) {
+                        lanes.lanes_mut()[lane] = value;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The rotation on groups that follow each other in a row.
+struct Turn<'a, T: Real> {
+    /// From the first of the groups on.
+    data: &'a mut [T::Lanes],
+    patterns: &'a [u32],
+    planes: &'a [Plane<T>],
+}
+
+impl<T: Real> Work<T> for Turn<'_, T> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        for (index, &pattern) in self.patterns.iter().enumerate() {
+            let (group, pattern) = (&mut self.data[index..], pattern as usize);
+            for plane in self.planes {
+                let [cos, a, b, c] = &plane.constants[pattern];
+                let constants = [V::load(cos), V::load(a), V::load(b), V::load(c)];
+                let mut y = V::ZERO;
+                for (place, weight) in &plane.weights {
+                    y = y + <V as Vector<T>>::all(*weight) * V::load(&group[*place]);
+                }
+                let v = V::load(&group[plane.velocity]);
+                let [v, strain] = rotated_by_geometry(constants, v, y);
+                v.store(&mut group[plane.velocity]);
+                for (place, moduli) in &plane.moduli {
+                    let own = V::load(&group[*place]);
+                    (own - V::load(&moduli[pattern]) * strain).store(&mut group[*place]);
+                }
+            }
+        }
+    }
+}
+
+impl<T: SolverReal, const D: usize> Domain<T, D> {
+    /// The rotation of curved rows over a whole step (0) or a half (1).
+    pub(super) fn turn(&mut self, layers: &Range<usize>, tile: &Tile, part: usize) {
+        let Some(rotation) = &mut self.law.geometry else { return };
+        for layer in layers.clone() {
+            let (first, groups) = self.layout.groups_of(layer, tile);
+            let patterns = &self.materials.patterns[groups];
+            rotation.fill(layer, part, patterns);
+            self.instructions.run::<T>(Turn {
+                data: &mut self.data[first..],
+                patterns,
+                planes: &rotation.planes,
+            });
+        }
+    }
+
+    /// Fills the constants along rows for the sweep of a row.
+    pub(super) fn fill_row_constants(&mut self, row: usize) {
+        let Some(spacing) = &mut self.materials.row_spacing else { return };
+        let groups = row * self.layout.groups..(row + 1) * self.layout.groups;
+        let own = self.materials.patterns[groups].iter().copied();
+        let ghosts = self.materials.row_patterns.get(row).copied().unwrap_or([0; 2 * GHOSTS]);
+        // Where all are alike there is one pattern, which the row has.
+        let ghosts = ghosts.into_iter().filter(|_| !self.materials.row_patterns.is_empty());
+        spacing.fill(row, own.chain(ghosts));
+    }
+}

@@ -1,0 +1,460 @@
+//! Blocks in the plane whose layers have spacings of their own, and polar blocks.
+
+mod support;
+
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
+use models::solid::waves::Field;
+use models::yield_set::YieldSet;
+use models::yield_set::parameters::Mises;
+use num_complex::Complex64;
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+use support::noise;
+use wellposed_dynamics::SolverReal;
+use wellposed_dynamics::boundary::{Boundary, Condition, Load};
+use wellposed_dynamics::domain::Domain;
+use wellposed_dynamics::line::Slopes;
+use wellposed_dynamics::medium::Medium;
+use wellposed_dynamics::problem::{DomainError, Grid, Placement, Problem, Scheme, Splitting};
+use wellposed_dynamics::real::Instructions;
+use wellposed_dynamics::reference::Reference;
+use wellposed_dynamics::solid::metric::Metric;
+use wellposed_dynamics::split::Split;
+
+const LAMBDA: f64 = 1.4;
+const MU: f64 = 0.9;
+const DENSITY: f64 = 1.2;
+
+fn solid(theory: Theory, factor: f64) -> Isotropic {
+    let couple = CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 };
+    let couple = (theory == Theory::Cosserat).then_some(couple);
+    let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple };
+    let rotation = (theory != Theory::Classical).then_some(rotation);
+    Isotropic::new(LAMBDA * factor, MU * factor, DENSITY, rotation).expect("sound moduli")
+}
+
+/// Where the inner side of polar blocks is, and how wide they are, m.
+const INNER: f64 = 0.5;
+const WIDTH: f64 = 2.0;
+
+fn polar(cells: [usize; 2]) -> (Grid<2>, Metric) {
+    let spacing = [TAU / cells[0] as f64, WIDTH / cells[1] as f64];
+    (Grid { cells, spacing }, Metric::polar(INNER, cells[1], spacing))
+}
+
+/// Half a step by the greatest Courant number below 1 that fits such a grid, of a medium.
+fn step(grid: &Grid<2>, metric: &Metric, medium: &Medium) -> f64 {
+    let least = metric.spacing.iter().copied().fold(grid.spacing[1], f64::min);
+    1.8 * least / medium.greatest_speed()
+}
+
+fn fill<T: SolverReal>(problem: &Problem<2>, mut set: impl FnMut(Field, &[T])) {
+    for (index, field) in problem.fields().into_iter().enumerate() {
+        let value = |cell: usize| T::of(noise((100_003 * index + cell) as u64));
+        set(field, &(0..problem.grid.count()).map(value).collect::<Vec<_>>());
+    }
+}
+
+/// Random media and states, in the fused solver, whole and in parts, and in the reference solver.
+fn same<T: SolverReal>(theory: Theory, is_polar: bool, slopes: Slopes) {
+    let cells = [23, 17];
+    let (grid, polar) = polar(cells);
+    let spacing = (0..cells[1]).map(|layer| 0.1 * (1.5 + noise(layer as u64))).collect();
+    let metric = if is_polar { polar } else { Metric { spacing, curvature: Vec::new() } };
+    let set = YieldSet::from(Mises::von_mises(0.3));
+    let soft = Medium::new(solid(theory, 1.0), 2);
+    let soft = if is_polar { soft } else { soft.yielding(set) };
+    let media = vec![soft, Medium::new(solid(theory, 2.3), 2)];
+    let of_cell = (0..grid.count()).map(|i| u16::from(noise(i as u64) > 0.2)).collect();
+    let sides =
+        [[Boundary::NonReflecting, Boundary::Free], [Boundary::Free, Boundary::NonReflecting]];
+    let step = step(&grid, &metric, &media[1]);
+    let scheme = Scheme::new(slopes, Placement::Last);
+    let problem =
+        Problem { metric: Some(metric), ..Problem::new(grid, media, of_cell, sides, step, scheme) };
+    let mut reference: Reference<T, 2> = Reference::new(&problem).expect("sound");
+    fill(&problem, |field, values: &[T]| reference.set(field, values));
+    let start = reference.energy().total();
+    reference.advance(15);
+    let expected = reference.snapshot();
+    let error = reference.energy().total() - start - reference.ledger().change();
+    let limit = if size_of::<T>() == 4 { 1e-5 } else { 1e-13 };
+    assert!(error.abs() < limit * start, "{error:e} of {start}");
+    assert!(reference.ledger().inflow != 0.0);
+    let bits = |all: &[Vec<T>]| -> Vec<u64> {
+        all.iter().flatten().map(|value| value.wide().to_bits()).collect()
+    };
+    for parts in [[1, 1], [1, 3], [2, 1], [2, 2]] {
+        for instructions in Instructions::available() {
+            let mut split: Split<T, 2> = Split::in_box(0, &problem, parts).expect("sound");
+            split.set_instructions(instructions);
+            fill(&problem, |field, values: &[T]| split.set(field, values));
+            split.advance(4);
+            split.advance(11);
+            let found = split.snapshot();
+            assert!(bits(&found.fields) == bits(&expected.fields), "{parts:?} {instructions:?}");
+            assert_eq!(found.sums, expected.sums);
+            assert_eq!(found.work[0], expected.work[0]);
+            assert_eq!(split.energy(), reference.energy());
+        }
+    }
+}
+
+#[test]
+fn bits_are_those_of_the_reference_solver() {
+    for is_polar in [true, false] {
+        same::<f64>(Theory::Classical, is_polar, Slopes::Limited);
+        same::<f64>(Theory::Cosserat, is_polar, Slopes::FourthOrder);
+        same::<f32>(Theory::Reduced, is_polar, Slopes::Limited);
+    }
+}
+
+/// Layers of the spacing of the grid are those of a grid without a metric.
+#[test]
+fn equal_layers_change_no_bit() {
+    let grid = Grid { cells: [15, 12], spacing: [0.1, 0.13] };
+    let medium = Medium::new(solid(Theory::Cosserat, 1.0), 2);
+    let sides = [[Boundary::Periodic, Boundary::Periodic], [Boundary::Fixed, Boundary::Free]];
+    let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+    let step = 0.19 / medium.greatest_speed();
+    let plain = Problem::new(grid, vec![medium], vec![0; 180], sides, step, scheme);
+    let metric = Some(Metric { spacing: vec![0.1; 12], curvature: Vec::new() });
+    let with = Problem { metric, ..plain.clone() };
+    let [plain, with] = [plain, with].map(|problem| {
+        let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
+        fill(&problem, |field, values: &[f64]| domain.set(field, values));
+        (0..20).for_each(|_| domain.advance());
+        let values = domain.fields().to_vec().into_iter().map(|field| domain.values(field));
+        values.collect::<Vec<_>>()
+    });
+    assert_eq!(plain, with);
+}
+
+/// Bessel's function of the first kind, by its integral: the trapezoidal rule is exact to rounding.
+fn bessel(order: i32, x: f64) -> f64 {
+    const POINTS: usize = 64;
+    let term = |index: usize| {
+        let angle = TAU * index as f64 / POINTS as f64;
+        (f64::from(order) * angle - x * angle.sin()).cos()
+    };
+    (0..POINTS).map(term).sum::<f64>() / POINTS as f64
+}
+
+/// A standing P wave u = ∇φ sin(ωt)/ω, φ = J₂(kr) cos 2θ: v_θ, v_r, then the stresses σ_θθ, σ_rr, σ_rθ.
+fn standing_wave(k: f64, [theta, r]: [f64; 2], time: f64) -> [f64; 5] {
+    let m = 2.0;
+    let speed = ((LAMBDA + 2.0 * MU) / DENSITY).sqrt();
+    let x = k * r;
+    let value = bessel(2, x);
+    let slope = 0.5 * (bessel(1, x) - bessel(3, x));
+    let second = -slope / x - (1.0 - m * m / (x * x)) * value;
+    let ((sin, cos), (s, c)) = ((m * theta).sin_cos(), (speed * k * time).sin_cos());
+    let strain = s / (speed * k);
+    let pressure = -LAMBDA * k * k * value;
+    [
+        -m / r * value * sin * c,
+        k * slope * cos * c,
+        (pressure + 2.0 * MU * (k * slope / r - m * m / (r * r) * value)) * cos * strain,
+        (pressure + 2.0 * MU * k * k * second) * cos * strain,
+        -2.0 * MU * m * (k * slope / r - value / (r * r)) * sin * strain,
+    ]
+}
+
+const FIELDS: [Field; 5] = [
+    Field::Velocity(0),
+    Field::Velocity(1),
+    Field::Stress(0, 0),
+    Field::Stress(1, 1),
+    Field::Stress(0, 1),
+];
+
+/// A standing P wave in Cartesian coordinates, φ = cos 2x cos ly, by the same numbers of waves; its fields as above.
+fn plane_wave(k: f64, [x, y]: [f64; 2], time: f64) -> [f64; 5] {
+    let l = (k * k - 4.0).sqrt();
+    let speed = ((LAMBDA + 2.0 * MU) / DENSITY).sqrt();
+    let ((sx, cx), (sy, cy)) = ((2.0 * x).sin_cos(), (l * y).sin_cos());
+    let (s, c) = (speed * k * time).sin_cos();
+    let strain = s / (speed * k);
+    let pressure = -LAMBDA * k * k * cx * cy;
+    [
+        -2.0 * sx * cy * c,
+        -l * cx * sy * c,
+        (pressure - 8.0 * MU * cx * cy) * strain,
+        (pressure - 2.0 * MU * l * l * cx * cy) * strain,
+        4.0 * MU * l * sx * sy * strain,
+    ]
+}
+
+/// The L2 error over all fields of a standing wave, relative to its size: in all layers, and in those that nothing can
+/// have reached from the sides, whose velocities are given.
+fn errors_of_standing_wave(cells: [usize; 2], is_polar: bool) -> [f64; 2] {
+    let (grid, metric) = polar(cells);
+    let medium = Medium::new(solid(Theory::Classical, 1.0), 2);
+    let (k, time) = (3.0, 0.3);
+    let steps = (time / step(&grid, &metric, &medium)).ceil();
+    let speed = medium.greatest_speed();
+    let given = |_| Boundary::Given(vec![Condition::Velocity(0.0); 2]);
+    let sides = [[Boundary::Periodic, Boundary::Periodic], [0, 1].map(given)];
+    let scheme = Scheme::new(Slopes::FourthOrder, Placement::Last);
+    let mut problem =
+        Problem::new(grid, vec![medium], vec![0; grid.count()], sides, time / steps, scheme);
+    problem.metric = Some(metric).filter(|_| is_polar);
+    let exact_at = |place: [f64; 2], time: f64| match is_polar {
+        true => standing_wave(k, place, time).map(|value| place[1].sqrt() * value),
+        false => plane_wave(k, place, time),
+    };
+    let angle = |index: usize| (index as f64 + 0.5) * grid.spacing[0];
+    for (end, radius) in [INNER, INNER + WIDTH].into_iter().enumerate() {
+        for (pair, own) in problem.media[0].pairs[1].iter().enumerate() {
+            let Field::Velocity(component) = own.velocity else { panic!("a velocity") };
+            let value = |face: usize| exact_at([angle(face), radius], 0.0)[component];
+            let faces = (0..cells[0]).map(|face| (face, value(face))).collect();
+            let signal = Arc::new(move |time: f64| (speed * k * time).cos());
+            problem.loads.push(Load { axis: 1, end, pair, faces, signal });
+        }
+    }
+    let place = |cell: usize| {
+        [angle(cell % cells[0]), INNER + ((cell / cells[0]) as f64 + 0.5) * grid.spacing[1]]
+    };
+    let exact = |index: usize, time: f64| -> Vec<f64> {
+        (0..grid.count()).map(|cell| exact_at(place(cell), time)[index]).collect()
+    };
+    let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
+    FIELDS.iter().enumerate().for_each(|(index, field)| domain.set(*field, &exact(index, 0.0)));
+    (0..steps as usize).for_each(|_| domain.advance());
+    let (mut error, mut size) = ([0.0; 2], [0.0; 2]);
+    for (index, field) in FIELDS.into_iter().enumerate() {
+        let found = domain.values(field).expect("a field");
+        for (cell, (found, exact)) in found.iter().zip(exact(index, time)).enumerate() {
+            let depth = place(cell)[1] - INNER;
+            // Errors of short waves may run ahead.
+            let is_reached = depth.min(WIDTH - depth) < 1.3 * speed * time;
+            for which in 0..if is_reached { 1 } else { 2 } {
+                error[which] += (found - exact) * (found - exact);
+                size[which] += exact * exact;
+            }
+        }
+    }
+    [0, 1].map(|which| f64::sqrt(error[which] / size[which]))
+}
+
+/// Where sides are not felt the order is two. Beside sides that move, splitting costs a part of it, in a polar block as in a
+/// plane one.
+#[test]
+fn standing_waves_of_a_polar_block_are_second_order() {
+    let grids = [[32, 16], [64, 32], [128, 64], [256, 128]];
+    let [polar, plane] = [true, false].map(|is_polar| {
+        let errors = grids.map(|cells| errors_of_standing_wave(cells, is_polar));
+        println!("{errors:?}");
+        // Everywhere by the last halving, inside over all three.
+        [(errors[2][0] / errors[3][0]).log2(), (errors[0][1] / errors[3][1]).log2() / 3.0]
+    });
+    println!("{polar:?} {plane:?}");
+    assert!(polar[1] > 1.9 && plane[1] > 1.9, "{polar:?} {plane:?}");
+    assert!(polar[0] > plane[0] - 0.1 && polar[0] > 1.4, "{polar:?} {plane:?}");
+}
+
+/// Rigid motions of a Cosserat solid: a rotation about the centre, and a translation. Their stresses vanish as cells become
+/// small, beside sides that move half an order slower than elsewhere.
+#[test]
+fn rigid_motions_stay_so() {
+    let motion = |is_rotation: bool, [theta, r]: [f64; 2]| match is_rotation {
+        // The third axis of (θ, r) points the other way.
+        true => [r, 0.0, -1.0],
+        false => [-theta.sin(), theta.cos(), 0.0],
+    };
+    for is_rotation in [true, false] {
+        let stresses = [[24, 8], [48, 16], [96, 32]].map(|cells| {
+            let (grid, metric) = polar(cells);
+            let medium = Medium::new(solid(Theory::Cosserat, 1.0), 2);
+            let steps = (0.7 / step(&grid, &metric, &medium)).ceil();
+            let faces = |end: usize| {
+                let radius = INNER + WIDTH * end as f64;
+                let value = |velocity: Field, face: usize| {
+                    let theta = (face as f64 + 0.5) * grid.spacing[0];
+                    let [v0, v1, spin] = motion(is_rotation, [theta, radius]);
+                    Condition::Velocity(
+                        radius.sqrt()
+                            * match velocity {
+                                Field::Velocity(0) => v0,
+                                Field::Velocity(_) => v1,
+                                _ => spin,
+                            },
+                    )
+                };
+                let pairs = medium.pairs[1].iter();
+                let of_pair = |velocity| (0..cells[0]).map(|face| value(velocity, face)).collect();
+                Boundary::ByFace(pairs.map(|pair| of_pair(pair.velocity)).collect())
+            };
+            let sides = [[Boundary::Periodic, Boundary::Periodic], [0, 1].map(faces)];
+            let scheme = Scheme::new(Slopes::FourthOrder, Placement::Last);
+            let media = vec![medium.clone()];
+            let of_cell = vec![0; grid.count()];
+            let problem = Problem {
+                metric: Some(metric),
+                ..Problem::new(grid, media, of_cell, sides, 0.7 / steps, scheme)
+            };
+            let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
+            let places = (0..grid.count()).map(|cell| {
+                let radius = INNER + ((cell / cells[0]) as f64 + 0.5) * grid.spacing[1];
+                [((cell % cells[0]) as f64 + 0.5) * grid.spacing[0], radius]
+            });
+            let fields = [Field::Velocity(0), Field::Velocity(1), Field::Spin(2)];
+            for (index, field) in fields.into_iter().enumerate() {
+                let value = |at: [f64; 2]| at[1].sqrt() * motion(is_rotation, at)[index];
+                domain.set(field, &places.clone().map(value).collect::<Vec<_>>());
+            }
+            (0..steps as usize).for_each(|_| domain.advance());
+            (domain.energy().stored / domain.energy().kinetic).sqrt()
+        });
+        println!("{stresses:?}");
+        assert!(stresses[2] < 2e-3, "{stresses:?}");
+        assert!((stresses[1] / stresses[2]).log2() > 1.5, "{stresses:?}");
+    }
+}
+
+/// A field across layers.
+type State = Vec<[Complex64; 5]>;
+
+/// Waves of wave number K per period of rows whose length depends on y, periodic in y as well: by trigonometric collocation
+/// across layers, and the Runge–Kutta method of the fourth order in time. v₀, v₁, σ₀₀, σ₁₁, σ₀₁ at the places asked for.
+fn spectral(length: impl Fn(f64) -> f64, time: f64, at: &[f64]) -> State {
+    const N: usize = 40;
+    let node = |i: usize| i as f64 / N as f64;
+    let derivative = |i: usize, j: usize| {
+        let apart = i as f64 - j as f64;
+        let sign = if (i + j).is_multiple_of(2) { PI } else { -PI };
+        if i == j { 0.0 } else { sign / (PI * apart / N as f64).tan() }
+    };
+    let rates = |state: &State| -> State {
+        let along_y = |i: usize, field: usize| -> Complex64 {
+            (0..N).map(|j| derivative(i, j) * state[j][field]).sum()
+        };
+        let rate = |i: usize| {
+            let ik = Complex64::new(0.0, TAU / length(node(i)));
+            let [v0, v1, s00, _, s01] = state[i];
+            let m = LAMBDA + 2.0 * MU;
+            [
+                (ik * s00 + along_y(i, 4)) / DENSITY,
+                (ik * s01 + along_y(i, 3)) / DENSITY,
+                m * ik * v0 + LAMBDA * along_y(i, 1),
+                LAMBDA * ik * v0 + m * along_y(i, 1),
+                MU * (ik * v1 + along_y(i, 0)),
+            ]
+        };
+        (0..N).map(rate).collect()
+    };
+    let plus = |state: &State, rates: &State, time: f64| -> State {
+        let cells = state.iter().zip(rates);
+        cells.map(|(own, rate)| std::array::from_fn(|i| own[i] + time * rate[i])).collect()
+    };
+    let mut state: State = (0..N).map(|i| start(node(i)).map(Complex64::from)).collect();
+    const STEPS: usize = 1000;
+    let step = time / STEPS as f64;
+    for _ in 0..STEPS {
+        let one = rates(&state);
+        let two = rates(&plus(&state, &one, 0.5 * step));
+        let three = rates(&plus(&state, &two, 0.5 * step));
+        let four = rates(&plus(&state, &three, step));
+        for (index, own) in state.iter_mut().enumerate() {
+            for (i, value) in own.iter_mut().enumerate() {
+                let sum = one[index][i] + 2.0 * (two[index][i] + three[index][i]) + four[index][i];
+                *value += step / 6.0 * sum;
+            }
+        }
+    }
+    let interpolate = |y: &f64| {
+        let cardinal = |i: usize| {
+            let apart = y - node(i);
+            match apart.abs() < 1e-12 {
+                true => 1.0,
+                false => (PI * N as f64 * apart).sin() / (N as f64 * (PI * apart).tan()),
+            }
+        };
+        std::array::from_fn(|field| (0..N).map(|i| cardinal(i) * state[i][field]).sum())
+    };
+    at.iter().map(interpolate).collect()
+}
+
+/// v₀ at the beginning; all else vanishes.
+fn start(y: f64) -> [f64; 5] {
+    [(PI * y).sin().powi(2), 0.0, 0.0, 0.0, 0.0]
+}
+
+#[test]
+fn waves_along_layers_of_different_spacing_are_second_order() {
+    // Lengths of one period along rows: by a factor of two.
+    let length = |y: f64| 1.0 + (PI * y).sin().powi(2);
+    let time = 0.9;
+    let errors = [16, 32, 64, 128].map(|cells: usize| {
+        let (count, width) = (cells * cells, 1.0 / cells as f64);
+        let place = |layer: usize| (layer as f64 + 0.5) * width;
+        let spacing: Vec<f64> = (0..cells).map(|layer| length(place(layer)) * width).collect();
+        let metric = Metric { spacing, curvature: Vec::new() };
+        let grid = Grid { cells: [cells; 2], spacing: [width; 2] };
+        let medium = Medium::new(solid(Theory::Classical, 1.0), 2);
+        let steps = (time / step(&grid, &metric, &medium)).ceil();
+        let sides = std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]);
+        let scheme = Scheme::new(Slopes::FourthOrder, Placement::Last);
+        let problem = Problem {
+            metric: Some(metric),
+            ..Problem::new(grid, vec![medium], vec![0; count], sides, time / steps, scheme)
+        };
+        let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
+        let phase = |cell: usize| TAU * (cell % cells) as f64 * width;
+        let value = |cell: usize| start(place(cell / cells))[0] * phase(cell).cos();
+        domain.set(Field::Velocity(0), &(0..count).map(value).collect::<Vec<_>>());
+        let before = domain.energy().total();
+        (0..steps as usize).for_each(|_| domain.advance());
+        assert!(domain.energy().total() <= before * (1.0 + 1e-14));
+        let places: Vec<f64> = (0..cells).map(place).collect();
+        let exact = spectral(length, time, &places);
+        let (mut error, mut size) = (0.0, 0.0);
+        for (index, field) in FIELDS.into_iter().enumerate() {
+            let found = domain.values(field).expect("a field");
+            for (cell, found) in found.into_iter().enumerate() {
+                let turn = Complex64::from_polar(1.0, phase(cell));
+                let exact = (exact[cell / cells][index] * turn).re;
+                error += (found - exact) * (found - exact);
+                size += exact * exact;
+            }
+        }
+        (error / size).sqrt()
+    });
+    println!("{errors:?}");
+    for pair in errors.windows(2) {
+        assert!((pair[0] / pair[1]).log2() > 1.9, "{errors:?}");
+    }
+}
+
+#[test]
+fn other_metrics_are_refused() {
+    let (grid, metric) = polar([24, 10]);
+    let medium = Medium::new(solid(Theory::Classical, 1.0), 2);
+    let sides = || std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+    let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+    let step = step(&grid, &metric, &medium);
+    let plain = Problem::new(grid, vec![medium.clone()], vec![0; 240], sides(), step, scheme);
+    let refused = |metric: &Metric, change: &dyn Fn(&mut Problem<2>)| {
+        let mut problem = Problem { metric: Some(metric.clone()), ..plain.clone() };
+        change(&mut problem);
+        matches!(Domain::<f64, 2>::new(&problem), Err(DomainError::Metric(_)))
+    };
+    assert!(!refused(&metric, &|_| ()));
+    let mut short = metric.clone();
+    short.spacing.pop();
+    assert!(refused(&short, &|_| ()));
+    let mut none = metric.clone();
+    none.spacing[3] = 0.0;
+    assert!(refused(&none, &|_| ()));
+    assert!(refused(&metric, &|problem| problem.scheme.splitting = Splitting::Alternating));
+    assert!(refused(&metric, &|problem| problem.acceleration = [0.0, 1.0]));
+    let set = YieldSet::from(Mises::von_mises(0.3));
+    assert!(refused(&metric, &|problem| {
+        problem.media = vec![medium.clone().yielding(set.clone())];
+    }));
+    // The spacing of the innermost layer limits the step.
+    let mut long = Problem { metric: Some(metric.clone()), ..plain.clone() };
+    long.step *= 1.2;
+    assert!(matches!(Domain::<f64, 2>::new(&long), Err(DomainError::Courant { axis: 0, .. })));
+}
