@@ -1,6 +1,6 @@
 //! Domain decomposition: parts of a grid, each in a thread of its own.
 //!
-//! In each pass over memory a part receives a halo of [`HALO`](crate::solid::line::HALO) cells for each step of the pass from
+//! In each pass over memory a part receives a halo of [`HALO`] cells for each step of the pass from
 //! its neighbours and recomputes it redundantly. Every cell sees the same operations as in the whole, and sums are exact: the
 //! same bits. Along the last axis layers are exchanged while the pass goes on: the upper halo is received last, so that a
 //! thread can run almost one block of rows ahead of its upper neighbour, and one that is delayed for a moment does not delay

@@ -10,7 +10,7 @@
 //! | `ghosts` | boundary conditions as ghost cells |
 //! | [`metric`] | layers with spacings of their own, and polar blocks |
 //! | [`domain`] | the fused solver; its `step` is the recipe of a time step |
-//! | [`reference`] | the same scheme written plainly, with the energy account of every cell; `cell_laws`: formulas of both |
+//! | [`mod@reference`] | the same scheme written plainly, with the energy account of every cell; `cell_laws`: formulas of both |
 //! | [`region`], `restriction` | a part of a grid with its halo; the problem of such a part |
 //! | [`snapshot`] | the state, as solvers save and restore it |
 //! | [`ledger`] | the energy, and what steps do to it |
