@@ -71,7 +71,7 @@ pub mod study;
 #[doc(no_inline)]
 pub use ::{agreement, analysis, cases, dynamics, figures, files, models};
 pub use ::cases as case;
-pub use cli::cases::CASES;
+pub use ::cases::CASES;
 pub use error::Error;
 pub use study::{
     check::check, dispersion::dispersion, map::map, point::point, simulate::simulate,

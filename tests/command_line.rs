@@ -7,8 +7,8 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
+use wellposed::CASES;
 use wellposed::case::{Case, InTime, Kind};
-use wellposed::cli::cases::CASES;
 use wellposed::cli::folder::results;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");

@@ -387,9 +387,7 @@ fn dry_runs_say_what_would_be_computed() {
     let text = dry_run(folder.path(), FLOW).unwrap();
     let start = "would compute 32 × 24 points, Harris–Grekova, 0.001 s, wave numbers from 31.42 to 439.8 1/m, memory ";
     assert!(text.starts_with(start) && text.contains("run.png"), "{text}");
-    for (path, text) in
-        wellposed::cli::cases::CASES.iter().filter(|own| own.0.starts_with("cases/flow/"))
-    {
+    for (path, text) in wellposed::CASES.iter().filter(|own| own.0.starts_with("cases/flow/")) {
         dry_run(folder.path(), text).unwrap_or_else(|error| panic!("{path}: {error}"));
     }
 }

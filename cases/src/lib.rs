@@ -4,12 +4,14 @@
 //! Rows of [`keys()`] are numbers that a map can sweep, constants of the registered models among them; a section that is
 //! a tree is a [`schema::Form`] of items with type, unit, range, default and meaning. Reader, writer, the templates of
 //! `wellposed new` ([`template`]), the reference page ([`reference()`]) and the JSON Schema ([`json_schema()`]) take all of
-//! it from there. Errors have file, line, key, what was found and what is allowed.
+//! it from there. Errors have file, line, key, what was found and what is allowed. [`CASES`] are the texts of the cases that
+//! come with the program.
 //!
 //! It knows the models, but no analysis, no solver and no report.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod bundled;
 mod case;
 mod check;
 mod convert;
@@ -37,6 +39,7 @@ pub mod template;
 mod types;
 mod value;
 
+pub use bundled::CASES;
 pub use case::{Case, InTime};
 pub use check::Check;
 pub use convert::{Converted, radians};

@@ -1,11 +1,8 @@
 //! `wellposed cases`: the cases that come with the program.
 
-use crate::case::Case;
+use crate::case::{CASES, Case};
 use crate::cli::Error;
 use std::io::Write;
-
-// `CASES`: path and text of every file under `cases/`, sorted by path.
-include!(concat!(env!("OUT_DIR"), "/cases.rs"));
 
 /// Prints one line per case: path and title.
 ///

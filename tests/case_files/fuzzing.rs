@@ -5,8 +5,8 @@ use crate::support::parse;
 use analysis::flows::Workspace;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
+use wellposed::CASES;
 use wellposed::cli::Options;
-use wellposed::cli::cases::CASES;
 use wellposed::setup;
 
 /// Hands `count` mutants to `run`, which says whether it took them; none may panic or be slow.

@@ -3,8 +3,8 @@
 use crate::mutation::without_marks;
 use crate::support::{CASE, parse, parse_with};
 use models::registry;
+use wellposed::CASES;
 use wellposed::case::{Case, Kind, Medium, Parameter, Presence, keys, radians};
-use wellposed::cli::cases::CASES;
 use wellposed::setup;
 
 #[test]

@@ -3,8 +3,8 @@
 use crate::mutation::without_marks;
 use crate::support::{check, parse};
 use models::registry;
+use wellposed::CASES;
 use wellposed::case::{Case, Kind, Medium, keys};
-use wellposed::cli::cases::CASES;
 use wellposed::setup;
 
 #[test]

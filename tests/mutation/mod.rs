@@ -1,7 +1,7 @@
 //! Spoiled case files, the same ones at every run.
 
+use wellposed::CASES;
 use wellposed::case::Case;
-use wellposed::cli::cases::CASES;
 
 /// Values that a number may be replaced by: limits, extremes, other types.
 const VALUES: &[&str] = &[
