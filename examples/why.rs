@@ -1,0 +1,121 @@
+//! Draws `gallery/why.png`: one perturbation of one granular flow, by an ill-posed and by a well-posed model, each on two
+//! grids.
+//!
+//! `cargo run --release --example why -- gallery/why.png`
+//!
+//! Both models start from the same velocities, waves of at least an eighth of the box, on the same mean flow. The
+//! plastic potential is ill-posed: growth in proportion to k² makes the shortest waves of the grid the fastest, and each
+//! grid has another solution. The model of Harris & Grekova is well-posed there: both grids have the same solution. The
+//! verdicts in the titles are those of the analysis.
+
+use std::error::Error;
+use std::path::Path;
+use wellposed::figures::{FieldAxis, FieldFigure, Format};
+use wellposed::study::{simulate::Settings, unwatched};
+
+const CASE: &str = "cases/flow/plastic-potential-in-time.toml";
+
+/// Over the case: long waves only, of an amplitude and a duration at which no point of any run leaves the fully
+/// deforming region.
+const BOTH: [&str; 3] = ["initial[0].to=8", "initial[0].amplitude=1e-3", "time.duration=1.4e-3"];
+
+/// Over these: the other model.
+const WELL_POSED: [&str; 4] = [
+    "model.kind=harris-grekova",
+    "model.moment_of_inertia=1.25e-7",
+    "model.rotational_strength=0",
+    "background.noncoaxiality_deg=20",
+];
+
+/// Points of the grids along each axis.
+const GRIDS: [usize; 2] = [64, 128];
+
+/// Deviation of the shear rate from its mean at which colours end, 1/s; the mean is 5 1/s.
+const SCALE: f64 = 0.3;
+
+/// Of a panel of 1600 × 1100 pixels the part on the left is kept, at half its size.
+const KEPT: [usize; 2] = [1400, 1100];
+
+/// Rows of an image in three bytes a pixel.
+struct Image {
+    width: usize,
+    bytes: Vec<u8>,
+}
+
+/// The shear rate at the end of a run, less its mean.
+fn panel(title: &str, settings: &[&str], points: usize) -> Result<Image, Box<dyn Error>> {
+    let grid = format!("grid.cells=[{points}, {points}]");
+    let settings = BOTH.iter().chain(settings).copied().chain([grid.as_str()]);
+    let case = wellposed::load(CASE, settings)?;
+    let point = wellposed::point(&case, &unwatched)?;
+    let verdict = point.verdict().ok_or("the mean flow is on yield")?.name();
+    let found = wellposed::simulate(&case, Settings { accept_ill_posed: true }, &unwatched)?;
+    let values = found.fields.get("shear_rate").ok_or("a flow has a shear rate")?;
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let [length, _] = found.length.ok_or("a flow has a box")?;
+    let axis = |index| FieldAxis { label: format!("x{index}, m"), from: 0.0, to: length };
+    let figure = FieldFigure {
+        title: format!("{title} ({verdict}), {points} × {points} points"),
+        subtitle: format!(
+            "t = {:.1} ms, in the box that moves with the mean flow",
+            1e3 * found.time
+        ),
+        x: axis('₁'),
+        y: axis('₂'),
+        columns: points,
+        rows: points,
+        values: values.iter().map(|value| value - mean).collect(),
+        label: "shear rate less its mean of 5 1/s, 1/s".to_owned(),
+        is_signed: true,
+        limit: None,
+        scale: Some(SCALE),
+        curves: Some(Vec::new()),
+        outlines: Vec::new(),
+        plastic: Vec::new(),
+        marks: Vec::new(),
+    };
+    let bytes = figure.draw(Format::Png)?;
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info()?;
+    let mut image = vec![0; reader.output_buffer_size().ok_or("a picture has a size")?];
+    reader.next_frame(&mut image)?;
+    let width = reader.info().width as usize;
+    Ok(half(&Image { width, bytes: image }))
+}
+
+/// The part of an image that is kept, each pixel the mean of four.
+fn half(image: &Image) -> Image {
+    let [width, height] = KEPT.map(|size| size / 2);
+    let mut bytes = Vec::with_capacity(3 * width * height);
+    for (row, column) in (0..height).flat_map(|row| (0..width).map(move |column| (row, column))) {
+        for colour in 0..3 {
+            let at = |y, x| u32::from(image.bytes[3 * (y * image.width + x) + colour]);
+            let (y, x) = (2 * row, 2 * column);
+            let sum = at(y, x) + at(y, x + 1) + at(y + 1, x) + at(y + 1, x + 1);
+            bytes.push(((sum + 2) / 4) as u8);
+        }
+    }
+    Image { width, bytes }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let file = std::env::args().nth(1).ok_or("usage: why FILE.png")?;
+    let models: [(&str, &[&str]); 2] =
+        [("Plastic potential", &[]), ("Harris–Grekova", &WELL_POSED)];
+    let mut all = Image { width: KEPT[0], bytes: Vec::new() };
+    for (title, settings) in models {
+        let [left, right] = GRIDS.map(|points| panel(title, settings, points));
+        let (left, right) = (left?, right?);
+        let rows = left.bytes.chunks(3 * left.width).zip(right.bytes.chunks(3 * right.width));
+        all.bytes.extend(rows.flat_map(|(left, right)| [left, right].concat()));
+    }
+    let mut bytes = Vec::new();
+    let height = all.bytes.len() / (3 * all.width);
+    let mut encoder = png::Encoder::new(&mut bytes, all.width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::High);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&all.bytes)?;
+    writer.finish()?;
+    wellposed::files::write_atomically(Path::new(&file), &bytes)?;
+    Ok(())
+}
