@@ -81,6 +81,11 @@ pub use study::{
 use case::Case;
 use std::path::Path;
 
+/// The page on this library, whose example is run as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/library.md")]
+pub struct LibraryPage;
+
 /// Version, and commit where the program was built from a repository: `0.1.0 (abcdef123)`.
 pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("WELLPOSED_COMMIT"), ")");
 

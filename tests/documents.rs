@@ -1,10 +1,12 @@
 //! What the documents say exists: links, paths, commands, what a command prints.
 
+use files::npz;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use wellposed::CASES;
+use wellposed::case::Case;
 use wellposed::cli::folder::{is_snapshot, results};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");
@@ -124,8 +126,8 @@ fn paths_exist() {
     };
     let first = |word: &str| word.split('/').next().is_some_and(|own| root().join(own).is_dir());
     let mut count = 0;
-    for document in ["README.md", "CONTRIBUTING.md", "docs/reference.md"] {
-        let code = Code::new(&read(document));
+    for document in documents().into_iter().filter(|own| own != "CHANGELOG.md") {
+        let code = Code::new(&read(&document));
         let is_path = |word: &&str| {
             let may_stand = |c: char| c.is_ascii_alphanumeric() || "-_./".contains(c);
             word.chars().all(may_stand)
@@ -171,7 +173,8 @@ fn commands(block: &str) -> Vec<String> {
 /// Runs what can be run without results, and reads what else can be read.
 fn parses(command: &str) {
     let case = "cases/granular-flow/noncoaxiality-bound.toml";
-    let arguments: Vec<&str> = command.split_whitespace().collect();
+    let arguments: Vec<&str> =
+        command.split_whitespace().filter(|word| *word != "--dry-run").collect();
     let place = |word: &&str| ["CASE", "DIR", "KIND", "SHELL", "FILE", "SET", "…"].contains(word);
     let (verb, rest) = arguments.split_first().expect("a verb");
     let takes_case = ["map", "point", "dispersion", "speeds", "run", "check"].contains(verb);
@@ -233,15 +236,16 @@ fn commands_parse_and_name_cases_that_there_are() {
     all.iter().for_each(|command| parses(command));
 }
 
-/// What the README shows of a command's output is what it prints.
+/// Transcripts in the documents are what commands print.
 #[test]
 fn transcripts_are_what_is_printed() {
-    let code = Code::new(&read("README.md"));
+    let codes = documents().into_iter().map(|document| Code::new(&read(&document)));
+    let blocks: Vec<String> = codes.flat_map(|code| code.blocks).map(|own| own.1).collect();
     let mut count = 0;
-    for (_, block) in code.blocks.iter().filter(|(_, block)| block.starts_with("$ wellposed ")) {
+    for block in blocks.iter().filter(|block| block.starts_with("$ wellposed ")) {
         let command = commands(block).remove(0);
         let lines = block.lines().position(|line| !line.ends_with('\\')).expect("a command") + 1;
-        let shown: Vec<&str> = block.lines().skip(lines).collect();
+        let expected: Vec<&str> = block.lines().skip(lines).collect();
         let scratch = tempfile::tempdir().expect("a scratch folder");
         let out: PathBuf = scratch.path().join("out");
         let mut arguments: Vec<&str> = command.split_whitespace().collect();
@@ -250,8 +254,135 @@ fn transcripts_are_what_is_printed() {
         // Where the results are is left out.
         let printed: Vec<&str> =
             printed.lines().filter(|line| !line.starts_with("picture: ")).collect();
-        assert_eq!(printed, shown, "wellposed {command}");
+        assert_eq!(printed, expected, "wellposed {command}");
         count += 1;
     }
     assert_eq!(count, 2);
+}
+
+/// Commands of cargo name packages, tests, benchmarks and examples of the repository.
+#[test]
+fn cargo_commands_name_targets_that_there_are() {
+    let mut count = 0;
+    for document in documents() {
+        let text = read(&document);
+        let code = Code::new(&text);
+        let blocks = code.blocks.iter().flat_map(|(_, block)| block.lines());
+        let spans = code.spans.iter().map(|span| span.replace('\n', " "));
+        let indented = text.lines().filter(|line| line.starts_with("    "));
+        let lines = blocks.chain(indented).map(|line| line.trim().to_owned()).chain(spans);
+        for line in lines.filter(|line| line.starts_with("cargo ")) {
+            let words: Vec<&str> =
+                line.split_whitespace().take_while(|word| *word != "--" && *word != "#").collect();
+            let after =
+                |option: &str| words.windows(2).find(|own| own[0] == option).map(|own| own[1]);
+            let package = after("-p").map(|name| {
+                name.strip_prefix("wellposed-").unwrap_or_else(|| panic!("{document}: {line}"))
+            });
+            let folder = root().join(package.unwrap_or("."));
+            assert!(folder.join("Cargo.toml").exists(), "{document}: {line}");
+            for (option, place) in
+                [("--test", "tests"), ("--bench", "benches"), ("--example", "examples")]
+            {
+                let Some(name) = after(option) else { continue };
+                let path = folder.join(place).join(name);
+                let exists = path.with_extension("rs").exists() || path.join("main.rs").exists();
+                assert!(exists, "{document}: {line}");
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 10, "{count}");
+}
+
+/// The README is short, shows six pictures with the command of each, and leads to every page.
+#[test]
+fn the_readme_is_a_short_way_in() {
+    let text = read("README.md");
+    assert!(text.lines().count() <= 150, "{}", text.lines().count());
+    let section = text.split("\n## ").find(|own| own.starts_with("Six pictures"));
+    let pictures: Vec<&str> = section.expect("pictures").split("![").skip(1).collect();
+    assert_eq!(pictures.len(), 6);
+    for picture in pictures {
+        let blocks = Code::new(picture).blocks;
+        assert_eq!(blocks.iter().flat_map(|(_, block)| commands(block)).count(), 1, "{picture}");
+    }
+    for page in documents().iter().filter(|page| *page != "README.md") {
+        assert!(text.contains(&format!("]({page})")), "{page}");
+    }
+}
+
+/// Every picture of the gallery stands in a document.
+#[test]
+fn every_picture_has_a_place() {
+    let text: String = documents().iter().map(|document| read(document)).collect();
+    for entry in fs::read_dir(root().join("gallery")).expect("a folder") {
+        let name = entry.expect("an entry").file_name().into_string().expect("text");
+        assert!(text.contains(&format!("gallery/{name})")), "{name}");
+    }
+}
+
+/// The page of cases has a row for each, and no others.
+#[test]
+fn the_page_of_cases_is_complete() {
+    let page = read("docs/cases.md");
+    let rows = page.lines().filter_map(|line| line.strip_prefix("| `")?.split_once('`'));
+    let rows: BTreeSet<String> = rows.map(|(name, _)| format!("cases/{name}")).collect();
+    let bundled: BTreeSet<String> = CASES.iter().map(|(path, _)| (*path).to_owned()).collect();
+    assert_eq!(rows, bundled);
+}
+
+/// Blocks of TOML are whole cases.
+#[test]
+fn cases_in_the_documents_are_read() {
+    let mut count = 0;
+    for document in documents() {
+        for (language, block) in Code::new(&read(&document)).blocks {
+            if language == "toml" {
+                let read = Case::parse(&block, &document, &[]);
+                read.unwrap_or_else(|error| panic!("{error}\n{block}"));
+                count += 1;
+            }
+        }
+    }
+    assert_eq!(count, 4);
+}
+
+/// Arrays that Python examples take from results are there.
+#[test]
+fn python_examples_name_arrays_that_there_are() {
+    let mut count = 0;
+    for document in documents() {
+        for (_, block) in Code::new(&read(&document)).blocks.iter().filter(|own| own.0 == "python")
+        {
+            for line in block.lines() {
+                let Some((name, rest)) = line.split_once(" = np.load(\"out/") else { continue };
+                let path = rest.split_once('"').expect("a path").0;
+                let (case, file) = path.split_once('/').expect("a folder");
+                let arrays = result(case, file);
+                let start = format!("{name}[\"");
+                for index in block.split(&start).skip(1).filter_map(|rest| rest.split_once('"')) {
+                    assert!(arrays.iter().any(|own| own == index.0), "{document}: {}", index.0);
+                    count += 1;
+                }
+            }
+        }
+    }
+    assert!(count >= 10, "{count}");
+}
+
+/// Names of the arrays of a file of results of a bundled case, which is run for a short time.
+fn result(case: &str, file: &str) -> Vec<String> {
+    let end = format!("/{case}.toml");
+    let (path, _) = CASES.iter().find(|(path, _)| path.ends_with(&end)).expect("a bundled case");
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let out = scratch.path().to_str().expect("text");
+    let arguments: &[&str] = match file {
+        "map.npz" => &["map", path, "--out", out],
+        _ => &["run", path, "--set", "time.duration=1e-3", "--out", out],
+    };
+    let output = run(root(), arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let bytes = fs::read(scratch.path().join(file)).expect("a file of results");
+    npz::read(&bytes).expect("arrays").into_iter().map(|own| own.name).collect()
 }

@@ -136,7 +136,7 @@ fn refused(dynamics: &Dynamics, error: &DomainError) -> CaseError {
         DomainError::InitialStress => "initial_stress",
         _ => "grid",
     };
-    dynamics.locate(key, error.to_string(), "the README lists what there is under Solids in time")
+    dynamics.locate(key, error.to_string(), "docs/case-file.md describes solids in time")
 }
 
 /// That the initial stress is in the yield sets: else the first step would release it.

@@ -90,7 +90,7 @@ impl Job for FlowJob<'_> {
         let (case, duration) = (self.run, self.run.time.duration);
         let probes = case.receivers.iter().map(|own| case.grid.nearest(&own.at)).collect();
         let mut simulation = FlowSimulation::new(&self.problem, duration, probes)
-            .map_err(|error| case.locate("grid", error.to_string(), "see the README"))?;
+            .map_err(|error| case.locate("grid", error.to_string(), "see docs/case-file.md"))?;
         // Left before it began: the perturbation asks for too much.
         let too_much = |left: Left| {
             let allowed = "a smaller perturbation, which leaves the flow deforming";

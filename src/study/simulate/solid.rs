@@ -176,7 +176,7 @@ impl SolidJob<'_> {
         };
         let simulation = SolidSimulation::new(problem, steps, initial, probes, solver);
         Ok(simulation
-            .map_err(|error| dynamics.locate("grid", error.to_string(), "see the README"))?)
+            .map_err(|error| dynamics.locate("grid", error.to_string(), "see docs/case-file.md"))?)
     }
 
     /// That a stress is beyond yield at the beginning.
