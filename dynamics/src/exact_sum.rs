@@ -34,6 +34,10 @@ impl ExactSum {
     /// Adds a term.
     #[inline]
     pub(crate) fn add(&mut self, term: f64) {
+        // Much is at rest in many states.
+        if term == 0.0 {
+            return;
+        }
         let bits = term.to_bits();
         let exponent = (bits >> 52 & 0x7ff) as usize;
         let fraction = bits & ((1 << 52) - 1);

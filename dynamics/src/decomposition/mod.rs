@@ -322,13 +322,15 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
     }
 
     /// Values of the whole, from those of the own cells of all parts; none where these have none.
-    fn gather<V: Copy + Default>(&self, of_parts: impl Iterator<Item = Vec<V>>) -> Vec<V> {
+    fn gather<V: Copy>(&self, mut of_parts: impl Iterator<Item = Vec<V>>) -> Vec<V> {
+        if self.parts.len() == 1 {
+            return of_parts.next().unwrap_or_default();
+        }
         let mut all = Vec::new();
         for (part, values) in self.parts.iter().zip(of_parts) {
-            if values.is_empty() {
-                continue;
-            }
-            all.resize(self.cells.iter().product(), V::default());
+            // To begin with, any values.
+            let Some(first) = values.first() else { continue };
+            all.resize(self.cells.iter().product(), *first);
             for (cell, value) in part.region.own_global_cells().into_iter().zip(values) {
                 all[cell] = value;
             }
@@ -432,13 +434,7 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
     fn inner_values(&self, field: Field) -> Option<Vec<T>> {
         let of_parts = self.parts.iter().map(|part| part.domain.values(field));
         let of_parts = of_parts.collect::<Option<Vec<_>>>()?;
-        let mut all = vec![T::ZERO; self.cells.iter().product()];
-        for (part, values) in self.parts.iter().zip(of_parts) {
-            for (cell, value) in part.region.own_global_cells().into_iter().zip(values) {
-                all[cell] = value;
-            }
-        }
-        Some(all)
+        Some(self.gather(of_parts.into_iter()))
     }
 
     /// Places of all interlayers and their memories, in the order of [`Domain::interlayer_memory`] of the whole.
@@ -490,6 +486,9 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
 
     /// By cell of the whole, with the axes of the parts; those of halos as well, which output may look at.
     fn set_inner(&mut self, field: Field, values: &[T]) {
+        if let [part] = self.parts.as_mut_slice() {
+            return part.domain.set(field, values);
+        }
         for part in &mut self.parts {
             let cells = part.region.global_cells();
             part.domain.set_all(field, |cell| values.get(cells[cell]).copied());

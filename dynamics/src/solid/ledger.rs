@@ -173,11 +173,6 @@ pub(crate) struct LedgerSums {
 }
 
 impl LedgerSums {
-    /// Those of what steps added up, and of the dissipation in own cells.
-    pub(crate) fn new(work: &WorkSums, dissipation: [impl Iterator<Item = f64>; 3]) -> Self {
-        Self { work: work.clone(), dissipation: dissipation.map(Iterator::collect) }
-    }
-
     /// Adds those of another part.
     pub(crate) fn merge(&mut self, other: &Self) {
         self.work.merge(&other.work);

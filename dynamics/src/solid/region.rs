@@ -82,6 +82,39 @@ impl<const D: usize> Region<D> {
         products(&own, &self.whole)
     }
 
+    /// Places along an axis of a coordinate of the whole grid: several where a halo comes round.
+    fn places(&self, axis: usize, coordinate: usize) -> Vec<usize> {
+        let (whole, halo) = (self.whole[axis], self.halo[axis][0]);
+        let first = (self.own[axis].start + halo * whole - halo) % whole;
+        let place = (coordinate + whole - first) % whole;
+        (place..self.cells()[axis]).step_by(whole).collect()
+    }
+
+    /// The cells of the region that are a cell of the whole grid.
+    pub(crate) fn cells_of(&self, mut cell: usize) -> Vec<usize> {
+        let along: Vec<_> = (0..D)
+            .map(|axis| {
+                let coordinate = cell % self.whole[axis];
+                cell /= self.whole[axis];
+                self.places(axis, coordinate)
+            })
+            .collect();
+        products(&along, &self.cells())
+    }
+
+    /// The faces of a side of the region across `axis` that are a face of the whole grid.
+    pub(crate) fn faces_of(&self, axis: usize, mut face: usize) -> Vec<usize> {
+        let others: Vec<usize> = (0..D).filter(|other| *other != axis).collect();
+        let along = others.iter().map(|&other| {
+            let coordinate = face % self.whole[other];
+            face /= self.whole[other];
+            self.places(other, coordinate)
+        });
+        let along: Vec<_> = along.collect();
+        let cells: Vec<usize> = others.iter().map(|&other| self.cells()[other]).collect();
+        products(&along, &cells)
+    }
+
     /// The cell of the whole grid that is an own one, by its number among these.
     pub fn own_global_cell(&self, mut number: usize) -> usize {
         let (mut cell, mut stride) = (0, 1);
@@ -138,9 +171,12 @@ mod tests {
         assert_eq!(region.own_global_cells(), [8, 9]);
         assert_eq!(region.global_faces(1), [2, 3, 4, 0, 1]);
         assert_eq!(region.global_faces(0), [0, 1, 2]);
+        assert_eq!((region.cells_of(7), region.cells_of(1)), (vec![5], vec![4]));
+        assert_eq!((region.faces_of(1, 0), region.faces_of(0, 2)), (vec![3], vec![2]));
         // Wider than the grid.
         let narrow = Region::new([2], std::array::from_fn(|_| 0..2), [[3, 4]]);
         assert_eq!(narrow.coordinates(0), [1, 0, 1, 0, 1, 0, 1, 0, 1]);
+        assert_eq!(narrow.cells_of(1), [0, 2, 4, 6, 8]);
     }
 
     #[test]

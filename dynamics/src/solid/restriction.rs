@@ -4,28 +4,7 @@ use crate::solid::boundary::{Boundary, Load, Source};
 use crate::solid::problem::Problem;
 use crate::solid::reconstruction::HALO;
 use crate::solid::region::Region;
-
-/// By index in a whole, where it stands in a part: at several places where a halo comes round.
-struct Places(Vec<(usize, usize)>);
-
-impl Places {
-    fn new(of_part: &[usize]) -> Self {
-        let mut places: Vec<_> =
-            of_part.iter().enumerate().map(|(place, index)| (*index, place)).collect();
-        places.sort_unstable();
-        Self(places)
-    }
-
-    /// The values of some of the whole, by their places in the part; the order of the list is kept.
-    fn restrict(&self, values: &[(usize, f64)]) -> Vec<(usize, f64)> {
-        let of = |&(index, value): &(usize, f64)| {
-            let first = self.0.partition_point(|own| own.0 < index);
-            let own = self.0[first..].iter().take_while(move |own| own.0 == index);
-            own.map(move |own| (own.1, value))
-        };
-        values.iter().flat_map(of).collect()
-    }
-}
+use std::borrow::Cow;
 
 impl<const D: usize> Problem<D> {
     /// All cells of its grid, for passes of so many steps: layers across a periodic last axis are each other's halo.
@@ -38,26 +17,38 @@ impl<const D: usize> Problem<D> {
     }
 
     /// The problem of a region: media, conditions by face, loads and sources are those of its cells and faces, by their
-    /// numbers in the region. The grid is the whole one; layers of the initial stress and interlayers count along it.
+    /// numbers in the region. The grid is the whole one; layers of the initial stress, of the metric and interlayers count
+    /// along it.
     #[must_use]
-    pub fn restricted(&self, region: &Region<D>) -> Self {
-        let cells = region.global_cells();
-        let places = Places::new(&cells);
-        let faces: [Vec<usize>; D] = std::array::from_fn(|axis| region.global_faces(axis));
-        let places_of_faces = faces.each_ref().map(|faces| Places::new(faces));
+    pub fn restricted(&self, region: &Region<D>) -> Cow<'_, Self> {
+        if *region == Region::whole(self.grid.cells) {
+            return Cow::Borrowed(self);
+        }
         let side = |axis: usize, side: &Boundary| match side {
             Boundary::ByFace(pairs) => {
-                let of = |own: &Vec<_>| faces[axis].iter().map(|face| own[*face]).collect();
+                let faces = region.global_faces(axis);
+                let of = |own: &Vec<_>| faces.iter().map(|face| own[*face]).collect();
                 Boundary::ByFace(pairs.iter().map(of).collect())
             }
             _ => side.clone(),
         };
-        let load = |own: &Load| Load {
-            faces: places_of_faces[own.axis].restrict(&own.faces),
-            ..own.clone()
+        let load = |own: &Load| {
+            let faces = own.faces.iter();
+            let places = faces.flat_map(|&(face, amplitude)| {
+                let own = region.faces_of(own.axis, face).into_iter();
+                own.map(move |face| (face, amplitude))
+            });
+            Load { faces: places.collect(), ..own.clone() }
         };
-        let source = |own: &Source| Source { cells: places.restrict(&own.cells), ..own.clone() };
-        Self {
+        let source = |own: &Source| {
+            let cells = own.cells.iter();
+            let places = cells.flat_map(|&(cell, share)| {
+                region.cells_of(cell).into_iter().map(move |cell| (cell, share))
+            });
+            Source { cells: places.collect(), ..own.clone() }
+        };
+        let cells = region.global_cells();
+        Cow::Owned(Self {
             grid: self.grid,
             media: self.media.clone(),
             of_cell: cells.iter().map(|cell| self.of_cell[*cell]).collect(),
@@ -73,6 +64,6 @@ impl<const D: usize> Problem<D> {
             integrals: self.integrals.clone(),
             interlayers: self.interlayers.clone(),
             metric: self.metric.clone(),
-        }
+        })
     }
 }

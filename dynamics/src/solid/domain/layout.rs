@@ -148,6 +148,13 @@ impl<const D: usize> Layout<D> {
         Some(number)
     }
 
+    /// The rows of all layers that have own cells.
+    pub(super) fn own_rows(&self) -> impl Iterator<Item = usize> {
+        let rows = if D == 2 { 0..1 } else { self.own[1].clone() };
+        let of_layer = move |layer: usize| rows.clone().map(move |row| layer * self.rows + row);
+        self.own_layers().flat_map(of_layer)
+    }
+
     /// Whether a row of a layer has own cells.
     pub(super) fn is_own_row(&self, layer: usize, row: usize) -> bool {
         self.own_layers().contains(&layer) && (D == 2 || self.own[1].contains(&row))

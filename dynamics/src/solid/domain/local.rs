@@ -4,6 +4,7 @@
 use super::diagnostics::Diagnostics;
 use super::layout::Tile;
 use super::{Domain, MOST_FIELDS, SolverReal};
+use crate::exact_sum::ExactSum;
 use crate::simd::{Group, MOST_LANES, Real, Vector, Work};
 use crate::solid::cell_laws::{SpinStressRotation, combined, flush_limit, rotated, stress_of};
 use crate::solid::ledger::{EnergySums, LedgerSums};
@@ -83,18 +84,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Sums of the energy in own cells and faces.
     pub(crate) fn energy_sums(&self) -> EnergySums {
         let mut sums = EnergySums::default();
-        let mut of_cells = vec![[0.0; 2]; self.layout.groups * T::Lanes::COUNT];
-        for layer in self.layout.own_layers() {
-            for row in (0..self.layout.rows).filter(|row| self.layout.is_own_row(layer, *row)) {
-                let row = layer * self.layout.rows + row;
-                self.instructions.run::<T>(Energies { domain: self, row, of_lanes: &mut of_cells });
-                for x in self.layout.own[0].clone() {
-                    let place = x % self.layout.groups * T::Lanes::COUNT + x / self.layout.groups;
-                    let [kinetic, stored] = of_cells[place];
-                    sums.kinetic.add(kinetic);
-                    sums.stored.add(stored);
-                }
-            }
+        for row in self.layout.own_rows() {
+            self.instructions.run::<T>(Energies { domain: self, row, sums: &mut sums });
         }
         self.add_interlayer_energy(&mut sums);
         sums
@@ -103,13 +94,25 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// What steps did to the energy so far, in own cells and faces.
     pub(crate) fn ledger_sums(&self) -> LedgerSums {
         let Diagnostics { work, dissipation, .. } = &self.diagnostics;
-        LedgerSums::new(work, dissipation.all().map(|sums| self.of_own_lanes(sums)))
+        let dissipation = dissipation.all().map(|values| self.sum_of_own_lanes(values));
+        LedgerSums { work: work.clone(), dissipation }
     }
 
-    /// Of a list by group and lane, the values of own cells in their order; none of an empty one.
-    pub(super) fn of_own_lanes(&self, values: &[f64]) -> impl Iterator<Item = f64> {
-        let cells = self.layout.own_cells().take(if values.is_empty() { 0 } else { usize::MAX });
-        cells.map(|cell| values[self.layout.lane_of::<T>(cell)])
+    /// The sum over own cells of a list by group and lane, which may be empty.
+    fn sum_of_own_lanes(&self, values: &[f64]) -> ExactSum {
+        let (mut sum, lanes) = (ExactSum::default(), T::Lanes::COUNT);
+        let row = self.layout.groups * lanes;
+        let rows = self.layout.own_rows().filter_map(|index| values.get(index * row..)?.get(..row));
+        for row in rows {
+            for (group, own) in row.chunks_exact(lanes).zip(&self.layout.own_lanes) {
+                for (lane, value) in group.iter().enumerate() {
+                    if *value != 0.0 && own >> lane & 1 == 1 {
+                        sum.add(*value);
+                    }
+                }
+            }
+        }
+        sum
     }
 }
 
@@ -158,12 +161,11 @@ impl<T: Real> Work<T> for FlushSubnormals<'_, T> {
     }
 }
 
-/// Kinetic and stored energy of the cells of a row, J/m³.
+/// Kinetic and stored energy of the own cells of a row, J/m³.
 struct Energies<'a, T: SolverReal, const D: usize> {
     domain: &'a Domain<T, D>,
     row: usize,
-    /// By group and lane.
-    of_lanes: &'a mut [[f64; 2]],
+    sums: &'a mut EnergySums,
 }
 
 impl<T: SolverReal, const D: usize> Work<T> for Energies<'_, T, D> {
@@ -171,24 +173,25 @@ impl<T: SolverReal, const D: usize> Work<T> for Energies<'_, T, D> {
     fn run<V: Vector<T>>(self) {
         let Domain { layout, materials, data, .. } = self.domain;
         let (terms, patterns) = (&materials.energy_terms, &materials.patterns);
-        let lanes = T::Lanes::COUNT;
-        for (group, of_lanes) in self.of_lanes.chunks_exact_mut(lanes).enumerate() {
+        for (group, own) in layout.own_lanes.iter().enumerate() {
             let index = layout.index(self.row, group);
             let factors = &terms.factors[patterns[index.group] as usize];
             let group = &data[index.data..];
             // In numbers of twice the digits where there are such.
-            let mut sums = [[0.0f64; MOST_LANES]; 2];
+            let mut of_lanes = [[0.0f64; MOST_LANES]; 2];
             for (term, (&[one, other], factor)) in terms.places.iter().zip(factors).enumerate() {
-                let sums = &mut sums[usize::from(term >= terms.kinetic)];
+                let of_lanes = &mut of_lanes[usize::from(term >= terms.kinetic)];
                 let lanes = factor.lanes().iter().zip(group[one].lanes());
-                for (sum, ((factor, one), other)) in
-                    sums.iter_mut().zip(lanes.zip(group[other].lanes()))
+                for (energy, ((factor, one), other)) in
+                    of_lanes.iter_mut().zip(lanes.zip(group[other].lanes()))
                 {
-                    *sum += factor.wide() * one.wide() * other.wide();
+                    *energy += factor.wide() * one.wide() * other.wide();
                 }
             }
-            for (lane, own) in of_lanes.iter_mut().enumerate() {
-                *own = [sums[0][lane], sums[1][lane]];
+            let [kinetic, stored] = of_lanes;
+            for lane in (0..T::Lanes::COUNT).filter(|lane| own >> lane & 1 == 1) {
+                self.sums.kinetic.add(kinetic[lane]);
+                self.sums.stored.add(stored[lane]);
             }
         }
     }

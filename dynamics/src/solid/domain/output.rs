@@ -37,6 +37,12 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         dissipation.into_iter().chain(integrals).collect()
     }
 
+    /// Of a list by group and lane, the values of own cells in their order; none of an empty one.
+    fn of_own_lanes(&self, values: &[f64]) -> impl Iterator<Item = f64> {
+        let cells = self.layout.own_cells().take(if values.is_empty() { 0 } else { usize::MAX });
+        cells.map(|cell| values[self.layout.lane_of::<T>(cell)])
+    }
+
     /// Takes over such sums.
     pub(crate) fn set_sums(&mut self, sums: &[Vec<f64>]) {
         let Some((dissipation, integrals)) = sums.split_at_checked(3) else { return };

@@ -171,8 +171,8 @@ impl<T: Real, const D: usize> Reference<T, D> {
 
     /// What steps did to the energy so far.
     pub fn ledger(&self) -> Ledger {
-        let sums = self.dissipation.all().map(|sums| sums.iter().copied());
-        LedgerSums::new(&self.work, sums).ledger(self.problem.grid.volume())
+        let dissipation = self.dissipation.all().map(|values| values.iter().copied().collect());
+        LedgerSums { work: self.work.clone(), dissipation }.ledger(self.problem.grid.volume())
     }
 
     /// Energy of the deviation from the initial stress.
