@@ -4,7 +4,7 @@
 //! earlier may find the last line half-written; a run that was interrupted goes on behind what a
 //! `sync` said was written, if that is still there unchanged, and what follows is written again.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -12,6 +12,7 @@ use crc32fast::Hasher;
 
 use crate::atomic::sync_name;
 use crate::csv::shortest;
+use crate::open::open_in_place;
 
 /// A table that could not be started, resumed or extended.
 #[derive(Debug, thiserror::Error)]
@@ -65,14 +66,7 @@ pub enum AppendProblem {
     },
 }
 
-/// The start of a table that had been written: its rows up to some instant, its header with them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Written {
-    /// Length, in bytes.
-    pub length: u64,
-    /// CRC-32 of these bytes as in zlib: it guards against accidents, not against intent.
-    pub checksum: u32,
-}
+pub use crate::open::Written;
 
 /// A table that is being extended. Rows that are not yet on the device when it is dropped are
 /// handed to the operating system, without a word about failures: call [`Appender::sync`] before.
@@ -123,7 +117,14 @@ impl Appender {
     /// Starts a table with its header; a file of the same name is replaced, a missing folder is
     /// an error. The header is on the device afterwards.
     pub fn create(path: &Path, header: &[&str]) -> Result<Self, AppendError> {
-        let file = File::create(path).map_err(at(path, "be created"))?;
+        // Another file, so that no link to the one before leads here.
+        match fs::remove_file(path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                return Err(at(path, "be created")(error));
+            }
+            _ => {}
+        }
+        let file = File::create_new(path).map_err(at(path, "be created"))?;
         let header = header.iter().map(|&name| name.to_owned()).collect();
         let start = Hashed { file, length: 0, hasher: Hasher::new() };
         let mut appender = Self::around(path, header, start);
@@ -137,27 +138,7 @@ impl Appender {
     /// Goes on with a table behind what had been `written` of it, which must be there unchanged;
     /// the rest of the file is cut off.
     pub fn resume(path: &Path, written: Written) -> Result<Self, AppendError> {
-        let length = written.length;
-        let opened = File::options().read(true).write(true).open(path);
-        let mut file = opened.map_err(at(path, "be opened"))?;
-        let found = file.metadata().map_err(at(path, "be read"))?.len();
-        if found < length {
-            return Err(wrong(path, AppendProblem::Shorter { found, length }));
-        }
-        let hasher = hasher_of(&file, length).map_err(at(path, "be read"))?;
-        let start =
-            Hashed { file: file.try_clone().map_err(at(path, "be opened"))?, length, hasher };
-        if start.written() != written {
-            return Err(wrong(path, AppendProblem::Changed { length }));
-        }
-        let header = header_of(&mut file, length).map_err(at(path, "be read"))?;
-        let header = header.ok_or_else(|| wrong(path, AppendProblem::Header { length }))?;
-        let cut = file
-            .set_len(length)
-            .and_then(|()| file.sync_all())
-            .and_then(|()| file.seek(SeekFrom::Start(length)));
-        cut.map_err(at(path, "be shortened"))?;
-        Ok(Self::around(path, header, start))
+        Interrupted::open(path, written)?.resume()
     }
 
     fn around(path: &Path, header: Vec<String>, start: Hashed) -> Self {
@@ -189,6 +170,53 @@ impl Appender {
         };
         flush().map_err(at(&self.path, "be written"))?;
         Ok(self.writer.get_ref().written())
+    }
+}
+
+/// A table that can go on behind what had been written of it; nothing of it is changed yet.
+#[derive(Debug)]
+pub struct Interrupted {
+    path: PathBuf,
+    header: Vec<String>,
+    start: Hashed,
+}
+
+impl Interrupted {
+    /// Looks whether what had been `written` of a table is there unchanged.
+    ///
+    /// # Errors
+    /// It is not, or cannot be read.
+    pub fn open(path: &Path, written: Written) -> Result<Self, AppendError> {
+        let length = written.length;
+        let mut file = open_in_place(path).map_err(at(path, "be opened"))?;
+        let found = file.metadata().map_err(at(path, "be read"))?.len();
+        if found < length {
+            return Err(wrong(path, AppendProblem::Shorter { found, length }));
+        }
+        let hasher = hasher_of(&file, length).map_err(at(path, "be read"))?;
+        let start =
+            Hashed { file: file.try_clone().map_err(at(path, "be opened"))?, length, hasher };
+        if start.written() != written {
+            return Err(wrong(path, AppendProblem::Changed { length }));
+        }
+        let header = header_of(&mut file, length).map_err(at(path, "be read"))?;
+        let header = header.ok_or_else(|| wrong(path, AppendProblem::Header { length }))?;
+        Ok(Self { path: path.to_path_buf(), header, start })
+    }
+
+    /// Cuts off what had been written later, and goes on.
+    ///
+    /// # Errors
+    /// The file cannot be shortened.
+    pub fn resume(self) -> Result<Appender, AppendError> {
+        let Self { path, header, start } = self;
+        let mut file = &start.file;
+        let cut = file
+            .set_len(start.length)
+            .and_then(|()| file.sync_all())
+            .and_then(|()| file.seek(SeekFrom::Start(start.length)));
+        cut.map_err(at(&path, "be shortened"))?;
+        Ok(Appender::around(&path, header, start))
     }
 }
 
@@ -224,8 +252,6 @@ fn header_of(file: &mut File, length: u64) -> io::Result<Option<Vec<String>>> {
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
-
     use super::*;
 
     /// The start of a text as if it had been written.
@@ -330,5 +356,37 @@ mod tests {
         table.write_row(&[5.0, 6.0]).unwrap();
         table.sync().unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "a,b\n5,6\n");
+    }
+
+    #[test]
+    fn looking_changes_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table");
+        let text = "a,b\n1,2\n3,4\n";
+        fs::write(&path, text).unwrap();
+        let found = Interrupted::open(&path, start(text, 8)).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), text);
+        drop(found);
+        assert_eq!(fs::read_to_string(&path).unwrap(), text);
+        drop(Interrupted::open(&path, start(text, 8)).unwrap().resume().unwrap());
+        assert_eq!(fs::read_to_string(&path).unwrap(), &text[..8]);
+    }
+
+    /// A table that begins leaves alone what had its name, under its other names.
+    #[cfg(unix)]
+    #[test]
+    fn links_are_not_followed() {
+        let folder = tempfile::tempdir().unwrap();
+        let [path, target] = ["table", "target"].map(|name| folder.path().join(name));
+        fs::write(&target, "a,b\n1,2\n").unwrap();
+        std::os::unix::fs::symlink(&target, &path).unwrap();
+        let error = Appender::resume(&path, start("a,b\n1,2\n", 4)).unwrap_err();
+        assert!(error.to_string().ends_with("table: cannot be opened: a symbolic link"), "{error}");
+        drop(Appender::create(&path, &["c"]).unwrap());
+        fs::remove_file(&path).unwrap();
+        fs::hard_link(&target, &path).unwrap();
+        drop(Appender::create(&path, &["c"]).unwrap());
+        assert_eq!(fs::read(&target).unwrap(), b"a,b\n1,2\n");
+        assert_eq!(fs::read(&path).unwrap(), b"c\n");
     }
 }

@@ -1,9 +1,14 @@
 //! Writing a file as one indivisible step.
 
-use std::ffi::OsString;
-use std::fs::{self, File};
+use std::collections::BTreeSet;
+use std::ffi::{OsStr, OsString};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use crate::open::{open_regular, stands_at};
 
 /// A file or folder that could not be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -21,7 +26,8 @@ pub struct FileError {
 ///
 /// Missing parent folders are created. The bytes go to a temporary file in the same folder, are
 /// flushed to the device, and the temporary file takes the final name in one step. When any step
-/// fails the temporary file is removed.
+/// fails the temporary file is removed. Something that is neither a file nor a symbolic link, such
+/// as a device, is not replaced; a link is, and what it leads to stays.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     write_atomically_with(path, |file| file.write_all(bytes))
 }
@@ -32,6 +38,49 @@ pub fn write_atomically_with(
     path: &Path,
     write: impl FnOnce(&mut File) -> io::Result<()>,
 ) -> Result<(), FileError> {
+    stage_with(path, write)?.publish()
+}
+
+/// A file that stands complete on the device under a temporary name. Dropped, it is gone.
+#[derive(Debug)]
+pub struct Staged {
+    path: PathBuf,
+    temporary: PathBuf,
+    /// Keeps it locked, which tells others that it is no leftover.
+    _file: File,
+}
+
+impl Staged {
+    /// The file takes its name.
+    ///
+    /// # Errors
+    /// It cannot; it is removed then.
+    pub fn publish(self) -> Result<(), FileError> {
+        let at = |source| FileError { path: self.path.clone(), action: "write", source };
+        refuse_device(&self.path).map_err(at)?;
+        fs::rename(&self.temporary, &self.path).map_err(at)?;
+        sync_name(&self.path);
+        Ok(())
+    }
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        let mut own = own_temporaries();
+        // After its renaming nothing stands there any more.
+        let _ = fs::remove_file(&self.temporary);
+        own.remove(&self.temporary);
+    }
+}
+
+/// Writes a file under a temporary name, from which [`Staged::publish`] takes it to `path`.
+///
+/// # Errors
+/// A folder or the file cannot be created or written; nothing is left then.
+pub fn stage_with(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> io::Result<()>,
+) -> Result<Staged, FileError> {
     let at = |path: &Path, action| {
         let path = path.to_path_buf();
         move |source| FileError { path, action, source }
@@ -40,33 +89,105 @@ pub fn write_atomically_with(
         let source = io::Error::new(io::ErrorKind::InvalidInput, "the path names no file");
         return Err(at(path, "write")(source));
     };
+    refuse_device(path).map_err(at(path, "write"))?;
     let folder = folder_of(path);
     fs::create_dir_all(folder).map_err(at(folder, "create the folder"))?;
+    let (temporary, mut file) = create_temporary(folder, name)?;
+    let written = write(&mut file).and_then(|()| file.sync_all());
+    // Where that failed it is dropped, and its file with it.
+    let staged = Staged { path: path.to_path_buf(), temporary, _file: file };
+    written.map_err(at(&staged.temporary, "write"))?;
+    Ok(staged)
+}
 
-    // The process number keeps two programs apart that write the same file at the same time;
-    // `create_new` below refuses to touch whatever else may carry the name.
-    let mut temporary = OsString::from(".");
-    temporary.push(name);
-    temporary.push(format!(".{}.partial", std::process::id()));
-    let temporary = folder.join(temporary);
-
-    let mut file = File::options()
-        .write(true)
-        .create_new(true)
-        .open(&temporary)
-        .map_err(at(&temporary, "create"))?;
-    let written = write(&mut file)
-        .and_then(|()| file.sync_all())
-        .map_err(at(&temporary, "write"))
-        .and_then(|()| fs::rename(&temporary, path).map_err(at(path, "write")));
-    drop(file);
-    if written.is_err() {
-        // The first failure is the one worth reporting.
-        let _ = fs::remove_file(&temporary);
-        return written;
+/// That a file may be put in place of what stands there.
+fn refuse_device(path: &Path) -> io::Result<()> {
+    match fs::symlink_metadata(path).map(|found| found.file_type()) {
+        Ok(found) if !found.is_file() && !found.is_symlink() && !found.is_dir() => {
+            Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"))
+        }
+        _ => Ok(()),
     }
-    sync_name(path);
-    Ok(())
+}
+
+/// Temporary files of this process.
+static OWN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn own_temporaries() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    OWN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes the temporary files of this process, and lets it make no other: for a process that is to end at once, as by
+/// a signal. Writing in other threads waits from now on.
+pub fn remove_own_temporaries() {
+    let own = own_temporaries();
+    own.iter().for_each(|path| drop(fs::remove_file(path)));
+    std::mem::forget(own);
+}
+
+/// Creates and locks a temporary file for a file of that name.
+fn create_temporary(folder: &Path, name: &OsStr) -> Result<(PathBuf, File), FileError> {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    loop {
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let mut temporary = OsString::from(".");
+        temporary.push(name);
+        // The process number keeps two programs apart, the count two files of one.
+        temporary.push(format!(".{}-{count}.partial", std::process::id()));
+        let path = folder.join(temporary);
+        let mut own = own_temporaries();
+        let file = match File::options().write(true).create_new(true).open(&path) {
+            // Left by a process that had the same number.
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
+            Err(source) => return Err(FileError { path, action: "create", source }),
+            Ok(file) => file,
+        };
+        // Somebody may have taken it for a leftover before it was locked, and has removed it or is about to.
+        let is_locked = !matches!(file.try_lock(), Err(TryLockError::WouldBlock));
+        if is_locked && stands_at(&file, &path) {
+            own.insert(path.clone());
+            return Ok((path, file));
+        }
+    }
+}
+
+/// Removes a temporary file that a dead process left; one that is being written stays.
+///
+/// # Errors
+/// It cannot be removed.
+pub fn remove_abandoned(path: &Path) -> io::Result<()> {
+    let file = match open_regular(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        file => file?,
+    };
+    let is_abandoned = match file.try_lock() {
+        Ok(()) => true,
+        Err(TryLockError::WouldBlock) => false,
+        // Without locks the number of its process decides, where that can be looked up.
+        Err(TryLockError::Error(_)) => {
+            process_of(path).is_some_and(|process| is_dead(process) == Some(true))
+        }
+    };
+    if !is_abandoned {
+        return Ok(());
+    }
+    match fs::remove_file(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        removed => removed,
+    }
+}
+
+/// The number of the process in the name of a temporary file.
+fn process_of(path: &Path) -> Option<u32> {
+    let name = path.file_name()?.to_str()?.strip_suffix(".partial")?;
+    let (_, number) = name.rsplit_once('.')?;
+    number.split('-').next()?.parse().ok()
+}
+
+/// Whether there is no process of that number; `None` where that cannot be told.
+fn is_dead(process: u32) -> Option<bool> {
+    let all = Path::new("/proc");
+    all.join("self").exists().then(|| !all.join(process.to_string()).exists())
 }
 
 /// The folder of a file.
@@ -149,5 +270,108 @@ mod tests {
             let error = write_atomically(Path::new(path), b"bytes").unwrap_err();
             assert_eq!(error.source.kind(), io::ErrorKind::InvalidInput);
         }
+    }
+
+    #[test]
+    fn what_is_staged_takes_its_name_when_it_is_told_to() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("result");
+        write_atomically(&path, b"earlier").unwrap();
+        drop(stage_with(&path, |file| file.write_all(b"dropped")).unwrap());
+        assert_eq!(names(folder.path()), ["result"]);
+        let [one, two] = ["one", "two"]
+            .map(|text| stage_with(&path, |file| file.write_all(text.as_bytes())).unwrap());
+        assert_eq!(
+            (fs::read(&path).unwrap(), names(folder.path()).len()),
+            (b"earlier".to_vec(), 3)
+        );
+        one.publish().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"one");
+        two.publish().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"two");
+        assert_eq!(names(folder.path()), ["result"]);
+    }
+
+    #[test]
+    fn leftovers_of_the_dead_alone_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("result");
+        let staged = stage_with(&path, |file| file.write_all(b"alive")).unwrap();
+        // Of a process that is no more, and under the number of one that is.
+        let dead = [7_u32, std::process::id()]
+            .map(|process| folder.path().join(format!(".result.{process}-999.partial")));
+        for leftover in &dead {
+            fs::write(leftover, "half").unwrap();
+        }
+        for name in names(folder.path()) {
+            remove_abandoned(&folder.path().join(name)).unwrap();
+        }
+        assert!(dead.iter().all(|leftover| !leftover.exists()));
+        staged.publish().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"alive");
+        remove_abandoned(&folder.path().join("absent")).unwrap();
+        assert_eq!(process_of(Path::new("a/.map.png.123-4.partial")), Some(123));
+        assert!(!is_dead(std::process::id()).unwrap_or(false));
+    }
+
+    /// Eight threads write, one sweeps as fast as it can.
+    #[test]
+    fn sweeping_harms_no_living_writer() {
+        use std::sync::atomic::AtomicBool;
+        let folder = tempfile::tempdir().unwrap();
+        let (folder, is_done) = (folder.path(), AtomicBool::new(false));
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                while !is_done.load(Ordering::Relaxed) {
+                    for name in names_there(folder) {
+                        if name.ends_with(".partial") {
+                            remove_abandoned(&folder.join(name)).unwrap();
+                        }
+                    }
+                }
+            });
+            let writers: Vec<_> = (0..8)
+                .map(|thread| {
+                    scope.spawn(move || {
+                        (0..40).try_for_each(|_| {
+                            write_atomically(
+                                &folder.join(format!("result{thread}")),
+                                &[thread; 999],
+                            )
+                        })
+                    })
+                })
+                .collect();
+            let ends: Vec<_> = writers.into_iter().map(|writer| writer.join().unwrap()).collect();
+            is_done.store(true, Ordering::Relaxed);
+            ends.into_iter().for_each(|end| end.unwrap());
+        });
+        assert_eq!(names(folder).len(), 8);
+    }
+
+    fn names_there(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap().filter_map(Result::ok);
+        entries.map(|entry| entry.file_name().into_string().unwrap()).collect()
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let error = write_atomically(&pipe, b"bytes").unwrap_err();
+        assert!(error.to_string().ends_with("pipe: not a regular file"), "{error}");
+        assert_eq!(names(folder.path()), ["pipe"]);
+        assert!(!fs::symlink_metadata(&pipe).unwrap().is_file());
+        // A link is replaced, and what it leads to stays.
+        let (target, link) = (folder.path().join("target"), folder.path().join("link"));
+        fs::write(&target, "kept").unwrap();
+        std::os::unix::fs::symlink(&target, &link).unwrap();
+        write_atomically(&link, b"bytes").unwrap();
+        assert_eq!(
+            (fs::read(&target).unwrap(), fs::read(&link).unwrap()),
+            (b"kept".to_vec(), b"bytes".to_vec())
+        );
     }
 }

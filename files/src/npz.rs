@@ -5,6 +5,7 @@
 
 use std::io::{self, Cursor, Read, Write};
 
+use crate::open::read_fallibly;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
@@ -171,20 +172,45 @@ pub struct Array {
 /// Reads back an archive that [`Npz`] wrote, in the order of writing. Other programs' archives
 /// are read where they keep to the same kinds of arrays, in row-major order.
 pub fn read(bytes: &[u8]) -> Result<Vec<Array>, NpzError> {
-    let mut archive = ZipArchive::new(Cursor::new(bytes))?;
-    (0..archive.len())
-        .map(|index| {
-            let mut entry = archive.by_index(index)?;
-            let name = entry.name()?;
-            let name = name.strip_suffix(".npy").unwrap_or(&name).to_owned();
-            let mut bytes = Vec::new();
-            entry.read_to_end(&mut bytes)?;
-            let (shape, values) =
-                parse(&bytes).map_err(|problem| NpzError::Entry { name: name.clone(), problem })?;
-            Ok(Array { name, shape, values })
-        })
-        .collect()
+    read_some(bytes, |_| true, usize::MAX)
 }
+
+/// As [`read`], of an archive of unknown origin: the arrays whose names are wanted, each of which may have at most so
+/// many values. Nothing of the others is inflated.
+///
+/// # Errors
+/// The archive is damaged, or an array that is wanted is larger or does not fit into memory.
+pub fn read_some(
+    bytes: &[u8],
+    is_wanted: impl Fn(&str) -> bool,
+    most_values: usize,
+) -> Result<Vec<Array>, NpzError> {
+    let mut archive = ZipArchive::new(Cursor::new(bytes))?;
+    let mut arrays = Vec::new();
+    for index in 0..archive.len() {
+        let entry = archive.by_index(index)?;
+        let name = entry.name()?;
+        let name = name.strip_suffix(".npy").unwrap_or(&name).to_owned();
+        if !is_wanted(&name) {
+            continue;
+        }
+        let wrong = |problem| NpzError::Entry { name: name.clone(), problem };
+        // Strings are as long as their array says: they count as the numbers that take their room.
+        let most = (MOST_HEADER as u64).saturating_add((most_values as u64).saturating_mul(8));
+        let mut bytes = Vec::new();
+        let expected = entry.size().min(most);
+        read_fallibly(entry.take(most.saturating_add(1)), expected, &mut bytes)?;
+        if bytes.len() as u64 > most {
+            return Err(wrong("is larger than it can be"));
+        }
+        let (shape, values) = parse(&bytes).map_err(wrong)?;
+        arrays.push(Array { name, shape, values });
+    }
+    Ok(arrays)
+}
+
+/// Bytes of the longest header of format version 1.0.
+const MOST_HEADER: usize = 10 + u16::MAX as usize;
 
 /// The text between `open` and the next `close`.
 fn between<'a>(text: &'a str, open: &str, close: char) -> Option<&'a str> {
@@ -323,5 +349,25 @@ mod tests {
         assert!(parse(&header("<U0", &[3])).is_err());
         assert!(parse(&header("|O", &[0])).is_err());
         assert!(parse(&header("<f8", &[usize::MAX, usize::MAX])).is_err());
+    }
+
+    #[test]
+    fn what_is_not_wanted_is_not_inflated_and_sizes_have_limits() {
+        let mut npz = Npz::new();
+        npz.add_f64("v1", &[3], &[1.0, 2.0, 3.0]).unwrap();
+        npz.add_f64("large", &[100_000], &vec![0.0; 100_000]).unwrap();
+        let mut bytes = npz.finish().unwrap();
+        let wanted = |name: &str| name == "v1";
+        assert_eq!(read_some(&bytes, wanted, 3).unwrap().len(), 1);
+        let refused = read_some(&bytes, |_| true, 3).unwrap_err().to_string();
+        assert_eq!(refused, "entry \"large\" of the array archive is larger than it can be");
+        // Damage to an entry is seen by who reads it.
+        let place = bytes.windows(9).position(|window| window == b"large.npy").unwrap() + 9;
+        bytes[place..place + 40].fill(0xff);
+        assert_eq!(
+            read_some(&bytes, wanted, 3).unwrap()[0].values,
+            Values::F64(vec![1.0, 2.0, 3.0])
+        );
+        assert!(read(&bytes).is_err());
     }
 }

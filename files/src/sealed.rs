@@ -10,12 +10,12 @@
 //! guard against accidents, not against intent.
 
 use std::collections::HashSet;
-use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 
 use crc32fast::Hasher;
 
+use crate::open::open_regular;
 use crate::{FileError, write_atomically_with};
 
 // The first byte is no text, and the line ends do not survive a transfer as text.
@@ -112,7 +112,7 @@ pub fn write_sealed(path: &Path, sections: &[(&str, &[u8])]) -> Result<(), FileE
 /// Reads the sections of a file back, in the order of writing. A file that is not exactly as it
 /// was written is refused, and no length is believed that the file itself does not have.
 pub fn read_sealed(path: &Path) -> Result<Vec<(String, Vec<u8>)>, SealedError> {
-    let opened = File::open(path).and_then(|file| Ok((file.metadata()?.len(), file)));
+    let opened = open_regular(path).and_then(|file| Ok((file.metadata()?.len(), file)));
     opened
         .map_err(Problem::Read)
         .and_then(|(length, file)| read(BufReader::new(file), length))

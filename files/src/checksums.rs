@@ -1,0 +1,134 @@
+//! A list of files with their lengths and checksums, which notices its own damage.
+//!
+//! A line `CHECKSUM LENGTH NAME` for each file, in the order of their names, below a line that says what this is; the
+//! last line is the same for the bytes above it. Checksums are CRC-32 as in zlib, eight hexadecimal digits. A list is
+//! sound only if it is what would be written of its own content, so that every change of a byte is noticed.
+
+use std::collections::BTreeMap;
+
+use crate::open::Written;
+
+/// The first line.
+const HEAD: &str = "# CRC-32, length in bytes and name of every file but the log; the last line is for those above\n";
+
+/// The list.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Checksums {
+    files: BTreeMap<String, Written>,
+}
+
+impl Checksums {
+    /// The usual name of a list, which its last line has.
+    pub const NAME: &str = "checksums.txt";
+
+    /// Adds a file, or puts another content in place of that which it had.
+    ///
+    /// # Panics
+    /// The name is of several lines, or that of the list itself.
+    pub fn insert(&mut self, name: &str, written: Written) {
+        assert!(!name.contains('\n') && name != Self::NAME, "no name of a file in a list: {name}");
+        self.files.insert(name.to_owned(), written);
+    }
+
+    /// Removes a file, if it is there.
+    pub fn remove(&mut self, name: &str) {
+        self.files.remove(name);
+    }
+
+    /// What the list says of a file.
+    pub fn get(&self, name: &str) -> Option<Written> {
+        self.files.get(name).copied()
+    }
+
+    /// All files in the order of their names.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, Written)> {
+        self.files.iter().map(|(name, written)| (name.as_str(), *written))
+    }
+
+    /// The bytes of the list.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut text = HEAD.to_owned();
+        for (name, written) in &self.files {
+            text += &line(name, *written);
+        }
+        text += &line(Self::NAME, Written::of(text.as_bytes()));
+        text.into_bytes()
+    }
+
+    /// The list of these bytes; `None` where they are damaged.
+    pub fn parse(bytes: &[u8]) -> Option<Self> {
+        let text = str::from_utf8(bytes).ok()?;
+        let mut own = Self::default();
+        for line in text.strip_prefix(HEAD)?.lines() {
+            let [checksum, length, name] =
+                line.splitn(3, ' ').collect::<Vec<_>>().try_into().ok()?;
+            let checksum = u32::from_str_radix(checksum, 16).ok()?;
+            let written = Written { length: length.parse().ok()?, checksum };
+            if name != Self::NAME {
+                own.files.insert(name.to_owned(), written);
+            }
+        }
+        (own.to_bytes() == bytes).then_some(own)
+    }
+}
+
+fn line(name: &str, Written { length, checksum }: Written) -> String {
+    format!("{checksum:08x} {length} {name}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Checksums {
+        let mut list = Checksums::default();
+        list.insert("run.json", Written::of(b"{}\n"));
+        list.insert("a name with spaces", Written::of(b""));
+        list.insert("φ.csv", Written { length: u64::MAX, checksum: u32::MAX });
+        list
+    }
+
+    #[test]
+    fn lists_come_back() {
+        for list in [sample(), Checksums::default()] {
+            assert_eq!(Checksums::parse(&list.to_bytes()), Some(list));
+        }
+        let mut list = sample();
+        let text = String::from_utf8(list.to_bytes()).unwrap();
+        assert!(text.contains("\n00000000 0 a name with spaces\n"), "{text}");
+        assert!(text.lines().last().unwrap().ends_with(" checksums.txt"), "{text}");
+        list.insert("run.json", Written::of(b"other"));
+        assert_eq!(list.get("run.json"), Some(Written::of(b"other")));
+        list.remove("run.json");
+        assert_eq!(list.iter().count(), 2);
+        assert_eq!(list.get("run.json"), None);
+    }
+
+    #[test]
+    fn every_changed_bit_and_every_truncation_is_noticed() {
+        let bytes = sample().to_bytes();
+        for bit in 0..8 * bytes.len() {
+            let mut changed = bytes.clone();
+            changed[bit / 8] ^= 1 << (bit % 8);
+            assert_eq!(Checksums::parse(&changed), None, "bit {bit}");
+        }
+        for length in 0..bytes.len() {
+            assert_eq!(Checksums::parse(&bytes[..length]), None, "{length}");
+        }
+        assert_eq!(Checksums::parse(&[&bytes[..], b"\n"].concat()), None);
+    }
+
+    #[test]
+    fn a_line_that_is_left_out_or_moved_is_noticed() {
+        let text = String::from_utf8(sample().to_bytes()).unwrap();
+        let lines: Vec<&str> = text.split_inclusive('\n').collect();
+        for index in 0..lines.len() {
+            let mut fewer = lines.clone();
+            fewer.remove(index);
+            assert_eq!(Checksums::parse(fewer.concat().as_bytes()), None, "{index}");
+            let mut swapped = lines.clone();
+            swapped.swap(index, (index + 1) % lines.len());
+            assert_eq!(Checksums::parse(swapped.concat().as_bytes()), None, "{index}");
+        }
+    }
+}

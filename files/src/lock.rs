@@ -1,0 +1,168 @@
+//! Locks on folders: a file that one process at a time holds locked.
+//!
+//! The lock is the system's, so that it ends with the process however that ends; the file says nothing. It is never
+//! written to, and a symbolic link in its place is refused. Where files cannot be locked nothing is guarded.
+
+use std::fs::{self, File, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use crate::open::{open_in_place, open_regular, stands_at};
+
+/// Time between two attempts.
+const PAUSE: Duration = Duration::from_millis(5);
+
+/// Why there is no lock.
+#[derive(Debug, thiserror::Error)]
+pub enum LockError {
+    /// Another process, or another part of this one, holds it.
+    #[error("held by another process")]
+    Busy,
+    /// The file cannot be created or opened.
+    #[error("{0}")]
+    Refused(#[from] io::Error),
+}
+
+/// A lock that is held. When it is dropped it is free again, and its file is gone if it was not there before.
+#[derive(Debug)]
+pub struct Lock {
+    path: PathBuf,
+    file: File,
+    /// Whether its file was not there before.
+    is_new: bool,
+}
+
+impl Lock {
+    /// Takes the lock whose file is at `path`, if nobody holds it.
+    ///
+    /// # Errors
+    /// It is held, or its file cannot be opened: at the path stands no regular file, or a folder is missing.
+    pub fn try_acquire(path: &Path) -> Result<Self, LockError> {
+        loop {
+            let (file, is_new) =
+                match File::options().read(true).write(true).create_new(true).open(path) {
+                    Ok(file) => (file, true),
+                    Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                        match open_in_place(path) {
+                            Ok(file) => (file, false),
+                            // Its holder has removed it meanwhile.
+                            Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                            Err(error) => return Err(error.into()),
+                        }
+                    }
+                    Err(error) => return Err(error.into()),
+                };
+            match file.try_lock() {
+                Err(TryLockError::WouldBlock) => return Err(LockError::Busy),
+                Ok(()) | Err(TryLockError::Error(_)) => {}
+            }
+            // A file that its last holder has removed keeps nobody out any more.
+            if stands_at(&file, path) {
+                return Ok(Self { path: path.to_owned(), file, is_new });
+            }
+        }
+    }
+
+    /// The same, but waits for its holder.
+    ///
+    /// # Errors
+    /// As [`try_acquire`](Self::try_acquire); it was held all the time.
+    pub fn acquire(path: &Path, patience: Duration) -> Result<Self, LockError> {
+        let start = Instant::now();
+        loop {
+            match Self::try_acquire(path) {
+                Err(LockError::Busy) if start.elapsed() < patience => std::thread::sleep(PAUSE),
+                end => return end,
+            }
+        }
+    }
+
+    /// Whether somebody holds the lock whose file is at `path`. Looking takes it for a moment, so that whoever looks
+    /// needs a lock of their own against those who would take it.
+    pub fn is_held(path: &Path) -> bool {
+        let file = open_regular(path);
+        file.is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
+    }
+
+    /// Its file is to go with it, whether it was there before or not.
+    pub fn without_trace(mut self) -> Self {
+        self.is_new = true;
+        self
+    }
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // While it is held: afterwards the file may be another's. Where the system cannot tell whose it is it stays.
+        if self.is_new && cfg!(unix) && stands_at(&self.file, &self.path) {
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    #[test]
+    fn one_holder_at_a_time_and_no_file_afterwards() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("lock");
+        let (inside, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        std::thread::scope(|scope| {
+            for _ in 0..8 {
+                scope.spawn(|| {
+                    for _ in 0..50 {
+                        let lock = Lock::acquire(&path, Duration::from_secs(60)).unwrap();
+                        let lock = lock.without_trace();
+                        most.fetch_max(1 + inside.fetch_add(1, Ordering::SeqCst), Ordering::SeqCst);
+                        std::thread::yield_now();
+                        inside.fetch_sub(1, Ordering::SeqCst);
+                        drop(lock);
+                    }
+                });
+            }
+        });
+        assert_eq!(most.into_inner(), 1);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn a_held_lock_is_busy_and_a_file_that_was_there_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("lock");
+        assert!(!Lock::is_held(&path));
+        fs::write(&path, "of a dead process").unwrap();
+        assert!(!Lock::is_held(&path));
+        let lock = Lock::try_acquire(&path).unwrap();
+        assert!(Lock::is_held(&path));
+        assert!(matches!(Lock::try_acquire(&path), Err(LockError::Busy)));
+        let start = Instant::now();
+        let patience = Duration::from_millis(50);
+        assert!(matches!(Lock::acquire(&path, patience), Err(LockError::Busy)));
+        assert!(start.elapsed() >= patience);
+        drop(lock);
+        assert_eq!(fs::read(&path).unwrap(), b"of a dead process");
+        drop(Lock::try_acquire(&path).unwrap().without_trace());
+        assert!(!path.exists());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_symbolic_link_is_not_followed() {
+        let folder = tempfile::tempdir().unwrap();
+        let [lock, target, absent] =
+            ["lock", "target", "absent"].map(|name| folder.path().join(name));
+        fs::write(&target, "precious").unwrap();
+        for to in [&target, &absent] {
+            std::os::unix::fs::symlink(to, &lock).unwrap();
+            let refused = Lock::try_acquire(&lock).unwrap_err();
+            assert_eq!(refused.to_string(), "a symbolic link");
+            fs::remove_file(&lock).unwrap();
+        }
+        assert_eq!(fs::read(&target).unwrap(), b"precious");
+        assert!(!absent.exists());
+    }
+}

@@ -1,0 +1,221 @@
+//! Opening files of unknown origin: never a device, a pipe or a file behind a symbolic link unasked.
+
+use std::fs::{self, File, Metadata, OpenOptions};
+use std::io::{self, Read};
+use std::path::Path;
+
+use crc32fast::Hasher;
+
+/// Length and checksum of a file, or of its beginning.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Written {
+    /// Length, in bytes.
+    pub length: u64,
+    /// CRC-32 of these bytes as in zlib: it guards against accidents, not against intent.
+    pub checksum: u32,
+}
+
+impl Written {
+    /// Of bytes in memory.
+    pub fn of(bytes: &[u8]) -> Self {
+        Self { length: bytes.len() as u64, checksum: crate::checksum(bytes) }
+    }
+
+    /// Of a file, which is read piece by piece.
+    ///
+    /// # Errors
+    /// The path is not that of a regular file, or cannot be read.
+    pub fn of_file(path: &Path) -> io::Result<Self> {
+        Self::of_reader(open_regular(path)?)
+    }
+
+    /// Of the first `length` bytes of a file, or of all where there are fewer.
+    ///
+    /// # Errors
+    /// The path is not that of a regular file, or cannot be read.
+    pub fn of_start(path: &Path, length: u64) -> io::Result<Self> {
+        Self::of_reader(open_regular(path)?.take(length))
+    }
+
+    fn of_reader(mut reader: impl Read) -> io::Result<Self> {
+        let (mut hasher, mut bytes, mut length) = (Hasher::new(), vec![0; 1 << 16], 0);
+        loop {
+            match reader.read(&mut bytes) {
+                Ok(0) => return Ok(Self { length, checksum: hasher.finalize() }),
+                Ok(count) => {
+                    hasher.update(&bytes[..count]);
+                    length += count as u64;
+                }
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(error),
+            }
+        }
+    }
+}
+
+/// Opens a file for reading. A pipe that nobody writes to would be waited for, and some devices never end.
+///
+/// # Errors
+/// The path is not that of a regular file, after symbolic links, or cannot be opened.
+pub fn open_regular(path: &Path) -> io::Result<File> {
+    let file = without_waiting(File::options().read(true)).open(path)?;
+    refuse_irregular(&file.metadata()?)?;
+    Ok(file)
+}
+
+/// Reads a file into memory.
+///
+/// # Errors
+/// The path is not that of a regular file, after symbolic links; it cannot be read, or does not fit into memory.
+pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
+    let file = open_regular(path)?;
+    let length = file.metadata()?.len();
+    let mut bytes = Vec::new();
+    read_fallibly(file.take(length), length, &mut bytes)?;
+    Ok(bytes)
+}
+
+/// Appends what a reader holds, about `length` bytes; an error where it does not fit into memory.
+pub(crate) fn read_fallibly(
+    mut reader: impl Read,
+    length: u64,
+    bytes: &mut Vec<u8>,
+) -> io::Result<()> {
+    let no_memory = |_| io::Error::from(io::ErrorKind::OutOfMemory);
+    let mut piece = vec![0; (1 << 16).min(length as usize).max(1)];
+    loop {
+        match reader.read(&mut piece) {
+            Ok(0) => return Ok(()),
+            Ok(count) => {
+                if bytes.capacity() - bytes.len() < count {
+                    // At first as much as is expected, if that can be had.
+                    let expected = usize::try_from(length).unwrap_or(usize::MAX);
+                    let more = expected.saturating_sub(bytes.len()).clamp(count, 1 << 26);
+                    bytes.try_reserve(more.max(count)).map_err(no_memory)?;
+                }
+                bytes.extend_from_slice(&piece[..count]);
+            }
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+}
+
+/// Opens a file for reading and writing without following a symbolic link at its place.
+///
+/// # Errors
+/// At the path stands no regular file, or it cannot be opened.
+pub(crate) fn open_in_place(path: &Path) -> io::Result<File> {
+    refuse_link(path)?;
+    let file = without_following(File::options().read(true).write(true)).open(path)?;
+    refuse_irregular(&file.metadata()?)?;
+    Ok(file)
+}
+
+/// Opens a file to append to it, and creates it if it is missing, without following a symbolic link at its place.
+///
+/// # Errors
+/// At the path stands something else than a regular file, or it cannot be opened.
+pub fn open_to_append(path: &Path) -> io::Result<File> {
+    refuse_link(path)?;
+    let file = without_following(File::options().append(true).create(true)).open(path)?;
+    refuse_irregular(&file.metadata()?)?;
+    Ok(file)
+}
+
+/// That no symbolic link stands at the path: in words of its own, where the system speaks of too many of them.
+fn refuse_link(path: &Path) -> io::Result<()> {
+    match fs::symlink_metadata(path) {
+        Ok(metadata) if metadata.is_symlink() => {
+            Err(io::Error::new(io::ErrorKind::InvalidInput, "a symbolic link"))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn refuse_irregular(metadata: &Metadata) -> io::Result<()> {
+    match metadata.is_file() {
+        true => Ok(()),
+        false if metadata.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        false => Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file")),
+    }
+}
+
+/// Whether an open file is the one that stands at a path. Where the system does not tell, it is.
+pub(crate) fn stands_at(file: &File, path: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let place = |metadata: Metadata| (metadata.dev(), metadata.ino());
+        let found = fs::symlink_metadata(path).map(place);
+        matches!((file.metadata().map(place), found), (Ok(own), Ok(found)) if own == found)
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = (file, path);
+        true
+    }
+}
+
+/// Does not wait for the other end of a pipe.
+fn without_waiting(options: &mut OpenOptions) -> &mut OpenOptions {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt;
+        options.custom_flags(libc::O_NONBLOCK | libc::O_NOCTTY);
+    }
+    options
+}
+
+/// Nor follows a symbolic link.
+fn without_following(options: &mut OpenOptions) -> &mut OpenOptions {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt;
+        options.custom_flags(libc::O_NONBLOCK | libc::O_NOCTTY | libc::O_NOFOLLOW);
+    }
+    options
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn length_and_checksum_of_files_and_of_their_beginnings() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        let bytes: Vec<u8> = (0..200_000_u32).map(|i| (i.wrapping_mul(i) >> 5) as u8).collect();
+        fs::write(&path, &bytes).unwrap();
+        assert_eq!(Written::of_file(&path).unwrap(), Written::of(&bytes));
+        // The value that every description of CRC-32 gives for these nine digits.
+        assert_eq!(Written::of(b"123456789"), Written { length: 9, checksum: 0xcbf4_3926 });
+        for length in [0, 1, 65_536, 70_001, 200_000, 300_000] {
+            let start = &bytes[..length.min(bytes.len())];
+            assert_eq!(Written::of_start(&path, length as u64).unwrap(), Written::of(start));
+        }
+        assert!(read_regular(&path).unwrap() == bytes);
+        assert!(Written::of_file(folder.path()).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn pipes_devices_and_links_are_refused_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        for path in [pipe.as_path(), Path::new("/dev/zero"), folder.path()] {
+            assert!(open_regular(path).is_err(), "{}", path.display());
+            assert!(open_in_place(path).is_err(), "{}", path.display());
+            assert!(open_to_append(path).is_err(), "{}", path.display());
+        }
+        let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+        fs::write(&file, "kept").unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        assert_eq!(read_regular(&link).unwrap(), b"kept");
+        for refused in [open_in_place(&link), open_to_append(&link)] {
+            assert_eq!(refused.unwrap_err().to_string(), "a symbolic link");
+        }
+        assert_eq!(fs::read(&file).unwrap(), b"kept");
+    }
+}
