@@ -1,11 +1,11 @@
 //! A case: read from its file, and as the problems of its models.
 
 use super::check::{self, Check};
-use super::dynamics::{Dynamics, Grid, Picture};
+use super::dynamics::{Dynamics, Grid, Picture, TimeFunction};
 use super::entries::{Entries, kind};
 use super::error::{CaseError, Place};
 use super::flat;
-use super::flow::FlowRun;
+use super::flow::{FlowRun, Initial};
 use super::forms::{FORMS, is_run_in_time};
 use super::keys::Parameter;
 use super::kind::{Kind, Medium};
@@ -21,8 +21,9 @@ use std::fmt::Write;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Largest case file, bytes: more is no case, and is not read into memory. Tables of loads take room.
-const LARGEST_FILE: u64 = 1 << 28;
+/// Largest case file, bytes: more is no case, and is not read into memory. Tables of loads take room; what is read takes up
+/// to 70 times as much.
+pub const LARGEST_FILE: u64 = 16 << 20;
 
 /// What a case is read for.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -100,7 +101,7 @@ impl Case {
             .and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes))
             .map_err(|error| unreadable(error.to_string()))?;
         if bytes.len() as u64 > LARGEST_FILE {
-            return Err(unreadable("larger than 256 MiB, so no case file".into()));
+            return Err(unreadable("larger than 16 MiB, so no case file".into()));
         }
         let file = path.display().to_string();
         match std::str::from_utf8(&bytes) {
@@ -176,6 +177,20 @@ impl Case {
     /// The file that the case was loaded from.
     pub fn source(&self) -> Option<&Path> {
         self.source.as_deref()
+    }
+
+    /// Other files that the case was read from, and that a run of it begins with.
+    pub fn input_files(&self) -> impl Iterator<Item = &Path> {
+        let parts = self.flow.iter().flat_map(|flow| &flow.initial);
+        let archives = parts.filter_map(|part| match part {
+            Initial::File { path, .. } => Some(Path::new(path)),
+            _ => None,
+        });
+        let tables = self.dynamics.iter().flat_map(Dynamics::times).filter_map(|time| match time {
+            TimeFunction::Table(samples) => samples.source(),
+            _ => None,
+        });
+        archives.chain(tables)
     }
 
     /// Kind of model and yield set.

@@ -94,6 +94,16 @@ pub struct Dynamics {
 }
 
 impl Dynamics {
+    /// All functions of time.
+    pub(crate) fn times(&self) -> impl Iterator<Item = &TimeFunction> {
+        let initial = self.initial.iter().filter_map(|part| match part {
+            Initial::PlanePulse(pulse) => Some(&pulse.time),
+            _ => None,
+        });
+        let loads = self.loads.iter().map(|load| &load.time);
+        loads.chain(self.sources.iter().map(|source| &source.time)).chain(initial)
+    }
+
     /// What the sections around `root` say besides `[grid]`, of a case of that material; `material_of` reads the
     /// tables of a region that say what it is made of.
     ///

@@ -12,6 +12,11 @@ use models::registry;
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
+/// Most sections, entries of lists and tables in braces.
+const MOST_TABLES: usize = 100_000;
+/// Most keys.
+const MOST_KEYS: usize = 500_000;
+
 /// The values of a case by key, before their meaning is looked at.
 pub(super) struct Entries<'a> {
     values: BTreeMap<&'static str, Value>,
@@ -30,6 +35,7 @@ impl<'a> Entries<'a> {
         sets: &'a [String],
         forms: &'static Forms,
     ) -> Result<Self, CaseError> {
+        check_size(text, file)?;
         let document = DeTable::parse(text).map_err(|error| {
             let line = lines(text)(error.span().map_or(0, |span| span.start));
             let content = text.lines().nth(line - 1).unwrap_or_default().trim();
@@ -292,6 +298,23 @@ pub(super) fn allowed(key: &Key) -> String {
     let unit = if key.unit.is_empty() { String::new() } else { format!(" in {}", key.unit) };
     let words = key.field.value_type().words(&Scope::default());
     format!("expected {words}{unit} ({})", key.meaning)
+}
+
+/// That a text has not too many keys and tables, each of which takes over a kilobyte when it is parsed.
+fn check_size(text: &str, file: &str) -> Result<(), CaseError> {
+    let count = |byte: u8| text.bytes().filter(|own| *own == byte).count();
+    // Rows of a list of lists have commas.
+    let is_header = |line: &&str| line.trim_start().starts_with('[') && !line.contains(',');
+    let tables = count(b'{') + text.lines().filter(is_header).count();
+    for (found, most, what) in
+        [(tables, MOST_TABLES, "sections and tables"), (count(b'='), MOST_KEYS, "keys")]
+    {
+        if found > most {
+            let cause = format!("about {found} {what}, more than the {most} that a case may have");
+            return Err(CaseError::Unreadable { path: file.into(), cause });
+        }
+    }
+    Ok(())
 }
 
 /// The line of an offset, both counted in the text; lines from 1.

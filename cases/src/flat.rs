@@ -5,6 +5,7 @@ use super::error::{CaseError, shown};
 use super::keys::{Key, Presence, keys};
 use super::kind::{Kind, Medium, Yield, names};
 use super::numbers::Numbers;
+use super::types::is_too_long;
 use super::value::{Value, nearest, suggestion};
 use models::registry;
 use std::path::Path;
@@ -16,7 +17,7 @@ pub(super) fn name(entries: &Entries, file: &str) -> Result<String, CaseError> {
     // `.` and `..` are folders already.
     let is_dots = |name: &str| name.chars().all(|c| c == '.');
     if let Some(Value::Text(name)) = entries.get(KEY) {
-        if is_dots(name) || !name.chars().all(may_stand) {
+        if is_dots(name) || !name.chars().all(may_stand) || is_too_long(name) {
             let allowed = Key::find(KEY).map_or(String::new(), allowed);
             let found = format!("found '{}'", shown(name));
             return Err(entries.places.error(KEY, found, allowed));

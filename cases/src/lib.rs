@@ -40,7 +40,7 @@ mod types;
 mod value;
 
 pub use bundled::CASES;
-pub use case::{Case, InTime};
+pub use case::{Case, InTime, LARGEST_FILE};
 pub use check::Check;
 pub use convert::{Converted, radians};
 pub use dynamics::Dynamics;

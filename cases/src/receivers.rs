@@ -12,6 +12,9 @@ use std::fmt::Display;
 /// Most points of an entry.
 const MOST_POINTS: usize = 10_000;
 
+/// Most points of all entries.
+const MOST_RECEIVERS: usize = 100_000;
+
 const LINE: &[Condition] = &[Condition::Present("from")];
 
 /// The key of the name.
@@ -127,6 +130,11 @@ pub(super) fn receivers<F: Clone + PartialEq + Display>(
         let name: Option<String> = section.optional("name")?;
         let name = name.unwrap_or_else(|| format!("r{}", index + 1));
         let points = points(&section, domain)?;
+        let count = receivers.len() + points.len();
+        if count > MOST_RECEIVERS {
+            let found = format!("{count} points with those of this entry");
+            return Err(root.error("receiver", found, format!("at most {MOST_RECEIVERS} in all")));
+        }
         let interpolation = match domain.interpolates {
             true => section
                 .optional_choice("interpolation", Interpolation::ALL, Interpolation::name)?

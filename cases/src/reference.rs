@@ -5,6 +5,7 @@ use super::kind::Kind;
 use crate::dynamics::stress;
 use crate::forms::all_forms;
 use crate::schema::{Condition, Form, Item, Layout, Length, Need, Order, Range, Scope, Type};
+use crate::types::LONGEST_NAME;
 use std::fmt::Write;
 
 const HEAD: &str = "\
@@ -219,7 +220,9 @@ fn described(value: &Type) -> String {
     match *value {
         Type::Text => "text".into(),
         Type::Texts => "list of texts".into(),
-        Type::Name => "text of letters, digits, `-`, `_`, `.`".into(),
+        Type::Name => {
+            format!("text of at most {LONGEST_NAME} letters, digits, `-`, `_`, `.`")
+        }
         Type::Hexadecimal => "eight hexadecimal digits".into(),
         Type::Truth => "`true`, `false`".into(),
         Type::Number(range) => described_range(range),

@@ -35,11 +35,21 @@ impl Length {
     }
 }
 
+/// Characters of the longest name: of receivers and of cases, which names of files and of entries in archives have in
+/// them.
+pub(crate) const LONGEST_NAME: usize = 255;
+
+/// Whether a text has more characters than a name may have.
+pub(crate) fn is_too_long(name: &str) -> bool {
+    name.chars().nth(LONGEST_NAME).is_some()
+}
+
 impl Type {
     /// The type as a message says what is expected.
     pub(crate) fn words(&self, scope: &Scope) -> String {
         match *self {
-            Self::Text | Self::Name => "text in quotes".into(),
+            Self::Text => "text in quotes".into(),
+            Self::Name => format!("text in quotes, at most {LONGEST_NAME} characters"),
             Self::Texts => "a list of texts in brackets".into(),
             Self::Hexadecimal => "eight hexadecimal digits in quotes".into(),
             Self::Truth => "true or false".into(),
@@ -115,7 +125,8 @@ impl Type {
             Self::Name => {
                 let stands = |c: char| c.is_alphanumeric() || "-_.".contains(c);
                 let text = value::text(value)?;
-                (!text.is_empty() && text.chars().all(stands)).then_some(Value::Text(text))
+                let is_name = !text.is_empty() && text.chars().all(stands);
+                (is_name && !is_too_long(&text)).then_some(Value::Text(text))
             }
             Self::Hexadecimal => {
                 let digits = value::text(value).filter(|digits| digits.len() == 8)?;

@@ -27,4 +27,4 @@ pub use atomic::{
     FileError, Staged, remove_abandoned, remove_own_temporaries, stage_with, write_atomically,
     write_atomically_with,
 };
-pub use open::{Written, open_regular, open_to_append, read_regular};
+pub use open::{Written, open_regular, open_to_append, read_regular, read_regular_within};

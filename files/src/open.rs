@@ -68,8 +68,20 @@ pub fn open_regular(path: &Path) -> io::Result<File> {
 /// # Errors
 /// The path is not that of a regular file, after symbolic links; it cannot be read, or does not fit into memory.
 pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
+    read_regular_within(path, u64::MAX)
+}
+
+/// The same for a file of at most so many bytes.
+///
+/// # Errors
+/// It is larger, or as [`read_regular`].
+pub fn read_regular_within(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let file = open_regular(path)?;
     let length = file.metadata()?.len();
+    if length > most {
+        let found = format!("{length} bytes, more than the {most} that it may have");
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, found));
+    }
     let mut bytes = Vec::new();
     read_fallibly(file.take(length), length, &mut bytes)?;
     Ok(bytes)
@@ -195,6 +207,9 @@ mod tests {
             assert_eq!(Written::of_start(&path, length as u64).unwrap(), Written::of(start));
         }
         assert!(read_regular(&path).unwrap() == bytes);
+        assert!(read_regular_within(&path, 200_000).unwrap() == bytes);
+        let error = read_regular_within(&path, 199_999).unwrap_err();
+        assert_eq!(error.to_string(), "200000 bytes, more than the 199999 that it may have");
         assert!(Written::of_file(folder.path()).is_err());
     }
 

@@ -6,11 +6,11 @@ use crate::schema::{Condition, Form, Group, Item, Range, Type};
 use crate::section::{Resolved, Section};
 use models::common::elementary::Elementary;
 use std::f64::consts::PI;
-use std::io::Read;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Largest table of a function of time, bytes.
-const LARGEST_TABLE: u64 = 64 << 20;
+const LARGEST_TABLE: u64 = 8 << 20;
 
 /// The key of a function of time.
 pub(super) const TIME: Item = Item::required(
@@ -146,6 +146,17 @@ pub enum TimeFunction {
 pub struct Samples {
     /// Times (s), increasing, and values; kept once for all copies of a case.
     samples: Arc<[[f64; 2]]>,
+    source: SampleFile,
+}
+
+/// The file that samples were read from. It makes no function different from another.
+#[derive(Clone, Debug, Default)]
+struct SampleFile(Option<Arc<Path>>);
+
+impl PartialEq for SampleFile {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 impl Samples {
@@ -154,7 +165,13 @@ impl Samples {
     pub fn new(samples: Vec<[f64; 2]>) -> Option<Self> {
         let is_finite = samples.iter().flatten().all(|x| x.is_finite());
         let increases = samples.windows(2).all(|pair| pair[0][0] < pair[1][0]);
-        (samples.len() >= 2 && is_finite && increases).then(|| Self { samples: samples.into() })
+        (samples.len() >= 2 && is_finite && increases)
+            .then(|| Self { samples: samples.into(), source: SampleFile::default() })
+    }
+
+    /// The file that they were read from, if they were.
+    pub fn source(&self) -> Option<&Path> {
+        self.source.0.as_deref()
     }
 
     /// Times, s, and values.
@@ -313,17 +330,8 @@ impl Reader<'_> {
         let path = self.folder.join(&file);
         let unreadable =
             |cause: &str| section.error("file", format!("'{}': {cause}", shown(&file)), NEEDS);
-        // A pipe that nobody writes to would be waited for.
-        if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
-            return Err(unreadable("not a regular file"));
-        }
-        let mut bytes = Vec::new();
-        std::fs::File::open(&path)
-            .and_then(|file| file.take(LARGEST_TABLE + 1).read_to_end(&mut bytes))
+        let bytes = files::read_regular_within(&path, LARGEST_TABLE)
             .map_err(|error| unreadable(&error.to_string()))?;
-        if bytes.len() as u64 > LARGEST_TABLE {
-            return Err(unreadable("larger than 64 MiB"));
-        }
         let text = std::str::from_utf8(&bytes).map_err(|_| unreadable("not UTF-8 text"))?;
         let samples = parse_samples(text).map_err(|(line, found, allowed)| CaseError::Key {
             place: Place::Line { file: path.display().to_string(), line },
@@ -332,7 +340,8 @@ impl Reader<'_> {
             allowed: allowed.to_owned(),
         })?;
         let found = format!("'{}' has {}", shown(&file), plural(samples.len(), "sample"));
-        Samples::new(samples).ok_or_else(|| section.error("file", found, FEW))
+        let samples = Samples::new(samples).ok_or_else(|| section.error("file", found, FEW))?;
+        Ok(Samples { source: SampleFile(Some(path.into())), ..samples })
     }
 }
 

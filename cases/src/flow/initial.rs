@@ -7,6 +7,7 @@ use crate::position::check_inside;
 use crate::schema::{Condition, Form, Group, Item, Length, Range, Type};
 use crate::section::{Resolved, Section};
 use crate::value::number;
+use files::Written;
 use models::flow::RotationKind;
 use std::path::Path;
 
@@ -350,12 +351,8 @@ impl Reader<'_> {
             // Eight hexadecimal digits are 32 bits.
             Some(checksum) => checksum as u32,
             None => {
-                // A pipe that nobody writes to would be waited for.
-                if Path::new(&path).metadata().is_ok_and(|metadata| !metadata.is_file()) {
-                    return Err(unreadable("not a regular file"));
-                }
-                let bytes = std::fs::read(&path).map_err(|error| unreadable(&error.to_string()))?;
-                files::checksum(&bytes)
+                let found = Written::of_file(Path::new(&path));
+                found.map_err(|error| unreadable(&error.to_string()))?.checksum
             }
         };
         Ok(Initial::File { path, checksum })

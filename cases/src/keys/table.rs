@@ -165,7 +165,7 @@ fn ordered<I: Iterator<Item = &'static Constant>>(
 static HEAD: &[Key] = keys! {
     "title": "title" [""] "one line that says what the case is";
         ALL, Optional, Text;
-    "name": "name" [""] "names the folder of results: letters, digits, '-', '_' and '.', not dots alone; absent: the name of the file";
+    "name": "name" [""] "names the folder of results: at most 255 letters, digits, '-', '_' and '.', not dots alone; absent: the name of the file";
         ALL, Optional, Text;
 
     "model.kind": "kind of model" [""] "";

@@ -47,6 +47,22 @@ fn every_symbol_of_the_field_is_in_the_fonts() {
     }
 }
 
+/// Texts of a user have any characters; XML 1.0 does not allow some, and a file that has one is read by nobody.
+#[test]
+fn texts_hold_what_xml_allows() {
+    let odd = "\u{fffe}a\u{ffff}b\u{0}c\u{1b}d\u{7f}\u{e000}\u{1fffe}";
+    let mut picture = Picture::new(200, 20);
+    picture.text(Text::new([2.0, 18.0], Anchor::Start, 5.0, odd));
+    let svg = String::from_utf8(picture.render(Format::Svg).unwrap()).unwrap();
+    // Production 2 of the standard: `Char ::= #x9 | #xA | #xD | [#x20-#xD7FF] | [#xE000-#xFFFD] | [#x10000-#x10FFFF]`.
+    let is_char = |c: char| {
+        let point = u32::from(c);
+        [0x9, 0xa, 0xd].contains(&point) || (point >= 0x20 && ![0xfffe, 0xffff].contains(&point))
+    };
+    assert!(svg.chars().all(is_char), "{svg:?}");
+    assert!(svg.contains("\u{fffd}a\u{fffd}b\u{fffd}c\u{fffd}d\u{7f}\u{e000}\u{1fffe}"), "{svg:?}");
+}
+
 #[test]
 fn patches_are_drawn_alike_in_both_formats() {
     let mut picture = Picture::new(30, 20);

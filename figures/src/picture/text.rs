@@ -34,9 +34,22 @@ pub(crate) struct Text {
     pub upwards: bool,
 }
 
+/// A text with a replacement character (U+FFFD) for each that XML 1.0 does not allow (production 2, `Char`): no reader takes
+/// an SVG that has one.
+fn writable(text: String) -> String {
+    let is_allowed = |c: char| matches!(c, '\t' | '\n' | '\r' | ' '..='\u{d7ff}' | '\u{e000}'..='\u{fffd}' | '\u{10000}'..);
+    match text.chars().all(is_allowed) {
+        true => text,
+        false => text
+            .chars()
+            .map(|c| if is_allowed(c) { c } else { char::REPLACEMENT_CHARACTER })
+            .collect(),
+    }
+}
+
 impl Text {
     pub fn new(at: Point, anchor: Anchor, size: f64, content: impl Into<String>) -> Self {
-        let content = content.into();
+        let content = writable(content.into());
         Self { at, content, size, bold: false, colour: INK, anchor, upwards: false }
     }
 

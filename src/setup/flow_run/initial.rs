@@ -4,8 +4,13 @@ use crate::case::flow::{Disturbed, FlowRun, Initial, Wave};
 use crate::case::{CaseError, radians};
 use dynamics::flow::Problem;
 use dynamics::flow::perturbation::{Lattice, PlaneWave, noise, wave};
-use files::npz::{Values, read};
+use files::npz::{Values, read_some};
 use models::flow::RotationKind;
+use std::path::Path;
+
+/// An archive is no larger than so many arrays of the grid and so many bytes besides.
+const MOST_ARRAYS: u64 = 64;
+const LARGEST: u64 = 1 << 20;
 
 /// Perturbations at the points, the first axis running fastest.
 pub(crate) struct Fields {
@@ -91,12 +96,17 @@ impl Fields {
         const NEEDS: &str =
             "an archive (NPZ) with v1, v2 and the field that evolves, such as fields.npz of a run";
         let unusable = |cause: &str| (format!("'{path}': {cause}"), NEEDS);
-        let bytes = std::fs::read(path).map_err(|error| unusable(&error.to_string()))?;
+        let points = run.grid.count();
+        let most = LARGEST + MOST_ARRAYS.saturating_mul(8 * points as u64);
+        let bytes = files::read_regular_within(Path::new(path), most)
+            .map_err(|error| unusable(&error.to_string()))?;
         if files::checksum(&bytes) != checksum {
             let allowed = "bring it back, or run the case again from the file that names it";
             return Err((format!("'{path}' has changed since the case was read"), allowed));
         }
-        let arrays = read(&bytes).map_err(|error| unusable(&error.to_string()))?;
+        let is_wanted = |name: &str| ["v1", "v2", "w", "psi"].contains(&name);
+        let arrays =
+            read_some(&bytes, is_wanted, points).map_err(|error| unusable(&error.to_string()))?;
         let shape = [run.grid.cells[1], run.grid.cells[0]];
         let [v1, v2] = &mut self.velocity;
         // The archive holds the whole of these, not the perturbation.
