@@ -13,17 +13,24 @@ pub struct RegularTimes {
     count: usize,
 }
 
+/// Most times between the first and the last one: numbers of more are not told apart as floating-point numbers.
+const MOST_INSIDE: f64 = (1_u64 << f64::MANTISSA_DIGITS) as f64;
+
 impl RegularTimes {
-    /// Both in s, and positive.
+    /// Both in s, and positive. An interval that is too short for the duration, more than 2⁵³ times, ends early but for
+    /// the last time.
     pub fn new(interval: f64, duration: f64) -> Self {
-        let inside = (duration / interval - 1e-6).floor().max(0.0);
-        Self { interval, duration, count: (inside as usize).saturating_add(2) }
+        let inside = (duration / interval - 1e-6).floor().clamp(0.0, MOST_INSIDE);
+        Self { interval, duration, count: inside as usize + 2 }
     }
 
     /// A time by its number from 0 on, s; `None` beyond the last one.
     pub fn time(&self, index: usize) -> Option<f64> {
-        let time = index as f64 * self.interval;
-        (index < self.count).then_some(if index + 1 == self.count { self.duration } else { time })
+        match self.count.checked_sub(index)? {
+            0 => None,
+            1 => Some(self.duration),
+            _ => Some(index as f64 * self.interval),
+        }
     }
 
     /// Whether two times, s, are one but for rounding.
@@ -35,7 +42,8 @@ impl RegularTimes {
     pub fn until(&self, time: f64) -> usize {
         let is_past = |own: f64| own <= time || self.is_one(own, time);
         // Counted from just below, for what rounding does to the quotient.
-        let mut count = (time.min(self.duration) / self.interval).floor().max(1.0) as usize - 1;
+        let before = (time.min(self.duration) / self.interval).floor().max(1.0) as usize - 1;
+        let mut count = before.min(self.count - 1);
         while self.time(count).is_some_and(is_past) {
             count += 1;
         }
@@ -73,5 +81,21 @@ mod tests {
             }
             assert_eq!(times.until(duration), count);
         }
+    }
+
+    /// Far more times than there are numbers for.
+    #[test]
+    fn absurd_intervals_have_an_end() {
+        for interval in [1e-300, f64::MIN_POSITIVE, 5e-324, 1e-17] {
+            let times = RegularTimes::new(interval, 1.0);
+            let count = times.until(1.0);
+            assert_eq!(count, (1 << 53) + 2, "{interval}");
+            assert_eq!(times.time(0), Some(0.0));
+            assert_eq!(times.time(count - 1), Some(1.0));
+            assert_eq!(times.time(count), None);
+            assert_eq!(times.time(usize::MAX), None);
+        }
+        // Shorter than any: one step of the last bit is left.
+        assert_eq!(RegularTimes::new(f64::MAX, 1.0).until(1.0), 2);
     }
 }
