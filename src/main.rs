@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use wellposed::VERSION;
 use wellposed::case::{Kind, Medium, Yield};
 use wellposed::cli::new::{self, Purpose};
-use wellposed::cli::{self, Control, Error, Format, Options, cases};
+use wellposed::cli::{self, Control, Error, Format, Options, cases, signals};
 use wellposed::study::MapOptions;
 
 /// Well-posedness of continuum models of granular media.
@@ -87,6 +87,14 @@ enum Verb {
     Plot {
         /// The folder of its results
         folder: PathBuf,
+    },
+    /// Compare the files of a folder of results with their checksums; exit code 1 where one is damaged
+    Verify {
+        /// The folder of results
+        folder: PathBuf,
+        /// Form of what is printed
+        #[arg(long, value_enum, default_value = "text")]
+        format: FormatName,
     },
     /// List the cases that come with the program
     Cases,
@@ -192,14 +200,55 @@ impl From<Common> for Options {
 }
 
 fn main() -> ExitCode {
-    match carry_out(CommandLine::parse().verb) {
+    signals::install();
+    let verb = match CommandLine::try_parse() {
+        Ok(line) => line.verb,
+        Err(error) => return refuse_usage(&error),
+    };
+    let format = verb.format();
+    match carry_out(verb) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             if error.exit_code() != 0 {
                 // Nothing is left to be said if standard error is closed.
-                let _ = writeln!(std::io::stderr(), "error: {error}");
+                let _ = match format {
+                    Format::Text => writeln!(std::io::stderr(), "error: {error}"),
+                    Format::Json => writeln!(std::io::stderr(), "{}", error.to_json()),
+                };
             }
             ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+/// Says what is wrong with the arguments, or prints the help that they ask for.
+fn refuse_usage(error: &clap::Error) -> ExitCode {
+    let arguments: Vec<String> =
+        std::env::args_os().map(|own| own.to_string_lossy().into_owned()).collect();
+    let wants_json = arguments.windows(2).any(|pair| pair == ["--format", "json"])
+        || arguments.iter().any(|own| own == "--format=json");
+    if wants_json && error.use_stderr() {
+        let text = error.render().to_string();
+        let message = text.lines().next().unwrap_or_default().trim_start_matches("error: ");
+        let _ = writeln!(std::io::stderr(), "{}", Error::usage_to_json(message));
+    } else {
+        let _ = error.print();
+    }
+    ExitCode::from(if error.use_stderr() { 2 } else { 0 })
+}
+
+impl Verb {
+    /// Form of what it prints.
+    fn format(&self) -> Format {
+        match self {
+            Self::Map { run, .. }
+            | Self::Point { run }
+            | Self::Dispersion { run }
+            | Self::Speeds { run }
+            | Self::Run { run, .. }
+            | Self::Check { run } => run.format.into(),
+            Self::Resume { format, .. } | Self::Verify { format, .. } => (*format).into(),
+            _ => Format::Text,
         }
     }
 }
@@ -225,6 +274,7 @@ fn carry_out(verb: Verb) -> Result<(), Error> {
             cli::resume(&folder, threads, control, format.into(), &mut stdout)?;
         }
         Verb::Plot { folder } => cli::plot(&folder, &mut stdout)?,
+        Verb::Verify { folder, format } => cli::verify(&folder, format.into(), &mut stdout)?,
         Verb::Cases => cases::run(&mut stdout)?,
         Verb::New { kind, yields, runs, file, force } => {
             let medium = Medium::new(kind, yields)?;

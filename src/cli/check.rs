@@ -81,6 +81,9 @@ fn check_folder(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) ->
     let mut files = Vec::new();
     collect(&options.case, &mut files)?;
     files.sort();
+    if files.is_empty() {
+        return Err(Error::NoCases { folder: options.case.display().to_string() });
+    }
     if options.dry_run {
         writeln!(stdout, "would check {} cases; would write nothing", files.len())?;
         return Ok(());

@@ -1,8 +1,10 @@
 //! Why a verb was not carried out, and the exit code that says so.
 
 use super::folder::OutputError;
-use crate::case::{CaseError, NoSuchMedium};
+use crate::case::{CaseError, NoSuchMedium, Place};
+use crate::report::SCHEMA;
 use crate::study::simulate::{IllPosed, Stopped};
+use serde_json::{Value, json};
 
 /// The program's exit code where it was interrupted.
 pub(super) const INTERRUPTED_CODE: u8 = 130;
@@ -35,6 +37,22 @@ pub enum Error {
         /// Rows or cases.
         what: &'static str,
     },
+    /// A folder to be checked has no case in it.
+    #[error(
+        "{folder}: no case file (*.toml) in the folder or below; name a case file, or a folder that holds some"
+    )]
+    NoCases {
+        /// The folder.
+        folder: String,
+    },
+    /// Files of results are not as they were written.
+    #[error("{folder}: {damaged} damaged or missing {}", if *.damaged == 1 { "file" } else { "files" })]
+    Damaged {
+        /// How many.
+        damaged: usize,
+        /// The folder of results.
+        folder: String,
+    },
     /// Somebody ended a run, which may go on.
     #[error("interrupted at {time} s; wellposed resume {folder} goes on")]
     Interrupted {
@@ -52,16 +70,109 @@ pub enum Error {
 }
 
 impl Error {
-    /// The program's exit code: 2, but 0 where the reader of a pipe had enough, 1 where a check disagreed, 3 where a run was stopped
+    /// The program's exit code: 2, but 0 where the reader of a pipe had enough, 1 where a check disagreed or files are damaged, 3 where a run was stopped
     /// by its own state, 130 where it was interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Stdout(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
-            Self::Disagrees { .. } => 1,
+            Self::Disagrees { .. } | Self::Damaged { .. } => 1,
             Self::Stopped(_) => 3,
             Self::Interrupted { .. } => INTERRUPTED_CODE,
             _ => 2,
         }
+    }
+}
+
+impl Error {
+    /// The same for programs: what kind of error it is and in which words it is printed else, and of errors of cases and of
+    /// files where they are, what was found and what is allowed or what to do; `null` where there is no such thing.
+    pub fn to_json(&self) -> Value {
+        let mut all = json!({
+            "schema": SCHEMA,
+            "kind": self.kind(),
+            "message": self.to_string(),
+            "exit_code": self.exit_code(),
+            "file": null,
+            "line": null,
+            "option": null,
+            "key": null,
+            "found": null,
+            "allowed": null,
+        });
+        match self {
+            Self::Study(crate::Error::Case(error)) => add_case(&mut all, error),
+            Self::Output(OutputError { path, cause, remedy }) => {
+                all["file"] = path.display().to_string().into();
+                all["found"] = cause.as_str().into();
+                all["allowed"] = (*remedy).into();
+            }
+            _ => {}
+        }
+        all
+    }
+
+    /// One word for each kind of error.
+    fn kind(&self) -> &'static str {
+        match self {
+            Self::Study(crate::Error::Case(_)) | Self::Medium(_) => "case",
+            Self::Study(crate::Error::Memory { .. }) => "memory",
+            Self::Study(crate::Error::IllPosed(_)) | Self::IllPosed(_) => "ill-posed",
+            Self::Study(_) => "result",
+            Self::Output(_) => "output",
+            Self::Stopped(_) => "stopped",
+            Self::Disagrees { .. } => "disagreement",
+            Self::Damaged { .. } => "damage",
+            Self::NoCases { .. } => "usage",
+            Self::Interrupted { .. } => "interrupted",
+            Self::Threads(_) => "threads",
+            Self::Stdout(_) => "stdout",
+        }
+    }
+
+    /// The same object for a wrong command line, which is refused in these words.
+    pub fn usage_to_json(message: &str) -> Value {
+        json!({
+            "schema": SCHEMA,
+            "kind": "usage",
+            "message": message,
+            "exit_code": 2,
+            "file": null,
+            "line": null,
+            "option": null,
+            "key": null,
+            "found": null,
+            "allowed": null,
+        })
+    }
+}
+
+/// Where and what is wrong with a case.
+fn add_case(all: &mut Value, error: &CaseError) {
+    let place = match error {
+        CaseError::Unreadable { path, cause } => {
+            all["file"] = path.display().to_string().into();
+            all["found"] = cause.as_str().into();
+            all["allowed"] = "a case file".into();
+            return;
+        }
+        CaseError::Syntax { place, cause } => {
+            all["found"] = cause.as_str().into();
+            place
+        }
+        CaseError::Key { place, key, found, allowed } => {
+            all["key"] = key.as_str().into();
+            all["found"] = found.as_str().into();
+            all["allowed"] = allowed.as_str().into();
+            place
+        }
+    };
+    match place {
+        Place::Line { file, line } => {
+            all["file"] = file.as_str().into();
+            all["line"] = (*line).into();
+        }
+        Place::File(file) => all["file"] = file.as_str().into(),
+        Place::Option(text) => all["option"] = text.as_str().into(),
     }
 }
 

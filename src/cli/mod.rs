@@ -13,7 +13,9 @@ mod point;
 pub mod progress;
 mod resume;
 mod run;
+pub mod signals;
 mod speeds;
+mod verify;
 mod write;
 
 pub use check::check;
@@ -26,3 +28,4 @@ pub use point::point;
 pub use resume::resume;
 pub use run::{CHECKPOINT_EVERY, Control, run};
 pub use speeds::speeds;
+pub use verify::verify;

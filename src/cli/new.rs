@@ -24,6 +24,13 @@ pub fn run(
             remedy: "name another file, or overwrite with --force",
         });
     }
+    if path.symlink_metadata().is_ok_and(|found| !found.is_file()) {
+        return Err(OutputError {
+            path,
+            cause: "not a regular file".into(),
+            remedy: "name another file: only files are overwritten",
+        });
+    }
     let is_free = matches!(medium.kind, Kind::Flow(_)) && medium.kind.rotation_in_time().is_none();
     if purpose == Purpose::Run && is_free {
         return Err(OutputError {

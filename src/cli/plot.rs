@@ -1,12 +1,15 @@
 //! `wellposed plot`: the pictures of a finished run again, from files of results alone.
 
-use super::run::{animation, records};
-use super::write::files_into;
+use super::run::{ANIMATION, Animation, animation, records};
+use crate::case::InTime;
 use crate::cli::Error;
-use crate::cli::folder::{OutputError, ResultFolder};
+use crate::cli::folder::{AppendedFile, OutputError, ResultFolder, SNAPSHOTS, is_snapshot};
 use crate::report;
 use std::io::Write;
 use std::path::Path;
+
+/// The archive of the fields at the end.
+const ARCHIVE: &str = "fields.npz";
 
 /// Runs the verb.
 ///
@@ -14,14 +17,30 @@ use std::path::Path;
 /// The folder holds no finished run, or a file of it cannot be read or written.
 pub fn plot(path: &Path, stdout: &mut dyn Write) -> Result<(), Error> {
     let (folder, case) = ResultFolder::finished(path)?;
-    let archive = folder.path().join("fields.npz");
+    folder.check_files(|name| {
+        let is_table = [AppendedFile::Receivers, AppendedFile::Ledger, AppendedFile::Spectrum];
+        is_snapshot(name)
+            || [ARCHIVE, SNAPSHOTS].contains(&name)
+            || is_table.iter().any(|table| table.name() == name)
+    })?;
+    let archive = folder.path().join(ARCHIVE);
     let bytes =
-        std::fs::read(&archive).map_err(|error| OutputError::unreadable(&archive, &error))?;
-    let fields =
-        report::run::read_fields(&bytes).map_err(|error| OutputError::unusable(&archive, error))?;
+        files::read_regular(&archive).map_err(|error| OutputError::unreadable(&archive, &error))?;
+    let cells = match case.in_time()? {
+        InTime::Solid(own) => own.grid.count(),
+        InTime::Flow(own) => own.grid.count(),
+    };
+    let fields = report::run::read_fields(&bytes, cells)
+        .map_err(|error| OutputError::unusable(&archive, error))?;
     let pictures = report::run::pictures(&case, &fields, &records(&case, &folder)?)?;
-    report::draw(&pictures, files_into(&folder))?;
-    animation(&case, &folder)?;
+    let mut publication = folder.redrawing();
+    report::draw(&pictures, |name, bytes| publication.put(name, bytes).map_err(Error::from))?;
+    match animation(&case, &folder)? {
+        Animation::None => {}
+        Animation::Empty => publication.remove(ANIMATION),
+        Animation::Drawn(bytes) => publication.put(ANIMATION, &bytes)?,
+    }
+    publication.publish()?;
     writeln!(stdout, "picture: {}", folder.path().join("run.png").display())?;
     Ok(())
 }

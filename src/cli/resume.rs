@@ -2,7 +2,7 @@
 
 use super::run::{Checkpoint, Control, Run, carry_out};
 use crate::case::InTime;
-use crate::cli::folder::ResultFolder;
+use crate::cli::folder::{Begun, ResultFolder};
 use crate::cli::{Error, Format};
 use crate::study::simulate::job;
 use std::io::Write;
@@ -19,7 +19,7 @@ pub fn resume(
     format: Format,
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
-    let (folder, case) = ResultFolder::of_run(path)?;
+    let Begun { folder, case, lock } = ResultFolder::of_run(path)?;
     let job = job(&case)?;
     let plan = job.plan(false)?;
     let found = Checkpoint::read(&folder)?;
@@ -30,5 +30,5 @@ pub fn resume(
     let start = found.as_ref().map_or(0.0, |found| found.state.time);
     let _ = writeln!(std::io::stderr(), "{plan}\nfrom {:.1} %", 100.0 * start / duration);
     let run = Run { case: &case, folder: &folder, control, threads };
-    carry_out(&run, &*job, found, format, stdout)
+    carry_out(&run, &*job, found, Some(lock), format, stdout)
 }

@@ -11,18 +11,19 @@ mod control;
 mod planned;
 mod recorder;
 
-pub(super) use animation::animation;
+pub(super) use animation::{ANIMATION, Animation, animation};
 pub(super) use appended::records;
 pub(super) use checkpoint::Checkpoint;
 
-use super::write::{files_into, print, would_write};
+use super::signals::{self, Stage};
+use super::write::{print, would_write};
 use crate::case::Case;
-use crate::cli::folder::{AppendedFile, ResultFolder};
+use crate::cli::folder::ResultFolder;
 use crate::cli::options::pool;
 use crate::cli::{Error, Format, Options};
 use crate::report::Rendered;
 use crate::study::simulate::{Job, job};
-use control::install_signal_handlers;
+use files::lock::Lock;
 use recorder::FileRecorder;
 use std::io::Write;
 
@@ -45,7 +46,7 @@ pub fn run(options: &Options, control: Control, stdout: &mut dyn Write) -> Resul
     let job = job(&case)?;
     let plan = job.plan(false)?;
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
-    folder.check_runs(options.force)?;
+    folder.check_runs()?;
     if options.dry_run {
         job.check()?;
         if let Some(found) = job.ill_posed()?.filter(|_| !options.accept_ill_posed) {
@@ -65,7 +66,7 @@ pub fn run(options: &Options, control: Control, stdout: &mut dyn Write) -> Resul
         None => {}
     }
     let run = Run { case: &case, folder: &folder, control, threads: options.threads };
-    carry_out(&run, &*job, None, options.format, stdout)
+    carry_out(&run, &*job, None, None, options.format, stdout)
 }
 
 /// Where a run goes, and how.
@@ -76,25 +77,31 @@ pub(super) struct Run<'a> {
     pub(super) threads: Option<usize>,
 }
 
-/// Computes a run, from its beginning or from a checkpoint, and writes all of its results.
+/// Computes a run, from its beginning or from a checkpoint, and writes all of its results. A run that is resumed holds
+/// the lock of its folder.
 pub(super) fn carry_out(
     run: &Run,
     job: &dyn Job,
     from: Option<Checkpoint>,
+    lock: Option<Lock>,
     format: Format,
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
-    install_signal_handlers(run.folder);
-    let mut recorder = FileRecorder::new(run, from);
+    signals::install();
+    let _stage = signals::enter_until_dropped(Stage::Steps);
+    let mut recorder = FileRecorder::new(run, from, lock);
     let result = pool(run.threads)?.install(|| job.carry_out(&mut recorder))?;
     let Run { case, folder, .. } = run;
     let rendered = Rendered::new(&result, case)?;
-    animation(case, folder)?;
-    // The report comes last: the run is finished where it stands.
-    rendered.write(files_into(folder))?;
-    folder.remove(AppendedFile::Checkpoint)?;
-    folder.remove(AppendedFile::Lock)?;
-    drop(recorder);
+    if let Some(mut files) = recorder.into_folder()? {
+        match animation(case, folder)? {
+            Animation::None => {}
+            Animation::Empty => files.remove(ANIMATION)?,
+            Animation::Drawn(bytes) => drop(files.write(ANIMATION, &bytes)?),
+        }
+        rendered.write(|name, bytes| files.write(name, bytes).map(drop).map_err(Error::from))?;
+        files.finish()?;
+    }
     print(&rendered, folder, format, stdout)?;
     result.stopped.map_or(Ok(()), |stopped| Err(stopped.into()))
 }

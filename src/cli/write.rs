@@ -18,14 +18,10 @@ pub(super) fn write<R: Report>(
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
     let rendered = Rendered::new(report, case)?;
-    folder.open()?;
-    rendered.write(files_into(folder))?;
+    let mut publication = folder.publication();
+    rendered.write(|name, bytes| publication.put(name, bytes).map_err(Error::from))?;
+    publication.publish()?;
     print(&rendered, folder, format, stdout)
-}
-
-/// Takes files by their names into a folder.
-pub(super) fn files_into(folder: &ResultFolder) -> impl FnMut(&str, &[u8]) -> Result<(), Error> {
-    |name, bytes| Ok(folder.write(name, bytes)?)
 }
 
 /// Prints the text or the JSON report, and where the results are.

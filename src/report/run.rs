@@ -30,6 +30,9 @@ impl Report for RunResult {
             Some(step) => writeln!(text, "{} steps of {} s: t = {time} s", self.steps, short(step)),
             None => writeln!(text, "{} steps: t = {time} s", self.steps),
         };
+        if let Some(stopped) = &self.stopped {
+            let _ = writeln!(text, "stopped: {stopped}");
+        }
         let terms = if self.step.is_some() { SOLID_TERMS } else { FLOW_TERMS };
         let unit = self.ledger.unit.replace("m3", "m³");
         for (name, words) in terms {

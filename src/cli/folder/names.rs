@@ -1,6 +1,7 @@
 //! Names of the files of results.
 
 use crate::case::Case;
+use files::checksums::Checksums;
 
 /// The resolved case of a folder.
 pub(super) const CASE: &str = "case.toml";
@@ -76,6 +77,9 @@ pub const RUN: [&str; 21] = [
 /// The list of the snapshots of a run.
 pub const SNAPSHOTS: &str = "snapshots.pvd";
 
+/// Held for a moment by whoever puts files into a folder or removes some.
+pub(super) const BRIEF_LOCK: &str = ".publishing";
+
 /// What says that a run is finished.
 pub(super) const FINISHED: &str = "run.json";
 
@@ -128,7 +132,25 @@ pub fn is_snapshot(name: &str) -> bool {
 /// Every file that a verb may write. `--force` removes the ones of another case, so that no result
 /// ever stands beside a case that it does not belong to.
 pub fn results() -> impl Iterator<Item = &'static str> {
-    MAP.into_iter().chain(POINT).chain(DISPERSION).chain(SPEEDS).chain(CHECK).chain(RUN)
+    let own = MAP.into_iter().chain(POINT).chain(DISPERSION).chain(SPEEDS).chain(CHECK).chain(RUN);
+    own.chain([Checksums::NAME])
+}
+
+/// Whether the name is that of a file of a run in time, but for its log and its lock.
+pub(super) fn is_of_run(name: &str) -> bool {
+    is_snapshot(name) || (RUN.contains(&name) && name != AppendedFile::Lock.name())
+}
+
+/// Whether a file of that name has a line in the list of checksums.
+pub(super) fn is_listed(name: &str) -> bool {
+    let is_passing =
+        [AppendedFile::Lock, AppendedFile::Checkpoint].into_iter().any(|file| file.name() == name);
+    (is_result(name) && !is_passing && name != Checksums::NAME) || [CASE, PROGRAM].contains(&name)
+}
+
+/// Whether a file of that name says nothing of whose folder it stands in.
+pub(super) fn is_passing(name: &str) -> bool {
+    is_half_written(name) || [AppendedFile::Lock.name(), BRIEF_LOCK].contains(&name)
 }
 
 /// Whether a verb may write a file of that name.
@@ -136,8 +158,8 @@ pub(super) fn is_result(name: &str) -> bool {
     is_snapshot(name) || results().any(|known| known == name)
 }
 
-/// Whether a killed run of this program left the file: `.NAME.PROCESS.partial`. Hidden files of
-/// anyone else are none of its business.
+/// Whether the file is one that this program writes, or a killed one left: `.NAME.PROCESS-COUNT.partial`. Hidden files
+/// of anyone else are none of its business.
 pub(super) fn is_half_written(name: &str) -> bool {
     let inner = name.strip_prefix('.').and_then(|name| name.strip_suffix(".partial"));
     inner.and_then(|inner| inner.rsplit_once('.')).is_some_and(|(name, process)| {

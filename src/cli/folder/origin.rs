@@ -1,14 +1,19 @@
 //! Where the results of a folder come from.
 
-use super::names::{CASE, PROGRAM, is_half_written, is_result};
+use super::names::{CASE, PROGRAM, is_passing, is_result};
 use super::{OutputError, names_in};
+use files::read_regular;
 use serde_json::Value;
-use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
 
+/// The bytes of [`PROGRAM`].
+pub(super) fn program_bytes(undrawn: &str) -> Vec<u8> {
+    format!("{:#}\n", program(undrawn)).into_bytes()
+}
+
 /// What [`PROGRAM`] holds.
-pub(super) fn program(undrawn: &str) -> Value {
+fn program(undrawn: &str) -> Value {
     serde_json::json!({
         "name": env!("CARGO_PKG_NAME"),
         "version": env!("CARGO_PKG_VERSION"),
@@ -29,7 +34,7 @@ impl Origin {
     /// By what [`PROGRAM`] holds in the folder, if it is there.
     pub(super) fn of(folder: &Path, undrawn: &str) -> Result<Self, OutputError> {
         let path = folder.join(PROGRAM);
-        let bytes = match fs::read(&path) {
+        let bytes = match read_regular(&path) {
             Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
             bytes => bytes.map_err(|error| OutputError::unreadable(&path, &error))?,
         };
@@ -42,7 +47,7 @@ impl Origin {
 }
 
 pub(super) fn holds(path: &Path, text: &str) -> bool {
-    fs::read(path).is_ok_and(|bytes| bytes == text.as_bytes())
+    read_regular(path).is_ok_and(|bytes| bytes == text.as_bytes())
 }
 
 /// Why what stands in the folder is not to be overwritten unasked, if anything.
@@ -52,7 +57,7 @@ pub(super) fn foreign(
     undrawn: &str,
 ) -> Result<Option<&'static str>, OutputError> {
     let mut names = names_in(folder)?;
-    names.retain(|name| !is_half_written(name));
+    names.retain(|name| !is_passing(name));
     if names.is_empty() {
         return Ok(None);
     }

@@ -2,35 +2,53 @@
 
 use crate::case::Case;
 use crate::cli::Error;
-use crate::cli::folder::{OutputError, ResultFolder, SNAPSHOTS};
+use crate::cli::folder::{OutputError, ResultFolder, SNAPSHOTS, is_snapshot};
 use crate::report::run::{Frame, Frames};
+use files::read_regular;
+use std::path::Path;
+
+/// The name of its file.
+pub(in crate::cli) const ANIMATION: &str = "animation.gif";
+
+/// What becomes of the animation of a folder.
+pub(in crate::cli) enum Animation {
+    /// The case asks for none.
+    None,
+    /// Nothing is seen in its picture: there may be one of another picture, which is to go.
+    Empty,
+    /// The bytes of its file.
+    Drawn(Vec<u8>),
+}
 
 /// Draws the snapshots of a run one after the other, in one scale of colours, if the case asks for any.
 ///
 /// # Errors
-/// A snapshot is missing or no snapshot of this case, or the animation cannot be written.
-pub(in crate::cli) fn animation(case: &Case, folder: &ResultFolder) -> Result<(), Error> {
-    const ANIMATION: &str = "animation.gif";
-    let Some(frames) = Frames::new(case)? else { return Ok(()) };
+/// A snapshot is missing or no snapshot of this case, or the animation cannot be made.
+pub(in crate::cli) fn animation(case: &Case, folder: &ResultFolder) -> Result<Animation, Error> {
+    let Some(frames) = Frames::new(case)? else { return Ok(Animation::None) };
     let list = folder.path().join(SNAPSHOTS);
-    let text = std::fs::read_to_string(&list).map_err(|e| OutputError::unreadable(&list, &e))?;
-    let names = files::vti::collected(&text);
+    let unreadable = |path: &Path, error| OutputError::unreadable(path, &error);
+    let bytes = read_regular(&list).map_err(|error| unreadable(&list, error))?;
+    let names = files::vti::collected(&String::from_utf8_lossy(&bytes));
+    // A list that leads elsewhere is none of this program's.
+    if let Some(odd) = names.iter().find(|name| !is_snapshot(name)) {
+        return Err(OutputError::unusable(&list, format!("names '{odd}', no snapshot")).into());
+    }
     if names.len() < 2 {
-        return Ok(());
+        return Ok(Animation::None);
     }
     // Twice through all, not to hold them all.
     let all = || {
         names.iter().map(|name| -> Result<Frame, Error> {
             let path = folder.path().join(name);
-            let bytes = std::fs::read(&path).map_err(|e| OutputError::unreadable(&path, &e))?;
+            let bytes = read_regular(&path).map_err(|error| unreadable(&path, error))?;
             Ok(frames.frame(&bytes).map_err(|cause| OutputError::unusable(&path, cause))?)
         })
     };
     let greatest =
         all().try_fold(0.0f64, |sum, frame| Ok::<_, Error>(sum.max(frame?.greatest())))?;
     if greatest == 0.0 {
-        // There may be one of another picture.
-        return Ok(folder.remove_result(ANIMATION)?);
+        return Ok(Animation::Empty);
     }
-    Ok(folder.write(ANIMATION, &frames.animation(greatest, all())?)?)
+    Ok(Animation::Drawn(frames.animation(greatest, all())?))
 }

@@ -3,21 +3,25 @@
 use super::checkpoint::Checkpoint;
 use crate::case::{Case, InTime};
 use crate::cli::Error;
-use crate::cli::folder::{AppendedFile, OutputError, ResultFolder, SNAPSHOTS};
+use crate::cli::folder::{AppendedFile, OutputError, ResultFolder, RunFolder, SNAPSHOTS};
 use crate::study::simulate::{Column, Head, Records, Table, TableKind, column_unit};
 use dynamics::simulation::State;
-use files::append::{Appender, Written};
+use files::append::{Appender, Interrupted};
+use files::lock::Lock;
 use files::vti::{ImageData, collection};
-use std::fs::File;
+use files::{Written, read_regular};
 use std::io::Write as _;
 
 /// The tables of a run, and its snapshots.
 pub(super) struct Files<'a> {
     folder: &'a ResultFolder,
+    /// Of a run that is resumed, until it goes on.
+    lock: Option<Lock>,
     /// None before the run begins.
+    run: Option<RunFolder<'a>>,
     tables: Vec<(AppendedFile, Appender)>,
-    /// Keeps other runs out of the folder.
-    lock: Option<File>,
+    /// All snapshots so far.
+    snapshots: Vec<Written>,
 }
 
 impl From<TableKind> for AppendedFile {
@@ -31,15 +35,18 @@ impl From<TableKind> for AppendedFile {
 }
 
 impl<'a> Files<'a> {
-    pub(super) fn new(folder: &'a ResultFolder) -> Self {
-        Self { folder, tables: Vec::new(), lock: None }
+    /// A run that is resumed holds the lock of its folder.
+    pub(super) fn new(folder: &'a ResultFolder, lock: Option<Lock>) -> Self {
+        Self { folder, lock, run: None, tables: Vec::new(), snapshots: Vec::new() }
     }
 
     /// Makes the folder ready for a run from its beginning.
     pub(super) fn create(&mut self, tables: &[Head], has_snapshots: bool) -> Result<(), Error> {
         let folder = self.folder;
-        self.lock = Some(folder.lock()?);
-        folder.open_run()?;
+        let mut run = match self.lock.take() {
+            None => folder.begin_run()?,
+            Some(lock) => folder.begin_again(lock)?,
+        };
         for Head { kind, columns, .. } in tables {
             let file = AppendedFile::from(*kind);
             let header: Vec<&str> = columns.iter().map(String::as_str).collect();
@@ -47,30 +54,49 @@ impl<'a> Files<'a> {
             self.tables.push((file, own.map_err(OutputError::of_table)?));
         }
         if has_snapshots {
-            folder.write(SNAPSHOTS, &snapshot_list(&[] as &[(f64, &str)])?)?;
+            run.write(SNAPSHOTS, &snapshot_list(&[] as &[(f64, &str)])?)?;
         }
+        self.run = Some(run);
         Ok(())
     }
 
-    /// The same for one that goes on from a checkpoint, whose state `restore` takes over if it can; hands back the
-    /// number of snapshots that there are.
+    /// The same for one that goes on from a checkpoint, whose state `restore` takes over if it can and says how many
+    /// snapshots are due; `snapshot` knows the time and the name of each by its number. Nothing is changed before all
+    /// is found to be as it was at the checkpoint.
     pub(super) fn resume(
         &mut self,
         tables: &[Head],
         from: &Checkpoint,
         restore: &mut dyn FnMut(&State) -> Option<usize>,
-    ) -> Result<usize, Error> {
+        snapshot: impl Fn(usize) -> Option<(f64, String)>,
+    ) -> Result<(), Error> {
         let folder = self.folder;
-        self.lock = Some(folder.lock()?);
-        folder.sweep()?;
-        let due = restore(&from.state).filter(|_| from.tables.len() == tables.len());
-        let due = due.ok_or_else(|| Checkpoint::refused(folder))?;
+        let is_own =
+            |due: &usize| from.tables.len() == tables.len() && from.snapshots.len() == *due;
+        let due = restore(&from.state).filter(is_own).ok_or_else(|| Checkpoint::refused(folder))?;
+        let list: Vec<(f64, String)> = (0..due).map_while(snapshot).collect();
+        for ((_, name), written) in list.iter().zip(&from.snapshots) {
+            folder.check_file(name, *written)?;
+        }
+        let mut found = Vec::new();
         for (head, written) in tables.iter().zip(&from.tables) {
             let file = AppendedFile::from(head.kind);
-            let own = Appender::resume(&folder.path_of(file), *written);
-            self.tables.push((file, own.map_err(OutputError::of_table)?));
+            let own = Interrupted::open(&folder.path_of(file), *written);
+            found.push((file, own.map_err(OutputError::of_table)?));
         }
-        Ok(due)
+        let lock = self.lock.take().ok_or_else(|| Checkpoint::refused(folder))?;
+        let mut run = RunFolder::resumed(folder, lock)?;
+        for (file, own) in found {
+            self.tables.push((file, own.resume().map_err(OutputError::of_table)?));
+        }
+        if !list.is_empty() {
+            // It may have those of steps that are to be made again.
+            run.write(SNAPSHOTS, &snapshot_list(&list)?)?;
+        }
+        list.iter().zip(&from.snapshots).for_each(|((_, name), own)| run.insert(name, *own));
+        self.snapshots.clone_from(&from.snapshots);
+        self.run = Some(run);
+        Ok(())
     }
 
     /// Adds a row to a table, if there is such a one.
@@ -82,11 +108,22 @@ impl<'a> Files<'a> {
     }
 
     /// Writes a state for ParaView, the last one of a list of all so far with their times.
-    pub(super) fn snapshot(&self, image: &ImageData, list: &[(f64, String)]) -> Result<(), Error> {
+    pub(super) fn snapshot(
+        &mut self,
+        image: &ImageData,
+        list: &[(f64, String)],
+    ) -> Result<(), Error> {
+        let Some(run) = &mut self.run else { return Ok(()) };
         if let Some((_, name)) = list.last() {
-            self.folder.write(name, &image.bytes())?;
+            self.snapshots.push(run.write(name, &image.bytes())?);
         }
-        Ok(self.folder.write(SNAPSHOTS, &snapshot_list(list)?)?)
+        run.write(SNAPSHOTS, &snapshot_list(list)?)?;
+        Ok(())
+    }
+
+    /// Brings the tables to the disk: a checkpoint of that state.
+    pub(super) fn checkpoint(&mut self, state: State) -> Result<Checkpoint, Error> {
+        Ok(Checkpoint { tables: self.sync()?, snapshots: self.snapshots.clone(), state })
     }
 
     /// Brings the tables to the disk, and says what they hold.
@@ -98,10 +135,18 @@ impl<'a> Files<'a> {
             .map_err(OutputError::of_table)?)
     }
 
+    /// The folder of the run, which knows all of its files; `None` before the run begins.
+    pub(super) fn into_folder(mut self) -> Result<Option<RunFolder<'a>>, Error> {
+        let written = self.sync()?;
+        let Some(run) = &mut self.run else { return Ok(None) };
+        self.tables.iter().zip(written).for_each(|((file, _), own)| run.insert(file.name(), own));
+        Ok(self.run)
+    }
+
     /// Wall times and speeds, which no result holds. A log that cannot be written stops nothing.
     pub(super) fn log(&self, text: &str) {
         let path = self.folder.path_of(AppendedFile::Log);
-        if let Ok(mut file) = std::fs::OpenOptions::new().create(true).append(true).open(path) {
+        if let Ok(mut file) = files::open_to_append(&path) {
             let _ = writeln!(file, "{text}");
         }
     }
@@ -110,17 +155,6 @@ impl<'a> Files<'a> {
 /// The list of the snapshots, by times and names.
 fn snapshot_list<S: AsRef<str>>(list: &[(f64, S)]) -> Result<Vec<u8>, Error> {
     Ok(collection(list).map_err(crate::Error::from)?)
-}
-
-/// That no snapshot of those that are due is missing.
-pub(super) fn check_snapshots(
-    folder: &ResultFolder,
-    mut due: impl Iterator<Item = String>,
-) -> Result<(), Error> {
-    match due.find(|name| !folder.path().join(name).exists()) {
-        Some(name) => Err(OutputError::unusable(&folder.path().join(name), "is missing").into()),
-        None => Ok(()),
-    }
 }
 
 /// The tables of a folder of results.
@@ -144,8 +178,8 @@ pub(in crate::cli) fn records(case: &Case, folder: &ResultFolder) -> Result<Reco
 /// Columns of a table of numbers.
 fn table(case: &Case, folder: &ResultFolder, kind: TableKind) -> Result<Table, Error> {
     let path = folder.path_of(kind.into());
-    let text =
-        std::fs::read_to_string(&path).map_err(|error| OutputError::unreadable(&path, &error))?;
+    let bytes = read_regular(&path).map_err(|error| OutputError::unreadable(&path, &error))?;
+    let text = String::from_utf8_lossy(&bytes);
     let mut lines = text.lines();
     let column = |name: &str| {
         let unit = column_unit(case, kind, name);

@@ -1,8 +1,9 @@
 //! What a run needs to go on: state, and what its tables held.
 
+use crate::case::{Case, InTime};
 use crate::cli::folder::{AppendedFile, OutputError, ResultFolder, not_written};
 use dynamics::simulation::State;
-use files::append::Written;
+use files::Written;
 use files::sealed::{Problem, read_sealed, write_sealed};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -11,7 +12,9 @@ use std::io::ErrorKind;
 /// A checkpoint of a solid or a flow.
 pub(in crate::cli) struct Checkpoint {
     /// What stands in the tables.
-    pub(super) tables: Vec<Written>,
+    pub(in crate::cli) tables: Vec<Written>,
+    /// All snapshots so far.
+    pub(in crate::cli) snapshots: Vec<Written>,
     /// The state.
     pub(in crate::cli) state: State,
 }
@@ -20,12 +23,14 @@ impl Checkpoint {
     /// Writes it, whole or not at all.
     pub(super) fn write(&self, folder: &ResultFolder) -> Result<(), OutputError> {
         let State { steps, time, initial_energy, sections: numbers } = &self.state;
-        let tables: Vec<[u64; 2]> =
-            self.tables.iter().map(|table| [table.length, table.checksum.into()]).collect();
+        let pairs = |files: &[Written]| -> Vec<[u64; 2]> {
+            files.iter().map(|own| [own.length, own.checksum.into()]).collect()
+        };
         let about = json!({
             "steps": steps,
             "time": time.to_bits(),
-            "tables": tables,
+            "tables": pairs(&self.tables),
+            "snapshots": pairs(&self.snapshots),
             "start": initial_energy.to_bits(),
         })
         .to_string();
@@ -58,14 +63,17 @@ impl Checkpoint {
         let about: Value =
             take("about").and_then(|own| serde_json::from_slice(&own).ok()).ok_or_else(odd)?;
         let number = |value: &Value| value.as_u64();
-        let table = |table: &Value| {
-            let checksum = number(&table[1]).and_then(|own| u32::try_from(own).ok());
-            Some(Written { length: number(&table[0])?, checksum: checksum? })
+        let pair = |own: &Value| {
+            let checksum = number(&own[1]).and_then(|own| u32::try_from(own).ok());
+            Some(Written { length: number(&own[0])?, checksum: checksum? })
         };
-        let tables = about["tables"].as_array().and_then(|all| all.iter().map(table).collect());
+        let pairs = |name: &str| -> Option<Vec<Written>> {
+            about[name].as_array()?.iter().map(pair).collect()
+        };
+        let [tables, snapshots] = ["tables", "snapshots"].map(pairs);
         let [steps, time, start] = ["steps", "time", "start"].map(|name| number(&about[name]));
-        let (Some(tables), Some(steps), Some(time), Some(start)) = (tables, steps, time, start)
-        else {
+        let (Some(tables), Some(snapshots)) = (tables, snapshots) else { return Err(odd()) };
+        let (Some(steps), Some(time), Some(start)) = (steps, time, start) else {
             return Err(odd());
         };
         let state = State {
@@ -74,11 +82,31 @@ impl Checkpoint {
             initial_energy: f64::from_bits(start),
             sections,
         };
-        Ok(Some(Self { tables, state }))
+        Ok(Some(Self { tables, snapshots, state }))
+    }
+
+    /// Its tables by files, in the order in which a run of the case has them.
+    ///
+    /// # Errors
+    /// The case does not say how it is run in time.
+    pub(in crate::cli) fn tables_of(
+        &self,
+        case: &Case,
+    ) -> Result<Vec<(AppendedFile, Written)>, crate::Error> {
+        let has_receivers = match case.in_time()? {
+            InTime::Solid(own) => !own.receivers.is_empty(),
+            InTime::Flow(own) => !own.receivers.is_empty(),
+        };
+        let all = [
+            has_receivers.then_some(AppendedFile::Receivers),
+            Some(AppendedFile::Ledger),
+            case.flow.is_some().then_some(AppendedFile::Spectrum),
+        ];
+        Ok(all.into_iter().flatten().zip(self.tables.iter().copied()).collect())
     }
 
     /// That its state is none of this run's.
-    pub(super) fn refused(folder: &ResultFolder) -> OutputError {
+    pub(in crate::cli) fn refused(folder: &ResultFolder) -> OutputError {
         let path = folder.path_of(AppendedFile::Checkpoint);
         OutputError::unusable(&path, "its fields are not those of the case")
     }

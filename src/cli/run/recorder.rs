@@ -1,16 +1,18 @@
 //! Writes what a simulation delivers to files, and interrupts it.
 
 use super::Run;
-use super::appended::{Files, check_snapshots, records};
+use super::appended::{Files, records};
 use super::checkpoint::Checkpoint;
-use super::control::{CheckpointTimer, computed};
+use super::control::CheckpointTimer;
 use crate::Error;
-use crate::cli::folder::snapshot_name;
+use crate::cli::folder::{RunFolder, snapshot_name};
 use crate::cli::progress::Progress;
+use crate::cli::signals::{self, Stage};
 use crate::report::format::short;
 use crate::report::run::image;
 use crate::study::simulate::{Effort, Fields, Head, Moment, Recorder, Records, TableKind};
 use dynamics::simulation::{RegularTimes, State};
+use files::lock::Lock;
 use std::time::Instant;
 
 /// Parts of the duration that a bar of progress tells apart.
@@ -33,18 +35,27 @@ pub(super) struct FileRecorder<'a> {
 }
 
 impl<'a> FileRecorder<'a> {
-    pub(super) fn new(run: &'a Run<'a>, from: Option<Checkpoint>) -> Self {
+    /// A run that is resumed holds the lock of its folder.
+    pub(super) fn new(run: &'a Run<'a>, from: Option<Checkpoint>, lock: Option<Lock>) -> Self {
         Self {
             run,
             is_resumed: from.is_some(),
             from,
-            files: Files::new(run.folder),
+            files: Files::new(run.folder, lock),
             timer: CheckpointTimer::new(run),
             snapshots: None,
             progress: Progress::new("run", PARTS as u64),
             parts: 0,
             start: (Instant::now(), 0),
         }
+    }
+
+    /// The folder, to which results of all steps can be written; `None` if the run has not begun.
+    ///
+    /// # Errors
+    /// The tables cannot be written.
+    pub(super) fn into_folder(self) -> Result<Option<RunFolder<'a>>, crate::cli::Error> {
+        self.files.into_folder()
     }
 
     /// Shows the part of the duration, s, that is over.
@@ -80,8 +91,10 @@ impl Recorder for FileRecorder<'_> {
         match self.from.take() {
             None => self.files.create(tables, snapshots.is_some())?,
             Some(from) => {
-                let due = self.files.resume(tables, &from, restore)?;
-                check_snapshots(self.run.folder, (0..due).map(|index| self.snapshot_name(index)))?;
+                let case = self.run.case;
+                let snapshot =
+                    |index| Some((snapshots.as_ref()?.time(index)?, snapshot_name(case, index)));
+                self.files.resume(tables, &from, restore, snapshot)?;
                 self.start.1 = from.state.steps;
             }
         }
@@ -111,7 +124,7 @@ impl Recorder for FileRecorder<'_> {
     }
 
     fn finish(&mut self, moment: &Moment) -> Result<Records, Error> {
-        computed();
+        signals::enter(Stage::Results);
         self.files.sync()?;
         self.files.log(&log(moment, self.rate(moment)));
         Ok(records(self.run.case, self.run.folder)?)

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::study::simulate::{Fields, Quantity, Table};
-use files::npz::{Array, Npz, NpzError, Values, read};
+use files::npz::{Array, Npz, NpzError, Values, read_some};
 
 /// The archive of the fields of a state.
 ///
@@ -36,13 +36,14 @@ pub(super) fn fields(fields: &Fields) -> Result<Vec<u8>, Error> {
     Ok(archive.finish()?)
 }
 
-/// The fields of an archive, as far as it has what is drawn.
+/// The fields of an archive, as far as it has what is drawn, on a grid of so many cells or points.
 ///
 /// # Errors
 /// It is no such archive.
-pub fn read_fields(bytes: &[u8]) -> Result<Fields, NpzError> {
+pub fn read_fields(bytes: &[u8], cells: usize) -> Result<Fields, NpzError> {
     let mut fields = Fields::default();
-    for Array { name, values, .. } in read(bytes)? {
+    let is_numbers = |name: &str| !["names", "units"].contains(&name);
+    for Array { name, values, .. } in read_some(bytes, is_numbers, cells)? {
         match (name.as_str(), values) {
             ("time", Values::F64(time)) => fields.time = time.first().copied().unwrap_or(0.0),
             ("x1" | "x2" | "x3", Values::F64(along)) => fields.coordinates.push(along),
