@@ -185,6 +185,7 @@ fn check_files(out: &Path) {
     let expected = [
         "animation.gif",
         "case.toml",
+        "checksums.txt",
         "fields.npz",
         "ledger.csv",
         "ledger.png",
