@@ -103,8 +103,22 @@ pub trait Simulation {
     /// [`account_at`](Self::account_at) and [`fields_at`](Self::fields_at) are wanted then.
     ///
     /// # Errors
-    /// A state is unsound: the present one is the last that is not.
+    /// A state is unsound: [`recover`](Self::recover) is to go back to the last one that is not.
     fn advance(&mut self, due: f64) -> Result<(), Self::Fault>;
+
+    /// Goes back to the last sound state after a fault, and says what is wrong with the one after it. Where steps have to
+    /// be made again for that, `go_on` is asked before each batch of them.
+    ///
+    /// # Errors
+    /// The first one of `go_on`; the simulation is of no use then.
+    fn recover<E>(
+        &mut self,
+        fault: Self::Fault,
+        go_on: impl FnMut() -> Result<(), E>,
+    ) -> Result<Self::Fault, E> {
+        let _ = go_on;
+        Ok(fault)
+    }
 
     /// Hands over what the probes recorded since the last call, of each step its time, s, and the quantities of all
     /// probes, probe by probe.
@@ -169,6 +183,15 @@ pub trait Observer<S: Simulation> {
         time: f64,
         fields: S::Fields,
     ) -> Result<(), Self::Error>;
+
+    /// Steps are about to be made again, to find the last sound state before a fault. There is no state to resume from
+    /// then but those of earlier looks.
+    ///
+    /// # Errors
+    /// The run is to end here.
+    fn replay(&mut self) -> Result<(), Self::Error> {
+        Ok(())
+    }
 
     /// A look at the simulation between two batches of steps, when all output that is due has been taken: its
     /// [`state`](Simulation::state) now is one to resume from. `last` is the last account delivered.
@@ -258,7 +281,10 @@ impl<S: Simulation, O: Observer<S>> Driver<'_, S, O> {
     fn steps(&mut self) -> Run<S, O> {
         while !self.simulation.is_finished() {
             let due = self.next_output();
-            self.simulation.advance(due).map_err(Stop::Fault)?;
+            if let Err(fault) = self.simulation.advance(due) {
+                let found = self.simulation.recover(fault, || self.observer.replay());
+                return Err(Stop::Fault(found.map_err(Stop::Observer)?));
+            }
             self.deliver()?;
             self.observer.after_steps(self.simulation, &self.last).map_err(Stop::Observer)?;
         }

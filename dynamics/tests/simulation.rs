@@ -27,6 +27,12 @@ struct Log {
     snapshots: Vec<String>,
     looks: usize,
     interruption: Option<usize>,
+    /// After so many looks a state is saved, and the run goes on.
+    saving: Option<usize>,
+    /// Batches of steps that were made again.
+    replays: usize,
+    /// Of these, those after which the run is interrupted.
+    patience: Option<usize>,
 }
 
 impl<S: Simulation<Account: Debug, Fields: Debug>> Observer<S> for Log {
@@ -48,8 +54,24 @@ impl<S: Simulation<Account: Debug, Fields: Debug>> Observer<S> for Log {
         Ok(())
     }
 
+    fn replay(&mut self) -> Result<(), State> {
+        self.replays += 1;
+        match self.patience {
+            Some(patience) if self.replays > patience => Err(State {
+                steps: 0,
+                time: 0.0,
+                initial_energy: 0.0,
+                sections: Default::default(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
     fn after_steps(&mut self, simulation: &S, _: &S::Account) -> Result<(), State> {
         self.looks += 1;
+        if self.saving == Some(self.looks) {
+            simulation.state();
+        }
         if self.interruption.is_some_and(|looks| self.looks.is_multiple_of(looks)) {
             return Err(simulation.state());
         }
@@ -100,9 +122,18 @@ const SOLVERS: [SolverChoice; 2] = [SolverChoice::Fused { threads: 2 }, SolverCh
 
 /// A pulse in a plane of blocks with interlayers, and a source whose strength is `signal`.
 fn solid(signal: fn(f64) -> f64, solver: SolverChoice) -> SolidSimulation<f64, 2> {
+    solid_for(signal, solver, DURATION)
+}
+
+/// The same for a duration, s.
+fn solid_for(
+    signal: fn(f64) -> f64,
+    solver: SolverChoice,
+    duration: f64,
+) -> SolidSimulation<f64, 2> {
     let medium = Medium::new(Isotropic::new(1.4, 0.9, 1.2, None).expect("moduli"), 2);
     let (cells, spacing) = ([20, 12], [0.1, 0.1]);
-    let steps = TimeSteps::new(std::slice::from_ref(&medium), &spacing, 0.9, 1.0, DURATION);
+    let steps = TimeSteps::new(std::slice::from_ref(&medium), &spacing, 0.9, 1.0, duration);
     let steps = steps.expect("few steps");
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::NonReflecting]);
     let scheme = Scheme::new(Slopes::FourthOrder, Placement::Last);
@@ -185,6 +216,52 @@ fn leaves_the_last_sound_state(solver: SolverChoice) {
     assert_eq!(whole.accounts[due..], [format!("{:?}", end.last)]);
     let (log, _, same) = run(new, &output, Some(2));
     assert_eq!((log.records, log.accounts, same), (whole.records, whole.accounts, state));
+}
+
+/// After a fault steps are made again from the last saved state alone, in batches between which the run can be
+/// interrupted; what comes out does not depend on where they begin.
+#[test]
+fn faults_are_found_from_the_last_saved_state() {
+    const LONG: f64 = 40.0;
+    const END: f64 = 37.0;
+    let strength = |t: f64| if t < END { t.sin() } else { f64::INFINITY };
+    let new = || solid_for(strength, SOLVERS[0], LONG);
+    let step = new().time_steps().step;
+    // Few accounts, so that steps come in batches.
+    let output = OutputTimes { accounts: RegularTimes::new(LONG, LONG), snapshots: None };
+    let mut all = Vec::new();
+    for saving in [None, Some(1), Some(usize::MAX)] {
+        let mut simulation = new();
+        let looks = (END / step) as usize / 64;
+        let saving = saving.map(|own: usize| own.min(looks));
+        let mut log = Log { saving, ..Log::default() };
+        let end = drive(&mut simulation, &output, false, &mut log).expect("no interruption");
+        assert!(end.fault.is_some());
+        let batches = match saving {
+            None => looks,
+            Some(saved) => looks - saved,
+        };
+        assert_eq!(log.replays, batches, "{saving:?}");
+        assert!(looks > 1, "{looks}");
+        all.push((log.records, log.accounts, simulation.state()));
+        // Interrupted between two batches.
+        if batches > 1 {
+            let mut log = Log { saving, patience: Some(1), ..Log::default() };
+            assert!(drive(&mut new(), &output, false, &mut log).is_err());
+            assert_eq!(log.replays, 2);
+        }
+    }
+    assert!(all.windows(2).all(|pair| pair[0] == pair[1]));
+    // From a state that was restored as well.
+    let mut first = new();
+    let mut log = Log { interruption: Some(1), ..Log::default() };
+    let state = drive(&mut first, &output, false, &mut log).err().expect("an interruption");
+    let mut second = new();
+    assert!(second.restore(&state));
+    let mut log = Log::default();
+    drive(&mut second, &output, true, &mut log).expect("no interruption");
+    assert_eq!(log.replays, (END / step) as usize / 64 - 1);
+    assert_eq!(second.state(), all[0].2);
 }
 
 /// Accounts and snapshots lie between steps.

@@ -61,6 +61,14 @@ pub enum Error {
         /// The folder of its results.
         folder: String,
     },
+    /// Somebody ended a run while it made steps again to find the last sound state before a fault.
+    #[error(
+        "interrupted after a fault, while steps were made again up to it; wellposed resume {folder} goes on from the last checkpoint"
+    )]
+    InterruptedReplay {
+        /// The folder of its results.
+        folder: String,
+    },
     /// Threads could not be started.
     #[error("cannot start the threads: {0}")]
     Threads(String),
@@ -77,7 +85,7 @@ impl Error {
             Self::Stdout(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
             Self::Disagrees { .. } | Self::Damaged { .. } => 1,
             Self::Stopped(_) => 3,
-            Self::Interrupted { .. } => INTERRUPTED_CODE,
+            Self::Interrupted { .. } | Self::InterruptedReplay { .. } => INTERRUPTED_CODE,
             _ => 2,
         }
     }
@@ -123,7 +131,7 @@ impl Error {
             Self::Disagrees { .. } => "disagreement",
             Self::Damaged { .. } => "damage",
             Self::NoCases { .. } => "usage",
-            Self::Interrupted { .. } => "interrupted",
+            Self::Interrupted { .. } | Self::InterruptedReplay { .. } => "interrupted",
             Self::Threads(_) => "threads",
             Self::Stdout(_) => "stdout",
         }

@@ -13,6 +13,8 @@ pub(super) enum Stage {
     Anything,
     /// A run makes steps, and writes a checkpoint if it is asked to end.
     Steps,
+    /// A run makes steps again up to a fault, and ends where it is if it is asked to.
+    Replay,
     /// All steps of a run are done, so that only results are left to be written.
     Results,
 }
@@ -60,6 +62,9 @@ fn end() {
     let stage = STAGE.load(Ordering::Relaxed);
     let said = match stage {
         _ if stage == Stage::Steps as u8 => "finishing the step and writing a checkpoint",
+        _ if stage == Stage::Replay as u8 => {
+            "a fault was found, steps are made again up to it: ending, the last checkpoint stays"
+        }
         _ if stage == Stage::Results as u8 => "all steps are done, writing results",
         _ => end_at_once(),
     };

@@ -1,7 +1,8 @@
 //! A solid as a simulation: batches of equal steps, and a look after each whether the energy is still a number.
 //!
-//! Energies tell a batch of steps in which some value has ceased to be finite, not the step. The simulation then begins
-//! again, makes the same steps as far as they were sound, and goes on one by one to the last sound state.
+//! Energies tell a batch of steps in which some value has ceased to be finite, not the step. The simulation then goes back to
+//! the last state that was [saved](Simulation::state) or restored, or to its beginning, makes the same steps as far as they
+//! were sound, and goes on one by one to the last sound state.
 //! Steps are as long as waves let them be: fields between two steps are on the straight line between the states,
 //! so that stresses stay in their convex yield sets.
 
@@ -14,6 +15,7 @@ use crate::solid::snapshot::Snapshot;
 
 use crate::solid::domain::SolverReal;
 use models::solid::waves::Field;
+use std::cell::RefCell;
 use std::cmp::Ordering;
 
 /// Steps between two looks whether all values are finite, at most.
@@ -98,6 +100,8 @@ pub struct SolidSimulation<T: SolverReal, const D: usize> {
     records: Vec<f64>,
     /// Steps done at the first of these records.
     first_record: usize,
+    /// The last state that was saved or restored; `None`: the beginning.
+    saved: RefCell<Option<Snapshot<T>>>,
 }
 
 impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
@@ -136,6 +140,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
             before: None,
             records: Vec::new(),
             first_record: 0,
+            saved: RefCell::new(None),
         };
         own.set_initial();
         own.account = own.account_after(0);
@@ -203,13 +208,28 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         SolidFault { time: self.solver.time(), place: self.solver.first_non_finite() }
     }
 
-    /// The same bits again as far as they were sound, then step by step up to the last sound state.
-    fn replay_to_fault(&mut self) -> SolidFault {
-        self.solver.reset();
-        self.set_initial();
+    /// The same bits again as far as they were sound.
+    fn replay<E>(&mut self, mut go_on: impl FnMut() -> Result<(), E>) -> Result<(), E> {
+        let saved = self.saved.take().filter(|saved| saved.steps <= self.done);
+        let start = match saved {
+            Some(saved) if self.solver.restore(&saved) => saved.steps,
+            _ => {
+                self.solver.reset();
+                self.set_initial();
+                0
+            }
+        };
         self.solver.watch(&[]);
-        self.solver.advance(self.done);
+        for first in (start..self.done).step_by(LOOK) {
+            go_on()?;
+            self.solver.advance(LOOK.min(self.done - first));
+        }
         self.solver.watch(&self.watched);
+        Ok(())
+    }
+
+    /// Step by step up to the last sound state.
+    fn step_to_fault(&mut self) -> SolidFault {
         loop {
             let sound = self.solver.snapshot();
             self.solver.advance(1);
@@ -265,11 +285,20 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
         self.solver.advance(next);
         let account = self.account_after(self.done + next);
         if !account.is_sound() {
-            return Err(self.replay_to_fault());
+            return Err(self.fault());
         }
         self.keep_records(self.done + 1);
         (self.done, self.account) = (self.done + next, account);
         Ok(())
+    }
+
+    fn recover<E>(
+        &mut self,
+        _fault: SolidFault,
+        go_on: impl FnMut() -> Result<(), E>,
+    ) -> Result<SolidFault, E> {
+        self.replay(go_on)?;
+        Ok(self.step_to_fault())
     }
 
     fn drain_records<E>(
@@ -314,19 +343,24 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     }
 
     fn state(&self) -> State {
-        let Snapshot { steps, fields, work, sums, interlayers } = self.solver.snapshot();
+        // The one before goes first: there is memory for two copies of the fields, not for three.
+        *self.saved.borrow_mut() = None;
+        let snapshot = self.solver.snapshot();
+        let Snapshot { steps, fields, work, sums, interlayers } = &snapshot;
         let narrow = |values: &[T]| values.iter().flat_map(|value| value.bytes()).collect();
         let fields = number("field", fields.iter().map(|values| narrow(values)));
         let sums = number("sums", sums.iter().map(|sums| to_bytes(sums)));
         let work = number("work", work.iter().map(|parts| to_bytes(parts)));
         let interlayers = (!interlayers.is_empty())
             .then(|| ("interlayers".to_owned(), narrow(interlayers.as_flattened())));
-        State {
-            steps,
+        let state = State {
+            steps: *steps,
             time: self.account.time,
             initial_energy: self.account.initial_energy,
             sections: work.chain(fields).chain(sums).chain(interlayers).collect(),
-        }
+        };
+        *self.saved.borrow_mut() = Some(snapshot);
+        state
     }
 
     fn restore(&mut self, state: &State) -> bool {
@@ -345,9 +379,10 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
                 interlayers: interlayers.to_vec(),
             })
         };
-        if !snapshot().is_some_and(|snapshot| self.solver.restore(&snapshot)) {
+        let Some(snapshot) = snapshot().filter(|snapshot| self.solver.restore(snapshot)) else {
             return false;
-        }
+        };
+        *self.saved.get_mut() = Some(snapshot);
         self.done = state.steps;
         self.account.initial_energy = state.initial_energy;
         self.account = self.account_after(self.done);

@@ -123,6 +123,17 @@ impl Recorder for FileRecorder<'_> {
         Ok(self.timer.write_if_due(&mut self.files, moment)?)
     }
 
+    fn replay(&mut self) -> Result<(), Error> {
+        signals::enter(Stage::Replay);
+        match signals::is_interrupted() {
+            true => Err(crate::cli::Error::InterruptedReplay {
+                folder: self.run.folder.path().display().to_string(),
+            }
+            .into()),
+            false => Ok(()),
+        }
+    }
+
     fn finish(&mut self, moment: &Moment) -> Result<Records, Error> {
         signals::enter(Stage::Results);
         self.files.sync()?;

@@ -127,6 +127,14 @@ pub trait Recorder: Send {
     /// It cannot be kept.
     fn snapshot(&mut self, index: usize, fields: Fields) -> Result<(), Error>;
 
+    /// Steps are about to be made again, to find the last sound state before a fault.
+    ///
+    /// # Errors
+    /// The run is to end here.
+    fn replay(&mut self) -> Result<(), Error> {
+        Ok(())
+    }
+
     /// A look at the simulation when all output that is due has been taken.
     ///
     /// # Errors

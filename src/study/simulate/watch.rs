@@ -149,6 +149,10 @@ impl<S: Simulation, V: View<S>> Observer<S> for Watch<'_, V> {
         self.recorder.snapshot(index, self.view.fields(simulation, fields, time))
     }
 
+    fn replay(&mut self) -> Result<(), Error> {
+        self.recorder.replay()
+    }
+
     fn after_steps(&mut self, simulation: &S, last: &S::Account) -> Result<(), Error> {
         self.look(simulation, last, |recorder, now| recorder.after_steps(now))
     }
