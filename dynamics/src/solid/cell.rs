@@ -1,9 +1,7 @@
 //! Constants of a cell for a pair of waves: impedance, Courant number, and the reconstruction weights that
 //! follow from them.
 
-use super::reconstruction::Slopes;
 use crate::simd::{Group, Number, Real, Vector};
-use models::solid::waves::Pair;
 
 /// What a cell is to a pair of waves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,17 +37,6 @@ impl<T: Real> Cell<T> {
     /// dissipation of first order.
     pub fn among_others(impedance: f64, courant: f64) -> Self {
         Self::reconstructed_as(courant.max(0.02), impedance, courant)
-    }
-
-    /// The cell of a pair of waves at a Courant number, which rounding may have taken beyond 1; `is_mixed` in problems with
-    /// other media or interlayers.
-    pub(crate) fn of_pair(pair: &Pair, courant: f64, slopes: Slopes, is_mixed: bool) -> Self {
-        let (impedance, courant) = (pair.impedance(), courant.min(1.0));
-        match (slopes, is_mixed) {
-            (Slopes::Godunov, _) => Self::constant(impedance, courant),
-            (Slopes::FourthOrder, true) => Self::among_others(impedance, courant),
-            _ => Self::new(impedance, courant),
-        }
     }
 
     /// The same for first order, whichever [`Slopes`](crate::solid::line::Slopes): the weights of Courant

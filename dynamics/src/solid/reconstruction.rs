@@ -3,7 +3,8 @@
 
 use super::cell::Cell;
 use super::riemann::{RiemannInvariants, State};
-use crate::simd::Number;
+use crate::simd::{Number, Real};
+use models::solid::waves::Pair;
 
 /// Cells beyond each end of a line that a sweep reads.
 pub const GHOSTS: usize = 2;
@@ -26,6 +27,17 @@ pub enum Slopes {
 }
 
 impl Slopes {
+    /// The cell of a pair of waves at a Courant number, which rounding may have taken beyond 1; `is_mixed` in problems with
+    /// other media or interlayers.
+    pub(crate) fn cell_of<T: Real>(self, pair: &Pair, courant: f64, is_mixed: bool) -> Cell<T> {
+        let (impedance, courant) = (pair.impedance(), courant.min(1.0));
+        match (self, is_mixed) {
+            (Self::Godunov, _) => Cell::constant(impedance, courant),
+            (Self::FourthOrder, true) => Cell::among_others(impedance, courant),
+            _ => Cell::new(impedance, courant),
+        }
+    }
+
     /// Time-averaged outflow minus cell mean of a piecewise linear reconstruction: (1 − C)/2 × limited slope.
     /// Arguments: the differences upwind and downwind.
     ///

@@ -104,7 +104,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         };
         let (mut materials, patterns) = Materials::new(problem, &layout, is_periodic(0));
         let layers = region.coordinates(D - 1);
-        materials.row_spacing = RowSpacing::new(problem, &materials, &patterns, &layers);
+        let along_rows = (&*materials.waves[0], &materials.table);
+        materials.row_spacing = RowSpacing::new(problem, along_rows, &patterns, &layers);
         let fields = &materials.fields;
         let whole = problem.initial_stress.as_ref().map_or(&[][..], |own| &own.1);
         let initial_stress = problem.initial_stress.as_ref().map(|(axis, stress)| {

@@ -6,7 +6,6 @@
 //! for the row that is swept.
 
 use super::layout::Tile;
-use super::materials::Materials;
 use super::table::{Table, Wave};
 use super::{Domain, SolverReal};
 use crate::simd::{Group, Number, Real, Vector, Work};
@@ -34,36 +33,37 @@ pub(super) struct RowSpacing<T: Real> {
 }
 
 impl<T: Real> RowSpacing<T> {
-    /// That of the layers of a region of a problem with these numbers in the whole; `None` where all layers are alike.
+    /// That of the layers of a region of a problem with these numbers in the whole, from the waves along rows and the
+    /// constants of equal layers; `None` where all layers are alike.
     pub(super) fn new<const D: usize>(
         problem: &Problem<D>,
-        materials: &Materials<T, D>,
+        (waves, table): (&[Wave], &Table<T>),
         patterns: &[Vec<u16>],
         layers: &[usize],
     ) -> Option<Self> {
         let metric = problem.metric.as_ref()?;
         let spacing: Vec<f64> = layers.iter().map(|layer| metric.spacing[*layer]).collect();
-        let waves = materials.waves[0].iter().enumerate();
+        let waves = waves.iter().enumerate();
         let waves: Vec<_> =
             waves.map(|(pair, own)| Wave { constants: pair, ..own.clone() }).collect();
         let cells_of = |spacing: &f64| {
             let of_medium = |medium: &Medium| {
                 let cell = |pair: &models::solid::waves::Pair| {
                     let courant = pair.speed() * (0.5 * problem.step / spacing);
-                    Cell::of_pair(pair, courant, problem.scheme.slopes, problem.is_mixed())
+                    problem.scheme.slopes.cell_of(pair, courant, problem.is_mixed())
                 };
                 medium.pairs[0].iter().map(cell).collect()
             };
-            materials.media.iter().map(of_medium).collect()
+            problem.media.iter().map(of_medium).collect()
         };
         let count = patterns.len() * waves.len();
         Some(Self {
             table: Table {
                 // To be filled.
-                cells: vec![materials.table.cells[0]; count],
+                cells: vec![table.cells[0]; count],
                 waves: waves.len(),
                 ghost_coefficients: Vec::new(),
-                ..materials.table.clone()
+                ..table.clone()
             },
             cells: spacing.iter().map(cells_of).collect(),
             patterns: patterns.to_vec(),

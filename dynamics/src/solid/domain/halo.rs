@@ -12,10 +12,9 @@ use std::ops::Range;
 
 /// What crosses the cuts of a domain, at the ends of its axes towards smaller (0) and towards greater coordinates (1).
 ///
-/// Messages at an end of an axis arrive in the order in which the neighbour begins them at the opposite end of its own. At
-/// each end a domain begins as many messages as it finishes; it never finishes one that its neighbour begins only after
-/// having finished the next one of this domain, so that `begin` may wait until there is room for
-/// [`Domain::messages_ahead`] messages, and `finish` for the message.
+/// At each end a domain begins as many messages as it finishes, and they arrive in the order in which the neighbour begins
+/// them at the opposite end of its own. A neighbour may be [`Domain::messages_ahead`] messages ahead: `begin` may wait where
+/// there would be more, and `finish` waits for the message.
 pub trait Halo<T> {
     /// Why there is no exchange.
     type Error;

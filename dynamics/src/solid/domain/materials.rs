@@ -130,7 +130,7 @@ impl<T: Real, const D: usize> WaveConstants<'_, T, D> {
         let cell = |medium: &Medium| {
             let own = &medium.pairs[axis][pair];
             let courant = own.speed() * (share * step / grid.spacing[axis]);
-            Cell::of_pair(own, courant, scheme.slopes, self.problem.is_mixed())
+            scheme.slopes.cell_of(own, courant, self.problem.is_mixed())
         };
         let cells: Vec<Cell<T>> = media.iter().map(cell).collect();
         let ratio = |medium: &Medium, index: usize| {

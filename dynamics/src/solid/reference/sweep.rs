@@ -52,7 +52,7 @@ impl<T: Real> Wave<T> {
         };
         let cell = |own: &models::solid::waves::Pair| {
             let courant = own.speed() * (share * step / spacing);
-            Cell::of_pair(own, courant, scheme.slopes, problem.is_mixed())
+            scheme.slopes.cell_of(own, courant, problem.is_mixed())
         };
         let cells: Vec<Cell<T>> = pairs().map(cell).collect();
         Self {
