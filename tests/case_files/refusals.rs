@@ -257,7 +257,7 @@ fn files_that_cannot_be_read_say_why() {
         (write("comment.toml", b"# nothing\n"), "comment.toml: model.kind: missing"),
         (write("latin.toml", b"a = 1\ntitle = '\xe9'"), "latin.toml:2: a byte that is not UTF-8"),
         (write("zero.toml", &[0; 100]), "zero.toml:1: "),
-        (write("large.toml", &vec![b'#'; (1 << 28) + 1]), "larger than 256 MiB"),
+        (write("large.toml", &vec![b'#'; (1 << 24) + 1]), "larger than 16 MiB"),
         (write("deep.toml", format!("a = {}", "[".repeat(100_000)).as_bytes()), "deep.toml:1: "),
     ] {
         let error = Case::load(&path, &[]).unwrap_err().to_string();

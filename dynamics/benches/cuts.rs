@@ -1,0 +1,109 @@
+//! What cuts cost, and what a metric does: the fastest of nine interleaved rounds, as a share of the rate of two parts along
+//! the last axis, or of a block without a metric.
+//!
+//! `cargo bench -p wellposed-dynamics --bench cuts`
+
+#[path = "../tests/support/mod.rs"]
+mod support;
+
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
+use std::f64::consts::TAU;
+use std::time::Instant;
+use support::noise;
+use wellposed_dynamics::boundary::Boundary;
+use wellposed_dynamics::line::Slopes;
+use wellposed_dynamics::medium::Medium;
+use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::solid::metric::Metric;
+use wellposed_dynamics::split::Split;
+
+const ROUNDS: usize = 9;
+
+fn medium(theory: Theory, dimensions: usize) -> Medium {
+    let couple = CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 };
+    let couple = (theory == Theory::Cosserat).then_some(couple);
+    let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple };
+    let rotation = (theory != Theory::Classical).then_some(rotation);
+    Medium::new(Isotropic::new(1.4, 0.9, 1.2, rotation).expect("sound moduli"), dimensions)
+}
+
+fn problem<const D: usize>(theory: Theory, count: usize) -> Problem<D> {
+    let medium = medium(theory, D);
+    let grid = Grid { cells: [count; D], spacing: [0.1; D] };
+    let step = 0.18 / medium.greatest_speed();
+    let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+    let scheme = Scheme::new(Slopes::FourthOrder, Placement::Last);
+    Problem::new(grid, vec![medium], vec![0; grid.count()], sides, step, scheme)
+}
+
+/// Times of the fastest rounds of some solvers, s per cell and step.
+fn fastest<const D: usize>(solvers: &mut [Split<f64, D>], count: usize, steps: usize) -> Vec<f64> {
+    let mut best = vec![f64::INFINITY; solvers.len()];
+    for _ in 0..ROUNDS {
+        for (solver, best) in solvers.iter_mut().zip(&mut best) {
+            let start = Instant::now();
+            solver.advance(steps);
+            *best = best.min(start.elapsed().as_secs_f64() / (steps * count) as f64);
+        }
+    }
+    best
+}
+
+fn fill<const D: usize>(solver: &mut Split<f64, D>, count: usize) {
+    for (index, field) in solver.fields().to_vec().into_iter().enumerate() {
+        let value = |cell: usize| noise((cell + 31 * index) as u64);
+        solver.set(field, &(0..count).map(value).collect::<Vec<_>>());
+    }
+    solver.advance(2);
+}
+
+fn cuts<const D: usize>(theory: Theory, cells: usize, steps: usize, cuts: &[[usize; D]]) {
+    let problem = problem::<D>(theory, cells);
+    let count = problem.grid.count();
+    let split = |parts: &[usize; D]| {
+        let mut split = Split::in_box(0, &problem, *parts).expect("room");
+        fill(&mut split, count);
+        split
+    };
+    let mut solvers: Vec<Split<f64, D>> = cuts.iter().map(split).collect();
+    let times = fastest(&mut solvers, count, steps);
+    for (parts, time) in cuts.iter().zip(&times) {
+        let rate = 2.0 / time / 1e6;
+        println!("| {theory:?} {cells}^{D} | {parts:?} | {rate:.1} | {:.2} |", times[0] / time);
+    }
+}
+
+/// A classical block in the plane, and the same cells as a polar block.
+fn metric(cells: usize, steps: usize) {
+    let plain = problem::<2>(Theory::Classical, cells);
+    let spacing = [TAU / cells as f64, 6.0 / cells as f64];
+    let metric = Metric::polar(1.0, cells, spacing);
+    let polar = Problem {
+        grid: Grid { spacing, ..plain.grid },
+        step: 1.8 * metric.spacing[0].min(spacing[1]) / plain.media[0].greatest_speed(),
+        metric: Some(metric),
+        ..plain.clone()
+    };
+    let count = plain.grid.count();
+    let mut solvers: Vec<_> = [plain, polar]
+        .iter()
+        .map(|problem| {
+            let mut split: Split<f64, 2> = Split::new(problem, 1).expect("sound");
+            fill(&mut split, count);
+            split
+        })
+        .collect();
+    let times = fastest(&mut solvers, count, steps);
+    println!(
+        "| classical {cells}^2 | polar, one part | {:.1} | {:.2} |",
+        2.0 / times[1] / 1e6,
+        times[0] / times[1]
+    );
+}
+
+fn main() {
+    println!("| block | parts | Mcu/s | of the first |\n|---|---|---|---|");
+    cuts::<2>(Theory::Cosserat, 1000, 10, &[[1, 2], [2, 1], [1, 4], [2, 2]]);
+    cuts::<3>(Theory::Cosserat, 100, 6, &[[1, 1, 2], [1, 2, 1], [2, 1, 1], [2, 2, 2]]);
+    metric(1000, 20);
+}
