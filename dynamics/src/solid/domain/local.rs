@@ -84,8 +84,13 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Sums of the energy in own cells and faces.
     pub(crate) fn energy_sums(&self) -> EnergySums {
         let mut sums = EnergySums::default();
+        let row_lanes = self.layout.groups * T::Lanes::COUNT;
+        let [mut kinetic, mut stored] = [vec![0.0; row_lanes], vec![0.0; row_lanes]];
         for row in self.layout.own_rows() {
-            self.instructions.run::<T>(Energies { domain: self, row, sums: &mut sums });
+            let of_lanes = [kinetic.as_mut_slice(), stored.as_mut_slice()];
+            self.instructions.run::<T>(Energies { domain: self, row, of_lanes });
+            sums.kinetic.add_all(&mut kinetic);
+            sums.stored.add_all(&mut stored);
         }
         self.add_interlayer_energy(&mut sums);
         sums
@@ -161,20 +166,20 @@ impl<T: Real> Work<T> for FlushSubnormals<'_, T> {
     }
 }
 
-/// Kinetic and stored energy of the own cells of a row, J/m³.
+/// Kinetic and stored energy of the own cells of a row, J/m³, and zeros in other lanes.
 struct Energies<'a, T: SolverReal, const D: usize> {
     domain: &'a Domain<T, D>,
     row: usize,
-    sums: &'a mut EnergySums,
+    of_lanes: [&'a mut [f64]; 2],
 }
 
 impl<T: SolverReal, const D: usize> Work<T> for Energies<'_, T, D> {
     #[inline(always)]
-    fn run<V: Vector<T>>(self) {
+    fn run<V: Vector<T>>(mut self) {
         let Domain { layout, materials, data, .. } = self.domain;
         let (terms, patterns) = (&materials.energy_terms, &materials.patterns);
-        for (group, own) in layout.own_lanes.iter().enumerate() {
-            let index = layout.index(self.row, group);
+        for (group_index, own) in layout.own_lanes.iter().enumerate() {
+            let index = layout.index(self.row, group_index);
             let factors = &terms.factors[patterns[index.group] as usize];
             let group = &data[index.data..];
             // In numbers of twice the digits where there are such.
@@ -188,10 +193,11 @@ impl<T: SolverReal, const D: usize> Work<T> for Energies<'_, T, D> {
                     *energy += factor.wide() * one.wide() * other.wide();
                 }
             }
-            let [kinetic, stored] = of_lanes;
-            for lane in (0..T::Lanes::COUNT).filter(|lane| own >> lane & 1 == 1) {
-                self.sums.kinetic.add(kinetic[lane]);
-                self.sums.stored.add(stored[lane]);
+            let (count, place) = (T::Lanes::COUNT, group_index * T::Lanes::COUNT);
+            for (all, own_lanes) in self.of_lanes.iter_mut().zip(of_lanes) {
+                for (lane, value) in all[place..place + count].iter_mut().enumerate() {
+                    *value = if own >> lane & 1 == 1 { own_lanes[lane] } else { 0.0 };
+                }
             }
         }
     }
