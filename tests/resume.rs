@@ -1,80 +1,23 @@
 //! Runs that are killed, interrupted or damaged, from outside.
 
+mod program;
+
+use program::{PROGRAM, RUN, SOLID, command, ends};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
-
-const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");
-
-const CASE: &str = "
-[model]
-kind = 'reduced-cosserat'
-lambda = 1.2e8
-mu = 8e7
-alpha = 3e7
-density = 1900
-inertia = 300
-[yield]
-kind = 'von-mises'
-strength = 2e4
-[grid]
-cells = [60, 50]
-spacing = 0.5
-[time]
-duration = 0.15
-[scheme]
-ledger = 'full'
-[[side]]
-side = 'x1-'
-kind = 'non-reflecting'
-[[load]]
-side = 'x2+'
-field = 'sigma22'
-from = 8
-to = 14
-amplitude = -1e5
-time = { kind = 'pulse', duration = 0.05 }
-[[receiver]]
-at = [12, 20]
-[output]
-snapshot_interval = 0.03
-integrals = ['u2', 'phi3']
-";
 
 /// An empty folder with the case.
 fn folder(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("resume").join(name);
-    let _ = fs::remove_dir_all(&path);
-    fs::create_dir_all(&path).unwrap();
-    fs::write(path.join("case.toml"), CASE).unwrap();
-    path
+    program::folder("resume", name, SOLID)
 }
 
-fn command(folder: &Path, arguments: &str) -> Command {
-    let mut command = Command::new(PROGRAM);
-    command.current_dir(folder).args(arguments.split_whitespace());
-    command.stdout(Stdio::null()).stderr(Stdio::null());
-    command
+/// All results of a run: everything but the log.
+fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    program::results(&folder.join("out"))
 }
-
-fn ends(folder: &Path, arguments: &str) -> Output {
-    command(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).output().unwrap()
-}
-
-/// All results: everything but the log.
-fn results(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let mut all: Vec<(String, Vec<u8>)> = fs::read_dir(folder.join("out"))
-        .unwrap()
-        .map(|entry| entry.unwrap())
-        .map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap()))
-        .filter(|(name, _)| name != "log.txt" && name != "lock")
-        .collect();
-    all.sort();
-    all
-}
-
-const RUN: &str = "run case.toml --out out --checkpoint-every 0 --threads 1";
 
 /// Killed at twenty instants, each resumed until it is finished: the same files.
 #[test]

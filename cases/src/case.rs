@@ -21,8 +21,7 @@ use std::fmt::Write;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Largest case file, bytes: more is no case, and is not read into memory. Tables of loads take room; what is read takes up
-/// to 70 times as much.
+/// Largest case file, bytes. A larger one is refused before it is read: parsing takes up to 70 times its size in memory.
 pub const LARGEST_FILE: u64 = 16 << 20;
 
 /// What a case is read for.

@@ -4,7 +4,7 @@
 //! Rows of [`keys()`] are numbers that a map can sweep, constants of the registered models among them; a section that is
 //! a tree is a [`schema::Form`] of items with type, unit, range, default and meaning. Reader, writer, the templates of
 //! `wellposed new` ([`template`]), the reference page ([`reference()`]) and the JSON Schema ([`json_schema()`]) take all of
-//! it from there. Errors have file, line, key, what was found and what is allowed. [`CASES`] are the texts of the cases that
+//! it from there. An error names file, line and key, the value found and those allowed. [`CASES`] are the texts of the cases that
 //! come with the program.
 //!
 //! It knows the models, but no analysis, no solver and no report.

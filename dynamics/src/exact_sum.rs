@@ -64,11 +64,12 @@ impl ExactSum {
         }
     }
 
-    /// Adds many terms, of which nothing is left in the list: in vectors of [`WIDTH`], as far as they have similar sizes.
+    /// Adds many terms, and uses the list up: in vectors of [`WIDTH`], as far as the terms have similar sizes.
     ///
     /// With A = 3/2 · 2ᵉ so large that no sum of terms reaches 2ᵉ, h = (t + A) − A is t rounded to the unit of A, t − h is
     /// exact, and so are sums of all h (Demmel & Nguyen 2015, *Parallel reproducible summation*). What is left is split
     /// again; what is left after [`LEVELS`] is added term by term.
+    #[inline(always)]
     pub(crate) fn add_all(&mut self, terms: &mut [f64]) {
         let (groups, rest) = terms.as_chunks_mut::<WIDTH>();
         for _ in 0..LEVELS {
@@ -280,6 +281,19 @@ mod tests {
             let [found, expected] =
                 [found, expected].map(|sum| (sum.value().to_bits(), sum.parts().len()));
             assert_eq!(found, expected, "{seed}");
+        }
+    }
+
+    /// Of one sign, the greatest sums that terms of a size have.
+    #[test]
+    fn many_at_once_have_one_sign() {
+        for seed in 0..20 {
+            let mut random = Random::new(seed);
+            let mut all: Vec<f64> = (0..8192).map(|_| random.within(1.9, 2.0)).collect();
+            let expected = sum(&all).value();
+            let mut found = ExactSum::default();
+            found.add_all(&mut all);
+            assert_eq!(found.value(), expected, "{seed}");
         }
     }
 

@@ -453,6 +453,12 @@ fn other_metrics_are_refused() {
     assert!(refused(&metric, &|problem| {
         problem.media = vec![medium.clone().yielding(set.clone())];
     }));
+    // Layers stay across the second axis.
+    let polar = Problem { metric: Some(metric.clone()), ..plain.clone() };
+    let split = Split::<f64, 2>::with_first_axis(1, &polar, 1).err();
+    assert!(matches!(split, Some(DomainError::Metric(_))));
+    let reference = Reference::<f64, 2>::with_first_axis(1, &polar).err();
+    assert!(matches!(reference, Some(DomainError::Metric(_))));
     // The spacing of the innermost layer limits the step.
     let mut long = Problem { metric: Some(metric.clone()), ..plain.clone() };
     long.step *= 1.2;

@@ -92,21 +92,10 @@ impl Error {
 }
 
 impl Error {
-    /// The same for programs: what kind of error it is and in which words it is printed else, and of errors of cases and of
-    /// files where they are, what was found and what is allowed or what to do; `null` where there is no such thing.
+    /// The error as a JSON object for programs: its kind, the printed message and the exit code; for errors of cases and
+    /// files also the place, what was found and what is allowed. A key that does not apply is `null`.
     pub fn to_json(&self) -> Value {
-        let mut all = json!({
-            "schema": SCHEMA,
-            "kind": self.kind(),
-            "message": self.to_string(),
-            "exit_code": self.exit_code(),
-            "file": null,
-            "line": null,
-            "option": null,
-            "key": null,
-            "found": null,
-            "allowed": null,
-        });
+        let mut all = error_object(self.kind(), &self.to_string(), self.exit_code().into());
         match self {
             Self::Study(crate::Error::Case(error)) => add_case(&mut all, error),
             Self::Output(OutputError { path, cause, remedy }) => {
@@ -139,19 +128,24 @@ impl Error {
 
     /// The same object for a wrong command line, which is refused in these words.
     pub fn usage_to_json(message: &str) -> Value {
-        json!({
-            "schema": SCHEMA,
-            "kind": "usage",
-            "message": message,
-            "exit_code": 2,
-            "file": null,
-            "line": null,
-            "option": null,
-            "key": null,
-            "found": null,
-            "allowed": null,
-        })
+        error_object("usage", message, 2)
     }
+}
+
+/// An error as a JSON object without a place.
+fn error_object(kind: &str, message: &str, exit_code: i64) -> Value {
+    json!({
+        "schema": SCHEMA,
+        "kind": kind,
+        "message": message,
+        "exit_code": exit_code,
+        "file": null,
+        "line": null,
+        "option": null,
+        "key": null,
+        "found": null,
+        "allowed": null,
+    })
 }
 
 /// Where and what is wrong with a case.

@@ -122,8 +122,7 @@ impl<T: SolverReal, const D: usize> Split<T, D> {
         permutation: AxisPermutation<D>,
         parts: [usize; D],
     ) -> Result<Self, DomainError> {
-        problem.check()?;
-        let problem = &permutation.problem(problem);
+        let problem = &permutation.checked(problem)?;
         let is_periodic = problem.boundaries.each_ref().map(|own| own[0] == Boundary::Periodic);
         let plan = Decomposition::new(&problem.grid, is_periodic, &problem.scheme, parts)?;
         let part = |region: &Region<D>| Part {

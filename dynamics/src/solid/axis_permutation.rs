@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 use crate::solid::boundary::{Boundary, Condition, Load, Source};
 use crate::solid::interlayers::Interlayers;
-use crate::solid::problem::{Grid, Problem};
+use crate::solid::problem::{DomainError, Grid, Problem};
 
 /// The axes of a problem in the order in which a domain has them; cell indices are converted accordingly.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,9 +90,24 @@ impl<const D: usize> AxisPermutation<D> {
         }
     }
 
+    /// A problem with permuted axes, after its checks.
+    ///
+    /// # Errors
+    /// See [`DomainError`]; layers of a metric are across the second axis, which must keep its place.
+    pub(crate) fn checked<'a>(
+        &self,
+        own: &'a Problem<D>,
+    ) -> Result<Cow<'a, Problem<D>>, DomainError> {
+        own.check()?;
+        if own.metric.is_some() && !self.is_identity() {
+            return Err(DomainError::Metric("the first axis must be swept first"));
+        }
+        Ok(self.problem(own))
+    }
+
     /// The problem (which has passed its checks) with permuted axes. Fields keep their names, and accelerations stay
     /// along the problem's axes.
-    pub(crate) fn problem<'a>(&self, own: &'a Problem<D>) -> Cow<'a, Problem<D>> {
+    fn problem<'a>(&self, own: &'a Problem<D>) -> Cow<'a, Problem<D>> {
         if self.is_identity() {
             return Cow::Borrowed(own);
         }

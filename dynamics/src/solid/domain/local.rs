@@ -88,9 +88,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let [mut kinetic, mut stored] = [vec![0.0; row_lanes], vec![0.0; row_lanes]];
         for row in self.layout.own_rows() {
             let of_lanes = [kinetic.as_mut_slice(), stored.as_mut_slice()];
-            self.instructions.run::<T>(Energies { domain: self, row, of_lanes });
-            sums.kinetic.add_all(&mut kinetic);
-            sums.stored.add_all(&mut stored);
+            let sums = [&mut sums.kinetic, &mut sums.stored];
+            self.instructions.run::<T>(Energies { domain: self, row, of_lanes, sums });
         }
         self.add_interlayer_energy(&mut sums);
         sums
@@ -166,11 +165,13 @@ impl<T: Real> Work<T> for FlushSubnormals<'_, T> {
     }
 }
 
-/// Kinetic and stored energy of the own cells of a row, J/m³, and zeros in other lanes.
+/// Adds kinetic and stored energy of the own cells of a row, J/m³, to sums.
 struct Energies<'a, T: SolverReal, const D: usize> {
     domain: &'a Domain<T, D>,
     row: usize,
+    /// Room for both energies by group and lane, zero in lanes that are no own cells.
     of_lanes: [&'a mut [f64]; 2],
+    sums: [&'a mut ExactSum; 2],
 }
 
 impl<T: SolverReal, const D: usize> Work<T> for Energies<'_, T, D> {
@@ -200,5 +201,9 @@ impl<T: SolverReal, const D: usize> Work<T> for Energies<'_, T, D> {
                 }
             }
         }
+        let [kinetic, stored] = self.sums;
+        let [kinetic_of_lanes, stored_of_lanes] = self.of_lanes;
+        kinetic.add_all(kinetic_of_lanes);
+        stored.add_all(stored_of_lanes);
     }
 }

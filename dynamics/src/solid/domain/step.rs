@@ -42,8 +42,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let Ok(()) = self.pass(1, &mut ());
     }
 
-    /// Advances all fields by some steps in one pass over the memory: one at least, and no more than
-    /// [`Self::most_steps`]. Neighbours make the same passes.
+    /// Advances all fields by some steps in one pass over the memory: as many as asked for, but one at least and no more than
+    /// [`Self::most_steps`]; [`Self::time`] says how far. Neighbours make the same passes.
     ///
     /// # Errors
     /// Those of the halo. The pass is not complete then, and fields are of no use.

@@ -83,9 +83,8 @@ impl<T: Real, const D: usize> Reference<T, D> {
     /// # Errors
     /// See [`DomainError`].
     pub fn with_first_axis(axis: usize, problem: &Problem<D>) -> Result<Self, DomainError> {
-        problem.check()?;
         let permutation = AxisPermutation::with_first(axis, &problem.grid);
-        let problem = permutation.problem(problem).into_owned();
+        let problem = permutation.checked(problem)?.into_owned();
         let Problem { media, grid, .. } = &problem;
         let (count, names) = (grid.count(), problem.fields());
         let waves = |axis: usize, spacing: f64, share: f64| {
