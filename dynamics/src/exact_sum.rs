@@ -15,7 +15,7 @@ const TERMS: u32 = 1 << 30;
 
 /// Terms that are added at once, and how often they are split.
 const WIDTH: usize = 8;
-const LEVELS: usize = 2;
+const LEVELS: usize = 3;
 
 /// An exact sum of numbers.
 #[derive(Clone, Debug)]
@@ -72,7 +72,8 @@ impl ExactSum {
     #[inline(always)]
     pub(crate) fn add_all(&mut self, terms: &mut [f64]) {
         let (groups, rest) = terms.as_chunks_mut::<WIDTH>();
-        for _ in 0..LEVELS {
+        let mut levels = 0;
+        loop {
             // Sizes as bits are in the order of the numbers; those that are not finite are the greatest.
             let mut greatest = [0_u64; WIDTH];
             for group in groups.iter() {
@@ -81,12 +82,20 @@ impl ExactSum {
                 }
             }
             let greatest = greatest.into_iter().fold(0, u64::max);
+            if greatest == 0 {
+                break rest.iter().for_each(|term| self.add(*term));
+            }
             // Above the terms by their number, and by two bits.
             let bits = (WIDTH * groups.len()).next_power_of_two().trailing_zeros() as i32 + 2;
             let exponent = (greatest >> 52) as i32 - 1023 + bits;
-            if !(-900..900).contains(&exponent) {
-                break;
+            if levels == LEVELS || !(-900..900).contains(&exponent) {
+                break groups
+                    .as_flattened()
+                    .iter()
+                    .chain(rest.iter())
+                    .for_each(|term| self.add(*term));
             }
+            levels += 1;
             let anchor = 1.5 * power_of_two(exponent);
             let mut sums = [0.0; WIDTH];
             for group in groups.iter_mut() {
@@ -98,7 +107,6 @@ impl ExactSum {
             }
             sums.into_iter().for_each(|sum| self.add(sum));
         }
-        groups.as_flattened().iter().chain(rest.iter()).for_each(|term| self.add(*term));
     }
 
     /// Adds all terms of another sum.

@@ -183,16 +183,22 @@ impl<T: SolverReal, const D: usize> Work<T> for Energies<'_, T, D> {
             let index = layout.index(self.row, group_index);
             let factors = &terms.factors[patterns[index.group] as usize];
             let group = &data[index.data..];
-            // In numbers of twice the digits where there are such.
+            // Kinetic terms stand first. Sums are in double precision.
             let mut of_lanes = [[0.0f64; MOST_LANES]; 2];
-            for (term, (&[one, other], factor)) in terms.places.iter().zip(factors).enumerate() {
-                let of_lanes = &mut of_lanes[usize::from(term >= terms.kinetic)];
-                let lanes = factor.lanes().iter().zip(group[one].lanes());
-                for (energy, ((factor, one), other)) in
-                    of_lanes.iter_mut().zip(lanes.zip(group[other].lanes()))
+            let kinds = [0..terms.kinetic, terms.kinetic..terms.places.len()];
+            for (of_kind, kind) in of_lanes.iter_mut().zip(kinds) {
+                // Apart from the list, so that it stays in registers.
+                let mut sums = [0.0f64; MOST_LANES];
+                for (&[one, other], factor) in terms.places[kind.clone()].iter().zip(&factors[kind])
                 {
-                    *energy += factor.wide() * one.wide() * other.wide();
+                    let lanes = factor.lanes().iter().zip(group[one].lanes());
+                    for (sum, ((factor, one), other)) in
+                        sums.iter_mut().zip(lanes.zip(group[other].lanes()))
+                    {
+                        *sum += factor.wide() * one.wide() * other.wide();
+                    }
                 }
+                *of_kind = sums;
             }
             let (count, place) = (T::Lanes::COUNT, group_index * T::Lanes::COUNT);
             for (all, own_lanes) in self.of_lanes.iter_mut().zip(of_lanes) {
