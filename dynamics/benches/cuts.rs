@@ -3,7 +3,7 @@
 //!
 //! `cargo bench -p wellposed-dynamics --bench cuts`
 
-#[path = "../tests/support/mod.rs"]
+#[path = "../tests/solid/support.rs"]
 mod support;
 
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};

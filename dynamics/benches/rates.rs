@@ -3,7 +3,7 @@
 //! A cell-update is one cell advanced by one Courant unit in every direction; a step is two of them.
 //! `cargo bench -p wellposed-dynamics --bench rates -- [word…]` takes the rows that have all these words.
 
-#[path = "../tests/support/mod.rs"]
+#[path = "../tests/solid/support.rs"]
 mod support;
 
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};

@@ -4,7 +4,7 @@
 //! `cargo bench -p wellposed-dynamics --bench return_mapping -- [word…]` takes the theories and numbers that have all
 //! these words. A row is the third fastest of 25 rounds of four steps from one state.
 
-#[path = "../tests/support/mod.rs"]
+#[path = "../tests/solid/support.rs"]
 mod support;
 
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};

@@ -1,13 +1,14 @@
 //! The return mapping of this solver in lanes, for single cells: for
 //! [`Reference`](crate::solid::reference::Reference), since it rounds otherwise than the projection of one stress.
 
+use super::SolverReal;
 use super::plastic::{Correct, Sets};
-use crate::simd::{Group, Instructions, Number, Real};
+use crate::simd::{Group, Instructions, Number};
 use crate::solid::problem::Problem;
 
 /// Yield sets in lanes, and a group of them.
 #[derive(Clone)]
-pub(crate) struct CellMapping<T: Real> {
+pub(crate) struct CellMapping<T: SolverReal> {
     /// By medium.
     sets: Sets<T>,
     yields: Vec<bool>,
@@ -15,7 +16,7 @@ pub(crate) struct CellMapping<T: Real> {
     data: Vec<T::Lanes>,
 }
 
-impl<T: Real> CellMapping<T> {
+impl<T: SolverReal> CellMapping<T> {
     /// `None` where stresses are mapped as if one by one.
     pub(crate) fn new<const D: usize>(problem: &Problem<D>) -> Option<Self> {
         let media = &problem.media;
@@ -38,14 +39,15 @@ impl<T: Real> CellMapping<T> {
             *group = T::Lanes::all(*value);
         }
         let (mut dissipated, mut left) = (vec![0.0; T::Lanes::COUNT], Vec::new());
-        Instructions::best().run::<T>(Correct {
+        let mapping = Correct {
             data: &mut self.data,
             patterns: &[medium.into()],
             sets: &self.sets,
             yields: &self.yields,
             dissipated: &mut dissipated,
             left: &mut left,
-        });
+        };
+        T::correct(mapping, Instructions::best());
         for (group, value) in self.data.iter().zip(state) {
             *value = group.lanes()[0];
         }

@@ -48,14 +48,15 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let (first, groups) = self.layout.groups_of(layer, tile);
         let lanes = T::Lanes::COUNT;
         let dissipated = &mut self.diagnostics.dissipation.plastic;
-        self.instructions.run::<T>(Correct {
+        let mapping = Correct {
             data: &mut self.data[first..],
             patterns: &self.materials.patterns[groups.clone()],
             sets,
             yields: &self.law.yields,
             dissipated: &mut dissipated[groups.start * lanes..groups.end * lanes],
             left: &mut left,
-        });
+        };
+        T::correct(mapping, self.instructions);
         for &(index, lanes) in &left {
             self.correct_lanes(groups.start + index, lanes, false);
         }

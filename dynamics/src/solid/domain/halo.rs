@@ -98,7 +98,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             while loaded < block.end {
                 let rows = self.schedule.next_rows(loaded, block, (1, self.layout.rows));
                 loaded = rows.end;
-                self.sweep_layer(layer, &[rows, 0..0, 0..0], 0);
+                T::sweep_layer(self, layer, rows);
             }
             let depths = [layer - own.start, own.end - 1 - layer];
             let halo = self.layout.halo(D - 1);

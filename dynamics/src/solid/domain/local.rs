@@ -83,6 +83,13 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Sums of the energy in own cells and faces.
     pub(crate) fn energy_sums(&self) -> EnergySums {
+        let mut sums = T::energy_sums(self);
+        self.add_interlayer_energy(&mut sums);
+        sums
+    }
+
+    /// Sums of the energy in own cells.
+    pub(super) fn sum_energies(&self) -> EnergySums {
         let mut sums = EnergySums::default();
         let row_lanes = self.layout.groups * T::Lanes::COUNT;
         let [mut kinetic, mut stored] = [vec![0.0; row_lanes], vec![0.0; row_lanes]];
@@ -91,7 +98,6 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let sums = [&mut sums.kinetic, &mut sums.stored];
             self.instructions.run::<T>(Energies { domain: self, row, of_lanes, sums });
         }
-        self.add_interlayer_energy(&mut sums);
         sums
     }
 

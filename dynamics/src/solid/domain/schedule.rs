@@ -29,7 +29,7 @@ pub(super) fn stage_progress(loaded: usize, all: usize) -> [usize; 3] {
 }
 
 /// The rows or layers that pass each of three stages between two states of progress.
-pub(super) fn stages(before: [usize; 3], ready: [usize; 3]) -> [Range<usize>; 3] {
+pub(super) fn passing(before: [usize; 3], ready: [usize; 3]) -> [Range<usize>; 3] {
     std::array::from_fn(|stage| before[stage]..ready[stage])
 }
 

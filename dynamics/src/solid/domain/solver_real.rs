@@ -1,59 +1,67 @@
-//! The kernels, compiled in this crate once for each kind of number and instruction set, and not anew in every crate
-//! that uses a domain.
+//! What takes time, compiled in this crate once for each kind of number and dimension, and not anew in every crate that
+//! uses a domain.
 
-use super::fill::{Fill, FillEnd, FillOneSided};
-use super::kernel::Lines;
-use super::kernel::interlayers::InterlayerLines;
+use super::Domain;
+use super::plastic::Correct;
+use super::step::StepStages;
 use crate::simd::{Instructions, Real};
+use crate::solid::ledger::EnergySums;
+use std::any::Any;
+use std::ops::Range;
 
-/// `f32` or `f64`: the numbers of a [`Domain`](super::Domain).
+/// `f32` or `f64`: the numbers of a [`Domain`].
 #[allow(private_interfaces, reason = "nobody else implements or calls it")]
 pub trait SolverReal: Real {
-    /// Sweeps lines.
+    /// Advances layers of a `Domain<Self, 2>` or a `Domain<Self, 3>` by a step.
     #[doc(hidden)]
-    fn sweep_lines(lines: Lines<'_, Self>, instructions: Instructions);
+    fn advance_layers(domain: &mut dyn Any, stages: &StepStages<'_>);
 
-    /// Sweeps lines with interlayers.
+    /// The first x and y sweeps of rows of a layer of such a domain.
     #[doc(hidden)]
-    fn sweep_interlayers(lines: InterlayerLines<'_, Self>, instructions: Instructions);
+    fn sweep_layer(domain: &mut dyn Any, layer: usize, rows: Range<usize>);
 
-    /// Fills ghosts of rows.
+    /// Sums of the energy in own cells of such a domain.
     #[doc(hidden)]
-    fn fill(work: Fill<'_, Self>, instructions: Instructions);
+    fn energy_sums(domain: &dyn Any) -> EnergySums;
 
-    /// Fills ghosts at an end of lines across the rows, as images.
+    /// Return mapping in lanes.
     #[doc(hidden)]
-    fn fill_end(work: FillEnd<'_, Self>, instructions: Instructions);
-
-    /// Fills such ghosts by one-sided reconstruction.
-    #[doc(hidden)]
-    fn fill_one_sided(work: FillOneSided<'_, Self>, instructions: Instructions);
+    fn correct(work: Correct<'_, Self>, instructions: Instructions);
 }
 
 macro_rules! compiled {
     ($kind:ident $(, $parameter:ident)?) => {
         #[allow(private_interfaces, reason = "nobody else implements or calls it")]
         impl$(<$parameter: Real>)? SolverReal for $kind {
-            fn sweep_lines(lines: Lines<'_, Self>, instructions: Instructions) {
-                lines.walk(instructions);
+            // Else they are inlined into other crates, and all that they call is compiled there.
+            #[inline(never)]
+            fn advance_layers(domain: &mut dyn Any, stages: &StepStages<'_>) {
+                if let Some(domain) = domain.downcast_mut::<Domain<Self, 2>>() {
+                    domain.advance_layers(stages);
+                } else if let Some(domain) = domain.downcast_mut::<Domain<Self, 3>>() {
+                    domain.advance_layers(stages);
+                }
             }
 
-            fn sweep_interlayers(
-                lines: InterlayerLines<'_, Self>,
-                instructions: Instructions,
-            ) {
-                instructions.run::<Self>(lines);
+            #[inline(never)]
+            fn sweep_layer(domain: &mut dyn Any, layer: usize, rows: Range<usize>) {
+                let rows = [rows, 0..0, 0..0];
+                if let Some(domain) = domain.downcast_mut::<Domain<Self, 2>>() {
+                    domain.sweep_layer(layer, &rows, 0);
+                } else if let Some(domain) = domain.downcast_mut::<Domain<Self, 3>>() {
+                    domain.sweep_layer(layer, &rows, 0);
+                }
             }
 
-            fn fill(work: Fill<'_, Self>, instructions: Instructions) {
-                instructions.run::<Self>(work);
+            #[inline(never)]
+            fn energy_sums(domain: &dyn Any) -> EnergySums {
+                let plane = domain.downcast_ref::<Domain<Self, 2>>().map(Domain::sum_energies);
+                let space = || domain.downcast_ref::<Domain<Self, 3>>().map(Domain::sum_energies);
+                plane.or_else(space).unwrap_or_default()
             }
 
-            fn fill_end(work: FillEnd<'_, Self>, instructions: Instructions) {
-                instructions.run::<Self>(work);
-            }
-
-            fn fill_one_sided(work: FillOneSided<'_, Self>, instructions: Instructions) {
+            #[inline(never)]
+            fn correct(work: Correct<'_, Self>, instructions: Instructions) {
                 instructions.run::<Self>(work);
             }
         }

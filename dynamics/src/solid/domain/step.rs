@@ -29,12 +29,24 @@
 
 use super::halo::Halo;
 use super::layout::Tile;
-use super::schedule::{CHUNK, STEPS, stage_progress, stages};
+use super::schedule::{CHUNK, STEPS, passing, stage_progress};
 use super::table::Wave;
 use super::{Domain, SolverReal};
 use crate::solid::problem::Placement;
 use crate::solid::reconstruction::{GHOSTS, HALO};
 use std::ops::Range;
+
+/// Layers in the three stages of a step: 0 is x y z, 1 is K Q K z, 2 is y x P.
+pub(super) struct StepStages<'a> {
+    /// The layers that pass each stage now.
+    layers: &'a [Range<usize>; 3],
+    /// All layers that pass it.
+    ends: &'a [Range<usize>; 3],
+    /// The rows of these layers.
+    block: &'a Range<usize>,
+    /// The first of the two half steps, counted from the start of the pass.
+    first_half: usize,
+}
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Advances all fields by Δt.
@@ -103,7 +115,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                     let Range { start, end } = needed[stage];
                     before[stage].clamp(start, end)..ready[stage].clamp(start, end)
                 });
-                self.advance_layers(&layers, &needed, block, 2 * step);
+                let stages =
+                    StepStages { layers: &layers, ends: &needed, block, first_half: 2 * step };
+                T::advance_layers(self, &stages);
                 if block.end == rows {
                     self.diagnose(&layers[2], step);
                 }
@@ -122,16 +136,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.record(layers.clone(), step);
     }
 
-    /// Advances layers by one step, in three stages: 0 is x y z, 1 is K Q K z, 2 is y x P. `layers` pass each
-    /// stage now, `ends` are all layers that pass it, `first` is the first half step of this step in the pass.
-    /// Rows within them follow each other likewise.
-    fn advance_layers(
-        &mut self,
-        layers: &[Range<usize>; 3],
-        ends: &[Range<usize>; 3],
-        block: &Range<usize>,
-        first: usize,
-    ) {
+    /// Advances layers by one step. Rows within them trail each other from stage to stage as layers do.
+    pub(super) fn advance_layers(&mut self, stages: &StepStages<'_>) {
+        let &StepStages { layers, ends, block, first_half: first } = stages;
         let (all, second) = (self.layout.rows, first + 1);
         let steps_done = self.schedule.steps - self.schedule.pass_steps + first / 2 + 1;
         let at_a_time = (self.schedule.tiles.layers, all);
@@ -139,7 +146,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         while ready[0] < block.end {
             let rows = self.schedule.next_rows(ready[0], block, at_a_time);
             let before = std::mem::replace(&mut ready, stage_progress(rows.end, all));
-            let rows = stages(before, ready);
+            let rows = passing(before, ready);
             // x y
             for layer in layers[0].clone() {
                 if first > 0 || !self.layout.is_exchanged(layer) {

@@ -152,7 +152,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let mut data = std::mem::take(&mut self.data);
         let (waves, rows) = (self.waves_of(0, bundle.half), self.rows_of(bundle));
         let fill = Fill { data: &mut data, waves, rows, count: bundle.lines };
-        T::fill(fill, self.instructions);
+        self.instructions.run::<T>(fill);
         self.data = data;
     }
 
@@ -246,7 +246,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             rows: (axis == 0).then(|| self.rows_of(bundle)),
         };
         match self.interfaces.lines(axis, bundle.face) {
-            None => T::sweep_lines(lines, self.instructions),
+            None => lines.walk(self.instructions),
             Some((laws, first, line)) => {
                 let step = T::of(self.time_of_sweep());
                 let lines = InterlayerLines {
@@ -258,7 +258,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                     laws,
                     step,
                 };
-                T::sweep_interlayers(lines, self.instructions);
+                self.instructions.run::<T>(lines);
             }
         }
         (self.interfaces.memory, self.interfaces.path) = (memory, faces);
@@ -365,7 +365,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                     table: &self.materials.table,
                     patterns: beside.map(|stop| &self.materials.patterns[stop.group..]),
                 };
-                T::fill_one_sided(fill, self.instructions);
+                self.instructions.run::<T>(fill);
             }
             _ => {
                 for (depth, [own, ghost]) in places.into_iter().enumerate() {
@@ -380,7 +380,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                         lines,
                         face,
                     };
-                    T::fill_end(fill, self.instructions);
+                    self.instructions.run::<T>(fill);
                 }
             }
         }

@@ -1,13 +1,12 @@
 //! What a step does to cells on their own, between its sweeps.
 
 use super::Reference;
-use crate::simd::Real;
 use crate::solid::cell_laws::{
     MOST_FIELDS, RelaxedFields, SpinStressRotation, apply_source, combined, correction,
     flush_limit, over_interval, push, relax, relaxation_over, relaxed_fields, rotated,
     rotated_fields, spin_stress_rotation, stress_of,
 };
-use crate::solid::domain::CellMapping;
+use crate::solid::domain::{CellMapping, SolverReal};
 use crate::solid::medium::{Medium, component};
 use crate::solid::metric::{GeometricPlane, rotated_by_geometry};
 use crate::solid::problem::Problem;
@@ -17,7 +16,7 @@ use models::solid::waves::Field;
 
 /// What acts in cells on their own.
 #[derive(Clone)]
-pub(super) struct LocalLaws<T: Real> {
+pub(super) struct LocalLaws<T: SolverReal> {
     /// By medium, over a whole step and over half a step.
     rotations: Vec<[SpinStressRotation<T>; 2]>,
     /// Fields that rotate: a spin and two stresses each.
@@ -41,7 +40,7 @@ struct Relaxations<T> {
     by_medium: Vec<[Relaxation<T>; 2]>,
 }
 
-impl<T: Real> LocalLaws<T> {
+impl<T: SolverReal> LocalLaws<T> {
     /// Those of a problem with these fields.
     pub(super) fn new<const D: usize>(problem: &Problem<D>, fields: &[Field]) -> Self {
         let Problem { media, step, .. } = problem;
@@ -79,14 +78,14 @@ impl<T: Real> LocalLaws<T> {
     }
 }
 
-impl<T: Real> LocalLaws<T> {
+impl<T: SolverReal> LocalLaws<T> {
     /// Whether spins rotate or stresses relax.
     pub(super) fn is_any(&self) -> bool {
         !self.rotated.is_empty() || self.relaxations.is_some()
     }
 }
 
-impl<T: Real, const D: usize> Reference<T, D> {
+impl<T: SolverReal, const D: usize> Reference<T, D> {
     pub(super) fn medium(&self, cell: usize) -> &Medium {
         &self.problem.media[usize::from(self.problem.of_cell[cell])]
     }

@@ -24,6 +24,7 @@ mod sweep;
 use crate::simd::{Group, Real};
 use crate::solid::axis_permutation::AxisPermutation;
 use crate::solid::boundary::{Boundary, Load};
+use crate::solid::domain::SolverReal;
 use crate::solid::ghosts::{BoundaryFaces, GhostRule, Slot};
 use crate::solid::ledger::{CellDissipation, Energy, Ledger, LedgerSums, WorkSums};
 use crate::solid::line;
@@ -35,7 +36,7 @@ use sweep::Wave;
 
 /// Fields on a rectangular grid and what moves them, without lanes, tiles, halo or threads.
 #[derive(Clone)]
-pub struct Reference<T: Real, const D: usize> {
+pub struct Reference<T: SolverReal, const D: usize> {
     /// With the axes in the order of the sweeps.
     problem: Problem<D>,
     /// From the axes and cells of the problem that was given to those of the sweeps.
@@ -69,7 +70,7 @@ pub struct Reference<T: Real, const D: usize> {
     steps: usize,
 }
 
-impl<T: Real, const D: usize> Reference<T, D> {
+impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// A solid at rest.
     ///
     /// # Errors

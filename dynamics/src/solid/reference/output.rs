@@ -4,7 +4,7 @@ use super::sweep::{LineOfCells, Strip, Wave};
 use super::{Reference, slot};
 use crate::simd::Real;
 use crate::solid::cell_laws::{combined, stress_of};
-use crate::solid::domain::BOUNDARY_LAYER;
+use crate::solid::domain::{BOUNDARY_LAYER, SolverReal};
 use crate::solid::ghosts::{BoundaryFaces, set_time};
 use crate::solid::ledger::{EnergySums, WorkSums};
 use crate::solid::line;
@@ -20,7 +20,7 @@ struct ClosingSides<T: Real> {
     half: [BoundaryFaces<T>; 2],
 }
 
-impl<T: Real, const D: usize> Reference<T, D> {
+impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// Numbers that are shown of a cell: its fields and the integrals of the problem.
     pub fn width(&self) -> usize {
         self.fields.len() + self.integrals.len()

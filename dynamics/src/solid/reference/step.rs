@@ -1,10 +1,10 @@
 //! The recipe of a time step; see the step of the fused solver for the theory, with references.
 
 use super::Reference;
-use crate::simd::Real;
+use crate::solid::domain::SolverReal;
 use crate::solid::problem::Placement;
 
-impl<T: Real, const D: usize> Reference<T, D> {
+impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// Advances all fields by so many time steps.
     pub fn advance(&mut self, steps: usize) {
         for _ in 0..steps {

@@ -3,6 +3,7 @@
 use super::{Reference, slot};
 use crate::simd::Real;
 use crate::solid::cell::Cell;
+use crate::solid::domain::SolverReal;
 use crate::solid::ghosts::{BESIDE, BoundaryFaces, GhostCoefficients, ghosts, image, set_time};
 use crate::solid::interface::sweep_with_interlayers;
 use crate::solid::line::{self, Account};
@@ -108,7 +109,7 @@ impl<T: Real> Strip<T> {
     }
 }
 
-impl<T: Real, const D: usize> Reference<T, D> {
+impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// A sweep of half a step along an axis, with boundary values of this time, s.
     pub(super) fn sweep(&mut self, axis: usize, time: f64) {
         let waves = std::mem::take(&mut self.waves[axis]);

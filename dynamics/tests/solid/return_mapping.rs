@@ -1,8 +1,7 @@
 //! The return mapping of whole stresses in lanes: the bits of the projection of one stress after the other, and the
 //! nearest stress of the yield set, as a conic solver finds it.
 
-mod support;
-
+use crate::support::noise;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettingsBuilder, DefaultSolver, IPSolver, SecondOrderConeT, SolverStatus,
@@ -12,7 +11,6 @@ use models::solid::stress::Stress;
 use models::solid::waves::Field;
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
-use support::noise;
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::Boundary;
 use wellposed_dynamics::domain::Domain;

@@ -1,13 +1,11 @@
 //! Yielding solids in time: the ledger with plastic dissipation, admissible stresses, order.
 
-mod support;
-
+use crate::support::noise;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
 use models::solid::stress::Stress;
 use models::solid::waves::Field;
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
-use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition};
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;

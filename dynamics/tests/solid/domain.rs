@@ -1,14 +1,12 @@
 //! Fields on a grid against exact plane waves of every branch, in the plane and in space; energy.
 
-mod support;
-
+use crate::support::noise;
 use models::common::rates::{RateEquations, SymmetricForm};
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
 use models::solid::waves::Field;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::PI;
-use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition};
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
@@ -411,7 +409,7 @@ fn domains_that_cannot_be_are_refused() {
 
 /// Every branch on grids so fine that all orders are those of the scheme.
 #[test]
-#[ignore = "two minutes: cargo test --release -p wellposed-dynamics --test domain fine -- --ignored --nocapture"]
+#[ignore = "two minutes: cargo test --release -p wellposed-dynamics --test solid domain::fine -- --ignored --nocapture"]
 fn fine_grids_in_the_plane() {
     orders::<2>(&[64, 128, 256, 512], Slopes::Limited, [1.9; 2]);
     orders::<2>(&[64, 128, 256, 512], Slopes::FourthOrder, [1.9; 2]);

@@ -1,8 +1,7 @@
 //! Parts of a grid that know nothing of the whole: each is made from the problem of its own region, and neighbours meet in
 //! a halo of the caller's.
 
-mod support;
-
+use crate::support::noise;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
 use models::solid::stress::Stress;
 use models::solid::waves::Field;
@@ -12,7 +11,6 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
-use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Signal, Source};
 use wellposed_dynamics::decomposition::Decomposition;
 use wellposed_dynamics::domain::{Domain, Halo};

@@ -2,11 +2,10 @@
 //! the reference solver. Both call the same formulas in a cell and at a face; what they do not share is which cells these
 //! are called for, and when.
 //!
-//! `CONFIGURATIONS=20000 cargo test --release -p wellposed-dynamics --test configurations` makes so many problems in each of
+//! `CONFIGURATIONS=20000 cargo test --release -p wellposed-dynamics --test solid configurations::` makes so many problems in each of
 //! the four tests.
 
-mod support;
-
+use crate::support::noise;
 use models::interface::elastic::ElasticInterlayer;
 use models::rheology::relaxation::StandardLinearSolid;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances, Theory};
@@ -15,7 +14,6 @@ use models::solid::waves::Field;
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
 use std::sync::Arc;
-use support::noise;
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Signal, Source};
 use wellposed_dynamics::ledger::Energy;

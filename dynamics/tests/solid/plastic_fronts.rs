@@ -1,18 +1,13 @@
 //! Strong plastic waves: exact solutions, tests of these, and the errors that both corrections have with the scheme's
 //! defaults.
 
-#[path = "support/simple_waves.rs"]
-mod simple_waves;
-#[path = "support/uniaxial.rs"]
-mod uniaxial;
-
+use crate::simple_waves::{self, Impact};
+use crate::uniaxial::{Bar, End, Profile, State};
 use models::solid::parameters::Isotropic;
 use models::solid::stress::Stress;
 use models::solid::waves::Field;
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::Mises;
-use simple_waves::Impact;
-use uniaxial::{Bar, End, Profile, State};
 use wellposed_dynamics::boundary::{Boundary, Condition, Load};
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;

@@ -1,15 +1,13 @@
 //! Sweeps along another axis in the place of those along the first one: what comes of it is what comes of the problem in
 //! other coordinates, rotated by hand.
 
-mod support;
-
+use crate::support::noise;
 use models::rheology::relaxation::StandardLinearSolid;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
 use models::solid::waves::Field;
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::Mises;
 use std::sync::Arc;
-use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Source};
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;

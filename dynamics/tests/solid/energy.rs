@@ -1,14 +1,12 @@
 //! Energy never grows without load: rough states of all media, sides, orders, corrections, splittings and Courant
 //! numbers; and states searched for in which a sweep beside a side or an interface might let it.
 //!
-//! `ROUGH=20000 cargo test --release -p wellposed-dynamics --test energy` makes so many runs in each dimension.
+//! `ROUGH=20000 cargo test --release -p wellposed-dynamics --test solid energy::` makes so many runs in each dimension.
 
-mod support;
-
+use crate::support::noise;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances};
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
-use support::noise;
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Condition};
 use wellposed_dynamics::domain::Domain;
@@ -217,7 +215,7 @@ fn rough_states_in_single_precision() {
 }
 
 #[test]
-#[ignore = "minutes: cargo test --release -p wellposed-dynamics --test energy -- --ignored"]
+#[ignore = "minutes: cargo test --release -p wellposed-dynamics --test solid energy:: -- --ignored"]
 fn rough_states_for_long() {
     never_grows::<f64, 2>((0..25).map(|run| run + 2_000_000), 100_000, GROWTH);
     never_grows::<f64, 3>((0..25).map(|run| run + 4_000_000), 100_000, GROWTH);

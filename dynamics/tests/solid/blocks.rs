@@ -1,13 +1,11 @@
 //! Blocks with interlayers between them: the fused solver against lines swept one at a time, in parts, from snapshots, in all
 //! instructions; energy and its ledger; rigid motions.
 //!
-//! `ROUGH=1000 cargo test --release -p wellposed-dynamics --test blocks` takes so many random problems in each dimension.
+//! `ROUGH=1000 cargo test --release -p wellposed-dynamics --test solid blocks::` takes so many random problems in each dimension.
 
-mod support;
-
+use crate::support::noise;
 use models::interface::elastic::{ElasticInterlayer, ElasticMaterial};
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
-use support::noise;
 use wellposed_dynamics::boundary::{Boundary, Condition};
 use wellposed_dynamics::decomposition::{Snapshot, Split};
 use wellposed_dynamics::domain::{Domain, SolverReal};

@@ -1,7 +1,6 @@
 //! Blocks in the plane whose layers have spacings of their own, and polar blocks.
 
-mod support;
-
+use crate::support::noise;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
 use models::solid::waves::Field;
 use models::yield_set::YieldSet;
@@ -9,7 +8,6 @@ use models::yield_set::parameters::Mises;
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
-use support::noise;
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load};
 use wellposed_dynamics::domain::Domain;

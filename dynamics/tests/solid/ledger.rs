@@ -1,14 +1,12 @@
 //! The ledger of energy with all that can act, for many steps; what opens it; energy without load.
 
-mod support;
-
+use crate::support::noise;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances, Theory};
 use models::solid::stress::Stress;
 use models::solid::waves::Field;
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
 use std::sync::Arc;
-use support::noise;
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Source};
 use wellposed_dynamics::domain::Domain;
@@ -250,7 +248,7 @@ fn five_thousand_steps_are_stable() {
 }
 
 #[test]
-#[ignore = "a minute: cargo test --release -p wellposed-dynamics --test ledger -- --ignored"]
+#[ignore = "a minute: cargo test --release -p wellposed-dynamics --test solid ledger:: -- --ignored"]
 fn a_hundred_thousand_steps_are_stable() {
     stable(100);
 }

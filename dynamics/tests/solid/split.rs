@@ -1,14 +1,12 @@
 //! A domain in parts is the domain in one piece, to the last bit.
 
-mod support;
-
+use crate::support::noise;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances, Theory};
 use models::solid::waves::Field;
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::Mises;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use support::noise;
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Load, Signal, Source};
 use wellposed_dynamics::domain::Domain;
@@ -91,10 +89,8 @@ fn same_of<T: SolverReal, const D: usize>(
     let all = std::array::from_fn(|axis| if long(&axis) { 2 } else { 1 });
     let mut cuts: Vec<[usize; D]> = (1..=3).map(|count| along(D - 1, count)).collect();
     cuts.extend((0..D - 1).filter(long).map(|axis| along(axis, (cells[axis] / HALO).min(3))));
-    cuts.push(all);
-    for (parts, set) in
-        Instructions::available().flat_map(|set| cuts.iter().map(move |parts| (*parts, set)))
-    {
+    let best = cuts.into_iter().map(|parts| (parts, Instructions::best()));
+    for (parts, set) in best.chain(Instructions::available().map(|set| (all, set))) {
         let mut split: Split<T, D> = Split::in_box(0, &problem, parts).expect("sound");
         split.set_instructions(set);
         for (index, &field) in fields.iter().enumerate() {

@@ -1,8 +1,7 @@
 //! Solids that relax: frequency and damping of plane waves against the complex modulus, energy, the ledger, exact
 //! relaxation at rest, bits, several laws in one run.
 
-mod support;
-
+use crate::support::noise;
 use models::InputError;
 use models::rheology::relaxation::StandardLinearSolid;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
@@ -13,7 +12,6 @@ use models::yield_set::parameters::Mises;
 use num_complex::Complex64 as Complex;
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use support::noise;
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Load, Source};
 use wellposed_dynamics::domain::Domain;

@@ -155,7 +155,7 @@ const LIES: [Lie; 4] = [
 ];
 
 /// Within 2 % after six wavelengths at 40 cells, and better than by
-/// two-cyclic sweeps. `cargo test --release -p wellposed-dynamics --test rayleigh -- --nocapture` prints the table.
+/// two-cyclic sweeps. `cargo test --release -p wellposed-dynamics --test solid rayleigh:: -- --nocapture` prints the table.
 #[test]
 fn rayleigh_waves_along_every_side() {
     let all = [Slopes::FourthOrder, Slopes::Limited].map(|slopes| LIES.map(|lie| (slopes, lie)));

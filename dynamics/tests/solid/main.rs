@@ -1,0 +1,25 @@
+//! Tests of the solvers of solids, in one program: their kernels are compiled once.
+//!
+//! `cargo test --release -p wellposed-dynamics --test solid energy::` runs those of one file.
+
+mod blocks;
+mod configurations;
+mod cuts;
+mod domain;
+mod energy;
+mod interlayers;
+mod ledger;
+mod line;
+mod metric;
+mod order;
+mod plastic;
+mod plastic_fronts;
+mod rayleigh;
+mod relaxation;
+mod return_mapping;
+mod simple_waves;
+mod simulation;
+mod split;
+mod support;
+mod uniaxial;
+mod verification;
