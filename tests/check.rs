@@ -1,7 +1,7 @@
 //! What is predicted is what is measured, and what is not is told.
 
 use agreement::solids::{BranchResult, SolverSettings};
-use dynamics::problem::{Placement, Splitting};
+use dynamics::problem::{PlasticStep, Splitting};
 use serde_json::Value;
 use std::fs;
 use std::ops::ControlFlow;
@@ -105,7 +105,8 @@ fn loading_and_unloading_waves_are_as_predicted() {
         let own = plan(&case, Extent::Short);
         // In the limit the correction that is of first order leaves more.
         let two_cyclic = with(&own, |settings| settings.splitting = Splitting::TwoCyclic);
-        let second = with(&two_cyclic, |settings| settings.placement = Placement::Middle);
+        let second =
+            with(&two_cyclic, |settings| settings.plastic_step = PlasticStep::MidpointReflection);
         let of = |plan: &WavePlan, most: f64| {
             let all = rows(&case.material, &case.material, plan, &unwatched).expect("a solver");
             for row in &all {
@@ -133,7 +134,8 @@ fn speeds_of_a_yielding_metal() {
     let case = Case::load(&bundled("check/yielding-plane.toml"), &[]).expect("a case");
     // The correction whose limit of three grids is as near.
     let plan = with(&plan(&case, Extent::Short), |settings| {
-        (settings.placement, settings.splitting) = (Placement::Middle, Splitting::TwoCyclic);
+        (settings.plastic_step, settings.splitting) =
+            (PlasticStep::MidpointReflection, Splitting::TwoCyclic);
     });
     let rows = rows(&case.material, &case.material, &plan, &unwatched).expect("a solver");
     for (response, modulus) in [("unloading", 2.32e11), ("loading", 1.52e11)] {

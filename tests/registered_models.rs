@@ -137,7 +137,7 @@ impl Elasticity for Orthotropic {
             stress: Field::Stress(i.min(axis), i.max(axis)),
             inertia: self.density,
             modulus: if i == axis { along } else { self.c66 },
-            followers: match i == axis {
+            passive_stresses: match i == axis {
                 true => vec![(Field::Stress(1 - axis, 1 - axis), self.c12 / along)],
                 false => Vec::new(),
             },

@@ -16,7 +16,7 @@
 //!
 //! ```
 //! use dynamics::medium::Medium;
-//! use dynamics::problem::{Placement, Splitting};
+//! use dynamics::problem::{PlasticStep, Splitting};
 //! use models::solid::parameters::Isotropic;
 //! use models::elastoplastic::Solid;
 //! use models::solid::ElasticLaw;
@@ -30,7 +30,7 @@
 //!     cells: vec![12, 16],
 //!     courant: 0.9,
 //!     rotation: 0.5,
-//!     placement: Placement::Last,
+//!     plastic_step: PlasticStep::ReturnMapping,
 //!     splitting: Splitting::Alternating,
 //! };
 //! let (solid, medium) = (Solid::new(law.clone(), 2, None), Medium::new(law, 2));

@@ -24,7 +24,7 @@
 //!
 //! Shares nothing with the solver but these formulas and the names of its options.
 
-use dynamics::problem::{Placement, Splitting};
+use dynamics::problem::{PlasticStep, Splitting};
 use models::common::elementary::{Elementary, cr_cis};
 use models::common::product::triple_product;
 use models::common::rates::SymmetricForm;
@@ -188,7 +188,7 @@ impl<const D: usize> Equations<D> {
         &self,
         wave: [f64; D],
         grid: &Discretisation<D>,
-        placement: Placement,
+        plastic_step: PlasticStep,
         splitting: Splitting,
     ) -> Propagator {
         let size = self.q.nrows();
@@ -205,15 +205,15 @@ impl<const D: usize> Equations<D> {
             step,
             output: Matrix::identity(size, size),
         };
-        match (placement, splitting) {
-            (Placement::Middle, _) => {
+        match (plastic_step, splitting) {
+            (PlasticStep::MidpointReflection, _) => {
                 let mirror = complex(&(&self.tangent * 2.0 - DMatrix::identity(size, size)));
                 two_cyclic(around(&sweeps, &half * mirror * &half))
             }
-            (Placement::Last, Splitting::TwoCyclic) => {
+            (PlasticStep::ReturnMapping, Splitting::TwoCyclic) => {
                 two_cyclic(tangent * around(&sweeps, &half * &half))
             }
-            (Placement::Last, Splitting::Alternating) => {
+            (PlasticStep::ReturnMapping, Splitting::Alternating) => {
                 let quarter = self.sweep(0, wave[0], grid, 0.25);
                 let rest = tangent * around(&sweeps[1..], &half * &sweeps[0] * &half);
                 Propagator { first: &rest * &quarter, step: rest * &sweeps[0], output: quarter }

@@ -16,7 +16,7 @@ use crate::fit::Rate;
 use crate::{AgreementError, NotMeasurable, PlaneWave};
 use analysis::solids::branches;
 use analysis::waves::Polarisation;
-use dynamics::problem::{Placement, Splitting};
+use dynamics::problem::{PlasticStep, Splitting};
 use models::common::elementary::Elementary;
 use models::elastoplastic::Solid;
 
@@ -52,7 +52,7 @@ pub struct SolverSettings {
     /// Greatest rotation of spins in a step, rad.
     pub rotation: f64,
     /// Place of the plastic correction in the step.
-    pub placement: Placement,
+    pub plastic_step: PlasticStep,
     /// The order of sweeps.
     pub splitting: Splitting,
 }

@@ -1,7 +1,7 @@
 //! Solids that agree, solids that do not, and problems that cannot be.
 
 use dynamics::medium::Medium;
-use dynamics::problem::{Placement, Splitting};
+use dynamics::problem::{PlasticStep, Splitting};
 use models::elastoplastic::Solid;
 use models::solid::ElasticLaw;
 use models::solid::parameters::{Isotropic, Microrotation};
@@ -25,7 +25,7 @@ fn settings() -> SolverSettings {
         cells: vec![12, 16],
         courant: 0.9,
         rotation: 0.5,
-        placement: Placement::Last,
+        plastic_step: PlasticStep::ReturnMapping,
         splitting: Splitting::Alternating,
     }
 }

@@ -11,11 +11,11 @@ use std::f64::consts::TAU;
 use std::time::Instant;
 use support::noise;
 use wellposed_dynamics::boundary::Boundary;
+use wellposed_dynamics::decomposition::DecomposedDomain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme};
 use wellposed_dynamics::solid::metric::Metric;
-use wellposed_dynamics::split::Split;
 
 const ROUNDS: usize = 9;
 
@@ -32,12 +32,16 @@ fn problem<const D: usize>(theory: Theory, count: usize) -> Problem<D> {
     let grid = Grid { cells: [count; D], spacing: [0.1; D] };
     let step = 0.18 / medium.greatest_speed();
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
-    let scheme = Scheme::new(Slopes::FourthOrder, Placement::Last);
+    let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);
     Problem::new(grid, vec![medium], vec![0; grid.count()], sides, step, scheme)
 }
 
 /// Times of the fastest rounds of some solvers, s per cell and step.
-fn fastest<const D: usize>(solvers: &mut [Split<f64, D>], count: usize, steps: usize) -> Vec<f64> {
+fn fastest<const D: usize>(
+    solvers: &mut [DecomposedDomain<f64, D>],
+    count: usize,
+    steps: usize,
+) -> Vec<f64> {
     let mut best = vec![f64::INFINITY; solvers.len()];
     for _ in 0..ROUNDS {
         for (solver, best) in solvers.iter_mut().zip(&mut best) {
@@ -49,7 +53,7 @@ fn fastest<const D: usize>(solvers: &mut [Split<f64, D>], count: usize, steps: u
     best
 }
 
-fn fill<const D: usize>(solver: &mut Split<f64, D>, count: usize) {
+fn fill<const D: usize>(solver: &mut DecomposedDomain<f64, D>, count: usize) {
     for (index, field) in solver.fields().to_vec().into_iter().enumerate() {
         let value = |cell: usize| noise((cell + 31 * index) as u64);
         solver.set(field, &(0..count).map(value).collect::<Vec<_>>());
@@ -61,11 +65,11 @@ fn cuts<const D: usize>(theory: Theory, cells: usize, steps: usize, cuts: &[[usi
     let problem = problem::<D>(theory, cells);
     let count = problem.grid.count();
     let split = |parts: &[usize; D]| {
-        let mut split = Split::in_box(0, &problem, *parts).expect("room");
+        let mut split = DecomposedDomain::in_box(0, &problem, *parts).expect("room");
         fill(&mut split, count);
         split
     };
-    let mut solvers: Vec<Split<f64, D>> = cuts.iter().map(split).collect();
+    let mut solvers: Vec<DecomposedDomain<f64, D>> = cuts.iter().map(split).collect();
     let times = fastest(&mut solvers, count, steps);
     for (parts, time) in cuts.iter().zip(&times) {
         let rate = 2.0 / time / 1e6;
@@ -88,7 +92,8 @@ fn metric(cells: usize, steps: usize) {
     let mut solvers: Vec<_> = [plain, polar]
         .iter()
         .map(|problem| {
-            let mut split: Split<f64, 2> = Split::new(problem, 1).expect("sound");
+            let mut split: DecomposedDomain<f64, 2> =
+                DecomposedDomain::new(problem, 1).expect("sound");
             fill(&mut split, count);
             split
         })

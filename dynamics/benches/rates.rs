@@ -13,13 +13,13 @@ use models::yield_set::parameters::Mises;
 use std::time::Instant;
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::Boundary;
+use wellposed_dynamics::decomposition::DecomposedDomain;
 use wellposed_dynamics::ledger::Energy;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme, Splitting};
-use wellposed_dynamics::real::Instructions;
+use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 use wellposed_dynamics::reference::Reference;
-use wellposed_dynamics::split::Split;
+use wellposed_dynamics::simd::Instructions;
 
 /// What stands where.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,7 +146,7 @@ struct Measured {
 
 /// What is measured.
 enum Solver<T: SolverReal, const D: usize> {
-    Fused(Split<T, D>),
+    Fused(DecomposedDomain<T, D>),
     Reference(Box<Reference<T, D>>),
 }
 
@@ -155,7 +155,7 @@ impl<T: SolverReal, const D: usize> Solver<T, D> {
         if row.is_reference {
             return Self::Reference(Box::new(Reference::new(problem).expect("sound")));
         }
-        let mut split = Split::new(problem, row.threads).expect("sound");
+        let mut split = DecomposedDomain::new(problem, row.threads).expect("sound");
         split.set_instructions(row.instructions);
         Self::Fused(split)
     }
@@ -189,8 +189,10 @@ fn measure<T: SolverReal, const D: usize>(row: &Row) -> Measured {
     // The defaults of cases.
     let is_elastic = media.iter().all(|medium| medium.yields.is_none());
     let slopes = if is_elastic { Slopes::FourthOrder } else { Slopes::Limited };
-    let scheme =
-        Scheme { splitting: Splitting::Alternating, ..Scheme::new(slopes, Placement::Last) };
+    let scheme = Scheme {
+        splitting: Splitting::Alternating,
+        ..Scheme::new(slopes, PlasticStep::ReturnMapping)
+    };
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let grid = Grid { cells: [row.count; D], spacing: [0.1; D] };
     let problem = Problem::new(grid, media, of_cell, sides, 0.9 * 2.0 * 0.1 / speed, scheme);

@@ -17,7 +17,7 @@ use wellposed_dynamics::boundary::Boundary;
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme, Splitting};
+use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 
 /// Cells along each axis.
 const CELLS: usize = 500;
@@ -72,9 +72,13 @@ fn measure<T: SolverReal>(theory: Theory, kind: Kind, yields: bool) -> (f64, f64
     let is_other = |cell: usize| kind == Kind::TwoKinds && cell / CELLS < CELLS / 10;
     let of_cell = (0..count).map(|cell| u16::from(is_other(cell))).collect();
     let step = 0.9 * 0.2 / media[0].greatest_speed();
-    let placement = if kind == Kind::SecondOrder { Placement::Middle } else { Placement::Last };
+    let plastic_step = if kind == Kind::SecondOrder {
+        PlasticStep::MidpointReflection
+    } else {
+        PlasticStep::ReturnMapping
+    };
     let scheme =
-        Scheme { splitting: Splitting::Alternating, ..Scheme::new(Slopes::Limited, placement) };
+        Scheme { splitting: Splitting::Alternating, ..Scheme::new(Slopes::Limited, plastic_step) };
     let grid = Grid { cells: [CELLS; 2], spacing: [0.1; 2] };
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let mut problem = Problem::new(grid, media, of_cell, sides, step, scheme);

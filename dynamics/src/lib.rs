@@ -20,8 +20,6 @@ pub mod simd;
 pub mod simulation;
 pub mod solid;
 
-pub use decomposition as split;
-pub use simd as real;
 pub use solid::domain::SolverReal;
 pub use solid::{
     boundary, domain, initial, ledger, line, medium, point_kernel, probe, problem, reference,

@@ -9,10 +9,10 @@ use std::cell::Cell;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use wellposed_dynamics::boundary::{Boundary, Load, Source};
+use wellposed_dynamics::decomposition::DecomposedDomain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme, Splitting};
-use wellposed_dynamics::split::Split;
+use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 
 struct Counting;
 
@@ -44,7 +44,7 @@ static ALLOCATOR: Counting = Counting;
 
 /// How often steps take memory: this thread, and all together.
 fn allocations(problem: &Problem<2>, parts: usize, steps: usize) -> [usize; 2] {
-    let mut split: Split<f64, 2> = Split::new(problem, parts).expect("sound");
+    let mut split: DecomposedDomain<f64, 2> = DecomposedDomain::new(problem, parts).expect("sound");
     split.set(Field::Velocity(0), &(0..405).map(|i| (i % 7) as f64).collect::<Vec<_>>());
     split.advance(3);
     let counts = || [OWN_COUNT.get(), COUNT.load(Ordering::Relaxed)];
@@ -71,10 +71,10 @@ fn steps_allocate_nothing() {
         }),
     ];
     let schemes = [
-        Scheme::new(Slopes::Limited, Placement::Middle),
+        Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection),
         Scheme {
             splitting: Splitting::Alternating,
-            ..Scheme::new(Slopes::FourthOrder, Placement::Last)
+            ..Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping)
         },
     ];
     for (set, scheme) in

@@ -74,7 +74,7 @@ fn compare<const D: usize>(
             found[(v, s)] += 1.0 / pair.inertia;
             found[(s, v)] += pair.modulus;
             assert!((pair.speed() * pair.impedance() / pair.modulus - 1.0).abs() < 1e-15);
-            for (follower, ratio) in &pair.followers {
+            for (follower, ratio) in &pair.passive_stresses {
                 found[(must(*follower), v)] += ratio * pair.modulus;
             }
         }

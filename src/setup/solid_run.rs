@@ -14,7 +14,7 @@ use crate::setup::solid;
 use dynamics::boundary::Boundary;
 use dynamics::line::Slopes;
 use dynamics::medium::Medium;
-use dynamics::problem::{DomainError, Grid, Placement, Problem, Scheme, Splitting};
+use dynamics::problem::{DomainError, Grid, PlasticStep, Problem, Scheme, Splitting};
 use dynamics::simulation::TimeSteps;
 pub(crate) use geometry::{cell_at, centre, probe};
 use models::solid::waves::Field;
@@ -74,9 +74,9 @@ pub(crate) fn scheme(chosen: case::Scheme) -> Scheme {
             case::Order::Eno2 => Slopes::Limited,
             case::Order::Godunov => Slopes::Godunov,
         },
-        placement: match chosen.correction {
-            case::Correction::SecondOrder => Placement::Middle,
-            case::Correction::FirstOrder => Placement::Last,
+        plastic_step: match chosen.correction {
+            case::Correction::SecondOrder => PlasticStep::MidpointReflection,
+            case::Correction::FirstOrder => PlasticStep::ReturnMapping,
         },
         splitting: match chosen.splitting {
             case::Splitting::Alternating => Splitting::Alternating,

@@ -9,7 +9,7 @@ use crate::scheme::{Discretisation, Equations};
 use crate::{AgreementError, NotMeasurable, OnProgress, PlaneWave, Progress};
 use analysis::solids::branches;
 use dynamics::medium::Medium;
-use dynamics::problem::{Grid, Placement, Splitting};
+use dynamics::problem::{Grid, PlasticStep, Splitting};
 use models::elastoplastic::Solid;
 use nalgebra::DVector;
 use num_complex::Complex64;
@@ -160,8 +160,8 @@ impl<const D: usize> Experiment<'_, D> {
         branch: &Branch<D>,
         grids: &[Result<GridResult, NotMeasurable>],
     ) -> BranchResult {
-        let powers = match (self.settings.placement, self.settings.splitting) {
-            (Placement::Middle, _) => Powers::SYMMETRIC,
+        let powers = match (self.settings.plastic_step, self.settings.splitting) {
+            (PlasticStep::MidpointReflection, _) => Powers::SYMMETRIC,
             _ if branch.response == Response::Loading => Powers::PROJECTED,
             (_, Splitting::TwoCyclic) => Powers::SYMMETRIC,
             (_, Splitting::Alternating) => Powers::ALTERNATING,
@@ -233,10 +233,10 @@ impl<const D: usize> Experiment<'_, D> {
             Some(background) => self.size(branch, amplitude, background, count)?,
         };
         let rounding = ROUNDINGS * f64::EPSILON * count as f64 + disturbance;
-        let SolverSettings { placement, splitting, .. } = *self.settings;
+        let SolverSettings { plastic_step, splitting, .. } = *self.settings;
         let expected = branch
             .equations
-            .propagator(branch.vector, &discretisation, placement, splitting)
+            .propagator(branch.vector, &discretisation, plastic_step, splitting)
             .amplitudes(amplitude, per_cell, cells);
         let (amplitude, scale) = (amplitude * Complex64::from(size), 1.0 / (size * size));
         let run = Run { experiment: self, branch, grid, discretisation, unknowns, background };

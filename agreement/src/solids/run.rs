@@ -105,14 +105,14 @@ impl<const D: usize> Run<'_, D> {
 
     fn problem(&self, amplitude: &DVector<Complex64>) -> Problem<D> {
         let count = self.grid.count();
-        let SolverSettings { placement, splitting, .. } = *self.experiment.settings;
+        let SolverSettings { plastic_step, splitting, .. } = *self.experiment.settings;
         let mut problem = Problem::new(
             self.grid,
             vec![self.experiment.medium.clone()],
             vec![0; count],
             std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]),
             self.discretisation.step,
-            Scheme { splitting, ..Scheme::new(Slopes::FourthOrder, placement) },
+            Scheme { splitting, ..Scheme::new(Slopes::FourthOrder, plastic_step) },
         );
         let Some(background) = self.background else { return problem };
         problem.initial_stress = Some((0, vec![background.stress; self.grid.cells[0]]));

@@ -1,6 +1,6 @@
 //! The halo of a part whose neighbours are other threads of the process.
 
-use crate::solid::domain::Halo;
+use crate::solid::domain::HaloExchange;
 use std::ops::Range;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
@@ -45,10 +45,10 @@ impl<T, const D: usize> Channels<T, D> {
     }
 }
 
-impl<T: Copy, const D: usize> Halo<T> for Channels<T, D> {
+impl<T: Copy, const D: usize> HaloExchange<T> for Channels<T, D> {
     type Error = Disconnected;
 
-    fn begin(
+    fn send(
         &mut self,
         axis: usize,
         end: usize,
@@ -62,7 +62,7 @@ impl<T: Copy, const D: usize> Halo<T> for Channels<T, D> {
         neighbour.to.send(message).map_err(|_| Disconnected)
     }
 
-    fn finish(
+    fn receive(
         &mut self,
         axis: usize,
         end: usize,

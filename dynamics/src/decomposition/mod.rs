@@ -4,7 +4,7 @@
 //! its neighbours and recomputes it redundantly. Every cell sees the same operations as in the whole, and sums are exact: the
 //! same bits. Along the last axis layers are exchanged while the pass goes on: the upper halo is received last, so that a
 //! thread can run almost one block of rows ahead of its upper neighbour, and one that is delayed for a moment does not delay
-//! the others. Along the other axes all is exchanged before a pass begins, see [`Halo`](crate::solid::domain::Halo).
+//! the others. Along the other axes all is exchanged before a pass begins, see [`HaloExchange`](crate::solid::domain::HaloExchange).
 
 mod channels;
 mod plan;
@@ -62,7 +62,7 @@ impl<T: SolverReal, const D: usize> Part<T, D> {
 }
 
 /// A domain in parts.
-pub struct Split<T: SolverReal, const D: usize> {
+pub struct DecomposedDomain<T: SolverReal, const D: usize> {
     parts: Vec<Part<T, D>>,
     /// From the axes and cells of the problem to those of the parts.
     permutation: AxisPermutation<D>,
@@ -72,7 +72,7 @@ pub struct Split<T: SolverReal, const D: usize> {
     watched: usize,
 }
 
-impl<T: SolverReal, const D: usize> Split<T, D> {
+impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     /// A domain at rest, in `count` parts along its last axis.
     ///
     /// # Errors

@@ -103,12 +103,12 @@ fn place_of<const D: usize>(mut part: usize, parts: &[usize; D]) -> [usize; D] {
 mod tests {
     use super::Decomposition;
     use crate::solid::line::Slopes;
-    use crate::solid::problem::{DomainError, Grid, Placement, Scheme};
+    use crate::solid::problem::{DomainError, Grid, PlasticStep, Scheme};
 
     #[test]
     fn parts_tile_the_grid() {
         let grid = Grid { cells: [23, 9, 17], spacing: [1.0; 3] };
-        let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+        let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
         let plan =
             Decomposition::new(&grid, [true, false, false], &scheme, [3, 2, 4]).expect("sound");
         let mut owners = vec![0; grid.count()];

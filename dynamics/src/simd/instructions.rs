@@ -1,6 +1,6 @@
 //! Instruction sets, chosen at run time: each kernel is compiled for all of them.
 
-use super::real::{Real, Work};
+use super::real::{Real, SimdKernel};
 
 /// Sets of instructions that a processor may have. Results do not depend on them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,7 +41,7 @@ impl Instructions {
     }
 
     /// Does the work in these instructions, or in the baseline's where the processor has not got them.
-    pub(crate) fn run<T: Real>(self, work: impl Work<T>) {
+    pub(crate) fn run<T: Real>(self, work: impl SimdKernel<T>) {
         match self {
             // SAFETY: the processor has AVX2.
             Self::Avx2 if self.is_available() => unsafe { T::avx2(work) },

@@ -9,4 +9,4 @@ mod x86;
 
 pub use instructions::Instructions;
 pub(crate) use real::MOST_LANES;
-pub use real::{Group, Lanes, Number, Real, Vector, Work};
+pub use real::{Group, Lanes, Number, Real, SimdKernel, Vector};

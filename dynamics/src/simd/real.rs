@@ -26,14 +26,14 @@ pub trait Real: Number + PartialOrd {
     /// # Safety
     /// The processor has AVX2.
     #[doc(hidden)]
-    unsafe fn avx2(work: impl Work<Self>);
+    unsafe fn avx2(work: impl SimdKernel<Self>);
 
     /// Does the work in registers of 512 bits.
     ///
     /// # Safety
     /// The processor has AVX-512F, DQ and VL.
     #[doc(hidden)]
-    unsafe fn avx512(work: impl Work<Self>);
+    unsafe fn avx512(work: impl SimdKernel<Self>);
 }
 
 /// Lanes of the narrowest numbers.
@@ -197,7 +197,7 @@ pub trait Vector<T: Real>: Number {
 
 /// Something to be done in any set of instructions: `run` and all that it calls must be inlined, which
 /// closures are not.
-pub trait Work<T: Real> {
+pub trait SimdKernel<T: Real> {
     /// Does it.
     fn run<V: Vector<T>>(self);
 }

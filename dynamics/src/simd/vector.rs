@@ -1,7 +1,7 @@
 //! Registers of a processor as numbers: what the lanes of a group are while they are computed with; and
 //! the kinds of numbers that have such.
 
-use crate::simd::{Lanes, Real, Vector, Work};
+use crate::simd::{Lanes, Real, SimdKernel, Vector};
 
 #[cfg(target_arch = "x86_64")]
 use super::x86::{Avx2Double, Avx2Single, Avx512Double, Avx512Single};
@@ -62,9 +62,9 @@ macro_rules! real {
             type Lanes = Lanes<Self, $lanes>;
 
             #[cfg(target_arch = "x86_64")]
-            unsafe fn avx2(work: impl Work<Self>) {
+            unsafe fn avx2(work: impl SimdKernel<Self>) {
                 #[target_feature(enable = "avx2")]
-                fn run(work: impl Work<$kind>) {
+                fn run(work: impl SimdKernel<$kind>) {
                     work.run::<$avx2>();
                 }
                 // SAFETY: the caller knows that the processor has it.
@@ -72,9 +72,9 @@ macro_rules! real {
             }
 
             #[cfg(target_arch = "x86_64")]
-            unsafe fn avx512(work: impl Work<Self>) {
+            unsafe fn avx512(work: impl SimdKernel<Self>) {
                 #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
-                fn run(work: impl Work<$kind>) {
+                fn run(work: impl SimdKernel<$kind>) {
                     work.run::<$avx512>();
                 }
                 // SAFETY: the caller knows that the processor has all three.
@@ -82,12 +82,12 @@ macro_rules! real {
             }
 
             #[cfg(not(target_arch = "x86_64"))]
-            unsafe fn avx2(work: impl Work<Self>) {
+            unsafe fn avx2(work: impl SimdKernel<Self>) {
                 work.run::<Self::Lanes>();
             }
 
             #[cfg(not(target_arch = "x86_64"))]
-            unsafe fn avx512(work: impl Work<Self>) {
+            unsafe fn avx512(work: impl SimdKernel<Self>) {
                 work.run::<Self::Lanes>();
             }
 
@@ -118,11 +118,11 @@ real!(f64, 8, Avx2Double, Avx512Double);
 #[cfg(test)]
 mod tests {
     use crate::simd::Instructions;
-    use crate::simd::{Group, Number, Real, Vector, Work};
+    use crate::simd::{Group, Number, Real, SimdKernel, Vector};
 
     struct Bounded<'a, T: Real>(&'a [[T::Lanes; 3]], &'a mut Vec<T::Lanes>);
 
-    impl<T: Real> Work<T> for Bounded<'_, T> {
+    impl<T: Real> SimdKernel<T> for Bounded<'_, T> {
         #[inline(always)]
         fn run<V: Vector<T>>(self) {
             for [mean, one, other] in self.0 {
@@ -171,7 +171,7 @@ mod tests {
 
     struct Kept<'a, T: Real>(T::Lanes, T, &'a mut T::Lanes);
 
-    impl<T: Real> Work<T> for Kept<'_, T> {
+    impl<T: Real> SimdKernel<T> for Kept<'_, T> {
         #[inline(always)]
         fn run<V: Vector<T>>(self) {
             V::load(&self.0).unless_below(<V as Vector<T>>::all(self.1)).store(self.2);
@@ -210,7 +210,7 @@ mod tests {
 
     struct Moved<'a, T: Real>(u16, &'a mut [T::Lanes; 3]);
 
-    impl<T: Real> Work<T> for Moved<'_, T> {
+    impl<T: Real> SimdKernel<T> for Moved<'_, T> {
         #[inline(always)]
         fn run<V: Vector<T>>(self) {
             let Self(lanes, moved) = self;

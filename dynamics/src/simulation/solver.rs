@@ -1,6 +1,6 @@
 //! The solvers of a solid, as its simulation calls them.
 
-use crate::decomposition::Split;
+use crate::decomposition::DecomposedDomain;
 use crate::simd::Real;
 use crate::solid::domain::SolverReal;
 use crate::solid::ledger::{Energy, Ledger};
@@ -26,7 +26,7 @@ impl SolverChoice {
     pub(super) fn threads<T: SolverReal, const D: usize>(self, problem: &Problem<D>) -> usize {
         match self {
             Self::Fused { threads } => {
-                threads.clamp(1, Split::<T, D>::max_parts(problem.first_axis(), problem))
+                threads.clamp(1, DecomposedDomain::<T, D>::max_parts(problem.first_axis(), problem))
             }
             Self::Reference => 1,
         }
@@ -39,7 +39,9 @@ impl SolverChoice {
     ) -> Result<Box<dyn Solver<T>>, DomainError> {
         let (first, parts) = (problem.first_axis(), self.threads::<T, D>(problem));
         Ok(match self {
-            Self::Fused { .. } => Box::new(Split::<T, D>::with_first_axis(first, problem, parts)?),
+            Self::Fused { .. } => {
+                Box::new(DecomposedDomain::<T, D>::with_first_axis(first, problem, parts)?)
+            }
             Self::Reference => Box::new(Reference::<T, D>::with_first_axis(first, problem)?),
         })
     }
@@ -157,5 +159,5 @@ macro_rules! solver {
     };
 }
 
-solver!(Split);
+solver!(DecomposedDomain);
 solver!(Reference);

@@ -5,7 +5,7 @@ use crate::simd::{Group, Number, Real, Vector};
 
 /// What a cell is to a pair of waves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cell<N> {
+pub struct CellConstants<N> {
     /// z, kg/(m²s) for translations.
     pub impedance: N,
     /// C/2: change of s per difference of 2zv between the interface states.
@@ -24,7 +24,7 @@ pub struct Cell<N> {
     pub(crate) downwind: N,
 }
 
-impl<T: Real> Cell<T> {
+impl<T: Real> CellConstants<T> {
     /// A cell by its impedance, kg/(m²s) for translations, and its Courant number in \[0, 1\].
     pub fn new(impedance: f64, courant: f64) -> Self {
         Self::reconstructed_as(courant, impedance, courant)
@@ -65,7 +65,7 @@ impl<T: Real> Cell<T> {
     }
 }
 
-impl<V: Number> Cell<V> {
+impl<V: Number> CellConstants<V> {
     /// 1 where another cell has another impedance or Courant number, 0 where it has the same.
     #[inline(always)]
     pub(crate) fn contrast(&self, other: &Self) -> V {
@@ -99,7 +99,7 @@ impl<V: Number> Cell<V> {
 
     /// 1 − C of the reconstruction.
     #[inline(always)]
-    pub(crate) fn staying(&self) -> V {
+    pub(crate) fn one_minus_courant(&self) -> V {
         let half = self.mean_slope + self.mean_slope;
         half + half
     }
@@ -112,14 +112,14 @@ impl<V: Number> Cell<V> {
     /// are exact on straight waves would let some.
     #[inline(always)]
     pub(crate) fn weights(&self, [upwind, downwind, beyond]: [V; 3]) -> ([V; 3], V) {
-        let staying = self.staying();
-        let courant = V::ONE - staying;
-        let before = staying * (upwind * downwind * (V::ONE - beyond));
-        let at_face = staying * (upwind * (V::ONE - downwind));
-        let behind = staying * ((V::ONE - upwind) * downwind * beyond);
+        let one_minus_courant = self.one_minus_courant();
+        let courant = V::ONE - one_minus_courant;
+        let before = one_minus_courant * (upwind * downwind * (V::ONE - beyond));
+        let at_face = one_minus_courant * (upwind * (V::ONE - downwind));
+        let behind = one_minus_courant * ((V::ONE - upwind) * downwind * beyond);
         // Layers of two cells and of one.
-        let of_two = staying * ((V::ONE - upwind) * downwind * (V::ONE - beyond));
-        let of_one = staying * ((V::ONE - upwind) * (V::ONE - downwind));
+        let of_two = one_minus_courant * ((V::ONE - upwind) * downwind * (V::ONE - beyond));
+        let of_one = one_minus_courant * ((V::ONE - upwind) * (V::ONE - downwind));
         let weights = [
             before * fit(courant, 0.0820, 0.1723)
                 + at_face * fit(courant, 0.3974, 0.0477)
@@ -136,11 +136,11 @@ impl<V: Number> Cell<V> {
 
     /// Those of a lane of a group.
     #[inline(always)]
-    pub(crate) fn lane<T: Real>(&self, lane: usize) -> Cell<T>
+    pub(crate) fn lane<T: Real>(&self, lane: usize) -> CellConstants<T>
     where
         V: Group<T>,
     {
-        Cell {
+        CellConstants {
             impedance: self.impedance.lanes()[lane],
             half_courant: self.half_courant.lanes()[lane],
             to_velocity: self.to_velocity.lanes()[lane],
@@ -154,7 +154,7 @@ impl<V: Number> Cell<V> {
 
     /// Sets those of a lane.
     #[inline(always)]
-    pub(crate) fn set_lane<T: Real>(&mut self, lane: usize, own: &Cell<T>)
+    pub(crate) fn set_lane<T: Real>(&mut self, lane: usize, own: &CellConstants<T>)
     where
         V: Group<T>,
     {
@@ -170,7 +170,7 @@ impl<V: Number> Cell<V> {
 
     /// Those of a group.
     #[inline(always)]
-    pub(crate) fn load<T: Real>(from: &Cell<T::Lanes>) -> Self
+    pub(crate) fn load<T: Real>(from: &CellConstants<T::Lanes>) -> Self
     where
         V: Vector<T>,
     {

@@ -3,7 +3,7 @@
 
 use crate::simd::{Group, Real};
 use crate::solid::boundary::{Boundary, Condition};
-use crate::solid::cell::Cell;
+use crate::solid::cell::CellConstants;
 use crate::solid::ghosts::{BESIDE, GhostCoefficients, GhostRule, ghosts};
 use crate::solid::line::sweep;
 use crate::solid::reconstruction::{GHOSTS, Slopes};
@@ -27,7 +27,12 @@ const KINDS: [Condition; 5] =
     [FREE, FIXED, Condition::NonReflecting, Condition::OddVelocity, Condition::OddStress];
 
 /// A step of a line between two sides.
-fn step<T: Real>(velocity: &mut [T], stress: &mut [T], cells: &[Cell<T>], sides: [Condition; 2]) {
+fn step<T: Real>(
+    velocity: &mut [T],
+    stress: &mut [T],
+    cells: &[CellConstants<T>],
+    sides: [Condition; 2],
+) {
     let count = cells.len();
     let state = |i: usize| State { velocity: velocity[i], stress: stress[i] };
     let made = [0, 1].map(|end| {
@@ -66,7 +71,7 @@ fn step<T: Real>(velocity: &mut [T], stress: &mut [T], cells: &[Cell<T>], sides:
 }
 
 /// ‖G‖² − 1 of a step, in units of energy (zv² + s²/z)/C.
-fn growth<T: Real>(cells: &[Cell<T>], sides: [Condition; 2]) -> f64 {
+fn growth<T: Real>(cells: &[CellConstants<T>], sides: [Condition; 2]) -> f64 {
     let count = cells.len();
     let unit = |i: usize| {
         let (z, c) = (cells[i % count].impedance.wide(), cells[i % count].courant().wide());
@@ -105,7 +110,7 @@ fn no_line_gains_energy() {
         (1..100).map(|i| 0.01 * f64::from(i)).chain([1e-4, 0.999, 0.9999, 0.999_999_9, 1.0]);
     for courant in courants {
         for count in [2, 3, 4, 5, 6, 9] {
-            let cells = vec![Cell::<f64>::new(1.0, courant); count];
+            let cells = vec![CellConstants::<f64>::new(1.0, courant); count];
             for one in KINDS {
                 for other in KINDS {
                     greatest(&mut found, growth(&cells, [one, other]), || {
@@ -130,7 +135,7 @@ fn no_line_of_media_gains_energy() {
         let decades = random.within(0.0, 3.0);
         let mut cells = Vec::new();
         while cells.len() < count {
-            let own = Cell::<f64>::among_others(
+            let own = CellConstants::<f64>::among_others(
                 10f64.powf(random.within(-decades, decades)),
                 10f64.powf(random.within(-3.0, 0.0)),
             );
@@ -150,7 +155,7 @@ fn no_line_of_media_gains_energy() {
 fn in_single_precision_rounding_alone_gains() {
     let mut found = (f64::MIN, String::new());
     for courant in (1..100).map(|i| 0.01 * f64::from(i)).chain([0.999, 0.9999, 1.0]) {
-        let cells = vec![Cell::<f32>::new(1.0, courant); 5];
+        let cells = vec![CellConstants::<f32>::new(1.0, courant); 5];
         for one in KINDS {
             for other in KINDS {
                 greatest(&mut found, growth(&cells, [one, other]), || {

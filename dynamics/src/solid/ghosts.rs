@@ -8,7 +8,7 @@
 
 use crate::simd::{self, Group, Number, Real};
 use crate::solid::boundary::{Boundary, Condition, Load, Signal};
-use crate::solid::cell::Cell;
+use crate::solid::cell::CellConstants;
 use crate::solid::reconstruction::{GHOSTS, Slopes};
 use crate::solid::riemann::{RiemannInvariants, State};
 
@@ -20,7 +20,7 @@ pub(crate) enum BoundaryFaces<T: Real> {
     /// The end of a halo: ghosts are arbitrary there.
     Exchange,
     /// A mirror: ghosts are (±v + a, ±s + b), or nothing.
-    Mirror(GhostRule<T>),
+    Physical(GhostRule<T>),
 }
 
 impl<T: Real> BoundaryFaces<T> {
@@ -28,7 +28,7 @@ impl<T: Real> BoundaryFaces<T> {
     #[inline(always)]
     pub(crate) fn closure(&self) -> Closure {
         match self {
-            Self::Mirror(mirror) if mirror.is_one_sided => mirror.closure,
+            Self::Physical(mirror) if mirror.is_one_sided => mirror.closure,
             _ => Closure { slopes: Slopes::Godunov, is_open: false },
         }
     }
@@ -36,7 +36,7 @@ impl<T: Real> BoundaryFaces<T> {
     /// The mirror, where there is one.
     pub(crate) fn mirror(&self) -> Option<&GhostRule<T>> {
         match self {
-            Self::Mirror(mirror) => Some(mirror),
+            Self::Physical(mirror) => Some(mirror),
             Self::Periodic | Self::Exchange => None,
         }
     }
@@ -45,7 +45,7 @@ impl<T: Real> BoundaryFaces<T> {
 /// Both sides of an axis as they are at a time.
 pub(crate) fn set_time<T: Real>(sides: &mut [BoundaryFaces<T>; 2], time: f64) {
     for side in sides {
-        if let BoundaryFaces::Mirror(mirror) = side {
+        if let BoundaryFaces::Physical(mirror) = side {
             mirror.set_time(time);
         }
     }
@@ -70,7 +70,7 @@ pub(crate) struct GhostRule<T: Real> {
     /// How.
     closure: Closure,
     /// Whether work may be done here.
-    pub(crate) works: bool,
+    pub(crate) does_work: bool,
 }
 
 /// How waves are reconstructed beside a side.
@@ -121,10 +121,10 @@ impl<T: Real> GhostRule<T> {
         };
         let alike = (0..pairs).map(alike).collect::<Option<Vec<_>>>().filter(|_| !is_loaded);
         if let Some(entries) = alike {
-            let works = entries.iter().any(|own| own[0] == 0.0);
+            let does_work = entries.iter().any(|own| own[0] == 0.0);
             let is_one_sided =
                 entries.iter().any(|own| own[4] != 0.0) || (is_by_face && one_sided != 0.0);
-            let closure = Closure { slopes, is_open: works || is_by_face };
+            let closure = Closure { slopes, is_open: does_work || is_by_face };
             let lanes = |own: [f64; 5]| own.map(|value| T::Lanes::all(T::of(value)));
             let by_face = entries.into_iter().map(lanes).collect();
             return Self {
@@ -134,16 +134,16 @@ impl<T: Real> GhostRule<T> {
                 loads: Vec::new(),
                 is_one_sided,
                 closure,
-                works,
+                does_work,
             };
         }
         let mut by_face = vec![[T::Lanes::ZERO; 5]; pairs * groups];
-        let (mut works, mut is_one_sided, mut is_open) =
+        let (mut does_work, mut is_one_sided, mut is_open) =
             (false, is_by_face && one_sided != 0.0, is_by_face);
         for pair in 0..pairs {
             for &(face, (group, lane)) in faces {
                 let entry = entry(boundary.condition(pair, face));
-                works |= entry[0] == 0.0 || entry[1] != 0.0 || entry[3] != 0.0;
+                does_work |= entry[0] == 0.0 || entry[1] != 0.0 || entry[3] != 0.0;
                 is_one_sided |= entry[4] != 0.0;
                 is_open |= entry[0] == 0.0;
                 for (lanes, value) in by_face[pair * groups + group].iter_mut().zip(entry) {
@@ -152,7 +152,15 @@ impl<T: Real> GhostRule<T> {
             }
         }
         let closure = Closure { slopes, is_open };
-        Self { by_face, groups, is_uniform: false, loads: Vec::new(), is_one_sided, closure, works }
+        Self {
+            by_face,
+            groups,
+            is_uniform: false,
+            loads: Vec::new(),
+            is_one_sided,
+            closure,
+            does_work,
+        }
     }
 
     /// Adds a load; on faces of open sides there is nothing to be given.
@@ -172,7 +180,7 @@ impl<T: Real> GhostRule<T> {
         }
         if !entries.is_empty() {
             self.loads.push(SideLoad { entries, bases, signal: load.signal.clone() });
-            self.works = true;
+            self.does_work = true;
         }
     }
 
@@ -193,9 +201,9 @@ impl<T: Real> GhostRule<T> {
     }
 
     /// Whether work is done on a face now: neither its velocity nor its traction is zero.
-    pub(crate) fn works_on(&self, pair: usize, slot: Slot) -> bool {
+    pub(crate) fn does_work_on(&self, pair: usize, slot: Slot) -> bool {
         let [sign, velocity, _, stress, _] = self.face_at(pair, slot);
-        self.works && (sign == T::ZERO || velocity != T::ZERO || stress != T::ZERO)
+        self.does_work && (sign == T::ZERO || velocity != T::ZERO || stress != T::ZERO)
     }
 
     /// How waves are reconstructed beside it.
@@ -232,7 +240,7 @@ pub(crate) fn ghosts<N: Number>(
     beside: [State<N>; BESIDE],
     mirror: [N; 5],
     end: usize,
-    cells: [&Cell<N>; BESIDE],
+    cells: [&CellConstants<N>; BESIDE],
     coefficients: &GhostCoefficients<N>,
 ) -> [State<N>; GHOSTS] {
     let [sign_v, shift_v, sign_s, shift_s, _] = mirror;
@@ -254,7 +262,7 @@ pub(crate) fn ghosts<N: Number>(
 
 /// The wave that arrives at an end and the one that leaves it.
 #[inline(always)]
-fn by_way<N: Number>(end: usize, state: State<N>, cell: &Cell<N>) -> [N; 2] {
+fn by_way<N: Number>(end: usize, state: State<N>, cell: &CellConstants<N>) -> [N; 2] {
     let RiemannInvariants { right, left } = RiemannInvariants::of(state, cell);
     if end == 0 { [left, right] } else { [right, left] }
 }
@@ -331,11 +339,11 @@ pub(crate) struct GhostCoefficients<N> {
 
 impl<N: Number> GhostCoefficients<N> {
     #[inline(always)]
-    pub(crate) fn new(cell: &Cell<N>) -> Self {
-        let staying = cell.staying();
-        let courant = N::ONE - staying;
-        let moving = (staying - N::constant(1e-6)).greatest(N::ZERO);
-        let per_staying = N::ONE / staying.greatest(N::constant(1e-6));
+    pub(crate) fn new(cell: &CellConstants<N>) -> Self {
+        let one_minus_courant = cell.one_minus_courant();
+        let courant = N::ONE - one_minus_courant;
+        let moving = (one_minus_courant - N::constant(1e-6)).greatest(N::ZERO);
+        let per_staying = N::ONE / one_minus_courant.greatest(N::constant(1e-6));
         // Weights of the fourth order over 1 − C.
         let twelfth = N::constant(1.0 / 12.0);
         let upwind = N::HALF * twelfth * (N::ONE + courant) * (N::ONE + N::ONE + courant);
@@ -446,7 +454,7 @@ fn fourth_order<N: Number>(
     (beside, images): ([State<N>; BESIDE], [State<N>; GHOSTS]),
     [sign_v, _, sign_s, _, one_sided]: [N; 5],
     end: usize,
-    cells: [&Cell<N>; BESIDE],
+    cells: [&CellConstants<N>; BESIDE],
     coefficients: &GhostCoefficients<N>,
 ) -> [State<N>; GHOSTS] {
     let cell = cells[0];
@@ -522,14 +530,14 @@ fn fourth_order<N: Number>(
 /// ```
 ///
 /// No state is known in which a sweep increases the energy (`tests/energy.rs` looks for one). The nearest ghost has the
-/// O that makes this lead in the outermost cell, 4x − a beyond O₀, and the I of a straight wave through I* and I₀.
+/// O that makes this half_slope in the outermost cell, 4x − a beyond O₀, and the I of a straight wave through I* and I₀.
 #[inline(always)]
 fn limited<N: Number>(
     [own, behind]: [State<N>; 2],
     images: [State<N>; GHOSTS],
     [sign_v, shift_v, sign_s, shift_s, one_sided]: [N; 5],
     end: usize,
-    [cell, cell_behind]: [&Cell<N>; 2],
+    [cell, cell_behind]: [&CellConstants<N>; 2],
 ) -> [State<N>; GHOSTS] {
     // Images where the two cells are of different media: the payment is that of one.
     let one_sided = one_sided * (N::ONE - cell.contrast(cell_behind));
@@ -541,32 +549,32 @@ fn limited<N: Number>(
     let reflection = N::HALF * (sign_s - sign_v);
     let reflects = reflection * reflection;
     let courant = cell.half_courant + cell.half_courant;
-    let staying = N::ONE - courant;
+    let one_minus_courant = N::ONE - courant;
     let passed = N::ONE + courant;
     // From the middle of the step at the face to the middle of the cell, and on to the middle of a ghost.
-    let stretch = N::ONE + reflects * (staying / passed);
+    let stretch = N::ONE + reflects * (one_minus_courant / passed);
     let steep = arriving - arriving_behind;
 
     // Paid by averaging.
-    let w = reflection * (leaving - given) - arriving - N::HALF * staying * steep;
+    let w = reflection * (leaving - given) - arriving - N::HALF * one_minus_courant * steep;
     let b = reflection * (leaving_behind - leaving);
     let upwind = stretch * w;
     let y = (N::QUARTER * (upwind + b))
-        .bounded(upwind / courant.greatest(N::LEAST), b / staying.greatest(N::LEAST));
+        .bounded(upwind / courant.greatest(N::LEAST), b / one_minus_courant.greatest(N::LEAST));
     let averaged = w - courant * y;
-    let half_staying = staying * y;
+    let half_staying = one_minus_courant * y;
     let passing = (N::ONE - cell.half_courant) * b - half_staying;
-    let kept = y * y - passing * passing + N::QUARTER * staying * (b * b);
+    let kept = y * y - passing * passing + N::QUARTER * one_minus_courant * (b * b);
     let budget = averaged * averaged - kept.greatest(N::ZERO);
     let needed = (courant * (steep * steep)).greatest(N::LEAST);
     // 4 would be all that is paid.
     let most = (N::ONE + N::ONE) + (N::ONE + N::ONE) - N::QUARTER;
     let share = (most * budget.greatest(N::ZERO) / needed).least(N::ONE);
-    let root = (passed * passed - courant * (staying * passed)).root();
+    let root = (passed * passed - courant * (one_minus_courant * passed)).root();
     let unpaid = cell.half_courant / (passed + root);
     let x = steep * (N::HALF - unpaid * (N::ONE - share));
 
-    let incoming = reflection * (arriving + staying * x) + given;
+    let incoming = reflection * (arriving + one_minus_courant * x) + given;
     let downwind = (x + x) + (x + x) - steep;
     let to_ghost = stretch * (leaving - incoming);
     let to_farther = (reflects + reflects) * to_ghost - to_ghost;

@@ -9,9 +9,9 @@
 //!
 //! Its law ([`models::interface`]) gives v± and σ±, and these are the fluxes of the cells. At Courant number 1 the face
 //! values are those of the cells, and the scheme is that of the box closure alone. Cells of lines with interlayers are those
-//! of several media ([`Cell::among_others`]).
+//! of several media ([`CellConstants::among_others`]).
 
-use super::line::{Account, Cell, Slopes, advance, reach};
+use super::line::{Account, CellConstants, Slopes, advance, face_values};
 use super::riemann::{InterfaceState, State};
 use crate::simd::{Number, Real};
 use models::interface::{FaceLaw, Incoming};
@@ -71,7 +71,7 @@ pub(crate) fn interlayer_states<N: Number, L: FaceLaw<N>>(
 pub fn sweep_with_interlayers<T: Real, L: FaceLaw<T>>(
     velocity: &mut [T],
     stress: &mut [T],
-    cells: &[Cell<T>],
+    cells: &[CellConstants<T>],
     slopes: Slopes,
     interlayers: &mut [Interlayer<T, L>],
     step: T,
@@ -81,16 +81,16 @@ pub fn sweep_with_interlayers<T: Real, L: FaceLaw<T>>(
     let find = |interlayers: &[Interlayer<T, L>], place: usize| {
         interlayers.binary_search_by_key(&place, |own| own.place).ok()
     };
-    let at_face = |states: [State<T>; 4], around: [&Cell<T>; 4], place: usize| {
+    let at_face = |states: [State<T>; 4], around: [&CellConstants<T>; 4], place: usize| {
         let joined = [place - 1, place, place + 1]
             .map(|place| if find(interlayers, place).is_some() { T::ZERO } else { T::ONE });
-        let reach = reach(states, around, joined, slopes);
+        let values = face_values(states, around, joined, slopes);
         let impedance = [around[1].impedance, around[2].impedance];
         let Some(index) = find(interlayers, place) else {
-            return InterfaceState::riemann(impedance, reach);
+            return InterfaceState::riemann(impedance, values);
         };
         let own = &mut interlayers[index];
-        let (seen, lost) = interlayer_states(&own.law, impedance, reach, step, &mut own.memory);
+        let (seen, lost) = interlayer_states(&own.law, impedance, values, step, &mut own.memory);
         dissipated += lost.wide();
         seen
     };
@@ -101,7 +101,7 @@ pub fn sweep_with_interlayers<T: Real, L: FaceLaw<T>>(
 #[cfg(test)]
 mod tests {
     use super::{Interlayer, sweep_with_interlayers};
-    use crate::solid::line::{Account, Cell, GHOSTS, Slopes};
+    use crate::solid::line::{Account, CellConstants, GHOSTS, Slopes};
     use models::interface::{FaceLaw, FaceState, FaceStep, Incoming};
     use nalgebra::DMatrix;
 
@@ -152,7 +152,7 @@ mod tests {
 
     /// What a sweep of a piece of line between two interlayers dissipates, by the states of its cells and the waves that
     /// the interlayers send, all in units of the root of energy.
-    fn dissipated(cells: &[Cell<f64>], slopes: Slopes, numbers: &[f64]) -> f64 {
+    fn dissipated(cells: &[CellConstants<f64>], slopes: Slopes, numbers: &[f64]) -> f64 {
         let count = cells.len();
         let (mut all, mut velocity, mut stress) = (Vec::new(), Vec::new(), Vec::new());
         for place in 0..count + 2 * GHOSTS {
@@ -182,7 +182,7 @@ mod tests {
     }
 
     /// The least eigenvalue of that quadratic form.
-    fn least_dissipation(cells: &[Cell<f64>]) -> f64 {
+    fn least_dissipation(cells: &[CellConstants<f64>]) -> f64 {
         let count = 2 * cells.len() + 2;
         let form = |numbers: &[f64]| dissipated(cells, Slopes::FourthOrder, numbers);
         let unit = |i: usize, j: usize| {
@@ -204,7 +204,8 @@ mod tests {
         let mut found = (f64::MAX, String::new());
         for courant in courants {
             for count in [1, 2, 3, 4, 5, 6, 9, 14] {
-                let least = least_dissipation(&vec![Cell::among_others(1.3, courant); count]);
+                let least =
+                    least_dissipation(&vec![CellConstants::among_others(1.3, courant); count]);
                 if least.is_nan() || least < found.0 {
                     found = (least, format!("C = {courant}, {count} cells"));
                 }
@@ -224,7 +225,7 @@ mod tests {
             let decades = random.within(0.0, 3.0);
             let mut cells = Vec::new();
             while cells.len() < count {
-                let own = Cell::<f64>::among_others(
+                let own = CellConstants::<f64>::among_others(
                     10f64.powf(random.within(-decades, decades)),
                     10f64.powf(random.within(-3.0, 0.0)),
                 );

@@ -22,7 +22,7 @@
 //! The formulas are generic over [`Number`](crate::simd::Number): [`sweep`] applies them to a line, cell by cell, and keeps
 //! the account; the kernel of [`crate::solid::domain`] applies them to many lines at once.
 
-pub use super::cell::Cell;
+pub use super::cell::CellConstants;
 pub use super::reconstruction::{GHOSTS, HALO, Slopes};
 use super::riemann::{InterfaceState, State, updated};
 use crate::simd::Real;
@@ -41,7 +41,7 @@ pub struct Account {
     pub dissipated: f64,
 }
 
-/// Cell by cell.
+/// By cell.
 impl<'a> std::iter::Sum<&'a Self> for Account {
     fn sum<I: Iterator<Item = &'a Self>>(accounts: I) -> Self {
         accounts.fold(Self::default(), |sum, own| Self {
@@ -53,9 +53,9 @@ impl<'a> std::iter::Sum<&'a Self> for Account {
 
 /// The face values of the waves from the left and from the right of a face, from the four cells around it, with
 /// interlayers where 0 of 1 is `joined`.
-pub(super) fn reach<T: Real>(
+pub(super) fn face_values<T: Real>(
     states: [State<T>; 4],
-    cells: [&Cell<T>; 4],
+    cells: [&CellConstants<T>; 4],
     joined: [T; 3],
     slopes: Slopes,
 ) -> [T; 2] {
@@ -63,22 +63,22 @@ pub(super) fn reach<T: Real>(
     let in_front = [states[0], states[1], states[2]];
     let known = slopes.known(in_front, [first, left, right], [joined[0], joined[1]]);
     let around = [states[1], states[2], states[3]];
-    slopes.reach_beside_interlayers(known, around, cells, joined).0
+    slopes.face_values_beside_interlayers(known, around, cells, joined).0
 }
 
 /// The interface states of a face for the cells at its left and right, from the four cells around it.
 fn face<T: Real>(
     states: [State<T>; 4],
-    cells: [&Cell<T>; 4],
+    cells: [&CellConstants<T>; 4],
     slopes: Slopes,
 ) -> [InterfaceState<T>; 2] {
     let impedance = [cells[1].impedance, cells[2].impedance];
-    InterfaceState::riemann(impedance, reach(states, cells, [T::ONE; 3], slopes))
+    InterfaceState::riemann(impedance, face_values(states, cells, [T::ONE; 3], slopes))
 }
 
 /// Mean stress times mean velocity over the step, W/m².
-fn work<T: Real>(joint: &InterfaceState<T>, cell: &Cell<T>) -> f64 {
-    joint.sum.wide() * joint.difference.wide() / (4.0 * cell.impedance.wide())
+fn work<T: Real>(lower_face: &InterfaceState<T>, cell: &CellConstants<T>) -> f64 {
+    lower_face.sum.wide() * lower_face.difference.wide() / (4.0 * cell.impedance.wide())
 }
 
 /// Mean stress times mean velocity over the step at the face in the middle of four cells, W/m²; positive
@@ -86,7 +86,7 @@ fn work<T: Real>(joint: &InterfaceState<T>, cell: &Cell<T>) -> f64 {
 /// non-reflecting ones the correlation within the step is neglected.
 pub(crate) fn work_between<T: Real>(
     states: [State<T>; 4],
-    cells: [Cell<T>; 4],
+    cells: [CellConstants<T>; 4],
     slopes: Slopes,
 ) -> f64 {
     work(&face(states, cells.each_ref(), slopes)[0], &cells[1])
@@ -100,11 +100,12 @@ pub(crate) fn work_between<T: Real>(
 pub fn sweep<T: Real>(
     velocity: &mut [T],
     stress: &mut [T],
-    cells: &[Cell<T>],
+    cells: &[CellConstants<T>],
     slopes: Slopes,
     accounts: Option<&mut [Account]>,
 ) {
-    let at_face = |states: [State<T>; 4], cells: [&Cell<T>; 4], _| face(states, cells, slopes);
+    let at_face =
+        |states: [State<T>; 4], cells: [&CellConstants<T>; 4], _| face(states, cells, slopes);
     advance(velocity, stress, cells, at_face, accounts);
 }
 
@@ -113,8 +114,8 @@ pub fn sweep<T: Real>(
 pub(super) fn advance<T: Real>(
     velocity: &mut [T],
     stress: &mut [T],
-    cells: &[Cell<T>],
-    mut at_face: impl FnMut([State<T>; 4], [&Cell<T>; 4], usize) -> [InterfaceState<T>; 2],
+    cells: &[CellConstants<T>],
+    mut at_face: impl FnMut([State<T>; 4], [&CellConstants<T>; 4], usize) -> [InterfaceState<T>; 2],
     mut accounts: Option<&mut [Account]>,
 ) {
     let length = cells.len().min(velocity.len()).min(stress.len());
@@ -156,14 +157,15 @@ pub(super) fn advance<T: Real>(
 fn dissipated<T: Real>(
     states: [State<T>; 2],
     [left, right]: [&InterfaceState<T>; 2],
-    cell: &Cell<T>,
+    cell: &CellConstants<T>,
 ) -> f64 {
     let z = cell.impedance.wide();
     // s − zv with sign −1, s + zv with sign 1.
     let by_wave = |sign: f64| {
         let wave = |own: State<T>| own.stress.wide() + sign * z * own.velocity.wide();
-        let flux =
-            |joint: &InterfaceState<T>| 0.5 * (joint.sum.wide() + sign * joint.difference.wide());
+        let flux = |lower_face: &InterfaceState<T>| {
+            0.5 * (lower_face.sum.wide() + sign * lower_face.difference.wide())
+        };
         let (left, right) = (flux(left), flux(right));
         let outflow = -sign * (right - left);
         outflow * ((wave(states[0]) + wave(states[1])) - (left + right))
@@ -172,7 +174,7 @@ fn dissipated<T: Real>(
 }
 
 /// The energy of the cells of a line without its ghosts, in the unit of the [`Account`].
-pub fn energy<T: Real>(velocity: &[T], stress: &[T], cells: &[Cell<T>]) -> f64 {
+pub fn energy<T: Real>(velocity: &[T], stress: &[T], cells: &[CellConstants<T>]) -> f64 {
     let inner = GHOSTS..cells.len().saturating_sub(GHOSTS);
     inner
         .filter(|&i| cells[i].half_courant != T::ZERO)

@@ -106,8 +106,8 @@ impl GeometricPlane {
                 let pairs = || across.iter().chain(along);
                 let own = pairs().find(|own| own.stress == medium.fields[index])?;
                 moduli[index] += weight * own.modulus;
-                for (follower, ratio) in &own.followers {
-                    moduli[place(*follower)?] += weight * ratio * own.modulus;
+                for (passive, ratio) in &own.passive_stresses {
+                    moduli[place(*passive)?] += weight * ratio * own.modulus;
                 }
             }
             let stiffness: f64 = merged.iter().map(|&(index, weight)| weight * moduli[index]).sum();

@@ -32,7 +32,7 @@ const ON_A_PLANE: f64 = 1e-6;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
     /// The mirror image, by so much.
-    Mirror(f64),
+    Physical(f64),
     /// Nothing, or a body of its own.
     Open,
     /// The other end.
@@ -42,12 +42,12 @@ pub enum End {
 impl End {
     /// A plane of symmetry normal to an axis, as what drives a field meets it.
     pub fn symmetry(field: Field, axis: usize) -> Self {
-        Self::Mirror(if is_odd(field, axis) { -1.0 } else { 1.0 })
+        Self::Physical(if is_odd(field, axis) { -1.0 } else { 1.0 })
     }
 
     /// A plane in which the solid is mirrored with the opposite sign.
     pub fn antisymmetry(field: Field, axis: usize) -> Self {
-        Self::Mirror(if is_odd(field, axis) { 1.0 } else { -1.0 })
+        Self::Physical(if is_odd(field, axis) { 1.0 } else { -1.0 })
     }
 }
 
@@ -81,7 +81,7 @@ impl Axis {
         let mut factor = 1.0;
         while let Some((end, by)) = self.beyond(place) {
             place = match self.ends[end] {
-                End::Mirror(sign) => {
+                End::Physical(sign) => {
                     factor *= sign;
                     if end == 0 { by - 1 } else { self.cells as isize - by }
                 }
@@ -97,7 +97,7 @@ impl Axis {
     fn part(&self) -> f64 {
         let planes = [-0.5, self.cells as f64 - 0.5].into_iter().zip(self.ends);
         let is_on = |&(plane, end): &(f64, End)| {
-            matches!(end, End::Mirror(_)) && (self.x - plane).abs() <= ON_A_PLANE
+            matches!(end, End::Physical(_)) && (self.x - plane).abs() <= ON_A_PLANE
         };
         0.5f64.powi(planes.filter(is_on).count() as i32)
     }
@@ -323,7 +323,7 @@ mod tests {
                 if cells > 1 {
                     assert!(moment(&open, x, 1).abs() < 1e-11, "{x}: {open:?}");
                 }
-                for ends in [End::Mirror(1.0), End::Periodic] {
+                for ends in [End::Physical(1.0), End::Periodic] {
                     let own = axis(cells, [ends; 2], x).spline();
                     assert!((moment(&own, x, 0) - 1.0).abs() < 1e-12, "{x}: {own:?}");
                 }
@@ -331,12 +331,12 @@ mod tests {
         }
         // On the plane half of the whole kernel, twice; of odd fields nothing.
         let whole = axis(20, [End::Open; 2], 9.5).spline();
-        let half = axis(10, [End::Mirror(1.0), End::Open], -0.5).spline();
+        let half = axis(10, [End::Physical(1.0), End::Open], -0.5).spline();
         for (cell, share) in &half {
             let full = whole.iter().find(|own| own.0 == cell + 10).expect("the cell").1;
             assert!((share - 2.0 * full).abs() < 1e-14);
         }
-        let odd = axis(10, [End::Mirror(-1.0), End::Open], -0.5).spline();
+        let odd = axis(10, [End::Physical(-1.0), End::Open], -0.5).spline();
         assert!(odd.iter().all(|own| own.1.abs() < 1e-15), "{odd:?}");
     }
 

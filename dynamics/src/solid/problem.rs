@@ -36,18 +36,18 @@ impl<const D: usize> Grid<D> {
     }
 }
 
-/// Where the correction stands in a step.
+/// How stresses are kept in their yield sets: the place of the return mapping in a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Placement {
-    /// P after the elastic step: first order, and the state always in its set. Fronts at which flow begins or
+pub enum PlasticStep {
+    /// The return mapping P after the elastic step: first order, and the state always in its set. Fronts at which flow begins or
     /// ends are as sharp as the sweeps make them.
     #[default]
-    Last,
-    /// 2P − I between the halves of the elastic step: second order while the same conditions stay active. If
+    ReturnMapping,
+    /// The reflection 2P − I between the halves of the elastic step: second order while the same conditions stay active. If
     /// plastic flow stops abruptly, as behind a shock, the overshoot of the last reflection remains: an error
     /// of one step's plastic strain. The state is in its set in the middle of steps; output is
     /// [`Domain::admissible`](crate::solid::domain::Domain::admissible).
-    Middle,
+    MidpointReflection,
 }
 
 /// The order of the sweeps of a step.
@@ -72,21 +72,21 @@ pub struct Scheme {
     /// How waves are reconstructed.
     pub slopes: Slopes,
     /// Where the correction stands.
-    pub placement: Placement,
-    /// The order of sweeps. [`Placement::Middle`] needs a step with a middle between sweeps:
+    pub plastic_step: PlasticStep,
+    /// The order of sweeps. [`PlasticStep::MidpointReflection`] needs a step with a middle between sweeps:
     /// [`Splitting::TwoCyclic`] is taken.
     pub splitting: Splitting,
 }
 
 impl Scheme {
     /// A two-cyclic scheme.
-    pub fn new(slopes: Slopes, placement: Placement) -> Self {
-        Self { slopes, placement, splitting: Splitting::TwoCyclic }
+    pub fn new(slopes: Slopes, plastic_step: PlasticStep) -> Self {
+        Self { slopes, plastic_step, splitting: Splitting::TwoCyclic }
     }
 
     /// Whether sweeps alternate.
     pub(crate) fn alternates(&self) -> bool {
-        self.splitting == Splitting::Alternating && self.placement == Placement::Last
+        self.splitting == Splitting::Alternating && self.plastic_step == PlasticStep::ReturnMapping
     }
 
     /// The reconstruction that sweeps compute with.

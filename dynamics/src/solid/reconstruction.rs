@@ -1,7 +1,7 @@
 //! Reconstruction: from cell averages the characteristic variables at faces, averaged over the step. First order
 //! (Godunov 1959), limited piecewise linear (van Leer 1977; Roe 1985), or linear of fourth order (Strang 1962).
 
-use super::cell::Cell;
+use super::cell::CellConstants;
 use super::riemann::{RiemannInvariants, State};
 use crate::simd::{Number, Real};
 use models::solid::waves::Pair;
@@ -9,10 +9,11 @@ use models::solid::waves::Pair;
 /// Cells beyond each end of a line that a sweep reads.
 pub const GHOSTS: usize = 2;
 
-/// Layers of a halo for each step of a pass: so many ghosts for each of both sweeps along the last axis.
+/// Width of the halo along a cut axis, in cells for each step of a pass: each of the two sweeps of a step along an axis
+/// reads [`GHOSTS`] cells beyond those it updates.
 pub const HALO: usize = 2 * GHOSTS;
 
-/// How waves are reconstructed.
+/// The slopes of the reconstruction in cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slopes {
     /// Constant in a cell: first order (Godunov 1959).
@@ -29,12 +30,17 @@ pub enum Slopes {
 impl Slopes {
     /// The cell of a pair of waves at a Courant number, which rounding may have taken beyond 1; `is_mixed` in problems with
     /// other media or interlayers.
-    pub(crate) fn cell_of<T: Real>(self, pair: &Pair, courant: f64, is_mixed: bool) -> Cell<T> {
+    pub(crate) fn cell_of<T: Real>(
+        self,
+        pair: &Pair,
+        courant: f64,
+        is_mixed: bool,
+    ) -> CellConstants<T> {
         let (impedance, courant) = (pair.impedance(), courant.min(1.0));
         match (self, is_mixed) {
-            (Self::Godunov, _) => Cell::constant(impedance, courant),
-            (Self::FourthOrder, true) => Cell::among_others(impedance, courant),
-            _ => Cell::new(impedance, courant),
+            (Self::Godunov, _) => CellConstants::constant(impedance, courant),
+            (Self::FourthOrder, true) => CellConstants::among_others(impedance, courant),
+            _ => CellConstants::new(impedance, courant),
         }
     }
 
@@ -48,7 +54,7 @@ impl Slopes {
     pub(crate) fn half_slope_correction<N: Number>(
         self,
         [upwind, downwind]: [N; 2],
-        cell: &Cell<N>,
+        cell: &CellConstants<N>,
     ) -> N {
         let mean = cell.mean_slope * (upwind + downwind);
         match self {
@@ -57,14 +63,14 @@ impl Slopes {
         }
     }
 
-    /// The same beside an interface with a medium of other impedance or Courant number (contrast 1), or of the same
-    /// (contrast 0): beside contrasts limited leads are ⅜(1 − C) minmod of the differences. The bounds of one
+    /// [`Self::half_slope_correction`] beside an interface with a medium of other impedance or Courant number (contrast 1), or of the same
+    /// (contrast 0): beside contrasts limited half slopes are ⅜(1 − C) minmod of the differences. The bounds of one
     /// medium let energy grow there (`tests/energy.rs` finds such states; ½ instead of ⅜ still does).
     #[inline(always)]
     fn half_slope_correction_at_contrast<N: Number>(
         self,
         [upwind, downwind]: [N; 2],
-        cell: &Cell<N>,
+        cell: &CellConstants<N>,
         contrast: N,
     ) -> N {
         let mean = cell.mean_slope * (upwind + downwind);
@@ -92,7 +98,7 @@ impl Slopes {
         }
     }
 
-    /// The same of the previous cell.
+    /// Stencil data of the previous cell: its invariants (fourth order), else the difference from it.
     #[inline(always)]
     pub(crate) fn behind<N: Number>(
         self,
@@ -105,18 +111,18 @@ impl Slopes {
         }
     }
 
-    /// The left and the right face value of the Riemann problem between the cell behind and the cell at hand, in one
-    /// medium: s − zv and s + zv, averaged over the step. And what the next face needs of these cells, `known` there.
+    /// Left and right state of the Riemann problem at the lower face of cell i, in one medium: s − zv and s + zv, averaged
+    /// over the step. Also returns the stencil data that the next face needs, its `known`.
     ///
-    /// `known`: to fourth order the waves in the cell before the one behind, else the left face value. `own`: the waves in
-    /// the cell at hand; `behind`, `ahead`: what [`Self::behind`] and [`Self::ahead`] give.
+    /// `known`: the invariants of cell i − 2 (fourth order), else the left state. `own`: the invariants of cell i. `behind`
+    /// and `ahead`: the results of [`Self::behind`] and [`Self::ahead`].
     #[inline(always)]
-    pub(crate) fn reach<N: Number>(
+    pub(crate) fn face_values<N: Number>(
         self,
         known: RiemannInvariants<N>,
         own: RiemannInvariants<N>,
         [behind, ahead]: [RiemannInvariants<N>; 2],
-        cell: &Cell<N>,
+        cell: &CellConstants<N>,
     ) -> ([N; 2], RiemannInvariants<N>) {
         match self {
             Self::FourthOrder => {
@@ -131,27 +137,27 @@ impl Slopes {
         }
     }
 
-    /// The same between cells of any media: the two behind, that at hand, and the one after it.
+    /// [`Self::face_values`] between cells of any media: i − 2, i − 1, i and i + 1.
     #[inline(always)]
-    pub(crate) fn reach_between_media<N: Number>(
+    pub(crate) fn face_values_between_media<N: Number>(
         self,
         known: RiemannInvariants<N>,
         states: [State<N>; 3],
-        cells: [&Cell<N>; 4],
+        cells: [&CellConstants<N>; 4],
     ) -> ([N; 2], RiemannInvariants<N>) {
-        self.reach_beside_interlayers(known, states, cells, [N::ONE; 3])
+        self.face_values_beside_interlayers(known, states, cells, [N::ONE; 3])
     }
 
-    /// The same with interlayers at some of the three faces between the cells, by what is `joined`: 0 at interlayers, 1 at
-    /// other faces. The stencil does not reach across an interlayer: differences across it are taken to be zero, as if the
+    /// [`Self::face_values_between_media`] with interlayers at some of the three faces between the cells: `joined` is 0 at
+    /// interlayers, 1 at other faces. The stencil does not reach across an interlayer: differences across it are taken to be zero, as if the
     /// state went on unchanged, and cells on both sides of it are never those of one medium. By this no wave gains energy,
     /// whatever the interlayer sends back (tests of [`crate::solid::interface`]).
     #[inline(always)]
-    pub(crate) fn reach_beside_interlayers<N: Number>(
+    pub(crate) fn face_values_beside_interlayers<N: Number>(
         self,
         known: RiemannInvariants<N>,
         states: [State<N>; 3],
-        cells: [&Cell<N>; 4],
+        cells: [&CellConstants<N>; 4],
         [joined_behind, joined_here, joined_after]: [N; 3],
     ) -> ([N; 2], RiemannInvariants<N>) {
         let [behind, here, next] = states;
@@ -163,33 +169,35 @@ impl Slopes {
                 let next = RiemannInvariants::of(next, cell_after);
                 let reflection = cell_behind.reflection(cell);
                 let first = own_behind
-                    .continued(known, cell_behind.reflection(cell_before))
+                    .transmitted(known, cell_behind.reflection(cell_before))
                     .difference(own_behind)
                     .scaled(joined_behind);
-                let before = own.continued(own_behind, -reflection).difference(own);
+                let before = own.transmitted(own_behind, -reflection).difference(own);
                 let before = before.scaled(joined_here);
-                let after = own.difference(own.continued(next, cell.reflection(cell_after)));
+                let after = own.difference(own.transmitted(next, cell.reflection(cell_after)));
                 let after = after.scaled(joined_after);
                 // At a material interface the outgoing waves differ from the scattered incoming ones. Mapped
                 // back through the scattering matrix this gives one more difference in the stencil.
-                let beyond = own_behind.continued(own, reflection);
-                let right = cell.staying() * before.right;
-                let left = joined_here * (cell_behind.staying() * (own_behind.left - beyond.left));
+                let beyond = own_behind.transmitted(own, reflection);
+                let right = cell.one_minus_courant() * before.right;
+                let left = joined_here
+                    * (cell_behind.one_minus_courant() * (own_behind.left - beyond.left));
                 let across = RiemannInvariants {
                     right: right + reflection * (left - right),
                     left: left + reflection * (left - right),
                 };
-                let [to_first, to_middle, to_last] = Cell::alike(cells);
+                let [to_first, to_middle, to_last] = CellConstants::alike(cells);
                 let to_first = joined_behind * to_first;
                 let to_middle = joined_here * to_middle;
                 let to_last = joined_after * to_last;
                 let alike = [to_first, to_middle, to_last];
                 let (weights, weight) = cell_behind.weights(alike);
                 let right = own_behind.right + weight * across.right;
-                let right = led(right, weights, [first.right, before.right, after.right]);
+                let right =
+                    corrected_right(right, weights, [first.right, before.right, after.right]);
                 let (weights, weight) = cell.weights([to_last, to_middle, to_first]);
                 let left = own.left + weight * across.left;
-                let left = led_left(left, weights, [after.left, before.left, first.left]);
+                let left = corrected_left(left, weights, [after.left, before.left, first.left]);
                 // In one medium to the bit as there, signs of zeros included: what is subtracted then is +0.
                 let of_one = to_first * to_middle * to_last;
                 let rest = N::ONE - of_one;
@@ -208,11 +216,11 @@ impl Slopes {
         }
     }
 
-    /// Initial stencil data for the first face of a line: see [`Self::reach_beside_interlayers`].
+    /// Initial stencil data for the first face of a line: see [`Self::face_values_beside_interlayers`].
     pub(crate) fn known<N: Number>(
         self,
         states: [State<N>; 3],
-        cells: [&Cell<N>; 3],
+        cells: [&CellConstants<N>; 3],
         joined: [N; 2],
     ) -> RiemannInvariants<N> {
         match self {
@@ -224,15 +232,19 @@ impl Slopes {
     }
 }
 
-/// A mean and what leads: weights times differences, from that upwind on.
+/// Face value of the wave that runs to the right: cell mean plus weighted differences, from the upwind one on.
 #[inline(always)]
-fn led<N: Number>(mean: N, [a, b, c]: [N; 3], [upwind, central, downwind]: [N; 3]) -> N {
+fn corrected_right<N: Number>(
+    mean: N,
+    [a, b, c]: [N; 3],
+    [upwind, central, downwind]: [N; 3],
+) -> N {
     mean + a * upwind + b * central + c * downwind
 }
 
-/// The same of a wave that runs to the left, whose differences have the other sign.
+/// Face value of the wave that runs to the left, whose differences have the other sign.
 #[inline(always)]
-fn led_left<N: Number>(mean: N, [a, b, c]: [N; 3], [upwind, central, downwind]: [N; 3]) -> N {
+fn corrected_left<N: Number>(mean: N, [a, b, c]: [N; 3], [upwind, central, downwind]: [N; 3]) -> N {
     mean - a * upwind - b * central - c * downwind
 }
 
@@ -240,7 +252,7 @@ fn led_left<N: Number>(mean: N, [a, b, c]: [N; 3], [upwind, central, downwind]: 
 #[derive(Clone, Copy)]
 struct Reconstruction<N> {
     mean: RiemannInvariants<N>,
-    lead: RiemannInvariants<N>,
+    half_slope: RiemannInvariants<N>,
 }
 
 impl<N: Number> Reconstruction<N> {
@@ -250,14 +262,14 @@ impl<N: Number> Reconstruction<N> {
     fn new(
         mean: RiemannInvariants<N>,
         [before, after]: [RiemannInvariants<N>; 2],
-        cell: &Cell<N>,
+        cell: &CellConstants<N>,
         slopes: Slopes,
     ) -> Self {
-        let lead = RiemannInvariants {
+        let half_slope = RiemannInvariants {
             right: slopes.half_slope_correction([before.right, after.right], cell),
             left: slopes.half_slope_correction([after.left, before.left], cell),
         };
-        Self { mean, lead }
+        Self { mean, half_slope }
     }
 
     /// From the states of the cell before, of the cell, and of the cell after it, which may be of other media, or beyond
@@ -265,18 +277,18 @@ impl<N: Number> Reconstruction<N> {
     #[inline(always)]
     fn of(
         [before, own, after]: [State<N>; 3],
-        [cell_before, cell, cell_after]: [&Cell<N>; 3],
+        [cell_before, cell, cell_after]: [&CellConstants<N>; 3],
         [joined_before, joined_after]: [N; 2],
         slopes: Slopes,
     ) -> Self {
         let mean = RiemannInvariants::of(own, cell);
         let (before, after) =
             (RiemannInvariants::of(before, cell_before), RiemannInvariants::of(after, cell_after));
-        let before = mean.continued(before, cell.reflection(cell_before)).difference(mean);
-        let after = mean.difference(mean.continued(after, cell.reflection(cell_after)));
+        let before = mean.transmitted(before, cell.reflection(cell_before)).difference(mean);
+        let after = mean.difference(mean.transmitted(after, cell.reflection(cell_after)));
         let (before, after) = (before.scaled(joined_before), after.scaled(joined_after));
         let contrast = cell.contrast(cell_before).greatest(cell.contrast(cell_after));
-        let lead = RiemannInvariants {
+        let half_slope = RiemannInvariants {
             right: slopes.half_slope_correction_at_contrast(
                 [before.right, after.right],
                 cell,
@@ -288,18 +300,18 @@ impl<N: Number> Reconstruction<N> {
                 contrast,
             ),
         };
-        Self { mean, lead }
+        Self { mean, half_slope }
     }
 
     /// Time-averaged outflow to the left: the mean over the leftmost fraction C of the cell.
     #[inline(always)]
     fn to_left(self) -> N {
-        self.mean.left - self.lead.left
+        self.mean.left - self.half_slope.left
     }
 
     /// Time-averaged outflow to the right, which the next face needs.
     #[inline(always)]
     fn known(self) -> RiemannInvariants<N> {
-        RiemannInvariants { right: self.mean.right + self.lead.right, left: N::ZERO }
+        RiemannInvariants { right: self.mean.right + self.half_slope.right, left: N::ZERO }
     }
 }

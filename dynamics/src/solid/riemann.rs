@@ -2,7 +2,7 @@
 //! (Godunov 1959). One formula each, over the number type: [`sweep`](crate::solid::line::sweep) applies them cell by
 //! cell, the fused solver to many lines in SIMD lanes.
 
-use super::cell::Cell;
+use super::cell::CellConstants;
 use crate::simd::{Number, Real, Vector};
 
 /// The velocity and the stress of a cell.
@@ -23,7 +23,7 @@ impl<N: Number> RiemannInvariants<N> {
     pub(crate) const ZERO: Self = Self { right: N::ZERO, left: N::ZERO };
 
     #[inline(always)]
-    pub(crate) fn of(state: State<N>, cell: &Cell<N>) -> Self {
+    pub(crate) fn of(state: State<N>, cell: &CellConstants<N>) -> Self {
         let zv = cell.impedance * state.velocity;
         Self { right: state.stress - zv, left: state.stress + zv }
     }
@@ -34,7 +34,7 @@ impl<N: Number> RiemannInvariants<N> {
     /// interface before it, reversed in time: the same formula. Unfolded like this a line has no interface:
     /// scattering conserves energy.
     #[inline(always)]
-    pub(crate) fn continued(self, neighbour: Self, reflection: N) -> Self {
+    pub(crate) fn transmitted(self, neighbour: Self, reflection: N) -> Self {
         Self {
             right: neighbour.right + reflection * (self.left - neighbour.right),
             left: neighbour.left + reflection * (self.right - neighbour.left),
@@ -125,7 +125,7 @@ impl<N: Number> InterfaceState<N> {
 pub(crate) fn updated<N: Number>(
     own: State<N>,
     [left, right]: [InterfaceState<N>; 2],
-    cell: &Cell<N>,
+    cell: &CellConstants<N>,
 ) -> State<N> {
     State {
         velocity: own.velocity + cell.to_velocity * (right.sum - left.sum),

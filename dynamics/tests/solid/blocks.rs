@@ -7,16 +7,16 @@ use crate::support::noise;
 use models::interface::elastic::{ElasticInterlayer, ElasticMaterial};
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
 use wellposed_dynamics::boundary::{Boundary, Condition};
-use wellposed_dynamics::decomposition::{Snapshot, Split};
+use wellposed_dynamics::decomposition::{DecomposedDomain, Snapshot};
 use wellposed_dynamics::domain::{Domain, SolverReal};
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::Splitting;
-use wellposed_dynamics::problem::{DomainError, Grid, Placement, Problem, Scheme};
-use wellposed_dynamics::real::Instructions;
+use wellposed_dynamics::problem::{DomainError, Grid, PlasticStep, Problem, Scheme};
 use wellposed_dynamics::reference::Reference;
+use wellposed_dynamics::simd::Instructions;
 use wellposed_dynamics::solid::interface::{Interlayer, sweep_with_interlayers};
 use wellposed_dynamics::solid::interlayers::Interlayers;
-use wellposed_dynamics::solid::line::{Cell, GHOSTS, HALO, Slopes};
+use wellposed_dynamics::solid::line::{CellConstants, GHOSTS, HALO, Slopes};
 
 /// Numbers by chance, the same every time.
 struct Chance(u64);
@@ -88,7 +88,7 @@ fn blocks<const D: usize>(number: usize) -> (Problem<D>, String) {
     let courant = [0.4, 0.8, 1.0][chance.below(3)];
     let scheme = Scheme::new(
         [Slopes::Godunov, Slopes::Limited, Slopes::FourthOrder][chance.below(3)],
-        Placement::Last,
+        PlasticStep::ReturnMapping,
     );
     let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
     let step = 2.0 * courant * 0.1 / speed;
@@ -131,12 +131,16 @@ fn value<T: SolverReal>(index: usize, cell: usize) -> T {
     T::of(noise((index * 1_000_003 + cell) as u64))
 }
 
-fn rough<T: SolverReal, const D: usize>(problem: &Problem<D>) -> Split<T, D> {
+fn rough<T: SolverReal, const D: usize>(problem: &Problem<D>) -> DecomposedDomain<T, D> {
     rough_in(problem, [1; D])
 }
 
-fn rough_in<T: SolverReal, const D: usize>(problem: &Problem<D>, parts: [usize; D]) -> Split<T, D> {
-    let mut domain: Split<T, D> = Split::in_box(0, problem, parts).expect("sound");
+fn rough_in<T: SolverReal, const D: usize>(
+    problem: &Problem<D>,
+    parts: [usize; D],
+) -> DecomposedDomain<T, D> {
+    let mut domain: DecomposedDomain<T, D> =
+        DecomposedDomain::in_box(0, problem, parts).expect("sound");
     let cells = 0..problem.grid.count();
     for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
         domain.set(field, &cells.clone().map(|cell| value(index, cell)).collect::<Vec<T>>());
@@ -161,7 +165,7 @@ fn bits_of<T: SolverReal>(snapshot: &Snapshot<T>) -> Vec<u64> {
     fields.map(|value| value.wide().to_bits()).collect()
 }
 
-fn bits<T: SolverReal, const D: usize>(domain: &Split<T, D>) -> Vec<u64> {
+fn bits<T: SolverReal, const D: usize>(domain: &DecomposedDomain<T, D>) -> Vec<u64> {
     bits_of(&domain.snapshot())
 }
 
@@ -223,7 +227,7 @@ fn parts_as_whole<const D: usize>(numbers: std::ops::Range<usize>) {
         let mut others: Vec<_> =
             Instructions::available().map(|own| (own, rough::<f64, D>(&problem))).collect();
         // A pulse in a domain at rest: numbers of all sizes, and a flush of small ones in between.
-        let pulse = |own: &mut Split<f64, D>| {
+        let pulse = |own: &mut DecomposedDomain<f64, D>| {
             if number % 2 == 1 {
                 for field in own.fields().to_vec() {
                     let at = |cell: usize| if cell == 7 { 1.0 } else { 0.0 };
@@ -334,7 +338,7 @@ fn a_row_of_blocks_moves_as_a_line() {
                 vec![0; count],
                 boundaries,
                 step,
-                Scheme::new(slopes, Placement::Last),
+                Scheme::new(slopes, PlasticStep::ReturnMapping),
             )
         };
         let mut domain = Domain::<f64, 2>::new(&problem).expect("sound");
@@ -352,7 +356,7 @@ fn a_row_of_blocks_moves_as_a_line() {
             let law = [material.tangential(), material.normal()][usize::from(pair == axis)];
             let mut v = before.values(own.velocity).expect("a field");
             let mut s = before.values(own.stress).expect("a field");
-            let cell = Cell::among_others(own.impedance(), own.speed() * 0.5 * step / 0.1);
+            let cell = CellConstants::among_others(own.impedance(), own.speed() * 0.5 * step / 0.1);
             let place = |i: usize| (i + count - GHOSTS) % count;
             let mut layers: Vec<_> = (0..count + 2 * GHOSTS)
                 .filter(|&i| place(i) % every == offset)
@@ -397,7 +401,7 @@ fn a_rigid_motion_stays_one() {
     let (mut problem, _) = blocks::<2>(3);
     problem.boundaries = [0, 1].map(|_| [Boundary::Free, Boundary::Free]);
     problem.interlayers.truncate(1);
-    let mut domain = Split::<f64, 2>::new(&problem, 1).expect("sound");
+    let mut domain = DecomposedDomain::<f64, 2>::new(&problem, 1).expect("sound");
     let field = problem.media[0].pairs[0][0].velocity;
     domain.set(field, &vec![1.0; problem.grid.count()]);
     domain.initialise_interlayers();

@@ -16,14 +16,14 @@ use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
 use std::sync::Arc;
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Signal, Source};
+use wellposed_dynamics::decomposition::{DecomposedDomain, Snapshot};
 use wellposed_dynamics::ledger::Energy;
 use wellposed_dynamics::line::{HALO, Slopes};
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme, Splitting};
-use wellposed_dynamics::real::Instructions;
+use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 use wellposed_dynamics::reference::Reference;
+use wellposed_dynamics::simd::Instructions;
 use wellposed_dynamics::solid::interlayers::Interlayers;
-use wellposed_dynamics::split::{Snapshot, Split};
 
 /// Chance that is the same every time: where it begins, and how often it was asked.
 struct Chance {
@@ -211,7 +211,10 @@ fn problem<const D: usize>(chance: &mut Chance) -> Problem<D> {
         chance.one_of(&[Slopes::Godunov, Slopes::Limited, Slopes::Limited, Slopes::FourthOrder]);
     let scheme = Scheme {
         splitting: chance.one_of(&[Splitting::TwoCyclic, Splitting::Alternating]),
-        ..Scheme::new(slopes, chance.one_of(&[Placement::Last, Placement::Middle]))
+        ..Scheme::new(
+            slopes,
+            chance.one_of(&[PlasticStep::ReturnMapping, PlasticStep::MidpointReflection]),
+        )
     };
     let fields = media[0].fields.clone();
     let pairs: Vec<usize> = media[0].pairs.iter().map(Vec::len).collect();
@@ -305,7 +308,8 @@ fn after<T: SolverReal, const D: usize>(
 ) -> (Snapshot<T>, Vec<Vec<f64>>, Energy) {
     let mut last: Option<(Snapshot<T>, Vec<Vec<f64>>, Energy)> = None;
     for &(parts, steps) in ways {
-        let mut split: Split<T, D> = Split::in_box(0, problem, parts).expect("a sound problem");
+        let mut split: DecomposedDomain<T, D> =
+            DecomposedDomain::in_box(0, problem, parts).expect("a sound problem");
         split.set_instructions(instructions);
         match &last {
             Some((snapshot, ..)) => assert!(split.restore(snapshot)),

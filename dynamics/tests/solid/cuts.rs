@@ -13,11 +13,11 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Signal, Source};
 use wellposed_dynamics::decomposition::Decomposition;
-use wellposed_dynamics::domain::{Domain, Halo};
+use wellposed_dynamics::domain::{Domain, HaloExchange};
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{DomainError, Grid, Placement, Problem, Scheme, Splitting};
-use wellposed_dynamics::real::Real;
+use wellposed_dynamics::problem::{DomainError, Grid, PlasticStep, Problem, Scheme, Splitting};
+use wellposed_dynamics::simd::Real;
 use wellposed_dynamics::solid::region::Region;
 
 type Lanes = <f64 as Real>::Lanes;
@@ -35,10 +35,10 @@ struct Links {
     left: usize,
 }
 
-impl Halo<Lanes> for Links {
+impl HaloExchange<Lanes> for Links {
     type Error = Lost;
 
-    fn begin(
+    fn send(
         &mut self,
         axis: usize,
         end: usize,
@@ -50,7 +50,7 @@ impl Halo<Lanes> for Links {
         to.send(pieces.flat_map(|piece| data[piece].to_vec()).collect()).map_err(|_| Lost)
     }
 
-    fn finish(
+    fn receive(
         &mut self,
         axis: usize,
         end: usize,
@@ -115,7 +115,7 @@ fn problem_of<const D: usize>(
     let faces = region.global_faces(0);
     let by_face = |pair: usize| faces.iter().map(|&face| condition(pair, face)).collect::<Vec<_>>();
     sides[0][1] = Boundary::ByFace((0..pairs).map(by_face).collect());
-    let scheme = Scheme { splitting, ..Scheme::new(Slopes::Limited, Placement::Last) };
+    let scheme = Scheme { splitting, ..Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping) };
     let mut problem = Problem::new(grid, media, of_cell, sides, step, scheme);
     let signal: Signal = Arc::new(move |time: f64| 0.3 * (0.7 * time / step).sin());
     let loaded = faces.iter().enumerate().filter(|(_, face)| **face % 2 == 0);

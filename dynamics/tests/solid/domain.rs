@@ -11,7 +11,7 @@ use wellposed_dynamics::boundary::{Boundary, Condition};
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{DomainError, Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::problem::{DomainError, Grid, PlasticStep, Problem, Scheme};
 use wellposed_dynamics::reference::Reference;
 
 const THEORIES: [Theory; 3] = [Theory::Classical, Theory::Reduced, Theory::Cosserat];
@@ -109,7 +109,7 @@ fn errors<const D: usize>(theory: Theory, count: usize, branch: usize, slopes: S
         vec![0; count.pow(D as u32)],
         std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]),
         time / steps,
-        Scheme::new(slopes, Placement::Middle),
+        Scheme::new(slopes, PlasticStep::MidpointReflection),
     ))
     .expect("a sound domain");
     // Means over cells: the middle's value times a factor for each axis.
@@ -323,7 +323,7 @@ fn the_account_closes_and_energy_does_not_grow() {
                 let form = equations.symmetric().expect("elastic");
                 (equations, form)
             });
-            let scheme = Scheme::new(Slopes::Limited, Placement::Middle);
+            let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
             let mut solver: Reference<f64, 2> = Reference::new(&Problem::new(
                 Grid { cells, spacing },
                 media.to_vec(),
@@ -366,7 +366,7 @@ fn domains_that_cannot_be_are_refused() {
     let medium = Medium::new(solid(Theory::Classical), 2);
     let grid = Grid { cells: [4, 4], spacing: [0.1, 0.1] };
     let make = |media: Vec<Medium>, of_cell: Vec<u16>, step: f64, sides: [[Boundary; 2]; 2]| {
-        let scheme = Scheme::new(Slopes::Limited, Placement::Middle);
+        let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
         let problem = Problem::new(grid, media, of_cell, sides, step, scheme);
         Domain::<f64, 2>::new(&problem).map(|_| ())
     };
@@ -384,7 +384,7 @@ fn domains_that_cannot_be_are_refused() {
     );
     // A medium of the plane in space.
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
-    let scheme = Scheme::new(Slopes::Limited, Placement::Middle);
+    let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
     let space = Grid { cells: [2; 3], spacing: [0.1; 3] };
     let problem = Problem::new(space, vec![medium.clone()], vec![0; 8], sides, 1e-3, scheme);
     assert_eq!(Domain::<f64, 3>::new(&problem).map(|_| ()), Err(DomainError::Media));
@@ -440,7 +440,7 @@ fn mirrored_halves_are_halves() {
                 true => Boundary::symmetry(&medium, 0),
                 false => Boundary::antisymmetry(&medium, 0),
             };
-            let scheme = Scheme::new(Slopes::Limited, Placement::Middle);
+            let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
             let make = |length: usize, first: Boundary| -> Domain<f64, 2> {
                 let grid = Grid { cells: [length, 6], spacing: [0.1, 0.1] };
                 let sides = [[first, Boundary::Free], [Boundary::Fixed, Boundary::Free]];
@@ -504,7 +504,8 @@ fn a_pushed_bar() {
         let push = Boundary::Given(vec![condition, Condition::Traction(0.0)]);
         let sides = [[push, Boundary::Fixed], [Boundary::Periodic, Boundary::Periodic]];
         let grid = Grid { cells: [40, 1], spacing: [0.1, 0.1] };
-        let (scheme, step) = (Scheme::new(Slopes::Limited, Placement::Middle), 2.0 * 0.1 / c);
+        let (scheme, step) =
+            (Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection), 2.0 * 0.1 / c);
         let problem = Problem::new(grid, vec![medium.clone()], vec![0; 40], sides, step, scheme);
         let mut domain: Reference<f64, 2> = Reference::new(&problem).expect("sound");
         domain.advance(15);
@@ -539,7 +540,7 @@ fn uniform_rotation_has_the_natural_frequency() {
     let spacing = 0.5;
     let step = 2.0 * spacing / medium.greatest_speed();
     let sides = std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]);
-    let scheme = Scheme::new(Slopes::Limited, Placement::Middle);
+    let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
     let grid = Grid { cells: [4, 4], spacing: [spacing; 2] };
     let mut domain: Domain<f64, 2> =
         Domain::new(&Problem::new(grid, vec![medium], vec![0; 16], sides, step, scheme))
@@ -572,7 +573,7 @@ fn many_steps_are_stable() {
         for sides in [Boundary::Periodic, Boundary::Fixed, Boundary::Free] {
             let medium = Medium::new(solid(theory), 2);
             let step = 2.0 * 0.1 / medium.greatest_speed();
-            let scheme = Scheme::new(Slopes::Limited, Placement::Middle);
+            let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
             let grid = Grid { cells: [7, 6], spacing: [0.1, 0.1] };
             let all = std::array::from_fn(|_| [sides.clone(), sides.clone()]);
             let problem = Problem::new(grid, vec![medium], vec![0; 42], all, step, scheme);

@@ -10,9 +10,9 @@ use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Condition};
 use wellposed_dynamics::domain::Domain;
-use wellposed_dynamics::line::{Cell, GHOSTS, Slopes, energy, sweep};
+use wellposed_dynamics::line::{CellConstants, GHOSTS, Slopes, energy, sweep};
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme, Splitting};
+use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 
 /// Steps of a run.
 const STEPS: usize = 500;
@@ -145,7 +145,7 @@ fn rough<T: SolverReal, const D: usize>(number: usize) -> (Domain<T, D>, String)
         splitting: [Splitting::TwoCyclic, Splitting::Alternating][chance.below(2)],
         ..Scheme::new(
             [Slopes::Godunov, Slopes::Limited, Slopes::FourthOrder][chance.below(3)],
-            [Placement::Last, Placement::Middle][chance.below(2)],
+            [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection][chance.below(2)],
         )
     };
     let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
@@ -234,7 +234,7 @@ impl Line {
         let step = 2.0 * courant * 0.1 / medium.greatest_speed();
         let grid = Grid { cells: [cells, 1], spacing: [0.1; 2] };
         let periodic = [Boundary::Periodic, Boundary::Periodic];
-        let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+        let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
         let problem =
             Problem::new(grid, vec![medium], vec![0; cells], [sides, periodic], step, scheme);
         Self { domain: Domain::new(&problem).expect("sound"), zeros: vec![0.0; cells] }
@@ -310,7 +310,8 @@ fn no_state_beside_an_interface_gains_energy() {
         [&[0, 1], &[0, 0, 1], &[0, 0, 1, 1], &[0, 1, 0, 1], &[0, 1, 1, 0], &[0, 0, 0, 1, 1, 1]];
     for ratio in [0.18, 0.45, 1.0, 2.2, 5.5, 100.0] {
         for courant in [[0.9, 0.4], [0.9, 0.1], [0.4, 0.9], [0.97, 0.97], [0.6, 0.3], [1.0, 0.2]] {
-            let media = [Cell::new(1.0, courant[0]), Cell::new(ratio, courant[1])];
+            let media =
+                [CellConstants::new(1.0, courant[0]), CellConstants::new(ratio, courant[1])];
             for line in lines {
                 let count = line.len();
                 let at = |i: isize| {
@@ -324,7 +325,8 @@ fn no_state_beside_an_interface_gains_energy() {
                 };
                 let places: Vec<_> =
                     (0..count + 2 * GHOSTS).map(|i| at(i as isize - GHOSTS as isize)).collect();
-                let cells: Vec<Cell<f64>> = places.iter().map(|own| media[line[own.0]]).collect();
+                let cells: Vec<CellConstants<f64>> =
+                    places.iter().map(|own| media[line[own.0]]).collect();
                 let growth = |state: &[f64]| {
                     let impedance = |place: usize| cells[GHOSTS + place].impedance;
                     // Energies of all are of one size.

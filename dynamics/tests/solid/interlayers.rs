@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, Matrix4};
 use num_complex::Complex;
 use std::f64::consts::PI;
 use wellposed_dynamics::solid::interface::{Interlayer, sweep_with_interlayers};
-use wellposed_dynamics::solid::line::{Account, Cell, GHOSTS, Slopes, energy};
+use wellposed_dynamics::solid::line::{Account, CellConstants, GHOSTS, Slopes, energy};
 
 type Layer = Interlayer<f64, ElasticInterlayer<f64>>;
 
@@ -33,13 +33,13 @@ impl Random {
 struct Line {
     velocity: Vec<f64>,
     stress: Vec<f64>,
-    cells: Vec<Cell<f64>>,
+    cells: Vec<CellConstants<f64>>,
     /// In front of cells, in their order.
     layers: Vec<Layer>,
 }
 
 impl Line {
-    fn at_rest(cells: Vec<Cell<f64>>, layers: &[(usize, ElasticInterlayer<f64>)]) -> Self {
+    fn at_rest(cells: Vec<CellConstants<f64>>, layers: &[(usize, ElasticInterlayer<f64>)]) -> Self {
         let zeros = vec![0.0; cells.len()];
         Self {
             velocity: zeros.clone(),
@@ -56,7 +56,7 @@ impl Line {
         let places: Vec<usize> = (0..count + 2 * GHOSTS).map(place).collect();
         let mut velocity: Vec<f64> = places.iter().map(|&i| self.velocity[i]).collect();
         let mut stress: Vec<f64> = places.iter().map(|&i| self.stress[i]).collect();
-        let cells: Vec<Cell<f64>> = places.iter().map(|&i| self.cells[i]).collect();
+        let cells: Vec<CellConstants<f64>> = places.iter().map(|&i| self.cells[i]).collect();
         // Those in front of ghosts and behind the last cell are copies.
         let mut layers: Vec<Layer> = (0..count + 2 * GHOSTS)
             .filter_map(|i| {
@@ -115,7 +115,8 @@ fn at_courant_number_one_steps_are_those_of_a_dense_solver() {
         // Two blocks in a ring, with two faces.
         let count = 12;
         let z = |i: usize| impedance[i / 6];
-        let cells: Vec<Cell<f64>> = (0..count).map(|i| Cell::new(z(i), 1.0)).collect();
+        let cells: Vec<CellConstants<f64>> =
+            (0..count).map(|i| CellConstants::new(z(i), 1.0)).collect();
         let mut line = Line::at_rest(cells, &[(0, laws[0]), (6, laws[1])]);
         for i in 0..count {
             (line.velocity[i], line.stress[i]) =
@@ -305,7 +306,7 @@ impl Chain {
             }
             (v, s, memory)
         };
-        let cells = vec![Cell::new(self.z, 1.0); self.count * self.blocks];
+        let cells = vec![CellConstants::new(self.z, 1.0); self.count * self.blocks];
         let layers: Vec<_> = (0..self.blocks).map(|i| (i * self.count, self.law)).collect();
         let mut line = Line::at_rest(cells, &layers);
         let (v, s, memory) = state(0);
@@ -375,9 +376,12 @@ fn edge(chain: &Chain, near: f64) -> f64 {
 /// Cells of several media, with interlayers between them that are not those of another one.
 fn random_line(random: &mut Random, count: usize) -> (Line, f64) {
     let step = random.decades(-1.0, 1.0);
-    let mut cells: Vec<Cell<f64>> = Vec::new();
+    let mut cells: Vec<CellConstants<f64>> = Vec::new();
     while cells.len() < count {
-        let own = Cell::among_others(random.decades(-1.0, 1.0), random.within(0.0, 1.0).max(1e-3));
+        let own = CellConstants::among_others(
+            random.decades(-1.0, 1.0),
+            random.within(0.0, 1.0).max(1e-3),
+        );
         let length = random.within(1.0, 6.0) as usize;
         cells.extend(vec![own; length.min(count - cells.len())]);
     }
@@ -408,7 +412,7 @@ fn the_ledger_of_a_line_closes() {
         let (mut line, step) = random_line(&mut random, 24);
         // At Courant number 1 nothing is lost.
         for cell in &mut line.cells {
-            *cell = Cell::new(cell.impedance, 1.0);
+            *cell = CellConstants::new(cell.impedance, 1.0);
         }
         let start = line.energy(step);
         let (mut worst, mut exchanged) = (0.0f64, 0.0);
@@ -505,7 +509,7 @@ fn a_pulse_through_a_layer_converges() {
         let h = 4.0 / count as f64;
         let steps = (1.5 / (courant * h)).round();
         let step = 1.5 / steps;
-        let cells = vec![Cell::among_others(z, step / h); count];
+        let cells = vec![CellConstants::among_others(z, step / h); count];
         let mut line = Line::at_rest(cells, &[(count / 2, law)]);
         // Cosine to the fourth power of width 1 about 1.3, as a sum of five harmonics over a window.
         let bump = |x: f64| if x.abs() < 0.5 { (PI * x).cos().powi(8) } else { 0.0 };

@@ -12,7 +12,7 @@ use wellposed_dynamics::boundary::{Boundary, Condition, Load, Source};
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme, Splitting};
+use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 use wellposed_dynamics::reference::Reference;
 
 const THEORIES: [Theory; 3] = [Theory::Classical, Theory::Reduced, Theory::Cosserat];
@@ -58,7 +58,7 @@ fn fill<const D: usize>(domain: &mut Domain<f64, D>) {
 
 /// Two media, one of which yields, under an initial stress: pushed and pulled at a side that is mixed, open
 /// at another, with a force, a couple and a moment inside, and gravity.
-fn everything(theory: Theory, set: YieldSet, placement: Placement) -> Problem<2> {
+fn everything(theory: Theory, set: YieldSet, plastic_step: PlasticStep) -> Problem<2> {
     let media = [1.0, 2.0].map(|factor| Medium::new(solid(theory, factor), 2));
     let [soft, stiff] = media;
     let media = vec![soft.yielding(set), stiff];
@@ -73,7 +73,7 @@ fn everything(theory: Theory, set: YieldSet, placement: Placement) -> Problem<2>
     let left = Boundary::ByFace((0..pairs).map(|_| (0..10).map(mixed).collect()).collect());
     let sides = [[left, Boundary::NonReflecting], [Boundary::Fixed, Boundary::Free]];
     let step = 2.0 * 0.1 / media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
-    let scheme = Scheme::new(Slopes::Limited, placement);
+    let scheme = Scheme::new(Slopes::Limited, plastic_step);
     let load = |axis: usize, end: usize, pair: usize, frequency: f64| Load {
         axis,
         end,
@@ -140,14 +140,14 @@ fn residual<T: SolverReal>(problem: &Problem<2>, steps: usize) -> f64 {
 fn the_ledger_closes_over_ten_thousand_steps() {
     let mut all = Vec::new();
     for theory in THEORIES {
-        all.push((theory, cone(0.4), Placement::Middle));
-        all.push((theory, cone(0.0), Placement::Last));
-        all.push((theory, layers(theory), Placement::Middle));
+        all.push((theory, cone(0.4), PlasticStep::MidpointReflection));
+        all.push((theory, cone(0.0), PlasticStep::ReturnMapping));
+        all.push((theory, layers(theory), PlasticStep::MidpointReflection));
     }
-    for (theory, set, placement) in all {
-        let problem = everything(theory, set, placement);
+    for (theory, set, plastic_step) in all {
+        let problem = everything(theory, set, plastic_step);
         let mut problems = vec![problem.clone()];
-        if placement == Placement::Last {
+        if plastic_step == PlasticStep::ReturnMapping {
             problems.push(by_default(problem));
         }
         for problem in problems {
@@ -161,7 +161,7 @@ fn the_ledger_closes_over_ten_thousand_steps() {
 /// In single precision each step rounds the energy by some 1e-7 of itself, and the ledger does not see it.
 #[test]
 fn the_ledger_in_single_precision() {
-    let problem = by_default(everything(Theory::Cosserat, cone(0.0), Placement::Last));
+    let problem = by_default(everything(Theory::Cosserat, cone(0.0), PlasticStep::ReturnMapping));
     let found = residual::<f32>(&problem, 10_000);
     println!("{found:e}");
     assert!(found < 1e-4, "{found:e}");
@@ -170,7 +170,7 @@ fn the_ledger_in_single_precision() {
 /// An impedance that is wrong by a percent opens it, and so does plastic dissipation that is left out.
 #[test]
 fn mistakes_open_the_ledger() {
-    let sound = everything(Theory::Cosserat, cone(0.4), Placement::Middle);
+    let sound = everything(Theory::Cosserat, cone(0.4), PlasticStep::MidpointReflection);
     for (axis, pair) in [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2)] {
         let mut wrong = sound.clone();
         // z = √(mM).
@@ -222,7 +222,7 @@ fn stable(thousands: usize) {
         for which in 0..6 {
             let sides = quiet(&medium, which);
             let step = 2.0 * 0.1 / medium.greatest_speed();
-            let scheme = Scheme::new(Slopes::Limited, Placement::Middle);
+            let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
             let grid = Grid { cells: [6, 5], spacing: [0.1, 0.1] };
             let media = vec![medium.clone()];
             let problem = Problem::new(grid, media, vec![0; 30], sides, step, scheme);
@@ -263,8 +263,10 @@ fn sides_of_slow_media_do_no_work() {
     });
     let step = 0.9 * 2.0 * 0.1 / fast.greatest_speed();
     for slopes in [Slopes::Godunov, Slopes::Limited, Slopes::FourthOrder] {
-        let scheme =
-            Scheme { splitting: Splitting::Alternating, ..Scheme::new(slopes, Placement::Last) };
+        let scheme = Scheme {
+            splitting: Splitting::Alternating,
+            ..Scheme::new(slopes, PlasticStep::ReturnMapping)
+        };
         let grid = Grid { cells: [8, 12], spacing: [0.1, 0.1] };
         let of_cell = (0..96).map(|cell| u16::from(cell / 8 > 6)).collect();
         let sides = [[Boundary::Free, Boundary::Fixed], [Boundary::Free, Boundary::Fixed]];
@@ -290,7 +292,7 @@ fn energies_are_those_of_the_laws() {
     for medium in media() {
         let grid = Grid { cells: [4, 3], spacing: [0.1, 0.2] };
         let sides = quiet(&medium, 2);
-        let scheme = Scheme::new(Slopes::Limited, Placement::Middle);
+        let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
         let problem = Problem::new(grid, vec![medium.clone()], vec![0; 12], sides, 1e-3, scheme);
         let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
         fill(&mut domain);
@@ -309,7 +311,7 @@ fn energies_are_those_of_the_laws() {
         for pair in &medium.pairs[0] {
             let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
             domain.set(pair.stress, &[1.0; 12]);
-            for (follower, ratio) in &pair.followers {
+            for (follower, ratio) in &pair.passive_stresses {
                 domain.set(*follower, &[*ratio; 12]);
             }
             let expected = 12.0 * 0.02 * 0.5 / pair.modulus;
@@ -322,7 +324,7 @@ fn energies_are_those_of_the_laws() {
 /// Single precision does what double precision does, to its rounding.
 #[test]
 fn single_precision_follows() {
-    let problem = everything(Theory::Cosserat, cone(0.4), Placement::Middle);
+    let problem = everything(Theory::Cosserat, cone(0.4), PlasticStep::MidpointReflection);
     let mut wide: Domain<f64, 2> = Domain::new(&problem).expect("sound");
     let mut narrow: Domain<f32, 2> = Domain::new(&problem).expect("sound");
     for _ in 0..200 {

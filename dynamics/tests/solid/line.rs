@@ -2,7 +2,7 @@
 
 use models::solid::parameters::Isotropic;
 use std::f64::consts::PI;
-use wellposed_dynamics::line::{Account, Cell, GHOSTS, Slopes, energy, sweep};
+use wellposed_dynamics::line::{Account, CellConstants, GHOSTS, Slopes, energy, sweep};
 
 const ALL: [Slopes; 3] = [Slopes::Godunov, Slopes::Limited, Slopes::FourthOrder];
 
@@ -21,11 +21,11 @@ impl Random {
 struct Line {
     velocity: Vec<f64>,
     stress: Vec<f64>,
-    cells: Vec<Cell<f64>>,
+    cells: Vec<CellConstants<f64>>,
 }
 
 impl Line {
-    fn new(inner: usize, at: impl Fn(usize) -> (f64, f64, Cell<f64>)) -> Self {
+    fn new(inner: usize, at: impl Fn(usize) -> (f64, f64, CellConstants<f64>)) -> Self {
         let length = inner + 2 * GHOSTS;
         // Periodic as it stands.
         let place = |i: usize| (i + inner - GHOSTS) % inner;
@@ -75,7 +75,7 @@ fn at_courant_number_one_waves_move_by_a_cell() {
         // s − zv to the right, s + zv to the left.
         let at = |i: usize| {
             let [right, left] = data[i];
-            ((left - right) / (2.0 * z), 0.5 * (left + right), Cell::new(z, 1.0))
+            ((left - right) / (2.0 * z), 0.5 * (left + right), CellConstants::new(z, 1.0))
         };
         let mut line = Line::new(20, at);
         for _ in 0..7 {
@@ -110,7 +110,7 @@ fn error(count: usize, slopes: Slopes) -> f64 {
     };
     let mut line = Line::new(count, |i| {
         let [v, s] = exact(i, 0.0);
-        (v, s, Cell::new(z, courant))
+        (v, s, CellConstants::new(z, courant))
     });
     for _ in 0..steps as usize {
         line.make_periodic();
@@ -152,7 +152,7 @@ fn to_fourth_order_cubics_move_exactly() {
             integral(i + 1.0) - integral(i)
         };
         for sign in [-1.0, 1.0] {
-            let mut line = Line::new(9, |_| (0.0, 0.0, Cell::new(z, courant)));
+            let mut line = Line::new(9, |_| (0.0, 0.0, CellConstants::new(z, courant)));
             for i in 0..line.cells.len() {
                 // s − zv where the sign is −1, s + zv where it is 1.
                 let wave = mean(i as f64 - 6.0);
@@ -176,7 +176,7 @@ fn steps_overshoot_to_fourth_order_alone() {
         let [linear, limited] = [Slopes::FourthOrder, Slopes::Limited].map(|slopes| {
             let mut line = Line::new(200, |i| {
                 let wave = f64::from(u8::from((50..100).contains(&i)));
-                (-0.5 * wave, 0.5 * wave, Cell::new(1.0, courant))
+                (-0.5 * wave, 0.5 * wave, CellConstants::new(1.0, courant))
             });
             for _ in 0..60 {
                 line.make_periodic();
@@ -202,7 +202,7 @@ fn reflection_and_transmission_are_exact_at_courant_number_one() {
         let mut line = Line::new(100, |i| {
             let impedance = z[usize::from(i >= 50)];
             // To the right: v = −s/z.
-            (-pulse(i) / impedance, pulse(i), Cell::new(impedance, 1.0))
+            (-pulse(i) / impedance, pulse(i), CellConstants::new(impedance, 1.0))
         });
         for _ in 0..40 {
             line.step(slopes, None);
@@ -225,9 +225,9 @@ fn reflection_and_transmission_are_exact_at_courant_number_one() {
 }
 
 fn random_line(random: &mut Random, count: usize) -> Line {
-    let data: Vec<(f64, f64, Cell<f64>)> = (0..count)
+    let data: Vec<(f64, f64, CellConstants<f64>)> = (0..count)
         .map(|_| {
-            let cell = Cell::new(random.within(0.1, 5.0), random.within(0.05, 1.0));
+            let cell = CellConstants::new(random.within(0.1, 5.0), random.within(0.05, 1.0));
             (random.within(-1.0, 1.0), random.within(-1.0, 1.0), cell)
         })
         .collect();
@@ -268,7 +268,7 @@ fn a_wrong_impedance_opens_the_account() {
     let before = line.energy();
     let right = line.cells.clone();
     let cell = line.cells[15];
-    line.cells[15] = Cell::new(1.01 * cell.impedance, cell.courant());
+    line.cells[15] = CellConstants::new(1.01 * cell.impedance, cell.courant());
     let mut account = Account::default();
     line.step(Slopes::Limited, Some(&mut account));
     line.cells = right;
@@ -311,7 +311,8 @@ fn nothing_new_stands_out() {
                 _ => f64::from(u8::from(i % 13 < 4)),
             })
             .collect();
-        let mut line = Line::new(40, |i| (-0.5 * w[i] / z, 0.5 * w[i], Cell::new(z, courant)));
+        let mut line =
+            Line::new(40, |i| (-0.5 * w[i] / z, 0.5 * w[i], CellConstants::new(z, courant)));
         let mut plain = line.clone();
         line.step(Slopes::Limited, None);
         plain.step(Slopes::FourthOrder, None);
@@ -336,7 +337,7 @@ fn a_wave_on_the_grid_scale_decays_as_it_should() {
         let z = 1.0;
         let mut line = Line::new(count as usize, |i| {
             let s = (angle * i as f64).cos();
-            (-s / z, s, Cell::new(z, courant))
+            (-s / z, s, CellConstants::new(z, courant))
         });
         let start = line.energy();
         for _ in 0..10 {
@@ -377,8 +378,8 @@ fn single_precision_follows() {
     let mut line = random_line(&mut random, 50);
     let narrow = |list: &[f64]| list.iter().map(|&x| x as f32).collect::<Vec<f32>>();
     let (mut velocity, mut stress) = (narrow(&line.velocity), narrow(&line.stress));
-    let cells: Vec<Cell<f32>> =
-        line.cells.iter().map(|c| Cell::new(c.impedance, c.courant())).collect();
+    let cells: Vec<CellConstants<f32>> =
+        line.cells.iter().map(|c| CellConstants::new(c.impedance, c.courant())).collect();
     for _ in 0..10 {
         line.step(Slopes::Limited, None);
         sweep(&mut velocity, &mut stress, &cells, Slopes::Limited, None);
@@ -393,7 +394,7 @@ fn single_precision_follows() {
 fn lines_too_short_are_left_alone() {
     for length in 0..=2 * GHOSTS {
         let (mut velocity, mut stress) = (vec![1.0; length], vec![2.0; length]);
-        let cells = vec![Cell::new(1.0, 0.5); length];
+        let cells = vec![CellConstants::new(1.0, 0.5); length];
         sweep(&mut velocity, &mut stress, &cells, Slopes::Limited, None);
         assert_eq!((velocity, stress), (vec![1.0; length], vec![2.0; length]));
     }

@@ -10,14 +10,14 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load};
+use wellposed_dynamics::decomposition::DecomposedDomain;
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{DomainError, Grid, Placement, Problem, Scheme, Splitting};
-use wellposed_dynamics::real::Instructions;
+use wellposed_dynamics::problem::{DomainError, Grid, PlasticStep, Problem, Scheme, Splitting};
 use wellposed_dynamics::reference::Reference;
+use wellposed_dynamics::simd::Instructions;
 use wellposed_dynamics::solid::metric::Metric;
-use wellposed_dynamics::split::Split;
 
 const LAMBDA: f64 = 1.4;
 const MU: f64 = 0.9;
@@ -67,7 +67,7 @@ fn same<T: SolverReal>(theory: Theory, is_polar: bool, slopes: Slopes) {
     let sides =
         [[Boundary::NonReflecting, Boundary::Free], [Boundary::Free, Boundary::NonReflecting]];
     let step = step(&grid, &metric, &media[1]);
-    let scheme = Scheme::new(slopes, Placement::Last);
+    let scheme = Scheme::new(slopes, PlasticStep::ReturnMapping);
     let problem =
         Problem { metric: Some(metric), ..Problem::new(grid, media, of_cell, sides, step, scheme) };
     let mut reference: Reference<T, 2> = Reference::new(&problem).expect("sound");
@@ -84,7 +84,8 @@ fn same<T: SolverReal>(theory: Theory, is_polar: bool, slopes: Slopes) {
     };
     for parts in [[1, 1], [1, 3], [2, 1], [2, 2]] {
         for instructions in Instructions::available() {
-            let mut split: Split<T, 2> = Split::in_box(0, &problem, parts).expect("sound");
+            let mut split: DecomposedDomain<T, 2> =
+                DecomposedDomain::in_box(0, &problem, parts).expect("sound");
             split.set_instructions(instructions);
             fill(&problem, |field, values: &[T]| split.set(field, values));
             split.advance(4);
@@ -113,7 +114,7 @@ fn equal_layers_change_no_bit() {
     let grid = Grid { cells: [15, 12], spacing: [0.1, 0.13] };
     let medium = Medium::new(solid(Theory::Cosserat, 1.0), 2);
     let sides = [[Boundary::Periodic, Boundary::Periodic], [Boundary::Fixed, Boundary::Free]];
-    let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+    let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
     let step = 0.19 / medium.greatest_speed();
     let plain = Problem::new(grid, vec![medium], vec![0; 180], sides, step, scheme);
     let metric = Some(Metric { spacing: vec![0.1; 12], curvature: Vec::new() });
@@ -193,7 +194,7 @@ fn errors_of_standing_wave(cells: [usize; 2], is_polar: bool) -> [f64; 2] {
     let speed = medium.greatest_speed();
     let given = |_| Boundary::Given(vec![Condition::Velocity(0.0); 2]);
     let sides = [[Boundary::Periodic, Boundary::Periodic], [0, 1].map(given)];
-    let scheme = Scheme::new(Slopes::FourthOrder, Placement::Last);
+    let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);
     let mut problem =
         Problem::new(grid, vec![medium], vec![0; grid.count()], sides, time / steps, scheme);
     problem.metric = Some(metric).filter(|_| is_polar);
@@ -285,7 +286,7 @@ fn rigid_motions_stay_so() {
                 Boundary::ByFace(pairs.map(|pair| of_pair(pair.velocity)).collect())
             };
             let sides = [[Boundary::Periodic, Boundary::Periodic], [0, 1].map(faces)];
-            let scheme = Scheme::new(Slopes::FourthOrder, Placement::Last);
+            let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);
             let media = vec![medium.clone()];
             let of_cell = vec![0; grid.count()];
             let problem = Problem {
@@ -393,7 +394,7 @@ fn waves_along_layers_of_different_spacing_are_second_order() {
         let medium = Medium::new(solid(Theory::Classical, 1.0), 2);
         let steps = (time / step(&grid, &metric, &medium)).ceil();
         let sides = std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]);
-        let scheme = Scheme::new(Slopes::FourthOrder, Placement::Last);
+        let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);
         let problem = Problem {
             metric: Some(metric),
             ..Problem::new(grid, vec![medium], vec![0; count], sides, time / steps, scheme)
@@ -430,7 +431,7 @@ fn other_metrics_are_refused() {
     let (grid, metric) = polar([24, 10]);
     let medium = Medium::new(solid(Theory::Classical, 1.0), 2);
     let sides = || std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
-    let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+    let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
     let step = step(&grid, &metric, &medium);
     let plain = Problem::new(grid, vec![medium.clone()], vec![0; 240], sides(), step, scheme);
     let refused = |metric: &Metric, change: &dyn Fn(&mut Problem<2>)| {
@@ -453,7 +454,7 @@ fn other_metrics_are_refused() {
     }));
     // Layers stay across the second axis.
     let polar = Problem { metric: Some(metric.clone()), ..plain.clone() };
-    let split = Split::<f64, 2>::with_first_axis(1, &polar, 1).err();
+    let split = DecomposedDomain::<f64, 2>::with_first_axis(1, &polar, 1).err();
     assert!(matches!(split, Some(DomainError::Metric(_))));
     let reference = Reference::<f64, 2>::with_first_axis(1, &polar).err();
     assert!(matches!(reference, Some(DomainError::Metric(_))));

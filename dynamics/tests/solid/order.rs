@@ -9,11 +9,11 @@ use models::yield_set::YieldSet;
 use models::yield_set::parameters::Mises;
 use std::sync::Arc;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Source};
+use wellposed_dynamics::decomposition::DecomposedDomain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme, Splitting};
+use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 use wellposed_dynamics::reference::Reference;
-use wellposed_dynamics::split::Split;
 
 /// Cells along the axes of the body.
 const CELLS: [usize; 3] = [11, 13, 9];
@@ -114,7 +114,7 @@ fn problem(frame: Frame) -> Problem<3> {
     let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
     let scheme = Scheme {
         splitting: Splitting::Alternating,
-        ..Scheme::new(Slopes::FourthOrder, Placement::Last)
+        ..Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping)
     };
     let step = 1.7 * 0.1 / speed;
     let mut problem = Problem::new(grid, media.to_vec(), of_cell, boundaries, step, scheme);
@@ -140,10 +140,14 @@ fn another_axis_first_is_the_body_rotated() {
     let watched = [[0, 0, 0], [5, 6, 7], [10, 12, 8], [3, 1, 0]];
     let run = |frame: Frame, first: usize, parts: usize| {
         let problem = problem(frame);
-        let mut split = Split::<f64, 3>::with_first_axis(first, &problem, parts).expect("sound");
+        let mut split =
+            DecomposedDomain::<f64, 3>::with_first_axis(first, &problem, parts).expect("sound");
         let count: usize = CELLS.iter().product();
         // By the body's fields.
-        let fields = Split::<f64, 3>::new(&self::problem(OWN), 1).expect("sound").fields().to_vec();
+        let fields = DecomposedDomain::<f64, 3>::new(&self::problem(OWN), 1)
+            .expect("sound")
+            .fields()
+            .to_vec();
         for (number, own) in fields.iter().enumerate() {
             let value = |cell: usize| 0.2 * at(place(cell, frame), 100 + number);
             split.set(field(*own, frame), &(0..count).map(value).collect::<Vec<_>>());
@@ -183,7 +187,7 @@ fn another_axis_first_is_the_body_rotated() {
     assert_eq!(bits(&same), bits(&found));
     // The reference solver sweeps the same axis first.
     let problem = problem(OWN);
-    let mut split = Split::<f64, 3>::with_first_axis(2, &problem, 1).expect("sound");
+    let mut split = DecomposedDomain::<f64, 3>::with_first_axis(2, &problem, 1).expect("sound");
     let mut reference = Reference::<f64, 3>::with_first_axis(2, &problem).expect("sound");
     let count: usize = CELLS.iter().product();
     for (number, field) in split.fields().to_vec().into_iter().enumerate() {
@@ -226,7 +230,7 @@ fn sides_that_reflect_say_which() {
     still.scheme.splitting = Splitting::TwoCyclic;
     assert_eq!(still.first_axis(), 0);
 
-    let start = || Split::<f64, 3>::with_first_axis(2, &problem, 2).expect("sound");
+    let start = || DecomposedDomain::<f64, 3>::with_first_axis(2, &problem, 2).expect("sound");
     let (mut whole, mut resumed) = (start(), start());
     whole.advance(7);
     resumed.advance(3);
@@ -236,6 +240,6 @@ fn sides_that_reflect_say_which() {
     resumed.advance(4);
     assert!(whole.snapshot() == resumed.snapshot());
     assert!(whole.energy().total() > 0.0);
-    assert_eq!(Split::<f64, 3>::max_parts(2, &problem), 3);
-    assert_eq!(Split::<f64, 3>::max_parts(0, &problem), 2);
+    assert_eq!(DecomposedDomain::<f64, 3>::max_parts(2, &problem), 3);
+    assert_eq!(DecomposedDomain::<f64, 3>::max_parts(0, &problem), 2);
 }

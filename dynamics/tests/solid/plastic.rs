@@ -10,7 +10,7 @@ use wellposed_dynamics::boundary::{Boundary, Condition};
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme};
 use wellposed_dynamics::reference::Reference;
 
 fn solid(theory: Theory) -> Isotropic {
@@ -82,7 +82,7 @@ fn energy<const D: usize>(domain: &Reference<f64, D>, solid: &Isotropic, volume:
     volume * (kinetic + stored)
 }
 
-fn check<const D: usize>(theory: Theory, set: YieldSet, placement: Placement) {
+fn check<const D: usize>(theory: Theory, set: YieldSet, plastic_step: PlasticStep) {
     let solid = solid(theory);
     let medium = Medium::new(solid, D).yielding(set.clone());
     let (count, h) = (9usize, 0.1);
@@ -94,7 +94,7 @@ fn check<const D: usize>(theory: Theory, set: YieldSet, placement: Placement) {
         vec![0; cells],
         std::array::from_fn(|_| [Boundary::Free, Boundary::Free]),
         step,
-        Scheme::new(Slopes::Limited, placement),
+        Scheme::new(Slopes::Limited, plastic_step),
     ))
     .expect("a sound domain");
     for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
@@ -107,35 +107,38 @@ fn check<const D: usize>(theory: Theory, set: YieldSet, placement: Placement) {
     for _ in 0..200 {
         domain.advance(1);
         let now = energy(&domain, &solid, volume);
-        assert!(now <= last * (1.0 + 1e-13), "{theory:?} {placement:?}: {now} after {last}");
+        assert!(now <= last * (1.0 + 1e-13), "{theory:?} {plastic_step:?}: {now} after {last}");
         last = now;
-        let shown = match placement {
-            Placement::Last => domain.clone(),
-            Placement::Middle => domain.admissible(),
+        let shown = match plastic_step {
+            PlasticStep::ReturnMapping => domain.clone(),
+            PlasticStep::MidpointReflection => domain.admissible(),
         };
         for cell in 0..cells {
             let value = set.value(&shown.whole_stress(cell));
-            assert!(value < 1e-13, "{theory:?} {placement:?} f = {value:e}");
+            assert!(value < 1e-13, "{theory:?} {plastic_step:?} f = {value:e}");
         }
     }
     let ledger = domain.ledger();
     let residual = last - start - ledger.change();
-    assert!((residual / start).abs() < 1e-12, "{theory:?} {placement:?} {residual:e} of {start}");
+    assert!(
+        (residual / start).abs() < 1e-12,
+        "{theory:?} {plastic_step:?} {residual:e} of {start}"
+    );
     assert!(ledger.plastic > 0.02 * start, "{theory:?}: {} of {start}", ledger.plastic);
     assert!(ledger.least_plastic >= -1e-14, "{:e}", ledger.least_plastic);
 }
 
 #[test]
 fn the_ledger_closes_while_solids_yield() {
-    for placement in [Placement::Last, Placement::Middle] {
+    for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
         for theory in [Theory::Classical, Theory::Reduced, Theory::Cosserat] {
             for friction in [0.0, 0.4] {
-                check::<2>(theory, YieldSet::from(cone(0.2, friction)), placement);
-                check::<3>(theory, YieldSet::from(cone(0.2, friction)), placement);
+                check::<2>(theory, YieldSet::from(cone(0.2, friction)), plastic_step);
+                check::<3>(theory, YieldSet::from(cone(0.2, friction)), plastic_step);
             }
-            check::<2>(theory, YieldSet::from(Mises::von_mises(0.2)), placement);
+            check::<2>(theory, YieldSet::from(Mises::von_mises(0.2)), plastic_step);
             if theory != Theory::Classical {
-                check::<2>(theory, YieldSet::from(layers(theory, 0.2)), placement);
+                check::<2>(theory, YieldSet::from(layers(theory, 0.2)), plastic_step);
             }
         }
     }
@@ -143,7 +146,7 @@ fn the_ledger_closes_while_solids_yield() {
 
 /// A smooth shear wave that makes the layers normal to x₁ slip in places: mean change of all fields from
 /// grid to grid.
-fn slipping(count: usize, placement: Placement, strength: f64) -> Vec<Vec<f64>> {
+fn slipping(count: usize, plastic_step: PlasticStep, strength: f64) -> Vec<Vec<f64>> {
     let solid = solid(Theory::Reduced);
     let set = layers(Theory::Reduced, strength);
     let medium = Medium::new(solid, 2).yielding(YieldSet::from(set));
@@ -156,7 +159,7 @@ fn slipping(count: usize, placement: Placement, strength: f64) -> Vec<Vec<f64>> 
         vec![0; count],
         std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]),
         time / steps,
-        Scheme::new(Slopes::FourthOrder, placement),
+        Scheme::new(Slopes::FourthOrder, plastic_step),
     ))
     .expect("a sound domain");
     // All layers slip all the time: a shear stress that grows everywhere under pressure waves.
@@ -192,23 +195,24 @@ fn difference(coarse: &[Vec<f64>], fine: &[Vec<f64>]) -> f64 {
     sum
 }
 
-fn orders(placement: Placement, strength: f64) -> Vec<f64> {
+fn orders(plastic_step: PlasticStep, strength: f64) -> Vec<f64> {
     let grids: Vec<Vec<Vec<f64>>> =
-        [64, 128, 256, 512, 1024].map(|n| slipping(n, placement, strength)).to_vec();
+        [64, 128, 256, 512, 1024].map(|n| slipping(n, plastic_step, strength)).to_vec();
     let changes: Vec<f64> = grids.windows(2).map(|g| difference(&g[0], &g[1])).collect();
     let orders = changes.windows(2).map(|c| (c[0] / c[1]).log2()).collect();
-    println!("{placement:?}, strength {strength}: changes {changes:?}, orders {orders:.3?}");
+    println!("{plastic_step:?}, strength {strength}: changes {changes:?}, orders {orders:.3?}");
     orders
 }
 
 /// Strong layers of which one slips all the time; weak ones that begin to slip and stop.
 #[test]
 fn orders_of_both_placements() {
-    let steady = [Placement::Last, Placement::Middle].map(|p| orders(p, 10.0));
+    let steady =
+        [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection].map(|p| orders(p, 10.0));
     assert!((0.9..1.2).contains(&steady[0][2]), "{steady:?}");
     assert!((1.9..2.3).contains(&steady[1][2]), "{steady:?}");
-    for placement in [Placement::Last, Placement::Middle] {
-        let switching = orders(placement, 0.1);
+    for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
+        let switching = orders(plastic_step, 0.1);
         assert!(switching[2] > 0.8, "{switching:?}");
     }
 }
@@ -216,7 +220,7 @@ fn orders_of_both_placements() {
 /// Mean error of the stress across the plane behind the plastic front, over the yield stress √3k, after a
 /// step of pressure on a half-space in uniaxial strain: an elastic precursor, and behind a slower front
 /// σ₂₂ = σ₃₃ = σ₁₁ + √3k (Wood 1952).
-fn behind_a_front(count: usize, placement: Placement) -> f64 {
+fn behind_a_front(count: usize, plastic_step: PlasticStep) -> f64 {
     let solid = Isotropic::new(1.4, 0.9, 1.2, None).expect("sound moduli");
     let strength = 0.1;
     let set = YieldSet::from(Mises::von_mises(strength));
@@ -235,7 +239,7 @@ fn behind_a_front(count: usize, placement: Placement) -> f64 {
         vec![0; count],
         sides,
         2.0 * h / speed,
-        Scheme::new(Slopes::Limited, placement),
+        Scheme::new(Slopes::Limited, plastic_step),
     );
     let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
     (0..steps).for_each(|_| domain.advance());
@@ -253,12 +257,12 @@ fn behind_a_front(count: usize, placement: Placement) -> f64 {
 #[test]
 fn fronts_of_flow() {
     let counts = [100, 200, 400];
-    let last = counts.map(|n| behind_a_front(n, Placement::Last));
-    let middle = counts.map(|n| behind_a_front(n, Placement::Middle));
+    let last = counts.map(|n| behind_a_front(n, PlasticStep::ReturnMapping));
+    let middle = counts.map(|n| behind_a_front(n, PlasticStep::MidpointReflection));
     println!("Last {last:?}, Middle {middle:?}");
     assert!(last[2] < 0.5 * last[0] && last[2] < 5e-3, "{last:?}");
     assert!(middle.iter().zip(last).all(|(middle, last)| *middle > 5.0 * last), "{middle:?}");
-    assert_eq!(Placement::default(), Placement::Last);
+    assert_eq!(PlasticStep::default(), PlasticStep::ReturnMapping);
 }
 
 /// Stresses that are corrected many at once are those of the projection one by one, whatever stands in the
@@ -278,7 +282,7 @@ fn at_once<const D: usize>(theory: Theory, set: YieldSet, seed: usize) {
         of_cell.clone(),
         std::array::from_fn(|_| [Boundary::Free, Boundary::Free]),
         0.01,
-        Scheme::new(Slopes::Limited, Placement::Last),
+        Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping),
     ))
     .expect("a sound domain");
     let size = |cell: usize| 10f64.powf(1.5 * noise((7 * cell + seed) as u64));

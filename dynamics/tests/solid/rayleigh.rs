@@ -5,10 +5,10 @@ use models::solid::waves::Field;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use wellposed_dynamics::boundary::Boundary;
+use wellposed_dynamics::decomposition::DecomposedDomain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme, Splitting};
-use wellposed_dynamics::split::Split;
+use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 
 /// Wavelengths gone.
 const PATH: f64 = 6.0;
@@ -80,7 +80,7 @@ fn error(cells: usize, lie: Lie, splitting: Splitting, slopes: Slopes) -> f64 {
         vec![0; count[0] * count[1]],
         boundaries,
         duration / steps,
-        Scheme { splitting, ..Scheme::new(slopes, Placement::Last) },
+        Scheme { splitting, ..Scheme::new(slopes, PlasticStep::ReturnMapping) },
     );
     let sign = if is_upper { -1.0 } else { 1.0 };
     let at = |cell: usize, time: f64| {
@@ -96,7 +96,7 @@ fn error(cells: usize, lie: Lie, splitting: Splitting, slopes: Slopes) -> f64 {
         Field::Stress(i, j) if i == j => own[3],
         _ => sign * own[4],
     };
-    let mut split = Split::<f64, 2>::new(&problem, 1).unwrap();
+    let mut split = DecomposedDomain::<f64, 2>::new(&problem, 1).unwrap();
     for field in split.fields().to_vec() {
         let values: Vec<f64> =
             (0..count[0] * count[1]).map(|cell| value(field, at(cell, 0.0))).collect();
@@ -130,11 +130,14 @@ fn plane_wave_error(cells: usize, slopes: Slopes) -> f64 {
         vec![0; 4 * cells],
         std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]),
         PATH / steps,
-        Scheme { splitting: Splitting::Alternating, ..Scheme::new(slopes, Placement::Last) },
+        Scheme {
+            splitting: Splitting::Alternating,
+            ..Scheme::new(slopes, PlasticStep::ReturnMapping)
+        },
     );
     let exact: Vec<f64> =
         (0..4 * cells).map(|cell| (TAU * h * ((cell % cells) as f64 + 0.5)).cos()).collect();
-    let mut split = Split::<f64, 2>::new(&problem, 1).unwrap();
+    let mut split = DecomposedDomain::<f64, 2>::new(&problem, 1).unwrap();
     split.set(Field::Velocity(1), &exact);
     let shear =
         split.fields().iter().copied().find(|own| matches!(own, Field::Stress(i, j) if i != j));

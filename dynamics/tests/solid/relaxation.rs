@@ -14,14 +14,14 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Load, Source};
+use wellposed_dynamics::decomposition::{DecomposedDomain, Snapshot};
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{DomainError, Grid, Placement, Problem, Scheme, Splitting};
-use wellposed_dynamics::real::Instructions;
+use wellposed_dynamics::problem::{DomainError, Grid, PlasticStep, Problem, Scheme, Splitting};
 use wellposed_dynamics::reference::Reference;
+use wellposed_dynamics::simd::Instructions;
 use wellposed_dynamics::simulation::{Simulation, SolidSimulation, SolverChoice, TimeSteps};
-use wellposed_dynamics::split::{Snapshot, Split};
 
 const LAMBDA: f64 = 1.4;
 /// μ_R.
@@ -47,14 +47,14 @@ fn relaxing(theory: Theory, time: f64, dimensions: usize) -> Medium {
 }
 
 fn scheme(slopes: Slopes, splitting: Splitting) -> Scheme {
-    Scheme { splitting, ..Scheme::new(slopes, Placement::Last) }
+    Scheme { splitting, ..Scheme::new(slopes, PlasticStep::ReturnMapping) }
 }
 
 fn periodic<const D: usize>() -> [[Boundary; 2]; D] {
     std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic])
 }
 
-fn fill<T: SolverReal, const D: usize>(split: &mut Split<T, D>, size: f64) {
+fn fill<T: SolverReal, const D: usize>(split: &mut DecomposedDomain<T, D>, size: f64) {
     for (index, field) in split.fields().to_vec().into_iter().enumerate() {
         let count = split.values(field).expect("a field").len();
         let value = |cell: usize| T::of(size * noise((1000 * index + cell) as u64));
@@ -176,7 +176,8 @@ impl<const D: usize> PlaneWave<D> {
         let (step, count) = (duration / steps as f64, grid.count());
         let scheme = scheme(Slopes::FourthOrder, splitting);
         let problem = Problem::new(grid, vec![medium], vec![0; count], periodic(), step, scheme);
-        let mut split: Split<f64, D> = Split::new(&problem, 1).expect("sound");
+        let mut split: DecomposedDomain<f64, D> =
+            DecomposedDomain::new(&problem, 1).expect("sound");
         let phase = |cell: usize| {
             let (mut rest, mut phase) = (cell, 0.0);
             for own in self.wave {
@@ -191,7 +192,7 @@ impl<const D: usize> PlaneWave<D> {
             split.set(field, &values.collect::<Vec<_>>());
         }
         let fields = split.fields().to_vec();
-        let amplitude = |split: &Split<f64, D>| {
+        let amplitude = |split: &DecomposedDomain<f64, D>| {
             let mut sum = Complex::ZERO;
             for (field, values) in fields.iter().zip(split.shown()) {
                 let Field::Velocity(i) = field else { continue };
@@ -245,19 +246,19 @@ fn shear_waves_with_spin_are_second_order() {
 #[test]
 fn uniform_strain_relaxes_exactly() {
     for splitting in SPLITTINGS {
-        for placement in [Placement::Last, Placement::Middle] {
-            rest::<2>(splitting, placement, Theory::Cosserat);
-            rest::<3>(splitting, placement, Theory::Classical);
+        for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
+            rest::<2>(splitting, plastic_step, Theory::Cosserat);
+            rest::<3>(splitting, plastic_step, Theory::Classical);
         }
     }
 }
 
-fn rest<const D: usize>(splitting: Splitting, placement: Placement, theory: Theory) {
+fn rest<const D: usize>(splitting: Splitting, plastic_step: PlasticStep, theory: Theory) {
     let time = 0.13;
     let medium = relaxing(theory, time, D).yielding(YieldSet::from(Mises::von_mises(1e3)));
     let grid = Grid { cells: [7; D], spacing: [0.1; D] };
     let step = 0.9 * 2.0 * 0.1 / medium.greatest_speed();
-    let scheme = Scheme { placement, ..scheme(Slopes::Limited, splitting) };
+    let scheme = Scheme { plastic_step, ..scheme(Slopes::Limited, splitting) };
     let count = grid.count();
     let problem = Problem::new(grid, vec![medium], vec![0; count], periodic(), step, scheme);
     let mut domain: Domain<f64, D> = Domain::new(&problem).expect("sound");
@@ -322,7 +323,8 @@ fn energy_never_grows() {
                 let mut problem = mixed([9, 8], theory, scheme);
                 let step = problem.step;
                 problem.media[1] = relaxing(theory, factor * step, 2);
-                let mut split: Split<f64, 2> = Split::new(&problem, 2).expect("sound");
+                let mut split: DecomposedDomain<f64, 2> =
+                    DecomposedDomain::new(&problem, 2).expect("sound");
                 fill(&mut split, 1.0);
                 let mut last = split.energy().total();
                 let start = last;
@@ -343,13 +345,13 @@ fn energy_never_grows() {
 /// springs of the branches.
 #[test]
 fn the_ledger_closes() {
-    for (splitting, placement) in [
-        (Splitting::TwoCyclic, Placement::Last),
-        (Splitting::TwoCyclic, Placement::Middle),
-        (Splitting::Alternating, Placement::Last),
+    for (splitting, plastic_step) in [
+        (Splitting::TwoCyclic, PlasticStep::ReturnMapping),
+        (Splitting::TwoCyclic, PlasticStep::MidpointReflection),
+        (Splitting::Alternating, PlasticStep::ReturnMapping),
     ] {
         for theory in [Theory::Classical, Theory::Reduced, Theory::Cosserat] {
-            let scheme = Scheme { placement, ..self::scheme(Slopes::FourthOrder, splitting) };
+            let scheme = Scheme { plastic_step, ..self::scheme(Slopes::FourthOrder, splitting) };
             let mut problem = mixed([12, 10], theory, scheme);
             let signal = Arc::new(|time: f64| (3.0 * time).sin());
             let faces = (0..9).map(|face| (face, 0.3)).collect();
@@ -357,7 +359,7 @@ fn the_ledger_closes() {
             let amplitudes = vec![(Field::Velocity(1), 0.1), (Field::Stress(0, 1), 0.02)];
             problem.sources.push(Source { cells: vec![(51, 1.0)], amplitudes, signal });
             problem.acceleration = [0.0, -0.05];
-            if placement == Placement::Middle {
+            if plastic_step == PlasticStep::MidpointReflection {
                 let force = [[-0.1, 0.02, 0.0], [0.02, -0.15, 0.0], [0.0; 3]];
                 let stress = Stress { force, ..Stress::default() };
                 problem.initial_stress = Some((1, vec![stress; 10]));
@@ -378,7 +380,10 @@ fn the_ledger_closes() {
                 }
             }
             let ledger = domain.ledger();
-            println!("{theory:?} {splitting:?} {placement:?}: {:e} {ledger:?}", worst / greatest);
+            println!(
+                "{theory:?} {splitting:?} {plastic_step:?}: {:e} {ledger:?}",
+                worst / greatest
+            );
             assert!(worst < 1e-12 * greatest, "{theory:?}: {:e}", worst / greatest);
             assert!(ledger.viscous > 1e-2 * greatest && ledger.plastic > 0.0, "{ledger:?}");
             assert!(ledger.sources != 0.0 && ledger.inflow != 0.0, "{ledger:?}");
@@ -424,8 +429,8 @@ fn bits<T: SolverReal>(own: &Snapshot<T>) -> (Vec<Vec<u64>>, Vec<Vec<u64>>) {
 /// In parts, in all instructions, by the reference solver, from a snapshot in the middle.
 fn same_bits<T: SolverReal, const D: usize>(cells: [usize; D], theory: Theory) {
     for splitting in SPLITTINGS {
-        for placement in [Placement::Last, Placement::Middle] {
-            let scheme = Scheme { placement, ..scheme(Slopes::Limited, splitting) };
+        for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
+            let scheme = Scheme { plastic_step, ..scheme(Slopes::Limited, splitting) };
             let problem = mixed(cells, theory, scheme);
             let mut expected = None;
             let cut = |axis: usize, count: usize| {
@@ -433,8 +438,9 @@ fn same_bits<T: SolverReal, const D: usize>(cells: [usize; D], theory: Theory) {
             };
             for parts in [cut(D - 1, 1), cut(D - 1, 2), cut(D - 1, 3), cut(0, 2)] {
                 for instructions in Instructions::available() {
-                    let make = || -> Split<T, D> {
-                        let mut split = Split::in_box(0, &problem, parts).expect("sound");
+                    let make = || -> DecomposedDomain<T, D> {
+                        let mut split =
+                            DecomposedDomain::in_box(0, &problem, parts).expect("sound");
                         split.set_instructions(instructions);
                         split
                     };
@@ -452,10 +458,11 @@ fn same_bits<T: SolverReal, const D: usize>(cells: [usize; D], theory: Theory) {
                         "{splitting:?} {parts:?}: after a snapshot"
                     );
                     let is_same = *expected.get_or_insert(found.clone()) == found;
-                    assert!(is_same, "{splitting:?} {placement:?} {parts:?} {instructions:?}");
+                    assert!(is_same, "{splitting:?} {plastic_step:?} {parts:?} {instructions:?}");
                 }
             }
-            let mut start: Split<T, D> = Split::new(&problem, 1).expect("sound");
+            let mut start: DecomposedDomain<T, D> =
+                DecomposedDomain::new(&problem, 1).expect("sound");
             fill(&mut start, 1.0);
             let mut reference: Reference<T, D> = Reference::new(&problem).expect("sound");
             assert!(reference.restore(&start.snapshot()));
@@ -479,7 +486,8 @@ fn bits_do_not_depend_on_how_it_is_computed() {
 fn other_media_keep_their_bits() {
     for theory in [Theory::Classical, Theory::Cosserat] {
         let problem = mixed([12, 10], theory, scheme(Slopes::Limited, Splitting::Alternating));
-        let mut split: Split<f64, 2> = Split::new(&problem, 1).expect("sound");
+        let mut split: DecomposedDomain<f64, 2> =
+            DecomposedDomain::new(&problem, 1).expect("sound");
         for (index, field) in split.fields().to_vec().into_iter().enumerate() {
             if !matches!(field, Field::ViscousStrain(..)) {
                 let values = (0..120).map(|cell| noise(1000 * index as u64 + cell));
@@ -502,7 +510,8 @@ fn other_media_keep_their_bits() {
         plain.media[1] = plain.media[0].clone();
         plain.media[2] = plain.media[3].clone();
         let [with, plain] = [without, plain].map(|problem| {
-            let mut split: Split<f64, 2> = Split::new(&problem, 1).expect("sound");
+            let mut split: DecomposedDomain<f64, 2> =
+                DecomposedDomain::new(&problem, 1).expect("sound");
             fill(&mut split, 1.0);
             split.advance(20);
             (bits(&split.snapshot()), split.fields().len())
@@ -518,7 +527,7 @@ fn viscous_strains_are_fields() {
     let problem = mixed([8, 9], Theory::Classical, scheme(Slopes::Limited, Splitting::TwoCyclic));
     let strain = Field::ViscousStrain(0, 1);
     assert_eq!(problem.fields()[problem.media[0].fields.len()..], problem.media[1].history());
-    let mut split: Split<f64, 2> = Split::new(&problem, 2).expect("sound");
+    let mut split: DecomposedDomain<f64, 2> = DecomposedDomain::new(&problem, 2).expect("sound");
     let mut values = vec![0.0; 72];
     values[40] = f64::NAN;
     split.set(strain, &values);

@@ -13,12 +13,12 @@ use models::yield_set::YieldSet;
 use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::Boundary;
+use wellposed_dynamics::decomposition::{DecomposedDomain, Snapshot};
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme};
-use wellposed_dynamics::real::Instructions;
-use wellposed_dynamics::split::{Snapshot, Split};
+use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme};
+use wellposed_dynamics::simd::Instructions;
 
 /// Choices that look random.
 struct Chance(u64);
@@ -100,13 +100,14 @@ fn problem<const D: usize>(chance: &mut Chance) -> Problem<D> {
     };
     let of_cell = (0..grid.count()).map(|cell| of(cell) as u16).collect();
     let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
-    let mut placement = chance.one_of(&[Placement::Last, Placement::Middle]);
+    let mut plastic_step =
+        chance.one_of(&[PlasticStep::ReturnMapping, PlasticStep::MidpointReflection]);
     let stress = chance.below(4);
     if stress == 0 && !kinds.contains(&3) {
-        placement = Placement::Middle;
+        plastic_step = PlasticStep::MidpointReflection;
     }
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
-    let scheme = Scheme::new(Slopes::Limited, placement);
+    let scheme = Scheme::new(Slopes::Limited, plastic_step);
     let mut problem = Problem::new(grid, media, of_cell, sides, 1.8 * 0.1 / speed, scheme);
     let axis = [0, D - 1, 1][stress % 3];
     let layers = |layer: usize| {
@@ -134,7 +135,8 @@ fn run<T: SolverReal, const D: usize>(
     instructions: Instructions,
     one_by_one: bool,
 ) -> Snapshot<T> {
-    let mut split: Split<T, D> = Split::new(problem, 1).expect("a sound problem");
+    let mut split: DecomposedDomain<T, D> =
+        DecomposedDomain::new(problem, 1).expect("a sound problem");
     split.set_instructions(instructions);
     if one_by_one {
         split.map_stresses_one_by_one();
@@ -261,7 +263,7 @@ fn mapped_whole_stresses_are_the_nearest_of_a_conic_solver() {
         let medium = Medium::new(solid, 2).yielding(YieldSet::from(set));
         let grid = Grid { cells: [17, 6], spacing: [0.1; 2] };
         let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
-        let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+        let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
         let step = 0.1 / medium.greatest_speed();
         let mut problem =
             Problem::new(grid, vec![medium], vec![0; grid.count()], sides, step, scheme);

@@ -12,7 +12,7 @@ use wellposed_dynamics::flow::{self, Closure};
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::probe::Probe;
-use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme};
 use wellposed_dynamics::simulation::{
     End, FlowSimulation, Observer, OutputTimes, RegularTimes, Simulation, SolidSimulation,
     SolverChoice, State, TimeSteps, drive,
@@ -136,7 +136,7 @@ fn solid_for(
     let steps = TimeSteps::new(std::slice::from_ref(&medium), &spacing, 0.9, 1.0, duration);
     let steps = steps.expect("few steps");
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::NonReflecting]);
-    let scheme = Scheme::new(Slopes::FourthOrder, Placement::Last);
+    let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);
     let of_cell = vec![0; 240];
     let probe = Probe::interpolating(&cells, &[false; 2], &of_cell, 105, &[5.3, 4.9]);
     let mut problem =

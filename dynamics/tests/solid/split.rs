@@ -9,14 +9,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Load, Signal, Source};
+use wellposed_dynamics::decomposition::DecomposedDomain;
 use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::ledger::Ledger;
 use wellposed_dynamics::line::{HALO, Slopes};
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{DomainError, Grid, Placement, Problem, Scheme};
-use wellposed_dynamics::real::Instructions;
+use wellposed_dynamics::problem::{DomainError, Grid, PlasticStep, Problem, Scheme};
 use wellposed_dynamics::reference::Reference;
-use wellposed_dynamics::split::Split;
+use wellposed_dynamics::simd::Instructions;
 
 fn solids() -> [Isotropic; 2] {
     solids_of(Theory::Cosserat)
@@ -35,16 +35,16 @@ fn solids_of(theory: Theory) -> [Isotropic; 2] {
 fn same<T: SolverReal, const D: usize>(
     sides: &[[Boundary; 2]; D],
     cells: [usize; D],
-    placement: Placement,
+    plastic_step: PlasticStep,
 ) {
-    same_of::<T, D>(solids(), sides, cells, placement);
+    same_of::<T, D>(solids(), sides, cells, plastic_step);
 }
 
 fn same_of<T: SolverReal, const D: usize>(
     [soft, stiff]: [Isotropic; 2],
     sides: &[[Boundary; 2]; D],
     cells: [usize; D],
-    placement: Placement,
+    plastic_step: PlasticStep,
 ) {
     // One of the two media yields.
     let set = Mises { antisymmetric_weight: 0.5, ..Mises::drucker_prager(0.3, 0.2, 0.2) };
@@ -54,7 +54,7 @@ fn same_of<T: SolverReal, const D: usize>(
     let of_cell: Vec<u16> = (0..count).map(|i| u16::from(noise(i as u64) > 0.2)).collect();
     let grid = Grid { cells, spacing: [0.1; D] };
     let step = 1.9 * 0.1 / speed;
-    let scheme = Scheme::new(Slopes::Limited, placement);
+    let scheme = Scheme::new(Slopes::Limited, plastic_step);
     let problem = Problem::new(grid, media.to_vec(), of_cell, sides.clone(), step, scheme);
     let mut whole: Domain<T, D> = Domain::new(&problem).expect("sound");
     let values = |index: usize| -> Vec<T> {
@@ -91,7 +91,8 @@ fn same_of<T: SolverReal, const D: usize>(
     cuts.extend((0..D - 1).filter(long).map(|axis| along(axis, (cells[axis] / HALO).min(3))));
     let best = cuts.into_iter().map(|parts| (parts, Instructions::best()));
     for (parts, set) in best.chain(Instructions::available().map(|set| (all, set))) {
-        let mut split: Split<T, D> = Split::in_box(0, &problem, parts).expect("sound");
+        let mut split: DecomposedDomain<T, D> =
+            DecomposedDomain::in_box(0, &problem, parts).expect("sound");
         split.set_instructions(set);
         for (index, &field) in fields.iter().enumerate() {
             split.set(field, &values(index));
@@ -116,13 +117,13 @@ fn bits<T: SolverReal>(values: Option<Vec<T>>) -> Vec<u64> {
 fn parts_have_the_bits_of_the_whole() {
     let pair = |b: &Boundary| [b.clone(), b.clone()];
     for last in [Boundary::Periodic, Boundary::Fixed, Boundary::Free, Boundary::NonReflecting] {
-        for placement in [Placement::Last, Placement::Middle] {
+        for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
             // Rows that end before, in and behind a group's last two lanes.
             for length in [9, 14, 16, 23] {
-                same::<f64, 2>(&[pair(&Boundary::Free), pair(&last)], [length, 13], placement);
+                same::<f64, 2>(&[pair(&Boundary::Free), pair(&last)], [length, 13], plastic_step);
             }
             let sides = [pair(&Boundary::Periodic), pair(&Boundary::Fixed), pair(&last)];
-            same::<f64, 3>(&sides, [5, 4, 12], placement);
+            same::<f64, 3>(&sides, [5, 4, 12], plastic_step);
         }
     }
 }
@@ -133,8 +134,8 @@ fn so_they_have_in_every_theory() {
     let pair = |b: &Boundary| [b.clone(), b.clone()];
     let sides = [pair(&Boundary::Free), pair(&Boundary::Fixed), pair(&Boundary::Periodic)];
     for theory in [Theory::Classical, Theory::Reduced, Theory::Cosserat] {
-        for placement in [Placement::Last, Placement::Middle] {
-            same_of::<f64, 3>(solids_of(theory), &sides, [9, 5, 12], placement);
+        for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
+            same_of::<f64, 3>(solids_of(theory), &sides, [9, 5, 12], plastic_step);
         }
     }
 }
@@ -144,18 +145,22 @@ fn so_they_have_in_every_theory() {
 fn so_they_have_where_layers_are_wide() {
     let pair = |b: &Boundary| [b.clone(), b.clone()];
     let sides = [pair(&Boundary::Free), pair(&Boundary::Periodic)];
-    same::<f64, 2>(&sides, [300, 27], Placement::Last);
+    same::<f64, 2>(&sides, [300, 27], PlasticStep::ReturnMapping);
     for middle in [Boundary::Periodic, Boundary::NonReflecting] {
         let sides = [pair(&Boundary::Free), pair(&middle), pair(&Boundary::Fixed)];
-        same::<f64, 3>(&sides, [9, 19, 20], Placement::Last);
+        same::<f64, 3>(&sides, [9, 19, 20], PlasticStep::ReturnMapping);
     }
     // Work at the ends of rows and of layers in which they come in by blocks.
     let open = pair(&Boundary::NonReflecting);
-    same::<f64, 3>(&[open.clone(), open.clone(), open.clone()], [9, 25, 13], Placement::Last);
+    same::<f64, 3>(
+        &[open.clone(), open.clone(), open.clone()],
+        [9, 25, 13],
+        PlasticStep::ReturnMapping,
+    );
     // Rows of all layers by blocks, of which the last one has fewer rows than a sweep is behind.
     for last in [Boundary::Periodic, Boundary::NonReflecting] {
         let sides = [open.clone(), pair(&Boundary::Free), pair(&last)];
-        same::<f64, 3>(&sides, [66, 41, 12], Placement::Middle);
+        same::<f64, 3>(&sides, [66, 41, 12], PlasticStep::MidpointReflection);
     }
 }
 
@@ -169,7 +174,7 @@ fn so_they_have_where_media_change_once() {
         let grid = Grid { cells, spacing: [0.1; D] };
         let step = 1.9 * 0.1 / media.each_ref().map(Medium::greatest_speed)[1];
         let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Fixed]);
-        let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+        let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
         let problem = Problem::new(grid, media.to_vec(), of_cell, sides, step, scheme);
         let mut domain: Domain<f64, D> = Domain::new(&problem).expect("sound");
         let mut reference: Reference<f64, D> = Reference::new(&problem).expect("sound");
@@ -204,8 +209,8 @@ fn so_they_have_in_single_precision() {
     let sides = [pair(&Boundary::Fixed), pair(&Boundary::NonReflecting)];
     for length in [9, 30, 31, 32, 40] {
         // In small parts, and in such as make several steps in a pass.
-        same::<f32, 2>(&sides, [length, 13], Placement::Middle);
-        same::<f32, 2>(&sides, [length, 26], Placement::Middle);
+        same::<f32, 2>(&sides, [length, 13], PlasticStep::MidpointReflection);
+        same::<f32, 2>(&sides, [length, 26], PlasticStep::MidpointReflection);
     }
 }
 
@@ -217,11 +222,12 @@ fn snapshots_resume() {
     let media = media.map(|medium| medium.yielding(set.clone()));
     let grid = Grid { cells: [14, 33], spacing: [0.1, 0.1] };
     let sides = std::array::from_fn(|_| [Boundary::Fixed, Boundary::NonReflecting]);
-    let scheme = Scheme::new(Slopes::Limited, Placement::Middle);
+    let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
     let step = 1.9 * 0.1 / media[0].greatest_speed();
     let problem = Problem::new(grid, media.to_vec(), vec![0; 462], sides, step, scheme);
     let start = || {
-        let mut split: Split<f64, 2> = Split::new(&problem, 2).expect("sound");
+        let mut split: DecomposedDomain<f64, 2> =
+            DecomposedDomain::new(&problem, 2).expect("sound");
         let values: Vec<f64> = (0..462).map(noise).collect();
         split.set(Field::Velocity(0), &values);
         split
@@ -229,7 +235,7 @@ fn snapshots_resume() {
     let (mut whole, mut first) = (start(), start());
     whole.advance(40);
     first.advance(17);
-    let mut second: Split<f64, 2> = Split::new(&problem, 3).expect("sound");
+    let mut second: DecomposedDomain<f64, 2> = DecomposedDomain::new(&problem, 3).expect("sound");
     assert!(second.restore(&first.snapshot()));
     second.advance(23);
     assert_eq!(second.snapshot(), whole.snapshot());
@@ -268,7 +274,7 @@ fn single_layers() {
         ] {
             let sides = [ends.clone(), ends.clone()];
             let (grid, step) = (Grid { cells, spacing: [0.1; 2] }, 0.2 / medium.greatest_speed());
-            let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+            let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
             let count = grid.count();
             let problem =
                 Problem::new(grid, vec![medium.clone()], vec![0; count], sides, step, scheme);
@@ -286,8 +292,8 @@ fn single_layers() {
 }
 
 /// Both solvers, with noise.
-fn both(problem: &Problem<2>) -> (Split<f64, 2>, Reference<f64, 2>) {
-    let mut split = Split::new(problem, 1).expect("sound");
+fn both(problem: &Problem<2>) -> (DecomposedDomain<f64, 2>, Reference<f64, 2>) {
+    let mut split = DecomposedDomain::new(problem, 1).expect("sound");
     let mut reference = Reference::new(problem).expect("sound");
     for (index, field) in split.fields().to_vec().into_iter().enumerate() {
         let value = |cell: usize| noise((100 * index + cell) as u64);
@@ -305,7 +311,7 @@ fn work_on_single_layers() {
     for cells in [[6, 1], [1, 6], [1, 1], [9, 2]] {
         let grid = Grid { cells, spacing: [0.1; 2] };
         let (count, step) = (grid.count(), 0.2 / medium.greatest_speed());
-        let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+        let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
         let sides = std::array::from_fn(|_| [Boundary::NonReflecting, Boundary::Free]);
         let media = vec![medium.clone()];
         let mut problem = Problem::new(grid, media, vec![0; count], sides, step, scheme);
@@ -343,7 +349,7 @@ fn single_steps<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
         let grid = Grid { cells, spacing: [0.1; D] };
         let mut sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
         sides[D - 1] = [last.clone(), last];
-        let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+        let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
         let mut problem =
             Problem::new(grid, vec![medium.clone()], vec![0; grid.count()], sides, step, scheme);
         let signal: Signal = Arc::new(move |time: f64| 0.3 * (2.0 * time / step).sin());
@@ -376,7 +382,8 @@ fn single_steps<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
         };
         for parts in [along(1, 1), along(1, 2), along(1, 3), along(1, 4), along(3, 1), along(2, 2)]
         {
-            let mut split: Split<f64, D> = Split::in_box(0, &problem, parts).expect("sound");
+            let mut split: DecomposedDomain<f64, D> =
+                DecomposedDomain::in_box(0, &problem, parts).expect("sound");
             split.watch(&watched);
             split.advance(3);
             split.advance(18);
@@ -413,14 +420,14 @@ fn forget_traces<const D: usize>(cells: [usize; D], from: usize, flat: usize, la
     let of_cell = (0..grid.count()).map(|i| u16::from(noise(i as u64) > 0.2)).collect();
     let mut sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     sides[D - 1] = [last.clone(), last];
-    let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+    let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
     let problem = Problem::new(grid, media, of_cell, sides, step, scheme);
     let layer = grid.count() / cells[D - 1];
     // Beyond the least number of all half way along.
     let decay = |i: usize| (-3.5 * (i / layer).abs_diff(from).saturating_sub(flat) as f64).exp();
     let value = |index: usize, i: usize| noise((31 * index + i) as u64) * decay(i);
 
-    let mut wide: Split<f64, D> = Split::new(&problem, 1).expect("sound");
+    let mut wide: DecomposedDomain<f64, D> = DecomposedDomain::new(&problem, 1).expect("sound");
     let fields = wide.fields().to_vec();
     for (index, &field) in fields.iter().enumerate() {
         wide.set(field, &(0..grid.count()).map(|i| value(index, i)).collect::<Vec<_>>());
@@ -437,13 +444,14 @@ fn forget_traces<const D: usize>(cells: [usize; D], from: usize, flat: usize, la
         fields.iter().flat_map(|field| bits(reference.values(*field))).collect();
     for parts in [1, 2, 13] {
         for instructions in Instructions::available() {
-            let mut split: Split<f32, D> = Split::new(&problem, parts).expect("sound");
+            let mut split: DecomposedDomain<f32, D> =
+                DecomposedDomain::new(&problem, parts).expect("sound");
             split.set_instructions(instructions);
             for (index, &field) in fields.iter().enumerate() {
                 let values = (0..grid.count()).map(|i| value(index, i) as f32);
                 split.set(field, &values.collect::<Vec<_>>());
             }
-            let traces = |split: &Split<f32, D>| {
+            let traces = |split: &DecomposedDomain<f32, D>| {
                 let all = fields.iter().filter_map(|field| split.values(*field)).flatten();
                 all.filter(|value| *value != 0.0 && f64::from(value.abs()) < LIMIT).count()
             };
@@ -453,7 +461,8 @@ fn forget_traces<const D: usize>(cells: [usize; D], from: usize, flat: usize, la
             assert_eq!(traces(&split), 0, "{parts} {instructions:?}");
             // The next time is after the first step of a pass of two, and in another split.
             split.advance(1);
-            let mut other: Split<f32, D> = Split::new(&problem, parts).expect("sound");
+            let mut other: DecomposedDomain<f32, D> =
+                DecomposedDomain::new(&problem, parts).expect("sound");
             other.set_instructions(instructions);
             assert!(other.restore(&split.snapshot()));
             let mut split = other;
@@ -482,7 +491,7 @@ fn whoever_panics_is_not_waited_for() {
     let step = 1.9 * 0.1 / medium.greatest_speed();
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let grid = Grid { cells: [9, 24], spacing: [0.1; 2] };
-    let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+    let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
     let mut problem = Problem::new(grid, vec![medium], vec![0; 216], sides, step, scheme);
     let has_panicked = AtomicBool::new(false);
     let signal = Arc::new(move |time: f64| {
@@ -491,7 +500,7 @@ fn whoever_panics_is_not_waited_for() {
     });
     let amplitudes = vec![(Field::Velocity(1), 0.1)];
     problem.sources.push(Source { cells: vec![(4, 1.0)], amplitudes, signal });
-    let mut split: Split<f64, 2> = Split::new(&problem, 2).expect("sound");
+    let mut split: DecomposedDomain<f64, 2> = DecomposedDomain::new(&problem, 2).expect("sound");
     split.advance(40);
 }
 
@@ -516,9 +525,10 @@ fn laws_of_two_kinds() {
         let grid = Grid { cells: [20, 9], spacing: [0.1; 2] };
         let of_cell = (0..180).map(|cell| (noise(cell) > 0.0) as u16 ^ first as u16).collect();
         let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Fixed]);
-        let scheme = Scheme::new(Slopes::Limited, Placement::Last);
+        let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
         let problem = Problem::new(grid, media, of_cell, sides, step, scheme);
-        let mut split: Split<f64, 2> = Split::new(&problem, 1).expect("sound");
+        let mut split: DecomposedDomain<f64, 2> =
+            DecomposedDomain::new(&problem, 1).expect("sound");
         split.set(Field::Velocity(0), &(0..180).map(noise).collect::<Vec<_>>());
         let start = split.energy().total();
         split.advance(20);
@@ -533,10 +543,10 @@ fn parts_that_cannot_be_are_refused() {
     let media = [Medium::new(solids()[0], 2)];
     let grid = Grid { cells: [4, 11], spacing: [0.1, 0.1] };
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
-    let scheme = Scheme::new(Slopes::Limited, Placement::Middle);
+    let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
     let problem = Problem::new(grid, media.to_vec(), vec![0; 44], sides, 1e-3, scheme);
     for (parts, expected) in [(0, true), (3, true), (2, false)] {
-        let made = Split::<f64, 2>::new(&problem, parts);
+        let made = DecomposedDomain::<f64, 2>::new(&problem, parts);
         let refused = matches!(made, Err(DomainError::Parts { axis: 1, found, cells: 11, .. }) if found == parts);
         assert_eq!(refused, expected, "{parts}");
     }

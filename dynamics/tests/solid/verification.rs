@@ -10,9 +10,9 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Source};
 use wellposed_dynamics::domain::Domain;
-use wellposed_dynamics::line::{Cell, GHOSTS, Slopes, sweep};
+use wellposed_dynamics::line::{CellConstants, GHOSTS, Slopes, sweep};
 use wellposed_dynamics::medium::Medium;
-use wellposed_dynamics::problem::{Grid, Placement, Problem, Scheme};
+use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme};
 use wellposed_dynamics::reference::Reference;
 
 fn classical() -> Isotropic {
@@ -20,7 +20,7 @@ fn classical() -> Isotropic {
 }
 
 fn scheme(slopes: Slopes) -> Scheme {
-    Scheme::new(slopes, Placement::Middle)
+    Scheme::new(slopes, PlasticStep::MidpointReflection)
 }
 
 /// Jₙ(x) by the trapezoidal rule, which is exact to rounding for periodic functions: n + x nodes and more.
@@ -340,8 +340,8 @@ fn interface_error(count: usize, slopes: Slopes, [z, c]: [f64; 2]) -> f64 {
     let length = count + 2 * GHOSTS;
     let index = |place: usize| place.saturating_sub(GHOSTS).min(count - 1);
     let side = |place: usize| usize::from(2 * index(place) >= count);
-    let cells: Vec<Cell<f64>> =
-        (0..length).map(|i| Cell::new(z[side(i)], c[side(i)] * dt / h)).collect();
+    let cells: Vec<CellConstants<f64>> =
+        (0..length).map(|i| CellConstants::new(z[side(i)], c[side(i)] * dt / h)).collect();
     let start = |place: usize| match place {
         _ if (GHOSTS..GHOSTS + count).contains(&place) => mean(&|x| shape(x - 0.3), index(place)),
         _ => 0.0,

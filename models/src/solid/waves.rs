@@ -57,8 +57,9 @@ pub struct Pair {
     pub inertia: f64,
     /// M, Pa or N.
     pub modulus: f64,
-    /// The stresses that follow, with r = ds′/ds.
-    pub followers: Vec<(Field, f64)>,
+    /// Passive stresses, which this pair changes but which do not act back on it (characteristics of speed zero), each with
+    /// its coupling ratio r = ds′/ds: λ/(λ + 2μ) for the transverse normal stresses of a P wave.
+    pub passive_stresses: Vec<(Field, f64)>,
 }
 
 impl Pair {
@@ -163,7 +164,7 @@ impl Isotropic {
         let normals = move || (0..3).filter(move |&k| k != axis);
         let mut pairs: Vec<Pair> = (0..dimensions)
             .map(|i| {
-                let followers = match (i == axis, is_classical) {
+                let passive_stresses = match (i == axis, is_classical) {
                     (true, _) => normals().map(|k| (Stress(k, k), force.ratio(true))).collect(),
                     (false, true) => Vec::new(),
                     (false, false) => vec![(Stress(axis, i), force.ratio(false))],
@@ -177,7 +178,7 @@ impl Isotropic {
                     stress: Stress(first, second),
                     inertia: self.density,
                     modulus: force.modulus(i == axis),
-                    followers,
+                    passive_stresses,
                 }
             })
             .collect();
@@ -189,7 +190,7 @@ impl Isotropic {
                 stress: Couple(k, axis),
                 inertia: rotation.inertia,
                 modulus: law.modulus(k == axis),
-                followers: match k == axis {
+                passive_stresses: match k == axis {
                     true => normals().map(|l| (Couple(l, l), law.ratio(true))).collect(),
                     false => vec![(Couple(axis, k), law.ratio(false))],
                 },
@@ -217,7 +218,7 @@ impl PlaneCompliances {
                 stress: Stress(i, axis),
                 inertia: self.density,
                 modulus: a / ((a - b) * (a + b)),
-                followers: vec![(follower, b / a)],
+                passive_stresses: vec![(follower, b / a)],
             }
         };
         let rotation = Pair {
@@ -225,7 +226,7 @@ impl PlaneCompliances {
             stress: Couple(2, axis),
             inertia: self.inertia,
             modulus: self.alpha2,
-            followers: Vec::new(),
+            passive_stresses: Vec::new(),
         };
         vec![pair(0), pair(1), rotation]
     }

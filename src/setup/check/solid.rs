@@ -149,7 +149,7 @@ fn settings(case: &Case, cells: Vec<usize>) -> SolverSettings {
         cells,
         courant: time.map_or(crate::case::dynamics::COURANT, |time| time.courant),
         rotation: time.map_or(30.0, |time| time.rotation_deg).to_radians(),
-        placement: scheme.placement,
+        plastic_step: scheme.plastic_step,
         splitting: scheme.splitting,
     }
 }

@@ -95,5 +95,5 @@ fn faces_of<T: Real, const D: usize>(
     let slopes = problem.scheme.slopes;
     let mut rule = GhostRule::new(boundary, pairs, (&faces, groups), is_loaded, slopes);
     loads.into_iter().for_each(|load| rule.add(load, &faces));
-    BoundaryFaces::Mirror(rule)
+    BoundaryFaces::Physical(rule)
 }

@@ -4,7 +4,7 @@ use super::boundaries::Boundaries;
 use super::curvilinear::{GeometricRotation, RowSpacing};
 use super::diagnostics::Diagnostics;
 use super::interfaces::Interfaces;
-use super::law::{LocalLaws, rotated_fields};
+use super::law::{LocalLaws, needs_whole_state, rotated_fields};
 use super::layout::{Layout, groups_of_rows, pitch};
 use super::materials::Materials;
 use super::memory::{Buffer, zeros};
@@ -13,14 +13,14 @@ use super::sources::{CellSource, Sources};
 use super::{Domain, SolverReal};
 use crate::simd::{Group, Instructions, Real};
 use crate::solid::boundary::Boundary;
-use crate::solid::problem::{DomainError, Grid, Placement, Problem, Scheme};
+use crate::solid::problem::{DomainError, Grid, PlasticStep, Problem, Scheme};
 use crate::solid::reconstruction::GHOSTS;
 use crate::solid::region::Region;
 use models::solid::waves::Field;
 use std::ops::Range;
 
 impl<const D: usize> Layout<D> {
-    /// That of a region of a problem.
+    /// The layout of a region of a problem.
     fn new<T: Real>(problem: &Problem<D>, region: &Region<D>) -> Self {
         let cells = region.cells();
         let own: [Range<usize>; D] = std::array::from_fn(|axis| {
@@ -42,24 +42,20 @@ impl<const D: usize> Layout<D> {
             groups,
             pitch,
             rows: cells[1..D - 1].iter().product(),
-            exchanged: exchanged(problem, pitch),
+            exchanged_fields: exchanged_fields(problem, pitch),
         }
     }
 }
 
-/// Parts of a row that the halo of a neighbour needs.
+/// Fields that the halo of a neighbour along the last axis needs, as ranges of a row.
 ///
 /// In a pass of one step these are the fields that the second sweep along the last axis reads, and those
-/// rotated with them. If two steps share a pass, or if relaxation or the midpoint return mapping precede that sweep, all
-/// fields are exchanged.
-fn exchanged<const D: usize>(problem: &Problem<D>, pitch: usize) -> Vec<Range<usize>> {
+/// rotated with them. If two steps share a pass, sweeps alternate, or a law couples them with others
+/// ([`needs_whole_state`]), all fields are exchanged.
+fn exchanged_fields<const D: usize>(problem: &Problem<D>, pitch: usize) -> Vec<Range<usize>> {
     let Problem { media, scheme, .. } = problem;
     let fields = &problem.fields();
-    let is_plastic = media.iter().any(|medium| medium.yields.is_some());
-    let whole_state = D == 2
-        || scheme.alternates()
-        || media.iter().any(|medium| medium.relaxation.is_some())
-        || (is_plastic && scheme.placement == Placement::Middle);
+    let whole_state = D == 2 || scheme.alternates() || needs_whole_state(problem);
     let place = |field: Field| fields.iter().position(|own| *own == field).map(|own| own * pitch);
     let read = |of: &usize| {
         let mut pairs = media[0].pairs[D - 1].iter();
@@ -96,7 +92,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         Ok(Self::of_region(problem, region, most_steps))
     }
 
-    /// The same of a sound problem.
+    /// [`Self::part`] of a problem that has been checked.
     pub(crate) fn of_region(problem: &Problem<D>, region: &Region<D>, most_steps: usize) -> Self {
         let layout = Layout::new::<T>(problem, region);
         let is_periodic = |axis: usize| {
@@ -112,7 +108,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let coordinates = region.coordinates(*axis).into_iter();
             (*axis, coordinates.map(|place| stress[place]).collect())
         });
-        let reflects = problem.scheme.placement == Placement::Middle;
+        let reflects = problem.scheme.plastic_step == PlasticStep::MidpointReflection;
         let mut law = LocalLaws::new(
             &materials,
             &patterns,

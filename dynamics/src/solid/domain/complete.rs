@@ -1,10 +1,10 @@
 //! The last quarter of a step along the first axis: with alternating sweeps the stored state lacks it, and output is
 //! made of a copy.
 
-use super::table::Wave;
+use super::table::WavePair;
 use super::{Domain, MOST_FIELDS, SolverReal};
 use crate::simd::{Group, Real};
-use crate::solid::cell::Cell;
+use crate::solid::cell::CellConstants;
 use crate::solid::ghosts::{BESIDE, BoundaryFaces, GhostCoefficients, ghosts, image, set_time};
 use crate::solid::line::sweep;
 use crate::solid::reconstruction::GHOSTS;
@@ -85,7 +85,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             values[wave.velocity / self.layout.pitch] =
                 before.velocity + part * (velocity[GHOSTS] - before.velocity);
             values[wave.stress / self.layout.pitch] = before.stress + change;
-            for (index, &place) in wave.followers.iter().enumerate() {
+            for (index, &place) in wave.passive_stresses.iter().enumerate() {
                 let ratio = self.materials.table.ratio(pattern, wave, index).lanes()[lane];
                 let value = &mut values[place / self.layout.pitch];
                 *value = *value + ratio * change;
@@ -115,9 +115,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     fn window(
         &self,
         cell: usize,
-        (pair, wave): (usize, &Wave),
+        (pair, wave): (usize, &WavePair),
         sides: &[BoundaryFaces<T>; 2],
-    ) -> ([T; WINDOW], [T; WINDOW], [Cell<T>; WINDOW]) {
+    ) -> ([T; WINDOW], [T; WINDOW], [CellConstants<T>; WINDOW]) {
         let length = self.layout.cells[0];
         let (row, x) = (cell / length, cell % length);
         let state = |x: usize| {
@@ -132,7 +132,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let beyond = |end: usize, depth: usize| -> (State<T>, usize) {
             let [own, across] = [depth % length, length - 1 - depth % length];
             let (own, across) = if end == 0 { (own, across) } else { (across, own) };
-            let BoundaryFaces::Mirror(mirror) = &sides[end] else { return (state(across), across) };
+            let BoundaryFaces::Physical(mirror) = &sides[end] else {
+                return (state(across), across);
+            };
             let face = (row / T::Lanes::COUNT, row % T::Lanes::COUNT);
             let numbers = |mirror: &crate::solid::ghosts::GhostRule<T>| mirror.face_at(pair, face);
             let imaged = |[v, a, s, b, _]: [T; 5], seen: State<T>| State {
@@ -142,7 +144,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             if length < BESIDE || !mirror.is_one_sided {
                 // A single cell is seen through the other mirror.
                 let mut seen = state(own);
-                if let (BoundaryFaces::Mirror(other), true) = (&sides[1 - end], depth >= length) {
+                if let (BoundaryFaces::Physical(other), true) = (&sides[1 - end], depth >= length) {
                     seen = imaged(numbers(other), seen);
                 }
                 return (imaged(numbers(mirror), seen), own);
@@ -169,7 +171,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 }
             }
         };
-        let all: [(State<T>, Cell<T>); WINDOW] = std::array::from_fn(at);
+        let all: [(State<T>, CellConstants<T>); WINDOW] = std::array::from_fn(at);
         (all.map(|own| own.0.velocity), all.map(|own| own.0.stress), all.map(|own| own.1))
     }
 }

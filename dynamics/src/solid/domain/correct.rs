@@ -1,6 +1,6 @@
 //! Where stresses are taken into their yield sets.
 
-use super::layout::Tile;
+use super::layout::RowSegment;
 use super::plastic::Correct;
 use super::return_mapping::{MapStresses, map_in_lanes};
 use super::whole_stress::{InitialStress, WIDTH, Wide, blocks_of_group};
@@ -22,7 +22,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// P, or with `reflects` 2P − I.
-    pub(super) fn correct(&mut self, layers: &Range<usize>, tile: &Tile, reflects: bool) {
+    pub(super) fn correct(&mut self, layers: &Range<usize>, tile: &RowSegment, reflects: bool) {
         if self.diagnostics.dissipation.plastic.is_empty() {
             return;
         }
@@ -41,7 +41,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// P without initial stress, where all sets are of one kind.
-    fn correct_plain(&mut self, layer: usize, tile: &Tile) {
+    fn correct_plain(&mut self, layer: usize, tile: &RowSegment) {
         let Some(sets) = &self.law.sets else { return };
         let mut left = std::mem::take(&mut self.buffer.left);
         left.clear();
@@ -64,7 +64,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// P or 2P − I of whole stresses.
-    fn map_stresses(&mut self, layer: usize, tile: &Tile, reflects: bool) {
+    fn map_stresses(&mut self, layer: usize, tile: &RowSegment, reflects: bool) {
         let (first, groups) = self.layout.groups_of(layer, tile);
         let lanes = T::Lanes::COUNT;
         let length = self.layout.cells[0];

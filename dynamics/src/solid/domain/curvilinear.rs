@@ -5,11 +5,12 @@
 //! cells would be alike: they keep the table of all patterns of media, and rows have a table of their own, which is filled
 //! for the row that is swept.
 
-use super::layout::Tile;
-use super::table::{Table, Wave};
+use super::law::Interval;
+use super::layout::RowSegment;
+use super::table::{Table, WavePair};
 use super::{Domain, SolverReal};
-use crate::simd::{Group, Number, Real, Vector, Work};
-use crate::solid::cell::Cell;
+use crate::simd::{Group, Number, Real, SimdKernel, Vector};
+use crate::solid::cell::CellConstants;
 use crate::solid::ghosts::GhostCoefficients;
 use crate::solid::medium::Medium;
 use crate::solid::metric::{GeometricPlane, rotated_by_geometry};
@@ -22,10 +23,10 @@ use std::ops::Range;
 pub(super) struct RowSpacing<T: Real> {
     /// Length of a cell along rows by layer, m.
     pub(super) spacing: Vec<f64>,
-    pub(super) waves: Vec<Wave>,
+    pub(super) waves: Vec<WavePair>,
     pub(super) table: Table<T>,
     /// By layer, medium and pair of waves.
-    cells: Vec<Vec<Vec<Cell<T>>>>,
+    cells: Vec<Vec<Vec<CellConstants<T>>>>,
     /// Media in the lanes of a pattern.
     patterns: Vec<Vec<u16>>,
     /// By pattern, the layer for which the table is filled.
@@ -37,7 +38,7 @@ impl<T: Real> RowSpacing<T> {
     /// constants of equal layers; `None` where all layers are alike.
     pub(super) fn new<const D: usize>(
         problem: &Problem<D>,
-        (waves, table): (&[Wave], &Table<T>),
+        (waves, table): (&[WavePair], &Table<T>),
         patterns: &[Vec<u16>],
         layers: &[usize],
     ) -> Option<Self> {
@@ -45,7 +46,7 @@ impl<T: Real> RowSpacing<T> {
         let spacing: Vec<f64> = layers.iter().map(|layer| metric.spacing[*layer]).collect();
         let waves = waves.iter().enumerate();
         let waves: Vec<_> =
-            waves.map(|(pair, own)| Wave { constants: pair, ..own.clone() }).collect();
+            waves.map(|(pair, own)| WavePair { constants: pair, ..own.clone() }).collect();
         let cells_of = |spacing: &f64| {
             let of_medium = |medium: &Medium| {
                 let cell = |pair: &models::solid::waves::Pair| {
@@ -61,7 +62,7 @@ impl<T: Real> RowSpacing<T> {
             table: Table {
                 // To be filled.
                 cells: vec![table.cells[0]; count],
-                waves: waves.len(),
+                cells_of_pattern: waves.len(),
                 ghost_coefficients: Vec::new(),
                 ..table.clone()
             },
@@ -103,24 +104,24 @@ struct Plane<T: Real> {
     weights: Vec<(usize, T)>,
     /// Places of stresses; by pattern Cq.
     moduli: Vec<(usize, Vec<T::Lanes>)>,
-    /// By pattern, in the layer and for the part of a step at hand.
+    /// By pattern, for the layer and the interval of [`GeometricRotation::filled`].
     constants: Vec<[T::Lanes; 4]>,
-    /// By layer, part of a step (whole or half) and medium.
+    /// By layer, [`Interval`] and medium.
     by_layer: Vec<[Vec<[T; 4]>; 2]>,
 }
 
-/// The rotation by which curved rows turn the state.
+/// The rotation of the state by the curvature of rows.
 #[derive(Clone)]
 pub(super) struct GeometricRotation<T: Real> {
     planes: Vec<Plane<T>>,
     patterns: Vec<Vec<u16>>,
-    /// By pattern, the layer and the part of a step for which constants are filled.
-    filled: Vec<(usize, usize)>,
+    /// By pattern, the layer and the interval for which constants are filled.
+    filled: Vec<Option<(usize, Interval)>>,
 }
 
 impl<T: Real> GeometricRotation<T> {
-    /// That of layers of a region of a problem; `None` where rows are straight. The place of a field is so many times its
-    /// index.
+    /// The rotation in `layers` of a region of a problem; `None` where rows are straight. The place of a field is `pitch`
+    /// times its index.
     pub(super) fn new<const D: usize>(
         problem: &Problem<D>,
         patterns: &[Vec<u16>],
@@ -143,7 +144,7 @@ impl<T: Real> GeometricRotation<T> {
             });
             let weights = planes[0].weights.iter();
             let constants = |layer: &usize| {
-                [1.0, 0.5].map(|part| {
+                Interval::both(|part| {
                     let own = |plane: &&GeometricPlane| {
                         plane.rotation(curvature[*layer], part * problem.step).map(T::of)
                     };
@@ -161,19 +162,20 @@ impl<T: Real> GeometricRotation<T> {
         Some(Self {
             planes: (0..of_media[0].len()).map(plane).collect(),
             patterns: patterns.to_vec(),
-            filled: vec![(usize::MAX, 0); patterns.len()],
+            filled: vec![None; patterns.len()],
         })
     }
 
-    /// Fills the constants of a layer for a part of a step, where these patterns are.
-    fn fill(&mut self, layer: usize, part: usize, patterns: &[u32]) {
+    /// Fills the constants of patterns for a layer and an interval.
+    fn fill(&mut self, layer: usize, interval: Interval, patterns: &[u32]) {
         for pattern in patterns.iter().map(|pattern| *pattern as usize) {
-            if std::mem::replace(&mut self.filled[pattern], (layer, part)) == (layer, part) {
+            let filled = Some((layer, interval));
+            if std::mem::replace(&mut self.filled[pattern], filled) == filled {
                 continue;
             }
             for plane in &mut self.planes {
                 for (lane, medium) in self.patterns[pattern].iter().enumerate() {
-                    let own = plane.by_layer[layer][part][usize::from(*medium)];
+                    let own = plane.by_layer[layer][interval as usize][usize::from(*medium)];
                     for (lanes, value) in plane.constants[pattern].iter_mut().zip(own) {
                         lanes.lanes_mut()[lane] = value;
                     }
@@ -183,15 +185,15 @@ impl<T: Real> GeometricRotation<T> {
     }
 }
 
-/// The rotation on groups that follow each other in a row.
-struct Turn<'a, T: Real> {
+/// Rotation by the curvature of rows, in adjacent groups of a row.
+struct RotateGeometry<'a, T: Real> {
     /// From the first of the groups on.
     data: &'a mut [T::Lanes],
     patterns: &'a [u32],
     planes: &'a [Plane<T>],
 }
 
-impl<T: Real> Work<T> for Turn<'_, T> {
+impl<T: Real> SimdKernel<T> for RotateGeometry<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
         for (index, &pattern) in self.patterns.iter().enumerate() {
@@ -216,14 +218,19 @@ impl<T: Real> Work<T> for Turn<'_, T> {
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// The rotation of curved rows over a whole step (0) or a half (1).
-    pub(super) fn turn(&mut self, layers: &Range<usize>, tile: &Tile, part: usize) {
+    /// Rotates the state by the curvature of rows; in the plane, where layers are rows.
+    pub(super) fn rotate_geometry(
+        &mut self,
+        layers: &Range<usize>,
+        tile: &RowSegment,
+        interval: Interval,
+    ) {
         let Some(rotation) = &mut self.law.geometry else { return };
         for layer in layers.clone() {
             let (first, groups) = self.layout.groups_of(layer, tile);
             let patterns = &self.materials.patterns[groups];
-            rotation.fill(layer, part, patterns);
-            self.instructions.run::<T>(Turn {
+            rotation.fill(layer, interval, patterns);
+            self.instructions.run::<T>(RotateGeometry {
                 data: &mut self.data[first..],
                 patterns,
                 planes: &rotation.planes,

@@ -1,9 +1,9 @@
 //! Ghosts at the ends of lines, in the instructions that the processor has.
 
 use super::rows::Rows;
-use super::table::{Table, Wave};
-use crate::simd::{Real, Vector, Work};
-use crate::solid::cell::Cell;
+use super::table::{Table, WavePair};
+use crate::simd::{Real, SimdKernel, Vector};
+use crate::solid::cell::CellConstants;
 use crate::solid::ghosts::{BESIDE, GhostRule, ghosts, image};
 use crate::solid::reconstruction::GHOSTS;
 use crate::solid::riemann::State;
@@ -11,12 +11,12 @@ use crate::solid::riemann::State;
 /// The ghosts of all waves along rows: for those who look at them before the sweep.
 pub(crate) struct Fill<'a, T: Real> {
     pub(crate) data: &'a mut [T::Lanes],
-    pub(crate) waves: &'a [Wave],
+    pub(crate) waves: &'a [WavePair],
     pub(crate) rows: Rows<'a, T>,
     pub(crate) count: usize,
 }
 
-impl<T: Real> Work<T> for Fill<'_, T> {
+impl<T: Real> SimdKernel<T> for Fill<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
         for (pair, wave) in self.waves.iter().enumerate() {
@@ -28,7 +28,7 @@ impl<T: Real> Work<T> for Fill<'_, T> {
 /// The ghosts at a depth beyond an end of lines that lie side by side, group by group.
 pub(crate) struct FillEnd<'a, T: Real> {
     pub(crate) data: &'a mut [T::Lanes],
-    pub(crate) waves: &'a [Wave],
+    pub(crate) waves: &'a [WavePair],
     /// The mirrors through which it is seen, in this order.
     pub(crate) mirrors: [Option<&'a GhostRule<T>>; 2],
     /// Where the fields of what the first line shows begin, and those of its ghost; the other lines follow group by group.
@@ -37,11 +37,11 @@ pub(crate) struct FillEnd<'a, T: Real> {
     pub(crate) face: usize,
 }
 
-impl<T: Real> Work<T> for FillEnd<'_, T> {
+impl<T: Real> SimdKernel<T> for FillEnd<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
         let Self { data, waves, mirrors, places: [own, ghost], lines, face } = self;
-        for (pair, &Wave { velocity, stress, .. }) in waves.iter().enumerate() {
+        for (pair, &WavePair { velocity, stress, .. }) in waves.iter().enumerate() {
             for line in 0..lines {
                 let group = &data[own + line..];
                 let mut seen =
@@ -62,7 +62,7 @@ impl<T: Real> Work<T> for FillEnd<'_, T> {
 /// The ghosts beyond an end of lines that lie side by side, where some wave is reconstructed from its own side.
 pub(crate) struct FillOneSided<'a, T: Real> {
     pub(crate) data: &'a mut [T::Lanes],
-    pub(crate) waves: &'a [Wave],
+    pub(crate) waves: &'a [WavePair],
     pub(crate) mirror: &'a GhostRule<T>,
     pub(crate) end: usize,
     /// By depth where the fields of the first line's cell begin; the other lines follow group by group.
@@ -76,7 +76,7 @@ pub(crate) struct FillOneSided<'a, T: Real> {
     pub(crate) patterns: [&'a [u32]; BESIDE],
 }
 
-impl<T: Real> Work<T> for FillOneSided<'_, T> {
+impl<T: Real> SimdKernel<T> for FillOneSided<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
         let Self { data, waves, mirror, end, lines, face, table, .. } = self;
@@ -84,10 +84,10 @@ impl<T: Real> Work<T> for FillOneSided<'_, T> {
         for (pair, wave) in waves.iter().enumerate() {
             for line in 0..lines {
                 let [first, second, third] = self.patterns;
-                let cells: [Cell<V>; BESIDE] = [
-                    Cell::load(table.cell(first[line], wave)),
-                    Cell::load(table.cell(second[line], wave)),
-                    Cell::load(table.cell(third[line], wave)),
+                let cells: [CellConstants<V>; BESIDE] = [
+                    CellConstants::load(table.cell(first[line], wave)),
+                    CellConstants::load(table.cell(second[line], wave)),
+                    CellConstants::load(table.cell(third[line], wave)),
                 ];
                 let [v, a, s, b, one_sided] = mirror.face(pair, face + line);
                 let mirror = [V::load(v), V::load(a), V::load(s), V::load(b), V::load(one_sided)];
@@ -112,6 +112,6 @@ impl<T: Real> Work<T> for FillOneSided<'_, T> {
 
 /// The velocity and the stress of a wave in a group.
 #[inline(always)]
-fn state_at<T: Real, V: Vector<T>>(group: &[T::Lanes], wave: &Wave) -> State<V> {
+fn state_at<T: Real, V: Vector<T>>(group: &[T::Lanes], wave: &WavePair) -> State<V> {
     State { velocity: V::load(&group[wave.velocity]), stress: V::load(&group[wave.stress]) }
 }

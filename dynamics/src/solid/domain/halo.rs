@@ -10,20 +10,22 @@ use crate::solid::interlayers::MEMORY;
 use std::convert::Infallible;
 use std::ops::Range;
 
-/// What crosses the cuts of a domain, at the ends of its axes towards smaller (0) and towards greater coordinates (1).
+/// Exchange of the halo with the neighbours across the cuts of a domain, at the ends of its axes towards smaller (0) and
+/// towards greater coordinates (1).
 ///
-/// At each end a domain begins as many messages as it finishes, and they arrive in the order in which the neighbour begins
-/// them at the opposite end of its own. A neighbour may be [`Domain::messages_ahead`] messages ahead: `begin` may wait where
-/// there would be more, and `finish` waits for the message.
-pub trait Halo<T> {
+/// At each end a domain sends as many messages as it receives, and they arrive in the order in which the neighbour sends
+/// them at its opposite end. A neighbour may be [`Domain::messages_ahead`] messages ahead: `send` may wait where there would
+/// be more, and `receive` waits for the message. With channels of that capacity no part waits for itself: a pass sends all
+/// that the neighbours need for a block of rows before it receives their layers of the same block.
+pub trait HaloExchange<T> {
     /// Why there is no exchange.
     type Error;
 
-    /// Hands over pieces of the data at an end of an axis.
+    /// Sends pieces of the data to the neighbour at an end of an axis.
     ///
     /// # Errors
     /// The neighbour cannot be reached.
-    fn begin(
+    fn send(
         &mut self,
         axis: usize,
         end: usize,
@@ -31,11 +33,11 @@ pub trait Halo<T> {
         pieces: impl Iterator<Item = Range<usize>>,
     ) -> Result<(), Self::Error>;
 
-    /// Brings the next message from the neighbour there.
+    /// Receives the next message of that neighbour into pieces of the data.
     ///
     /// # Errors
     /// The neighbour cannot be reached, or does not send any more.
-    fn finish(
+    fn receive(
         &mut self,
         axis: usize,
         end: usize,
@@ -45,10 +47,10 @@ pub trait Halo<T> {
 }
 
 /// No neighbours.
-impl<T> Halo<T> for () {
+impl<T> HaloExchange<T> for () {
     type Error = Infallible;
 
-    fn begin(
+    fn send(
         &mut self,
         _: usize,
         _: usize,
@@ -58,7 +60,7 @@ impl<T> Halo<T> for () {
         Ok(())
     }
 
-    fn finish(
+    fn receive(
         &mut self,
         _: usize,
         _: usize,
@@ -70,7 +72,7 @@ impl<T> Halo<T> for () {
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// How many messages at an end of an axis a neighbour may begin before this domain finishes the first of them.
+    /// How many messages a neighbour at an end of an axis may send before this domain receives the first of them.
     pub fn messages_ahead(&self, axis: usize) -> usize {
         // Interlayers have messages of their own.
         let kinds = if self.interfaces.is_any() { 2 } else { 1 };
@@ -81,9 +83,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Does the first x and y sweeps of a block of rows in the layers that are exchanged, then sends their
-    /// finished rows. Layers that are their own halo are sent to nobody.
-    pub(super) fn send<H: Halo<T::Lanes>>(
+    /// First x and y sweeps of a block of rows in the own layers that neighbours along the last axis need, then sends their
+    /// finished rows. `Domain::advance_layers` does not sweep these layers again. Where the own layers are each other's halo
+    /// nothing is sent.
+    pub(super) fn sweep_and_send<H: HaloExchange<T::Lanes>>(
         &mut self,
         block: &Range<usize>,
         ready: &Range<usize>,
@@ -91,7 +94,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     ) -> Result<(), H::Error> {
         let own = self.layout.own_layers();
         for layer in own.clone() {
-            if !self.layout.is_exchanged(layer) {
+            if !self.layout.is_in_a_halo(layer) {
                 continue;
             }
             let mut loaded = block.start;
@@ -103,18 +106,18 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let depths = [layer - own.start, own.end - 1 - layer];
             let halo = self.layout.halo(D - 1);
             for end in (0..2).filter(|end| depths[*end] < halo[*end]) {
-                neighbours.begin(D - 1, end, &self.data, self.layout.pieces(layer, ready))?;
+                neighbours.send(D - 1, end, &self.data, self.layout.pieces(layer, ready))?;
                 if self.interfaces.is_any() {
                     let pieces = self.interfaces.pieces(&self.layout, layer, ready);
-                    neighbours.begin(D - 1, end, &self.interfaces.memory, pieces)?;
+                    neighbours.send(D - 1, end, &self.interfaces.memory, pieces)?;
                 }
             }
         }
         Ok(())
     }
 
-    /// Fills rows of the halo at an end of the last axis.
-    pub(super) fn receive<H: Halo<T::Lanes>>(
+    /// Receives rows of the halo at an end of the last axis.
+    pub(super) fn receive_layers<H: HaloExchange<T::Lanes>>(
         &mut self,
         end: usize,
         rows: &Range<usize>,
@@ -123,10 +126,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let first = [0, self.layout.own_layers().end][end];
         for layer in first..first + self.layout.halo(D - 1)[end] {
             let pieces = self.layout.pieces(layer, rows);
-            neighbours.finish(D - 1, end, &mut self.data, pieces)?;
+            neighbours.receive(D - 1, end, &mut self.data, pieces)?;
             if self.interfaces.is_any() {
                 let pieces = self.interfaces.pieces(&self.layout, layer, rows);
-                neighbours.finish(D - 1, end, &mut self.interfaces.memory, pieces)?;
+                neighbours.receive(D - 1, end, &mut self.interfaces.memory, pieces)?;
             }
         }
         Ok(())
@@ -148,7 +151,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Exchanges the halo along all axes but the last one.
-    pub(super) fn exchange<H: Halo<T::Lanes>>(
+    pub(super) fn exchange<H: HaloExchange<T::Lanes>>(
         &mut self,
         neighbours: &mut H,
     ) -> Result<(), H::Error> {
@@ -157,13 +160,13 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let ends = || (0..2).filter(|end| halo[*end] > 0);
             for end in ends() {
                 self.pack(&self.layout.strip(axis, end, true), |buffer| {
-                    neighbours.begin(axis, end, buffer, std::iter::once(0..buffer.len()))
+                    neighbours.send(axis, end, buffer, std::iter::once(0..buffer.len()))
                 })?;
             }
             for end in ends() {
                 self.unpack(&self.layout.strip(axis, end, false), |buffer| {
                     let all = 0..buffer.len();
-                    neighbours.finish(axis, end, buffer, std::iter::once(all))
+                    neighbours.receive(axis, end, buffer, std::iter::once(all))
                 })?;
             }
         }
@@ -173,7 +176,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         Ok(())
     }
 
-    /// Numbers of the cells in a box: fields, then the memories of the interlayers in front of them.
+    /// Count of the values of the cells in a box: fields, then the histories of the interlayers at their lower faces.
     fn numbers_in(&self, cells: &[Range<usize>; D]) -> usize {
         let count: usize = cells.iter().map(ExactSizeIterator::len).product();
         count * self.fields().len() + MEMORY * self.interfaces.sites_in(&self.layout, cells).len()

@@ -1,10 +1,12 @@
-//! Faces with memory in a domain: where interlayers stand, and what they remember.
+//! Interlayers in a domain: at which faces they stand, and their history variables V and S ([`ElasticInterlayer`]).
 //!
-//! Every sweep advances a face in each place where the walk of the kernel forms it. Such places are more than there are
-//! faces: the face between the last group of a lane and the first group of the next lane is formed at both ends of a row,
-//! that between both ends of a periodic line twice, and faces near a cut by both parts. Each place has a memory of its own.
-//! They begin as copies, all see the same states, and so they stay the same to the bit; those in halo layers are exchanged
-//! with the fields. The memory of the face itself is that behind which its cell stands, in the part that owns the cell.
+//! A sweep evaluates some faces in more than one place: the face between the last group of a lane and the first group of
+//! the next lane at both ends of a row, the face between both ends of a periodic line twice, faces near a cut in both
+//! parts. Each place keeps a copy of the history. All copies see the same states, and so they stay equal to the bit; in
+//! halo layers they are exchanged with the fields. The copy that counts, for energy and output, is that at the lower face
+//! of the cell above it, in the part that owns the cell.
+//!
+//! Elastic laws dissipate nothing: a law that does needs a term of the ledger, from the copies that count alone.
 
 use super::layout::Layout;
 use crate::simd::{Group, Number, Real};
@@ -17,7 +19,7 @@ use crate::solid::region::Region;
 use models::interface::elastic::ElasticInterlayer;
 use std::ops::Range;
 
-/// The face in front of a group on the path of a sweep.
+/// The lower face of a group on the path of a sweep.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Face {
     /// Lanes with an interlayer, by bits: the reconstruction does not look across it.
@@ -32,8 +34,8 @@ pub(crate) struct Face {
 #[derive(Clone)]
 struct Across<T: Real> {
     laws: Vec<ElasticInterlayer<T>>,
-    /// By coordinate of the cell behind the face; along the last axis by layer, those of the halo included.
-    is_layered: Vec<bool>,
+    /// By coordinate of the cell whose lower face it is; along the last axis by layer, those of the halo included.
+    has_interlayer: Vec<bool>,
     is_periodic: bool,
     /// By place of a group on a line, from the farther ghost in front of it to that behind it.
     faces: Vec<Face>,
@@ -51,7 +53,7 @@ pub(super) struct Interfaces<T: Real, const D: usize> {
     across: [Option<Across<T>>; D],
     /// Empty in a part without any.
     pub(super) memory: Vec<T::Lanes>,
-    /// Room for the faces on the path of a sweep.
+    /// Buffer: the faces on the path of a sweep.
     pub(super) path: Vec<Face>,
 }
 
@@ -70,27 +72,27 @@ pub(super) struct Site {
 impl<T: Real> Across<T> {
     /// The coordinate of the face that has an interlayer at a place, if it has.
     fn coordinate(&self, place: isize) -> Option<usize> {
-        let count = self.is_layered.len();
+        let count = self.has_interlayer.len();
         let around = match self.is_periodic {
             true => place.rem_euclid(count as isize),
             false => place,
         };
         let around = usize::try_from(around).ok()?;
-        (around < count && self.is_layered[around]).then_some(around)
+        (around < count && self.has_interlayer[around]).then_some(around)
     }
 }
 
 impl<T: Real, const D: usize> Interfaces<T, D> {
-    /// Those of a region of a problem.
+    /// The interlayers of a region of a problem.
     pub(super) fn new(problem: &Problem<D>, layout: &Layout<D>, region: &Region<D>) -> Self {
         let mut memories = 0;
         let across = std::array::from_fn(|axis| {
             let own = problem.interlayers_across(axis)?;
             let coordinates = region.coordinates(axis).into_iter();
-            let is_layered = coordinates.map(|place| own.is_in_front_of(place)).collect();
+            let has_interlayer = coordinates.map(|place| own.is_in_front_of(place)).collect();
             let is_periodic =
                 problem.boundaries[axis][0] == Boundary::Periodic && region.halo(axis) == [0, 0];
-            let (pairs, ends) = (own.laws.len(), (is_layered, is_periodic));
+            let (pairs, ends) = (own.laws.len(), (has_interlayer, is_periodic));
             let across = match axis {
                 0 => Self::along_rows(pairs, layout, ends),
                 _ => Self::across_rows(axis, pairs, layout, ends),
@@ -112,12 +114,12 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
     fn along_rows(
         pairs: usize,
         layout: &Layout<D>,
-        (is_layered, is_periodic): (Vec<bool>, bool),
+        (has_interlayer, is_periodic): (Vec<bool>, bool),
     ) -> Across<T> {
         let (count, groups) = (layout.cells[0] as isize, layout.groups as isize);
         let mut across = Across {
             laws: Vec::new(),
-            is_layered,
+            has_interlayer,
             is_periodic,
             faces: Vec::new(),
             first: 0,
@@ -150,7 +152,7 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         axis: usize,
         pairs: usize,
         layout: &Layout<D>,
-        (is_layered, is_periodic): (Vec<bool>, bool),
+        (has_interlayer, is_periodic): (Vec<bool>, bool),
     ) -> Across<T> {
         let lines = match axis + 1 == D {
             true => layout.layer_groups(),
@@ -158,14 +160,14 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         };
         let mut across = Across {
             laws: Vec::new(),
-            is_layered,
+            has_interlayer,
             is_periodic,
             faces: Vec::new(),
             first: 0,
             line: MEMORY * pairs,
             slot: MEMORY * pairs * lines,
         };
-        let (count, beyond) = (across.is_layered.len() as isize, GHOSTS as isize);
+        let (count, beyond) = (across.has_interlayer.len() as isize, GHOSTS as isize);
         let all = ((1_u32 << T::Lanes::COUNT) - 1) as u16;
         let mut start = 0;
         for place in -beyond..count + beyond {
@@ -257,7 +259,7 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
                     true => layer,
                     false => cell / stride % layout.cells[axis],
                 };
-                if !own.is_layered[place] {
+                if !own.has_interlayer[place] {
                     continue;
                 }
                 let (row, x) = (cell / layout.cells[0], cell % layout.cells[0]);
@@ -347,7 +349,7 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
             }
         }
         for across in self.across[1..D - 1].iter().flatten() {
-            let count = across.is_layered.len();
+            let count = across.has_interlayer.len();
             let [front, behind] = [0, count].map(|place| across.faces[place + GHOSTS]);
             if behind.active != 0 {
                 let from = across.first + front.start;
@@ -369,7 +371,7 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
             stored.push(own.first + from * own.line..own.first + to * own.line);
         }
         for own in self.across[1..D - 1].iter().flatten() {
-            let is_end = rows.end == own.is_layered.len();
+            let is_end = rows.end == own.has_interlayer.len();
             for place in rows.start..rows.end + usize::from(is_end) {
                 let face = own.faces[place + GHOSTS];
                 if face.active != 0 {

@@ -10,14 +10,15 @@ pub(super) mod interlayers;
 
 use super::layout::GroupIndex;
 use super::rows::Rows;
-use super::table::{Table, Wave};
-use crate::simd::{Instructions, Number, Real, Vector, Work};
-use crate::solid::cell::Cell;
+use super::table::{Table, WavePair};
+use crate::simd::{Instructions, Number, Real, SimdKernel, Vector};
+use crate::solid::cell::CellConstants;
 use crate::solid::reconstruction::{GHOSTS, Slopes};
 use crate::solid::riemann::{InterfaceState, RiemannInvariants, State, updated};
 use std::ops::Range;
 
-/// Fields by wave at most: 24 by 6 in Cosserat's space, 12 by 3 in its plane.
+/// Fields prefetched for each pair of waves: 24 by 6 in a Cosserat solid in space, 12 by 3 in the plane. Viscous strains,
+/// which sweeps do not read, are left to the hardware.
 pub(crate) const MOST_SHARE: usize = 4;
 
 /// Prefetches the cache lines of `from[distance]`, which may be out of bounds, into L1 if `soon`, else into L2.
@@ -39,21 +40,21 @@ fn prefetch<N>(from: &[N], distance: usize, soon: bool) {
     let _ = (from, distance, soon);
 }
 
-/// What a sweep along a line carries from a group to the next, by pair of waves.
+/// State that a sweep carries from a group to the next one of a line, by pair of waves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Carried<N> {
-    /// Stencil data of the groups behind for the next face; see [`Slopes::reach`].
+    /// Stencil data of the previous groups for the next face; see [`Slopes::face_values`].
     known: RiemannInvariants<N>,
     /// Interface state at the lower face of the group that is updated next, scaled by its impedance.
-    joint: InterfaceState<N>,
+    lower_face: InterfaceState<N>,
 }
 
 impl<V: Number> Carried<V> {
-    /// Nothing.
+    /// For the first face of a line.
     pub(crate) fn empty() -> Self {
         Self {
             known: RiemannInvariants::ZERO,
-            joint: InterfaceState::riemann_equal_impedance([V::ZERO, V::ZERO]),
+            lower_face: InterfaceState::riemann_equal_impedance([V::ZERO, V::ZERO]),
         }
     }
 
@@ -64,7 +65,7 @@ impl<V: Number> Carried<V> {
     {
         Self {
             known: RiemannInvariants::load(&from.known),
-            joint: InterfaceState::load(&from.joint),
+            lower_face: InterfaceState::load(&from.lower_face),
         }
     }
 
@@ -74,7 +75,7 @@ impl<V: Number> Carried<V> {
         V: Vector<T>,
     {
         self.known.store(&mut to.known);
-        self.joint.store(&mut to.joint);
+        self.lower_face.store(&mut to.lower_face);
     }
 }
 
@@ -87,22 +88,22 @@ pub(crate) struct Lines<'a, T: Real> {
     /// From a field of a group to the next one.
     pub(crate) pitch: usize,
     pub(crate) table: &'a Table<T>,
-    pub(crate) waves: &'a [Wave],
+    pub(crate) waves: &'a [WavePair],
     pub(crate) slopes: Slopes,
-    /// Of all groups.
+    /// Lane pattern of all groups: which media their lanes hold.
     pub(crate) patterns: &'a [u32],
-    /// By group: how many that follow along such a line have the same pattern, so far as this number goes.
-    /// Where a line ends at a cut they may be beyond it: the group beyond has the last group's pattern, too.
+    /// By group: length of the run of equal patterns that begins there along such a line, 255 at most. At a cut the run may
+    /// extend beyond the line: the group beyond has the pattern of the last one.
     pub(crate) run_lengths: &'a [u8],
     /// Groups of the first line in the order of the sweep: each but the first and the last is current once,
     /// while the one before it is written and the one after it is read. The groups of the other lines follow
     /// each of them.
     pub(crate) path: &'a [GroupIndex],
-    /// The group of the first line before those, or the first of them where there is none.
+    /// The group of the first line before its path, or the first of the path where there is none.
     pub(crate) in_front: GroupIndex,
     /// From a line to the next.
     pub(crate) across: GroupIndex,
-    /// Whether the path begins with the ghosts at the lower end, where nothing is carried yet. The sweep writes
+    /// Whether the path begins with the ghosts at the lower end, where no state is carried yet. The sweep writes
     /// ghosts like all groups: they must be filled anew for another one.
     pub(crate) begins: bool,
     /// L1 prefetch distance in groups, some lines or the next row: rows and layers are too far apart for the
@@ -112,7 +113,7 @@ pub(crate) struct Lines<'a, T: Real> {
     pub(crate) later: (usize, Range<usize>),
     /// By line and wave.
     pub(crate) carried: &'a mut [Carried<T::Lanes>],
-    /// Of lines that are rows: their ends.
+    /// The ends of lines that are rows.
     pub(crate) rows: Option<Rows<'a, T>>,
 }
 
@@ -120,11 +121,11 @@ pub(crate) struct Lines<'a, T: Real> {
 struct Advance<'a, 'b, T: Real, const MIXED: bool> {
     all: &'a mut Lines<'b, T>,
     lines: Range<usize>,
-    /// That of all lines, unless they are mixed.
+    /// The pattern of all lines, unless they are mixed.
     pattern: u32,
 }
 
-impl<T: Real, const MIXED: bool> Work<T> for Advance<'_, '_, T, MIXED> {
+impl<T: Real, const MIXED: bool> SimdKernel<T> for Advance<'_, '_, T, MIXED> {
     /// One loop for each kind of reconstruction.
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
@@ -140,7 +141,8 @@ impl<T: Real, const MIXED: bool> Work<T> for Advance<'_, '_, T, MIXED> {
 }
 
 impl<T: Real> Lines<'_, T> {
-    /// Sweeps the lines in such instructions: lines of one pattern together, and together those of several.
+    /// Sweeps the lines with an instruction set: adjacent lines of one pattern together, adjacent lines of several patterns
+    /// together.
     pub(super) fn walk(mut self, instructions: Instructions) {
         let lines = self.carried.len() / self.waves.len().max(1);
         // A single pattern: skip the lookup and its memory traffic.
@@ -199,10 +201,10 @@ impl<T: Real> Lines<'_, T> {
             if let Some(rows) = &self.rows {
                 rows.fill::<V>(self.data, &self.waves[index], index, lines.clone());
             }
-            // Loops of their own for all numbers of followers, of which Hooke's law has two at most.
+            // Loops of their own for all numbers of passive_stresses, of which Hooke's law has two at most.
             let lines = lines.clone();
-            debug_assert!(self.waves[index].followers.len() <= 2);
-            match self.waves[index].followers.len() {
+            debug_assert!(self.waves[index].passive_stresses.len() <= 2);
+            match self.waves[index].passive_stresses.len() {
                 0 => self.advance::<V, 0, MIXED>(lines, index, pattern, slopes),
                 1 => self.advance::<V, 1, MIXED>(lines, index, pattern, slopes),
                 _ => self.advance::<V, 2, MIXED>(lines, index, pattern, slopes),
@@ -210,7 +212,7 @@ impl<T: Real> Lines<'_, T> {
         }
     }
 
-    /// How far behind a group at hand stands the share of fields that a wave calls for, and where that ends.
+    /// The range of distances, from a group on the path, of the fields that a pair of waves prefetches.
     #[inline(always)]
     fn later_share(&self, index: usize) -> Range<usize> {
         let (behind, Range { start, end }) = self.later;
@@ -218,25 +220,25 @@ impl<T: Real> Lines<'_, T> {
         behind + (first + start) * self.pitch..behind + (first + end) * self.pitch
     }
 
-    /// What the followers of a wave get of its change of stress.
+    /// Coupling ratios of the passive stresses of a pair of waves.
     #[inline(always)]
-    fn ratios<V: Vector<T>, const FOLLOWERS: usize>(
+    fn ratios<V: Vector<T>, const PASSIVE: usize>(
         &self,
         pattern: u32,
-        wave: &Wave,
-    ) -> [V; FOLLOWERS] {
+        wave: &WavePair,
+    ) -> [V; PASSIVE] {
         // No closure: closures are not inlined into the target-feature function and lose its SIMD instructions.
-        let mut ratios = [V::ZERO; FOLLOWERS];
-        for (follower, ratio) in ratios.iter_mut().enumerate() {
-            *ratio = V::load(self.table.ratio(pattern, wave, follower));
+        let mut ratios = [V::ZERO; PASSIVE];
+        for (passive, ratio) in ratios.iter_mut().enumerate() {
+            *ratio = V::load(self.table.ratio(pattern, wave, passive));
         }
         ratios
     }
 
     #[inline(always)]
-    fn read<V: Vector<T>, const FOLLOWERS: usize>(
+    fn read<V: Vector<T>, const PASSIVE: usize>(
         &self,
-        places: &Places<FOLLOWERS>,
+        places: &Places<PASSIVE>,
         data: usize,
     ) -> State<V> {
         let group = &self.data[data..][..places.extent];
@@ -245,7 +247,7 @@ impl<T: Real> Lines<'_, T> {
 
     /// Sweeps a pair of waves along lines, of one pattern or `MIXED`.
     #[inline(always)]
-    fn advance<V: Vector<T>, const FOLLOWERS: usize, const MIXED: bool>(
+    fn advance<V: Vector<T>, const PASSIVE: usize, const MIXED: bool>(
         &mut self,
         lines: Range<usize>,
         index: usize,
@@ -257,15 +259,15 @@ impl<T: Real> Lines<'_, T> {
         let places = Places {
             velocity: wave.velocity,
             stress: wave.stress,
-            followers: std::array::from_fn(|index| wave.followers[index]),
+            passive_stresses: std::array::from_fn(|index| wave.passive_stresses[index]),
             extent,
             later: self.later_share(index),
         };
         // Once, and not in every group.
         assert!(places.velocity < extent && places.stress < extent);
-        assert!(places.followers.iter().all(|place| *place < extent));
+        assert!(places.passive_stresses.iter().all(|place| *place < extent));
         let (path, patterns, steps) = (self.path, self.patterns, self.path.len() - 2);
-        let mut cell: Cell<V> = Cell::load(self.table.cell(pattern, wave));
+        let mut cell: CellConstants<V> = CellConstants::load(self.table.cell(pattern, wave));
         for line in lines {
             let slot = line * self.waves.len() + index;
             let offset = GroupIndex { group: 0, data: 0 }.of_line(line, self.across);
@@ -281,7 +283,7 @@ impl<T: Real> Lines<'_, T> {
             if MIXED {
                 farther = patterns[self.in_front.group + offset.group];
                 pattern = patterns[path[0].group + offset.group];
-                cell = Cell::load(self.table.cell(pattern, wave));
+                cell = CellConstants::load(self.table.cell(pattern, wave));
             }
             let last: State<V> = self.read(&places, path[0].data + offset.data);
             let here: State<V> = self.read(&places, path[1].data + offset.data);
@@ -289,10 +291,10 @@ impl<T: Real> Lines<'_, T> {
                 true => Carried::empty(),
                 false => Carried::load(&self.carried[slot]),
             };
-            let mut sight = StencilState::of([last, here], &cell, carried, slopes);
+            let mut stencil = StencilState::of([last, here], &cell, carried, slopes);
             let mut place = 0;
             loop {
-                let ratios: [V; FOLLOWERS] = self.ratios(pattern, wave);
+                let ratios: [V; PASSIVE] = self.ratios(pattern, wave);
                 while place < steps
                     && (!MIXED
                         || (farther == pattern
@@ -302,7 +304,7 @@ impl<T: Real> Lines<'_, T> {
                     let stops =
                         [path[place].data + offset.data, path[place + 2].data + offset.data];
                     let media = Media::Same(&cell, &ratios);
-                    self.step(&places, &mut sight, stops, media, slopes);
+                    self.advance_group(&places, &mut stencil, stops, media, slopes);
                     place += 1;
                 }
                 // Nothing of what follows is compiled for lines of one pattern.
@@ -310,41 +312,41 @@ impl<T: Real> Lines<'_, T> {
                     break;
                 }
                 let stops = [path[place].data + offset.data, path[place + 2].data + offset.data];
-                let first: Cell<V> = Cell::load(self.table.cell(farther, wave));
+                let first: CellConstants<V> = CellConstants::load(self.table.cell(farther, wave));
                 let (cell_behind, pattern_behind) = (cell, pattern);
                 farther = pattern;
                 pattern = patterns[path[place + 1].group + offset.group];
-                cell = Cell::load(self.table.cell(pattern, wave));
+                cell = CellConstants::load(self.table.cell(pattern, wave));
                 let next = patterns[path[place + 2].group + offset.group];
-                let next: Cell<V> = Cell::load(self.table.cell(next, wave));
+                let next: CellConstants<V> = CellConstants::load(self.table.cell(next, wave));
                 let media =
                     Media::Other([&first, &cell_behind, &cell, &next], pattern_behind, wave);
-                self.step(&places, &mut sight, stops, media, slopes);
+                self.advance_group(&places, &mut stencil, stops, media, slopes);
                 place += 1;
             }
             if let Some(rows) = &self.rows {
                 rows.clear(self.data, places.velocity, line);
                 rows.clear(self.data, places.stress, line);
-                for place in places.followers {
+                for place in places.passive_stresses {
                     rows.clear(self.data, place, line);
                 }
             } else {
-                sight.carried.store(&mut self.carried[slot]);
+                stencil.carried.store(&mut self.carried[slot]);
             }
         }
     }
 
-    /// Writes the group behind the one at hand, and reads the one after it, which then is at hand.
+    /// Updates the previous group of the path and loads the next one.
     #[inline(always)]
-    fn step<V: Vector<T>, const FOLLOWERS: usize>(
+    fn advance_group<V: Vector<T>, const PASSIVE: usize>(
         &mut self,
-        places: &Places<FOLLOWERS>,
-        sight: &mut StencilState<V>,
+        places: &Places<PASSIVE>,
+        stencil: &mut StencilState<V>,
         [behind, next]: [usize; 2],
-        media: Media<'_, V, FOLLOWERS>,
+        media: Media<'_, V, PASSIVE>,
         slopes: Slopes,
     ) {
-        let &Places { velocity, stress, followers, extent, ref later } = places;
+        let &Places { velocity, stress, passive_stresses, extent, ref later } = places;
         let group = &self.data[next..][..extent];
         prefetch(group, self.next + velocity, true);
         prefetch(group, self.next + stress, true);
@@ -359,41 +361,41 @@ impl<T: Real> Lines<'_, T> {
             Media::Other([_, behind, cell, _], ..) => [behind, cell],
         };
         let waves = RiemannInvariants::of(next, cell);
-        let StencilState { carried, last, here, own, behind: waves_behind } = *sight;
+        let StencilState { carried, last, here, own, behind: waves_behind } = *stencil;
         let ahead = slopes.ahead(own, waves);
         let (reach, known) = match media {
-            Media::Same(..) => slopes.reach(carried.known, own, [waves_behind, ahead], cell),
+            Media::Same(..) => slopes.face_values(carried.known, own, [waves_behind, ahead], cell),
             Media::Other(cells, ..) => {
-                slopes.reach_between_media(carried.known, [last, here, next], cells)
+                slopes.face_values_between_media(carried.known, [last, here, next], cells)
             }
         };
-        let [joint, beyond] = match media {
+        let [lower_face, beyond] = match media {
             Media::Same(..) => [InterfaceState::riemann_equal_impedance(reach); 2],
             Media::Other(..) => {
                 InterfaceState::riemann([cell_behind.impedance, cell.impedance], reach)
             }
         };
-        let moved = updated(last, [carried.joint, joint], cell_behind);
+        let moved = updated(last, [carried.lower_face, lower_face], cell_behind);
         let group = &mut self.data[behind..][..extent];
-        for place in followers {
+        for place in passive_stresses {
             prefetch(group, self.next + place, true);
         }
         moved.velocity.store(&mut group[velocity]);
         moved.stress.store(&mut group[stress]);
-        if FOLLOWERS > 0 {
+        if PASSIVE > 0 {
             let change = moved.stress - last.stress;
-            for (follower, place) in followers.into_iter().enumerate() {
+            for (passive, place) in passive_stresses.into_iter().enumerate() {
                 let ratio = match media {
-                    Media::Same(_, ratios) => ratios[follower],
+                    Media::Same(_, ratios) => ratios[passive],
                     Media::Other(_, pattern, wave) => {
-                        V::load(self.table.ratio(pattern, wave, follower))
+                        V::load(self.table.ratio(pattern, wave, passive))
                     }
                 };
                 (V::load(&group[place]) + ratio * change).store(&mut group[place]);
             }
         }
-        let carried = Carried { known, joint: beyond };
-        *sight = match media {
+        let carried = Carried { known, lower_face: beyond };
+        *stencil = match media {
             Media::Same(..) => {
                 let behind = slopes.behind(own, waves);
                 StencilState { carried, last: here, here: next, own: waves, behind }
@@ -405,34 +407,34 @@ impl<T: Real> Lines<'_, T> {
 
 /// Materials of the stencil: the current group, the previous and the next one along the line.
 #[derive(Clone, Copy)]
-enum Media<'a, V, const FOLLOWERS: usize> {
-    /// One medium, and the ratios of followers.
-    Same(&'a Cell<V>, &'a [V; FOLLOWERS]),
+enum Media<'a, V, const PASSIVE: usize> {
+    /// One medium, and the ratios of passive_stresses.
+    Same(&'a CellConstants<V>, &'a [V; PASSIVE]),
     /// Constants of the two previous groups, the current and the next one, which are not all the same material. Coupling ratios are
     /// loaded on demand from the pattern of the previous group and the wave, to save registers.
-    Other([&'a Cell<V>; 4], u32, &'a Wave),
+    Other([&'a CellConstants<V>; 4], u32, &'a WavePair),
 }
 
-/// Places of a wave's fields behind those of a group.
-struct Places<const FOLLOWERS: usize> {
+/// Places of the fields of a pair of waves in a group.
+struct Places<const PASSIVE: usize> {
     velocity: usize,
     stress: usize,
-    followers: [usize; FOLLOWERS],
+    passive_stresses: [usize; PASSIVE],
     /// All are before this.
     extent: usize,
-    /// Of those that are called for.
+    /// Of the fields that are prefetched into L2.
     later: Range<usize>,
 }
 
-/// What is known of the groups around the one at hand.
+/// The stencil around the current group.
 #[derive(Clone, Copy)]
 struct StencilState<V> {
     carried: Carried<V>,
     last: State<V>,
     here: State<V>,
-    /// The waves in the group at hand.
+    /// Invariants of the current group.
     own: RiemannInvariants<V>,
-    /// What is looked at of the group behind: see [`Slopes::behind`].
+    /// Stencil data of the previous group: see [`Slopes::behind`].
     behind: RiemannInvariants<V>,
 }
 
@@ -440,7 +442,7 @@ impl<V: Number> StencilState<V> {
     #[inline(always)]
     fn of(
         [last, here]: [State<V>; 2],
-        cell: &Cell<V>,
+        cell: &CellConstants<V>,
         carried: Carried<V>,
         slopes: Slopes,
     ) -> Self {

@@ -1,4 +1,9 @@
-//! What acts in a cell between sweeps: the rotation of spins against antisymmetric stress, relaxation, and the yield sets.
+//! Laws that act in a cell between sweeps: rotation of spins against antisymmetric stress, relaxation, rotation by the
+//! curvature of rows, yield sets.
+//!
+//! A new law has its formula in [`crate::solid::cell_laws`], its constants by lane pattern here, its place in the recipe in
+//! `step`, its fields of history in [`Medium::history`](crate::solid::medium::Medium::history), and a line in
+//! [`needs_whole_state`].
 
 use super::curvilinear::GeometricRotation;
 use super::materials::Materials;
@@ -7,13 +12,30 @@ use super::relaxation::Relaxations;
 use super::whole_stress::{InitialStress, WholeStressSets, blocks_of_group, initial_blocks};
 use crate::simd::{Group, Real};
 use crate::solid::cell_laws::{self, SpinStressRotation, spin_stress_rotation};
+use crate::solid::problem::{PlasticStep, Problem};
 use models::solid::stress::Stress;
 use models::solid::waves::Field;
+
+/// The time over which a law acts; constants are stored for both.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Interval {
+    /// Δt.
+    Step,
+    /// Δt/2.
+    HalfStep,
+}
+
+impl Interval {
+    /// Values for both intervals, from the interval as a fraction of Δt.
+    pub(super) fn both<R>(value: impl FnMut(f64) -> R) -> [R; 2] {
+        [1.0, 0.5].map(value)
+    }
+}
 
 /// Local laws by lane pattern.
 #[derive(Clone)]
 pub(super) struct LocalLaws<T: Real> {
-    /// Rotations over a whole and over half a step.
+    /// Rotations of spins against antisymmetric stress, by [`Interval`].
     pub(super) rotations: Vec<[SpinStressRotation<T::Lanes>; 2]>,
     /// Places of a spin and of both stresses that rotate against each other.
     pub(super) rotated: Vec<[usize; 3]>,
@@ -25,17 +47,27 @@ pub(super) struct LocalLaws<T: Real> {
     pub(super) sets: Option<Sets<T>>,
     /// The axis along which the initial stress varies, and the stress in each layer across it.
     pub(super) initial_stress: Option<(usize, Vec<Stress>)>,
-    /// The same by block of a row, where that axis is the first one.
+    /// The initial stress by block of a row, where it varies along the first axis.
     pub(super) initial_blocks: Vec<InitialStress>,
-    /// Yield sets in lanes for whole stresses, with reflections, and where several kinds stand side by side.
+    /// Yield sets in lanes for stresses with the initial one, for reflections, and for several kinds side by side.
     pub(super) whole: WholeStressSets,
-    /// The rotation by which curved rows turn the state; `None` where they are straight.
+    /// The rotation of the state by the curvature of rows; `None` where they are straight.
     pub(super) geometry: Option<GeometricRotation<T>>,
-    /// Whether whole stresses are mapped one by one and not in lanes; results do not depend on it.
+    /// Whether the return mapping of stresses with the initial one takes cells one by one and not in lanes; results do not
+    /// depend on it.
     pub(super) maps_one_by_one: bool,
 }
 
-/// Places of spins and of the stresses that rotate with them, where fields are so far apart.
+/// Whether the second sweep of a step along the last axis depends on all fields of a cell, and not only on those which it
+/// reads and which rotate with them: laws that act between the first and the second one couple the fields.
+pub(super) fn needs_whole_state<const D: usize>(problem: &Problem<D>) -> bool {
+    let Problem { media, scheme, .. } = problem;
+    let is_plastic = media.iter().any(|medium| medium.yields.is_some());
+    media.iter().any(|medium| medium.relaxation.is_some())
+        || (is_plastic && scheme.plastic_step == PlasticStep::MidpointReflection)
+}
+
+/// Places of spins and of the stresses that rotate with them, where fields are `pitch` apart.
 pub(super) fn rotated_fields(fields: &[Field], pitch: usize) -> Vec<[usize; 3]> {
     cell_laws::rotated_fields(fields)
         .into_iter()
@@ -44,8 +76,8 @@ pub(super) fn rotated_fields(fields: &[Field], pitch: usize) -> Vec<[usize; 3]> 
 }
 
 impl<T: Real> LocalLaws<T> {
-    /// Those of materials, by pattern, in rows of so many groups, for a time step, s, and reflections or none; with the
-    /// initial stress of this part, and that of the whole.
+    /// The laws of materials by lane pattern, in rows of `groups` groups, for a time `step`, s. `reflects`: whether yield
+    /// sets act by the reflection 2P − I. `initial_stress` is that of this part, `whole` that of all parts.
     pub(super) fn new<const D: usize>(
         materials: &Materials<T, D>,
         patterns: &[Vec<u16>],
@@ -55,7 +87,7 @@ impl<T: Real> LocalLaws<T> {
     ) -> Self {
         let (media, fields) = (&materials.media, &materials.fields);
         let rotations = patterns.iter().map(|pattern| {
-            [1.0, 0.5].map(|part| {
+            Interval::both(|part| {
                 [0, 1, 2].map(|which| {
                     let own = |lane: usize| {
                         spin_stress_rotation(&media[usize::from(pattern[lane])], part, step)

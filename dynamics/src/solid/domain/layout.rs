@@ -15,18 +15,18 @@ use std::cmp::Ordering;
 use std::ops::Range;
 
 /// Groups of a row, at most, that go through the middle of a step together, so that their layers stay in the cache.
-const TILE: usize = 32;
+const SEGMENT: usize = 32;
 
-/// Some groups of a row, the same in all layers; never beyond its end, so that sums do not depend on the tiling.
-pub(super) struct Tile {
+/// Some adjacent groups of a row, the same in all layers.
+pub(super) struct RowSegment {
     pub(super) row: usize,
     pub(super) groups: Range<usize>,
 }
 
-impl Tile {
-    /// A row of so many groups, in tiles that are as long as each other.
+impl RowSegment {
+    /// The segments of a row of `groups` groups, of nearly equal length.
     pub(super) fn of_row(row: usize, groups: usize) -> impl Iterator<Item = Self> {
-        let length = groups.div_ceil(groups.div_ceil(TILE));
+        let length = groups.div_ceil(groups.div_ceil(SEGMENT));
         let starts = (0..groups).step_by(length);
         starts.map(move |start| Self { row, groups: start..groups.min(start + length) })
     }
@@ -69,8 +69,8 @@ pub(super) struct Layout<const D: usize> {
     pub(super) pitch: usize,
     /// Rows of a layer across the last axis.
     pub(super) rows: usize,
-    /// Parts of a row that go into the halo of a neighbour.
-    pub(super) exchanged: Vec<Range<usize>>,
+    /// Fields that go into the halo of a neighbour along the last axis, as ranges of a row.
+    pub(super) exchanged_fields: Vec<Range<usize>>,
 }
 
 impl<const D: usize> Layout<D> {
@@ -194,15 +194,15 @@ impl<const D: usize> Layout<D> {
         (x < self.cells[0]).then(|| row * self.cells[0] + x)
     }
 
-    /// Where the fields of a tile begin in a layer, and its groups there.
-    pub(super) fn groups_of(&self, layer: usize, tile: &Tile) -> (usize, Range<usize>) {
+    /// Where the fields of a segment begin in a layer, and its groups there.
+    pub(super) fn groups_of(&self, layer: usize, tile: &RowSegment) -> (usize, Range<usize>) {
         let first = self.index(layer * self.rows + tile.row, tile.groups.start);
         (first.data, first.group..first.group + tile.groups.len())
     }
 
-    /// A row in one tile.
-    pub(super) fn whole_row(&self, row: usize) -> Tile {
-        Tile { row, groups: 0..self.groups }
+    /// A row in one segment.
+    pub(super) fn whole_row(&self, row: usize) -> RowSegment {
+        RowSegment { row, groups: 0..self.groups }
     }
 
     /// Where the fields of rows of a layer stand.
@@ -212,12 +212,12 @@ impl<const D: usize> Layout<D> {
     }
 
     /// Whether a layer is in the halo of this domain, or may be in a neighbour's.
-    pub(super) fn is_exchanged(&self, layer: usize) -> bool {
+    pub(super) fn is_in_a_halo(&self, layer: usize) -> bool {
         let [front, behind] = self.halo(D - 1);
         layer < 2 * front || layer + 2 * behind >= self.layers()
     }
 
-    /// Where the exchanged parts of rows of a layer stand.
+    /// Where the exchanged fields of rows of a layer stand.
     pub(super) fn pieces(
         &self,
         layer: usize,
@@ -226,7 +226,7 @@ impl<const D: usize> Layout<D> {
         let rows = layer * self.rows + rows.start..layer * self.rows + rows.end;
         let firsts = rows.map(|row| row * self.row_size());
         let pieces =
-            |first| self.exchanged.iter().map(move |own| first + own.start..first + own.end);
+            |first| self.exchanged_fields.iter().map(move |own| first + own.start..first + own.end);
         firsts.flat_map(pieces)
     }
 }
@@ -252,8 +252,8 @@ fn groups<T: Real>(cells: usize) -> usize {
     (cells + GHOSTS).div_ceil(T::Lanes::COUNT).max(GHOSTS)
 }
 
-/// Groups of the rows of a problem, or of a part of it with rows of so many cells. Where an interlayer stands in front of every so many cells they are a multiple of that
-/// number, so that interlayers stand in all lanes of a group or in none, unless rows became longer by more than a quarter.
+/// Groups of a row of `cells` cells. Where interlayers stand at regular distances along rows the number is a multiple of
+/// that distance, so that interlayers stand in all lanes of a group or in none, unless rows became longer by more than a quarter.
 pub(super) fn groups_of_rows<T: Real, const D: usize>(problem: &Problem<D>, cells: usize) -> usize {
     let block = problem.interlayers_across(0).map_or(1, |own| own.every);
     let groups = groups::<T>(cells);
@@ -261,13 +261,13 @@ pub(super) fn groups_of_rows<T: Real, const D: usize>(problem: &Problem<D>, cell
     if multiple <= groups + groups / 4 { multiple } else { groups }
 }
 
-/// Room of a field in a row of so many groups. No multiple of four cache lines, so that fewer cells at one place of
+/// Distance of two fields of a row, in groups, for rows of `groups` groups. No multiple of four cache lines, so that fewer cells at one place of
 /// different fields and rows map to the same cache set.
 pub(super) fn pitch(groups: usize) -> usize {
     if groups.is_multiple_of(4) { groups + 1 } else { groups }
 }
 
-/// Memory that a domain takes, bytes, in numbers of kind `T`: so many fields, and what goes with them.
+/// Memory of the fields of a domain and of its materials, bytes.
 pub fn memory<T: Real>(cells: &[usize], fields: usize) -> f64 {
     let length = cells.first().copied().unwrap_or(0).max(1);
     let count: f64 = cells.iter().map(|&count| count as f64).product();

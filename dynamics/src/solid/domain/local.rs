@@ -1,19 +1,21 @@
-//! Operators that act in each cell on its own: rotation Q, return mapping P, flush of subnormals; and sums over
-//! cells.
+//! Operators that act in each cell on its own: rotation of spins, flush of subnormals, integrals in time; and sums of
+//! energies over cells.
 
 use super::diagnostics::Diagnostics;
-use super::layout::Tile;
+use super::law::Interval;
+use super::layout::RowSegment;
 use super::{Domain, MOST_FIELDS, SolverReal};
 use crate::exact_sum::ExactSum;
-use crate::simd::{Group, MOST_LANES, Real, Vector, Work};
+use crate::simd::{Group, MOST_LANES, Real, SimdKernel, Vector};
 use crate::solid::cell_laws::{SpinStressRotation, combined, flush_limit, rotated, stress_of};
 use crate::solid::ledger::{EnergySums, LedgerSums};
 use models::solid::stress::Stress;
 use std::ops::Range;
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Adds so many steps to the integrals in time of some cells.
-    pub(super) fn integrate(&mut self, cells: Range<usize>, steps: f64) {
+    /// Adds the present values of some cells to their integrals in time, times `steps` Δt: 0.5 at both ends of the
+    /// trapezoidal rule, else 1.
+    pub(super) fn accumulate_integrals(&mut self, cells: Range<usize>, steps: f64) {
         let mut integrals = std::mem::take(&mut self.diagnostics.integrals);
         for (place, sums) in &mut integrals {
             for (sum, cell) in sums[cells.clone()].iter_mut().zip(cells.clone()) {
@@ -32,7 +34,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         values
     }
 
-    /// The stress in a cell without the initial one.
+    /// The stress in a cell, without the initial stress.
     pub(super) fn stress(&self, cell: usize) -> Stress {
         self.stress_of(&self.cell_state(cell))
     }
@@ -42,30 +44,35 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         stress_of(self.fields(), values)
     }
 
-    /// The whole stress in a cell, the initial one included.
+    /// The total stress in a cell: the initial stress and the deviation from it.
     pub fn whole_stress(&self, cell: usize) -> Stress {
         let cell = self.layout.own_cell(cell);
         combined(&self.stress(cell), &self.initial_stress(cell), 1.0)
     }
 
-    /// Spins against antisymmetric stress, over a whole step (0) or a half (1).
-    pub(super) fn rotate(&mut self, layers: &Range<usize>, tile: &Tile, part: usize) {
+    /// Rotates spins against antisymmetric stress.
+    pub(super) fn rotate_spins(
+        &mut self,
+        layers: &Range<usize>,
+        tile: &RowSegment,
+        interval: Interval,
+    ) {
         if self.law.rotated.is_empty() {
             return;
         }
         for layer in layers.clone() {
             let (first, groups) = self.layout.groups_of(layer, tile);
-            self.instructions.run::<T>(Rotate {
+            self.instructions.run::<T>(RotateSpins {
                 data: &mut self.data[first..],
                 patterns: &self.materials.patterns[groups],
                 rotations: &self.law.rotations,
                 rotated: &self.law.rotated,
-                part,
+                interval,
             });
         }
     }
 
-    /// Flushes subnormal numbers after so many steps, if it is time to: see [`flush_limit`].
+    /// Flushes small values to zero after every 16th step: see [`flush_limit`].
     pub(super) fn flush_subnormals(
         &mut self,
         layer: usize,
@@ -126,22 +133,23 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 }
 
-/// Q on groups that follow each other in a row.
-struct Rotate<'a, T: Real> {
+/// Rotation of spins against antisymmetric stress, in adjacent groups of a row.
+struct RotateSpins<'a, T: Real> {
     /// From the first of the groups on.
     data: &'a mut [T::Lanes],
     patterns: &'a [u32],
     rotations: &'a [[SpinStressRotation<T::Lanes>; 2]],
     rotated: &'a [[usize; 3]],
-    part: usize,
+    interval: Interval,
 }
 
-impl<T: Real> Work<T> for Rotate<'_, T> {
+impl<T: Real> SimdKernel<T> for RotateSpins<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
         for (index, &pattern) in self.patterns.iter().enumerate() {
             let group = &mut self.data[index..];
-            let [cos, ratio_sin, sin_over_ratio] = &self.rotations[pattern as usize][self.part];
+            let [cos, ratio_sin, sin_over_ratio] =
+                &self.rotations[pattern as usize][self.interval as usize];
             let rotation = [V::load(cos), V::load(ratio_sin), V::load(sin_over_ratio)];
             for &[spin, first, second] in self.rotated {
                 let before =
@@ -161,7 +169,7 @@ struct FlushSubnormals<'a, T: Real> {
     limit: T,
 }
 
-impl<T: Real> Work<T> for FlushSubnormals<'_, T> {
+impl<T: Real> SimdKernel<T> for FlushSubnormals<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
         let limit = <V as Vector<T>>::all(self.limit);
@@ -180,7 +188,7 @@ struct Energies<'a, T: SolverReal, const D: usize> {
     sums: [&'a mut ExactSum; 2],
 }
 
-impl<T: SolverReal, const D: usize> Work<T> for Energies<'_, T, D> {
+impl<T: SolverReal, const D: usize> SimdKernel<T> for Energies<'_, T, D> {
     #[inline(always)]
     fn run<V: Vector<T>>(mut self) {
         let Domain { layout, materials, data, .. } = self.domain;

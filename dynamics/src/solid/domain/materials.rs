@@ -3,9 +3,9 @@
 use super::curvilinear::RowSpacing;
 use super::layout::Layout;
 use super::schedule::CHUNK;
-use super::table::{Table, Wave};
+use super::table::{Table, WavePair};
 use crate::simd::{Group, Real};
-use crate::solid::cell::Cell;
+use crate::solid::cell::CellConstants;
 use crate::solid::ghosts::GhostCoefficients;
 use crate::solid::medium::{Medium, energy_terms_of_all};
 use crate::solid::problem::Problem;
@@ -31,9 +31,9 @@ pub(super) struct Materials<T: Real, const D: usize> {
     /// By cell.
     pub(super) of_cell: Vec<u16>,
     /// By axis.
-    pub(super) waves: [Vec<Wave>; D],
+    pub(super) waves: [Vec<WavePair>; D],
     /// Along the first axis by a quarter of a step, where sweeps alternate; else none.
-    pub(super) quarter_waves: Vec<Wave>,
+    pub(super) quarter_waves: Vec<WavePair>,
     pub(super) table: Table<T>,
     /// Constants along rows, where layers differ.
     pub(super) row_spacing: Option<RowSpacing<T>>,
@@ -111,59 +111,62 @@ fn run_lengths(patterns: &[u32], stride: usize, count: usize, ghosts: usize) -> 
 struct WaveConstants<'a, T: Real, const D: usize> {
     problem: &'a Problem<D>,
     pitch: usize,
-    cells: Vec<Vec<Cell<T>>>,
+    cells: Vec<Vec<CellConstants<T>>>,
     ratios: Vec<Vec<f64>>,
 }
 
 impl<T: Real, const D: usize> WaveConstants<'_, T, D> {
     /// A pair of waves along an axis, swept by a share of the time step.
-    fn wave(&mut self, axis: usize, pair: usize, share: f64) -> Wave {
+    fn wave(&mut self, axis: usize, pair: usize, share: f64) -> WavePair {
         let Problem { media, grid, scheme, step, .. } = self.problem;
         let fields = &media[0].fields;
         let index = |field: Field| fields.iter().position(|own| *own == field);
         let place = |field: Field| index(field).map_or(0, |index| index * self.pitch);
         // What follows in any medium, in the others by a ratio of zero.
-        let all = media.iter().flat_map(|medium| &medium.pairs[axis][pair].followers);
-        let mut followers: Vec<usize> = all.filter_map(|(field, _)| index(*field)).collect();
-        followers.sort_unstable();
-        followers.dedup();
+        let all = media.iter().flat_map(|medium| &medium.pairs[axis][pair].passive_stresses);
+        let mut passive_stresses: Vec<usize> = all.filter_map(|(field, _)| index(*field)).collect();
+        passive_stresses.sort_unstable();
+        passive_stresses.dedup();
         let cell = |medium: &Medium| {
             let own = &medium.pairs[axis][pair];
             let courant = own.speed() * (share * step / grid.spacing[axis]);
             scheme.slopes.cell_of(own, courant, self.problem.is_mixed())
         };
-        let cells: Vec<Cell<T>> = media.iter().map(cell).collect();
+        let cells: Vec<CellConstants<T>> = media.iter().map(cell).collect();
         let ratio = |medium: &Medium, index: usize| {
-            let mut own = medium.pairs[axis][pair].followers.iter();
+            let mut own = medium.pairs[axis][pair].passive_stresses.iter();
             own.find(|own| own.0 == fields[index]).map_or(0.0, |own| own.1)
         };
         let ratios_of = |&index: &usize| media.iter().map(|own| ratio(own, index)).collect();
-        let ratios: Vec<Vec<f64>> = followers.iter().map(ratios_of).collect();
+        let ratios: Vec<Vec<f64>> = passive_stresses.iter().map(ratios_of).collect();
         let own = &media[0].pairs[axis][pair];
-        Wave {
+        WavePair {
             velocity: place(own.velocity),
             stress: place(own.stress),
             constants: number(&mut self.cells, cells),
             ratios: ratios.into_iter().map(|ratio| number(&mut self.ratios, ratio)).collect(),
-            followers: followers.into_iter().map(|index| index * self.pitch).collect(),
+            passive_stresses: passive_stresses
+                .into_iter()
+                .map(|index| index * self.pitch)
+                .collect(),
         }
     }
 
     /// The constants of all patterns.
     fn table(&self, patterns: &[Vec<u16>]) -> Table<T> {
         let mut table = Table {
-            waves: self.cells.len(),
-            followers: self.ratios.len(),
+            cells_of_pattern: self.cells.len(),
+            ratios_of_pattern: self.ratios.len(),
             cells: Vec::with_capacity(patterns.len() * self.cells.len()),
             ratios: Vec::with_capacity(patterns.len() * self.ratios.len()),
             ghost_coefficients: Vec::new(),
         };
         for pattern in patterns {
             table.cells.extend(self.cells.iter().map(|cells| {
-                let own = |value: fn(&Cell<T>) -> T| {
+                let own = |value: fn(&CellConstants<T>) -> T| {
                     T::Lanes::by_lane(|lane| value(&cells[usize::from(pattern[lane])]))
                 };
-                Cell {
+                CellConstants {
                     impedance: own(|cell| cell.impedance),
                     half_courant: own(|cell| cell.half_courant),
                     to_velocity: own(|cell| cell.to_velocity),
@@ -196,7 +199,7 @@ impl<T: Real, const D: usize> Materials<T, D> {
         let (media, fields) = (problem.media.clone(), problem.fields());
         let mut constants =
             WaveConstants { problem, pitch: layout.pitch, cells: Vec::new(), ratios: Vec::new() };
-        let waves: [Vec<Wave>; D] = std::array::from_fn(|axis| {
+        let waves: [Vec<WavePair>; D] = std::array::from_fn(|axis| {
             (0..media[0].pairs[axis].len()).map(|pair| constants.wave(axis, pair, 0.5)).collect()
         });
         let pairs = (0..media[0].pairs[0].len()).filter(|_| problem.scheme.alternates());

@@ -68,7 +68,7 @@ mod whole_stress;
 
 pub(crate) use cell_mapping::CellMapping;
 pub(crate) use complete::BOUNDARY_LAYER;
-pub use halo::Halo;
+pub use halo::HaloExchange;
 pub use layout::memory;
 pub(crate) use schedule::most_steps;
 pub use solver_real::SolverReal;

@@ -7,7 +7,7 @@
 //!
 //! A lane does not depend on those beside it: stresses within their sets stay as they are to the bit, wherever rows are cut.
 
-use crate::simd::{Group, Number, Real, Vector, Work};
+use crate::simd::{Group, Number, Real, SimdKernel, Vector};
 use crate::solid::medium::{Medium, component};
 use models::solid::parameters::Isotropic;
 use models::solid::waves::Field;
@@ -248,7 +248,7 @@ pub(super) struct Correct<'a, T: Real> {
     pub(super) left: &'a mut Vec<(usize, u16)>,
 }
 
-impl<T: Real> Work<T> for Correct<'_, T> {
+impl<T: Real> SimdKernel<T> for Correct<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
         match self.sets {

@@ -6,9 +6,10 @@
 //! the antisymmetric part. Constants are by pattern of media in lanes; a medium that does not relax has those of
 //! [`Relaxation::NONE`], by which its viscous strain stays zero.
 
-use super::layout::Tile;
+use super::law::Interval;
+use super::layout::RowSegment;
 use super::{Domain, SolverReal};
-use crate::simd::{Group, Number, Real, Vector, Work};
+use crate::simd::{Group, Number, Real, SimdKernel, Vector};
 use crate::solid::cell_laws::{RelaxedFields, relax, relaxation_over, relaxed_fields};
 use crate::solid::medium::Medium;
 use models::rheology::relaxation::Relaxation;
@@ -47,7 +48,7 @@ impl<T: Real> Relaxations<T> {
                 let lanes = |value: &dyn Fn(&Medium) -> f64| {
                     T::Lanes::by_lane(|lane| T::of(value(medium(lane))))
                 };
-                (relaxing, [1.0, 0.5].map(|part| relaxation_over(lanes, part, step)))
+                (relaxing, Interval::both(|part| relaxation_over(lanes, part, step)))
             })
         });
         Some(Self { fields: (normal, shear), by_pattern: by_pattern.collect() })
@@ -55,8 +56,8 @@ impl<T: Real> Relaxations<T> {
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Relaxes stresses over a whole step (0) or a half (1).
-    pub(super) fn relax(&mut self, layers: &Range<usize>, tile: &Tile, part: usize) {
+    /// Relaxes stresses.
+    pub(super) fn relax(&mut self, layers: &Range<usize>, tile: &RowSegment, interval: Interval) {
         let Some(relaxations) = &self.law.relaxations else { return };
         let lanes = T::Lanes::COUNT;
         for layer in layers.clone() {
@@ -66,25 +67,25 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 data: &mut self.data[first..],
                 patterns: &self.materials.patterns[groups],
                 relaxations,
-                part,
+                interval,
                 dissipated: &mut self.diagnostics.dissipation.viscous[of_tile],
             });
         }
     }
 }
 
-/// The relaxation of groups that follow each other in a row.
+/// Relaxation of stresses, in adjacent groups of a row.
 struct Relax<'a, T: Real> {
     /// From the first of the groups on.
     data: &'a mut [T::Lanes],
     patterns: &'a [u32],
     relaxations: &'a Relaxations<T>,
-    part: usize,
+    interval: Interval,
     /// Energy dissipated by group and lane, J/m³; added to.
     dissipated: &'a mut [f64],
 }
 
-impl<T: Real> Work<T> for Relax<'_, T> {
+impl<T: Real> SimdKernel<T> for Relax<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
         match self.relaxations.fields.1.as_slice() {
@@ -102,7 +103,7 @@ impl<T: Real> Relax<'_, T> {
         let count = T::Lanes::COUNT;
         for (index, &pattern) in self.patterns.iter().enumerate() {
             let Some((lanes, constants)) = &by_pattern[pattern as usize] else { continue };
-            let constants = load::<T, V>(&constants[self.part]);
+            let constants = load::<T, V>(&constants[self.interval as usize]);
             let group = &mut self.data[index..];
             let (mut normal, mut shear) = ([[V::ZERO; 2]; 3], [[V::ZERO; 3]; SHEARS]);
             for (values, &[own, viscous]) in normal.iter_mut().zip(normal_places) {

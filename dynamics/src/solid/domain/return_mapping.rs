@@ -14,7 +14,7 @@ use super::whole_stress::{
     Block, InitialStress, Tensors, WIDTH, WholeStressSets, Wide, load_cone, load_moduli,
     load_tensors, tensors,
 };
-use crate::simd::{Group, Instructions, Number, Vector, Work};
+use crate::simd::{Group, Instructions, Number, SimdKernel, Vector};
 use crate::solid::cell_laws::correction;
 use crate::solid::medium::Medium;
 use models::common::number::third;
@@ -61,7 +61,7 @@ pub(super) fn map_in_lanes(instructions: Instructions, work: MapStresses<'_>) {
     instructions.run::<f64>(work);
 }
 
-impl Work<f64> for MapStresses<'_> {
+impl SimdKernel<f64> for MapStresses<'_> {
     #[inline(always)]
     fn run<V: Vector<f64>>(mut self) {
         const PLANE: Shape = Shape { is_symmetric: true, is_plane: true, has_couples: false };

@@ -1,8 +1,8 @@
 //! Ghost cells at the ends of rows; how rows are folded into lanes: see [`super::layout`].
 
-use super::table::{Table, Wave};
+use super::table::{Table, WavePair};
 use crate::simd::{Group, Number, Real, Vector};
-use crate::solid::cell::Cell;
+use crate::solid::cell::CellConstants;
 use crate::solid::ghosts::{BESIDE, BoundaryFaces, Closure, Slot, ghosts, image};
 use crate::solid::reconstruction::{GHOSTS, Slopes};
 use crate::solid::riemann::State;
@@ -89,7 +89,7 @@ impl<T: Real> Rows<'_, T> {
     pub(crate) fn fill<V: Vector<T>>(
         &self,
         data: &mut [T::Lanes],
-        wave: &Wave,
+        wave: &WavePair,
         pair: usize,
         rows: Range<usize>,
     ) {
@@ -130,7 +130,7 @@ impl<T: Real> Rows<'_, T> {
     fn fill_one_sided<V: Vector<T>>(
         &self,
         data: &mut [T::Lanes],
-        wave: &Wave,
+        wave: &WavePair,
         pair: usize,
         rows: Range<usize>,
     ) {
@@ -166,7 +166,7 @@ impl<T: Real> Rows<'_, T> {
         &self,
         closure: Closure,
         data: &[T::Lanes],
-        wave: &Wave,
+        wave: &WavePair,
         pair: usize,
         (rows, end): (Range<usize>, usize),
     ) -> [[T::Lanes; GHOSTS]; 2] {
@@ -204,9 +204,9 @@ impl<T: Real> Rows<'_, T> {
             V::load(&by_row[4]),
         ];
         let mut cells = [
-            Cell::load(self.cell(rows.start, inside[0], wave)),
-            Cell::load(self.cell(rows.start, inside[1], wave)),
-            Cell::load(self.cell(rows.start, inside[2], wave)),
+            CellConstants::load(self.cell(rows.start, inside[0], wave)),
+            CellConstants::load(self.cell(rows.start, inside[1], wave)),
+            CellConstants::load(self.cell(rows.start, inside[2], wave)),
         ];
         if !self.table.is_of_one_pattern() {
             for (cell, slot) in cells.iter_mut().zip(inside) {
@@ -231,18 +231,23 @@ impl<T: Real> Rows<'_, T> {
 
     /// The constants of a cell of some rows, a lane each; where there is no row those of the last one.
     #[inline(always)]
-    fn cells_of<V: Vector<T>>(&self, rows: &Range<usize>, slot: Slot, wave: &Wave) -> Cell<V> {
+    fn cells_of<V: Vector<T>>(
+        &self,
+        rows: &Range<usize>,
+        slot: Slot,
+        wave: &WavePair,
+    ) -> CellConstants<V> {
         let mut cells = *self.cell(rows.start, slot, wave);
         for lane in 0..T::Lanes::COUNT {
             let row = rows.start + lane.min(rows.len() - 1);
             cells.set_lane(lane, &self.cell(row, slot, wave).lane(slot.1));
         }
-        Cell::load(&cells)
+        CellConstants::load(&cells)
     }
 
     /// The constants of the group of a row where a cell is.
     #[inline(always)]
-    fn cell(&self, row: usize, (group, _): Slot, wave: &Wave) -> &Cell<T::Lanes> {
+    fn cell(&self, row: usize, (group, _): Slot, wave: &WavePair) -> &CellConstants<T::Lanes> {
         let pattern = self.patterns[self.group + row * self.ends.groups + group];
         self.table.cell(pattern, wave)
     }
@@ -266,7 +271,7 @@ impl<T: Real> Rows<'_, T> {
     #[inline(always)]
     fn mirror(&self, end: usize, pair: usize, group: usize) -> &[T::Lanes; 5] {
         match &self.sides[end] {
-            BoundaryFaces::Mirror(mirror) => mirror.face(pair, group),
+            BoundaryFaces::Physical(mirror) => mirror.face(pair, group),
             BoundaryFaces::Periodic | BoundaryFaces::Exchange => &self.ends.window,
         }
     }

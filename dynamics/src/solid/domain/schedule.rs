@@ -1,7 +1,7 @@
 //! The order in which layers and rows go through the stages of a step.
 //!
-//! A step is one wavefront-tiled pass over memory. Tiles of a few layers and rows are loaded; each later stage trails the
-//! previous one by as many rows as its stencil reads, so that a row is read and written once per pass while it is in the
+//! A pass is one wavefront-tiled traversal of memory, of one step in space and of up to two in the plane. Tiles of a few
+//! layers and rows enter; each later stage trails the previous one by as many rows as its stencil reads, so that a row is read and written once per pass while it is in the
 //! cache. In space a block of rows goes through the step in all layers before the next block does, so that layers that
 //! wait for others stay in the cache. In the plane, where layers are rows and many of them fit in the cache, the
 //! next step follows in the same pass.
@@ -16,13 +16,13 @@ pub(super) const CHUNK: usize = 8;
 /// Steps of a pass at most, in the plane: in space few layers fit in the cache.
 pub(super) const STEPS: usize = 2;
 
-/// The last of 2·[`STEPS`] sweeps must still get [`GHOSTS`] rows of the first chunk: ghosts at the lower end
-/// are overwritten once a sweep has moved on. (In space [`TileSizes`] keeps to it.)
+/// Ghosts at the lower end of lines are filled for the first chunk of a sweep, and the next sweep overwrites them: each of
+/// the 2·[`STEPS`] sweeps of a pass must have [`GHOSTS`] rows of the first chunk or more, though each trails the one before
+/// it by as many. (In space [`TileSizes`] keeps to it.)
 const _: () = assert!(CHUNK >= 2 * STEPS * GHOSTS);
 
-/// Progress of rows or layers, of which so many are loaded: loaded, past the first sweep across them, past the
-/// second. Each sweep trails the previous stage by [`GHOSTS`], the half-width of its stencil, until all are
-/// loaded.
+/// Progress of rows or layers, of which `loaded` have entered: entered, past the first sweep across them, past the second.
+/// Each sweep trails the previous stage by [`GHOSTS`], the half-width of its stencil, until all have entered.
 pub(super) fn stage_progress(loaded: usize, all: usize) -> [usize; 3] {
     let written = |ready: usize| if ready == all { all } else { ready.saturating_sub(GHOSTS) };
     [loaded, written(loaded), written(written(loaded))]
@@ -33,8 +33,8 @@ pub(super) fn passing(before: [usize; 3], ready: [usize; 3]) -> [Range<usize>; 3
     std::array::from_fn(|stage| before[stage]..ready[stage])
 }
 
-/// Steps of a pass at most, where the smallest part of a domain has so many layers: all that are in the halo of
-/// another part must be there.
+/// Steps of a pass at most, where the smallest part of a domain has `layers` layers: it must own all layers of its
+/// neighbours' halos.
 pub(crate) fn most_steps<const D: usize>(layers: usize) -> usize {
     if D == 2 { (layers / HALO).clamp(1, STEPS) } else { 1 }
 }
@@ -57,10 +57,10 @@ pub(super) struct TileSizes {
 }
 
 impl TileSizes {
-    /// For the plane, where layers are rows.
+    /// Tiles in the plane, where layers are rows.
     pub(super) const ROWS: Self = Self { layers: CHUNK, rows: 1, block: 1 };
 
-    /// In space, where a row takes so many bytes. Periodic rows are each other's ghosts, and must all be loaded.
+    /// Tiles in space, where a row takes `row` bytes. Periodic rows are each other's ghosts, and must all be loaded.
     pub(super) fn in_space(row: usize, periodic: bool) -> Self {
         let fits = |layers: &usize| layers * CHUNK * row <= OWN_CACHE;
         let layers = (2 * GHOSTS..=CHUNK).rev().step_by(2).find(fits).unwrap_or(2 * GHOSTS);

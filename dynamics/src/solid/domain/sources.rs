@@ -1,6 +1,6 @@
 //! Sources inside the domain, and gravity.
 
-use super::layout::{Layout, Tile};
+use super::layout::{Layout, RowSegment};
 use super::{Domain, SolverReal};
 use crate::simd::Group;
 use crate::solid::boundary::{Signal, Source};
@@ -56,7 +56,7 @@ impl CellSource {
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Sources and gravity over a half step of the pass.
-    pub(super) fn apply_sources(&mut self, layers: &Range<usize>, tile: &Tile, half: usize) {
+    pub(super) fn apply_sources(&mut self, layers: &Range<usize>, tile: &RowSegment, half: usize) {
         let sources = std::mem::take(&mut self.sources.list);
         for source in &sources {
             self.apply_source(source, layers, tile, half);
@@ -73,7 +73,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         &mut self,
         source: &CellSource,
         layers: &Range<usize>,
-        tile: &Tile,
+        tile: &RowSegment,
         half: usize,
     ) {
         let volume = self.grid.volume();
@@ -102,7 +102,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         axis: usize,
         acceleration: f64,
         layers: &Range<usize>,
-        tile: &Tile,
+        tile: &RowSegment,
     ) {
         let Some(place) = self.place(Field::Velocity(axis)) else { return };
         let change = acceleration * 0.5 * self.step;

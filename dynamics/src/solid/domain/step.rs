@@ -1,23 +1,25 @@
 //! The recipe of a time step.
 //!
 //! A step of Δt is two-cyclic (Marchuk 1968; Strang 1968): with x, y, z the sweeps of half a step along the axes, K what
-//! sources and gravity add in half a step, and Q the rotation of spins against antisymmetric stress by a whole one,
+//! sources and gravity add in half a step, and Q what local laws do in a whole one,
 //!
 //! ```text
 //! U ← x y z  then  K Q K  then  z y x.
 //! ```
 //!
-//! Where stresses relax, that [relaxation](super::relaxation) is part of Q, with which it commutes.
+//! Q is the rotation of spins against antisymmetric stress and the [relaxation](super::relaxation) of stresses, which
+//! commute. In curved blocks half a [rotation by the curvature](super::curvilinear) precedes and follows them. Laws of
+//! interlayers act in the sweeps, at the faces where they stand.
 //!
-//! Second order, since every factor is; each keeps or lowers the energy at Courant numbers c(Δt/2)/h ≤ 1, and so does the
-//! step. Boundary values are those in the middle of each half. Where stresses yield, with the projection P onto
+//! The step is of second order in smooth solutions, since the product is symmetric and its factors are of second order
+//! (but for `Slopes::Godunov`). Each factor keeps or lowers the energy at Courant numbers c(Δt/2)/h ≤ 1, and so does the step. Boundary values are those in the middle of each half. Where stresses yield, with the projection P onto
 //! the yield set in the norm of the energy, the return mapping stands either last, or in the middle between two halves of Q
-//! as the reflection 2P − I, which is no expansion either ([`Placement`]).
+//! as the reflection 2P − I, which is no expansion either ([`PlasticStep`]).
 //!
 //! Where sweeps alternate ([`Splitting::Alternating`](crate::solid::problem::Splitting)) the step is
 //!
 //! ```text
-//! U ← x y z  then  K √Q x √Q K  then  z y,
+//! U ← x y z  then  K √Q x √Q K  then  z y  then  P,
 //! ```
 //!
 //! with the very first x by a quarter of a step, √x: n steps are (√x y z … x … z y √x)ⁿ without the last √x, which
@@ -27,12 +29,13 @@
 //! [`Domain::pass`] takes one or two such steps through memory, a block of rows and a few layers at a time, as
 //! [`super::schedule`] says; [`Domain::advance_layers`] is the recipe above on those.
 
-use super::halo::Halo;
-use super::layout::Tile;
+use super::halo::HaloExchange;
+use super::law::Interval;
+use super::layout::RowSegment;
 use super::schedule::{CHUNK, STEPS, passing, stage_progress};
-use super::table::Wave;
+use super::table::WavePair;
 use super::{Domain, SolverReal};
-use crate::solid::problem::Placement;
+use crate::solid::problem::PlasticStep;
 use crate::solid::reconstruction::{GHOSTS, HALO};
 use std::ops::Range;
 
@@ -59,7 +62,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     ///
     /// # Errors
     /// Those of the halo. The pass is not complete then, and fields are of no use.
-    pub fn pass<H: Halo<T::Lanes>>(
+    pub fn pass<H: HaloExchange<T::Lanes>>(
         &mut self,
         steps: usize,
         neighbours: &mut H,
@@ -68,7 +71,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.exchange(neighbours)?;
         if self.schedule.steps == 0 && !self.scheme.alternates() {
             let all = 0..self.layout.layers() * self.layout.layer_cells();
-            self.integrate(all, 0.5);
+            self.accumulate_integrals(all, 0.5);
         }
         self.schedule.steps += steps;
         self.schedule.pass_steps = steps;
@@ -83,8 +86,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         Ok(())
     }
 
-    /// Advances a block of rows by some steps in all layers, up to rows whose stencil reaches into the next block.
-    fn advance_block<H: Halo<T::Lanes>>(
+    /// Advances a block of rows by some steps in all layers. Its last rows, whose stencils reach into the next block, are
+    /// finished with that one.
+    fn advance_block<H: HaloExchange<T::Lanes>>(
         &mut self,
         block: &Range<usize>,
         steps: usize,
@@ -92,17 +96,17 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     ) -> Result<(), H::Error> {
         let (all, own, rows) = (self.layout.layers(), self.layout.own_layers(), self.layout.rows);
         let swept = stage_progress(block.start, rows)[1]..stage_progress(block.end, rows)[1];
-        self.send(block, &swept, neighbours)?;
+        self.sweep_and_send(block, &swept, neighbours)?;
         if self.layout.periodic_in_place {
             self.fill_own_halo(&swept);
         }
-        self.receive(0, &swept, neighbours)?;
+        self.receive_layers(0, &swept, neighbours)?;
         let mut ready = [[0; 3]; STEPS];
         while ready[steps - 1][2] < all {
             let mut loaded = all.min(ready[0][0].saturating_add(self.schedule.tiles.layers));
             // As late as possible: a neighbour may be behind for a while before anyone waits for it.
             if ready[0][0] <= own.end && own.end < loaded {
-                self.receive(1, &swept, neighbours)?;
+                self.receive_layers(1, &swept, neighbours)?;
             }
             for (step, ready) in ready[..steps].iter_mut().enumerate() {
                 let before = std::mem::replace(ready, stage_progress(loaded, all));
@@ -118,8 +122,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 let stages =
                     StepStages { layers: &layers, ends: &needed, block, first_half: 2 * step };
                 T::advance_layers(self, &stages);
+                // A layer is complete with its last block of rows.
                 if block.end == rows {
-                    self.diagnose(&layers[2], step);
+                    self.record_layers(&layers[2], step);
                 }
                 loaded = ready[2];
             }
@@ -127,11 +132,11 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         Ok(())
     }
 
-    /// Integrals in time and records of layers that have passed a step.
-    fn diagnose(&mut self, layers: &Range<usize>, step: usize) {
+    /// Integrals in time and records of watched cells of layers that have passed a step.
+    fn record_layers(&mut self, layers: &Range<usize>, step: usize) {
         if !self.scheme.alternates() {
             let layer = self.layout.layer_cells();
-            self.integrate(layers.start * layer..layers.end * layer, 1.0);
+            self.accumulate_integrals(layers.start * layer..layers.end * layer, 1.0);
         }
         self.record(layers.clone(), step);
     }
@@ -147,9 +152,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let rows = self.schedule.next_rows(ready[0], block, at_a_time);
             let before = std::mem::replace(&mut ready, stage_progress(rows.end, all));
             let rows = passing(before, ready);
-            // x y
+            // x y, which exchanged layers have passed in `sweep_and_send` or in the neighbour.
             for layer in layers[0].clone() {
-                if first > 0 || !self.layout.is_exchanged(layer) {
+                if first > 0 || !self.layout.is_in_a_halo(layer) {
                     self.sweep_layer(layer, &rows, first);
                 }
             }
@@ -158,7 +163,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 true => self.apply_alternating_middle(layers, ends, &rows[1], first),
                 false => {
                     let groups = self.layout.groups;
-                    for tile in rows[1].clone().flat_map(|row| Tile::of_row(row, groups)) {
+                    for tile in rows[1].clone().flat_map(|row| RowSegment::of_row(row, groups)) {
                         self.sweep_last(&layers[0], &ends[0], &tile, first);
                         self.apply_middle(&layers[1], &tile, first);
                         self.sweep_last(&layers[1], &ends[1], &tile, second);
@@ -168,8 +173,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             // y x, P
             for layer in layers[2].clone() {
                 self.sweep_layer(layer, &rows, second);
-                if self.scheme.placement == Placement::Last {
-                    // Row by row: sums do not depend on how many rows are loaded.
+                if self.scheme.plastic_step == PlasticStep::ReturnMapping {
+                    // Row by row: buffers hold one row.
                     for row in rows[2].clone() {
                         let tile = self.layout.whole_row(row);
                         self.correct(&(layer..layer + 1), &tile, false);
@@ -181,24 +186,26 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// K Q K, with relaxation, and with the return mapping where it stands in the middle.
-    fn apply_middle(&mut self, layers: &Range<usize>, tile: &Tile, first: usize) {
+    fn apply_middle(&mut self, layers: &Range<usize>, tile: &RowSegment, first: usize) {
         self.apply_sources(layers, tile, first);
-        if self.scheme.placement == Placement::Middle
+        if self.scheme.plastic_step == PlasticStep::MidpointReflection
             && !self.diagnostics.dissipation.plastic.is_empty()
         {
-            self.rotate(layers, tile, 1);
-            self.relax(layers, tile, 1);
+            // Curved blocks do not yield: `Problem::check_metric`.
+            self.rotate_spins(layers, tile, Interval::HalfStep);
+            self.relax(layers, tile, Interval::HalfStep);
             self.correct(layers, tile, true);
-            self.relax(layers, tile, 1);
-            self.rotate(layers, tile, 1);
+            self.relax(layers, tile, Interval::HalfStep);
+            self.rotate_spins(layers, tile, Interval::HalfStep);
         } else {
-            // Spins and the geometry rotate in planes that do not commute.
-            let part = usize::from(!self.law.rotated.is_empty() || self.law.relaxations.is_some());
-            self.turn(layers, tile, part);
-            self.rotate(layers, tile, 0);
-            self.relax(layers, tile, 0);
-            if part == 1 {
-                self.turn(layers, tile, part);
+            // The rotation by the curvature does not commute with the others: half of it on each side of them.
+            let others = !self.law.rotated.is_empty() || self.law.relaxations.is_some();
+            let interval = if others { Interval::HalfStep } else { Interval::Step };
+            self.rotate_geometry(layers, tile, interval);
+            self.rotate_spins(layers, tile, Interval::Step);
+            self.relax(layers, tile, Interval::Step);
+            if others {
+                self.rotate_geometry(layers, tile, interval);
             }
         }
         self.apply_sources(layers, tile, first + 1);
@@ -216,11 +223,11 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let groups = self.layout.groups;
         for start in rows.clone().step_by(CHUNK) {
             let together = start..rows.end.min(start + CHUNK);
-            for tile in together.clone().flat_map(|row| Tile::of_row(row, groups)) {
+            for tile in together.clone().flat_map(|row| RowSegment::of_row(row, groups)) {
                 self.sweep_last(&layers[0], &ends[0], &tile, first);
             }
             self.sweep_middle(&layers[1], &together, first);
-            for tile in together.flat_map(|row| Tile::of_row(row, groups)) {
+            for tile in together.flat_map(|row| RowSegment::of_row(row, groups)) {
                 self.sweep_last(&layers[1], &ends[1], &tile, first + 1);
             }
         }
@@ -232,9 +239,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         for row in rows.clone() {
             let tile = self.layout.whole_row(row);
             self.apply_sources(layers, &tile, first);
-            self.rotate(layers, &tile, 1);
-            self.relax(layers, &tile, 1);
-            self.integrate_row(layers, row);
+            self.rotate_spins(layers, &tile, Interval::HalfStep);
+            self.relax(layers, &tile, Interval::HalfStep);
+            self.accumulate_row_integrals(layers, row);
         }
         if D == 2 {
             // Layers are rows here.
@@ -247,24 +254,24 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
         for row in rows.clone() {
             let tile = self.layout.whole_row(row);
-            self.integrate_row(layers, row);
-            self.relax(layers, &tile, 1);
-            self.rotate(layers, &tile, 1);
+            self.accumulate_row_integrals(layers, row);
+            self.relax(layers, &tile, Interval::HalfStep);
+            self.rotate_spins(layers, &tile, Interval::HalfStep);
             self.apply_sources(layers, &tile, first + 1);
         }
     }
 
     /// Half a step of the integrals in time in a row of some layers.
-    fn integrate_row(&mut self, layers: &Range<usize>, row: usize) {
+    fn accumulate_row_integrals(&mut self, layers: &Range<usize>, row: usize) {
         let length = self.layout.cells[0];
         for layer in layers.clone() {
             let row = layer * self.layout.rows + row;
-            self.integrate(row * length..(row + 1) * length, 0.5);
+            self.accumulate_integrals(row * length..(row + 1) * length, 0.5);
         }
     }
 
     /// The waves of a sweep along an axis.
-    pub(super) fn waves_of(&self, axis: usize, half: usize) -> &[Wave] {
+    pub(super) fn waves_of(&self, axis: usize, half: usize) -> &[WavePair] {
         match self.scheme.alternates() && axis == 0 && self.schedule.is_first(half) {
             true => &self.materials.quarter_waves,
             false => match &self.materials.row_spacing {

@@ -3,13 +3,13 @@
 use super::fill::{Fill, FillEnd, FillOneSided};
 use super::kernel::interlayers::InterlayerLines;
 use super::kernel::{Lines, MOST_SHARE};
-use super::layout::{GroupIndex, Tile};
+use super::layout::{GroupIndex, RowSegment};
 use super::rows::Rows;
 use super::schedule::CHUNK;
-use super::table::Wave;
+use super::table::WavePair;
 use super::{Domain, SolverReal};
 use crate::simd::Group;
-use crate::solid::cell::Cell;
+use crate::solid::cell::CellConstants;
 use crate::solid::ghosts::{BESIDE, BoundaryFaces};
 use crate::solid::line;
 use crate::solid::reconstruction::GHOSTS;
@@ -69,14 +69,14 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     pub(super) fn sweep_layer(
         &mut self,
         layer: usize,
-        [come, middle, last]: &[Range<usize>; 3],
+        [entered, middle, last]: &[Range<usize>; 3],
         half: usize,
     ) {
         let (groups, first_row) = (self.layout.groups, layer * self.layout.rows);
         let is_second = half % 2 == 1;
         let of_layer = |rows: &Range<usize>| first_row + rows.start..first_row + rows.end;
         if !is_second {
-            self.sweep_rows_of(of_layer(come), half);
+            self.sweep_rows_of(of_layer(entered), half);
         }
         if D == 3 {
             let bundle = Bundle {
@@ -90,7 +90,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 face: layer * groups,
                 carried: layer * groups,
             };
-            self.sweep_on(bundle, [come, middle][half % 2].clone());
+            self.sweep_on(bundle, [entered, middle][half % 2].clone());
         }
         if is_second && !self.scheme.alternates() {
             self.sweep_rows_of(of_layer(last), half);
@@ -121,8 +121,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             carried: 0,
         };
         self.fill_row_patterns(bundle);
-        let works =
-            |side: &BoundaryFaces<T>| matches!(side, BoundaryFaces::Mirror(mirror) if mirror.works);
+        let works = |side: &BoundaryFaces<T>| matches!(side, BoundaryFaces::Physical(mirror) if mirror.does_work);
         if self.boundary.faces[half][0].iter().any(works) {
             self.fill_rows(bundle);
             (0..2).for_each(|end| self.note_work(bundle, end));
@@ -162,7 +161,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         &mut self,
         ready: &Range<usize>,
         ends: &Range<usize>,
-        tile: &Tile,
+        tile: &RowSegment,
         half: usize,
     ) {
         let face = tile.row * self.layout.groups + tile.groups.start;
@@ -277,7 +276,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             // In the plane prefetch in the last step of a pass only: earlier requests would be evicted.
             (2, 1, half) if half + 2 >= 2 * self.schedule.pass_steps => (half % 2, 2, half, 0),
             // No other sweep across rows runs yet: this one prefetches all fields.
-            (3, 1, 0) if self.layout.is_exchanged(face / self.layout.groups) => (0, 1, 0, 0),
+            (3, 1, 0) if self.layout.is_in_a_halo(face / self.layout.groups) => (0, 1, 0, 0),
             (3, 1, 0) => (0, 4, 0, 0),
             (3, 2, 0) => (1, 4, 1, 0),
             (3, 2, 1) => (2, 4, 1, 1),
@@ -304,7 +303,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// The state in a lane of a group.
-    fn state(&self, (stop, lane): (GroupIndex, usize), wave: &Wave) -> State<T> {
+    fn state(&self, (stop, lane): (GroupIndex, usize), wave: &WavePair) -> State<T> {
         let group = &self.data[stop.data..];
         State {
             velocity: group[wave.velocity].lanes()[lane],
@@ -422,7 +421,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         (line, lane): (usize, usize),
         place: isize,
         pair: usize,
-    ) -> (State<T>, Cell<T>) {
+    ) -> (State<T>, CellConstants<T>) {
         let wave = &self.waves_of(bundle.axis, bundle.half)[pair];
         // Behind a row its ghosts stand in it.
         let (length, beyond) = match bundle.axis {
@@ -463,7 +462,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Adds the work at an end of lines that their sweep is about to do.
     fn note_work(&mut self, bundle: Bundle, end: usize) {
         let Bundle { axis, half, lines, .. } = bundle;
-        if !matches!(&self.boundary.faces[half][axis][end], BoundaryFaces::Mirror(mirror) if mirror.works)
+        if !matches!(&self.boundary.faces[half][axis][end], BoundaryFaces::Physical(mirror) if mirror.does_work)
         {
             return;
         }
@@ -496,7 +495,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             _ => (bundle.face + line.0, line.1),
         };
         match &self.boundary.faces[half][axis][end] {
-            BoundaryFaces::Mirror(mirror) if mirror.works_on(pair, face) => {}
+            BoundaryFaces::Physical(mirror) if mirror.does_work_on(pair, face) => {}
             _ => return 0.0,
         }
         let first = [-2, self.length(bundle).0 as isize - 2][end];

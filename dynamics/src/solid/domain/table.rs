@@ -1,30 +1,30 @@
 //! Constants of the materials as the kernels look them up: by lane pattern and wave.
 
 use crate::simd::{Real, Vector};
-use crate::solid::cell::Cell;
+use crate::solid::cell::CellConstants;
 use crate::solid::ghosts::GhostCoefficients;
 
-/// Places of the fields of a pair of waves in a row, and of its constants in the table.
+/// A pair of waves (one each way) along an axis: places of its fields in a row, and of its constants in the table.
 #[derive(Clone, Debug)]
-pub(crate) struct Wave {
+pub(crate) struct WavePair {
     pub(crate) velocity: usize,
     pub(crate) stress: usize,
-    pub(crate) followers: Vec<usize>,
+    pub(crate) passive_stresses: Vec<usize>,
     /// Place of the constants among those of a pattern.
     pub(crate) constants: usize,
-    /// Places of the followers' ratios among those of a pattern.
+    /// Places of the coupling ratios of the passive stresses among those of a pattern.
     pub(crate) ratios: Vec<usize>,
 }
 
 /// Constants of the media by pattern: which medium each lane of a group has.
 #[derive(Clone, Debug)]
 pub(crate) struct Table<T: Real> {
-    pub(crate) cells: Vec<Cell<T::Lanes>>,
-    /// Constants of a pattern: waves that have the same share them.
-    pub(crate) waves: usize,
+    pub(crate) cells: Vec<CellConstants<T::Lanes>>,
+    /// Number of constants of a pattern: pairs with equal constants share them.
+    pub(crate) cells_of_pattern: usize,
     pub(crate) ratios: Vec<T::Lanes>,
-    /// Ratios of a pattern, shared likewise.
-    pub(crate) followers: usize,
+    /// Number of coupling ratios of a pattern.
+    pub(crate) ratios_of_pattern: usize,
     /// Ghost coefficients by wave if there is one pattern; empty for more, where computing them again takes less time
     /// than loading them.
     pub(crate) ghost_coefficients: Vec<GhostCoefficients<T::Lanes>>,
@@ -34,20 +34,20 @@ impl<T: Real> Table<T> {
     /// Whether all groups have the same media, as where there is one.
     #[inline(always)]
     pub(crate) fn is_of_one_pattern(&self) -> bool {
-        self.cells.len() == self.waves
+        self.cells.len() == self.cells_of_pattern
     }
 
     #[inline(always)]
-    pub(crate) fn cell(&self, pattern: u32, wave: &Wave) -> &Cell<T::Lanes> {
-        &self.cells[pattern as usize * self.waves + wave.constants]
+    pub(crate) fn cell(&self, pattern: u32, wave: &WavePair) -> &CellConstants<T::Lanes> {
+        &self.cells[pattern as usize * self.cells_of_pattern + wave.constants]
     }
 
     /// Ghost coefficients of a wave beside this outermost cell.
     #[inline(always)]
     pub(crate) fn ghost_coefficients<V: Vector<T>>(
         &self,
-        wave: &Wave,
-        outermost: &Cell<V>,
+        wave: &WavePair,
+        outermost: &CellConstants<V>,
     ) -> GhostCoefficients<V> {
         // Both branches through memory: a branch between registers makes the compiler compute both.
         let computed;
@@ -62,7 +62,7 @@ impl<T: Real> Table<T> {
     }
 
     #[inline(always)]
-    pub(crate) fn ratio(&self, pattern: u32, wave: &Wave, follower: usize) -> &T::Lanes {
-        &self.ratios[pattern as usize * self.followers + wave.ratios[follower]]
+    pub(crate) fn ratio(&self, pattern: u32, wave: &WavePair, passive: usize) -> &T::Lanes {
+        &self.ratios[pattern as usize * self.ratios_of_pattern + wave.ratios[passive]]
     }
 }

@@ -32,7 +32,7 @@ use crate::solid::problem::{DomainError, Grid, Problem};
 use cells::LocalLaws;
 use interlayers::Faces;
 use models::solid::waves::Field;
-use sweep::Wave;
+use sweep::WavePair;
 
 /// Fields on a rectangular grid and what moves them, without lanes, tiles, halo or threads.
 #[derive(Clone)]
@@ -46,11 +46,11 @@ pub struct Reference<T: SolverReal, const D: usize> {
     /// Reconstruction of the sweeps.
     slopes: line::Slopes,
     /// By axis, for half a step.
-    waves: [Vec<Wave<T>>; D],
+    waves: [Vec<WavePair<T>>; D],
     /// Along the first axis for half a step by layer, where layers have spacings of their own; else none.
-    row_waves: Vec<Vec<Wave<T>>>,
+    row_waves: Vec<Vec<WavePair<T>>>,
     /// Along the first axis for a quarter of a step.
-    quarter_waves: Vec<Wave<T>>,
+    quarter_waves: Vec<WavePair<T>>,
     sides: [[BoundaryFaces<T>; 2]; D],
     /// What acts in cells on their own.
     laws: LocalLaws<T>,
@@ -90,7 +90,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         let (count, names) = (grid.count(), problem.fields());
         let waves = |axis: usize, spacing: f64, share: f64| {
             let pairs = 0..media[0].pairs[axis].len();
-            let wave = |pair| Wave::new(&problem, (axis, spacing), pair, share);
+            let wave = |pair| WavePair::new(&problem, (axis, spacing), pair, share);
             pairs.map(wave).collect::<Vec<_>>()
         };
         let of_layers = problem.metric.as_ref().map_or(&[][..], |metric| &metric.spacing);
@@ -205,5 +205,5 @@ fn side<T: Real, const D: usize>(
     let slopes = problem.scheme.slopes;
     let mut rule = GhostRule::new(boundary, pairs, (&faces, groups), !loads.is_empty(), slopes);
     loads.into_iter().for_each(|load| rule.add(load, &faces));
-    BoundaryFaces::Mirror(rule)
+    BoundaryFaces::Physical(rule)
 }

@@ -1,6 +1,6 @@
 //! What the solver gives to the outside: fields at its time, records, energies, snapshots.
 
-use super::sweep::{LineOfCells, Strip, Wave};
+use super::sweep::{LineOfCells, Strip, WavePair};
 use super::{Reference, slot};
 use crate::simd::Real;
 use crate::solid::cell_laws::{combined, stress_of};
@@ -171,7 +171,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         &self,
         values: &mut [Vec<T>],
         (cell, x): (usize, usize),
-        wave: &Wave<T>,
+        wave: &WavePair<T>,
         (strip, part): (&Strip<T>, T),
     ) {
         let before = self.fields[wave.velocity][cell];
@@ -180,7 +180,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         let change = part * (strip.stress[GHOSTS + x] - before);
         values[wave.stress][x] = before + change;
         let medium = usize::from(self.problem.of_cell[cell]);
-        for (place, ratios) in &wave.followers {
+        for (place, ratios) in &wave.passive_stresses {
             let value = &mut values[*place][x];
             *value = *value + ratios[medium] * change;
         }

@@ -2,7 +2,7 @@
 
 use super::Reference;
 use crate::solid::domain::SolverReal;
-use crate::solid::problem::Placement;
+use crate::solid::problem::PlasticStep;
 
 impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// Advances all fields by so many time steps.
@@ -42,7 +42,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         for axis in (0..D).rev() {
             self.sweep(axis, start + 0.75 * step);
         }
-        if self.problem.scheme.placement == Placement::Last {
+        if self.problem.scheme.plastic_step == PlasticStep::ReturnMapping {
             self.map_stresses();
         }
     }
@@ -50,8 +50,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// K Q K, with relaxation, and with the return mapping where it stands in the middle.
     fn apply_middle(&mut self, sources: &[Vec<[f64; 2]>; 2]) {
         self.apply_sources(&sources[0]);
-        match self.problem.scheme.placement {
-            Placement::Middle if !self.dissipation.plastic.is_empty() => {
+        match self.problem.scheme.plastic_step {
+            PlasticStep::MidpointReflection if !self.dissipation.plastic.is_empty() => {
                 self.rotate(1);
                 self.relax(1);
                 self.map_one_by_one(true);

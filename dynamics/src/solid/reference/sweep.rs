@@ -2,7 +2,7 @@
 
 use super::{Reference, slot};
 use crate::simd::Real;
-use crate::solid::cell::Cell;
+use crate::solid::cell::CellConstants;
 use crate::solid::domain::SolverReal;
 use crate::solid::ghosts::{BESIDE, BoundaryFaces, GhostCoefficients, ghosts, image, set_time};
 use crate::solid::interface::sweep_with_interlayers;
@@ -14,7 +14,7 @@ use models::solid::waves::Field;
 
 /// A pair of waves along an axis.
 #[derive(Clone)]
-pub(super) struct Wave<T: Real> {
+pub(super) struct WavePair<T: Real> {
     /// Length of a cell along the line, m, and the share of a time step that a sweep takes.
     spacing: f64,
     share: f64,
@@ -22,13 +22,13 @@ pub(super) struct Wave<T: Real> {
     pub(super) velocity: usize,
     pub(super) stress: usize,
     /// By medium.
-    pub(super) cells: Vec<Cell<T>>,
+    pub(super) cells: Vec<CellConstants<T>>,
     coefficients: Vec<GhostCoefficients<T>>,
     /// Places of the stresses that follow in any medium, and by medium r = ds′/ds.
-    pub(super) followers: Vec<(usize, Vec<T>)>,
+    pub(super) passive_stresses: Vec<(usize, Vec<T>)>,
 }
 
-impl<T: Real> Wave<T> {
+impl<T: Real> WavePair<T> {
     /// A pair along an axis with a spacing, m, swept by a share of the time step.
     pub(super) fn new<const D: usize>(
         problem: &Problem<D>,
@@ -41,12 +41,12 @@ impl<T: Real> Wave<T> {
         let place = |field: Field| fields.iter().position(|own| *own == field).unwrap_or(0);
         let pairs = || media.iter().map(|medium| &medium.pairs[axis][pair]);
         let mut places: Vec<usize> =
-            pairs().flat_map(|own| &own.followers).map(|(field, _)| place(*field)).collect();
+            pairs().flat_map(|own| &own.passive_stresses).map(|(field, _)| place(*field)).collect();
         places.sort_unstable();
         places.dedup();
-        let follower = |index: usize| {
+        let passive = |index: usize| {
             let ratio = |own: &models::solid::waves::Pair| {
-                let found = own.followers.iter().find(|own| own.0 == fields[index]);
+                let found = own.passive_stresses.iter().find(|own| own.0 == fields[index]);
                 T::of(found.map_or(0.0, |own| own.1))
             };
             (index, pairs().map(ratio).collect())
@@ -55,7 +55,7 @@ impl<T: Real> Wave<T> {
             let courant = own.speed() * (share * step / spacing);
             scheme.slopes.cell_of(own, courant, problem.is_mixed())
         };
-        let cells: Vec<Cell<T>> = pairs().map(cell).collect();
+        let cells: Vec<CellConstants<T>> = pairs().map(cell).collect();
         Self {
             spacing,
             share,
@@ -63,7 +63,7 @@ impl<T: Real> Wave<T> {
             stress: place(media[0].pairs[axis][pair].stress),
             coefficients: cells.iter().map(GhostCoefficients::new).collect(),
             cells,
-            followers: places.into_iter().map(follower).collect(),
+            passive_stresses: places.into_iter().map(passive).collect(),
         }
     }
 }
@@ -93,7 +93,7 @@ impl LineOfCells {
 pub(super) struct Strip<T> {
     pub(super) velocity: Vec<T>,
     pub(super) stress: Vec<T>,
-    pub(super) cells: Vec<Cell<T>>,
+    pub(super) cells: Vec<CellConstants<T>>,
     accounts: Vec<Account>,
 }
 
@@ -102,7 +102,7 @@ impl<T: Real> Strip<T> {
         Self { velocity: Vec::new(), stress: Vec::new(), cells: Vec::new(), accounts: Vec::new() }
     }
 
-    fn push(&mut self, (state, cell): (State<T>, Cell<T>)) {
+    fn push(&mut self, (state, cell): (State<T>, CellConstants<T>)) {
         self.velocity.push(state.velocity);
         self.stress.push(state.stress);
         self.cells.push(cell);
@@ -129,7 +129,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     fn sweep_axis<'a>(
         &mut self,
         axis: usize,
-        waves: impl Fn(usize) -> &'a Vec<Wave<T>>,
+        waves: impl Fn(usize) -> &'a Vec<WavePair<T>>,
         time: f64,
     ) {
         set_time(&mut self.sides[axis], time);
@@ -150,7 +150,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    fn sweep_line(&mut self, line: LineOfCells, waves: &[Wave<T>], strip: &mut Strip<T>) {
+    fn sweep_line(&mut self, line: LineOfCells, waves: &[WavePair<T>], strip: &mut Strip<T>) {
         for (pair, wave) in waves.iter().enumerate() {
             let time = wave.share * self.problem.step;
             // Accounts are powers per area.
@@ -174,7 +174,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
                 let change = strip.stress[GHOSTS + place] - self.fields[wave.stress][cell];
                 self.fields[wave.velocity][cell] = strip.velocity[GHOSTS + place];
                 self.fields[wave.stress][cell] = strip.stress[GHOSTS + place];
-                for (index, ratios) in &wave.followers {
+                for (index, ratios) in &wave.passive_stresses {
                     let value = &mut self.fields[*index][cell];
                     *value = *value + ratios[medium] * change;
                 }
@@ -191,7 +191,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         &self,
         strip: &mut Strip<T>,
         line: LineOfCells,
-        wave: (usize, &Wave<T>),
+        wave: (usize, &WavePair<T>),
         sides: &[BoundaryFaces<T>; 2],
     ) {
         strip.velocity.clear();
@@ -204,7 +204,12 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 
     /// State and constants of a cell.
-    fn cell_of(&self, line: LineOfCells, wave: &Wave<T>, place: usize) -> (State<T>, Cell<T>) {
+    fn cell_of(
+        &self,
+        line: LineOfCells,
+        wave: &WavePair<T>,
+        place: usize,
+    ) -> (State<T>, CellConstants<T>) {
         let cell = line.cell(place);
         let state = State {
             velocity: self.fields[wave.velocity][cell],
@@ -217,12 +222,12 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     fn beyond(
         &self,
         line: LineOfCells,
-        (pair, wave): (usize, &Wave<T>),
+        (pair, wave): (usize, &WavePair<T>),
         sides: &[BoundaryFaces<T>; 2],
         end: usize,
-    ) -> [(State<T>, Cell<T>); GHOSTS] {
+    ) -> [(State<T>, CellConstants<T>); GHOSTS] {
         let at = |end: usize, depth: usize| self.cell_of(line, wave, line.inside(end, depth));
-        let BoundaryFaces::Mirror(rule) = &sides[end] else {
+        let BoundaryFaces::Physical(rule) = &sides[end] else {
             return std::array::from_fn(|depth| at(1 - end, depth));
         };
         let face = slot::<T>(line.face);
@@ -243,7 +248,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         std::array::from_fn(|depth| {
             let (mut seen, cell) = at(end, depth);
             // A single cell is seen through the other boundary.
-            if let (BoundaryFaces::Mirror(other), true) = (&sides[1 - end], depth >= line.count) {
+            if let (BoundaryFaces::Physical(other), true) = (&sides[1 - end], depth >= line.count) {
                 seen = image_by(other.face_at(pair, face), seen);
             }
             (image_by(rule.face_at(pair, face), seen), cell)
@@ -253,7 +258,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// Power per area that a side does work with at an end of a line before its sweep, W/m², positive inwards.
     fn work_at(&self, strip: &Strip<T>, line: LineOfCells, pair: usize, end: usize) -> f64 {
         match &self.sides[line.axis][end] {
-            BoundaryFaces::Mirror(rule) if rule.works_on(pair, slot::<T>(line.face)) => {}
+            BoundaryFaces::Physical(rule) if rule.does_work_on(pair, slot::<T>(line.face)) => {}
             _ => return 0.0,
         }
         let first = [0, line.count][end];

@@ -2,10 +2,10 @@
 
 use super::super::interfaces::Face;
 use super::super::layout::GroupIndex;
-use super::super::table::Wave;
+use super::super::table::WavePair;
 use super::{Carried, Lines};
-use crate::simd::{Number, Real, Vector, Work};
-use crate::solid::cell::Cell;
+use crate::simd::{Number, Real, SimdKernel, Vector};
+use crate::solid::cell::CellConstants;
 use crate::solid::interface::interlayer_states;
 use crate::solid::interlayers::MEMORY;
 use crate::solid::reconstruction::Slopes;
@@ -28,7 +28,7 @@ pub(crate) struct InterlayerLines<'a, T: Real> {
     pub(crate) step: T,
 }
 
-impl<T: Real> Work<T> for InterlayerLines<'_, T> {
+impl<T: Real> SimdKernel<T> for InterlayerLines<'_, T> {
     /// Loops of their own for all kinds of slopes.
     #[inline(always)]
     fn run<V: Vector<T>>(mut self) {
@@ -56,7 +56,13 @@ impl<T: Real> InterlayerLines<'_, T> {
 
     /// A pair of waves on its path along a line of groups.
     #[inline(always)]
-    fn advance<V: Vector<T>>(&mut self, line: usize, index: usize, wave: &Wave, slopes: Slopes) {
+    fn advance<V: Vector<T>>(
+        &mut self,
+        line: usize,
+        index: usize,
+        wave: &WavePair,
+        slopes: Slopes,
+    ) {
         let law = self.laws[index];
         let law = ElasticInterlayer {
             mass: <V as Vector<T>>::all(law.mass),
@@ -65,7 +71,7 @@ impl<T: Real> InterlayerLines<'_, T> {
         let step = <V as Vector<T>>::all(self.step);
         let (path, slot) = (self.lines.path, line * self.lines.waves.len() + index);
         let memories = self.first + line * self.line + MEMORY * index;
-        let mut cells: [Cell<V>; 4] = [
+        let mut cells: [CellConstants<V>; 4] = [
             self.cell(self.lines.in_front, line, wave),
             self.cell(path[0], line, wave),
             self.cell(path[1], line, wave),
@@ -85,7 +91,7 @@ impl<T: Real> InterlayerLines<'_, T> {
             let joined = [joined(self.faces[place]), joined(face), joined(self.faces[place + 2])];
             let states = [last, here, next];
             let (reach, known) =
-                slopes.reach_beside_interlayers(carried.known, states, around, joined);
+                slopes.face_values_beside_interlayers(carried.known, states, around, joined);
             let impedance = [cells[1].impedance, cells[2].impedance];
             let mut seen = InterfaceState::riemann(impedance, reach);
             if face.active != 0 {
@@ -100,9 +106,9 @@ impl<T: Real> InterlayerLines<'_, T> {
                     chosen(face.active, seen[1], layered[1]),
                 ];
             }
-            let moved = updated(last, [carried.joint, seen[0]], &cells[1]);
+            let moved = updated(last, [carried.lower_face, seen[0]], &cells[1]);
             self.write(path[place], line, wave, (last, moved));
-            carried = Carried { known, joint: seen[1] };
+            carried = Carried { known, lower_face: seen[1] };
             (last, here) = (here, next);
             cells = [cells[1], cells[2], cells[3], cells[3]];
         }
@@ -110,7 +116,7 @@ impl<T: Real> InterlayerLines<'_, T> {
             Some(rows) => {
                 rows.clear(self.lines.data, wave.velocity, line);
                 rows.clear(self.lines.data, wave.stress, line);
-                for &place in &wave.followers {
+                for &place in &wave.passive_stresses {
                     rows.clear(self.lines.data, place, line);
                 }
             }
@@ -120,24 +126,29 @@ impl<T: Real> InterlayerLines<'_, T> {
 
     /// The constants of a group.
     #[inline(always)]
-    fn cell<V: Vector<T>>(&self, stop: GroupIndex, line: usize, wave: &Wave) -> Cell<V> {
+    fn cell<V: Vector<T>>(
+        &self,
+        stop: GroupIndex,
+        line: usize,
+        wave: &WavePair,
+    ) -> CellConstants<V> {
         let pattern = self.lines.patterns[stop.of_line(line, self.lines.across).group];
-        Cell::load(self.lines.table.cell(pattern, wave))
+        CellConstants::load(self.lines.table.cell(pattern, wave))
     }
 
     #[inline(always)]
-    fn state<V: Vector<T>>(&self, stop: GroupIndex, line: usize, wave: &Wave) -> State<V> {
+    fn state<V: Vector<T>>(&self, stop: GroupIndex, line: usize, wave: &WavePair) -> State<V> {
         let group = &self.lines.data[stop.of_line(line, self.lines.across).data..];
         State { velocity: V::load(&group[wave.velocity]), stress: V::load(&group[wave.stress]) }
     }
 
-    /// Writes a group, whose followers change with its stress.
+    /// Writes a group, whose passive_stresses change with its stress.
     #[inline(always)]
     fn write<V: Vector<T>>(
         &mut self,
         stop: GroupIndex,
         line: usize,
-        wave: &Wave,
+        wave: &WavePair,
         (before, moved): (State<V>, State<V>),
     ) {
         let stop = stop.of_line(line, self.lines.across);
@@ -146,7 +157,7 @@ impl<T: Real> InterlayerLines<'_, T> {
         moved.velocity.store(&mut group[wave.velocity]);
         moved.stress.store(&mut group[wave.stress]);
         let change = moved.stress - before.stress;
-        for (index, &place) in wave.followers.iter().enumerate() {
+        for (index, &place) in wave.passive_stresses.iter().enumerate() {
             let ratio = V::load(self.lines.table.ratio(pattern, wave, index));
             (V::load(&group[place]) + ratio * change).store(&mut group[place]);
         }
