@@ -212,9 +212,10 @@ pub struct Iterate<N> {
     pub reciprocal: N,
     /// 1/(1 + xDp): what is kept of each part.
     pub kept: [N; PARTS],
-    /// τ̄², Pa², and Σ s Dp/(1 + xDp)³, Pa³.
-    norm: N,
-    slope: N,
+    /// τ̄², Pa².
+    pub norm: N,
+    /// Σ s Dp/(1 + xDp)³, Pa³.
+    pub slope: N,
     /// 1 − ax − r/τ̄: h over τ̄.
     pub excess: N,
 }
@@ -233,9 +234,15 @@ impl<N: Number> Iterate<N> {
 }
 
 impl<N: Number> Equation<'_, N> {
-    /// At zero.
+    /// τ̄(0), Pa.
     #[inline(always)]
-    pub fn at_zero(&self) -> Iterate<N> {
+    pub fn shear_at_zero(&self) -> N {
+        sum_of(&self.squares, self.seen).greatest(N::LEAST).root()
+    }
+
+    /// At zero, where τ̄ is this.
+    #[inline(always)]
+    pub fn at_zero(&self, shear: N) -> Iterate<N> {
         let (mut norm, mut slope) = (N::ZERO, N::ZERO);
         for part in 0..PARTS {
             if self.seen[part] {
@@ -243,7 +250,7 @@ impl<N: Number> Equation<'_, N> {
                 slope = slope + self.squares[part] * self.rates[part];
             }
         }
-        self.iterate(N::ZERO, [N::ONE; PARTS], norm, slope)
+        self.iterate(N::ZERO, [N::ONE; PARTS], (norm.greatest(N::LEAST), shear), slope)
     }
 
     /// At x.
@@ -259,14 +266,13 @@ impl<N: Number> Equation<'_, N> {
                 slope = slope + term * kept[part] * self.rates[part];
             }
         }
-        self.iterate(x, kept, norm, slope)
+        // Where there is no stress there is nothing to be found.
+        let norm = norm.greatest(N::LEAST);
+        self.iterate(x, kept, (norm, norm.root()), slope)
     }
 
     #[inline(always)]
-    fn iterate(&self, x: N, kept: [N; PARTS], norm: N, slope: N) -> Iterate<N> {
-        // Where there is no stress there is nothing to be found.
-        let norm = norm.greatest(N::LEAST);
-        let shear = norm.root();
+    fn iterate(&self, x: N, kept: [N; PARTS], (norm, shear): (N, N), slope: N) -> Iterate<N> {
         let reciprocal = N::ONE / shear;
         let excess = N::ONE - self.a * x - self.room * reciprocal;
         Iterate { x, shear, reciprocal, kept, norm, slope, excess }
@@ -300,7 +306,7 @@ impl<N: Number> Equation<'_, N> {
     /// Numbers in lanes go on until all are there; who is there stays.
     #[inline(always)]
     pub fn root(&self) -> Iterate<N> {
-        let mut at = self.at_zero();
+        let mut at = self.at_zero(self.shear_at_zero());
         let mut next = self.first(&at);
         while next.exceeds(at.x) {
             at = self.at(next);

@@ -6,10 +6,14 @@
 //! a batch of groups: those that have converged do not wait for the others. Lanes are projected one by one where the mean
 //! may come to the apex, and where the set is a polyhedron, whose half-spaces are evaluated in lanes, or unknown.
 //!
-//! Time goes into divisions and roots, of which a block of eight stresses takes 17 and 3 to 4 in a classical solid with
-//! initial stress: each step of Newton's method three and one, each energy two.
+//! A block of eight stresses takes 16 to 19 divisions and 3 to 4 roots in a classical solid with initial stress: each step
+//! of Newton's method three and one, each energy two. While Newton's method runs the unit that divides is busy; elsewhere
+//! some four hundred additions, multiplications and comparisons take the time.
 #![allow(clippy::needless_range_loop, reason = "indices are those of tensors, parts and lanes")]
 
+mod batch;
+
+use self::batch::{BATCH, Batch, Found, Pending};
 use super::whole_stress::{
     Block, InitialStress, Tensors, WIDTH, WholeStressSets, Wide, load_cone, load_moduli,
     load_tensors, tensors,
@@ -20,9 +24,7 @@ use crate::solid::medium::Medium;
 use models::common::number::third;
 use models::solid::parameters::stored_energy;
 use models::solid::stress::{Shape, Stress, Tensor};
-use models::yield_set::return_mapping::{
-    Cone, Equation, Iterate, Mapped, PARTS, Parts, ROUNDING, sum_of,
-};
+use models::yield_set::return_mapping::{Cone, Mapped, PARTS, Parts, ROUNDING, sum_of};
 
 /// The mapping of blocks that follow each other in a row.
 pub(super) struct MapStresses<'a> {
@@ -79,57 +81,15 @@ impl SimdKernel<f64> for MapStresses<'_> {
 }
 
 /// What the mapping took, J/m³.
-struct Taken {
-    dissipated: [f64; WIDTH],
-    released: [f64; WIDTH],
+struct Taken<V> {
+    dissipated: V,
+    released: V,
     /// The dissipation over the energy stored, where it is negative.
-    shares: [f64; WIDTH],
+    shares: V,
 }
 
-/// Blocks that are mapped together: so many that none waits for the results of another.
-const BATCH: usize = 8;
-
-/// A block with lanes beyond their sets.
-#[derive(Clone, Copy)]
-struct Found<V> {
-    place: usize,
-    /// Lanes to be mapped here, and one by one.
-    lanes: u16,
-    alone: u16,
-    /// ½p|s̄|² and r.
-    squares: [V; PARTS],
-    room: V,
-    at: Iterate<V>,
-}
-
-impl<V: Number> Found<V> {
-    const NONE: Self = Self {
-        place: 0,
-        lanes: 0,
-        alone: 0,
-        squares: [V::ZERO; PARTS],
-        room: V::ZERO,
-        at: Iterate::NONE,
-    };
-}
-
-struct Batch<V> {
-    count: usize,
-    found: [Found<V>; BATCH],
-}
-
-/// Those of a batch that are not at their roots.
-struct Pending {
-    count: usize,
-    all: [u8; BATCH],
-}
-
-impl Pending {
-    #[inline(always)]
-    fn push(&mut self, index: usize, is_pending: bool) {
-        self.all[self.count] = index as u8;
-        self.count += usize::from(is_pending);
-    }
+impl<V: Number> Taken<V> {
+    const NONE: Self = Self { dissipated: V::ZERO, released: V::ZERO, shares: V::ZERO };
 }
 
 /// A trial stress in lanes, and its parts.
@@ -162,10 +122,8 @@ impl<V: Vector<f64>> Trial<V> {
     /// The lanes in which it is beyond the set, by more than rounding; as in
     /// [`Mises::project`](models::yield_set::parameters::Mises::project).
     #[inline(always)]
-    fn yielding(&self, shape: Shape, cone: &Cone<V>) -> u16 {
+    fn yielding(&self, shape: Shape, cone: &Cone<V>, shear: V) -> u16 {
         let mean = self.parts.force.0;
-        // What is smaller may be in the set after all.
-        let shear = self.square.greatest(V::LEAST).root();
         let size = shear + cone.friction * mean.greatest(-mean) + cone.strength;
         let excess = shear - self.room;
         let possible = excess.greater_lanes(V::constant(ROUNDING) * size);
@@ -201,7 +159,7 @@ impl<'a> MapStresses<'a> {
         let count = self.patterns.len() * self.halves;
         // The energy of the initial stress, and the block it is known for.
         let mut energy = (V::ZERO, usize::MAX);
-        let mut batch = Batch { count: 0, found: [Found::NONE; BATCH] };
+        let mut batch = Batch { count: 0, found: [Found::NONE; BATCH], was_found: false };
         for first in (0..count).step_by(BATCH) {
             batch.count = 0;
             let mut pending = Pending { count: 0, all: [0; BATCH] };
@@ -248,9 +206,12 @@ impl<'a> MapStresses<'a> {
         let cone = load_cone::<V>(&block.cone);
         let stress = self.stress::<V>(shape, place, initial);
         let is_plain = block.half_spaces.is_empty() && block.others == 0;
-        if is_plain && shape.is_symmetric && is_inside(shape, &cone, &stress[0]) {
+        // Mostly the block before was beyond its sets as well, and the shorter way to be inside is none to try.
+        if is_plain && shape.is_symmetric && !batch.was_found && is_inside(shape, &cone, &stress[0])
+        {
             return;
         }
+        batch.was_found = false;
         let trial = Trial::new(shape, seen, &cone, stress);
         if is_plain && trial.is_inside() {
             return;
@@ -260,21 +221,30 @@ impl<'a> MapStresses<'a> {
         if !is_plain {
             alone |= self.beyond_half_spaces::<V>(place, block, initial) & cells;
         }
-        let yielding = trial.yielding(shape, &cone) & block.cones & cells;
+        // What is smaller may be in the set after all.
+        let shear = trial.square.greatest(V::LEAST).root();
+        let yielding = trial.yielding(shape, &cone, shear) & block.cones & cells;
         let beyond = trial.beyond_apex() & yielding;
         let (alone, lanes) = (alone | beyond, yielding & !beyond);
         if alone | lanes == 0 {
             return;
         }
-        let room = trial.room.greatest(V::ZERO);
-        let squares = trial.weighted;
-        let equation = Equation { squares, rates: cone.rates, a: cone.a, room, seen };
-        let at = match lanes {
-            0 => Iterate::NONE,
-            _ => equation.at(equation.first(&equation.at_zero())),
-        };
-        batch.found[batch.count] = Found { place, lanes, alone, squares, room, at };
-        pending.push(batch.count, lanes != 0 && at.excess.exceeds(V::ZERO));
+        let found = &mut batch.found[batch.count];
+        (found.place, found.lanes, found.alone) = (place, lanes, alone);
+        found.room = trial.room.greatest(V::ZERO);
+        found.at.shear = shear;
+        for part in 0..PARTS {
+            if seen[part] {
+                found.squares[part] = trial.weighted[part];
+            }
+        }
+        if shape.is_symmetric {
+            let (mean, deviator, _) = &trial.parts.force;
+            let diagonal = [deviator[0][0], deviator[1][1], deviator[2][2]];
+            found.symmetric = (*mean, diagonal, trial.parts.squares[0]);
+        }
+        pending.push(batch.count, lanes != 0);
+        batch.was_found = true;
         batch.count += 1;
     }
 
@@ -286,16 +256,29 @@ impl<'a> MapStresses<'a> {
         batch: &mut Batch<V>,
         mut pending: Pending,
     ) {
+        let mut left = Pending { count: 0, all: [0; BATCH] };
+        for &index in &pending.all[..pending.count] {
+            let found = &mut batch.found[usize::from(index)];
+            let cone = load_cone::<V>(&self.block(found.place).1.cone);
+            let (equation, at) = found.equation(seen, &cone);
+            let at = equation.at(equation.first(&equation.at_zero(at.shear)));
+            found.set(seen, &at);
+            left.push(index.into(), at.excess.exceeds(V::ZERO));
+        }
+        pending = left;
         while pending.count > 0 {
             let mut left = Pending { count: 0, all: [0; BATCH] };
             for &index in &pending.all[..pending.count] {
                 let found = &mut batch.found[usize::from(index)];
                 let cone = load_cone::<V>(&self.block(found.place).1.cone);
-                let Found { squares, room, .. } = *found;
-                let equation = Equation { squares, rates: cone.rates, a: cone.a, room, seen };
-                let (x, next) = (found.at.x, equation.next(&found.at));
-                found.at = equation.at(next);
-                left.push(index.into(), found.at.excess.exceeds(V::ZERO) && next.exceeds(x));
+                let (equation, at) = found.equation(seen, &cone);
+                let next = equation.next(&at);
+                if !next.exceeds(at.x) {
+                    continue;
+                }
+                let at = equation.at(next);
+                found.set(seen, &at);
+                left.push(index.into(), at.excess.exceeds(V::ZERO));
             }
             pending = left;
         }
@@ -312,8 +295,7 @@ impl<'a> MapStresses<'a> {
         let place = found.place;
         let (number, block) = self.block(place);
         let initial = self.initial_at(place);
-        let mut taken =
-            Taken { dissipated: [0.0; WIDTH], released: [0.0; WIDTH], shares: [0.0; WIDTH] };
+        let mut taken = Taken::NONE;
         let mut alone = found.alone;
         if found.lanes != 0 {
             let moduli = load_moduli::<V>(&block.moduli);
@@ -328,23 +310,31 @@ impl<'a> MapStresses<'a> {
                 self.map((shape, seen), found, (&cone, &moduli), (initial, *energy), &mut taken);
         }
         if alone != 0 {
-            self.map_alone((place, alone), &block.media, initial, &mut taken);
+            let mut own = Taken::NONE;
+            self.map_alone((place, alone), &block.media, initial, &mut own);
+            taken.dissipated = taken.dissipated.with_lanes(alone, V::load(&own.dissipated));
+            taken.released = taken.released.with_lanes(alone, V::load(&own.released));
+            taken.shares = taken.shares.with_lanes(alone, V::load(&own.shares));
         }
-        let dissipated = &mut self.dissipated[place * WIDTH..][..WIDTH];
-        for lane in 0..WIDTH {
-            dissipated[lane] += taken.dissipated[lane];
-        }
+        add_lanes(&mut self.dissipated[place * WIDTH..][..WIDTH], taken.dissipated);
         if let Some(released) = self.released.get_mut(place * WIDTH..(place + 1) * WIDTH) {
-            for lane in 0..WIDTH {
-                released[lane] += taken.released[lane];
-            }
+            add_lanes(released, taken.released);
         }
-        if let (Some(own), true) = (self.own_lanes, taken.shares != [0.0; WIDTH]) {
-            let half = place & (self.halves - 1);
-            let own = own[place >> self.halving()] >> (half * WIDTH);
-            for lane in (0..WIDTH).filter(|lane| own >> lane & 1 == 1) {
-                *self.least_plastic = self.least_plastic.min(taken.shares[lane]);
-            }
+        if V::ZERO.exceeds(taken.shares) {
+            self.note_shares(place, taken.shares);
+        }
+    }
+
+    /// The least of the dissipation over the energy stored.
+    #[inline(never)]
+    fn note_shares<V: Vector<f64>>(&mut self, place: usize, shares: V) {
+        let Some(own) = self.own_lanes else { return };
+        let half = place & (self.halves - 1);
+        let own = own[place >> self.halving()] >> (half * WIDTH);
+        let mut wide = Wide::ZERO;
+        shares.store(&mut wide);
+        for lane in (0..WIDTH).filter(|lane| own >> lane & 1 == 1) {
+            *self.least_plastic = self.least_plastic.min(wide.lanes()[lane]);
         }
     }
 
@@ -436,11 +426,12 @@ impl<'a> MapStresses<'a> {
         found: &Found<V>,
         (cone, moduli): (&Cone<V>, &[[V; 3]; 2]),
         (initial, energy): (Option<&InitialStress>, V),
-        taken: &mut Taken,
+        taken: &mut Taken<V>,
     ) -> u16 {
-        let Found { place, lanes, at: root, .. } = *found;
+        let Found { place, lanes, .. } = *found;
+        let (_, root) = found.equation(seen, cone);
         let stress = self.stress::<V>(shape, place, initial);
-        let parts = Parts::new(shape, &stress[0], &stress[1]);
+        let parts = found.parts(shape, &stress);
         let mean = parts.force.0;
         let mapped =
             Mapped::new(cone, &parts.squares, [V::ONE, root.x], root.reciprocal, root.kept, seen);
@@ -471,11 +462,11 @@ impl<'a> MapStresses<'a> {
         let times = if self.reflects { V::ONE + V::ONE } else { V::ONE };
         let beyond = if self.reflects { of_plastic } else { V::ZERO };
         let dissipated = times * (mapped.energy_lost - beyond);
-        store_lanes(dissipated, lanes, &mut taken.dissipated);
+        taken.dissipated = V::ZERO.with_lanes(lanes, dissipated);
         if V::ZERO.greater_lanes(dissipated) & lanes != 0 {
             let energy = stored_energy(shape, &stress[0], &stress[1], moduli);
             let share = dissipated / energy.greatest(V::LEAST);
-            store_lanes(share.least(V::ZERO), lanes, &mut taken.shares);
+            taken.shares = V::ZERO.with_lanes(lanes, share.least(V::ZERO));
         }
         if let Some(initial) = initial {
             let mut both = plastic;
@@ -491,7 +482,7 @@ impl<'a> MapStresses<'a> {
             }
             let of_both = stored_energy(shape, &both[0], &both[1], moduli);
             let released = times * (of_both - of_plastic - energy);
-            store_lanes(released, lanes, &mut taken.released);
+            taken.released = V::ZERO.with_lanes(lanes, released);
         }
         self.put(shape, (place, lanes), (&own, &plastic), initial);
         left
@@ -534,7 +525,7 @@ impl<'a> MapStresses<'a> {
         (place, lanes): (usize, u16),
         media: &[u16; WIDTH],
         initial: Option<&InitialStress>,
-        taken: &mut Taken,
+        taken: &mut Taken<Wide>,
     ) {
         for lane in (0..WIDTH).filter(|lane| lanes >> lane & 1 == 1) {
             let mut deviation = [[[0.0; 3]; 3]; 2];
@@ -555,9 +546,9 @@ impl<'a> MapStresses<'a> {
             let Some(done) = correction(medium, &deviation, initial.as_ref(), self.reflects) else {
                 continue;
             };
-            taken.dissipated[lane] = done.dissipated;
-            taken.released[lane] = done.released;
-            taken.shares[lane] = done.share.min(0.0);
+            taken.dissipated.lanes_mut()[lane] = done.dissipated;
+            taken.released.lanes_mut()[lane] = done.released;
+            taken.shares.lanes_mut()[lane] = done.share.min(0.0);
             for which in 0..2 {
                 for i in 0..3 {
                     for j in 0..3 {
@@ -589,10 +580,11 @@ fn is_inside<V: Vector<f64>>(shape: Shape, cone: &Cone<V>, stress: &Tensor<V>) -
     !(cone.half_weights[0] * square).exceeds(room * room) && !V::ZERO.exceeds(room)
 }
 
-/// Some lanes of numbers, and zeros in the rest.
+/// Adds numbers in lanes.
 #[inline(always)]
-fn store_lanes<V: Vector<f64>>(value: V, lanes: u16, to: &mut [f64; WIDTH]) {
+fn add_lanes<V: Vector<f64>>(to: &mut [f64], more: V) {
     let mut wide = Wide::ZERO;
-    V::ZERO.with_lanes(lanes, value).store(&mut wide);
+    wide.lanes_mut().copy_from_slice(to);
+    (V::load(&wide) + more).store(&mut wide);
     to.copy_from_slice(wide.lanes());
 }
