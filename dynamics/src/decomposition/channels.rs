@@ -30,8 +30,8 @@ struct Neighbour<T> {
 }
 
 impl<T, const D: usize> Channels<T, D> {
-    /// Connects the upper end of an axis of one part with the lower end of another one, which may be itself, by channels
-    /// with room for so many messages.
+    /// Connects the upper end of an axis of one part with the lower end of the next one by channels of capacity `room`, in
+    /// messages. Of two periodic parts both ends are connected.
     pub(super) fn connect(
         parts: &mut [Self],
         axis: usize,

@@ -1,7 +1,7 @@
 //! Domain decomposition: parts of a grid, each in a thread of its own.
 //!
 //! In each pass over memory a part receives a halo of [`HALO`] cells for each step of the pass from
-//! its neighbours and recomputes it redundantly. Every cell sees the same operations as in the whole, and sums are exact: the
+//! its neighbours (and more along the first axis where sweeps alternate, see [`Decomposition`]) and recomputes it redundantly. Every cell sees the same operations as in the whole, and sums are exact: the
 //! same bits. Along the last axis layers are exchanged while the pass goes on: the upper halo is received last, so that a
 //! thread can run almost one block of rows ahead of its upper neighbour, and one that is delayed for a moment does not delay
 //! the others. Along the other axes all is exchanged before a pass begins, see [`HaloExchange`](crate::solid::domain::HaloExchange).
@@ -87,7 +87,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         (permutation.grid(&problem.grid).cells[D - 1] / HALO).max(1)
     }
 
-    /// The same with this axis swept as the first one. The others keep their order; the domain is cut along the last of
+    /// A domain in `count` parts with `axis` swept as the first one. The others keep their order; the domain is cut along the last of
     /// them.
     ///
     /// # Errors
@@ -287,7 +287,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         for (field, values) in fields.into_iter().zip(&snapshot.fields) {
             self.set_inner(field, values);
         }
-        // Sums over all parts are one part's.
+        // The first part takes the sums of all parts, the others none.
         let mut work = WorkSums::from_parts(&snapshot.work);
         for part in &mut self.parts {
             part.domain.restore_work(snapshot.steps, std::mem::take(&mut work));

@@ -1,4 +1,4 @@
-//! Where a grid is cut, and who is beside whom.
+//! The plan of a decomposition: where a grid is cut, and which parts are neighbours.
 
 use crate::solid::domain::most_steps;
 use crate::solid::line::{GHOSTS, HALO};
@@ -9,7 +9,7 @@ use std::ops::Range;
 /// A grid cut into a box of parts: so many along each axis, as equal as whole cells allow.
 ///
 /// Parts are numbered with the first axis running fastest. The halo of a part is [`HALO`] cells wide for each step of a
-/// pass; edges and corners of it are those of neighbours of neighbours, which exchanges axis by axis bring.
+/// pass, and [`GHOSTS`] more along the first axis where sweeps alternate; edges and corners of it are those of neighbours of neighbours, which exchanges axis by axis bring.
 #[derive(Clone, Debug)]
 pub struct Decomposition<const D: usize> {
     parts: [usize; D],

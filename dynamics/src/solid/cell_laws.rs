@@ -10,6 +10,22 @@ use models::rheology::relaxation::{Increments, Relaxation, SymmetricTensor};
 use models::solid::stress::Stress;
 use models::solid::waves::Field;
 
+/// The time over which a law acts; constants are stored for both.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Interval {
+    /// Δt.
+    Step,
+    /// Δt/2.
+    HalfStep,
+}
+
+impl Interval {
+    /// Values for both intervals, from the interval as a fraction of Δt.
+    pub(crate) fn both<R>(value: impl FnMut(f64) -> R) -> [R; 2] {
+        [1.0, 0.5].map(value)
+    }
+}
+
 /// Fields at most: three velocities, three spins, nine stresses and couple stresses each, and six viscous strains.
 pub(crate) const MOST_FIELDS: usize = 30;
 

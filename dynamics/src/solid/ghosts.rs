@@ -91,7 +91,7 @@ struct SideLoad {
 }
 
 impl<T: Real> GhostRule<T> {
-    /// Of the faces of a boundary: global number, in ascending order, and local slot. A uniform boundary stores
+    /// The rule of a boundary for its faces in a region: the number of each face there, in ascending order, and its slot. A uniform boundary stores
     /// one entry, since it is looked up at both ends of every row.
     pub(crate) fn new(
         boundary: &Boundary,
@@ -529,7 +529,7 @@ fn fourth_order<N: Number>(
 /// β = max(0, y² − ((1 − ½C)b − (1 − C)y)² + ¼(1 − C)b²),  b = γ(I₁ − I₀).
 /// ```
 ///
-/// No state is known in which a sweep increases the energy (`tests/energy.rs` looks for one). The nearest ghost has the
+/// No state is known in which a sweep increases the energy (`tests/solid/energy.rs` looks for one). The nearest ghost has the
 /// O that makes this half_slope in the outermost cell, 4x − a beyond O₀, and the I of a straight wave through I* and I₀.
 #[inline(always)]
 fn limited<N: Number>(

@@ -51,8 +51,8 @@ impl<'a> std::iter::Sum<&'a Self> for Account {
     }
 }
 
-/// The face values of the waves from the left and from the right of a face, from the four cells around it, with
-/// interlayers where 0 of 1 is `joined`.
+/// The face values of the waves from the left and from the right of a face, from the four cells around it, where
+/// `joined` is 0 at interlayers and 1 at other faces.
 pub(super) fn face_values<T: Real>(
     states: [State<T>; 4],
     cells: [&CellConstants<T>; 4],
@@ -109,8 +109,8 @@ pub fn sweep<T: Real>(
     advance(velocity, stress, cells, at_face, accounts);
 }
 
-/// The same with the interface states that `at_face` gives of the states and cells around a face and the place behind it:
-/// called once for each face, in their order.
+/// [`sweep`] with the interface states that `at_face` gives for the lower face of a cell, from the states and constants of
+/// the four cells around the face and the place of that cell: called once for each face, in ascending order.
 pub(super) fn advance<T: Real>(
     velocity: &mut [T],
     stress: &mut [T],
@@ -127,17 +127,17 @@ pub(super) fn advance<T: Real>(
         velocity: velocity[place],
         stress: stress[place],
     };
-    // The face behind a place, from old states.
-    let mut behind = |states: [State<T>; 4], place: usize| {
+    // The lower face of the cell at a place, from old states.
+    let mut lower_face_of = |states: [State<T>; 4], place: usize| {
         let around = std::array::from_fn(|i| &cells[place - 2 + i]);
         at_face(states, around, place)
     };
     let mut around: [State<T>; 4] = std::array::from_fn(|i| state(velocity, stress, first - 2 + i));
-    let mut left = behind(around, first);
+    let mut left = lower_face_of(around, first);
     for place in first..end {
         let own = around[2];
         around = [around[1], own, around[3], state(velocity, stress, place + 2)];
-        let right = behind(around, place + 1);
+        let right = lower_face_of(around, place + 1);
         let moved = updated(own, [left[1], right[0]], &cells[place]);
         (velocity[place], stress[place]) = (moved.velocity, moved.stress);
         if let Some(account) = accounts.as_deref_mut().and_then(|all| all.get_mut(place - first)) {

@@ -65,7 +65,7 @@ impl Slopes {
 
     /// [`Self::half_slope_correction`] beside an interface with a medium of other impedance or Courant number (contrast 1), or of the same
     /// (contrast 0): beside contrasts limited half slopes are ⅜(1 − C) minmod of the differences. The bounds of one
-    /// medium let energy grow there (`tests/energy.rs` finds such states; ½ instead of ⅜ still does).
+    /// medium let energy grow there (`tests/solid/energy.rs` finds such states; ½ instead of ⅜ still does).
     #[inline(always)]
     fn half_slope_correction_at_contrast<N: Number>(
         self,
@@ -272,8 +272,8 @@ impl<N: Number> Reconstruction<N> {
         Self { mean, half_slope }
     }
 
-    /// From the states of the cell before, of the cell, and of the cell after it, which may be of other media, or beyond
-    /// interlayers where 0 of 1 is `joined`.
+    /// From the states of cells i − 1, i and i + 1, which may be of several media; `joined` is 0 at interlayers between them
+    /// and 1 at other faces.
     #[inline(always)]
     fn of(
         [before, own, after]: [State<N>; 3],

@@ -15,8 +15,8 @@ pub struct Region<const D: usize> {
 }
 
 impl<const D: usize> Region<D> {
-    /// The own cells `own` of a grid with the cells `whole`, and a halo so many cells wide at each end of each axis: none
-    /// where the region is not cut.
+    /// The own cells `own` of a grid with the cells `whole`, and the width of the halo at each end of each axis, in
+    /// cells: zero at ends that are neither cut nor, along the last axis, periodic.
     pub(crate) fn new(whole: [usize; D], own: [Range<usize>; D], halo: [[usize; 2]; D]) -> Self {
         debug_assert!((0..D).all(|axis| own[axis].end <= whole[axis]));
         Self { whole, own, halo }

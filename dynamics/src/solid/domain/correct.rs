@@ -79,7 +79,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             }
         };
         let mut wide = std::mem::take(&mut self.buffer.wide);
-        let (halves, count) = (blocks_of_group::<T>(), groups.len() * blocks_of_group::<T>());
+        let (blocks_per_group, count) =
+            (blocks_of_group::<T>(), groups.len() * blocks_of_group::<T>());
         let stresses = self.fields().iter().position(|own| component(*own, &NONE).is_some());
         let stresses = stresses.unwrap_or(0)..self.fields().len();
         let is_double = (&self.data as &dyn Any).is::<Vec<Wide>>();
@@ -107,7 +108,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 pitch,
                 patterns: &self.materials.patterns[groups.clone()],
                 yields: &self.law.yields,
-                halves,
+                blocks_per_group,
                 initial,
                 reflects,
                 row: [tile.groups.start, length / self.layout.groups, length % self.layout.groups],

@@ -5,12 +5,12 @@
 //! cells would be alike: they keep the table of all patterns of media, and rows have a table of their own, which is filled
 //! for the row that is swept.
 
-use super::law::Interval;
 use super::layout::RowSegment;
 use super::table::{Table, WavePair};
 use super::{Domain, SolverReal};
 use crate::simd::{Group, Number, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
+use crate::solid::cell_laws::Interval;
 use crate::solid::ghosts::GhostCoefficients;
 use crate::solid::medium::Medium;
 use crate::solid::metric::{GeometricPlane, rotated_by_geometry};

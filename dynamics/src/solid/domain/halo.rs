@@ -15,8 +15,8 @@ use std::ops::Range;
 ///
 /// At each end a domain sends as many messages as it receives, and they arrive in the order in which the neighbour sends
 /// them at its opposite end. A neighbour may be [`Domain::messages_ahead`] messages ahead: `send` may wait where there would
-/// be more, and `receive` waits for the message. With channels of that capacity no part waits for itself: a pass sends all
-/// that the neighbours need for a block of rows before it receives their layers of the same block.
+/// be more, and `receive` waits for the message. With channels of that capacity there is no deadlock: a pass sends all that
+/// the neighbours need for a block of rows before it receives their layers of the same block.
 pub trait HaloExchange<T> {
     /// Why there is no exchange.
     type Error;
@@ -74,7 +74,7 @@ impl<T> HaloExchange<T> for () {
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// How many messages a neighbour at an end of an axis may send before this domain receives the first of them.
     pub fn messages_ahead(&self, axis: usize) -> usize {
-        // Interlayers have messages of their own.
+        // Along the last axis interlayers have messages of their own.
         let kinds = if self.interfaces.is_any() { 2 } else { 1 };
         match axis + 1 == D {
             // A neighbour may be a block of rows ahead.
@@ -84,7 +84,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// First x and y sweeps of a block of rows in the own layers that neighbours along the last axis need, then sends their
-    /// finished rows. `Domain::advance_layers` does not sweep these layers again. Where the own layers are each other's halo
+    /// finished rows. The first step of the pass does not sweep these layers again. Where the own layers are each other's halo
     /// nothing is sent.
     pub(super) fn sweep_and_send<H: HaloExchange<T::Lanes>>(
         &mut self,

@@ -92,7 +92,7 @@ pub(crate) struct Lines<'a, T: Real> {
     pub(crate) slopes: Slopes,
     /// Lane pattern of all groups: which media their lanes hold.
     pub(crate) patterns: &'a [u32],
-    /// By group: length of the run of equal patterns that begins there along such a line, 255 at most. At a cut the run may
+    /// By group: number of groups after it along such a line with the same pattern, 255 at most. At a cut the run may
     /// extend beyond the line: the group beyond has the pattern of the last one.
     pub(crate) run_lengths: &'a [u8],
     /// Groups of the first line in the order of the sweep: each but the first and the last is current once,

@@ -1,9 +1,11 @@
 //! Laws that act in a cell between sweeps: rotation of spins against antisymmetric stress, relaxation, rotation by the
 //! curvature of rows, yield sets.
 //!
-//! A new law has its formula in [`crate::solid::cell_laws`], its constants by lane pattern here, its place in the recipe in
-//! `step`, its fields of history in [`Medium::history`](crate::solid::medium::Medium::history), and a line in
-//! [`needs_whole_state`].
+//! A new law touches: [`crate::solid::cell_laws`] (formula, `MOST_FIELDS`); here and a file of its own (constants by lane
+//! pattern, kernel, [`needs_whole_state`]); `step` (its place in the recipe); [`Medium`](crate::solid::medium::Medium)
+//! (history fields, energy); `models::solid::waves::Field` and the matches over it; [`crate::solid::ledger`] and `output` if
+//! it dissipates; [`crate::solid::reference`], which tests hold against it. Layout, halo, snapshot and output of its fields
+//! follow. If history enters the yield set, the return mapping takes part as well.
 
 use super::curvilinear::GeometricRotation;
 use super::materials::Materials;
@@ -11,26 +13,10 @@ use super::plastic::Sets;
 use super::relaxation::Relaxations;
 use super::whole_stress::{InitialStress, WholeStressSets, blocks_of_group, initial_blocks};
 use crate::simd::{Group, Real};
-use crate::solid::cell_laws::{self, SpinStressRotation, spin_stress_rotation};
+use crate::solid::cell_laws::{self, Interval, SpinStressRotation, spin_stress_rotation};
 use crate::solid::problem::{PlasticStep, Problem};
 use models::solid::stress::Stress;
 use models::solid::waves::Field;
-
-/// The time over which a law acts; constants are stored for both.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Interval {
-    /// Δt.
-    Step,
-    /// Δt/2.
-    HalfStep,
-}
-
-impl Interval {
-    /// Values for both intervals, from the interval as a fraction of Δt.
-    pub(super) fn both<R>(value: impl FnMut(f64) -> R) -> [R; 2] {
-        [1.0, 0.5].map(value)
-    }
-}
 
 /// Local laws by lane pattern.
 #[derive(Clone)]

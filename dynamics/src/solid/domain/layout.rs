@@ -5,8 +5,9 @@
 //! each with all groups. Two ghosts stand behind the last cell in the row itself, and there are at least two groups:
 //! the neighbours of a row's first and last groups are in the adjacent lanes, not farther.
 //!
-//! Where a domain is cut along an axis, or periodic along the last one, it has [`HALO`](crate::solid::line::HALO) cells of a
-//! halo for each step of a pass. Cells are counted with those of the halo.
+//! Where a domain is cut along an axis, or periodic along the last one, it has a halo of
+//! [`HALO`](crate::solid::line::HALO) cells for each step of a pass, and [`GHOSTS`] more along the first axis where sweeps
+//! alternate. Cells are counted with those of the halo.
 
 use crate::simd::{Group, Real};
 use crate::solid::problem::Problem;

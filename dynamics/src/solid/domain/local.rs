@@ -2,12 +2,13 @@
 //! energies over cells.
 
 use super::diagnostics::Diagnostics;
-use super::law::Interval;
 use super::layout::RowSegment;
 use super::{Domain, MOST_FIELDS, SolverReal};
 use crate::exact_sum::ExactSum;
 use crate::simd::{Group, MOST_LANES, Real, SimdKernel, Vector};
-use crate::solid::cell_laws::{SpinStressRotation, combined, flush_limit, rotated, stress_of};
+use crate::solid::cell_laws::{
+    Interval, SpinStressRotation, combined, flush_limit, rotated, stress_of,
+};
 use crate::solid::ledger::{EnergySums, LedgerSums};
 use models::solid::stress::Stress;
 use std::ops::Range;

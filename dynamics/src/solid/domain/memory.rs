@@ -7,11 +7,11 @@ use super::whole_stress::{Wide, blocks_of_group};
 use crate::simd::{Number, Real};
 use crate::solid::reconstruction::GHOSTS;
 
-/// Room for the sweeps.
+/// Buffers of the sweeps.
 #[derive(Clone)]
 pub(super) struct Buffer<T: Real> {
-    /// Interface states that sweeps carry, by axis and half step of the pass, then by line and pair of waves;
-    /// sweeps within layers or rows have them by layer or row.
+    /// State that sweeps carry from tile to tile, by axis and half step of the pass, then by line and pair of waves. Rows are
+    /// swept whole: along them its length only sets the number of lines.
     pub(super) carried: [Vec<Vec<Carried<T::Lanes>>>; 3],
     /// Groups on the path along a line.
     pub(super) path: Vec<GroupIndex>,

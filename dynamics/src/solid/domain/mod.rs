@@ -9,11 +9,11 @@
 //! | `kernel`, `rows`, `fill` | a sweep of many lines in SIMD lanes; ghosts at the ends of rows and lines |
 //! | `sweep` | which lines a sweep takes, and the work at boundaries |
 //! | `law`, `local`, `relaxation` | what acts in cells between sweeps: rotation, relaxation, subnormals |
-//! | `correct`, `plastic`, `return_mapping`, `whole_stress` | yield sets: the choice of the return mapping, that of stresses without initial ones, that of whole stresses in lanes |
+//! | `correct`, `plastic`, `return_mapping`, `whole_stress` | return mapping: dispatch (`correct`); one kind of yield set, no initial stress (`plastic`); Newton's method for total stresses, reflections and mixed sets (`return_mapping`, its constants in `whole_stress`) |
 //! | `cell_mapping` | the return mapping in lanes for single cells, for the reference solver |
 //! | `curvilinear` | spacing by layer along rows, and the rotation of curved rows |
 //! | `sources`, `boundaries` | what acts inside and at the ends |
-//! | `interfaces`, `interlayers` | interlayers: where they stand, what they remember, how they are swept |
+//! | `interfaces`, `interlayers` | interlayers: their faces and history variables; input and output of these |
 //! | `halo` | exchange with the parts beyond a cut |
 //! | `complete`, `output`, `diagnostics` | fields at the time of the domain, records, ledger |
 //! | `build` | a domain made of a [`Problem`] |

@@ -79,7 +79,7 @@ struct Strength<N> {
     shift: N,
     /// a = 2κ²K.
     a: N,
-    /// Of the force deviator alone: 2/(a + D), the multiplier per excess of τ̄, and half its rate D.
+    /// With the rate d = Dp of the force deviator: 2/(a + d), the multiplier per excess of τ̄, and ½d.
     softness: N,
     half_rate: N,
     /// Weights p, rates Dp and compliances 1/D of the parts.
@@ -429,8 +429,8 @@ fn correct<T: Real, V: Vector<T>, const DEVIATOR: bool>(
     Done { mapped, left }
 }
 
-/// What the deviator loses of itself, and λ, where h(x) = 0 is linear: with τ̄ − r in excess
-/// λ = 2(τ̄ − r)/(a + D), and D λ/(2τ̄) of the deviator is lost.
+/// The fraction that the deviator loses, and λ, where h(x) = 0 is linear: with τ̄ − r in excess
+/// λ = 2(τ̄ − r)/(a + d), and the deviator loses the fraction d λ/(2τ̄), with its rate d = Dp.
 #[inline(always)]
 fn one_rate<T: Real, V: Vector<T>>(square: V, room: V, own: &Strength<T::Lanes>) -> (V, V) {
     let shear = square.root();

@@ -6,11 +6,10 @@
 //! the antisymmetric part. Constants are by pattern of media in lanes; a medium that does not relax has those of
 //! [`Relaxation::NONE`], by which its viscous strain stays zero.
 
-use super::law::Interval;
 use super::layout::RowSegment;
 use super::{Domain, SolverReal};
 use crate::simd::{Group, Number, Real, SimdKernel, Vector};
-use crate::solid::cell_laws::{RelaxedFields, relax, relaxation_over, relaxed_fields};
+use crate::solid::cell_laws::{Interval, RelaxedFields, relax, relaxation_over, relaxed_fields};
 use crate::solid::medium::Medium;
 use models::rheology::relaxation::Relaxation;
 use models::solid::waves::Field;

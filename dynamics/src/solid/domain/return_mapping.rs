@@ -38,8 +38,8 @@ pub(super) struct MapStresses<'a> {
     pub(super) patterns: &'a [u32],
     /// By pattern.
     pub(super) yields: &'a [bool],
-    /// Blocks of a group.
-    pub(super) halves: usize,
+    /// Blocks per group: 1 in double, 2 in single precision.
+    pub(super) blocks_per_group: usize,
     /// None; of all blocks; or by block of the row.
     pub(super) initial: &'a [InitialStress],
     pub(super) reflects: bool,
@@ -113,7 +113,7 @@ impl<V: Vector<f64>> Trial<V> {
         Self { stress, parts, weighted, square: sum_of(&weighted, seen), room }
     }
 
-    /// Whether it is within the set in all lanes, by no more than a look.
+    /// Whether it is within the set in all lanes, by a sufficient test.
     #[inline(always)]
     fn is_inside(&self) -> bool {
         !self.square.exceeds(self.room * self.room) && !V::ZERO.exceeds(self.room)
@@ -156,7 +156,7 @@ impl<V: Vector<f64>> Trial<V> {
 impl<'a> MapStresses<'a> {
     #[inline(always)]
     fn each<V: Vector<f64>>(&mut self, shape: Shape, seen: &[bool; PARTS]) {
-        let count = self.patterns.len() * self.halves;
+        let count = self.patterns.len() * self.blocks_per_group;
         // The energy of the initial stress, and the block it is known for.
         let mut energy = (V::ZERO, usize::MAX);
         let mut batch = Batch { count: 0, found: [Found::NONE; BATCH], was_found: false };
@@ -164,7 +164,7 @@ impl<'a> MapStresses<'a> {
             batch.count = 0;
             let mut pending = Pending { count: 0, all: [0; BATCH] };
             for place in first..count.min(first + BATCH) {
-                if self.yields[self.patterns[place >> self.halving()] as usize] {
+                if self.yields[self.patterns[place >> self.log_of_blocks_per_group()] as usize] {
                     self.look((shape, seen), place, &mut batch, &mut pending);
                 }
             }
@@ -178,17 +178,17 @@ impl<'a> MapStresses<'a> {
         }
     }
 
-    /// By how many bits places of blocks are more than those of groups.
+    /// log₂ of the number of blocks per group.
     #[inline(always)]
-    const fn halving(&self) -> u32 {
-        self.halves.trailing_zeros()
+    const fn log_of_blocks_per_group(&self) -> u32 {
+        self.blocks_per_group.trailing_zeros()
     }
 
     /// The block of a place.
     #[inline(always)]
     fn block(&self, place: usize) -> (usize, &'a Block) {
-        let pattern = self.patterns[place >> self.halving()] as usize;
-        let number = pattern * self.halves + (place & (self.halves - 1));
+        let pattern = self.patterns[place >> self.log_of_blocks_per_group()] as usize;
+        let number = pattern * self.blocks_per_group + (place & (self.blocks_per_group - 1));
         (number, &self.mapping.blocks[number])
     }
 
@@ -206,7 +206,7 @@ impl<'a> MapStresses<'a> {
         let cone = load_cone::<V>(&block.cone);
         let stress = self.stress::<V>(shape, place, initial);
         let is_plain = block.half_spaces.is_empty() && block.others == 0;
-        // Mostly the block before was beyond its sets as well, and the shorter way to be inside is none to try.
+        // If the previous block yielded, this one probably does too: skip the shorter test.
         if is_plain && shape.is_symmetric && !batch.was_found && is_inside(shape, &cone, &stress[0])
         {
             return;
@@ -221,7 +221,6 @@ impl<'a> MapStresses<'a> {
         if !is_plain {
             alone |= self.beyond_half_spaces::<V>(place, block, initial) & cells;
         }
-        // What is smaller may be in the set after all.
         let shear = trial.square.greatest(V::LEAST).root();
         let yielding = trial.yielding(shape, &cone, shear) & block.cones & cells;
         let beyond = trial.beyond_apex() & yielding;
@@ -329,8 +328,8 @@ impl<'a> MapStresses<'a> {
     #[inline(never)]
     fn note_shares<V: Vector<f64>>(&mut self, place: usize, shares: V) {
         let Some(own) = self.own_lanes else { return };
-        let half = place & (self.halves - 1);
-        let own = own[place >> self.halving()] >> (half * WIDTH);
+        let half = place & (self.blocks_per_group - 1);
+        let own = own[place >> self.log_of_blocks_per_group()] >> (half * WIDTH);
         let mut wide = Wide::ZERO;
         shares.store(&mut wide);
         for lane in (0..WIDTH).filter(|lane| own >> lane & 1 == 1) {
@@ -344,7 +343,7 @@ impl<'a> MapStresses<'a> {
         match self.initial {
             [] => None,
             [one] => Some(one),
-            all => all.get(self.row[0] * self.halves + place),
+            all => all.get(self.row[0] * self.blocks_per_group + place),
         }
     }
 
@@ -352,7 +351,8 @@ impl<'a> MapStresses<'a> {
     #[inline(always)]
     fn cells(&self, place: usize) -> u16 {
         let [first, whole, rest] = self.row;
-        let (index, half) = (place >> self.halving(), place & (self.halves - 1));
+        let (index, half) =
+            (place >> self.log_of_blocks_per_group(), place & (self.blocks_per_group - 1));
         let own = whole + usize::from(first + index < rest);
         let own = own.saturating_sub(half * WIDTH).min(WIDTH);
         (1 << own) - 1
@@ -435,7 +435,7 @@ impl<'a> MapStresses<'a> {
         let mean = parts.force.0;
         let mapped =
             Mapped::new(cone, &parts.squares, [V::ONE, root.x], root.reciprocal, root.kept, seen);
-        // Where the mean comes of the condition. τ̄ is 1/(1/τ̄) there.
+        // Where the mean is recovered from the yield condition, which is done one by one. τ̄ = 1/(1/τ̄) is rounded there.
         let least = cone.strength + root.shear * V::constant(1.0 - 4.0 * f64::EPSILON);
         let size = cone.friction * (mean.greatest(-mean) + mapped.fall);
         let left = size.greater_lanes(least) & lanes;
@@ -564,7 +564,7 @@ impl<'a> MapStresses<'a> {
 }
 
 /// Whether a symmetric stress is within the set in all lanes, by fewer operations than [`Trial::is_inside`] takes: the
-/// deviator's |s|² = ⅓ Σ (σᵢᵢ − σⱼⱼ)² + Σ σᵢⱼ² differs by a few roundings of its own, of which the condition allows 32.
+/// deviator's |s|² = ⅓ Σ (σᵢᵢ − σⱼⱼ)² + 2 Σ σᵢⱼ², sums over i < j, differs by a few roundings of its own, of which the condition allows 32.
 #[inline(always)]
 fn is_inside<V: Vector<f64>>(shape: Shape, cone: &Cone<V>, stress: &Tensor<V>) -> bool {
     let mut off_diagonal = V::ZERO;

@@ -1,7 +1,7 @@
 //! The order in which layers and rows go through the stages of a step.
 //!
 //! A pass is one wavefront-tiled traversal of memory, of one step in space and of up to two in the plane. Tiles of a few
-//! layers and rows enter; each later stage trails the previous one by as many rows as its stencil reads, so that a row is read and written once per pass while it is in the
+//! layers and rows enter; each later stage trails the previous one by the half-width of its stencil, so that a row is read and written once per pass while it is in the
 //! cache. In space a block of rows goes through the step in all layers before the next block does, so that layers that
 //! wait for others stay in the cache. In the plane, where layers are rows and many of them fit in the cache, the
 //! next step follows in the same pass.

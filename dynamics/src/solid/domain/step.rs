@@ -12,7 +12,8 @@
 //! interlayers act in the sweeps, at the faces where they stand.
 //!
 //! The step is of second order in smooth solutions, since the product is symmetric and its factors are of second order
-//! (but for `Slopes::Godunov`). Each factor keeps or lowers the energy at Courant numbers c(Δt/2)/h ≤ 1, and so does the step. Boundary values are those in the middle of each half. Where stresses yield, with the projection P onto
+//! (but for `Slopes::Godunov`). Without sources, gravity and work at boundaries each factor keeps or lowers the energy at
+//! Courant numbers c(Δt/2)/h ≤ 1, and so does the step. Boundary values are those in the middle of each half. Where stresses yield, with the projection P onto
 //! the yield set in the norm of the energy, the return mapping stands either last, or in the middle between two halves of Q
 //! as the reflection 2P − I, which is no expansion either ([`PlasticStep`]).
 //!
@@ -30,11 +31,11 @@
 //! [`super::schedule`] says; [`Domain::advance_layers`] is the recipe above on those.
 
 use super::halo::HaloExchange;
-use super::law::Interval;
 use super::layout::RowSegment;
 use super::schedule::{CHUNK, STEPS, passing, stage_progress};
 use super::table::WavePair;
 use super::{Domain, SolverReal};
+use crate::solid::cell_laws::Interval;
 use crate::solid::problem::PlasticStep;
 use crate::solid::reconstruction::{GHOSTS, HALO};
 use std::ops::Range;

@@ -2,7 +2,7 @@
 
 use super::Reference;
 use crate::solid::cell_laws::{
-    MOST_FIELDS, RelaxedFields, SpinStressRotation, apply_source, combined, correction,
+    Interval, MOST_FIELDS, RelaxedFields, SpinStressRotation, apply_source, combined, correction,
     flush_limit, over_interval, push, relax, relaxation_over, relaxed_fields, rotated,
     rotated_fields, spin_stress_rotation, stress_of,
 };
@@ -45,21 +45,21 @@ impl<T: SolverReal> LocalLaws<T> {
     pub(super) fn new<const D: usize>(problem: &Problem<D>, fields: &[Field]) -> Self {
         let Problem { media, step, .. } = problem;
         let rotations = media.iter().map(|medium| {
-            [1.0, 0.5].map(|part| spin_stress_rotation(medium, part, *step).map(T::of))
+            Interval::both(|part| spin_stress_rotation(medium, part, *step).map(T::of))
         });
         let relaxations = relaxed_fields(fields).map(|fields| Relaxations {
             fields,
             by_medium: media
                 .iter()
                 .map(|medium| {
-                    [1.0, 0.5].map(|part| relaxation_over(|of| T::of(of(medium)), part, *step))
+                    Interval::both(|part| relaxation_over(|of| T::of(of(medium)), part, *step))
                 })
                 .collect(),
         });
         let curvature = problem.metric.as_ref().map_or(&[][..], |metric| &metric.curvature);
         let plane = |plane: GeometricPlane| {
             let of_layer = |curvature: &f64| {
-                [1.0, 0.5].map(|part| plane.rotation(*curvature, part * step).map(T::of))
+                Interval::both(|part| plane.rotation(*curvature, part * step).map(T::of))
             };
             let by_layer = curvature.iter().map(of_layer).collect();
             (plane, by_layer)
@@ -153,11 +153,11 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// Q: spins against antisymmetric stress, over a whole step (0) or a half (1).
-    pub(super) fn rotate(&mut self, part: usize) {
+    /// Rotates spins against antisymmetric stress.
+    pub(super) fn rotate_spins(&mut self, interval: Interval) {
         for &places in &self.laws.rotated {
             for (cell, medium) in self.problem.of_cell.iter().enumerate() {
-                let constants = self.laws.rotations[usize::from(*medium)][part];
+                let constants = self.laws.rotations[usize::from(*medium)][interval as usize];
                 let before = places.map(|place| self.fields[place][cell]);
                 for (place, value) in places.into_iter().zip(rotated(constants, before)) {
                     self.fields[place][cell] = value;
@@ -166,8 +166,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// The rotation of curved rows over a whole step (0) or a half (1).
-    pub(super) fn turn(&mut self, part: usize) {
+    /// Rotates the state by the curvature of rows.
+    pub(super) fn rotate_geometry(&mut self, interval: Interval) {
         let length = self.problem.grid.cells[0];
         for (cell, medium) in self.problem.of_cell.iter().enumerate() {
             for (plane, by_layer) in &self.laws.geometry[usize::from(*medium)] {
@@ -176,7 +176,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
                     y + T::of(weight) * self.fields[place][cell]
                 });
                 let v = self.fields[plane.velocity][cell];
-                let [v, strain] = rotated_by_geometry(by_layer[cell / length][part], v, y);
+                let [v, strain] =
+                    rotated_by_geometry(by_layer[cell / length][interval as usize], v, y);
                 self.fields[plane.velocity][cell] = v;
                 for &(place, modulus) in &plane.moduli {
                     let stress = &mut self.fields[place][cell];
@@ -186,8 +187,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// Relaxes stresses over a whole step (0) or a half (1).
-    pub(super) fn relax(&mut self, part: usize) {
+    /// Relaxes stresses.
+    pub(super) fn relax(&mut self, interval: Interval) {
         let Some(relaxations) = self.laws.relaxations.take() else { return };
         let (normal, shear) = &relaxations.fields;
         for cell in 0..self.problem.grid.count() {
@@ -195,7 +196,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
                 continue;
             }
             let medium = usize::from(self.problem.of_cell[cell]);
-            let constants = &relaxations.by_medium[medium][part];
+            let constants = &relaxations.by_medium[medium][interval as usize];
             let lost = match shear.as_slice() {
                 [first] => self.relax_cell(cell, constants, normal, &[*first]),
                 [first, second, third] => {
@@ -285,7 +286,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 
     /// Adds so many steps to the integrals in time.
-    pub(super) fn integrate(&mut self, steps: f64) {
+    pub(super) fn accumulate_integrals(&mut self, steps: f64) {
         for (place, sums) in &mut self.integrals {
             for (sum, value) in sums.iter_mut().zip(&self.fields[*place]) {
                 *sum += steps * self.problem.step * value.wide();

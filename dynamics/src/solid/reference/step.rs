@@ -1,6 +1,7 @@
 //! The recipe of a time step; see the step of the fused solver for the theory, with references.
 
 use super::Reference;
+use crate::solid::cell_laws::Interval;
 use crate::solid::domain::SolverReal;
 use crate::solid::problem::PlasticStep;
 
@@ -17,19 +18,19 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             self.steps += 1;
             self.flush_subnormals();
             if !self.problem.scheme.alternates() {
-                self.integrate(1.0);
+                self.accumulate_integrals(1.0);
             }
             self.record();
         }
     }
 
-    /// U ← x y z, K Q K, z y x, with P behind it or 2P − I in the middle of Q, of which relaxation is part.
+    /// U ← x y z, K Q K, z y x, with P after it or 2P − I in the middle of Q, of which relaxation is part.
     fn two_cyclic_step(&mut self, start: f64, end: f64) {
         let step = self.problem.step;
         let middle = start + 0.5 * step;
         if self.steps == 0 {
             // The trapezoidal rule.
-            self.integrate(0.5);
+            self.accumulate_integrals(0.5);
         }
 
         for axis in 0..D {
@@ -52,20 +53,21 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.apply_sources(&sources[0]);
         match self.problem.scheme.plastic_step {
             PlasticStep::MidpointReflection if !self.dissipation.plastic.is_empty() => {
-                self.rotate(1);
-                self.relax(1);
+                self.rotate_spins(Interval::HalfStep);
+                self.relax(Interval::HalfStep);
                 self.map_one_by_one(true);
-                self.relax(1);
-                self.rotate(1);
+                self.relax(Interval::HalfStep);
+                self.rotate_spins(Interval::HalfStep);
             }
             _ => {
-                // Spins and the geometry rotate in planes that do not commute.
-                let part = usize::from(self.laws.is_any());
-                self.turn(part);
-                self.rotate(0);
-                self.relax(0);
-                if part == 1 {
-                    self.turn(part);
+                // The rotation by the curvature does not commute with the others: half of it on each side of them.
+                let others = self.laws.is_any();
+                let interval = if others { Interval::HalfStep } else { Interval::Step };
+                self.rotate_geometry(interval);
+                self.rotate_spins(Interval::Step);
+                self.relax(Interval::Step);
+                if others {
+                    self.rotate_geometry(interval);
                 }
             }
         }
@@ -87,14 +89,14 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
 
         let sources = [self.sources_over([start, middle]), self.sources_over([middle, end])];
         self.apply_sources(&sources[0]);
-        self.rotate(1);
-        self.relax(1);
+        self.rotate_spins(Interval::HalfStep);
+        self.relax(Interval::HalfStep);
         // The mean of the states before and after the sweep, which is second order in the middle of the step.
-        self.integrate(0.5);
+        self.accumulate_integrals(0.5);
         self.sweep(0, middle);
-        self.integrate(0.5);
-        self.relax(1);
-        self.rotate(1);
+        self.accumulate_integrals(0.5);
+        self.relax(Interval::HalfStep);
+        self.rotate_spins(Interval::HalfStep);
         self.apply_sources(&sources[1]);
 
         for axis in (1..D).rev() {

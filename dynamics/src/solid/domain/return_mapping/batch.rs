@@ -1,4 +1,4 @@
-//! Blocks of stresses beyond their sets, from where they are found to where they are mapped.
+//! A batch of blocks of trial stresses beyond their yield sets: Newton's method takes them together.
 #![allow(clippy::needless_range_loop, reason = "indices are those of parts")]
 
 use super::super::whole_stress::Tensors;
@@ -6,7 +6,7 @@ use crate::simd::Number;
 use models::solid::stress::Shape;
 use models::yield_set::return_mapping::{Cone, Equation, Iterate, PARTS, Parts};
 
-/// Blocks that are mapped together: so many that none waits for the results of another.
+/// Blocks of a batch: enough independent iterations to hide the latency of divisions and roots.
 pub(super) const BATCH: usize = 8;
 
 /// A block with lanes beyond their sets.
@@ -16,11 +16,11 @@ pub(super) struct Found<V> {
     /// Lanes to be mapped here, and one by one.
     pub(super) lanes: u16,
     pub(super) alone: u16,
-    /// ½p|s̄|² and r; of parts that are not seen nothing is written or read here.
+    /// ½p|s̄|² of the parts that are seen, and r; the others are neither written nor read.
     pub(super) squares: [V; PARTS],
     pub(super) room: V,
     pub(super) at: Iterate<V>,
-    /// Of a symmetric stress, mean, diagonal of the deviator and |s̄|².
+    /// Mean, diagonal of the deviator and |s̄|² of a symmetric stress.
     pub(super) symmetric: (V, [V; 3], V),
 }
 
@@ -35,7 +35,7 @@ impl<V: Number> Found<V> {
         symmetric: (V::ZERO, [V::ZERO; 3], V::ZERO),
     };
 
-    /// Writes what is there beyond [`Iterate::NONE`].
+    /// Stores an iterate, of parts that are seen.
     #[inline(always)]
     pub(super) fn set(&mut self, seen: &[bool; PARTS], at: &Iterate<V>) {
         let own = &mut self.at;
@@ -65,7 +65,7 @@ impl<V: Number> Found<V> {
         Parts { force: (mean, deviator, zero), couple: (V::ZERO, zero, zero), squares }
     }
 
-    /// The iterate, and the equation that it is one of.
+    /// The equation of the block, and its present iterate.
     #[inline(always)]
     pub(super) fn equation<'a>(
         &self,
@@ -90,7 +90,7 @@ pub(super) struct Batch<V> {
     pub(super) was_found: bool,
 }
 
-/// Those of a batch that are not at their roots.
+/// Blocks of a batch whose iteration has not converged.
 pub(super) struct Pending {
     pub(super) count: usize,
     pub(super) all: [u8; BATCH],
