@@ -112,8 +112,8 @@ impl<const D: usize> Layout<D> {
         self.cells_in(&self.own)
     }
 
-    /// The cells at an end of an axis that are sent there, or those that are received: along the axes before it all, along
-    /// those behind it the own ones.
+    /// The cells at an end of an axis that are sent there, or those that are received: all cells along lower axes, own cells
+    /// along higher ones, so that edges and corners arrive by successive exchanges.
     pub(super) fn strip(&self, axis: usize, end: usize, is_sent: bool) -> [Range<usize>; D] {
         let (own, width) = (self.own[axis].clone(), self.halo(axis)[end]);
         let along = match (end, is_sent) {
