@@ -10,7 +10,9 @@ use models::solid::parameters::{Isotropic, Theory};
 use models::solid::stress::Stress;
 use models::yield_set::parameters::{ActiveCondition, contract};
 use models::yield_set::projection::Projection;
-use models::yield_set::{Needs, Unusable, YieldConditions, YieldSet, YieldSetModel, room};
+use models::yield_set::{
+    Needs, NotInterior, YieldConditions, YieldSet, YieldSetModel, linear_ray_exit,
+};
 use wellposed::case::{Case, Medium};
 use wellposed::study::check::{Extent, Outcome};
 use wellposed::study::unwatched;
@@ -47,11 +49,12 @@ impl YieldConditions for TensionLimit {
         Ok(())
     }
 
-    fn reach(&self, start: &Stress, direction: &Stress) -> Result<f64, Unusable> {
+    fn ray_exit(&self, start: &Stress, direction: &Stress) -> Result<f64, NotInterior> {
         let mut least = f64::INFINITY;
         for (condition, strength) in self.conditions() {
             let used = contract(&condition.normal, start);
-            least = least.min(room(used, strength, contract(&condition.normal, direction))?);
+            least =
+                least.min(linear_ray_exit(used, strength, contract(&condition.normal, direction))?);
         }
         Ok(least)
     }

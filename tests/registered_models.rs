@@ -9,7 +9,7 @@ use models::common::parameter::{Parameter, constants};
 use models::common::range::Range;
 use models::common::system::Matrix;
 use models::flow::balance::{Columns, flow_rule, mass, momentum};
-use models::flow::state::{Coulomb, Flow, FlowRule, Rotation};
+use models::flow::state::{Coulomb, Flow, FlowRule, MaterialRotation};
 use models::flow::{COHESION, DILATANCY_ANGLE, FRICTION_ANGLE, FlowLaw, FlowModel, RotationKind};
 use models::registry;
 use models::solid::parameters::Theory;
@@ -19,7 +19,7 @@ use models::solid::{ElasticLaw, Elasticity, SolidModel};
 use models::yield_set::parameters::{ActiveCondition, Mises, contract};
 use models::yield_set::projection::Projection;
 use models::yield_set::{
-    Needs, Unusable, YieldConditions, YieldSet, YieldSetModel, check_associated, room,
+    Needs, NotInterior, YieldConditions, YieldSet, YieldSetModel, check_associated, linear_ray_exit,
 };
 use std::sync::{Arc, Once};
 use wellposed::case::{Case, Kind, Medium};
@@ -59,8 +59,8 @@ impl FlowLaw for SlowRotation {
         FlowRule { rotation: Rounded::given(self.factor) * rule.rotation, ..rule }
     }
 
-    fn rotation(&self) -> Rotation {
-        Rotation::StressAxes
+    fn rotation(&self) -> MaterialRotation {
+        MaterialRotation::StressAxes
     }
 
     fn symbol(&self, flow: &Flow, system: &mut LinearisedSystem<2>) {
@@ -217,11 +217,12 @@ impl YieldConditions for ShearLimit {
         check_associated("strength", self.strength, self.strength)
     }
 
-    fn reach(&self, start: &Stress, direction: &Stress) -> Result<f64, Unusable> {
+    fn ray_exit(&self, start: &Stress, direction: &Stress) -> Result<f64, NotInterior> {
         let mut least = f64::INFINITY;
         for (condition, strength) in self.conditions() {
             let used = contract(&condition.normal, start);
-            least = least.min(room(used, strength, contract(&condition.normal, direction))?);
+            least =
+                least.min(linear_ray_exit(used, strength, contract(&condition.normal, direction))?);
         }
         Ok(least)
     }

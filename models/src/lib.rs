@@ -1,18 +1,18 @@
 //! Physical models of granular media.
 //!
-//! The ground floor of `wellposed`. It knows no discretisation, no threads, no files, and no keys of case files:
-//! models take plain numbers in SI units and check them.
+//! The base crate of `wellposed`: constitutive models without discretisation, threads, files or case keys. Models take
+//! plain numbers in SI units and check them.
 //!
 //! | module | holds |
 //! |---|---|
 //! | [`common`] | numbers with rounding bounds, linearised systems, symmetric rate equations, constants with units |
-//! | [`flow`] | granular flows: what they share, and one folder per model |
+//! | [`flow`] | granular flows: shared equations, and one folder per model |
 //! | [`solid`] | elastic laws, their symbol, and their waves in closed form |
 //! | [`yield_set`] | yield sets: conditions, return mapping, tangent of the flow rule |
 //! | [`rheology`] | solids whose stress depends on history: relaxation of the deviator |
-//! | [`interface`] | laws of faces with memory: interlayers |
+//! | [`interface`] | face laws between Riemann invariants and fluxes, with memory: interlayers |
 //! | [`elastoplastic`] | a solid with an elastic law and a yield set |
-//! | [`registry`] | all of them by name: to add one is one call |
+//! | [`registry`] | all models by name; a program adds one with one call |
 //!
 //! The folder of a flow holds independent statements of the same physics, compared by tests:
 //!

@@ -1,7 +1,7 @@
-//! The list of models by name: granular flows, elastic solids, yield sets.
+//! Registry of models by name: granular flows, elastic solids, yield sets.
 //!
-//! The first of each list are those of this crate. A program adds its own by [`register_flow`], [`register_solid`] or
-//! [`register_yield_set`]; from then on they can be named in case files and are treated like the others.
+//! Each list starts with the models of this crate. A program adds its own by [`register_flow`], [`register_solid`] or
+//! [`register_yield_set`]; registered models can be named in case files and are treated like the built-in ones.
 
 use crate::common::input::InputError;
 use crate::common::parameter::Parameter;
@@ -12,42 +12,42 @@ use crate::solid::{SolidKind, SolidModel, cubic_plane, isotropic};
 use crate::yield_set::{YieldSetKind, YieldSetModel, interlayer, mises};
 use std::sync::{PoisonError, RwLock};
 
-/// Harris & Grekova (2005).
+/// Harris–Grekova model: double shearing with intrinsic spin (Harris & Grekova 2005).
 pub const HARRIS_GREKOVA: FlowKind = FlowKind::new(&harris_grekova::MODEL);
-/// Spencer (1964); Mehrabadi & Cowin (1978) for ν > 0.
+/// Double-shearing model (Spencer 1964; Mehrabadi & Cowin 1978 for ν > 0).
 pub const DOUBLE_SHEARING: FlowKind = FlowKind::new(&double_shearing::MODEL);
-/// Coaxial plastic potential with its own dilatancy angle.
+/// Plastic-potential model: coaxial Mohr–Coulomb plasticity with a dilatancy angle ν.
 pub const PLASTIC_POTENTIAL: FlowKind = FlowKind::new(&plastic_potential::MODEL);
-/// Double-sliding free-rotating (de Josselin de Jong 1977).
+/// Double-sliding free-rotating model (de Josselin de Jong 1977).
 pub const FREE_ROTATING: FlowKind = FlowKind::new(&free_rotating::MODEL);
 
-/// The granular flows of this crate, in the order in which they are listed.
+/// Granular-flow models of this crate, in the order of listings.
 pub const STANDARD_FLOWS: [FlowKind; 4] =
     [HARRIS_GREKOVA, DOUBLE_SHEARING, PLASTIC_POTENTIAL, FREE_ROTATING];
 
-/// Classical elasticity: λ, μ.
+/// Classical elastic solid: λ, μ.
 pub const CLASSICAL: SolidKind = SolidKind::new(&isotropic::CLASSICAL);
-/// Reduced Cosserat: λ, μ, α and rotation without couple stress.
+/// Reduced Cosserat solid: λ, μ, α; microrotation without couple stress.
 pub const REDUCED_COSSERAT: SolidKind = SolidKind::new(&isotropic::REDUCED_COSSERAT);
-/// Cosserat: λ, μ, α, β, γ, η.
+/// Cosserat solid: λ, μ, α, β, γ, η.
 pub const COSSERAT: SolidKind = SolidKind::new(&isotropic::COSSERAT);
-/// Cosserat in plane strain by its compliances a₁, b₁, a₂, b₂, α₂.
+/// Cosserat solid in plane strain by its compliances a₁, b₁, a₂, b₂, α₂.
 pub const COSSERAT_COMPLIANCES: SolidKind = SolidKind::new(&cubic_plane::COSSERAT_COMPLIANCES);
 
-/// The elastic solids of this crate, in the order in which they are listed.
+/// Elastic solids of this crate, in the order of listings.
 pub const STANDARD_SOLIDS: [SolidKind; 4] =
     [CLASSICAL, REDUCED_COSSERAT, COSSERAT, COSSERAT_COMPLIANCES];
 
-/// Slip and rolling along the layers between blocks; plane strain.
+/// Interlayer yield set: slip and rolling along the layers between blocks; plane strain.
 pub const INTERLAYER: YieldSetKind = YieldSetKind::new(&interlayer::INTERLAYER);
-/// von Mises.
+/// von Mises yield set.
 pub const VON_MISES: YieldSetKind = YieldSetKind::new(&mises::VON_MISES);
-/// Drucker & Prager, which is Mises & Schleicher.
+/// Drucker–Prager yield set, equal to the Mises–Schleicher condition linear in the mean stress.
 pub const DRUCKER_PRAGER: YieldSetKind = YieldSetKind::new(&mises::DRUCKER_PRAGER);
-/// With antisymmetric stress and couple stress.
+/// Cosserat–Mises yield set: with antisymmetric stress and couple stress.
 pub const COSSERAT_MISES: YieldSetKind = YieldSetKind::new(&mises::COSSERAT_MISES);
 
-/// The yield sets of this crate, in the order in which they are listed.
+/// Yield sets of this crate, in the order of listings.
 pub const STANDARD_YIELD_SETS: [YieldSetKind; 4] =
     [INTERLAYER, VON_MISES, DRUCKER_PRAGER, COSSERAT_MISES];
 
@@ -57,95 +57,95 @@ static SOLIDS: List<SolidKind> =
 static YIELD_SETS: List<YieldSetKind> =
     List { standard: &STANDARD_YIELD_SETS, added: RwLock::new(Vec::new()) };
 
-/// A model that cannot be added.
+/// Error of registering a model.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RegistryError {
-    /// Its name is taken.
+    /// A model of this name is registered already.
     #[error("a model is called {0} already")]
     NameTaken(&'static str),
-    /// Another model has a parameter of the same name in another unit.
+    /// Another model has a parameter of this name in another unit.
     #[error("{model}: the parameter {parameter} has the unit '{unit}' in other models")]
     OtherUnit {
         /// The model.
         model: &'static str,
-        /// The parameter.
+        /// Name of the parameter.
         parameter: &'static str,
-        /// Its unit in the models that are listed already.
+        /// Unit of the parameter in the registered models.
         unit: &'static str,
     },
-    /// The examples of its constants, of which templates are made, are out of range.
+    /// An example value of a constant, used in templates, is out of range.
     #[error("{model}: the examples of its constants are refused: {error}")]
     Example {
         /// The model.
         model: &'static str,
-        /// The constant that is out of range.
+        /// Error of the constant out of range.
         error: InputError,
     },
-    /// The law of a solid is of another theory, or for other dimensions, than its entry says.
+    /// The law built for a solid differs from its entry in theory or dimensions.
     #[error("{0}: its elastic law has another theory or other dimensions than its entry")]
     OtherTheory(&'static str),
-    /// A yield set names conditions, but is no polyhedron with a half-space for each name.
+    /// The number of named conditions of a yield set differs from its number of half-spaces.
     #[error(
         "{model}: {names} conditions are named, but the set of a {theory:?} solid has {half_spaces} \
          half-spaces; give each half-space a name, or none"
     )]
     NamedConditions {
-        /// The yield set.
+        /// Name of the yield set.
         model: &'static str,
-        /// The theory of the solid.
+        /// Theory of the solid.
         theory: Theory,
-        /// The number of named conditions.
+        /// Number of named conditions.
         names: usize,
-        /// The number of half-spaces; 0 of a set that is no polyhedron.
+        /// Number of half-spaces; 0 for a set that is not a polyhedron.
         half_spaces: usize,
     },
 }
 
-/// All granular flows, those of this crate first.
+/// All registered granular-flow models, those of this crate first.
 pub fn flows() -> Vec<FlowKind> {
     FLOWS.all()
 }
 
-/// All elastic solids, those of this crate first.
+/// All registered elastic solids, those of this crate first.
 pub fn solids() -> Vec<SolidKind> {
     SOLIDS.all()
 }
 
-/// All yield sets, those of this crate first.
+/// All registered yield sets, those of this crate first.
 pub fn yield_sets() -> Vec<YieldSetKind> {
     YIELD_SETS.all()
 }
 
-/// The granular flow of that name.
+/// The registered granular-flow model called `name`.
 pub fn flow(name: &str) -> Option<FlowKind> {
     FLOWS.find(name)
 }
 
-/// The elastic solid of that name.
+/// The registered elastic solid called `name`.
 pub fn solid(name: &str) -> Option<SolidKind> {
     SOLIDS.find(name)
 }
 
-/// The yield set of that name.
+/// The registered yield set called `name`.
 pub fn yield_set(name: &str) -> Option<YieldSetKind> {
     YIELD_SETS.find(name)
 }
 
-/// Adds a granular-flow model.
+/// Registers a granular-flow model.
 ///
 /// # Errors
-/// Its name is taken, or a parameter has another unit in another model.
+/// The name is taken, or a parameter has another unit in another model.
 pub fn register_flow(model: &'static FlowModel) -> Result<(), RegistryError> {
     let flow = FlowKind::new(model);
     solids().into_iter().try_for_each(|other| check(flow, other))?;
     FLOWS.add(flow)
 }
 
-/// Adds an elastic solid.
+/// Registers an elastic solid.
 ///
 /// # Errors
-/// Its name is taken, or a parameter has another unit in another model; the examples of its constants are out of
-/// range, or make a law of another theory than the entry's.
+/// The name is taken, a parameter has another unit in another model, the example constants are out of range, or the
+/// law built from them has another theory than the entry.
 pub fn register_solid(model: &'static SolidModel) -> Result<(), RegistryError> {
     let solid = SolidKind::new(model);
     let law =
@@ -157,17 +157,17 @@ pub fn register_solid(model: &'static SolidModel) -> Result<(), RegistryError> {
     SOLIDS.add(solid)
 }
 
-/// Adds a yield set.
+/// Registers a yield set.
 ///
 /// # Errors
-/// Its name is taken, or a parameter has another unit in another set; the examples of its constants are out of range
-/// for solids of any theory; it names conditions, but has not as many half-spaces.
+/// The name is taken, a parameter has another unit in another set, the example constants are out of range for a solid
+/// of some theory, or the number of named conditions differs from the number of half-spaces.
 pub fn register_yield_set(model: &'static YieldSetModel) -> Result<(), RegistryError> {
     check_conditions(YieldSetKind::new(model))?;
     YIELD_SETS.add(YieldSetKind::new(model))
 }
 
-/// That a set which names its conditions has a half-space for each of them, and that its examples make a set.
+/// Checks that the example constants build a set and that every named condition has a half-space.
 fn check_conditions(kind: YieldSetKind) -> Result<(), RegistryError> {
     let model = kind.name;
     let sets = [Theory::Classical, Theory::Reduced, Theory::Cosserat].map(|theory| {
@@ -188,7 +188,7 @@ fn check_conditions(kind: YieldSetKind) -> Result<(), RegistryError> {
     }
 }
 
-/// What all entries of a list have.
+/// Properties common to the entries of all lists.
 trait Entry: Copy + 'static {
     fn name(self) -> &'static str;
     fn parameters(self) -> Vec<&'static Parameter>;
@@ -224,7 +224,7 @@ impl Entry for YieldSetKind {
     }
 }
 
-/// Entries of this crate, and those that a program has added.
+/// A list of registry entries: built-in ones, then those added at run time.
 struct List<K: 'static> {
     standard: &'static [K],
     added: RwLock<Vec<K>>,
@@ -248,7 +248,7 @@ impl<K: Entry> List<K> {
     }
 }
 
-/// That an entry can be listed beside another one.
+/// Checks that `entry` is compatible with `other`: another name, and equal units of parameters of the same name.
 fn check(entry: impl Entry, other: impl Entry) -> Result<(), RegistryError> {
     let model = entry.name();
     if other.name() == model {

@@ -7,7 +7,7 @@ use support::states::{self, Dilatancy, VARIANTS};
 use support::{Random, Real, wide};
 use testkit::flows::Parameters;
 use wellposed_models::InputError;
-use wellposed_models::flow::state::{Background, Coulomb, Region, State, Stress};
+use wellposed_models::flow::state::{Background, Coulomb, PlanarStress, Region, State};
 use wellposed_models::flow::{FlowKind, Model};
 use wellposed_models::registry;
 
@@ -438,7 +438,7 @@ fn stress_tensor_has_the_face_normal_second() {
     for _ in 0..STATES {
         let coulomb = Coulomb::new(random.within(0.1, 1.3), random.within(1.0, 100.0)).unwrap();
         let pressure = random.within(10.0, 900.0);
-        let stress = Stress {
+        let stress = PlanarStress {
             pressure,
             deviator: coulomb.yield_deviator(pressure),
             rotational: random.generic(1.0, 50.0),

@@ -91,10 +91,10 @@ fn check_gradient(value: impl Fn(&Stress) -> f64, gradient: &Stress, stress: &St
     let mut worst = 0.0f64;
     for component in components() {
         let [mut up, mut down] = [*stress; 2];
-        component.set(&mut up, component.of(stress) + H);
-        component.set(&mut down, component.of(stress) - H);
+        component.set(&mut up, component.value_in(stress) + H);
+        component.set(&mut down, component.value_in(stress) - H);
         let difference = (value(&up) - value(&down)) / (2.0 * H);
-        worst = worst.max((difference - component.of(gradient)).abs());
+        worst = worst.max((difference - component.value_in(gradient)).abs());
     }
     assert!(worst <= 2e-9, "{worst:e} at {stress:?}");
     worst
@@ -141,7 +141,7 @@ fn normals_are_gradients() {
             .half_spaces()
             .find(|(condition, strength)| {
                 let product: f64 =
-                    components().map(|c| c.of(&condition.normal) * c.of(&stress)).sum();
+                    components().map(|c| c.value_in(&condition.normal) * c.value_in(&stress)).sum();
                 (product - strength - greatest).abs() <= 1e-14
             })
             .unwrap();
@@ -575,7 +575,7 @@ fn perturbations_of_a_flowing_background_relax_by_the_curvature() {
             for i in 0..3 {
                 deviator.force[i][i] -= mean;
             }
-            list[i].of(&deviator)
+            list[i].value_in(&deviator)
         });
         if number % 2 == 1 || theory != Theory::Classical {
             assert!((&curvature * along).amax() < 1e-13 * curvature.amax());

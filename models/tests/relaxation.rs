@@ -286,11 +286,11 @@ fn constants_are_checked() {
 fn other_numbers_and_dimensions() {
     let step = solid().relaxation_over(0.3);
     let narrow = Relaxation {
-        strain_per_stress: f32::constant(step.strain_per_stress),
-        strain_per_strain: f32::constant(step.strain_per_strain),
-        share: f32::constant(step.share),
-        stress_per_strain: f32::constant(step.stress_per_strain),
-        dissipation: f32::constant(step.dissipation),
+        strain_per_stress: f32::from_f64(step.strain_per_stress),
+        strain_per_strain: f32::from_f64(step.strain_per_strain),
+        share: f32::from_f64(step.share),
+        stress_per_strain: f32::from_f64(step.stress_per_strain),
+        dissipation: f32::from_f64(step.dissipation),
     };
     let stress = SymmetricTensor { normal: [0.7, -0.2, 1.1], shear: [0.4] };
     let strain = SymmetricTensor { normal: [0.1, 0.3, -0.4], shear: [-0.2] };
@@ -305,8 +305,8 @@ fn other_numbers_and_dimensions() {
     let [a, b, c] = plane.stress.normal;
     assert!((a + b + c).abs() < 1e-16);
     let thin = |own: SymmetricTensor<f64, 1>| SymmetricTensor {
-        normal: own.normal.map(f32::constant),
-        shear: own.shear.map(f32::constant),
+        normal: own.normal.map(f32::from_f64),
+        shear: own.shear.map(f32::from_f64),
     };
     let found = narrow.increments(thin(stress), thin(strain));
     for (found, expected) in found.stress.normal.into_iter().zip(plane.stress.normal) {

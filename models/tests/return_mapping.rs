@@ -33,11 +33,11 @@ fn newton<N: Number>(equation: &Equation<N>) -> N {
             norm = norm + term;
             slope = slope + term * fraction * equation.rates[part];
         }
-        let reciprocal = N::ONE / norm.root();
+        let reciprocal = N::ONE / norm.sqrt();
         let slope = slope / norm * reciprocal;
-        let excess = N::ONE - equation.a * x - equation.room * reciprocal;
-        let next = x + (excess / (equation.a + equation.room * slope)).greatest(N::ZERO);
-        if !next.exceeds(x) {
+        let excess = N::ONE - equation.a * x - equation.shear_capacity * reciprocal;
+        let next = x + (excess / (equation.a + equation.shear_capacity * slope)).max(N::ZERO);
+        if !next.any_gt(x) {
             return x;
         }
         x = next;
@@ -58,10 +58,10 @@ fn others<N: Number + PartialEq>(seed: u64) -> usize {
         // From next to the surface to far beyond.
         let room = shear / (1.0 + decades(&mut random, -13.0, 3.0));
         let a = [0.0, decades(&mut random, -2.0, 1.0) * 1e9][number / PARTS % 2];
-        let [squares, rates] = [squares, rates].map(|own| own.map(N::constant));
-        let [a, room] = [a, room].map(N::constant);
-        let equation = Equation { squares, rates, a, room, seen: &seen };
-        equation.root().x != newton(&equation)
+        let [squares, rates] = [squares, rates].map(|own| own.map(N::from_f64));
+        let [a, room] = [a, room].map(N::from_f64);
+        let equation = Equation { squares, rates, a, shear_capacity: room, seen: &seen };
+        equation.solve().x != newton(&equation)
     };
     (0..200_000).map(draw).filter(|is_other| *is_other).count()
 }

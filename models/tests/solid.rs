@@ -41,7 +41,7 @@ fn sets() -> [YieldSet; 3] {
 #[test]
 fn moduli_and_their_compliances_are_one_law() {
     let moduli = ElasticLaw::from(cosserat());
-    let compliances = ElasticLaw::from(PlaneCompliances::of(&cosserat()).unwrap());
+    let compliances = ElasticLaw::from(PlaneCompliances::from_isotropic(&cosserat()).unwrap());
     let quantities: [fn(&dyn Elasticity) -> f64; 4] = [
         |law| law.density(),
         |law| law.inertia(),

@@ -9,7 +9,7 @@ use wellposed_models::common::rates::RateEquations;
 use wellposed_models::solid::parameters::{
     CoupleModuli, Isotropic, Microrotation, PlaneCompliances, Theory,
 };
-use wellposed_models::solid::waves::{Field, Pair, Rotation, fields};
+use wellposed_models::solid::waves::{Field, Pair, SpinRotation, fields};
 
 const THEORIES: [Theory; 3] = [Theory::Classical, Theory::Reduced, Theory::Cosserat];
 
@@ -58,7 +58,7 @@ fn same(found: &DMatrix<f64>, expected: &DMatrix<f64>, what: &str) {
 fn compare<const D: usize>(
     equations: &RateEquations<D>,
     pairs: impl Fn(usize) -> Vec<Pair>,
-    rotation: Option<Rotation>,
+    rotation: Option<SpinRotation>,
 ) {
     let expected = matrices(equations);
     let size = expected.names.len();

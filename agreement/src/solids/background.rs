@@ -48,7 +48,7 @@ impl Background {
     ) -> Result<Option<Self>, AgreementError> {
         let Some(plastic) = &solid.plastic else { return Ok(None) };
         let stress = stress_of(plastic);
-        let unknowns = by_unknown::<D>(solid, |component| component.of(&stress));
+        let unknowns = by_unknown::<D>(solid, |component| component.value_in(&stress));
         let norm = (&yielding.into_energy * &unknowns).norm();
         let mut capacity = norm;
         let half_spaces = plastic.set.half_spaces();

@@ -98,51 +98,51 @@ impl<T: Number, const COUNT: usize> Number for Lanes<T, COUNT> {
     const HALF: Self = Self([T::HALF; COUNT]);
     const THIRD: Self = Self([T::THIRD; COUNT]);
     const QUARTER: Self = Self([T::QUARTER; COUNT]);
-    const LEAST: Self = Self([T::LEAST; COUNT]);
+    const MIN_POSITIVE: Self = Self([T::MIN_POSITIVE; COUNT]);
     const EPSILON: Self = Self([T::EPSILON; COUNT]);
 
     #[inline(always)]
-    fn constant(value: f64) -> Self {
-        Self([T::constant(value); COUNT])
+    fn from_f64(value: f64) -> Self {
+        Self([T::from_f64(value); COUNT])
     }
 
     #[inline(always)]
-    fn greatest(mut self, other: Self) -> Self {
+    fn max(mut self, other: Self) -> Self {
         for lane in 0..COUNT {
-            self.0[lane] = self.0[lane].greatest(other.0[lane]);
+            self.0[lane] = self.0[lane].max(other.0[lane]);
         }
         self
     }
 
     #[inline(always)]
-    fn root(mut self) -> Self {
+    fn sqrt(mut self) -> Self {
         for lane in 0..COUNT {
-            self.0[lane] = self.0[lane].root();
+            self.0[lane] = self.0[lane].sqrt();
         }
         self
     }
 
     #[inline(always)]
-    fn bounded(mut self, one: Self, other: Self) -> Self {
+    fn minmod3(mut self, one: Self, other: Self) -> Self {
         for lane in 0..COUNT {
-            self.0[lane] = self.0[lane].bounded(one.0[lane], other.0[lane]);
+            self.0[lane] = self.0[lane].minmod3(one.0[lane], other.0[lane]);
         }
         self
     }
 
     #[inline(always)]
-    fn unless_below(mut self, limit: Self) -> Self {
+    fn flush_below(mut self, limit: Self) -> Self {
         for lane in 0..COUNT {
-            self.0[lane] = self.0[lane].unless_below(limit.0[lane]);
+            self.0[lane] = self.0[lane].flush_below(limit.0[lane]);
         }
         self
     }
 
     #[inline(always)]
-    fn exceeds(self, other: Self) -> bool {
+    fn any_gt(self, other: Self) -> bool {
         let mut any = false;
         for lane in 0..COUNT {
-            any |= self.0[lane].exceeds(other.0[lane]);
+            any |= self.0[lane].any_gt(other.0[lane]);
         }
         any
     }

@@ -127,7 +127,7 @@ mod tests {
         fn run<V: Vector<T>>(self) {
             for [mean, one, other] in self.0 {
                 let mut found = T::Lanes::ZERO;
-                V::load(mean).bounded(V::load(one), V::load(other)).store(&mut found);
+                V::load(mean).minmod3(V::load(one), V::load(other)).store(&mut found);
                 self.1.push(found);
             }
         }
@@ -135,7 +135,7 @@ mod tests {
 
     /// Nearest to zero of numbers of one sign, zero where bounds differ in sign; in any instructions, to the bit.
     fn bounds_hold<T: Real>() {
-        let tiny = T::LEAST.wide();
+        let tiny = T::MIN_POSITIVE.wide();
         let sizes = [0.0, 1e-3 * tiny, tiny, 1e-3, 0.7, 1.0, 1.5, 1e30, f64::INFINITY];
         let all: Vec<f64> = sizes.iter().flat_map(|size| [*size, -size]).collect();
         let mut cases = Vec::new();
@@ -174,7 +174,7 @@ mod tests {
     impl<T: Real> SimdKernel<T> for Kept<'_, T> {
         #[inline(always)]
         fn run<V: Vector<T>>(self) {
-            V::load(&self.0).unless_below(<V as Vector<T>>::all(self.1)).store(self.2);
+            V::load(&self.0).flush_below(<V as Vector<T>>::all(self.1)).store(self.2);
         }
     }
 

@@ -48,17 +48,17 @@ macro_rules! vector {
             const HALF: Self = Self::all(0.5);
             const THIRD: Self = Self::all(1.0 / 3.0);
             const QUARTER: Self = Self::all(0.25);
-            const LEAST: Self = Self::all(<$scalar>::MIN_POSITIVE);
+            const MIN_POSITIVE: Self = Self::all(<$scalar>::MIN_POSITIVE);
             const EPSILON: Self = Self::all(<$scalar>::EPSILON);
 
             #[inline(always)]
             #[allow(clippy::unnecessary_cast, reason = "it is one for f32")]
-            fn constant(value: f64) -> Self {
+            fn from_f64(value: f64) -> Self {
                 Self::all(value as $scalar)
             }
 
             #[inline(always)]
-            fn greatest(mut self, other: Self) -> Self {
+            fn max(mut self, other: Self) -> Self {
                 for i in 0..$count {
                     self.0[i] = unsafe { $max(self.0[i], other.0[i]) };
                 }
@@ -66,7 +66,7 @@ macro_rules! vector {
             }
 
             #[inline(always)]
-            fn root(mut self) -> Self {
+            fn sqrt(mut self) -> Self {
                 for i in 0..$count {
                     self.0[i] = unsafe { $sqrt(self.0[i]) };
                 }
@@ -74,7 +74,7 @@ macro_rules! vector {
             }
 
             #[inline(always)]
-            fn bounded(mut self, one: Self, other: Self) -> Self {
+            fn minmod3(mut self, one: Self, other: Self) -> Self {
                 for i in 0..$count {
                     self.0[i] = unsafe { $bounded(self.0[i], one.0[i], other.0[i]) };
                 }
@@ -82,7 +82,7 @@ macro_rules! vector {
             }
 
             #[inline(always)]
-            fn unless_below(mut self, limit: Self) -> Self {
+            fn flush_below(mut self, limit: Self) -> Self {
                 for i in 0..$count {
                     self.0[i] = unsafe { $kept(self.0[i], limit.0[i]) };
                 }
@@ -90,7 +90,7 @@ macro_rules! vector {
             }
 
             #[inline(always)]
-            fn exceeds(self, other: Self) -> bool {
+            fn any_gt(self, other: Self) -> bool {
                 self.greater_lanes(other) != 0
             }
         }

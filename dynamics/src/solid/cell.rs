@@ -72,7 +72,7 @@ impl<V: Number> CellConstants<V> {
         let impedance = other.impedance - self.impedance;
         let courant = other.half_courant - self.half_courant;
         let size = impedance * impedance + courant * courant;
-        (size * (V::ONE / V::LEAST)).least(V::ONE)
+        (size * (V::ONE / V::MIN_POSITIVE)).min(V::ONE)
     }
 
     /// Of the wave that this cell and another one have in the face between them, the part that comes back:
@@ -124,14 +124,14 @@ impl<V: Number> CellConstants<V> {
             before * fit(courant, 0.0820, 0.1723)
                 + at_face * fit(courant, 0.3974, 0.0477)
                 + behind * fit(courant, 0.1002, 0.0749)
-                + of_two * V::constant(0.1)
-                + of_one * V::constant(0.2),
+                + of_two * V::from_f64(0.1)
+                + of_one * V::from_f64(0.2),
             before * fit(courant, 0.3837, -0.1727)
                 + behind * fit(courant, 0.4666, 0.0192)
-                + of_two * V::constant(0.2),
+                + of_two * V::from_f64(0.2),
             -(behind * fit(courant, 0.0842, 0.0737)),
         ];
-        (weights, at_face * fit(courant, 0.0903, 0.0039) + of_one * V::constant(0.09))
+        (weights, at_face * fit(courant, 0.0903, 0.0039) + of_one * V::from_f64(0.09))
     }
 
     /// Those of a lane of a group.
@@ -190,5 +190,5 @@ impl<V: Number> CellConstants<V> {
 /// A fit that is linear in the Courant number. No closure: it would lose the SIMD instructions.
 #[inline(always)]
 fn fit<V: Number>(courant: V, at: f64, slope: f64) -> V {
-    V::constant(at) + V::constant(slope) * courant
+    V::from_f64(at) + V::from_f64(slope) * courant
 }

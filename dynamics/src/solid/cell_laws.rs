@@ -36,7 +36,9 @@ const FLUSH_INTERVAL: usize = 16;
 /// With so many steps done, if they are a multiple of [`FLUSH_INTERVAL`], the size below which values are set to zero:
 /// 2⁴⁰ times the least normal number. The factor leaves room for products with constants of the media.
 pub(crate) fn flush_limit<T: Real>(steps_done: usize) -> Option<T> {
-    steps_done.is_multiple_of(FLUSH_INTERVAL).then(|| T::of(2.0f64.powi(40) * T::LEAST.wide()))
+    steps_done
+        .is_multiple_of(FLUSH_INTERVAL)
+        .then(|| T::of(2.0f64.powi(40) * T::MIN_POSITIVE.wide()))
 }
 
 /// The stress of a state whose values are in the order of the fields.

@@ -308,7 +308,7 @@ fn polynomials<N: Number, const POWERS: usize, const COUNT: usize>(
     let mut values = [N::ZERO; COUNT];
     for power in coefficients.iter().rev() {
         for (value, coefficient) in values.iter_mut().zip(power) {
-            *value = *value * courant + N::constant(*coefficient);
+            *value = *value * courant + N::from_f64(*coefficient);
         }
     }
     values
@@ -342,10 +342,10 @@ impl<N: Number> GhostCoefficients<N> {
     pub(crate) fn new(cell: &CellConstants<N>) -> Self {
         let one_minus_courant = cell.one_minus_courant();
         let courant = N::ONE - one_minus_courant;
-        let moving = (one_minus_courant - N::constant(1e-6)).greatest(N::ZERO);
-        let per_staying = N::ONE / one_minus_courant.greatest(N::constant(1e-6));
+        let moving = (one_minus_courant - N::from_f64(1e-6)).max(N::ZERO);
+        let per_staying = N::ONE / one_minus_courant.max(N::from_f64(1e-6));
         // Weights of the fourth order over 1 − C.
-        let twelfth = N::constant(1.0 / 12.0);
+        let twelfth = N::from_f64(1.0 / 12.0);
         let upwind = N::HALF * twelfth * (N::ONE + courant) * (N::ONE + N::ONE + courant);
         let central = N::HALF - twelfth * courant * (N::ONE + courant);
         let downwind = -(N::HALF * twelfth * (N::ONE + courant) * (N::ONE + N::ONE - courant));
@@ -387,7 +387,7 @@ impl<N: Number> GhostCoefficients<N> {
             carried * cell.downwind,
         ];
         Self {
-            moves: (moving * (N::ONE / N::LEAST)).least(N::ONE),
+            moves: (moving * (N::ONE / N::MIN_POSITIVE)).min(N::ONE),
             reflecting,
             open: [next, farther, back, from_next],
             plain: upwind * per_downwind,
@@ -560,17 +560,17 @@ fn limited<N: Number>(
     let b = reflection * (leaving_behind - leaving);
     let upwind = stretch * w;
     let y = (N::QUARTER * (upwind + b))
-        .bounded(upwind / courant.greatest(N::LEAST), b / one_minus_courant.greatest(N::LEAST));
+        .minmod3(upwind / courant.max(N::MIN_POSITIVE), b / one_minus_courant.max(N::MIN_POSITIVE));
     let averaged = w - courant * y;
     let half_staying = one_minus_courant * y;
     let passing = (N::ONE - cell.half_courant) * b - half_staying;
     let kept = y * y - passing * passing + N::QUARTER * one_minus_courant * (b * b);
-    let budget = averaged * averaged - kept.greatest(N::ZERO);
-    let needed = (courant * (steep * steep)).greatest(N::LEAST);
+    let budget = averaged * averaged - kept.max(N::ZERO);
+    let needed = (courant * (steep * steep)).max(N::MIN_POSITIVE);
     // 4 would be all that is paid.
     let most = (N::ONE + N::ONE) + (N::ONE + N::ONE) - N::QUARTER;
-    let share = (most * budget.greatest(N::ZERO) / needed).least(N::ONE);
-    let root = (passed * passed - courant * (one_minus_courant * passed)).root();
+    let share = (most * budget.max(N::ZERO) / needed).min(N::ONE);
+    let root = (passed * passed - courant * (one_minus_courant * passed)).sqrt();
     let unpaid = cell.half_courant / (passed + root);
     let x = steep * (N::HALF - unpaid * (N::ONE - share));
 

@@ -3,7 +3,7 @@
 use models::rheology::relaxation::StandardLinearSolid;
 use models::solid::ElasticLaw;
 use models::solid::stress::Stress;
-use models::solid::waves::{Field, Pair, Rotation};
+use models::solid::waves::{Field, Pair, SpinRotation};
 use models::yield_set::YieldSet;
 use models::yield_set::projection::Projection;
 use std::collections::BTreeMap;
@@ -16,7 +16,7 @@ pub struct Medium {
     /// Pairs by axis; the same velocities and stresses in the same order for all media of a theory.
     pub pairs: Vec<Vec<Pair>>,
     /// Coupling of spins and antisymmetric stress.
-    pub rotation: Option<Rotation>,
+    pub rotation: Option<SpinRotation>,
     /// Stress and energy.
     pub law: ElasticLaw,
     /// Relaxation of the stress deviator; the other constants are those of the unrelaxed solid.

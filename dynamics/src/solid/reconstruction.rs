@@ -58,7 +58,7 @@ impl Slopes {
     ) -> N {
         let mean = cell.mean_slope * (upwind + downwind);
         match self {
-            Self::Limited => mean.bounded(cell.steepest * upwind, downwind),
+            Self::Limited => mean.minmod3(cell.steepest * upwind, downwind),
             Self::Godunov | Self::FourthOrder => N::ZERO,
         }
     }
@@ -79,7 +79,7 @@ impl Slopes {
                 let most = cell.mean_slope + N::HALF * cell.mean_slope;
                 let steepest = cell.steepest + contrast * (most - cell.steepest);
                 let foremost = N::ONE + contrast * (most - N::ONE);
-                mean.bounded(steepest * upwind, foremost * downwind)
+                mean.minmod3(steepest * upwind, foremost * downwind)
             }
             Self::Godunov | Self::FourthOrder => N::ZERO,
         }
@@ -287,7 +287,7 @@ impl<N: Number> Reconstruction<N> {
         let before = mean.transmitted(before, cell.reflection(cell_before)).difference(mean);
         let after = mean.difference(mean.transmitted(after, cell.reflection(cell_after)));
         let (before, after) = (before.scaled(joined_before), after.scaled(joined_after));
-        let contrast = cell.contrast(cell_before).greatest(cell.contrast(cell_after));
+        let contrast = cell.contrast(cell_before).max(cell.contrast(cell_after));
         let half_slope = RiemannInvariants {
             right: slopes.half_slope_correction_at_contrast(
                 [before.right, after.right],

@@ -204,7 +204,7 @@ fn media() -> Vec<Medium> {
     let couple = CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 };
     let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple: Some(couple) };
     let isotropic = Isotropic::new(1.4, 0.9, 1.2, Some(rotation)).expect("sound moduli");
-    let compliances = PlaneCompliances::of(&isotropic).expect("with couple stress");
+    let compliances = PlaneCompliances::from_isotropic(&isotropic).expect("with couple stress");
     let cubic = PlaneCompliances { a2: 1.3 * compliances.a2, ..compliances };
     let mut all =
         vec![Medium::new(cubic, 2), Medium::new(cubic, 2).yielding(layers(Theory::Cosserat))];

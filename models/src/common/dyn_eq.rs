@@ -2,12 +2,12 @@
 
 use std::any::Any;
 
-/// A value that can be compared with another behind the same trait object, and taken for what it is.
+/// Equality and downcasting of values behind a trait object.
 pub trait DynEq: Any {
-    /// Whether the other is of the same type and equal.
+    /// Whether `other` has the same concrete type and is equal to `self`.
     fn dyn_eq(&self, other: &dyn Any) -> bool;
 
-    /// The value as any, for `downcast_ref`.
+    /// `self` as [`Any`], for `downcast_ref`.
     fn as_any(&self) -> &dyn Any;
 }
 

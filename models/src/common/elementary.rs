@@ -2,17 +2,18 @@
 //!
 //! The standard library takes sin, cos, exp, … from the platform: glibc, musl and macOS differ in the last bit, and
 //! glibc chooses code by whether the processor has fused multiply-add. A correctly rounded function has one
-//! result only. Those here are of the crate `pxfm`, which computes in double, then in 128 bits where the first does not
-//! decide the rounding (Ziv 1991); it uses fused multiply-add where there is one, and
-//! the same bits come out without it (`tests/elementary.rs`). Names follow C23, which reserves `cr_` for
-//! functions that are correctly rounded (ISO/IEC TS 18661-4).
+//! result only. The functions here call the crate `pxfm`, which evaluates in double precision and repeats in 128 bits
+//! if the first pass does not decide the rounding (Ziv 1991). `pxfm` uses fused multiply-add where the processor has
+//! it, and gives the same bits without (`tests/elementary.rs`). Names follow C23, which reserves the prefix `cr_` for
+//! correctly rounded functions (ISO/IEC TS 18661-4).
 //!
-//! `+ − × ÷ √` are correctly rounded everywhere, and so is all that is made of them the same everywhere.
+//! The operations `+ − × ÷ √` are correctly rounded on every platform by IEEE 754, so expressions made of them alone
+//! need nothing from this module.
 
 use nalgebra::Complex;
 
-/// Elementary functions of a double, the same on every platform; the results of those named `cr_` are the nearest
-/// doubles. Angles in rad.
+/// Elementary functions of a double with platform-independent bits. Functions named `cr_` are correctly rounded.
+/// Angles in rad.
 pub trait Elementary: Sized {
     /// sin x.
     fn cr_sin(self) -> Self;
@@ -46,7 +47,8 @@ pub trait Elementary: Sized {
     fn cr_log10(self) -> Self;
     /// selfᵖ.
     fn cr_powf(self, power: Self) -> Self;
-    /// √(self² + other²) to one unit in the last place, without overflow and underflow on the way.
+    /// Euclidean norm √(self² + other²) (`hypot`), within one unit in the last place, without intermediate overflow or
+    /// underflow.
     fn root_sum_square(self, other: Self) -> Self;
 }
 
@@ -117,36 +119,36 @@ impl Elementary for f64 {
 
     // `pxfm::f_hypot` (0.1.30) is not correctly rounded.
     fn root_sum_square(self, other: Self) -> Self {
-        /// Squares of numbers between these are normal, and so is their sum.
-        const SOUND: std::ops::Range<f64> = 1e-140..1e140;
-        /// 2⁶⁰⁰, which takes all numbers outside into that range, and is exact.
+        /// Range in which squares and their sum are normal numbers.
+        const SAFE: std::ops::Range<f64> = 1e-140..1e140;
+        /// 2⁶⁰⁰: an exact scale factor that brings every number outside [`SAFE`] into it.
         const SCALE: f64 = f64::from_bits((1023 + 600) << 52);
-        let greatest = self.abs().max(other.abs());
-        let root = |x: f64, y: f64| (x * x + y * y).sqrt();
+        let largest = self.abs().max(other.abs());
+        let norm = |x: f64, y: f64| (x * x + y * y).sqrt();
         if self.is_infinite() || other.is_infinite() {
             f64::INFINITY
-        } else if SOUND.contains(&greatest) || greatest == 0.0 {
-            root(self, other)
-        } else if greatest < 1.0 {
-            root(self * SCALE, other * SCALE) / SCALE
+        } else if SAFE.contains(&largest) || largest == 0.0 {
+            norm(self, other)
+        } else if largest < 1.0 {
+            norm(self * SCALE, other * SCALE) / SCALE
         } else {
-            root(self / SCALE, other / SCALE) * SCALE
+            norm(self / SCALE, other / SCALE) * SCALE
         }
     }
 }
 
-/// e^(i angle).
+/// The unit complex number e^(iθ) of the angle θ (rad).
 pub fn cr_cis(angle: f64) -> Complex<f64> {
     let (sin, cos) = angle.cr_sin_cos();
     Complex::new(cos, sin)
 }
 
-/// The angle of a complex number in (−π, π].
+/// Argument (phase) of a complex number, rad, in (−π, π].
 pub fn cr_arg(z: Complex<f64>) -> f64 {
     z.im.cr_atan2(z.re)
 }
 
-/// size · e^(i angle).
-pub fn cr_from_polar(size: f64, angle: f64) -> Complex<f64> {
-    cr_cis(angle) * size
+/// The complex number `modulus` · e^(i `angle`) from polar coordinates; `angle` in rad.
+pub fn cr_from_polar(modulus: f64, angle: f64) -> Complex<f64> {
+    cr_cis(angle) * modulus
 }

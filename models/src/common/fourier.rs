@@ -1,7 +1,7 @@
 //! Fourier series of periodic fields on a regular grid.
 
-/// Greatest mode numbers of series on so many points along each axis: products of two of them are not mistaken
-/// for others (the rule of two thirds, Orszag 1971).
+/// Largest mode number along each axis that is free of aliasing on a grid of `points` points, ⌊(points − 1)/3⌋:
+/// products of two retained modes do not alias onto retained ones (two-thirds rule, Orszag 1971).
 pub fn greatest_modes(points: [usize; 2]) -> [usize; 2] {
     points.map(|points| (points - 1) / 3)
 }

@@ -1,19 +1,19 @@
-//! Inputs that a model cannot take.
+//! Errors of rejected model inputs.
 
-/// An input that a model cannot take.
+/// A model input that was rejected: its name, the value found and the values allowed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{input}: found {found}; {allowed}")]
 pub struct InputError {
     /// Name of the input: a parameter of the model or of its yield set, or a number of the state.
     pub input: &'static str,
-    /// What was found; angles in degrees.
+    /// The rejected value; angles in degrees.
     pub found: String,
-    /// What is allowed, as a sentence fragment.
+    /// The allowed values, as a sentence fragment.
     pub allowed: String,
 }
 
-/// `Ok` when `holds`; otherwise what was found and what is allowed. Pass [`format_args!`], not
-/// [`format!`]: the words are made only where they are needed.
+/// `Ok(())` if `holds`, else an [`InputError`] of the input `key`. Pass [`format_args!`], not [`format!`]: the text is
+/// formatted only on error.
 pub(crate) fn ensure(
     holds: bool,
     key: &'static str,
@@ -27,7 +27,7 @@ pub(crate) fn ensure(
     }
 }
 
-/// An angle in degrees without the noise of the conversion.
+/// An angle in degrees, rounded to 1e-10° to hide the rounding of the conversion.
 pub(crate) fn degrees(radians: f64) -> f64 {
     let degrees = radians.to_degrees();
     let rounded = (degrees * 1e10).round() / 1e10;

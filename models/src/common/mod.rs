@@ -1,5 +1,5 @@
-//! What all models share: rounding bounds, linearised systems, symmetric rate equations, parameter metadata, functions
-//! with the same bits on every platform.
+//! Tools shared by all models: rounding bounds, linearised systems, symmetric rate equations, parameter metadata,
+//! elementary functions with platform-independent bits.
 
 mod dyn_eq;
 pub mod elementary;

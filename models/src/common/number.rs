@@ -27,34 +27,34 @@ pub trait Number:
     /// ¼.
     const QUARTER: Self;
     /// The least normal number.
-    const LEAST: Self;
+    const MIN_POSITIVE: Self;
     /// From 1 to the next number.
     const EPSILON: Self;
 
     /// The nearest number to a constant.
-    fn constant(value: f64) -> Self;
+    fn from_f64(value: f64) -> Self;
 
     /// The greater of two numbers.
-    fn greatest(self, other: Self) -> Self;
+    fn max(self, other: Self) -> Self;
 
     /// The smaller of two numbers.
     #[inline(always)]
-    fn least(self, other: Self) -> Self {
-        -(-self).greatest(-other)
+    fn min(self, other: Self) -> Self {
+        -(-self).max(-other)
     }
 
     /// √x.
-    fn root(self) -> Self;
+    fn sqrt(self) -> Self;
 
     /// Of this and two bounds the one nearest to zero, or zero where they have different signs. This is a mean
     /// of some kind: where the bounds have one sign it has no other.
-    fn bounded(self, one: Self, other: Self) -> Self;
+    fn minmod3(self, one: Self, other: Self) -> Self;
 
     /// The number, or zero where it is smaller in size than a limit; what is no number stays.
-    fn unless_below(self, limit: Self) -> Self;
+    fn flush_below(self, limit: Self) -> Self;
 
     /// Whether any is greater than its counterpart.
-    fn exceeds(self, other: Self) -> bool;
+    fn any_gt(self, other: Self) -> bool;
 }
 
 /// x/3 to the nearest number, as a division by 3 rounds it, without one: with q = x·⅓, 3q is so close to x that both
@@ -75,27 +75,27 @@ macro_rules! number {
             const HALF: Self = 0.5;
             const THIRD: Self = 1.0 / 3.0;
             const QUARTER: Self = 0.25;
-            const LEAST: Self = Self::MIN_POSITIVE;
+            const MIN_POSITIVE: Self = Self::MIN_POSITIVE;
             const EPSILON: Self = Self::EPSILON;
 
             #[inline(always)]
             #[allow(clippy::unnecessary_cast, reason = "it is one for f32")]
-            fn constant(value: f64) -> Self {
+            fn from_f64(value: f64) -> Self {
                 value as Self
             }
 
             #[inline(always)]
-            fn greatest(self, other: Self) -> Self {
+            fn max(self, other: Self) -> Self {
                 if self > other { self } else { other }
             }
 
             #[inline(always)]
-            fn root(self) -> Self {
+            fn sqrt(self) -> Self {
                 self.sqrt()
             }
 
             #[inline(always)]
-            fn bounded(self, one: Self, other: Self) -> Self {
+            fn minmod3(self, one: Self, other: Self) -> Self {
                 let smaller = |one: Self, other: Self| if one < other { one } else { other };
                 let least = smaller(smaller(self.abs(), one.abs()), other.abs());
                 let differ = one.is_sign_negative() != other.is_sign_negative();
@@ -103,12 +103,12 @@ macro_rules! number {
             }
 
             #[inline(always)]
-            fn unless_below(self, limit: Self) -> Self {
+            fn flush_below(self, limit: Self) -> Self {
                 if self.abs() < limit { 0.0 } else { self }
             }
 
             #[inline(always)]
-            fn exceeds(self, other: Self) -> bool {
+            fn any_gt(self, other: Self) -> bool {
                 self > other
             }
         }

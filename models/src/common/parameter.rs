@@ -1,4 +1,5 @@
-//! What a model says of each of its constants, for whoever reads, writes or sweeps them.
+//! Metadata of model constants: name, unit, meaning, default and range, for readers of case files, templates and
+//! parameter sweeps.
 
 use crate::common::input::{InputError, degrees, ensure};
 use crate::common::range::Range;
@@ -13,30 +14,30 @@ pub struct Parameter {
     pub label: &'static str,
     /// SI unit; empty for pure numbers. Angles are marked [`ANGLE`].
     pub unit: &'static str,
-    /// What the quantity is and what is allowed, in one line.
+    /// Meaning of the quantity and its allowed values, in one line.
     pub meaning: &'static str,
-    /// What holds where no value is given.
+    /// Whether a value is required, and the default if it is not.
     pub presence: Presence,
-    /// Its range, whatever the other constants are.
+    /// Allowed range, independent of the other constants.
     pub range: Range,
 }
 
-/// Unit of angles. They are stated and shown in degrees; a model is given them in rad.
+/// Unit of angles. Case files and output hold them in degrees; models take them in rad.
 pub const ANGLE: &str = "deg";
 
-/// What holds where no value is given.
+/// Whether a constant is required, has a default, or is optional.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Presence {
-    /// A value must be given; this is an example, in the unit of the parameter.
+    /// Required; the number is an example value, in the unit of the parameter.
     Required(f64),
-    /// This value, in the unit of the parameter.
+    /// Optional with this default, in the unit of the parameter.
     Default(f64),
-    /// Nothing: the quantity is derived, or not used.
+    /// Optional without default: an absent quantity is derived or not used.
     Optional,
 }
 
 impl Parameter {
-    /// A constant that must be given; any finite number.
+    /// A required constant whose range is all finite numbers.
     pub const fn required(
         [name, label, unit]: [&'static str; 3],
         meaning: &'static str,
@@ -45,7 +46,7 @@ impl Parameter {
         Self::new([name, label, unit], meaning, Presence::Required(example))
     }
 
-    /// A constant with a default; any finite number.
+    /// A constant with a default, whose range is all finite numbers.
     pub const fn with_default(
         [name, label, unit]: [&'static str; 3],
         meaning: &'static str,
@@ -62,15 +63,15 @@ impl Parameter {
         Self { name, label, unit, meaning, presence, range: Range::Finite }
     }
 
-    /// The same of a constant that is in a range, in its unit, whatever the other constants are.
+    /// This parameter with the allowed range `range`, in the unit of the parameter.
     pub const fn within(self, range: Range) -> Self {
         Self { range, ..self }
     }
 
-    /// That a value, in SI units and rad, is in the range; `allowed` says what is.
+    /// Checks that `value` (SI units, rad) is in the range; `allowed` describes the range in the error message.
     ///
     /// # Errors
-    /// It is not.
+    /// The value is out of range or not finite.
     pub fn check(&self, value: f64, allowed: impl Display) -> Result<(), InputError> {
         match self.unit {
             ANGLE => {
@@ -81,7 +82,7 @@ impl Parameter {
         }
     }
 
-    /// The example or the default as the model takes it; NaN of what is absent without default.
+    /// The example or default value in SI units and rad; NaN for [`Presence::Optional`].
     pub fn example(&self) -> f64 {
         match self.presence {
             Presence::Required(value) | Presence::Default(value) => self.to_si(value),
@@ -89,16 +90,16 @@ impl Parameter {
         }
     }
 
-    /// A stated value as the model takes it: angles in rad.
+    /// Converts a value from the unit of the parameter to SI units: angles from degrees to rad.
     pub fn to_si(&self, stated: f64) -> f64 {
         if self.unit == ANGLE { stated.to_radians() } else { stated }
     }
 }
 
-/// The constants of a model that has `N` of them.
+/// Converts the list of constants of a model with `N` constants to an array.
 ///
 /// # Errors
-/// Another number of them.
+/// The list has another length than `N`.
 pub fn constants<const N: usize>(given: &[f64]) -> Result<[f64; N], InputError> {
     given.try_into().map_err(|_| InputError {
         input: "kind",

@@ -1,4 +1,4 @@
-//! Products of real matrices whose bits do not depend on the processor.
+//! Real matrix products whose bits do not depend on the processor.
 //!
 //! `nalgebra` hands products of real matrices with more than five rows and columns to `matrixmultiply`, which
 //! uses fused multiply-add where the processor has it. Products of complex matrices, of matrices and vectors, and
@@ -6,10 +6,11 @@
 
 use nalgebra::{DMatrix, Dim, Matrix, Storage};
 
-/// AB, column by column: the terms of each entry are added in the order of their index, each product rounded.
+/// Matrix product AB, column by column. The terms of an entry are added in the order of their index; no fused
+/// multiply-add.
 ///
 /// # Panics
-/// A has another number of columns than B has rows.
+/// The number of columns of A differs from the number of rows of B.
 pub fn product<R1, C1, S1, R2, C2, S2>(
     a: &Matrix<f64, R1, C1, S1>,
     b: &Matrix<f64, R2, C2, S2>,
@@ -36,7 +37,7 @@ where
     result
 }
 
-/// ABC.
+/// Triple matrix product (AB)C.
 pub fn triple_product(a: &DMatrix<f64>, b: &DMatrix<f64>, c: &DMatrix<f64>) -> DMatrix<f64> {
     product(&product(a, b), c)
 }

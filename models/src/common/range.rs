@@ -1,6 +1,6 @@
-//! Ranges of numbers.
+//! Allowed ranges of single numbers.
 
-/// The numbers that one may be, whatever the others are; bounds are in the unit in which it is stated.
+/// Allowed range of a number, independent of other numbers; bounds are in the unit of the number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Range {
     /// Any finite number.
@@ -9,16 +9,16 @@ pub enum Range {
     Positive,
     /// At least 0.
     NotNegative,
-    /// Above 0 and at most this.
+    /// Above 0 and at most this bound.
     UpTo(f64),
-    /// Above 0 and below this.
+    /// Above 0 and below this bound.
     Below(f64),
-    /// At least 0 and below this.
+    /// At least 0 and below this bound.
     NotNegativeBelow(f64),
 }
 
 impl Range {
-    /// Whether a number is in it; NaN and infinite ones are in none.
+    /// Whether the range contains `x`; NaN and infinities are in no range.
     pub fn contains(self, x: f64) -> bool {
         x.is_finite()
             && match self {
@@ -31,7 +31,7 @@ impl Range {
             }
     }
 
-    /// The range in radians, of one in degrees.
+    /// Converts a range in degrees to radians.
     pub fn to_radians(self) -> Self {
         match self {
             Self::UpTo(most) => Self::UpTo(most.to_radians()),

@@ -1,15 +1,15 @@
-//! Rate equations of a solid as data.
+//! Rate equations of a solid as data, and their symmetric-hyperbolic form.
 //!
-//! Elastic and elastoplastic solids alike: with generalised velocities v (translations, spins) and
-//! the stresses s that work on them,
+//! Valid for elastic and elastoplastic solids: with generalised velocities v (translations, spins) and
+//! the stresses s that are work-conjugate to their gradients,
 //!
 //! ```text
 //! M v̇ = Σ ∂ᵢ(Gⁱᵀ s) − Zᵀ s,    ṡ = D (Σ Gⁱ ∂ᵢv + Z v − R s).
 //! ```
 //!
-//! Gⁱ and Z say how velocities strain the solid; the balance of momentum has their transposes, which
-//! is the conservation of energy. D is the tangent stiffness. R is what plastic flow of the background
-//! adds: with the stress the direction of flow turns on a curved yield surface.
+//! Gⁱ and Z are the strain operators; the balance of momentum has their transposes, which conserves energy. D is the
+//! tangent stiffness. R is the relaxation due to plastic flow of the background: on a curved yield surface a
+//! perturbation of the stress rotates the flow direction.
 
 use crate::common::product::triple_product;
 use crate::common::rounding::Rounded;
@@ -21,17 +21,17 @@ use nalgebra::DMatrix;
 pub struct RateEquations<const D: usize> {
     /// Names of the unknowns: velocities v, then stresses s.
     pub unknowns: &'static [Unknown],
-    /// Names of the equations: balances, then laws.
+    /// Names of the equations: balances, then constitutive laws.
     pub equations: &'static [&'static str],
-    /// The diagonal of M, one per velocity: kg/m³ for translations, kg/m for spins.
+    /// Diagonal of the mass matrix M, one entry per velocity: kg/m³ for translations, kg/m for spins.
     pub inertia: Vec<Rounded>,
     /// Tangent stiffness D: stresses × stresses, Pa or N.
     pub stiffness: Matrix,
-    /// Gⁱ: stresses × velocities, dimensionless.
+    /// Gradient operators Gⁱ: stresses × velocities, dimensionless.
     pub gradient: [DMatrix<f64>; D],
-    /// Z: stresses × velocities, dimensionless.
+    /// Strain Z of the velocities without gradients (spins): stresses × velocities, dimensionless.
     pub rotation: DMatrix<f64>,
-    /// R: stresses × stresses, 1/(Pa·s); zero unless the background flows.
+    /// Relaxation R: stresses × stresses, 1/(Pa·s); zero unless the background flows plastically.
     pub relaxation: Matrix,
 }
 
@@ -40,11 +40,12 @@ pub struct RateEquations<const D: usize> {
 /// antisymmetric.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SymmetricForm<const D: usize> {
-    /// A; its quadratic form is twice the energy density.
+    /// Matrix A; ½ U·AU is the energy density.
     pub a: DMatrix<f64>,
-    /// Bⁱ.
+    /// Symmetric flux matrices Bⁱ.
     pub b: [DMatrix<f64>; D],
-    /// Q; with plastic flow of the background antisymmetric less R, a damping where flow is associated.
+    /// Source matrix Q. With plastic flow of the background Q is antisymmetric minus R, which damps if flow is
+    /// associated.
     pub q: DMatrix<f64>,
 }
 
@@ -129,9 +130,9 @@ impl<const D: usize> RateEquations<D> {
 }
 
 impl<const D: usize> SymmetricForm<D> {
-    /// The same on the subspace spanned by the columns of `basis`: what is left while U keeps to the
-    /// tangent of a yield surface (Sadovskii & Sadovskaya 2019, "Elastic-plastic Cosserat
-    /// continuum"). Still symmetric-hyperbolic.
+    /// Galerkin restriction of the system to the subspace spanned by the columns of `basis`, e.g. the tangent plane of
+    /// a yield surface (Sadovskii & Sadovskaya 2019, "Elastic-plastic Cosserat continuum"). It stays
+    /// symmetric-hyperbolic.
     pub fn restricted(&self, basis: &DMatrix<f64>) -> Self {
         let restrict = |m: &DMatrix<f64>| triple_product(&basis.transpose(), m, basis);
         Self {

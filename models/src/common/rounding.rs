@@ -1,6 +1,6 @@
-//! Numbers that know how far rounding may have moved them.
+//! Floating-point numbers with a running rounding-error bound.
 //!
-//! A verdict rests on signs. To assert a sign one needs the value *and* a bound on its error, so
+//! Verdicts depend on signs. To assert a sign one needs the value *and* a bound on its error, so
 //! the linearised equations are written in [`Rounded`]: a double with a running error bound
 //! (Wilkinson's running error analysis). A value whose bound is zero is exact; a structural zero
 //! stays one.
@@ -11,7 +11,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 /// Half a unit in the last place of 1: the relative error of one rounding.
 pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 
-/// Bounds are themselves rounded to nearest; this factor takes them up.
+/// Factor by which bounds, themselves rounded to nearest, are inflated to stay upper bounds.
 const UPWARDS: f64 = 1.0 + 2.0 * f64::EPSILON;
 
 /// The smallest positive double: the error of a product that underflows.
@@ -32,18 +32,18 @@ impl Rounded {
     /// The exact one.
     pub const ONE: Self = Self::exact(1.0);
 
-    /// A double that is meant literally.
+    /// An exact double, with bound 0.
     pub const fn exact(value: f64) -> Self {
         Self { value, bound: 0.0 }
     }
 
-    /// A double that came out of one rounding: a decimal from a file.
+    /// A double that is the nearest to some real number, such as a decimal from a file: bound u·|value|.
     pub fn given(value: f64) -> Self {
         Self { value, bound: UNIT_ROUNDOFF * value.abs() }
     }
 
-    /// An angle in radians that was a decimal in degrees: the decimal, π/180 and their product
-    /// were rounded.
+    /// An angle in radians converted from decimal degrees: bound 3u·|value| for the rounding of the decimal, of π/180
+    /// and of their product.
     pub fn angle(radians: f64) -> Self {
         Self { value: radians, bound: 3.0 * UNIT_ROUNDOFF * radians.abs() * UPWARDS }
     }
@@ -53,7 +53,7 @@ impl Rounded {
         self.value == 0.0 && self.bound == 0.0
     }
 
-    /// The sign, where rounding leaves no doubt: 1, −1, or `None`. A structural zero has sign 0.
+    /// The certain sign: ±1 if |value| > bound, 0 for a structural zero, else `None`.
     pub fn sign(self) -> Option<i8> {
         if self.value.abs() > self.bound {
             Some(if self.value > 0.0 { 1 } else { -1 })
@@ -151,7 +151,7 @@ impl Mul for Rounded {
     }
 }
 
-/// Where rounding cannot exclude a zero divisor, the bound is infinite.
+/// The bound of a quotient is infinite if the divisor may be zero within its bound.
 impl Div for Rounded {
     type Output = Self;
     fn div(self, other: Self) -> Self {

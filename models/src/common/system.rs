@@ -1,4 +1,4 @@
-//! A linearised system as data: all that the analysis ever sees of a model.
+//! A linearised system of equations as data: the only interface between a model and the analysis.
 
 use crate::common::rounding::Rounded;
 use nalgebra::DMatrix;
@@ -12,13 +12,12 @@ pub type Matrix = DMatrix<Rounded>;
 /// A (∂ₜ + V·∇) z + Σ Bⁱ ∂ᵢ z + C z = 0.
 /// ```
 ///
-/// `V` is the velocity of the frame in which the equations look simplest: for a flow the velocity
-/// of the material, so that every time derivative stands as a material one; for a solid zero. A
-/// frame's velocity only turns ς into ς − ik·V, so growth does not depend on it, and keeping it
-/// apart keeps Galilean invariance exact in floating point.
+/// `V` is the velocity of the frame of reference: for a flow the velocity of the material, so that all
+/// time derivatives are material derivatives; for a solid zero. It only shifts ς to ς − ik·V, so growth does not
+/// depend on it; storing it separately keeps Galilean invariance exact in floating point.
 ///
-/// Rows are equations, columns unknowns; there may be fewer rows than columns. Fill with
-/// [`reset`](Self::reset) and index assignments: a system that is filled again allocates nothing.
+/// Rows are equations, columns are unknowns; a system may have fewer rows than columns. Fill with
+/// [`reset`](Self::reset) and index assignments; refilling a system allocates nothing.
 #[derive(Clone, Debug)]
 pub struct LinearisedSystem<const D: usize> {
     /// Names of the unknowns z, one per column.
@@ -29,7 +28,7 @@ pub struct LinearisedSystem<const D: usize> {
     pub velocity: [f64; D],
     /// Coefficients A of the material time derivatives.
     pub a: Matrix,
-    /// Coefficients Bⁱ of the space derivatives, less those that `A V·∇` accounts for.
+    /// Coefficients Bⁱ of the space derivatives, without the advection term `A V·∇`.
     pub b: [Matrix; D],
     /// Coefficients C of the unknowns themselves.
     pub c: Matrix,
@@ -38,9 +37,9 @@ pub struct LinearisedSystem<const D: usize> {
 /// An unknown of a linearised system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unknown {
-    /// Name, as printed.
+    /// Name in output.
     pub name: &'static str,
-    /// The fields it belongs to when characteristics are named: "velocity", "stress", …
+    /// Family by which characteristics are named: "velocity", "stress", …
     pub family: &'static str,
 }
 
@@ -59,7 +58,7 @@ impl<const D: usize> Default for LinearisedSystem<D> {
 }
 
 impl<const D: usize> LinearisedSystem<D> {
-    /// All coefficients zero, with these unknowns and equations.
+    /// Sets unknowns, equations and frame velocity, and all coefficients to zero.
     pub fn reset(
         &mut self,
         unknowns: &'static [Unknown],

@@ -1,4 +1,4 @@
-//! Solids with a state: an elastic law, and the yield set that may limit the stress.
+//! Elastoplastic solids: an elastic law with an optional yield set that limits the stress.
 
 mod plastic;
 
@@ -11,34 +11,33 @@ use crate::solid::stress::Component;
 use crate::yield_set::parameters::ActiveCondition;
 use crate::yield_set::tangent::{NoResponse, tangent};
 
-/// A solid with checked constants: elastic, or yielding at some stress.
+/// A solid with checked constants: elastic, or elastoplastic at a stress on yield.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solid {
-    /// Its elasticity.
+    /// Elastic law.
     pub elastic: ElasticLaw,
-    /// 2 for plane strain, 3 for space.
+    /// Number of space dimensions: 2 for plane strain, 3 for space.
     pub dimensions: usize,
-    /// The yield set and what is active of it; `None` in an elastic solid.
+    /// Yield set and its active conditions; `None` in an elastic solid.
     pub plastic: Option<Plastic>,
 }
 
 impl Solid {
-    /// A solid in 2 (plane strain) or 3 dimensions; that of a law of plane strain is in plane strain.
+    /// A solid in 2 (plane strain) or 3 dimensions; a law for plane strain only forces 2.
     pub fn new(elastic: ElasticLaw, dimensions: usize, plastic: Option<Plastic>) -> Self {
         let dimensions = if elastic.is_plane() { 2 } else { dimensions };
         Self { elastic, dimensions, plastic }
     }
 
-    /// The rate equations in `D` dimensions of the solid while it stays elastic.
+    /// Elastic rate equations in `D` dimensions, without plastic flow.
     pub fn elastic_rates<const D: usize>(&self) -> RateEquations<D> {
         self.elastic.rates()
     }
 
-    /// The rate equations in `D` dimensions; of a yielding solid while its active conditions stay
-    /// active.
+    /// Rate equations in `D` dimensions with the tangent stiffness: plastic loading of all active conditions.
     ///
     /// # Errors
-    /// There is no rate of response.
+    /// H + n·Dm is not positive for an active condition; see [`NoResponse`].
     pub fn rates<const D: usize>(&self) -> Result<RateEquations<D>, NoResponse> {
         let Some(plastic) = &self.plastic else { return Ok(self.elastic_rates()) };
         let (layout, stiffness) = self.elastic.layout_and_stiffness::<D>();
@@ -47,11 +46,11 @@ impl Solid {
         Ok(self.elastic.rates_with_stiffness(&layout, &tangent))
     }
 
-    /// The rate equations with what the flow of the background adds, carried stresses among the
-    /// unknowns; `None` where it adds nothing.
+    /// Rate equations including the relaxation R due to plastic flow of the background, with carried stresses among
+    /// the unknowns; `None` if R is zero.
     ///
     /// # Errors
-    /// There is no rate of response.
+    /// H + n·Dm is not positive for an active condition; see [`NoResponse`].
     pub fn damped_rates<const D: usize>(&self) -> Result<Option<RateEquations<D>>, NoResponse> {
         let Some(Plastic { set, stress: Some(stress), active, rate }) = &self.plastic else {
             return Ok(None);
@@ -67,23 +66,23 @@ impl Solid {
         Ok(Some(RateEquations { relaxation, ..rates }))
     }
 
-    /// The stresses of [`ElasticLaw::carried_rates`] in `D` dimensions.
+    /// Stress components of [`ElasticLaw::carried_rates`] in `D` dimensions.
     pub fn carried_stresses<const D: usize>(&self) -> Vec<Component> {
         self.elastic.layout_and_stiffness::<D>().0.all_stresses().collect()
     }
 
-    /// The stresses in the rate equations in `D` dimensions.
+    /// Stress components among the unknowns of the rate equations in `D` dimensions.
     pub fn stresses<const D: usize>(&self) -> &'static [Component] {
         self.elastic.layout_and_stiffness::<D>().0.stresses
     }
 
-    /// Whether plastic flow, if any, is along the normals.
+    /// Whether plastic flow, if any, is associated (along the yield normals).
     pub fn is_associated(&self) -> bool {
         self.active().iter().all(|active| active.normal == active.flow)
     }
 
-    /// Whether the tangent stiffness is symmetric and not negative, the rate equations
-    /// symmetric-hyperbolic: elastic, or associated without softening.
+    /// Whether the tangent stiffness is symmetric and positive semidefinite, so that the rate equations are
+    /// symmetric-hyperbolic: elastic solids, and associated flow without softening.
     pub fn keeps_energy(&self) -> bool {
         self.is_associated() && self.active().iter().all(|active| active.hardening >= 0.0)
     }

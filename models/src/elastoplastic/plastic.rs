@@ -4,34 +4,33 @@ use crate::common::input::InputError;
 use crate::common::range::Range;
 use crate::solid::stress::Stress;
 use crate::yield_set::parameters::ActiveCondition;
-use crate::yield_set::{Unusable, YieldSet};
+use crate::yield_set::{NotInterior, YieldSet};
 
-/// Conditions that the scaled stress meets to within this, relative to the terms that they compare,
-/// hold with equality.
+/// Relative tolerance within which a yield condition counts as active at the scaled stress.
 const ON_YIELD: f64 = 1e-9;
 
-/// A yield set and what is active of it.
+/// A yield set with its active conditions at a stress on yield.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plastic {
     /// The yield set.
     pub set: YieldSet,
-    /// The stress, scaled onto yield; `None` where the active conditions are given instead.
+    /// Stress scaled onto yield; `None` if the active conditions are given instead.
     pub stress: Option<Stress>,
-    /// The conditions that hold with equality; at least one.
+    /// Active conditions (f = 0); at least one.
     pub active: Vec<ActiveCondition>,
-    /// Rate Λ at which the background flows, 1/s; 0 of layers, whose conditions are not curved.
+    /// Plastic multiplier rate Λ of the background flow, 1/s; 0 for interlayers, whose conditions are linear.
     pub rate: f64,
 }
 
 impl Plastic {
-    /// Range of the rate.
+    /// Allowed range of [`Plastic::rate`].
     pub const RATE: Range = Range::NotNegative;
 
-    /// A set that yields at the stress −p δ + s·`direction` of the greatest s, while the background flows at
-    /// the rate Λ (1/s).
+    /// Yielding at the stress −p δ + s·`direction` with the largest admissible s, while the background flows at the
+    /// rate Λ (1/s).
     ///
     /// # Errors
-    /// No such stress yields (see [`scale_onto_yield`]); the rate is negative.
+    /// No multiple of the direction yields (see [`scale_onto_yield`]), or the rate is negative.
     pub fn at_stress(
         set: YieldSet,
         pressure: f64,
@@ -53,11 +52,11 @@ impl Plastic {
         Ok(Self { set, stress: Some(stress), active, rate })
     }
 
-    /// A polyhedral set whose conditions of these indices, in the order of its
-    /// [`half_spaces`](crate::yield_set::YieldConditions::half_spaces), are active, at whatever stress.
+    /// A polyhedral set with given active conditions, independent of the stress; `active` holds indices into
+    /// [`half_spaces`](crate::yield_set::YieldConditions::half_spaces).
     ///
     /// # Errors
-    /// There is no condition of that index.
+    /// An index is out of range.
     pub fn with_active(set: YieldSet, active: &[usize]) -> Result<Self, InputError> {
         let all: Vec<ActiveCondition> =
             set.half_spaces().into_iter().flatten().map(|(condition, _)| condition).collect();
@@ -73,11 +72,10 @@ impl Plastic {
     }
 }
 
-/// The stress −p δ + s·`direction` with the greatest s ≥ 0 inside the yield set.
+/// Scales a stress onto yield: −p δ + s·`direction` with the largest s ≥ 0 in the yield set; p in Pa.
 ///
 /// # Errors
-/// The set has no strength under this pressure (Pa), or does not hold it; no multiple of the direction
-/// yields.
+/// The hydrostatic stress −p δ is outside the set or has no strength, or no multiple of the direction yields.
 pub fn scale_onto_yield(
     set: &YieldSet,
     pressure: f64,
@@ -87,15 +85,15 @@ pub fn scale_onto_yield(
     for i in 0..3 {
         stress.force[i][i] = -pressure;
     }
-    let scale = set.reach(&stress, direction).map_err(|unusable| match unusable {
-        Unusable::NoStrength => InputError {
+    let scale = set.ray_exit(&stress, direction).map_err(|unusable| match unusable {
+        NotInterior::NoStrength => InputError {
             input: "yield",
             found: "no strength under this pressure".into(),
             allowed: "strength or friction that a stress can grow to; yield.active may name the \
                       conditions instead"
                 .into(),
         },
-        Unusable::Outside => InputError {
+        NotInterior::Outside => InputError {
             input: "pressure",
             found: format!("{pressure:?}"),
             allowed: "a pressure within the yield set: greater than −strength/friction".into(),

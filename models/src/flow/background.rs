@@ -1,21 +1,23 @@
-//! The background of a flow: all that flow rule and balance laws make of a state, and what contradicts them.
+//! Background of a granular flow: completes a state by the flow rule and the balance laws, and rejects contradictions.
 
-use super::state::{Background, Coulomb, Flow, FlowRule, Region, Rotation, State, Stress};
+use super::state::{
+    Background, Coulomb, Flow, FlowRule, MaterialRotation, PlanarStress, Region, State,
+};
 use crate::common::elementary::Elementary;
 use crate::common::input::{InputError, degrees, ensure};
 use crate::common::rounding::Rounded;
 
-/// Relative tolerance to which over-determined input must agree.
+/// Relative tolerance for redundant input quantities.
 const AGREEMENT: f64 = 1e-9;
 
-/// Relative tolerance to which stresses must lie on the yield surfaces.
+/// Relative distance from the yield surfaces within which a stress counts as on yield.
 const ON_YIELD: f64 = 1e-12;
 
-/// The background that a state, a yield condition, a flow rule and the balance laws determine.
+/// Completes `state` to a background by the yield condition, the flow rule and the balance laws.
 pub(super) fn background(
     coulomb: &Coulomb,
     rule: &FlowRule,
-    rotation: Rotation,
+    rotation: MaterialRotation,
     state: &State,
 ) -> Result<Background, InputError> {
     check_ranges(coulomb, rule, rotation, state)?;
@@ -25,7 +27,7 @@ pub(super) fn background(
     // (d₁₁ − d₂₂) sin 2ψ − 2 d₁₂ cos 2ψ = −2 Q_D sin 2Δ.
     let twice = 2.0 * noncoaxiality;
     let shear_rate = Rounded::given(state.shear_rate);
-    let relative_rotation = if rotation == Rotation::None {
+    let relative_rotation = if rotation == MaterialRotation::None {
         Rounded::ZERO
     } else {
         -(rule.shear / rule.rotation * shear_rate * twice.sin())
@@ -49,14 +51,14 @@ pub(super) fn background(
         relative_rotation,
         half_vorticity: state.half_vorticity,
         spin: match rotation {
-            Rotation::IntrinsicSpin { .. } | Rotation::Free => {
+            MaterialRotation::IntrinsicSpin { .. } | MaterialRotation::Free => {
                 Some(relative_rotation + Rounded::given(state.half_vorticity))
             }
-            Rotation::StressAxes | Rotation::None => None,
+            MaterialRotation::StressAxes | MaterialRotation::None => None,
         },
         acceleration,
         body_moment: None,
-        stress_angle_rate: (rotation == Rotation::StressAxes)
+        stress_angle_rate: (rotation == MaterialRotation::StressAxes)
             .then(|| (relative_rotation + Rounded::given(state.half_vorticity)).value),
         pressure_gradient: state.pressure_gradient,
         stress_angle_gradient: state.stress_angle_gradient,
@@ -66,7 +68,7 @@ pub(super) fn background(
         inertia_gradient: state.inertia_gradient,
         power: 0.0,
     };
-    if let Rotation::IntrinsicSpin { moment_of_inertia, .. } = rotation {
+    if let MaterialRotation::IntrinsicSpin { moment_of_inertia, .. } = rotation {
         // Balance of spin (eq. 9) with r uniform, for the body moment.
         let spin = flow.spin.unwrap_or_default().value;
         flow.body_moment = Some(
@@ -79,7 +81,7 @@ pub(super) fn background(
     Ok(Background::FullyDeforming(flow))
 }
 
-/// Every number of a state, by its key.
+/// All numbers of a state with their keys.
 fn numbers(state: &State) -> impl Iterator<Item = (&'static str, f64)> {
     let pairs = [
         ("velocity", Some(state.velocity)),
@@ -115,15 +117,15 @@ fn numbers(state: &State) -> impl Iterator<Item = (&'static str, f64)> {
 fn check_ranges(
     coulomb: &Coulomb,
     rule: &FlowRule,
-    rotation: Rotation,
+    rotation: MaterialRotation,
     state: &State,
 ) -> Result<(), InputError> {
     for (key, x) in numbers(state) {
         ensure(x.is_finite(), key, x, "a finite number is needed")?;
     }
-    let has_balance = matches!(rotation, Rotation::IntrinsicSpin { .. });
+    let has_balance = matches!(rotation, MaterialRotation::IntrinsicSpin { .. });
     ensure(
-        state.spin.is_none() || has_balance || rotation == Rotation::Free,
+        state.spin.is_none() || has_balance || rotation == MaterialRotation::Free,
         "spin",
         state.spin.unwrap_or_default(),
         "this model has no spin of its own: leave the key out",
@@ -157,7 +159,7 @@ fn check_ranges(
         ),
     )?;
     ensure(
-        state.noncoaxiality.is_none_or(|delta| delta == 0.0) || rotation != Rotation::None,
+        state.noncoaxiality.is_none_or(|delta| delta == 0.0) || rotation != MaterialRotation::None,
         "noncoaxiality",
         degrees(state.noncoaxiality.unwrap_or_default()),
         "the plastic potential is coaxial: leave the key out or set it to 0",
@@ -169,14 +171,14 @@ fn check_ranges(
         "the density is constant when the dilatancy angle is 0: leave the key out or set it to 0",
     )?;
     ensure(
-        state.stress_angle_rate.is_none() || rotation == Rotation::StressAxes,
+        state.stress_angle_rate.is_none() || rotation == MaterialRotation::StressAxes,
         "stress_angle_rate",
         degrees(state.stress_angle_rate.unwrap_or_default()),
         "this model does not determine the rate of the stress angle: leave the key out",
     )
 }
 
-/// Δ as given, or the root with cos 2Δ > 0 for a given spin, or 0.
+/// Non-coaxiality Δ, rad: as given, or the solution with cos 2Δ > 0 for a given spin, or 0.
 fn noncoaxiality(rule: &FlowRule, state: &State) -> Result<Rounded, InputError> {
     let given = Rounded::angle(state.noncoaxiality.unwrap_or(0.0));
     let Some(spin) = state.spin else { return Ok(given) };
@@ -211,13 +213,13 @@ fn noncoaxiality(rule: &FlowRule, state: &State) -> Result<Rounded, InputError> 
 
 fn stress_and_region(
     coulomb: &Coulomb,
-    rotation: Rotation,
+    rotation: MaterialRotation,
     state: &State,
     relative_rotation: Rounded,
-) -> Result<(Stress, Region), InputError> {
+) -> Result<(PlanarStress, Region), InputError> {
     let on_yield = coulomb.yield_deviator(state.pressure);
     let strength = match rotation {
-        Rotation::IntrinsicSpin { strength, .. } => strength,
+        MaterialRotation::IntrinsicSpin { strength, .. } => strength,
         _ => 0.0,
     };
     let mut region = Region::FullyDeforming;
@@ -260,14 +262,15 @@ fn stress_and_region(
             }
         }
     };
-    // −0 would print as such.
+    // Adding +0 turns −0 into 0 for output.
     let rotational = rotational + 0.0;
     let stress =
-        Stress { pressure: state.pressure, deviator, rotational, angle: state.stress_angle };
+        PlanarStress { pressure: state.pressure, deviator, rotational, angle: state.stress_angle };
     Ok((stress, region))
 }
 
-/// ∂ⱼVᵢ from the deviatoric rate (Q_D, Ψ_D), the flow rule's tr d and the half vorticity.
+/// Velocity gradient ∂ⱼVᵢ, 1/s, from the deviatoric rate (Q_D, Ψ_D), the dilatation tr d of the flow rule and the half
+/// vorticity.
 fn velocity_gradient(rule: &FlowRule, state: &State, delta: Rounded) -> [[Rounded; 2]; 2] {
     let rate = Rounded::given(state.shear_rate);
     let angle = 2.0 * (Rounded::angle(state.stress_angle) + delta);
@@ -278,8 +281,8 @@ fn velocity_gradient(rule: &FlowRule, state: &State, delta: Rounded) -> [[Rounde
     [[half_trace + normal, shear - spin], [shear + spin, half_trace - normal]]
 }
 
-/// DV/Dt − F from the balance of momentum (eqs 16, 17).
-fn acceleration(coulomb: &Coulomb, state: &State, stress: &Stress) -> [Rounded; 2] {
+/// Acceleration minus body force, DV/Dt − F, m/s², from the balance of momentum (Harris & Grekova 2005, eqs 16, 17).
+fn acceleration(coulomb: &Coulomb, state: &State, stress: &PlanarStress) -> [Rounded; 2] {
     let angle = 2.0 * Rounded::angle(stress.angle);
     let (s2, c2) = (angle.sin(), angle.cos());
     let sin_phi = Rounded::angle(coulomb.friction_angle).sin();
@@ -293,7 +296,7 @@ fn acceleration(coulomb: &Coulomb, state: &State, stress: &Stress) -> [Rounded; 
     force.map(|f| -(f / Rounded::given(state.density)))
 }
 
-/// `2 Q_D cos 2Δ (q − p tr d/(2 Q_D cos 2Δ)) − 2 r (ω − s₂₁)`, W/m³.
+/// Internal power `2 Q_D cos 2Δ (q − p tr d/(2 Q_D cos 2Δ)) − 2 r (ω − s₂₁)`, W/m³.
 fn internal_power(rule: &FlowRule, flow: &Flow) -> f64 {
     let cosine = (2.0 * flow.rounded_noncoaxiality()).cos().value;
     let dilatation = if rule.dilatant { rule.dilatation().value } else { 0.0 };
@@ -303,8 +306,12 @@ fn internal_power(rule: &FlowRule, flow: &Flow) -> f64 {
         - 2.0 * flow.stress.rotational * flow.relative_rotation.value
 }
 
-/// What may be given besides must agree with what follows.
-fn check_agreement(rotation: Rotation, state: &State, flow: &Flow) -> Result<(), InputError> {
+/// Checks redundant inputs (velocity gradient, acceleration, body moment, ...) against the derived background.
+fn check_agreement(
+    rotation: MaterialRotation,
+    state: &State,
+    flow: &Flow,
+) -> Result<(), InputError> {
     let agree = |key, equation: &str, given: f64, derived: f64, size: f64| {
         ensure(
             (given - derived).abs() <= AGREEMENT * size,
@@ -348,7 +355,7 @@ fn check_agreement(rotation: Rotation, state: &State, flow: &Flow) -> Result<(),
             agree("acceleration", equation, given, derived.value, size)?;
         }
     }
-    if let (Some(given), Some(derived), Rotation::IntrinsicSpin { moment_of_inertia, .. }) =
+    if let (Some(given), Some(derived), MaterialRotation::IntrinsicSpin { moment_of_inertia, .. }) =
         (state.body_moment, flow.body_moment, rotation)
     {
         let spin = flow.spin.unwrap_or_default().value;

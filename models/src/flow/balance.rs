@@ -1,8 +1,8 @@
-//! The linearised rows that the granular-flow models share.
+//! Linearised balance equations and flow rule shared by the granular-flow models.
 //!
 //! Written from Harris & Grekova (2005), eqs (16)–(18), (41), (42), linearised about a background
 //! as in section 5 there, with the printed errors of eqs (83) and (86) corrected; with ν > 0 the
-//! density is an unknown. Primes (perturbations) are left out; capitals are the background.
+//! density is an unknown. Lower-case symbols are perturbations, capitals the background.
 
 use super::state::{Coulomb, Flow, FlowRule};
 use crate::common::rounding::Rounded;
@@ -15,14 +15,14 @@ const PRESSURE: Unknown = Unknown { name: "pressure", family: "stress" };
 const ANGLE: Unknown = Unknown { name: "stress angle", family: "stress" };
 const DENSITY: Unknown = Unknown { name: "density", family: "density" };
 
-// The density stands last: without dilatancy it is left off.
+// The density is the last unknown: it is dropped without dilatancy.
 const UNKNOWNS: &[Unknown] = &[VELOCITY_1, VELOCITY_2, PRESSURE, ANGLE, DENSITY];
 const WITH_SPIN: &[Unknown] = &[VELOCITY_1, VELOCITY_2, SPIN, PRESSURE, ANGLE, DENSITY];
 
 /// Column of the intrinsic spin ω, in a model that has one.
 pub const SPIN_COLUMN: usize = 2;
 
-/// Columns of the other unknowns.
+/// Columns of the unknowns other than the spin.
 #[derive(Clone, Copy, Debug)]
 pub struct Columns {
     /// Velocity v₁, v₂.
@@ -36,9 +36,8 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Resets `system` to the unknowns of a model with or without intrinsic spin, and to these
-    /// equations, the last of which is the balance of mass; without dilatancy, density and balance
-    /// of mass drop out.
+    /// Resets `system` to the unknowns of a model with or without intrinsic spin and to `equations`, whose last entry is
+    /// the balance of mass. Without dilatancy the density and the balance of mass are omitted.
     pub fn reset(
         system: &mut LinearisedSystem<2>,
         with_spin: bool,
@@ -60,7 +59,7 @@ impl Columns {
     }
 }
 
-/// sin 2Ψ, cos 2Ψ of the stress angle.
+/// (sin 2Ψ, cos 2Ψ) of the stress angle Ψ.
 fn double_angle(flow: &Flow) -> [Rounded; 2] {
     let angle = 2.0 * Rounded::angle(flow.stress.angle);
     [angle.sin(), angle.cos()]
@@ -126,8 +125,8 @@ pub fn mass(system: &mut LinearisedSystem<2>, row: usize, columns: &Columns, flo
     }
 }
 
-/// The two lines of [`FlowRule`], in rows `row` (volume) and `row + 1` (rotation), without the
-/// material's rotation ω itself, whose coefficient in the second is 2 e_r:
+/// Both equations of [`FlowRule`] in rows `row` (volume) and `row + 1` (rotation). The caller adds the material
+/// rotation ω, whose coefficient in the second is 2 e_r:
 ///
 /// ```text
 /// e_v tr d − s_v [(d₁₁ − d₂₂) cos 2ψ + 2 d₁₂ sin 2ψ] = 0

@@ -1,38 +1,36 @@
-//! Verdicts that follow from a formula.
+//! Closed-form verdicts on well-posedness.
 //!
-//! For some models and backgrounds the growth of short waves is known in closed form. A formula is
-//! used only where rounding leaves no doubt of what it says: every quantity that it rests on carries
-//! a rounding bound, and where that is not far below the quantity itself, or the numbers approach
-//! the range of doubles, the formula says nothing and the linearised equations have to be looked
-//! at. So a formula never says *marginal*, and never decides beside a boundary.
+//! For some models and backgrounds the growth rate of short waves is known in closed form. A formula decides only if
+//! its result is certain: every quantity it uses carries a rounding bound, which must be far below the quantity
+//! itself, and no number may approach overflow or underflow. Otherwise the formula abstains and the linearised
+//! equations are analysed numerically. So a formula never returns *marginal* and never decides near a boundary.
 
 use crate::common::elementary::Elementary;
 use crate::common::rounding::Rounded;
 use crate::flow::state::Flow;
 use std::f64::consts::PI;
 
-/// Growth of short waves as a formula gives it; the terms are those of the analysis of a linearised
-/// system.
+/// Growth of short waves by a closed-form formula, in the terms of the numerical analysis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ClosedForm {
-    /// The growth rate is bounded uniformly over short waves of all directions.
+    /// Well-posed: the growth rate is bounded uniformly over all wave vectors.
     WellPosed,
-    /// Re ς ≈ `coefficient` k^`order` in the worst direction.
+    /// Ill-posed: Re ς ≈ `coefficient` k^`order` in the worst direction.
     Grows {
-        /// Order in k.
+        /// Exponent of the wave number k.
         order: u8,
         /// Limit of Re ς / k^order, m^order/s; positive.
         coefficient: f64,
         /// Angle of the wave vector, rad, in [0, π); one of them where several are equally bad.
         direction: f64,
     },
-    /// The coefficient of the highest power of ς changes sign in a direction, so that the growth
-    /// rate is unbounded at finite wave numbers already.
+    /// The coefficient of the highest power of ς changes sign with the direction, so the growth rate is unbounded at
+    /// finite wave numbers.
     UnboundedAtFiniteWaveNumber {
         /// Angle of the wave vector, rad, in [0, π); one of them where there are several.
         direction: f64,
     },
-    /// The equations do not determine their unknowns.
+    /// The pencil is singular: the equations do not determine their unknowns.
     Indeterminate {
         /// Generic rank of the pencil.
         rank: usize,
@@ -41,52 +39,51 @@ pub enum ClosedForm {
     },
 }
 
-/// Largest rounding bound of a quantity that a formula rests on, relative to the quantity: ten
-/// digits stand, and every coefficient agrees with another correct one to 1e-9.
+/// Largest relative rounding bound at which a formula decides: ten correct digits, so that independent evaluations of
+/// a coefficient agree to 1e-9.
 const RESOLUTION: f64 = 1e-10;
 
-/// Sizes between which the products of a few numbers stay far inside the range of doubles.
-const SIZES: std::ops::Range<f64> = 1e-30..1e30;
+/// Range of magnitudes whose products of a few factors are far from overflow and underflow.
+const SAFE_MAGNITUDES: std::ops::Range<f64> = 1e-30..1e30;
 
-/// Least cosine of an angle of friction or dilatancy: 0.57° from a right angle. As φ → 90° the
-/// degenerate directions β = ±(90° − φ) merge with each other and with the one in which the highest
-/// coefficient is least, (1 − sin φ)² or smaller: the linearised equations themselves no longer
-/// know them apart to ten digits, and soon not at all.
-const LEAST_COSINE: f64 = 1e-2;
+/// Smallest cosine of a friction or dilatancy angle at which a formula decides: 0.57° from a right angle. As φ → 90°
+/// the degenerate directions β = ±(90° − φ) merge with each other and with the direction of the smallest highest
+/// coefficient, (1 − sin φ)² or less: the linearised equations no longer separate them to ten digits.
+const MIN_COSINE: f64 = 1e-2;
 
 impl ClosedForm {
-    /// Growth of this order with this coefficient, if rounding leaves ten digits of it; `beta` is
-    /// β = 2(Ψ_Σ − ψ_K) in the worst direction.
+    /// Growth of order `order` with `coefficient`, if ten digits of it are certain; `beta` is β = 2(Ψ_Σ − ψ_K) in the
+    /// worst direction, rad.
     pub(crate) fn grows(order: u8, coefficient: Rounded, flow: &Flow, beta: f64) -> Option<Self> {
         let is_clear = clear_sign(coefficient) == Some(1) && coefficient.value.is_finite();
         let direction = direction(flow, beta);
         is_clear.then_some(Self::Grows { order, coefficient: coefficient.value, direction })
     }
 
-    /// Growth that is unbounded at finite wave numbers, in the direction of `beta`.
+    /// Unbounded growth at finite wave numbers, in the direction `beta`, rad.
     pub(crate) fn unbounded(flow: &Flow, beta: f64) -> Self {
         Self::UnboundedAtFiniteWaveNumber { direction: direction(flow, beta) }
     }
 }
 
-/// Angle of the wave vector with β = 2(Ψ_Σ − ψ_K), rad, in [0, π).
+/// Angle ψ_K of the wave vector, rad, in [0, π), from β = 2(Ψ_Σ − ψ_K).
 fn direction(flow: &Flow, beta: f64) -> f64 {
     let angle = (flow.stress.angle - 0.5 * beta).rem_euclid(PI);
-    // A negative angle of rounding size becomes π itself.
+    // rem_euclid rounds a tiny negative angle up to π itself.
     if angle < PI { angle } else { 0.0 }
 }
 
-/// The sign of a quantity, where ten digits of it stand: 1 or −1.
+/// Sign ±1 of a quantity whose first ten digits are certain, else `None`.
 pub(crate) fn clear_sign(x: Rounded) -> Option<i8> {
     (x.bound < RESOLUTION * x.value.abs()).then_some(if x.value > 0.0 { 1 } else { -1 })
 }
 
-/// Whether an angle of friction or dilatancy (rad) is clear of a right angle.
+/// Whether a friction or dilatancy angle (rad) is far enough below a right angle for a formula to decide.
 pub(crate) fn is_below_right_angle(angle: f64) -> bool {
-    angle.cr_cos() >= LEAST_COSINE
+    angle.cr_cos() >= MIN_COSINE
 }
 
-/// Whether all numbers of a flow are zero or of a size of which products can be formed.
+/// Whether all numbers of a flow are zero or within the magnitudes whose products neither overflow nor underflow.
 pub(crate) fn is_of_moderate_size(flow: &Flow) -> bool {
     let [[g11, g12], [g21, g22]] = flow.velocity_gradient;
     let single = [
@@ -111,6 +108,6 @@ pub(crate) fn is_of_moderate_size(flow: &Flow) -> bool {
         flow.density_gradient,
         flow.inertia_gradient,
     ];
-    let is_moderate = |x: f64| x == 0.0 || SIZES.contains(&x.abs());
+    let is_moderate = |x: f64| x == 0.0 || SAFE_MAGNITUDES.contains(&x.abs());
     single.into_iter().all(is_moderate) && gradients.as_flattened().iter().copied().all(is_moderate)
 }

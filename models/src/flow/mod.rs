@@ -1,11 +1,11 @@
-//! Planar flow of a Mohr–Coulomb granular material: what all the models of the family share.
+//! Planar flow of Mohr–Coulomb granular materials: shared equations, and one folder per model.
 //!
 //! Harris & Grekova (2005), double shearing (Spencer 1964; Mehrabadi & Cowin 1978), the plastic
 //! potential and the double-sliding free-rotating model (de Josselin de Jong 1977) share the
 //! balance of momentum and of mass, the yield condition and the form of the flow rule; they differ
-//! in what they take for the rotation of the material. This module holds the shared half
-//! ([`state`], [`balance`]), the entry of a model in the registry ([`FlowModel`]) and the model with checked constants
-//! ([`Model`]); what is a model's own stands in its folder.
+//! in the definition of the rotation of the material. This module holds the shared part
+//! ([`state`], [`balance`]), the registry entry of a model ([`FlowModel`]) and the model with checked constants
+//! ([`Model`]). Each model has a folder of its own.
 
 mod background;
 pub mod balance;

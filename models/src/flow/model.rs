@@ -1,7 +1,7 @@
 //! A granular-flow model: its entry in the registry, and the model with checked constants.
 
 use super::background::background;
-use super::state::{Background, Coulomb, Flow, FlowRule, Rotation, State};
+use super::state::{Background, Coulomb, Flow, FlowRule, MaterialRotation, State};
 use crate::common::elementary::Elementary;
 use crate::common::input::InputError;
 use crate::common::parameter::Parameter;
@@ -16,36 +16,36 @@ pub struct FlowModel {
     pub name: &'static str,
     /// Name in titles and legends.
     pub title: &'static str,
-    /// Its constants. Those named like a constant of another flow model must have the same unit.
+    /// Constants of the model. Constants of the same name in different flow models must have the same unit.
     pub parameters: &'static [Parameter],
-    /// What it takes for the rotation of the material.
+    /// Kind of material rotation in the flow rule.
     pub rotation: RotationKind,
-    /// Checks the constants, which are in the order of `parameters`, in SI units and rad.
+    /// Constructor from the constants in the order of `parameters`, in SI units and rad.
     pub build: Build,
 }
 
-/// From a list of constants to a model that has checked them.
+/// Constructor of a flow law: checks a list of constants and returns the law.
 pub type Build = fn(&[f64]) -> Result<Arc<dyn FlowLaw>, InputError>;
 
-/// What a model takes for the rotation of the material: decides which numbers a state has.
+/// Kind of material rotation in the flow rule of a model; it determines which quantities a state has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RotationKind {
-    /// An intrinsic spin with a balance of its own.
+    /// Intrinsic spin with its own balance equation.
     IntrinsicSpin,
-    /// The rotation of the principal axes of stress.
+    /// Rotation rate of the principal stress axes.
     StressAxes,
-    /// A spin that nothing determines.
+    /// Spin without an equation that determines it.
     Free,
-    /// None: stress and deformation rate are coaxial by definition.
+    /// No rotation: stress and deformation rate are coaxial by definition.
     None,
 }
 
-/// A granular-flow model with checked constants: what its equations are made of.
+/// Equations of a granular-flow model with checked constants.
 pub trait FlowLaw: fmt::Debug + Send + Sync {
-    /// Takes other constants, as [`FlowModel::build`] does.
+    /// Replaces the constants, in the order of [`FlowModel::parameters`], in SI units and rad.
     ///
     /// # Errors
-    /// The constant that is out of range; the model stays as it was.
+    /// A constant is out of range; the model is unchanged.
     fn set(&mut self, constants: &[f64]) -> Result<(), InputError>;
 
     /// The yield condition.
@@ -54,32 +54,31 @@ pub trait FlowLaw: fmt::Debug + Send + Sync {
     /// The coefficients of the flow rule.
     fn flow_rule(&self) -> FlowRule;
 
-    /// What the model takes for the rotation of the material.
-    fn rotation(&self) -> Rotation;
+    /// Material rotation in the flow rule.
+    fn rotation(&self) -> MaterialRotation;
 
     /// Writes the linearised equations about `flow` into `system`.
     fn symbol(&self, flow: &Flow, system: &mut LinearisedSystem<2>);
 
-    /// The verdict on `flow` where a formula decides it beyond doubt; `None` where only the
-    /// linearised equations can.
+    /// Closed-form verdict on `flow`; `None` if no formula decides it with certainty.
     fn closed_form(&self, flow: &Flow) -> Option<ClosedForm> {
         let _ = flow;
         None
     }
 
-    /// The bound on |Δ| inside which the leading growth rate is nowhere positive, rad; `None` for
-    /// a model whose verdict does not turn on the non-coaxiality.
+    /// Bound on the non-coaxiality |Δ|, rad, below which the leading growth rate is not positive in any direction;
+    /// `None` for a model whose verdict does not depend on the non-coaxiality.
     fn noncoaxiality_bound(&self) -> Option<f64> {
         None
     }
 }
 
-/// An entry of the registry by reference; two are equal if they have the same name.
+/// Reference to a registry entry of a flow model; equality compares names.
 #[derive(Clone, Copy)]
 pub struct FlowKind(&'static FlowModel);
 
 impl FlowKind {
-    /// An entry of the registry.
+    /// A reference to the registry entry `model`.
     pub const fn new(model: &'static FlowModel) -> Self {
         Self(model)
     }
@@ -94,12 +93,12 @@ impl FlowKind {
         self.0.title
     }
 
-    /// Its constants.
+    /// Constants of the model.
     pub const fn parameters(self) -> &'static [Parameter] {
         self.0.parameters
     }
 
-    /// What it takes for the rotation of the material.
+    /// Kind of material rotation in the flow rule.
     pub const fn rotation(self) -> RotationKind {
         self.0.rotation
     }
@@ -146,18 +145,18 @@ impl std::ops::Deref for Model {
 }
 
 impl Model {
-    /// Checks the constants, which are in the order of the kind's parameters, in SI units and rad.
+    /// Creates a model of `kind` from its constants, in the order of the kind's parameters, in SI units and rad.
     ///
     /// # Errors
-    /// The first constant out of range.
+    /// A constant is out of range; the error names the first.
     pub fn new(kind: FlowKind, constants: &[f64]) -> Result<Self, InputError> {
         Ok(Self { kind, law: (kind.0.build)(constants)? })
     }
 
-    /// Takes other constants, in the memory that it has unless a clone has it as well.
+    /// Replaces the constants; allocates only if a clone shares the memory of this model.
     ///
     /// # Errors
-    /// The first constant out of range; the model stays as it was.
+    /// A constant is out of range; the model is unchanged.
     pub fn set(&mut self, constants: &[f64]) -> Result<(), InputError> {
         match Arc::get_mut(&mut self.law) {
             Some(law) => law.set(constants)?,
@@ -166,7 +165,7 @@ impl Model {
         Ok(())
     }
 
-    /// Which model this is.
+    /// Registry entry of the model.
     pub fn kind(&self) -> FlowKind {
         self.kind
     }
@@ -176,21 +175,21 @@ impl Model {
         self.flow_rule().dilatant
     }
 
-    /// The background that a state and this model's flow rule and balance laws determine.
+    /// Completes `state` to a background by the flow rule of the model and the balance laws.
     ///
     /// # Errors
-    /// An input out of range, one that the model does not use, or one that contradicts the flow
-    /// rule or a balance law, with the residual of the equation that it breaks.
+    /// An input is out of range, is not used by the model, or contradicts the flow rule or a balance law; the error
+    /// then gives the residual of the violated equation.
     pub fn background(&self, state: &State) -> Result<Background, InputError> {
         background(self.coulomb(), &self.flow_rule(), self.rotation(), state)
     }
 
-    /// The greatest wave number on which the background itself varies, 1/m: frozen coefficients
-    /// say something of waves much shorter than that. 0 for a uniform background.
+    /// Wave number of the variation of the background, 1/m: the frozen-coefficient analysis is valid for much larger
+    /// wave numbers. 0 for a uniform background.
     pub fn gradient_wave_number(&self, flow: &Flow) -> f64 {
         let size = |g: [f64; 2]| g[0].root_sum_square(g[1]);
         let inertia = match self.rotation() {
-            Rotation::IntrinsicSpin { moment_of_inertia, .. } => {
+            MaterialRotation::IntrinsicSpin { moment_of_inertia, .. } => {
                 size(flow.inertia_gradient) / moment_of_inertia
             }
             _ => 0.0,

@@ -1,9 +1,9 @@
-//! Constants that all flow models have.
+//! Constants shared by all flow models.
 
 use crate::common::parameter::{ANGLE, Parameter};
 use crate::common::range::Range;
 
-/// Angle of internal friction, which all flow models have.
+/// Parameter: angle of internal friction φ, shared by all flow models.
 pub const FRICTION_ANGLE: Parameter = Parameter::required(
     ["friction_angle", "friction angle φ", ANGLE],
     "angle of internal friction φ; 0 < φ < 90",
@@ -11,7 +11,7 @@ pub const FRICTION_ANGLE: Parameter = Parameter::required(
 )
 .within(Range::Below(90.0));
 
-/// Angle of dilatancy, which all flow models have.
+/// Parameter: dilatancy angle ν, shared by all flow models.
 pub const DILATANCY_ANGLE: Parameter = Parameter::with_default(
     ["dilatancy_angle", "dilatancy angle ν", ANGLE],
     "angle of dilatancy ν; 0 ≤ ν < φ, for plastic-potential 0 ≤ ν < 90",
@@ -19,10 +19,10 @@ pub const DILATANCY_ANGLE: Parameter = Parameter::with_default(
 )
 .within(Range::NotNegativeBelow(90.0));
 
-/// Cohesion, which all flow models have.
+/// Parameter: cohesion c, shared by all flow models.
 pub const COHESION: Parameter =
     Parameter::with_default(["cohesion", "cohesion c", "Pa"], "cohesion c; ≥ 0", 0.0)
         .within(Range::NotNegative);
 
-/// The constants of a model that has no others.
+/// The shared constants in order: the whole list of a model without further constants.
 pub const FAMILY: &[Parameter] = &[FRICTION_ANGLE, DILATANCY_ANGLE, COHESION];

@@ -1,4 +1,4 @@
-//! The state of a granular flow at a point, and all that flow rule and balance laws make of it.
+//! State of a granular flow at a point, the Mohr–Coulomb yield condition, the flow rule, and the derived background.
 
 use crate::common::elementary::Elementary;
 use crate::common::input::{InputError, degrees, ensure};
@@ -16,10 +16,10 @@ pub struct Coulomb {
 }
 
 impl Coulomb {
-    /// Checks 0 < φ < π/2 and c ≥ 0.
+    /// Creates the yield condition after checking 0 < φ < π/2 (rad) and c ≥ 0 (Pa).
     ///
     /// # Errors
-    /// The constant that is out of range.
+    /// A constant is out of range.
     pub fn new(friction_angle: f64, cohesion: f64) -> Result<Self, InputError> {
         FRICTION_ANGLE.check(
             friction_angle,
@@ -29,7 +29,7 @@ impl Coulomb {
         Ok(Self { friction_angle, cohesion })
     }
 
-    /// The deviatoric stress on yield, `p sin φ + c cos φ`, Pa.
+    /// Deviatoric stress q on yield at a pressure p (Pa), `p sin φ + c cos φ`, Pa.
     pub fn yield_deviator(&self, pressure: f64) -> Rounded {
         let phi = Rounded::angle(self.friction_angle);
         Rounded::given(pressure) * phi.sin() + Rounded::given(self.cohesion) * phi.cos()
@@ -43,15 +43,15 @@ pub(crate) fn check_dilatancy(coulomb: &Coulomb, nu: f64) -> Result<(), InputErr
     ensure(nu < coulomb.friction_angle, DILATANCY_ANGLE.name, degrees(nu), allowed)
 }
 
-/// The flow rule of a model in the form that the family shares,
+/// Coefficients of the flow rule in the form shared by all flow models,
 ///
 /// ```text
 /// e_v tr d      = s_v [(d₁₁ − d₂₂) cos 2ψ + 2 d₁₂ sin 2ψ]
 /// 2 e_r (ω − s₂₁) = c_r [(d₁₁ − d₂₂) sin 2ψ − 2 d₁₂ cos 2ψ]
 /// ```
 ///
-/// where ω is what the model takes for the rotation of the material (Harris & Grekova 2005,
-/// eqs 41, 42, multiplied out; with e_r = 0 the second line says that the model is coaxial).
+/// where ω is the material rotation of the model, 1/s (Harris & Grekova 2005,
+/// eqs 41, 42, multiplied out; with e_r = 0 the second line states coaxiality).
 #[derive(Clone, Copy, Debug)]
 pub struct FlowRule {
     /// e_v: cos(φ − ν), or 1 for the plastic potential.
@@ -67,7 +67,8 @@ pub struct FlowRule {
 }
 
 impl FlowRule {
-    /// Double shearing, whatever is taken for the rotation (eqs 41, 42).
+    /// Flow rule of double shearing with any material rotation (Harris & Grekova 2005, eqs 41, 42); angles φ and ν in
+    /// rad.
     pub fn double_shearing(friction_angle: f64, dilatancy_angle: f64) -> Self {
         let nu = Rounded::angle(dilatancy_angle);
         let difference = Rounded::angle(friction_angle) - nu;
@@ -80,36 +81,36 @@ impl FlowRule {
         }
     }
 
-    /// e_r/c_r: times the relative rotation (ω − s₂₁)/Q_D this is sin 2(ψ − ψ_D).
+    /// Ratio e_r/c_r, so that sin 2(ψ − ψ_D) = (e_r/c_r) (ω − s₂₁)/Q_D.
     pub fn rotation_ratio(&self) -> f64 {
         (self.rotation / self.shear).value
     }
 
-    /// tr d / (2 Q_D cos 2Δ).
+    /// Dilatation ratio tr d / (2 Q_D cos 2Δ) = s_v/e_v.
     pub fn dilatation(&self) -> Rounded {
         self.dilatancy / self.volume
     }
 }
 
-/// What a model takes for the rotation of the material in the second line of its [`FlowRule`].
+/// Material rotation ω of a model in the second line of its [`FlowRule`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Rotation {
-    /// An intrinsic spin with a balance of its own.
+pub enum MaterialRotation {
+    /// Intrinsic spin with its own balance equation.
     IntrinsicSpin {
         /// Moment of inertia per unit mass I, m².
         moment_of_inertia: f64,
         /// Rotational yield strength m, Pa.
         strength: f64,
     },
-    /// The rotation of the principal axes of stress.
+    /// Rotation rate of the principal stress axes.
     StressAxes,
-    /// A rotation that nothing determines.
+    /// Rotation without an equation that determines it.
     Free,
-    /// None: the model is coaxial.
+    /// No rotation: the model is coaxial.
     None,
 }
 
-/// A state as a case gives it; SI units, radians. Absent numbers are derived.
+/// State of a flow at a point as input; SI units, rad. Absent quantities are derived.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
     /// Density ρ, kg/m³; > 0.
@@ -158,27 +159,27 @@ pub struct State {
 }
 
 impl State {
-    /// Range of the density.
+    /// Allowed range of the density.
     pub const DENSITY: Range = Range::Positive;
-    /// Range of the shear rate.
+    /// Allowed range of the shear rate.
     pub const SHEAR_RATE: Range = Range::Positive;
-    /// Range of the deviatoric stress.
+    /// Allowed range of the deviatoric stress.
     pub const DEVIATORIC_STRESS: Range = Range::NotNegative;
 }
 
-/// Where a state lies with respect to the yield conditions (Harris & Grekova 2005, section 2).
+/// Position of a state relative to the yield conditions (Harris & Grekova 2005, section 2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Region {
     /// On both yield conditions: q = p sin φ + c cos φ and r ∈ {0, ±m}.
     FullyDeforming,
-    /// Inside one of them: rigid, or undetermined.
+    /// Inside a yield condition: rigid, or deformation not determined.
     RigidOrIndeterminate,
-    /// Outside one of them: no admissible state.
+    /// Outside a yield condition: not admissible.
     OutsideYield,
 }
 
 impl Region {
-    /// Name in results.
+    /// Name of the region in output.
     pub const fn name(self) -> &'static str {
         match self {
             Self::FullyDeforming => "fully-deforming",
@@ -190,7 +191,7 @@ impl Region {
 
 /// Planar stress by its invariants.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stress {
+pub struct PlanarStress {
     /// Pressure p, Pa.
     pub pressure: f64,
     /// Deviatoric stress q, Pa.
@@ -201,11 +202,11 @@ pub struct Stress {
     pub angle: f64,
 }
 
-impl Stress {
+impl PlanarStress {
     /// The stress tensor, second index = face normal, Pa.
     ///
-    /// This is the one place where the index order of Harris & Grekova (first index = face normal,
-    /// eq. 6) becomes the order used throughout: the transpose.
+    /// Converts from the index order of Harris & Grekova (first index = face normal, eq. 6) by transposition; all other
+    /// code uses second index = face normal.
     pub fn tensor(&self) -> [[f64; 2]; 2] {
         let (p, q, r) = (self.pressure, self.deviator.value, self.rotational);
         let (sin, cos) = (2.0 * self.angle).cr_sin_cos();
@@ -213,23 +214,23 @@ impl Stress {
     }
 }
 
-/// The background of an analysis.
+/// Background state of a flow analysis.
 #[expect(clippy::large_enum_variant, reason = "copied once per state, and most states flow")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Background {
-    /// Fully deforming: there is a flow to analyse.
+    /// Fully deforming flow, which can be analysed.
     FullyDeforming(Flow),
-    /// Anything else: there is not.
+    /// Rigid, indeterminate or inadmissible: no flow to analyse.
     Elsewhere {
-        /// Where the state lies.
+        /// Position relative to the yield conditions.
         region: Region,
-        /// Its stress.
-        stress: Stress,
+        /// Stress of the state.
+        stress: PlanarStress,
     },
 }
 
 impl Background {
-    /// Where the state lies.
+    /// Position of the state relative to the yield conditions.
     pub fn region(&self) -> Region {
         match self {
             Self::FullyDeforming(_) => Region::FullyDeforming,
@@ -238,14 +239,14 @@ impl Background {
     }
 
     /// The stress.
-    pub fn stress(&self) -> &Stress {
+    pub fn stress(&self) -> &PlanarStress {
         match self {
             Self::FullyDeforming(flow) => &flow.stress,
             Self::Elsewhere { stress, .. } => stress,
         }
     }
 
-    /// The flow, where there is one.
+    /// The flow if fully deforming, else `None`.
     pub fn flow(&self) -> Option<&Flow> {
         match self {
             Self::FullyDeforming(flow) => Some(flow),
@@ -254,19 +255,18 @@ impl Background {
     }
 }
 
-/// A fully deforming background: what was given and what follows from it.
+/// Fully deforming background: given and derived quantities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flow {
     /// Density ρ, kg/m³.
     pub density: f64,
     /// Stress.
-    pub stress: Stress,
+    pub stress: PlanarStress,
     /// Magnitude Q_D of the deviatoric deformation rate, 1/s.
     pub shear_rate: f64,
     /// Non-coaxiality Δ = Ψ_D − Ψ_Σ, rad.
     pub noncoaxiality: f64,
-    /// Bound on the error of `noncoaxiality`, rad: large where it follows from a spin near the
-    /// greatest one.
+    /// Rounding bound of `noncoaxiality`, rad: large if it is derived from a spin near the largest admissible one.
     pub noncoaxiality_rounding: f64,
     /// Velocity V, m/s.
     pub velocity: [f64; 2],

@@ -5,24 +5,24 @@ use super::{FaceLaw, FaceStep, Incoming};
 use crate::common::input::{InputError, ensure};
 use crate::common::number::Number;
 
-/// Thickness and material of an isotropic elastic interlayer.
+/// Thickness and material constants of an isotropic elastic interlayer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ElasticMaterial {
-    /// δ, m.
+    /// Thickness δ, m.
     pub thickness: f64,
-    /// ρ′, kg/m³.
+    /// Density ρ′, kg/m³.
     pub density: f64,
-    /// c₁′, speed of longitudinal waves, m/s.
+    /// Longitudinal wave speed c₁′, m/s.
     pub longitudinal_speed: f64,
-    /// c₂′, speed of shear waves, m/s.
+    /// Shear wave speed c₂′, m/s.
     pub shear_speed: f64,
 }
 
 impl ElasticMaterial {
-    /// Checks the constants.
+    /// Checks that all constants are positive and finite.
     ///
     /// # Errors
-    /// One that is not positive and finite.
+    /// A constant is not positive and finite.
     pub fn check(&self) -> Result<(), InputError> {
         for (name, value) in [
             ("thickness", self.thickness),
@@ -35,12 +35,12 @@ impl ElasticMaterial {
         Ok(())
     }
 
-    /// The layer for the normal component of the traction, with K = ρ′c₁′²/δ.
+    /// The interlayer law for the normal traction, with stiffness K = ρ′c₁′²/δ.
     pub fn normal(&self) -> ElasticInterlayer<f64> {
         self.with_speed(self.longitudinal_speed)
     }
 
-    /// The layer for a tangential component of the traction, with K = ρ′c₂′²/δ.
+    /// The interlayer law for a tangential traction, with stiffness K = ρ′c₂′²/δ.
     pub fn tangential(&self) -> ElasticInterlayer<f64> {
         self.with_speed(self.shear_speed)
     }
@@ -53,21 +53,21 @@ impl ElasticMaterial {
     }
 }
 
-/// An elastic interlayer as one component of the traction sees it. Without mass and compliance the sides are welded.
+/// Face law of an elastic interlayer for one traction component. With zero mass and compliance the sides are welded.
 ///
-/// Memory: V, m/s, and S, Pa, at the end of the step.
+/// Memory: mean velocity V, m/s, and mean traction S, Pa, at the end of the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ElasticInterlayer<N> {
-    /// m = ρ′δ ≥ 0, kg/m².
+    /// Mass per area m = ρ′δ ≥ 0, kg/m².
     pub mass: N,
-    /// C = 1/K = δ/(ρ′c′²) ≥ 0, m/Pa.
+    /// Compliance C = 1/K = δ/(ρ′c′²) ≥ 0, m/Pa.
     pub compliance: N,
 }
 
 impl ElasticInterlayer<f64> {
-    /// The same in numbers of another kind.
+    /// Converts the constants to the number type `N` (f32, f64 or SIMD lanes).
     pub fn to_number<N: Number>(&self) -> ElasticInterlayer<N> {
-        ElasticInterlayer { mass: N::constant(self.mass), compliance: N::constant(self.compliance) }
+        ElasticInterlayer { mass: N::from_f64(self.mass), compliance: N::from_f64(self.compliance) }
     }
 }
 
@@ -75,7 +75,7 @@ impl<N: Number> FaceLaw<N> for ElasticInterlayer<N> {
     type Memory = [N; 2];
     const REST: [N; 2] = [N::ZERO; 2];
 
-    /// S_mid = (2CS/Δt + d₀)/(2C/Δt + g), then V and S go on by twice their way to the middle.
+    /// Midpoint rule: S_mid = (2CS/Δt + d₀)/(2C/Δt + g), then V ← 2V_mid − V and S ← 2S_mid − S.
     #[inline(always)]
     fn advance(&self, incoming: &Incoming<N>, step: N, memory: &mut [N; 2]) -> FaceStep<N> {
         let [velocity, stress] = *memory;
@@ -87,13 +87,13 @@ impl<N: Number> FaceLaw<N> for ElasticInterlayer<N> {
         FaceStep { states, dissipated: N::ZERO }
     }
 
-    /// ½mV².
+    /// Kinetic energy ½mV², J/m².
     #[inline(always)]
     fn kinetic_energy(&self, [velocity, _]: &[N; 2]) -> N {
         N::HALF * self.mass * *velocity * *velocity
     }
 
-    /// ½CS².
+    /// Elastic energy ½CS², J/m².
     #[inline(always)]
     fn stored_energy(&self, [_, stress]: &[N; 2]) -> N {
         N::HALF * self.compliance * *stress * *stress

@@ -1,48 +1,48 @@
-//! A thin layer with mass between the two sides of a face, by the midpoint rule.
+//! Face law of a thin layer with mass between two cells, by the midpoint rule.
 //!
-//! The mean velocity V = ½(v⁺ + v⁻) of a layer of mass m per area is driven by the difference of tractions,
+//! The mean velocity V = ½(v⁺ + v⁻) of a layer of mass m per area follows from the traction difference,
 //!
 //! ```text
 //! m V̇ = σ⁺ − σ⁻,
 //! ```
 //!
-//! and the material of the layer relates S = ½(σ⁺ + σ⁻) to the rate of its opening d = v⁺ − v⁻. This is the box closure:
-//! mean values of both faces, no dissipation of its own, dispersive (Preissmann 1961). It holds for ωδ/c′ ≲ 1 in a
-//! layer of thickness δ and wave speed c′: higher frequencies pass with their sign reversed, and a step of velocity v₀ that
-//! arrives begins behind the layer with −v₀ for a time of m/2z.
+//! and the material of the layer relates the mean traction S = ½(σ⁺ + σ⁻) to the opening rate d = v⁺ − v⁻. This is the
+//! box scheme (Preissmann 1961): averages over both faces, dispersive but without numerical dissipation. It is valid
+//! for ωδ/c′ ≲ 1 in a layer of thickness δ and wave speed c′; higher frequencies are transmitted with reversed sign,
+//! and an incident velocity step v₀ is first transmitted as −v₀ for a time of about m/2z.
 //!
-//! With V and S at the middle of the step, z̄ = ½(z⁺ + z⁻) and ζ = (z⁺ − z⁻)/(z⁺ + z⁻), the equations of both sides and
-//! the balance of momentum leave the layer
+//! With V and S at the midpoint of the step, z̄ = ½(z⁺ + z⁻) and ζ = (z⁺ − z⁻)/(z⁺ + z⁻), the Riemann invariants R± of
+//! both sides and the momentum balance give
 //!
 //! ```text
 //! d = d₀ − g S,          V = (b + 2ζS)/a,
 //! a = 2m/Δt + 2z⁺z⁻/z̄,   b = 2mV_old/Δt + R⁺ + R⁻ − ζ(R⁺ − R⁻),
-//! g = 2/z̄ + 4ζ²/a,       d₀ = (R⁺ − R⁻)/z̄ − 2ζb/a:
+//! g = 2/z̄ + 4ζ²/a,       d₀ = (R⁺ − R⁻)/z̄ − 2ζb/a.
 //! ```
 //!
-//! all that it knows of them.
+//! The material law of the layer closes the line d(S).
 
 use super::{FaceState, Incoming};
 use crate::common::number::Number;
 
-/// The line d = d₀ − gS that both sides and the mass leave the material of the layer in a step.
+/// Admissible states of the layer in a step: the line d = d₀ − gS of opening rate against mean traction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpeningLine<N> {
     incoming: Incoming<N>,
-    /// a, kg/(m²s).
+    /// Coefficient a, kg/(m²s).
     inertia: N,
-    /// b, Pa.
+    /// Coefficient b, Pa.
     impulse: N,
-    /// ζ.
+    /// Impedance contrast ζ = (z⁺ − z⁻)/(z⁺ + z⁻).
     contrast: N,
-    /// d₀: rate of opening of a layer without stress, m/s.
+    /// Opening rate d₀ at zero traction, m/s.
     pub free_rate: N,
-    /// g > 0, m/(s Pa).
+    /// Admittance g > 0, m/(s Pa).
     pub admittance: N,
 }
 
 impl<N: Number> OpeningLine<N> {
-    /// Of a layer of mass m ≥ 0 (kg/m²) that moved with V (m/s) at the beginning of a step of Δt (s).
+    /// The line of a step: `mass` m ≥ 0 in kg/m², `velocity` V at the beginning of the step in m/s, `step` Δt in s.
     #[inline(always)]
     pub fn new(incoming: Incoming<N>, mass: N, velocity: N, step: N) -> Self {
         let [before, after] = incoming.impedance;
@@ -65,7 +65,7 @@ impl<N: Number> OpeningLine<N> {
         }
     }
 
-    /// V in the middle of the step, and both faces, where the mean traction is S.
+    /// Velocity V at the midpoint, m/s, and the states of both sides for a mean traction `stress` S, Pa.
     #[inline(always)]
     pub fn states(&self, stress: N) -> (N, [FaceState<N>; 2]) {
         let velocity = (self.impulse + (self.contrast + self.contrast) * stress) / self.inertia;

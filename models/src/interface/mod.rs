@@ -1,54 +1,54 @@
-//! Laws of faces: what a face between two cells does with the waves that both send to it.
+//! Face laws: the generalised Riemann problem at a face between two cells.
 //!
-//! A face sees one traction component of each side: the impedance z of its cells, and the wave that arrives from it,
+//! Per traction component each side supplies the impedance z of its cell and the Riemann invariant that arrives,
 //!
 //! ```text
 //! R⁻ = z⁻v⁻ − σ⁻,    R⁺ = z⁺v⁺ + σ⁺,
 //! ```
 //!
-//! where − is the side at smaller coordinates and + that at greater ones, v and σ are means over the step of velocity and
-//! traction at the face, and R is that of the Riemann invariant. A [`FaceLaw`] closes these two equations for v± and σ±,
-//! by its own memory if it has one. The cells on both sides change by the fluxes v± and σ± (Godunov 1959).
+//! where − is the side at smaller coordinates and + the side at larger ones, and v, σ and R are time averages over the
+//! step of velocity, traction and Riemann invariant at the face. A [`FaceLaw`] closes these two equations for v± and
+//! σ±, with memory variables if it has any. The cells on both sides are updated by the fluxes v± and σ± (Godunov 1959).
 //!
 //! - [`interlayer`]: a thin layer with mass between both sides;
 //! - [`elastic`]: its elastic law.
 //!
-//! Written over [`Number`], once for a face and for many side by side.
+//! Generic over [`Number`]: the same code runs on single faces and on SIMD lanes of faces.
 
 pub mod elastic;
 pub mod interlayer;
 
 use crate::common::number::Number;
 
-/// What both sides of a face send to it: index 0 at smaller coordinates, 1 at greater ones.
+/// Incoming Riemann invariants and impedances at a face; index 0 is the side at smaller coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incoming<N> {
-    /// z⁻ and z⁺, positive, kg/(m²s) for translations.
+    /// Impedances z⁻ and z⁺ > 0, kg/(m²s) for translations.
     pub impedance: [N; 2],
-    /// R⁻ = z⁻v⁻ − σ⁻ and R⁺ = z⁺v⁺ + σ⁺, Pa for translations: means over the step.
+    /// Riemann invariants R⁻ = z⁻v⁻ − σ⁻ and R⁺ = z⁺v⁺ + σ⁺, Pa for translations: time averages over the step.
     pub invariant: [N; 2],
 }
 
-/// One side of a face: means over the step.
+/// State on one side of a face, averaged over the step: the fluxes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceState<N> {
-    /// v, m/s for translations.
+    /// Velocity v, m/s for translations.
     pub velocity: N,
-    /// σ, Pa for translations.
+    /// Traction σ, Pa for translations.
     pub stress: N,
 }
 
-/// A face in a step.
+/// Result of a face law for one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceStep<N> {
-    /// Both sides: index 0 at smaller coordinates.
+    /// States of both sides; index 0 is the side at smaller coordinates.
     pub states: [FaceState<N>; 2],
-    /// Energy that the law dissipated in the step, J/m².
+    /// Energy dissipated by the law in the step, J/m².
     pub dissipated: N,
 }
 
 impl<N: Number> FaceStep<N> {
-    /// Power that both sides put into the face, σ⁺v⁺ − σ⁻v⁻, W/m².
+    /// Power supplied to the face by both sides, σ⁺v⁺ − σ⁻v⁻, W/m².
     #[inline(always)]
     pub fn power(&self) -> N {
         let [before, after] = self.states;
@@ -56,23 +56,23 @@ impl<N: Number> FaceStep<N> {
     }
 }
 
-/// The law of a face for one traction component.
+/// Face law for one traction component.
 ///
-/// In every step of Δt, to rounding: change of kinetic and stored energy + dissipated = Δt (σ⁺v⁺ − σ⁻v⁻), and dissipated
-/// is not negative. So the face adds no energy to that of its neighbours, whatever they send.
+/// Energy balance of every step Δt, to rounding: ΔE_kinetic + ΔE_stored + dissipated = Δt (σ⁺v⁺ − σ⁻v⁻) with
+/// dissipated ≥ 0. So a face never adds energy to its neighbours.
 pub trait FaceLaw<N: Number>: Copy {
-    /// What the face remembers from step to step; zeros in a face at rest without stress.
+    /// Memory variables of a face; all zero in a face at rest without stress.
     type Memory: AsRef<[N]> + AsMut<[N]> + Copy;
 
-    /// The memory of a face at rest without stress.
+    /// Memory variables of a face at rest without stress.
     const REST: Self::Memory;
 
-    /// A step of Δt (s) under what arrives.
+    /// Advances the face by a step Δt (s): updates the memory variables and returns the fluxes.
     fn advance(&self, incoming: &Incoming<N>, step: N, memory: &mut Self::Memory) -> FaceStep<N>;
 
-    /// Kinetic energy, J/m².
+    /// Kinetic energy of the face, J/m².
     fn kinetic_energy(&self, memory: &Self::Memory) -> N;
 
-    /// Stored energy, J/m².
+    /// Elastic energy stored in the face, J/m².
     fn stored_energy(&self, memory: &Self::Memory) -> N;
 }

@@ -1,3 +1,3 @@
-//! Rheological laws: solids whose stress depends on history, by memory variables with rate equations of their own.
+//! Viscoelastic laws: solids whose stress depends on history, by memory variables with rate equations of their own.
 
 pub mod relaxation;

@@ -1,5 +1,5 @@
 //! The standard linear solid (Zener 1948, "Elasticity and anelasticity of metals"; Poynting & Thomson 1902): the deviator
-//! of the stress relaxes, the mean stress and whatever microrotation adds are elastic.
+//! of the stress relaxes; the mean stress, the antisymmetric stress and the couple stress are elastic.
 //!
 //! A Maxwell branch (spring μ₁ in series with a dashpot η = μ₁τ) stands beside the relaxed shear modulus μ_R. With e the
 //! symmetric strain deviator, a the viscous strain of the dashpot, and μ_U = μ_R + μ₁ the unrelaxed modulus,
@@ -8,8 +8,9 @@
 //! s = 2μ_R e + 2μ₁(e − a) = 2μ_U e − 2μ₁ a,    τ ȧ = e − a.
 //! ```
 //!
-//! The memory variable is a, a symmetric tensor. At constant a the solid is elastic with μ_U: that is what waves see within
-//! a step. At constant e the dashpot goes on by itself, exactly over any time t: with d = e − a = s/(2μ_U) − (μ_R/μ_U) a,
+//! The memory variable is the symmetric tensor a. The solver splits a step: waves propagate at constant a with the
+//! unrelaxed modulus μ_U, then the dashpot relaxes at constant e, exactly over any time t: with
+//! d = e − a = s/(2μ_U) − (μ_R/μ_U) a,
 //!
 //! ```text
 //! κ = 1 − exp(−t/τ),    a ← a + κd,    s ← s − 2μ₁κd,    dissipated: ∫ 2μ₁|e − a|²/τ dt = μ₁κ(2 − κ)|d|².
@@ -21,8 +22,8 @@
 //! |s|²/(4μ_U) + (μ₁μ_R/μ_U)|a|²,
 //! ```
 //!
-//! the elastic energy of s by the unrelaxed modulus and one of a alone: what does not increase the former at constant a
-//! does not increase the sum.
+//! the elastic energy of s with the unrelaxed modulus plus an energy of a alone. So a wave step that does not increase
+//! the first term at constant a does not increase the total energy.
 
 use crate::common::elementary::Elementary;
 use crate::common::input::{InputError, ensure};
@@ -33,7 +34,7 @@ use crate::solid::parameters::Isotropic;
 use crate::solid::stress::{Stress, square};
 use nalgebra::Complex;
 
-/// Shear modulus μ₁ of the Maxwell branch.
+/// Parameter: shear modulus μ₁ of the Maxwell branch, Pa.
 pub const BRANCH_MODULUS: Parameter = Parameter::required(
     ["branch_mu", "modulus μ₁ of the Maxwell branch", "Pa"],
     "shear modulus μ₁ of the Maxwell branch; > 0",
@@ -41,7 +42,7 @@ pub const BRANCH_MODULUS: Parameter = Parameter::required(
 )
 .within(Range::Positive);
 
-/// Relaxation time τ.
+/// Parameter: relaxation time τ, s.
 pub const RELAXATION_TIME: Parameter = Parameter::required(
     ["relaxation_time", "relaxation time τ", "s"],
     "relaxation time τ of the Maxwell branch at constant strain; > 0",
@@ -49,7 +50,7 @@ pub const RELAXATION_TIME: Parameter = Parameter::required(
 )
 .within(Range::Positive);
 
-/// An isotropic solid whose deviatoric stress relaxes through one Maxwell branch.
+/// Standard linear solid (Zener model): an isotropic solid whose deviatoric stress relaxes through one Maxwell branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StandardLinearSolid {
     unrelaxed: Isotropic,
@@ -58,8 +59,8 @@ pub struct StandardLinearSolid {
 }
 
 impl StandardLinearSolid {
-    /// A branch of modulus μ₁ (Pa) and relaxation time τ (s) beside an elastic solid, which is what is left after a long
-    /// time. At once the bulk modulus is the same and the shear modulus μ_U = μ_R + μ₁.
+    /// Adds a Maxwell branch of modulus μ₁ (Pa) and relaxation time τ (s) to the relaxed elastic solid `relaxed`. The
+    /// unrelaxed solid has the same bulk modulus and the shear modulus μ_U = μ_R + μ₁.
     ///
     /// # Errors
     /// μ₁ or τ is not positive.
@@ -75,11 +76,11 @@ impl StandardLinearSolid {
         Ok(Self { unrelaxed, branch_modulus, relaxation_time })
     }
 
-    /// The solid that responds at once as `unrelaxed` does, of whose shear modulus μ_U the part μ₁ (Pa) relaxes with the
-    /// time τ (s).
+    /// The solid with the unrelaxed moduli of `unrelaxed`; the part μ₁ (Pa) of its shear modulus μ_U relaxes with the
+    /// relaxation time τ (s).
     ///
     /// # Errors
-    /// μ₁ or τ is not positive, or μ₁ ≥ μ_U, so that no elastic solid would be left.
+    /// μ₁ or τ is not positive, or μ₁ ≥ μ_U, so that the relaxed shear modulus would not be positive.
     pub fn from_unrelaxed(
         unrelaxed: Isotropic,
         branch_modulus: f64,
@@ -95,12 +96,12 @@ impl StandardLinearSolid {
         Ok(Self { unrelaxed, branch_modulus, relaxation_time })
     }
 
-    /// The elastic solid that it is at once, with μ_U.
+    /// The unrelaxed elastic solid (instantaneous response), with shear modulus μ_U.
     pub fn unrelaxed(&self) -> Isotropic {
         self.unrelaxed
     }
 
-    /// The elastic solid that it is after a long time, with μ_R and the same bulk modulus.
+    /// The relaxed elastic solid (long-time response), with shear modulus μ_R and the same bulk modulus.
     pub fn relaxed(&self) -> Isotropic {
         Isotropic {
             lambda: self.unrelaxed.lambda + 2.0 / 3.0 * self.branch_modulus,
@@ -109,47 +110,47 @@ impl StandardLinearSolid {
         }
     }
 
-    /// μ₁, Pa.
+    /// Shear modulus μ₁ of the Maxwell branch, Pa.
     pub fn branch_modulus(&self) -> f64 {
         self.branch_modulus
     }
 
-    /// τ, s.
+    /// Relaxation time τ, s.
     pub fn relaxation_time(&self) -> f64 {
         self.relaxation_time
     }
 
-    /// μ_R = μ_U − μ₁, Pa.
+    /// Relaxed shear modulus μ_R = μ_U − μ₁, Pa.
     fn relaxed_shear_modulus(&self) -> f64 {
         self.unrelaxed.mu - self.branch_modulus
     }
 
-    /// The ratio of stress to strain of the modes exp(ςt) in shear, Pa: μ(ς) = μ_R + μ₁ςτ/(1 + ςτ), ς in 1/s. On ς = iω
-    /// the complex modulus of oscillations.
+    /// Complex shear modulus μ(ς) = μ_R + μ₁ςτ/(1 + ςτ), Pa, of modes exp(ςt) with `rate` ς in 1/s; ς = iω for
+    /// oscillations.
     pub fn shear_modulus(&self, rate: Complex<f64>) -> Complex<f64> {
         let times = rate * self.relaxation_time;
         times / (times + 1.0) * self.branch_modulus + self.relaxed_shear_modulus()
     }
 
-    /// The same of uniaxial strain, Pa: K + 4μ(ς)/3.
+    /// Complex longitudinal modulus (uniaxial strain) K + 4μ(ς)/3, Pa, of modes exp(ςt) with `rate` ς in 1/s.
     pub fn longitudinal_modulus(&self, rate: Complex<f64>) -> Complex<f64> {
         let bulk = self.unrelaxed.lambda + 2.0 / 3.0 * self.unrelaxed.mu;
         self.shear_modulus(rate) * (4.0 / 3.0) + bulk
     }
 
-    /// Stored energy per square of viscous strain, μ₁μ_R/μ_U, Pa: beside the elastic energy of the stress by the unrelaxed
-    /// moduli.
+    /// Coefficient μ₁μ_R/μ_U, Pa, of the energy |a|² of the viscous strain; the total adds the elastic energy of the
+    /// stress with the unrelaxed moduli.
     pub fn viscous_strain_modulus(&self) -> f64 {
         self.branch_modulus * (self.relaxed_shear_modulus() / self.unrelaxed.mu)
     }
 
-    /// Energy that all springs store, that of the Maxwell branch included, J/m³. `viscous_strain` is a.
+    /// Elastic energy stored in all springs, the Maxwell branch included, J/m³; `viscous_strain` is a.
     pub fn stored_energy(&self, stress: &Stress, viscous_strain: &[[f64; 3]; 3]) -> f64 {
         self.unrelaxed.stored_energy(stress)
             + self.viscous_strain_modulus() * square(viscous_strain)
     }
 
-    /// Relaxation over a time ≥ 0 (s) at constant strain.
+    /// Coefficients of the relaxation over `duration` ≥ 0 (s) at constant strain.
     pub fn relaxation_over(&self, duration: f64) -> Relaxation<f64> {
         // 1 − exp(−x) without cancellation; beyond 80 it is 1 to the last digit.
         let half = (0.5 * duration / self.relaxation_time).min(40.0);
@@ -163,8 +164,8 @@ impl StandardLinearSolid {
         }
     }
 
-    /// Relaxes a state over a time ≥ 0 (s) at constant strain; the energy dissipated, J/m³. The viscous strain is
-    /// symmetric; so is what is added to the stress.
+    /// Relaxes a state over `duration` ≥ 0 (s) at constant strain and returns the dissipated energy, J/m³. The viscous
+    /// strain and the stress increment are symmetric.
     pub fn relax(
         &self,
         stress: &mut Stress,
@@ -200,21 +201,20 @@ fn check(branch_modulus: f64, relaxation_time: f64) -> Result<(), InputError> {
     RELAXATION_TIME.check(relaxation_time, "the relaxation time must be τ > 0, in s")
 }
 
-/// A symmetric tensor: normal components, and those off the diagonal, each once: one in plane strain, three in space.
+/// A symmetric tensor by its normal and shear components; one shear component in plane strain, three in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SymmetricTensor<N, const SHEARS: usize> {
     /// Components 11, 22, 33.
     pub normal: [N; 3],
-    /// Components 12 or 12, 13, 23.
+    /// Shear components: 12 in plane strain; 12, 13, 23 in space.
     pub shear: [N; SHEARS],
 }
 
 impl<N: Number, const SHEARS: usize> SymmetricTensor<N, SHEARS> {
-    /// Zero.
+    /// The zero tensor.
     pub const ZERO: Self = Self { normal: [N::ZERO; 3], shear: [N::ZERO; SHEARS] };
 
-    /// The tensor without its mean. Differences of normal components come first: a deviator far smaller than the mean
-    /// keeps its digits.
+    /// Deviator, from differences of normal components, which avoids cancellation if the mean is much larger.
     #[inline(always)]
     #[must_use]
     pub fn deviator(mut self) -> Self {
@@ -228,34 +228,34 @@ impl<N: Number, const SHEARS: usize> SymmetricTensor<N, SHEARS> {
     }
 }
 
-/// Relaxation over a time at constant strain, as factors.
+/// Coefficients of the relaxation over a fixed time at constant strain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relaxation<N> {
-    /// 1/(2μ_U), 1/Pa: of s in d.
+    /// Coefficient 1/(2μ_U) of s in d, 1/Pa.
     pub strain_per_stress: N,
-    /// μ_R/μ_U: of a in d, with the sign turned.
+    /// Coefficient μ_R/μ_U of −a in d.
     pub strain_per_strain: N,
-    /// κ = 1 − exp(−t/τ).
+    /// Relaxed fraction κ = 1 − exp(−t/τ).
     pub share: N,
-    /// 2μ₁, Pa.
+    /// Stress per viscous strain 2μ₁, Pa.
     pub stress_per_strain: N,
-    /// μ₁κ(2 − κ), Pa: dissipated energy per square of d.
+    /// Dissipated energy per |d|², μ₁κ(2 − κ), Pa.
     pub dissipation: N,
 }
 
-/// What relaxation adds to a state, and the energy that it dissipates.
+/// Increments of a state by relaxation, and the dissipated energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Increments<N, const SHEARS: usize> {
-    /// Of the stress, Pa.
+    /// Stress increment, Pa.
     pub stress: SymmetricTensor<N, SHEARS>,
-    /// Of the viscous strain.
+    /// Increment of the viscous strain.
     pub viscous_strain: SymmetricTensor<N, SHEARS>,
-    /// J/m³.
+    /// Dissipated energy, J/m³.
     pub dissipated: N,
 }
 
 impl Relaxation<f64> {
-    /// Of an elastic medium: nothing.
+    /// Zero increments, of an elastic medium.
     pub const NONE: Self = Self {
         strain_per_stress: 0.0,
         strain_per_strain: 0.0,
@@ -266,7 +266,7 @@ impl Relaxation<f64> {
 }
 
 impl<N: Number> Relaxation<N> {
-    /// What it adds to the symmetric part of a stress and to the viscous strain. Means of both play no part.
+    /// Increments of the symmetric stress and of the viscous strain; they depend on the deviators only.
     #[inline(always)]
     pub fn increments<const SHEARS: usize>(
         &self,
@@ -295,7 +295,7 @@ impl<N: Number> Relaxation<N> {
         all
     }
 
-    /// Change of a component of the viscous strain, and the energy dissipated.
+    /// Increment of one component of the viscous strain, and the dissipated energy, J/m³.
     #[inline(always)]
     fn component(&self, stress: N, strain: N) -> (N, N) {
         let spring = self.strain_per_stress * stress - self.strain_per_strain * strain;

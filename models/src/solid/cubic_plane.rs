@@ -6,9 +6,9 @@ use crate::common::parameter::{Parameter, constants};
 use crate::common::system::Matrix;
 use crate::solid::parameters::{ALPHA2, DENSITY, INERTIA, PlaneCompliances, Theory};
 use crate::solid::stress::{Component, Stress};
-use crate::solid::waves::{Pair, Rotation};
+use crate::solid::waves::{Pair, SpinRotation};
 
-/// The entry in the registry.
+/// Registry entry of the Cosserat solid by compliances.
 pub static COSSERAT_COMPLIANCES: SolidModel = SolidModel {
     name: "cosserat-compliances",
     title: "Cosserat solid by compliances",
@@ -83,7 +83,7 @@ impl Elasticity for PlaneCompliances {
         PlaneCompliances::pairs(self, axis)
     }
 
-    fn rotation(&self) -> Option<Rotation> {
+    fn rotation(&self) -> Option<SpinRotation> {
         Some(PlaneCompliances::rotation(self))
     }
 

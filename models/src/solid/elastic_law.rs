@@ -1,4 +1,4 @@
-//! The elastic law of a solid, whichever constants state it.
+//! Interface of an elastic law, independent of its constants.
 
 use crate::common::DynEq;
 use crate::common::rates::RateEquations;
@@ -6,17 +6,17 @@ use crate::common::system::Matrix;
 use crate::solid::parameters::Theory;
 use crate::solid::stress::{Component, Stress};
 use crate::solid::symbol::{Layout, plane, space};
-use crate::solid::waves::{Field, Pair, Rotation, fields};
+use crate::solid::waves::{Field, Pair, SpinRotation, fields};
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// What an elastic law with checked constants states. Stiffness on the one side, pairs of waves and rotation on
-/// the other are independent statements of the same law: the analysis takes the first, solvers in time the second.
+/// An elastic law with checked constants. `stiffness` on the one side and `pairs` with `rotation` on the other state
+/// the same law independently: the analysis uses the first, time-domain solvers the second.
 pub trait Elasticity: DynEq + Debug + Send + Sync {
-    /// The theory that it belongs to.
+    /// Theory of the solid: classical, reduced Cosserat or Cosserat.
     fn theory(&self) -> Theory;
 
-    /// Whether it is a law of plane strain alone, and no stress across the plane comes along.
+    /// Whether the law is defined in plane strain only, without out-of-plane stress.
     fn is_plane(&self) -> bool {
         false
     }
@@ -34,24 +34,24 @@ pub trait Elasticity: DynEq + Debug + Send + Sync {
         0.0
     }
 
-    /// The wave number at which shear waves have the frequency of the natural rotation, 1/m: the inverse of
-    /// the solid's internal length. `None` in classical solids, which have none.
+    /// Wave number at which shear waves have the natural frequency of the rotation, 1/m: the inverse internal length.
+    /// `None` in classical solids.
     fn characteristic_wave_number(&self) -> Option<f64> {
         None
     }
 
-    /// Hooke's law between the stresses of the list, Pa or N.
+    /// Stiffness matrix (Hooke's law) between the stress components `stresses`, Pa or N.
     fn stiffness(&self, stresses: &[Component]) -> Matrix;
 
-    /// The pairs of waves along `axis`, in 2 (plane strain) or 3 dimensions.
+    /// Velocity–stress pairs of the one-dimensional waves along `axis`, in 2 (plane strain) or 3 dimensions.
     fn pairs(&self, dimensions: usize, axis: usize) -> Vec<Pair>;
 
-    /// The rotation of spins against antisymmetric stress; `None` in classical solids.
-    fn rotation(&self) -> Option<Rotation> {
+    /// Coupling of spins and antisymmetric stress without gradients, a rotation; `None` in classical solids.
+    fn rotation(&self) -> Option<SpinRotation> {
         None
     }
 
-    /// Energy that a stress stores, J/m³; of a law of plane strain that of the stress in the plane.
+    /// Elastic energy stored by a stress, J/m³; for a law in plane strain only, that of the in-plane stress.
     fn stored_energy(&self, stress: &Stress) -> f64;
 }
 
@@ -80,12 +80,12 @@ impl std::ops::Deref for ElasticLaw {
 }
 
 impl ElasticLaw {
-    /// The law as this type, if it is of it.
+    /// The law as its concrete type `T`; `None` if it has another type.
     pub fn downcast<T: Elasticity>(&self) -> Option<&T> {
         self.0.as_any().downcast_ref()
     }
 
-    /// The unknowns in `D` dimensions, and Hooke's law between their stresses, carried ones last.
+    /// Unknowns in `D` dimensions, and the stiffness matrix of their stresses, carried stresses last.
     pub fn layout_and_stiffness<const D: usize>(&self) -> (Layout, Matrix) {
         const { assert!(D == 2 || D == 3) };
         let layout = if D == 2 { plane(self.theory()) } else { space(self.theory()) };
@@ -95,20 +95,19 @@ impl ElasticLaw {
         (layout, stiffness)
     }
 
-    /// The rate equations in `D` dimensions.
+    /// Rate equations in `D` dimensions.
     pub fn rates<const D: usize>(&self) -> RateEquations<D> {
         let (layout, stiffness) = self.layout_and_stiffness::<D>();
         self.rates_with_stiffness(&layout, &stiffness)
     }
 
-    /// The rate equations in `D` dimensions, with the carried stresses among the unknowns.
+    /// Rate equations in `D` dimensions with the carried (out-of-plane) stresses among the unknowns.
     pub fn carried_rates<const D: usize>(&self) -> RateEquations<D> {
         let (layout, stiffness) = self.layout_and_stiffness::<D>();
         self.rates_with_stiffness(&layout.carrying(), &stiffness)
     }
 
-    /// The rate equations in `D` dimensions with this stiffness between the stresses of the layout in place
-    /// of the elastic one.
+    /// Rate equations in `D` dimensions with `stiffness` in place of the elastic stiffness, e.g. a tangent stiffness.
     pub(crate) fn rates_with_stiffness<const D: usize>(
         &self,
         layout: &Layout,
@@ -117,7 +116,7 @@ impl ElasticLaw {
         layout.rates(stiffness, self.density(), self.inertia())
     }
 
-    /// The components of the state that solvers in time keep, in 2 (plane strain) or 3 dimensions.
+    /// State components of time-domain solvers, in 2 (plane strain) or 3 dimensions.
     pub fn fields(&self, dimensions: usize) -> Vec<Field> {
         fields(self.theory(), dimensions)
     }

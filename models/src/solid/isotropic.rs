@@ -10,7 +10,7 @@ use crate::solid::parameters::{
     Theory,
 };
 use crate::solid::stress::{Component, Stress};
-use crate::solid::waves::{Pair, Rotation};
+use crate::solid::waves::{Pair, SpinRotation};
 
 /// Classical elasticity: λ, μ.
 pub static CLASSICAL: SolidModel = SolidModel {
@@ -91,7 +91,7 @@ impl Elasticity for Isotropic {
         Isotropic::pairs(self, dimensions, axis)
     }
 
-    fn rotation(&self) -> Option<Rotation> {
+    fn rotation(&self) -> Option<SpinRotation> {
         Isotropic::rotation(self)
     }
 

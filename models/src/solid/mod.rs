@@ -1,4 +1,4 @@
-//! Elastic solids: what an elastic law states, and the entry of a solid in the registry.
+//! Elastic solids: the interface of an elastic law, rate equations, one-dimensional waves, and registry entries.
 
 pub mod cubic_plane;
 mod elastic_law;

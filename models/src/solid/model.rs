@@ -12,40 +12,39 @@ pub struct SolidModel {
     pub name: &'static str,
     /// Name in titles and legends.
     pub title: &'static str,
-    /// Its constants. Those named like a constant of another solid must have the same unit.
+    /// Constants of the solid. Constants of the same name in different solids must have the same unit.
     pub parameters: &'static [Parameter],
-    /// Whether it has a rotation of its own, and couple stress.
+    /// Theory: whether the solid has microrotation and couple stress.
     pub theory: Theory,
-    /// Whether it is a law of plane strain alone.
+    /// Whether the law is defined in plane strain only.
     pub is_plane: bool,
-    /// Checks the constants, which are in the order of `parameters`, in SI units.
+    /// Constructor from the constants in the order of `parameters`, in SI units.
     pub build: fn(&[f64]) -> Result<ElasticLaw, InputError>,
 }
 
-/// An entry of the registry by reference; two are equal if they have the same name.
+/// Reference to a registry entry of a solid; equality compares names.
 #[derive(Clone, Copy)]
 pub struct SolidKind(&'static SolidModel);
 
 impl SolidKind {
-    /// An entry of the registry.
+    /// A reference to the registry entry `model`.
     pub const fn new(model: &'static SolidModel) -> Self {
         Self(model)
     }
 
-    /// The law with the constants that its parameters have for examples or defaults, by which a yield set says whether
-    /// it admits the solid.
+    /// The law with the example or default constants, by which a yield set decides whether it admits the solid.
     ///
     /// # Errors
-    /// The constant that is out of range.
+    /// A constant is out of range.
     pub fn example(self) -> Result<ElasticLaw, InputError> {
         let constants: Vec<f64> = self.0.parameters.iter().map(Parameter::example).collect();
         self.law(&constants)
     }
 
-    /// The law with these constants, which are in the order of the kind's parameters, in SI units.
+    /// The law with the given constants, in the order of the kind's parameters, in SI units.
     ///
     /// # Errors
-    /// The constant that is out of range.
+    /// A constant is out of range.
     pub fn law(self, constants: &[f64]) -> Result<ElasticLaw, InputError> {
         (self.0.build)(constants)
     }

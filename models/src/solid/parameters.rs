@@ -13,52 +13,52 @@ use crate::common::number::Number;
 use crate::common::parameter::Parameter;
 use crate::common::range::Range;
 
-/// Lamé modulus λ.
+/// Parameter: Lamé modulus λ, Pa.
 pub(super) const LAMBDA: Parameter =
     Parameter::required(["lambda", "Lamé modulus λ", "Pa"], "Lamé modulus λ; 3λ + 2μ > 0", 8.1e9);
-/// Shear modulus μ.
+/// Parameter: shear modulus μ, Pa.
 pub(super) const MU: Parameter =
     Parameter::required(["mu", "shear modulus μ", "Pa"], "shear modulus μ; > 0", 8.1e9)
         .within(Range::Positive);
-/// Modulus α of the antisymmetric strain.
+/// Parameter: modulus α of the antisymmetric strain, Pa.
 pub(super) const ALPHA: Parameter = Parameter::required(
     ["alpha", "Cosserat modulus α", "Pa"],
     "modulus α of the antisymmetric strain; > 0",
     1.005e9,
 )
 .within(Range::Positive);
-/// Couple modulus β.
+/// Parameter: couple modulus β, N.
 pub(super) const BETA: Parameter = Parameter::required(
     ["beta", "Cosserat modulus β", "N"],
     "couple modulus β; 3β + 2γ > 0",
     7.75e8,
 );
-/// Couple modulus γ.
+/// Parameter: couple modulus γ, N.
 pub(super) const GAMMA: Parameter =
     Parameter::required(["gamma", "Cosserat modulus γ", "N"], "couple modulus γ; > 0", 1.5e8)
         .within(Range::Positive);
-/// Couple modulus η.
+/// Parameter: couple modulus η, N.
 pub(super) const ETA: Parameter =
     Parameter::required(["eta", "Cosserat modulus η", "N"], "couple modulus η; > 0", 3e8)
         .within(Range::Positive);
-/// Density, which all solids have.
+/// Parameter: density ρ, kg/m³, shared by all solids.
 pub(super) const DENSITY: Parameter =
     Parameter::required(["density", "density ρ", "kg/m³"], "density ρ; > 0", 2700.0)
         .within(Range::Positive);
-/// Moment of inertia, which all solids with a rotation have.
+/// Parameter: moment of inertia per unit volume, kg/m, shared by all solids with microrotation.
 pub(super) const INERTIA: Parameter = Parameter::required(
     ["inertia", "moment of inertia j", "kg/m"],
     "moment of inertia per unit volume j; > 0",
     2700.0,
 )
 .within(Range::Positive);
-/// Couple modulus α₂ of a solid by its compliances.
+/// Parameter: couple modulus α₂ of a solid given by compliances, N.
 pub(super) const ALPHA2: Parameter =
     Parameter::required(["alpha2", "couple modulus α₂", "N"], "couple modulus α₂; > 0", 4.5e8)
         .within(Range::Positive);
 
 /// An isotropic elastic solid: classical without `microrotation`, reduced Cosserat without couple
-/// stress, else Cosserat. The three are systems of their own: none is reached by dividing by zero.
+/// stress, else Cosserat. The three theories have different unknowns; none is a singular limit of another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Isotropic {
     /// Lamé modulus λ, Pa; 3λ + 2μ > 0.
@@ -67,40 +67,40 @@ pub struct Isotropic {
     pub mu: f64,
     /// Density ρ, kg/m³; > 0.
     pub density: f64,
-    /// What its particles' own rotation adds.
+    /// Constants of the microrotation; `None` in classical solids.
     pub microrotation: Option<Microrotation>,
 }
 
-/// Constants of the particles' own rotation.
+/// Constants of the microrotation (independent particle rotation) of a Cosserat solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Microrotation {
     /// Modulus α of the antisymmetric strain, Pa; > 0.
     pub alpha: f64,
     /// Moment of inertia per unit volume j, kg/m; > 0.
     pub inertia: f64,
-    /// Resistance to gradients of the rotation; `None` in the reduced Cosserat solid.
+    /// Moduli of the couple stress; `None` in the reduced Cosserat solid.
     pub couple: Option<CoupleModuli>,
 }
 
 /// Moduli of the couple stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoupleModuli {
-    /// β, N; 3β + 2γ > 0.
+    /// Couple modulus β, N; 3β + 2γ > 0.
     pub beta: f64,
-    /// γ, N; > 0.
+    /// Couple modulus γ, N; > 0.
     pub gamma: f64,
-    /// η, N; > 0.
+    /// Couple modulus η, N; > 0.
     pub eta: f64,
 }
 
-/// Which of the elastic theories a solid belongs to.
+/// Theory of an elastic solid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Theory {
-    /// No rotation of its own.
+    /// Classical elasticity: no microrotation.
     Classical,
-    /// Own rotation, no couple stress.
+    /// Reduced Cosserat: microrotation without couple stress.
     Reduced,
-    /// Own rotation and couple stress.
+    /// Cosserat: microrotation and couple stress.
     Cosserat,
 }
 
@@ -109,20 +109,19 @@ pub enum Theory {
 pub struct Speeds {
     /// Longitudinal waves, c_p² = (λ + 2μ)/ρ.
     pub longitudinal: f64,
-    /// Shear waves that are too short for the rotation to follow, c_s² = (μ + α)/ρ (classical:
-    /// μ/ρ).
+    /// Shear waves in the short-wave limit, c_s² = (μ + α)/ρ (classical: μ/ρ).
     pub shear: f64,
-    /// Waves of rotation about the wave vector, c_m² = (β + 2γ)/j.
+    /// Longitudinal microrotation waves (torsion, axis along the wave vector), c_m² = (β + 2γ)/j.
     pub torsion: Option<f64>,
-    /// Waves of rotation about an axis across the wave vector, c_ω² = (γ + η)/j.
+    /// Transverse microrotation waves (axis normal to the wave vector), c_ω² = (γ + η)/j.
     pub rotation: Option<f64>,
 }
 
 impl Isotropic {
-    /// Checks the moduli: together the inequalities make the energy positive definite.
+    /// Creates the solid after checking the inequalities that make the elastic energy positive definite.
     ///
     /// # Errors
-    /// The inequality that is broken, with the numbers.
+    /// An inequality is violated; the error gives it with the numbers.
     pub fn new(
         lambda: f64,
         mu: f64,
@@ -148,7 +147,7 @@ impl Isotropic {
         Ok(Self { lambda, mu, density, microrotation })
     }
 
-    /// The theory that it belongs to.
+    /// Theory of the solid.
     pub fn theory(&self) -> Theory {
         match self.microrotation {
             None => Theory::Classical,
@@ -157,18 +156,19 @@ impl Isotropic {
         }
     }
 
-    /// Moduli of the couple stress.
+    /// Moduli of the couple stress; `None` in classical and reduced Cosserat solids.
     pub fn couple(&self) -> Option<CoupleModuli> {
         self.microrotation.and_then(|m| m.couple)
     }
 
-    /// Energy stored by a stress, J/m³: ½σ·C·σ + ½m·C·m. What the solid has no modulus for stores nothing.
+    /// Elastic energy of a stress, J/m³: ½σ·C·σ + ½m·C·m. Stress parts without a modulus store no energy.
     pub fn stored_energy(&self, stress: &Stress) -> f64 {
         stored_energy(Shape::ANY, &stress.force, &stress.couple, &self.energy_moduli())
     }
 
-    /// Moduli by which parts of the stress store energy: μ, α and 3λ + 2μ for symmetric deviator, antisymmetric part and
-    /// mean of the force stress, Pa; γ, η and 3β + 2γ for those of the couple stress, N. Infinite where there is none.
+    /// Moduli of the elastic energy by stress part: μ, α and 3λ + 2μ (Pa) for symmetric deviator, antisymmetric part and
+    /// mean of the force stress; γ, η and 3β + 2γ (N) for those of the couple stress. Infinite if the solid has no such
+    /// modulus.
     pub fn energy_moduli(&self) -> [[f64; 3]; 2] {
         let alpha = self.microrotation.map_or(0.0, |m| m.alpha);
         let couple = self.couple().map_or([0.0; 3], |c| [c.beta, c.gamma, c.eta]);
@@ -178,7 +178,7 @@ impl Isotropic {
         })
     }
 
-    /// Wave speeds: what the symbol's characteristic speeds must come to.
+    /// Wave speeds in closed form; they equal the characteristic speeds of the symbol.
     pub fn speeds(&self) -> Speeds {
         let alpha = self.microrotation.map_or(0.0, |m| m.alpha);
         let rotational = |modulus: fn(CoupleModuli) -> f64| {
@@ -211,15 +211,15 @@ impl Microrotation {
 /// Isotropic exactly if a₁ + b₁ = a₂ − b₂ (= 1/2μ), else cubic: speeds depend on direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneCompliances {
-    /// a₁, 1/Pa; > |b₁|.
+    /// Compliance a₁, 1/Pa; > |b₁|.
     pub a1: f64,
-    /// b₁, 1/Pa.
+    /// Compliance b₁, 1/Pa.
     pub b1: f64,
-    /// a₂, 1/Pa; > |b₂|.
+    /// Compliance a₂, 1/Pa; > |b₂|.
     pub a2: f64,
-    /// b₂, 1/Pa.
+    /// Compliance b₂, 1/Pa.
     pub b2: f64,
-    /// α₂, N; > 0.
+    /// Couple modulus α₂, N; > 0.
     pub alpha2: f64,
     /// Density ρ₀, kg/m³; > 0.
     pub density: f64,
@@ -228,10 +228,10 @@ pub struct PlaneCompliances {
 }
 
 impl PlaneCompliances {
-    /// Checks the compliances.
+    /// Checks the inequalities that make the elastic energy positive definite.
     ///
     /// # Errors
-    /// The inequality that is broken, with the numbers.
+    /// An inequality is violated; the error gives it with the numbers.
     pub fn check(self) -> Result<Self, InputError> {
         let Self { a1, b1, a2, b2, alpha2, density, inertia } = self;
         combined(
@@ -252,7 +252,7 @@ impl PlaneCompliances {
         Ok(self)
     }
 
-    /// Energy that the stress in the plane stores, J/m³.
+    /// Elastic energy of the in-plane stress, J/m³.
     pub fn stored_energy(&self, stress: &Stress) -> f64 {
         let pair = |a: f64, b: f64, x: f64, y: f64| 0.5 * a * (x * x + y * y) - b * x * y;
         let (force, couple) = (&stress.force, &stress.couple[2]);
@@ -261,8 +261,8 @@ impl PlaneCompliances {
             + 0.5 * (couple[0] * couple[0] + couple[1] * couple[1]) / self.alpha2
     }
 
-    /// The compliances of an isotropic Cosserat solid; `None` without couple stress.
-    pub fn of(solid: &Isotropic) -> Option<Self> {
+    /// Compliances of an isotropic Cosserat solid; `None` without couple stress.
+    pub fn from_isotropic(solid: &Isotropic) -> Option<Self> {
         let Microrotation { alpha, inertia, couple } = solid.microrotation?;
         let CoupleModuli { gamma, eta, .. } = couple?;
         let (lambda, mu) = (solid.lambda, solid.mu);
@@ -277,15 +277,15 @@ impl PlaneCompliances {
         })
     }
 
-    /// (a₁ + b₁)/(a₂ − b₂) − 1: zero exactly for isotropic solids.
+    /// Anisotropy (a₁ + b₁)/(a₂ − b₂) − 1: zero exactly for isotropic solids.
     pub fn anisotropy(&self) -> f64 {
         (self.a1 + self.b1) / (self.a2 - self.b2) - 1.0
     }
 
-    /// λ, μ and α of an isotropic solid in plane strain.
+    /// Moduli λ, μ and α (Pa) of the isotropic solid with these compliances in plane strain.
     ///
     /// # Errors
-    /// The compliances are cubic by more than rounding: there is no such solid.
+    /// The compliances are cubic by more than rounding, not isotropic.
     pub fn isotropic_moduli(&self) -> Result<[f64; 3], InputError> {
         let Self { a1, b1, a2, b2, .. } = *self;
         ensure(
@@ -299,8 +299,8 @@ impl PlaneCompliances {
     }
 }
 
-/// What a stress stores, J/m³: moduli are μ, α and 3λ + 2μ of the force stress, γ, η and 3β + 2γ of the couple stress;
-/// infinite where the solid has none.
+/// Elastic energy of a stress, J/m³; `moduli` as of [`Isotropic::energy_moduli`]: μ, α and 3λ + 2μ of the force stress,
+/// γ, η and 3β + 2γ of the couple stress, infinite if absent.
 #[inline(always)]
 pub fn stored_energy<N: Number>(
     shape: Shape,

@@ -1,4 +1,4 @@
-//! Stress of a Cosserat solid, and lists of its components.
+//! Stress of a Cosserat solid: force stress and couple stress, their components and invariants.
 #![allow(clippy::needless_range_loop, reason = "indices are those of tensors and parts")]
 
 use crate::common::number::{Number, third};
@@ -7,26 +7,26 @@ use crate::common::number::{Number, third};
 /// component of the traction on the face with normal j, mₖⱼ the couple about axis k on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stress {
-    /// σ, Pa; not symmetric in general.
+    /// Force stress σ, Pa; not symmetric in general.
     pub force: [[f64; 3]; 3],
-    /// m, N/m.
+    /// Couple stress m, N/m.
     pub couple: [[f64; 3]; 3],
 }
 
-/// A component of the stress as an unknown; indices from 0.
+/// A stress component as an unknown; indices from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Component {
-    /// σᵢⱼ, worked on by ∂ⱼvᵢ + εᵢⱼₖωₖ.
+    /// Force stress σᵢⱼ, work-conjugate to ∂ⱼvᵢ + εᵢⱼₖωₖ.
     Force(usize, usize),
-    /// σᵢⱼ = σⱼᵢ of a classical solid, i ≤ j, worked on by ∂ⱼvᵢ + ∂ᵢvⱼ (for i = j by ∂ᵢvᵢ).
+    /// Stress σᵢⱼ = σⱼᵢ of a classical solid, i ≤ j, work-conjugate to ∂ⱼvᵢ + ∂ᵢvⱼ (to ∂ᵢvᵢ for i = j).
     Symmetric(usize, usize),
-    /// mₖⱼ, worked on by ∂ⱼωₖ.
+    /// Couple stress mₖⱼ, work-conjugate to ∂ⱼωₖ.
     Couple(usize, usize),
 }
 
 impl Component {
-    /// Its value.
-    pub fn of(self, stress: &Stress) -> f64 {
+    /// Value of the component in `stress`.
+    pub fn value_in(self, stress: &Stress) -> f64 {
         match self {
             Self::Force(i, j) => stress.force[i][j],
             Self::Symmetric(i, j) => 0.5 * (stress.force[i][j] + stress.force[j][i]),
@@ -34,7 +34,7 @@ impl Component {
         }
     }
 
-    /// Sets it.
+    /// Sets the component in `stress`.
     pub fn set(self, stress: &mut Stress, value: f64) {
         match self {
             Self::Force(i, j) => stress.force[i][j] = value,
@@ -46,35 +46,35 @@ impl Component {
         }
     }
 
-    /// The derivative by it of a function of the stress whose derivatives by all components of σ and
-    /// m are `gradient`.
+    /// Derivative with respect to this component of a function of the stress with the gradient `gradient` (derivatives
+    /// with respect to all components of σ and m).
     pub fn derivative(self, gradient: &Stress) -> f64 {
         match self {
             Self::Symmetric(i, j) if i != j => gradient.force[i][j] + gradient.force[j][i],
-            _ => self.of(gradient),
+            _ => self.value_in(gradient),
         }
     }
 }
 
-/// The nine components of a tensor, by rows.
+/// A second-order tensor in space, by rows.
 pub type Tensor<N> = [[N; 3]; 3];
 
-/// What is known of a stress beforehand, so that nothing is computed of what is zero.
+/// Known zeros and symmetries of a stress, which kernels use to skip terms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Shape {
-    /// The force stress is symmetric, to the bit.
+    /// Whether the force stress is bitwise symmetric.
     pub is_symmetric: bool,
-    /// Of the force stress σ₁₃, σ₂₃, σ₃₁ and σ₃₂ are zero, of the couple stress all but m₁₃, m₂₃, m₃₁ and m₃₂.
+    /// Plane strain: σ₁₃, σ₂₃, σ₃₁, σ₃₂ are zero, and all couple stresses except m₁₃, m₂₃, m₃₁, m₃₂.
     pub is_plane: bool,
-    /// There is couple stress.
+    /// Whether the couple stress may be nonzero.
     pub has_couples: bool,
 }
 
 impl Shape {
-    /// Nothing is known.
+    /// A general stress without known zeros or symmetry.
     pub const ANY: Self = Self { is_symmetric: false, is_plane: false, has_couples: true };
 
-    /// Whether a component of the force stress (0) or the couple stress (1) may be other than zero.
+    /// Whether component (i, j) of the force stress (`which` = 0) or couple stress (1) may be nonzero.
     #[inline(always)]
     pub const fn has(self, which: usize, i: usize, j: usize) -> bool {
         let is_across = (i == 2) != (j == 2);
@@ -84,7 +84,7 @@ impl Shape {
         }
     }
 
-    /// |t|² of the force stress (0) or the couple stress (1), or of a part of it.
+    /// Squared Frobenius norm |t|² of (a part of) the force stress (`which` = 0) or couple stress (1).
     #[inline(always)]
     pub fn square<N: Number>(self, which: usize, t: &Tensor<N>) -> N {
         let mut sum = N::ZERO;
@@ -98,7 +98,7 @@ impl Shape {
         sum
     }
 
-    /// The same of an antisymmetric part.
+    /// Squared Frobenius norm |t|² of the antisymmetric part of the force stress (`which` = 0) or couple stress (1).
     #[inline(always)]
     pub fn square_antisymmetric<N: Number>(self, which: usize, t: &Tensor<N>) -> N {
         let mut sum = N::ZERO;
@@ -112,8 +112,8 @@ impl Shape {
         sum
     }
 
-    /// Mean, symmetric deviator and antisymmetric part of a force stress or, if there is one, of the couple stress.
-    /// Differences between the normal stresses come first: a deviator far smaller than the mean keeps its digits.
+    /// Splits a force or couple stress into mean, symmetric deviator and antisymmetric part. The deviator is formed from
+    /// differences of the normal stresses, which avoids cancellation if the mean is much larger.
     #[inline(always)]
     pub fn split<N: Number>(self, t: &Tensor<N>) -> (N, Tensor<N>, Tensor<N>) {
         let mean = third(t[0][0] + t[1][1] + t[2][2]);
@@ -134,12 +134,12 @@ impl Shape {
     }
 }
 
-/// Mean, symmetric deviator and antisymmetric part.
+/// Splits a tensor into mean, symmetric deviator and antisymmetric part.
 pub(crate) fn split(t: &Tensor<f64>) -> (f64, Tensor<f64>, Tensor<f64>) {
     Shape::ANY.split(t)
 }
 
-/// |t|².
+/// Squared Frobenius norm |t|² of a tensor.
 pub(crate) fn square(t: &Tensor<f64>) -> f64 {
     Shape::ANY.square(0, t)
 }

@@ -24,20 +24,19 @@ pub enum Velocity {
 }
 use Velocity::{Spin, Translation};
 
-/// The unknowns of a theory in space or in plane strain.
+/// Unknowns and equations of a theory in space or in plane strain.
 #[derive(Debug)]
 pub struct Layout {
-    /// Velocities, then all stresses.
+    /// Names of the unknowns: velocities, then all stresses.
     unknowns: &'static [Unknown],
-    /// Balances, then laws.
+    /// Names of the equations: balances, then constitutive laws.
     equations: &'static [&'static str],
-    /// Velocities.
+    /// Generalised velocities among the unknowns.
     pub velocities: &'static [Velocity],
-    /// Stresses that are unknowns.
+    /// Stress components among the unknowns.
     pub stresses: &'static [Component],
-    /// These, and the carried ones: stresses of plane strain that neither enter the balances nor are
-    /// strained, but that yield conditions and energies see. Nothing is strained across the plane, and
-    /// yet there is stress.
+    /// `stresses`, followed by the carried stresses: out-of-plane stresses of plane strain, which do not enter the
+    /// balances and have zero conjugate strain, but enter yield conditions and energies.
     all: &'static [Component],
 }
 
@@ -45,7 +44,7 @@ const fn unknown(name: &'static str, family: &'static str) -> Unknown {
     Unknown { name, family }
 }
 
-/// Names of unknowns and equations.
+/// Builds the static lists of names of unknowns and equations.
 macro_rules! names {
     ($($name:literal $family:literal $equation:literal;)*) => {
         (&[$(unknown($name, $family)),*], &[$($equation),*])
@@ -177,7 +176,7 @@ const SPACE_STRESSES: [Component; 18] = [
     Couple(2, 2),
 ];
 
-/// The unknowns in plane strain.
+/// Layout of the unknowns in plane strain.
 pub fn plane(theory: Theory) -> Layout {
     match theory {
         Theory::Classical => Layout {
@@ -204,7 +203,7 @@ pub fn plane(theory: Theory) -> Layout {
     }
 }
 
-/// The unknowns in space.
+/// Layout of the unknowns in three-dimensional space.
 pub fn space(theory: Theory) -> Layout {
     match theory {
         Theory::Classical => Layout {
@@ -231,7 +230,7 @@ pub fn space(theory: Theory) -> Layout {
     }
 }
 
-/// εᵢⱼₖ.
+/// Permutation symbol εᵢⱼₖ (Levi-Civita).
 fn permutation(i: usize, j: usize, k: usize) -> f64 {
     match (i, j, k) {
         (0, 1, 2) | (1, 2, 0) | (2, 0, 1) => 1.0,
@@ -241,18 +240,17 @@ fn permutation(i: usize, j: usize, k: usize) -> f64 {
 }
 
 impl Layout {
-    /// Stresses that enter the equations, then the carried ones.
+    /// All stress components: unknowns, then carried stresses.
     pub fn all_stresses(&self) -> impl Iterator<Item = Component> + Clone {
         self.all.iter().copied()
     }
 
-    /// The same with the carried stresses among the unknowns, where they act on the others: by what
-    /// flow does while the stress changes.
+    /// This layout with the carried stresses among the unknowns, needed if plastic flow couples them to the others.
     pub fn carrying(self) -> Self {
         Self { stresses: self.all, ..self }
     }
 
-    /// The same without carried stresses.
+    /// This layout without carried stresses.
     pub(crate) fn without_carried(self) -> Self {
         Self { all: self.stresses, ..self }
     }
@@ -267,7 +265,7 @@ impl Layout {
         &self.equations[..self.velocities.len() + self.stresses.len()]
     }
 
-    /// Gⁱ for the `axis` i: the part of the strain rates that ∂ᵢ makes.
+    /// Gradient operator Gⁱ of the strain rates for the `axis` i.
     pub fn gradient(&self, axis: usize) -> DMatrix<f64> {
         DMatrix::from_fn(self.stresses.len(), self.velocities.len(), |s, v| {
             let strains = match (self.stresses[s], self.velocities[v]) {
@@ -280,7 +278,7 @@ impl Layout {
         })
     }
 
-    /// Z: the part of the strain rates that spins make without gradients.
+    /// Strain rates Z due to spins without gradients.
     pub fn rotation(&self) -> DMatrix<f64> {
         DMatrix::from_fn(self.stresses.len(), self.velocities.len(), |s, v| {
             match (self.stresses[s], self.velocities[v]) {
@@ -290,8 +288,8 @@ impl Layout {
         })
     }
 
-    /// Rate equations with that stiffness of [`all_stresses`](Self::all_stresses): carried ones take
-    /// no part.
+    /// Rate equations with `stiffness` in the order of [`all_stresses`](Self::all_stresses); rows and columns of carried
+    /// stresses are ignored.
     pub fn rates<const D: usize>(
         &self,
         stiffness: &Matrix,
@@ -316,13 +314,13 @@ impl Layout {
 }
 
 impl Isotropic {
-    /// The unknowns in `D` = 2 (plane strain) or 3 dimensions.
+    /// Layout of the unknowns in `D` = 2 (plane strain) or 3 dimensions.
     pub fn layout<const D: usize>(&self) -> Layout {
         const { assert!(D == 2 || D == 3) };
         if D == 2 { plane(self.theory()) } else { space(self.theory()) }
     }
 
-    /// Hooke's law between the stresses of the list, Pa or N:
+    /// Stiffness matrix (Hooke's law) between the stress components `stresses`, Pa or N:
     /// σ = λ tr(Λ) δ + 2μ Λˢ + 2α Λᵃ and m = β tr(M) δ + 2γ Mˢ + 2η Mᵃ.
     pub fn stiffness(&self, stresses: impl Iterator<Item = Component> + Clone) -> Matrix {
         let given = Rounded::given;
@@ -359,7 +357,7 @@ impl Isotropic {
         })
     }
 
-    /// The rate equations in `D` = 2 (plane strain) or 3 dimensions.
+    /// Rate equations in `D` = 2 (plane strain) or 3 dimensions.
     pub fn rates<const D: usize>(&self) -> RateEquations<D> {
         let layout = self.layout::<D>();
         let inertia = self.microrotation.map_or(0.0, |m| m.inertia);
@@ -368,13 +366,13 @@ impl Isotropic {
 }
 
 impl PlaneCompliances {
-    /// The unknowns.
+    /// Layout of the unknowns in plane strain.
     pub fn layout(&self) -> Layout {
         let layout = plane(Theory::Cosserat);
         Layout { all: layout.stresses, ..layout }
     }
 
-    /// The inverse of the compliances, in the order of the [`layout`](Self::layout).
+    /// Stiffness matrix, the inverse of the compliances, in the order of the [`layout`](Self::layout), Pa or N.
     pub fn stiffness(&self) -> Matrix {
         let given = Rounded::given;
         let inverse = |a: f64, b: f64| {
@@ -396,7 +394,7 @@ impl PlaneCompliances {
         stiffness
     }
 
-    /// The rate equations.
+    /// Rate equations in plane strain.
     pub fn rates(&self) -> RateEquations<2> {
         self.layout().rates(&self.stiffness(), self.density, self.inertia)
     }

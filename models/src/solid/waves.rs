@@ -1,39 +1,39 @@
-//! One-dimensional waves of elastic solids along a coordinate axis in closed form, for solvers in time.
+//! One-dimensional waves of elastic solids along a coordinate axis in closed form, for time-domain solvers.
 //!
-//! Along x_a velocities and stresses fall into pairs that drive each other,
+//! Along x_a the equations decouple into velocity–stress pairs with speeds c and impedances z,
 //!
 //! ```text
 //! m v̇ = ∂ₐs,    ṡ = M ∂ₐv,    c = √(M/m),    z = √(mM),
 //! ```
 //!
-//! and other stresses follow s in a fixed ratio: s′ − r s is an invariant of speed zero
-//! (Sadovskii & Sadovskaya 2019, "Elastic Cosserat continuum"). What couples spins and antisymmetric
-//! stress without gradients is a rotation by the natural frequency 2√(α/j).
+//! and passive stresses s′ follow s in a fixed ratio r: s′ − r s is a Riemann invariant of speed zero
+//! (Sadovskii & Sadovskaya 2019, "Elastic Cosserat continuum"). Without gradients, spins and antisymmetric
+//! stress rotate into each other with the natural frequency 2√(α/j).
 //!
-//! Independent of [`symbol`](super::symbol), which says the same as matrices; a test holds them together.
+//! Independent of [`symbol`](super::symbol), which states the same equations as matrices; a test compares them.
 
 use super::parameters::{Isotropic, PlaneCompliances, Theory};
 use crate::common::elementary::Elementary;
 use std::fmt;
 
-/// A component of the state; axes from 0. The second index of a stress is the face normal.
+/// A component of the state of a time-domain solver; axes from 0. The second index of a stress is the face normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Field {
-    /// vᵢ, m/s.
+    /// Velocity vᵢ, m/s.
     Velocity(usize),
-    /// ωₖ, rad/s.
+    /// Spin ωₖ, rad/s.
     Spin(usize),
-    /// σᵢⱼ, Pa; in classical solids i ≤ j stands for both.
+    /// Force stress σᵢⱼ, Pa; in classical solids only i ≤ j.
     Stress(usize, usize),
-    /// mₖⱼ, N/m.
+    /// Couple stress mₖⱼ, N/m.
     Couple(usize, usize),
-    /// Viscous strain aᵢⱼ = aⱼᵢ of a [solid that relaxes](crate::rheology::relaxation), i ≤ j: a memory variable.
+    /// Viscous strain aᵢⱼ = aⱼᵢ, i ≤ j: memory variable of a [viscoelastic solid](crate::rheology::relaxation).
     ViscousStrain(usize, usize),
 }
 use Field::{Couple, Spin, Stress, Velocity, ViscousStrain};
 
-/// The name of the same component among the unknowns of the [rate equations](crate::common::rates): `v1`, `ω3`, `σ12`, `m31`;
-/// of memory variables, `a12`.
+/// Name of the component, as among the unknowns of the [rate equations](crate::common::rates): `v1`, `ω3`, `σ12`,
+/// `m31`; memory variables `a12`.
 impl fmt::Display for Field {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -46,16 +46,16 @@ impl fmt::Display for Field {
     }
 }
 
-/// A velocity and a stress that drive each other along an axis.
+/// A velocity–stress pair of a one-dimensional wave along an axis: m v̇ = ∂ₐs, ṡ = M ∂ₐv.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pair {
-    /// v: a translation or a spin.
+    /// Velocity v: a translation or a spin.
     pub velocity: Field,
-    /// s.
+    /// Stress s that drives the velocity.
     pub stress: Field,
-    /// m: density, kg/m³, or moment of inertia, kg/m.
+    /// Inertia m: density, kg/m³, or moment of inertia, kg/m.
     pub inertia: f64,
-    /// M, Pa or N.
+    /// Modulus M, Pa or N.
     pub modulus: f64,
     /// Passive stresses, which this pair changes but which do not act back on it (characteristics of speed zero), each with
     /// its coupling ratio r = ds′/ds: λ/(λ + 2μ) for the transverse normal stresses of a P wave.
@@ -63,7 +63,7 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// Speed c, m/s.
+    /// Wave speed c = √(M/m), m/s.
     pub fn speed(&self) -> f64 {
         (self.modulus / self.inertia).sqrt()
     }
@@ -74,33 +74,33 @@ impl Pair {
     }
 }
 
-/// The rotation of spins against antisymmetric stress: with aₖ = ½εₖᵢⱼσᵢⱼ
+/// Rotation between spins and antisymmetric stress, the source term of Cosserat solids: with aₖ = ½εₖᵢⱼσᵢⱼ
 ///
 /// ```text
 /// j ω̇ₖ = −2 aₖ,    ȧₖ = 2α ωₖ.
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rotation {
+pub struct SpinRotation {
     /// Natural frequency 2√(α/j), rad/s.
     pub frequency: f64,
-    /// √(αj), the ratio of a to ω, Pa·s.
+    /// Amplitude ratio √(αj) of a to ω, Pa·s.
     pub ratio: f64,
 }
 
-impl Rotation {
+impl SpinRotation {
     fn new(alpha: f64, inertia: f64) -> Self {
         Self { frequency: 2.0 * (alpha / inertia).sqrt(), ratio: (alpha * inertia).sqrt() }
     }
 
-    /// ω and a after the time `duration` (s), exactly.
+    /// Exact solution: (ω, a) after the time `duration` (s).
     pub fn turn(&self, [spin, stress]: [f64; 2], duration: f64) -> [f64; 2] {
         let (sin, cos) = (self.frequency * duration).cr_sin_cos();
         [spin * cos - stress / self.ratio * sin, stress * cos + self.ratio * spin * sin]
     }
 }
 
-/// The state of a theory in `dimensions` = 2 (plane strain, with the stresses across the plane that yield
-/// conditions and energies see) or 3.
+/// State components of a theory in 2 (plane strain, with the out-of-plane stresses that enter yield conditions and
+/// energies) or 3 dimensions.
 pub fn fields(theory: Theory, dimensions: usize) -> Vec<Field> {
     let axes = 0..dimensions;
     let mut fields: Vec<Field> = axes.clone().map(Velocity).collect();
@@ -129,8 +129,8 @@ pub fn fields(theory: Theory, dimensions: usize) -> Vec<Field> {
     fields
 }
 
-/// Moduli of a law t = a tr(T) δ + b T + c Tᵀ: that of T(axis, axis) or else of T(i, axis), and the
-/// ratios in which other components follow.
+/// Coefficients of an isotropic law t = a tr(T) δ + b T + c Tᵀ: moduli of longitudinal (T(axis, axis)) and transverse
+/// (T(i, axis)) waves, and the ratios of their passive stresses.
 struct Law {
     trace: f64,
     own: f64,
@@ -156,7 +156,7 @@ impl Law {
 }
 
 impl Isotropic {
-    /// The pairs along `axis`, in 2 or 3 dimensions.
+    /// Velocity–stress pairs along `axis`, in 2 (plane strain) or 3 dimensions.
     pub fn pairs(&self, dimensions: usize, axis: usize) -> Vec<Pair> {
         let alpha = self.microrotation.map_or(0.0, |m| m.alpha);
         let force = Law::new(self.lambda, self.mu, alpha);
@@ -199,15 +199,14 @@ impl Isotropic {
         pairs
     }
 
-    /// The rotation; `None` in classical solids.
-    pub fn rotation(&self) -> Option<Rotation> {
-        self.microrotation.map(|m| Rotation::new(m.alpha, m.inertia))
+    /// Rotation between spins and antisymmetric stress; `None` in classical solids.
+    pub fn rotation(&self) -> Option<SpinRotation> {
+        self.microrotation.map(|m| SpinRotation::new(m.alpha, m.inertia))
     }
 }
 
 impl PlaneCompliances {
-    /// The pairs along `axis` in plane strain: a₁ and b₁ between normal stresses, a₂ and b₂ between shear
-    /// stresses.
+    /// Velocity–stress pairs along `axis` in plane strain: a₁ and b₁ relate normal stresses, a₂ and b₂ shear stresses.
     pub fn pairs(&self, axis: usize) -> Vec<Pair> {
         let pair = |i: usize| {
             let (a, b) = if i == axis { (self.a1, self.b1) } else { (self.a2, self.b2) };
@@ -231,8 +230,8 @@ impl PlaneCompliances {
         vec![pair(0), pair(1), rotation]
     }
 
-    /// The rotation: α = ½/(a₂ + b₂).
-    pub fn rotation(&self) -> Rotation {
-        Rotation::new(0.5 / (self.a2 + self.b2), self.inertia)
+    /// Rotation between spins and antisymmetric stress, with α = ½/(a₂ + b₂).
+    pub fn rotation(&self) -> SpinRotation {
+        SpinRotation::new(0.5 / (self.a2 + self.b2), self.inertia)
     }
 }

@@ -1,7 +1,9 @@
-//! Slip and rolling along the layers between blocks; plane strain.
+//! Interlayer yield set: slip and rolling along the layers between blocks; plane strain.
 
 use super::Needs::{All, Couples};
-use super::{Unusable, YieldConditions, YieldSet, YieldSetModel, check_associated, room};
+use super::{
+    NotInterior, YieldConditions, YieldSet, YieldSetModel, check_associated, linear_ray_exit,
+};
 use crate::common::input::InputError;
 use crate::common::parameter::constants;
 use crate::solid::ElasticLaw;
@@ -13,7 +15,7 @@ use crate::yield_set::parameters::{
 };
 use crate::yield_set::projection::{PlaneMetric, Projection};
 
-/// The entry in the registry.
+/// Registry entry of the interlayer yield set.
 pub static INTERLAYER: YieldSetModel = YieldSetModel {
     name: "interlayer",
     title: "interlayer slip",
@@ -81,21 +83,21 @@ impl YieldConditions for Interlayer {
         }
     }
 
-    fn reach(&self, start: &Stress, direction: &Stress) -> Result<f64, Unusable> {
+    fn ray_exit(&self, start: &Stress, direction: &Stress) -> Result<f64, NotInterior> {
         let mut reach = f64::INFINITY;
         for (condition, strength) in Interlayer::half_spaces(self) {
             let used = contract(&condition.normal, start);
             let rate = contract(&condition.normal, direction);
-            reach = reach.min(room(used, strength, rate)?);
+            reach = reach.min(linear_ray_exit(used, strength, rate)?);
         }
         Ok(reach)
     }
 
-    /// Isotropic laws and those by compliances; a stress of another one stays as it is.
+    /// Projects for isotropic laws and laws by compliances; returns the trial stress unchanged for other laws.
     fn project(&self, law: &ElasticLaw, trial: &Stress) -> Projection<Stress> {
         if let Some(solid) = law.downcast::<Isotropic>() {
             let mut found = project_in_plane(self, &PlaneMetric::from(solid), trial);
-            // Across the plane as elasticity has it: nothing is strained there, nothing flows.
+            // The out-of-plane stress follows elastically: no out-of-plane strain, no plastic flow.
             let change = |i: usize, j: usize| found.stress.force[i][j] - trial.force[i][j];
             let normal = change(0, 0) + change(1, 1);
             found.stress.force[2][2] += solid.lambda / (2.0 * (solid.lambda + solid.mu)) * normal;
@@ -117,7 +119,7 @@ impl YieldConditions for Interlayer {
     }
 }
 
-/// The projection of the stresses in the plane.
+/// Projection of the in-plane stresses.
 fn project_in_plane(set: &Interlayer, metric: &PlaneMetric, trial: &Stress) -> Projection<Stress> {
     const PLACES: [(usize, usize); 4] = [(0, 0), (1, 1), (1, 0), (0, 1)];
     let [a, b, c, d] = PLACES.map(|(i, j)| trial.force[i][j]);

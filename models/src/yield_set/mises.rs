@@ -1,7 +1,9 @@
-//! von Mises', Drucker & Prager's and the Cosserat–Mises set.
+//! The von Mises, Drucker–Prager and Cosserat–Mises yield sets.
 
 use super::Needs::{All, Couples, Rotation};
-use super::{Unusable, YieldConditions, YieldSet, YieldSetModel, check_associated, room};
+use super::{
+    NotInterior, YieldConditions, YieldSet, YieldSetModel, check_associated, linear_ray_exit,
+};
 use crate::common::input::{InputError, ensure};
 use crate::common::parameter::constants;
 use crate::solid::ElasticLaw;
@@ -14,7 +16,7 @@ use crate::yield_set::parameters::{
 use crate::yield_set::projection::Projection;
 use nalgebra::DMatrix;
 
-/// von Mises.
+/// Registry entry of the von Mises yield set.
 pub static VON_MISES: YieldSetModel = YieldSetModel {
     name: "von-mises",
     title: "von Mises",
@@ -29,7 +31,7 @@ pub static VON_MISES: YieldSetModel = YieldSetModel {
     },
 };
 
-/// Drucker & Prager, which is Mises & Schleicher.
+/// Registry entry of the Drucker–Prager yield set (Mises–Schleicher condition linear in the mean stress).
 pub static DRUCKER_PRAGER: YieldSetModel = YieldSetModel {
     name: "drucker-prager",
     title: "Drucker–Prager",
@@ -44,7 +46,7 @@ pub static DRUCKER_PRAGER: YieldSetModel = YieldSetModel {
     },
 };
 
-/// With antisymmetric stress and couple stress.
+/// Registry entry of the Cosserat–Mises yield set, with antisymmetric stress and couple stress.
 pub static COSSERAT_MISES: YieldSetModel = YieldSetModel {
     name: "cosserat-mises",
     title: "Cosserat–Mises",
@@ -84,7 +86,7 @@ pub static COSSERAT_MISES: YieldSetModel = YieldSetModel {
     },
 };
 
-/// The projection takes Hooke's law by its eigenvalues.
+/// Whether a law is isotropic: the projection needs Hooke's law by its eigenvalues.
 fn is_isotropic(law: &ElasticLaw) -> bool {
     law.downcast::<Isotropic>().is_some()
 }
@@ -115,15 +117,15 @@ impl YieldConditions for Mises {
         check_associated("dilatancy", self.dilatancy, self.friction)
     }
 
-    fn reach(&self, start: &Stress, direction: &Stress) -> Result<f64, Unusable> {
-        room(
+    fn ray_exit(&self, start: &Stress, direction: &Stress) -> Result<f64, NotInterior> {
+        linear_ray_exit(
             self.friction * mean(start),
             self.strength,
             self.equivalent_shear(direction) + self.friction * mean(direction),
         )
     }
 
-    /// Isotropic laws alone; a stress of another one stays as it is.
+    /// Projects for isotropic laws; returns the trial stress unchanged for other laws.
     fn project(&self, law: &ElasticLaw, trial: &Stress) -> Projection<Stress> {
         match law.downcast::<Isotropic>() {
             Some(solid) => Mises::project(self, solid, trial),

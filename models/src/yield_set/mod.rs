@@ -1,4 +1,4 @@
-//! Yield sets: what any of them states, and the entry of one in the registry.
+//! Yield sets: the interface of a yield set, return mapping, tangent stiffness, and registry entries.
 
 pub mod interlayer;
 pub mod mises;
@@ -19,59 +19,58 @@ use nalgebra::DMatrix;
 use std::fmt::{self, Debug};
 use std::sync::Arc;
 
-/// A closed convex set of stresses with checked constants.
+/// A yield set with checked constants: a closed convex set of stresses given by conditions f ≤ 0.
 pub trait YieldConditions: DynEq + Debug + Send + Sync {
-    /// Greatest of the f of all conditions, Pa (of couple conditions N/m over 1 m); at most 0 inside.
+    /// Yield function: maximum of f over all conditions, Pa (couple conditions: N/m over 1 m); ≤ 0 inside.
     fn value(&self, stress: &Stress) -> f64;
 
-    /// The conditions that hold with equality, or are violated, to within `tolerance` relative to the terms that
-    /// they compare.
+    /// Active or violated conditions: f ≥ 0 to within `tolerance`, relative to the size of the terms of f.
     fn active(&self, stress: &Stress, tolerance: f64) -> Vec<ActiveCondition>;
 
-    /// That the flow is ideal, without hardening, and associated.
+    /// Checks that plastic flow is ideal (no hardening) and associated, as time-domain runs require.
     ///
     /// # Errors
-    /// The constant that says otherwise.
+    /// A constant gives hardening or non-associated flow.
     fn check_ideal_and_associated(&self) -> Result<(), InputError>;
 
-    /// The greatest s for which `start` + s·`direction` is in the set; infinite if all s are.
+    /// Largest s ≥ 0 for which `start` + s·`direction` is in the set: the exit point of a ray; may be infinite.
     ///
     /// # Errors
-    /// [`Unusable`]: the set does not hold `start` with room around it.
-    fn reach(&self, start: &Stress, direction: &Stress) -> Result<f64, Unusable>;
+    /// `start` is not an interior point of the set.
+    fn ray_exit(&self, start: &Stress, direction: &Stress) -> Result<f64, NotInterior>;
 
-    /// The stress of the set next to a trial stress in the norm of the elastic energy of this law, which the set's
-    /// [entry](YieldSetModel::admits) admits.
+    /// Return mapping: closest-point projection of the trial stress in the energy norm of `law`, which must be
+    /// [admitted](YieldSetModel::admits).
     fn project(&self, law: &ElasticLaw, trial: &Stress) -> Projection<Stress>;
 
-    /// Second derivatives of the condition by the components of the list, 1/Pa, where it is curved.
+    /// Hessian of the yield function with respect to `components`, 1/Pa; `None` if the condition is linear.
     ///
-    /// While the background flows at the rate Λ (1/s) this times Λ is the relaxation of its
-    /// perturbations (Sadovskii & Sadovskaya 2019, "Elastic-plastic Cosserat continuum", for curved sets).
+    /// Times the plastic multiplier rate Λ (1/s) of the background it is the relaxation R of perturbations
+    /// (Sadovskii & Sadovskaya 2019, "Elastic-plastic Cosserat continuum", for curved sets).
     fn curvature(&self, stress: &Stress, components: &[Component]) -> Option<DMatrix<f64>> {
         let _ = (stress, components);
         None
     }
 
-    /// Its half-spaces n·s ≤ k with their strengths k, if it is a polyhedron.
+    /// Half-spaces n·s ≤ k with their strengths k; `None` if the set is not a polyhedron.
     fn half_spaces(&self) -> Option<Vec<(ActiveCondition, f64)>> {
         None
     }
 }
 
-/// Why no stress from a starting point on can be found that yields.
+/// Error of [`YieldConditions::ray_exit`]: the starting point is not an interior point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unusable {
-    /// The set has no strength there.
+pub enum NotInterior {
+    /// The set has no strength at the starting point.
     NoStrength,
-    /// The starting point is outside.
+    /// The starting point is outside the set.
     Outside,
 }
 
-/// That a dilatancy of that name is equal to the friction.
+/// Checks that flow is associated: the dilatancy called `key` equals the friction.
 ///
 /// # Errors
-/// It is not.
+/// Dilatancy and friction differ.
 pub fn check_associated(
     key: &'static str,
     dilatancy: f64,
@@ -85,16 +84,15 @@ pub fn check_associated(
     )
 }
 
-/// Room of a condition along a ray, as linear as the condition is along it: it uses `used` of `strength` at the start
-/// and `rate` per multiple of the direction.
+/// Exit point of a ray from a condition linear along it: the largest s with `used` + s·`rate` ≤ `strength`.
 ///
 /// # Errors
-/// See [`Unusable`].
-pub fn room(used: f64, strength: f64, rate: f64) -> Result<f64, Unusable> {
+/// `used` ≥ `strength`: the starting point is not interior.
+pub fn linear_ray_exit(used: f64, strength: f64, rate: f64) -> Result<f64, NotInterior> {
     match strength - used {
-        room if room > 0.0 => Ok(if rate > 0.0 { room / rate } else { f64::INFINITY }),
-        _ if used <= 0.0 => Err(Unusable::NoStrength),
-        _ => Err(Unusable::Outside),
+        margin if margin > 0.0 => Ok(if rate > 0.0 { margin / rate } else { f64::INFINITY }),
+        _ if used <= 0.0 => Err(NotInterior::NoStrength),
+        _ => Err(NotInterior::Outside),
     }
 }
 
@@ -123,7 +121,7 @@ impl std::ops::Deref for YieldSet {
 }
 
 impl YieldSet {
-    /// The set as this type, if it is of it.
+    /// The set as its concrete type `T`; `None` if it has another type.
     pub fn downcast<T: YieldConditions>(&self) -> Option<&T> {
         self.0.as_any().downcast_ref()
     }
@@ -135,36 +133,36 @@ pub struct YieldSetModel {
     pub name: &'static str,
     /// Name in titles.
     pub title: &'static str,
-    /// Its constants, and which solids need them. Those named like a constant of another set must have the same unit.
+    /// Constants, with the solids that need them. Constants of the same name in different sets must have the same unit.
     pub parameters: &'static [(Parameter, Needs)],
-    /// Whether it is a set of plane strain alone.
+    /// Whether the set is defined in plane strain only.
     pub is_plane: bool,
-    /// Whether its conditions are curved, so that a rate of plastic flow damps waves.
+    /// Whether the yield surface is curved, so that a rate of plastic flow damps waves.
     pub is_curved: bool,
-    /// Names of its conditions, in the order of its half-spaces, by which a case may say what is active: a sign, and
-    /// the stress that the condition limits. Empty if a case may not.
+    /// Names of the conditions in the order of the half-spaces, by which a case file selects active ones: a sign and the
+    /// limited stress. Empty if a case file cannot select conditions.
     pub conditions: &'static [(&'static str, Needs)],
-    /// Whether a solid with this elastic law can have it: what [`YieldConditions::project`] cannot project in the norm
-    /// of the law's energy must be refused here.
+    /// Whether the set can be combined with an elastic law; must reject every law that [`YieldConditions::project`]
+    /// does not support.
     pub admits: fn(&ElasticLaw) -> bool,
-    /// Checks the constants that a solid of this theory needs, in the order of `parameters`, in SI units.
+    /// Constructor from the constants that a solid of the theory needs, in the order of `parameters`, in SI units.
     pub build: fn(Theory, &[f64]) -> Result<YieldSet, InputError>,
 }
 
-/// The solids that need a constant of a yield set.
+/// Solids that need a constant or a condition of a yield set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
-    /// All.
+    /// All solids.
     All,
-    /// Those with a rotation of their own.
+    /// Solids with microrotation.
     Rotation,
-    /// Those with couple stress.
+    /// Solids with couple stress.
     Couples,
 }
 
 impl Needs {
-    /// Whether a solid of this theory needs it.
-    pub fn are_those_of(self, theory: Theory) -> bool {
+    /// Whether solids of `theory` are among them.
+    pub fn includes(self, theory: Theory) -> bool {
         match self {
             Self::All => true,
             Self::Rotation => theory != Theory::Classical,
@@ -173,31 +171,31 @@ impl Needs {
     }
 }
 
-/// An entry of the registry by reference; two are equal if they have the same name.
+/// Reference to a registry entry of a yield set; equality compares names.
 #[derive(Clone, Copy)]
 pub struct YieldSetKind(&'static YieldSetModel);
 
 impl YieldSetKind {
-    /// An entry of the registry.
+    /// A reference to the registry entry `model`.
     pub const fn new(model: &'static YieldSetModel) -> Self {
         Self(model)
     }
 
-    /// The constants that a solid of this theory needs.
+    /// Constants that a solid of `theory` needs.
     pub fn parameters_for(self, theory: Theory) -> impl Iterator<Item = &'static Parameter> {
-        let needed = move |own: &&(Parameter, Needs)| own.1.are_those_of(theory);
+        let needed = move |own: &&(Parameter, Needs)| own.1.includes(theory);
         self.0.parameters.iter().filter(needed).map(|own| &own.0)
     }
 
-    /// Whether a solid can have the set, by its law with the constants of [`SolidKind::example`].
+    /// Whether the set can be combined with `solid`, judged by [`SolidKind::example`].
     pub fn admits(self, solid: SolidKind) -> bool {
         solid.example().is_ok_and(|law| (self.0.admits)(&law))
     }
 
-    /// That a solid with this law, of that kind, can have the set.
+    /// Checks that the set can be combined with the elastic law `law` of kind `solid`.
     ///
     /// # Errors
-    /// It cannot; both are named.
+    /// The combination is not supported; the error names both.
     pub fn check_admits(self, solid: SolidKind, law: &ElasticLaw) -> Result<(), InputError> {
         match (self.0.admits)(law) {
             true => Ok(()),
@@ -209,16 +207,17 @@ impl YieldSetKind {
         }
     }
 
-    /// The names of the conditions that a solid of this theory has.
+    /// Names of the conditions for a solid of `theory`.
     pub fn conditions_for(self, theory: Theory) -> Vec<&'static str> {
-        let has = |own: &&(&str, Needs)| own.1.are_those_of(theory);
+        let has = |own: &&(&str, Needs)| own.1.includes(theory);
         self.0.conditions.iter().filter(has).map(|own| own.0).collect()
     }
 
-    /// The set of a solid of this theory with the constants that it needs, in their order, in SI units.
+    /// The yield set for a solid of `theory` with the given constants, in the order of
+    /// [`parameters_for`](Self::parameters_for), in SI units.
     ///
     /// # Errors
-    /// The constant that is out of range.
+    /// A constant is out of range.
     pub fn set(self, theory: Theory, constants: &[f64]) -> Result<YieldSet, InputError> {
         (self.0.build)(theory, constants)
     }

@@ -1,9 +1,9 @@
-//! Yield sets: convex, closed, with zero stress inside; their checks, values and normals.
+//! Constants of yield sets, their checks, yield functions and normals. The sets are convex, closed and contain zero
+//! stress.
 //!
-//! A set is a list of conditions f(σ, m) ≤ 0 in pascal. Flow follows the gradient of another
-//! function, f with the dilatancy in place of the friction; where both agree the flow is associated
-//! and obeys the variational inequality of Sadovskii & Sadovskaya (2019, "Elastic-plastic Cosserat
-//! continuum").
+//! A set is a list of conditions f(σ, m) ≤ 0 in Pa. The flow direction is the gradient of the plastic potential, f with
+//! the dilatancy in place of the friction. If both agree, flow is associated and obeys the variational inequality of
+//! Sadovskii & Sadovskaya (2019, "Elastic-plastic Cosserat continuum").
 
 use crate::common::input::{InputError, ensure};
 use crate::common::parameter::Parameter;
@@ -11,7 +11,7 @@ use crate::common::range::Range;
 use crate::solid::stress::{Component, Stress, split, square};
 use nalgebra::DMatrix;
 
-/// What is allowed of a constant without bounds.
+/// Error text for a constant without bounds.
 const FINITE: &str = "a finite number is needed";
 
 pub(super) const SHEAR_STRENGTH: Parameter = Parameter::required(
@@ -98,7 +98,7 @@ pub struct Interlayer {
     pub shear_friction: f64,
     /// Dilatancy κ̂_τ, in place of κ_τ in the flow rule; associated if equal.
     pub shear_dilatancy: f64,
-    /// What rolling and bending meet; `None` in solids without couple stress.
+    /// Limits of the couple stress; `None` in solids without couple stress.
     pub couple: Option<InterlayerCouple>,
 }
 
@@ -107,9 +107,9 @@ pub struct Interlayer {
 pub struct InterlayerCouple {
     /// Couple strength μ₀ without normal stress, N/m; ≥ 0.
     pub strength: f64,
-    /// κ_μ, m; ≥ 0.
+    /// Couple friction κ_μ, m; ≥ 0.
     pub friction: f64,
-    /// κ̂_μ, m, in place of κ_μ in the flow rule.
+    /// Couple dilatancy κ̂_μ, m, in place of κ_μ in the flow rule.
     pub dilatancy: f64,
 }
 
@@ -140,12 +140,12 @@ pub struct Mises {
     pub hardening: f64,
 }
 
-/// A condition that holds with equality, at some stress.
+/// An active yield condition (f = 0) at a given stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActiveCondition {
-    /// The condition.
+    /// Name of the condition.
     pub name: &'static str,
-    /// Gradient n of f by the stress.
+    /// Yield normal n = ∂f/∂σ.
     pub normal: Stress,
     /// Direction m of the plastic strain rate; n where the flow is associated.
     pub flow: Stress,
@@ -170,7 +170,7 @@ impl Interlayer {
         Ok(self)
     }
 
-    /// Its half-spaces n·s ≤ k: name, normal n, flow direction, strength k.
+    /// Half-spaces n·s ≤ k of the set: active condition (name, normal n, flow direction) and strength k.
     pub fn half_spaces(&self) -> impl Iterator<Item = (ActiveCondition, f64)> {
         const SHEAR: [[&str; 2]; 2] = [
             [
@@ -231,7 +231,7 @@ impl Interlayer {
 }
 
 impl Mises {
-    /// von Mises' set (1913): √(½ s:s) ≤ k.
+    /// von Mises yield set (1913): √(½ s:s) ≤ k; `strength` k in Pa.
     pub const fn von_mises(strength: f64) -> Self {
         Self {
             strength,
@@ -244,7 +244,7 @@ impl Mises {
         }
     }
 
-    /// Drucker & Prager's cone (1952): √(½ s:s) + κ σ_m ≤ k.
+    /// Drucker–Prager cone (1952): √(½ s:s) + κ σ_m ≤ k; `strength` k in Pa.
     pub const fn drucker_prager(strength: f64, friction: f64, dilatancy: f64) -> Self {
         Self { friction, dilatancy, ..Self::von_mises(strength) }
     }
@@ -258,7 +258,7 @@ impl Mises {
         FRICTION.check(self.friction, "the friction must be κ ≥ 0")?;
         DILATANCY.check(self.dilatancy, FINITE)?;
         ANTISYMMETRIC_WEIGHT.check(self.antisymmetric_weight, "the weight must be h ≥ 0")?;
-        // A stated length of 0 stands for none.
+        // A given length of 0 means no length.
         let positive = |key: &'static str, value: f64, allowed: &str| {
             ensure(Range::Positive.contains(value), key, value, allowed)
         };
@@ -272,13 +272,13 @@ impl Mises {
         Ok(self)
     }
 
-    /// Weights of mˢ and mᵃ in τ̄², 1/m².
+    /// Weights 1/ℓ_s² and 1/ℓ_a² of mˢ and mᵃ in τ̄², 1/m².
     pub(super) fn couple_weights(&self) -> [f64; 2] {
         [self.symmetric_length, self.antisymmetric_length]
             .map(|length| length.map_or(0.0, |l| 1.0 / (l * l)))
     }
 
-    /// Gradient of ½τ̄² by the stress: half of sˢ + h σᵃ and of mˢ/ℓ_s² + mᵃ/ℓ_a².
+    /// Gradient of ½τ̄² with respect to the stress: ½(sˢ + h σᵃ) and ½(mˢ/ℓ_s² + mᵃ/ℓ_a²).
     fn half_gradient(&self, stress: &Stress) -> Stress {
         let [symmetric, antisymmetric] = self.couple_weights();
         let (_, deviator, spin) = split(&stress.force);
@@ -296,7 +296,7 @@ impl Mises {
         gradient
     }
 
-    /// τ̄, Pa.
+    /// Equivalent shear stress τ̄, Pa.
     pub fn equivalent_shear(&self, stress: &Stress) -> f64 {
         let [symmetric, antisymmetric] = self.couple_weights();
         let (_, deviator, spin) = split(&stress.force);
@@ -307,8 +307,7 @@ impl Mises {
         (0.5 * (force + couple)).sqrt()
     }
 
-    /// Second derivatives of τ̄ by the components of the list, 1/Pa: symmetric, not negative. `None` on
-    /// the axis.
+    /// Hessian of τ̄ with respect to `components`, 1/Pa: symmetric positive semidefinite. `None` on the hydrostatic axis.
     pub fn curvature(&self, stress: &Stress, components: &[Component]) -> Option<DMatrix<f64>> {
         let shear = self.equivalent_shear(stress);
         if shear <= 0.0 {
@@ -325,7 +324,7 @@ impl Mises {
         }))
     }
 
-    /// The condition as active at `stress`; `None` on the axis, where the cone has no normal.
+    /// The condition as active at `stress`; `None` on the hydrostatic axis, where the cone has no normal.
     pub fn condition(&self, stress: &Stress) -> Option<ActiveCondition> {
         let shear = self.equivalent_shear(stress);
         if shear <= 0.0 {
@@ -349,12 +348,12 @@ impl Mises {
     }
 }
 
-/// Mean stress σ_m = ⅓ tr σ, Pa, tension positive.
+/// Mean stress σ_m = ⅓ tr σ, Pa, tension-positive.
 pub fn mean(stress: &Stress) -> f64 {
     (stress.force[0][0] + stress.force[1][1] + stress.force[2][2]) / 3.0
 }
 
-/// A gradient times a stress.
+/// Full contraction of a gradient with a stress, force and couple parts.
 pub fn contract(gradient: &Stress, stress: &Stress) -> f64 {
     let parts = [(&gradient.force, &stress.force), (&gradient.couple, &stress.couple)];
     let products = |(a, b): (&[[f64; 3]; 3], &[[f64; 3]; 3])| {

@@ -1,11 +1,11 @@
-//! Projection onto yield sets in the norm of the elastic energy,
+//! Return mapping: closest-point projection onto yield sets in the energy norm,
 //!
 //! ```text
 //! P(s̄) = argmin over s ∈ F of ½ (s − s̄)·D⁻¹(s − s̄):
 //! ```
 //!
-//! what the variational inequality of associated flow makes of an elastic trial stress s̄ (Sadovskii
-//! & Sadovskaya 2019, "Elastic-plastic Cosserat continuum"). Dilatancies play no part.
+//! the implicit step of the variational inequality of associated flow from an elastic trial stress s̄ (Sadovskii
+//! & Sadovskaya 2019, "Elastic-plastic Cosserat continuum"). Dilatancies are not used.
 //!
 //! With multipliers λ ≥ 0 of the conditions f(s) = n·s − k ≤ 0 (n the gradient where F is curved),
 //! s̄ − s = D Σ λn. The elastic energy falls by
@@ -14,8 +14,7 @@
 //! ½ s̄·D⁻¹s̄ − ½ s·D⁻¹s = s·D⁻¹(s̄ − s) + ½ (s̄ − s)·D⁻¹(s̄ − s) = Σ λk + ½ (s̄ − s)·D⁻¹(s̄ − s) ≥ 0.
 //! ```
 //!
-//! A stress outside by no more than rounding counts as inside and keeps its bits, so that what was
-//! projected once stays where it is.
+//! A stress outside by no more than rounding counts as inside and keeps its bits, so the projection is idempotent.
 
 use super::parameters::{Interlayer, Mises};
 use super::return_mapping::{Cone, Equation, Mapped, PARTS, Parts, ROUNDING, energy_lost, sum_of};
@@ -24,23 +23,22 @@ use crate::solid::parameters::{Isotropic, PlaneCompliances, Theory};
 use crate::solid::stress::{Shape, Stress, square};
 use crate::solid::symbol::plane;
 
-/// A stress in F, and what the way there cost.
+/// Result of a projection: the stress in F and the elastic energy lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection<S> {
-    /// P(s̄).
+    /// Projected stress P(s̄).
     pub stress: S,
     /// Elastic energy lost, J/m³; ≥ 0.
     pub energy_lost: f64,
 }
 
-/// What rounding leaves of a number that cancels, after it was corrected once more: ε² with room for
-/// normals that are nearly dependent, and far below all that such a number could mean.
+/// Relative threshold below which a reorthogonalised vector counts as zero: ε² with a safety factor for nearly dependent
+/// normals.
 const CANCELLED: f64 = 65536.0 * f64::EPSILON * f64::EPSILON;
 
 impl Mises {
-    /// Weights p in τ̄² and stiffnesses D (Pa or N) of the parts of the stress that Hooke's law multiplies
-    /// by a number: deviator, antisymmetric stress, deviator, mean and antisymmetric part of the couple
-    /// stress.
+    /// Weights p in τ̄² and stiffnesses D (Pa or N) of the eigenspaces of Hooke's law: deviator and antisymmetric part of
+    /// the force stress; deviator, mean and antisymmetric part of the couple stress.
     pub fn parts(&self, solid: &Isotropic) -> [[f64; 2]; PARTS] {
         let [symmetric, antisymmetric] = self.couple_weights();
         let alpha = solid.microrotation.map_or(0.0, |m| m.alpha);
@@ -55,7 +53,7 @@ impl Mises {
         ]
     }
 
-    /// The projection of a trial stress of that solid.
+    /// Closest-point projection of a trial stress in the energy norm of `solid`.
     ///
     /// The deviator (D = 2μ), the mean (K = λ + ⅔μ), the antisymmetric stress (2α), and of the couple
     /// stress the symmetric deviator (2γ), the mean (3β + 2γ) and the antisymmetric part (2η) are
@@ -72,7 +70,7 @@ impl Mises {
     /// −2, of the straight lines 1 + xDp and so concave: for r ≥ 0 the function 1 − ax − r/τ̄(x) is
     /// convex and decreases; for r < 0 and y = 1/x the function y − a + |r|/(xτ̄) is concave in y (a
     /// power mean of y + Dp) and increases. From zero the iterates rise to the root and never pass it;
-    /// with one value of Dp they are there after one step.
+    /// with one value of Dp they converge in one step.
     pub fn project(&self, solid: &Isotropic, trial: &Stress) -> Projection<Stress> {
         let inside = Projection { stress: *trial, energy_lost: 0.0 };
         let cone = Cone::new(self, solid);
@@ -89,23 +87,23 @@ impl Mises {
         let rounded = (force * square(&trial.force) + couple * square(&trial.couple)).sqrt();
         let size = shear + friction * pressure.abs() + strength + rounded;
         let excess = shear - room;
-        // A stress that is not a number comes back as it is.
+        // A NaN stress is returned unchanged.
         if excess.is_nan() || excess <= ROUNDING * size {
             return inside;
         }
         let (mapped, apex) = if room < 0.0 {
             beyond_apex(&cone, &squares, &parts, &seen, room)
         } else {
-            let root = Equation { squares, rates, a, room, seen: &seen }.root();
+            let root = Equation { squares, rates, a, shear_capacity: room, seen: &seen }.solve();
             let scale = [1.0, root.x];
             (Mapped::new(&cone, &parts.squares, scale, root.reciprocal, root.kept, &seen), None)
         };
         // From the condition, where the difference would lose more digits.
         let mean = apex.unwrap_or_else(|| {
-            if strength + mapped.shear < friction * (pressure.abs() + mapped.fall) {
+            if strength + mapped.shear < friction * (pressure.abs() + mapped.mean_drop) {
                 (strength - mapped.shear) / friction
             } else {
-                pressure - mapped.fall
+                pressure - mapped.mean_drop
             }
         });
         let (force, couple) = parts.scaled(Shape::ANY, &mapped.kept, mean);
@@ -113,7 +111,7 @@ impl Mises {
     }
 }
 
-/// The mapping of a stress with r < 0, and the mean of the apex if that is where it leads; see [`Mises::project`].
+/// Return mapping of a stress with r < 0, and the apex mean stress if it maps to the apex; see [`Mises::project`].
 fn beyond_apex(
     cone: &Cone<f64>,
     squares: &[f64; PARTS],
@@ -121,7 +119,7 @@ fn beyond_apex(
     seen: &[bool; PARTS],
     room: f64,
 ) -> (Mapped<f64>, Option<f64>) {
-    let Cone { strength, friction, fall, a, rates, .. } = *cone;
+    let Cone { strength, friction, mean_drop, a, rates, .. } = *cone;
     // 1/(xτ̄) at y = 1/x, and its derivative by y.
     let reciprocal = |y: f64| {
         let (mut norm, mut slope) = (0.0, 0.0);
@@ -152,13 +150,13 @@ fn beyond_apex(
         return (mapped, None);
     }
     let apex = strength / friction;
-    let multiplier = (parts.force.0 - apex) / fall;
+    let multiplier = (parts.force.0 - apex) / mean_drop;
     mapped.energy_lost = energy_lost(cone, &parts.squares, &mapped.lost, multiplier, seen);
     (mapped, Some(apex))
 }
 
-/// Hooke's law between the stresses of a plane, (σ₁₁, σ₂₂, σ₂₁, σ₁₂, m₃₁, m₃₂), by the square roots of
-/// its eigenvalues: D = L Lᵀ with
+/// Hooke's law between the in-plane stresses (σ₁₁, σ₂₂, σ₂₁, σ₁₂, m₃₁, m₃₂), by the square roots of its
+/// eigenvalues: D = L Lᵀ with
 ///
 /// ```text
 /// L = [p p; p −p] where p = √½(D₁₁₁₁ + D₁₁₂₂) stands in the first column, √½(D₁₁₁₁ − D₁₁₂₂) in the second,
@@ -207,7 +205,7 @@ fn dot_absolute(x: &Plane, y: &Plane) -> f64 {
 }
 
 impl PlaneMetric {
-    /// L z.
+    /// Product L z.
     fn apply(&self, z: &Plane) -> Plane {
         let ([p, q], [r, t]) = (self.normal, self.shear);
         [
@@ -229,7 +227,7 @@ impl PlaneMetric {
         }
     }
 
-    /// Lᵀ n.
+    /// Product Lᵀ n.
     fn apply_transposed(&self, n: &Plane) -> Plane {
         [
             self.normal[0] * (n[0] + n[1]),
@@ -242,25 +240,25 @@ impl PlaneMetric {
     }
 }
 
-/// The half-space n·s ≤ k.
+/// A half-space n·s ≤ k with its scaled normal Lᵀn.
 #[derive(Clone, Copy, Default)]
 struct HalfSpace {
     normal: Plane,
     strength: f64,
-    /// Lᵀ n.
+    /// Scaled normal Lᵀ n.
     scaled: Plane,
-    /// |Lᵀ n|.
+    /// Norm |Lᵀ n| of the scaled normal.
     norm: f64,
 }
 
 impl HalfSpace {
-    /// Sum of the magnitudes of the terms that it compares.
+    /// Sum of the magnitudes of the terms of n·s − k, the scale of its rounding.
     fn size(&self, stress: &Plane) -> f64 {
         dot_absolute(&self.normal, stress) + self.strength
     }
 }
 
-/// Active half-spaces with the factors of their scaled normals, Lᵀ(n₁ … n_q) = Q R.
+/// Active set of half-spaces with the QR factorisation of their scaled normals, Lᵀ(n₁ … n_q) = Q R.
 #[derive(Default)]
 struct Active {
     index: [usize; 6],
@@ -271,8 +269,8 @@ struct Active {
 }
 
 impl Active {
-    /// Splits a vector into what the active normals span, returned by its coordinates in Q, and the
-    /// rest. Twice, since once leaves rounding of the size of the vector.
+    /// Splits a vector into its coordinates in the span Q of the active normals and the orthogonal rest, by
+    /// Gram–Schmidt with reorthogonalisation.
     fn split(&self, vector: &Plane, count: usize) -> ([f64; 6], Plane) {
         let (mut coordinates, mut rest) = ([0.0; 6], *vector);
         for _ in 0..2 {
@@ -298,7 +296,7 @@ impl Active {
         }
     }
 
-    /// R⁻¹ c; the columns of R are the rows of `triangle`.
+    /// Solves R x = c; the columns of R are the rows of `triangle`.
     fn solve(&self, mut c: [f64; 6]) -> [f64; 6] {
         for i in (0..self.count).rev() {
             c[i] /= self.triangle[i][i];
@@ -309,7 +307,7 @@ impl Active {
         c
     }
 
-    /// R⁻ᵀ c.
+    /// Solves Rᵀ x = c.
     fn solve_transposed(&self, mut c: [f64; 6]) -> [f64; 6] {
         for i in 0..self.count {
             for j in 0..i {
@@ -329,23 +327,23 @@ impl Active {
 }
 
 impl Interlayer {
-    /// The projection of trial stresses (σ₁₁, σ₂₂, σ₂₁, σ₁₂, m₃₁, m₃₂) in plane strain.
+    /// Closest-point projection of a trial stress (σ₁₁, σ₂₂, σ₂₁, σ₁₂, m₃₁, m₃₂) in plane strain.
     ///
-    /// With s = s̄ − L z it is the shortest z with (Lᵀn)·z ≥ n·s̄ − k for the up to eight half-spaces,
-    /// found by Goldfarb & Idnani's (1983) dual method: the most violated half-space is added, active
-    /// ones whose multiplier would turn negative leave, and the distance grows with each step, so that
-    /// no set of active ones returns. Those depending linearly on the active ones (apex, edges of zero
-    /// strength) only ever replace them.
+    /// With s = s̄ − L z this is the shortest z with (Lᵀn)·z ≥ n·s̄ − k for up to eight half-spaces: a strictly convex
+    /// quadratic program, solved by the dual active-set method of Goldfarb & Idnani (1983). The most violated half-space
+    /// enters the active set, half-spaces whose multiplier would become negative leave it, and the distance grows in
+    /// each step, so no active set recurs. A half-space that depends linearly on the active ones (apex, edges of zero
+    /// strength) replaces one of them.
     ///
-    /// The stress σ₃₃ across the plane is in no condition. It follows by Hooke's law from the same
-    /// plastic strain, Δσ₃₃ = ν (Δσ₁₁ + Δσ₂₂) with ν = λ/2(λ + μ) in an isotropic solid; minimising the
-    /// energy over all stresses, σ₃₃ included, gives this and the same stresses in the plane.
+    /// The out-of-plane stress σ₃₃ enters no condition. It follows by Hooke's law from the same plastic strain,
+    /// Δσ₃₃ = ν (Δσ₁₁ + Δσ₂₂) with ν = λ/2(λ + μ) in an isotropic solid; minimising the energy over all stresses
+    /// including σ₃₃ gives the same result.
     pub fn project(&self, metric: &PlaneMetric, trial: &[f64; 6]) -> Projection<[f64; 6]> {
         let components = plane(Theory::Cosserat).stresses;
         let mut storage = [HalfSpace::default(); 8];
         let mut total = 0;
         for (place, (condition, strength)) in storage.iter_mut().zip(self.half_spaces()) {
-            let normal = std::array::from_fn(|i| components[i].of(&condition.normal));
+            let normal = std::array::from_fn(|i| components[i].value_in(&condition.normal));
             let scaled = metric.apply_transposed(&normal);
             *place = HalfSpace { normal, strength, scaled, norm: dot(&scaled, &scaled).sqrt() };
             total += 1;
@@ -354,9 +352,9 @@ impl Interlayer {
         let mut active = Active::default();
         let (mut stress, mut path, mut reach) = (*trial, [0.0; 6], 0.0f64);
 
-        // 2⁸ sets at most, and none twice; met are fewer than a dozen.
+        // At most 2⁸ active sets, none of them twice; observed are fewer than a dozen.
         for _ in 0..256 {
-            // The most violated, by its distance in the energy norm.
+            // The most violated half-space, by its distance in the energy norm.
             let mut worst = (0.0, None);
             for (index, half_space) in half_spaces.iter().enumerate() {
                 let HalfSpace { normal, strength, norm, .. } = half_space;
@@ -388,7 +386,7 @@ impl Interlayer {
                 }
                 let (step, leaving) = blocking;
                 if !step.is_finite() {
-                    // Zero stress is in every half-space: rounding alone comes here.
+                    // Infeasible only by rounding: zero stress is in every half-space.
                     break;
                 }
                 multiplier += step;

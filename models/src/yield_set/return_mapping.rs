@@ -1,7 +1,7 @@
-//! The return mapping of Mises' sets, over any kind of number: a stress alone, or many side by side.
+//! Return mapping of von Mises, Drucker–Prager and Cosserat–Mises cones, generic over single stresses and SIMD lanes.
 //!
-//! [`Mises::project`] derives it. All that stands here holds for stresses with k − κσ̄_m ≥ 0; those beyond, which
-//! may have to go to the apex, are left to that function.
+//! Derived at [`Mises::project`]. Valid for trial stresses with shear capacity k − κσ̄_m ≥ 0; stresses beyond the apex
+//! are mapped by that function.
 #![allow(clippy::needless_range_loop, reason = "indices are those of tensors and parts")]
 
 use super::parameters::Mises;
@@ -9,38 +9,37 @@ use crate::common::number::Number;
 use crate::solid::parameters::Isotropic;
 use crate::solid::stress::{Shape, Tensor};
 
-/// Parts of the stress on which Hooke's law acts by a number: deviator, antisymmetric stress, deviator, mean
-/// and antisymmetric part of the couple stress.
+/// Number of stress parts (eigenspaces of Hooke's law): deviator and antisymmetric part of the force stress; deviator,
+/// mean and antisymmetric part of the couple stress.
 pub const PARTS: usize = 5;
 
 /// Rounding of a condition's value, relative to the terms that it compares: a power of 2.
 pub const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
-/// A set of Mises' with the solid whose stress it holds.
+/// Coefficients of the return mapping of a [`Mises`] cone in an isotropic solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone<N> {
-    /// k, Pa.
+    /// Strength k, Pa.
     pub strength: N,
-    /// κ.
+    /// Friction κ.
     pub friction: N,
-    /// κK, Pa: by how much the mean falls per multiplier.
-    pub fall: N,
-    /// a = 2κ²K, Pa.
+    /// Decrease of the mean stress per plastic multiplier, κK, Pa.
+    pub mean_drop: N,
+    /// Coefficient a = 2κ²K, Pa.
     pub a: N,
-    /// ½p of the parts, of those of couple stress in 1/m²; zero where a part has no weight or no stiffness: it is left
-    /// alone.
+    /// Half weights ½p of the parts, in 1/m² for the couple stress; zero for a passive part, without weight or
+    /// stiffness, which the mapping leaves unchanged.
     pub half_weights: [N; PARTS],
-    /// D, Pa or N; 1 where a part is left alone.
+    /// Stiffnesses D, Pa or N; 1 for passive parts.
     pub stiffnesses: [N; PARTS],
-    /// Dp, Pa.
+    /// Products Dp, Pa.
     pub rates: [N; PARTS],
-    /// The greater of h and 1, and the greatest weight of the couple stress, 1/m²: what the rounding of components
-    /// counts for.
+    /// max(h, 1) and the largest weight of the couple stress, 1/m²: weights of the rounding of the components.
     pub rounding_weights: [N; 2],
 }
 
 impl Cone<f64> {
-    /// The set of a solid.
+    /// Coefficients of the cone `set` in `solid`.
     pub fn new(set: &Mises, solid: &Isotropic) -> Self {
         let bulk = solid.lambda + 2.0 / 3.0 * solid.mu;
         let Mises { friction, strength, .. } = *set;
@@ -51,7 +50,7 @@ impl Cone<f64> {
         Self {
             strength,
             friction,
-            fall: friction * bulk,
+            mean_drop: friction * bulk,
             a: 2.0 * friction * friction * bulk,
             half_weights: parts.map(|part| seen(part, 0.5 * part[0], 0.0)),
             stiffnesses: parts.map(|part| seen(part, part[1], 1.0)),
@@ -60,12 +59,12 @@ impl Cone<f64> {
         }
     }
 
-    /// The set of a solid that does not yield, with a strength that nothing comes near.
+    /// A cone that never yields, for elastic solids: strength `strength` (Pa) far above every stress.
     pub fn unbounded(strength: f64) -> Self {
         Self {
             strength,
             friction: 0.0,
-            fall: 0.0,
+            mean_drop: 0.0,
             a: 0.0,
             half_weights: [0.0; PARTS],
             stiffnesses: [1.0; PARTS],
@@ -74,14 +73,14 @@ impl Cone<f64> {
         }
     }
 
-    /// Which parts it does not leave alone.
+    /// Flags of the active parts, which the mapping changes.
     pub fn seen(&self) -> [bool; PARTS] {
         self.half_weights.map(|weight| weight > 0.0)
     }
 }
 
 impl<N: Copy> Cone<N> {
-    /// Each constant made of those of other cones.
+    /// Builds each coefficient from those of other cones, e.g. lanes from single cones.
     pub fn gather<M>(mut value: impl FnMut(&dyn Fn(&Cone<M>) -> M) -> N) -> Self
     where
         M: Copy,
@@ -89,7 +88,7 @@ impl<N: Copy> Cone<N> {
         Self {
             strength: value(&|own| own.strength),
             friction: value(&|own| own.friction),
-            fall: value(&|own| own.fall),
+            mean_drop: value(&|own| own.mean_drop),
             a: value(&|own| own.a),
             half_weights: std::array::from_fn(|part| value(&|own| own.half_weights[part])),
             stiffnesses: std::array::from_fn(|part| value(&|own| own.stiffnesses[part])),
@@ -101,19 +100,19 @@ impl<N: Copy> Cone<N> {
     }
 }
 
-/// A trial stress in parts.
+/// A trial stress decomposed into the eigenspaces of Hooke's law.
 #[derive(Clone, Copy, Debug)]
 pub struct Parts<N> {
     /// Mean σ̄_m, deviator and antisymmetric part of the force stress.
     pub force: (N, Tensor<N>, Tensor<N>),
-    /// Those of the couple stress.
+    /// Mean, deviator and antisymmetric part of the couple stress.
     pub couple: (N, Tensor<N>, Tensor<N>),
-    /// |s̄|².
+    /// Squared norms |s̄|² of the parts.
     pub squares: [N; PARTS],
 }
 
 impl<N: Number> Parts<N> {
-    /// The parts of force and couple stress.
+    /// Decomposes force and couple stress.
     #[inline(always)]
     pub fn new(shape: Shape, force: &Tensor<N>, couple: &Tensor<N>) -> Self {
         let force = shape.split(force);
@@ -136,7 +135,7 @@ impl<N: Number> Parts<N> {
         parts
     }
 
-    /// ½p|s̄|² of the parts that are seen.
+    /// Weighted squares ½p|s̄|² of the active parts, Pa²; zero for passive parts.
     #[inline(always)]
     pub fn weighted(&self, cone: &Cone<N>, seen: &[bool; PARTS]) -> [N; PARTS] {
         let mut weighted = [N::ZERO; PARTS];
@@ -148,7 +147,7 @@ impl<N: Number> Parts<N> {
         weighted
     }
 
-    /// Force and couple stress with so much of each part, and this mean.
+    /// Force and couple stress with each part scaled by `kept` and the force mean stress replaced by `mean`.
     #[inline(always)]
     pub fn scaled(&self, shape: Shape, kept: &[N; PARTS], mean: N) -> (Tensor<N>, Tensor<N>) {
         let [mut force, mut couple] = [[[N::ZERO; 3]; 3]; 2];
@@ -173,7 +172,7 @@ impl<N: Number> Parts<N> {
     }
 }
 
-/// Σ over the parts that are seen.
+/// Sum over the active parts.
 #[inline(always)]
 pub fn sum_of<N: Number>(terms: &[N; PARTS], seen: &[bool; PARTS]) -> N {
     let mut sum = N::ZERO;
@@ -186,42 +185,42 @@ pub fn sum_of<N: Number>(terms: &[N; PARTS], seen: &[bool; PARTS]) -> N {
 }
 
 /// The equation h(x) = τ̄(x)(1 − ax) − r = 0 for x = λ/2τ̄, where r = k − κσ̄_m ≥ 0 and τ̄(x)² = Σ s/(1 + xDp)² over the
-/// parts that are seen.
+/// active parts.
 #[derive(Clone, Copy, Debug)]
 pub struct Equation<'a, N> {
-    /// s = ½p|s̄|² of the parts, Pa².
+    /// Weighted squares s = ½p|s̄|² of the parts, Pa².
     pub squares: [N; PARTS],
-    /// Dp of the parts, Pa.
+    /// Products Dp of the parts, Pa.
     pub rates: [N; PARTS],
-    /// a = 2κ²K, Pa.
+    /// Coefficient a = 2κ²K, Pa.
     pub a: N,
-    /// r, Pa.
-    pub room: N,
-    /// The parts that are seen.
+    /// Shear capacity r = k − κσ̄_m, Pa.
+    pub shear_capacity: N,
+    /// Flags of the active parts.
     pub seen: &'a [bool; PARTS],
 }
 
-/// An iterate of Newton's method, and what the equation is there.
+/// An iterate of Newton's method with the terms of the equation at x.
 #[derive(Clone, Copy, Debug)]
 pub struct Iterate<N> {
     /// x = λ/2τ̄, 1/Pa.
     pub x: N,
     /// τ̄(x), Pa.
     pub shear: N,
-    /// Its reciprocal, 1/Pa.
+    /// Reciprocal 1/τ̄(x), 1/Pa.
     pub reciprocal: N,
-    /// 1/(1 + xDp): what is kept of each part.
+    /// Factors 1/(1 + xDp) by which the parts are scaled.
     pub kept: [N; PARTS],
-    /// τ̄², Pa².
+    /// Squared equivalent shear stress τ̄², Pa².
     pub norm: N,
-    /// Σ s Dp/(1 + xDp)³, Pa³.
+    /// Slope term Σ s Dp/(1 + xDp)³, Pa³.
     pub slope: N,
-    /// 1 − ax − r/τ̄: h over τ̄.
+    /// Residual h/τ̄ = 1 − ax − r/τ̄.
     pub excess: N,
 }
 
 impl<N: Number> Iterate<N> {
-    /// Of no equation.
+    /// Placeholder iterate of an elastic cell: x = 0, factors 1.
     pub const NONE: Self = Self {
         x: N::ZERO,
         shear: N::ONE,
@@ -234,13 +233,13 @@ impl<N: Number> Iterate<N> {
 }
 
 impl<N: Number> Equation<'_, N> {
-    /// τ̄(0), Pa.
+    /// Equivalent shear stress τ̄(0) of the trial stress, Pa.
     #[inline(always)]
     pub fn shear_at_zero(&self) -> N {
-        sum_of(&self.squares, self.seen).greatest(N::LEAST).root()
+        sum_of(&self.squares, self.seen).max(N::MIN_POSITIVE).sqrt()
     }
 
-    /// At zero, where τ̄ is this.
+    /// The iterate at x = 0, given `shear` = τ̄(0).
     #[inline(always)]
     pub fn at_zero(&self, shear: N) -> Iterate<N> {
         let (mut norm, mut slope) = (N::ZERO, N::ZERO);
@@ -250,10 +249,10 @@ impl<N: Number> Equation<'_, N> {
                 slope = slope + self.squares[part] * self.rates[part];
             }
         }
-        self.iterate(N::ZERO, [N::ONE; PARTS], (norm.greatest(N::LEAST), shear), slope)
+        self.iterate(N::ZERO, [N::ONE; PARTS], (norm.max(N::MIN_POSITIVE), shear), slope)
     }
 
-    /// At x.
+    /// The iterate at x.
     #[inline(always)]
     pub fn at(&self, x: N) -> Iterate<N> {
         let mut kept = [N::ONE; PARTS];
@@ -266,51 +265,51 @@ impl<N: Number> Equation<'_, N> {
                 slope = slope + term * kept[part] * self.rates[part];
             }
         }
-        // Where there is no stress there is nothing to be found.
-        let norm = norm.greatest(N::LEAST);
-        self.iterate(x, kept, (norm, norm.root()), slope)
+        // Avoids division by zero at zero stress.
+        let norm = norm.max(N::MIN_POSITIVE);
+        self.iterate(x, kept, (norm, norm.sqrt()), slope)
     }
 
     #[inline(always)]
     fn iterate(&self, x: N, kept: [N; PARTS], (norm, shear): (N, N), slope: N) -> Iterate<N> {
         let reciprocal = N::ONE / shear;
-        let excess = N::ONE - self.a * x - self.room * reciprocal;
+        let excess = N::ONE - self.a * x - self.shear_capacity * reciprocal;
         Iterate { x, shear, reciprocal, kept, norm, slope, excess }
     }
 
-    /// The iterate after zero.
+    /// Newton step from the iterate `at`.
     #[inline(always)]
     pub fn first(&self, at: &Iterate<N>) -> N {
         let slope = at.slope / at.norm * at.reciprocal;
-        at.x + (at.excess / (self.a + self.room * slope)).greatest(N::ZERO)
+        at.x + (at.excess / (self.a + self.shear_capacity * slope)).max(N::ZERO)
     }
 
-    /// The iterate after any other, as [`Self::first`] has it, but with one division in the place of two where that makes
-    /// no difference: the quotient is known but for so many roundings, and next to the root it is small beside x.
+    /// Newton step with one division instead of two, bitwise equal to [`Self::first`]: the quotient is computed with an
+    /// error bound of 16 ε, and [`Self::first`] decides if that bound could change the rounded sum.
     #[inline(always)]
     pub fn next(&self, at: &Iterate<N>) -> N {
-        let slope = self.a * at.norm + self.room * (at.slope * at.reciprocal);
-        let more = (at.excess.greatest(N::ZERO) * at.norm / slope).greatest(N::ZERO);
-        let margin = more * (N::constant(16.0) * N::EPSILON);
+        let slope = self.a * at.norm + self.shear_capacity * (at.slope * at.reciprocal);
+        let more = (at.excess.max(N::ZERO) * at.norm / slope).max(N::ZERO);
+        let margin = more * (N::from_f64(16.0) * N::EPSILON);
         let [low, high] = [at.x + (more - margin), at.x + (more + margin)];
-        if high.exceeds(low) { self.first(at) } else { low }
+        if high.any_gt(low) { self.first(at) } else { low }
     }
 
-    /// The root by Newton's method, zero where τ̄(0) ≤ r. Derived at [`Mises::project`]: from zero the iterates rise to it
-    /// and never pass it, each
+    /// Solves h(x) = 0 by Newton's method; x = 0 if τ̄(0) ≤ r. The iterates increase monotonically from zero to the root
+    /// (derived at [`Mises::project`]):
     ///
     /// ```text
     /// x + (1 − ax − r/τ̄)/(a − r τ̄′/τ̄²),  τ̄′/τ̄² = −(Σ s Dp/(1 + xDp)³)/τ̄³.
     /// ```
     ///
-    /// Numbers in lanes go on until all are there; who is there stays.
+    /// SIMD lanes iterate until all have converged; converged lanes do not change.
     #[inline(always)]
-    pub fn root(&self) -> Iterate<N> {
+    pub fn solve(&self) -> Iterate<N> {
         let mut at = self.at_zero(self.shear_at_zero());
         let mut next = self.first(&at);
-        while next.exceeds(at.x) {
+        while next.any_gt(at.x) {
             at = self.at(next);
-            if !at.excess.exceeds(N::ZERO) {
+            if !at.excess.any_gt(N::ZERO) {
                 break;
             }
             next = self.next(&at);
@@ -319,23 +318,23 @@ impl<N: Number> Equation<'_, N> {
     }
 }
 
-/// Where the return mapping leads, by u and v: 1 and x, or 1/x and 1.
+/// Result of the return mapping in homogeneous coordinates (u, v) of x = v/u: (1, x), or (1/x, 1) beyond the apex.
 #[derive(Clone, Copy, Debug)]
 pub struct Mapped<N> {
-    /// s/s̄ of each part.
+    /// Ratio s/s̄ of each part.
     pub kept: [N; PARTS],
-    /// (s̄ − s)/s̄ of each part.
+    /// Lost fraction (s̄ − s)/s̄ of each part.
     pub lost: [N; PARTS],
-    /// τ̄ there, Pa.
+    /// Equivalent shear stress τ̄ of the projected stress, Pa.
     pub shear: N,
-    /// κKλ, Pa: by how much the mean falls.
-    pub fall: N,
+    /// Decrease of the mean stress κKλ, Pa.
+    pub mean_drop: N,
     /// Elastic energy lost, J/m³.
     pub energy_lost: N,
 }
 
 impl<N: Number> Mapped<N> {
-    /// With u and v, u/τ̄, and what is kept of each part: u/(u + vDp).
+    /// The result for (u, v), `reciprocal` u/τ̄ and the factors `kept` = u/(u + vDp).
     #[inline(always)]
     pub fn new(
         cone: &Cone<N>,
@@ -356,13 +355,13 @@ impl<N: Number> Mapped<N> {
             kept,
             lost,
             shear: u / reciprocal,
-            fall: cone.fall * multiplier,
+            mean_drop: cone.mean_drop * multiplier,
             energy_lost: energy_lost(cone, squares, &lost, multiplier, seen),
         }
     }
 }
 
-/// Σ λk + ½ (s̄ − s)·D⁻¹(s̄ − s), J/m³, of squares |s̄|².
+/// Elastic energy lost by the projection, Σ λk + ½ (s̄ − s)·D⁻¹(s̄ − s), J/m³; `squares` are |s̄|².
 #[inline(always)]
 pub fn energy_lost<N: Number>(
     cone: &Cone<N>,

@@ -1,35 +1,35 @@
-//! Hooke's law while yielding: with normals n and flow directions m of the active conditions,
+//! Elastoplastic tangent stiffness: with normals n and flow directions m of the active conditions,
 //!
 //! ```text
 //! σ̇ = D (ε̇ − Σ λ̇ₐ mₐ),  nₐ·σ̇ = Hₐ λ̇ₐ   ⇒   D_t = D − Σ over conditions (D m)(nᵀD)/(H + nᵀD m),
 //! ```
 //!
-//! one condition after the other, each acting on what the ones before have left.
+//! applied to one condition after the other; each acts on the stiffness left by its predecessors.
 
 use super::parameters::ActiveCondition;
 use crate::common::rounding::{Rounded, UNIT_ROUNDOFF};
 use crate::common::system::Matrix;
 use crate::solid::stress::Component;
 
-/// The solid has no rate of response to a condition: H + nᵀD m is not positive.
+/// Error: the rate response of the solid is not defined, since H + nᵀD m is not positive for an active condition.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "no response while yielding ({condition}): H + n·Dm = {value:e} Pa must be positive; less \
      difference between friction and dilatancy, or more hardening"
 )]
 pub struct NoResponse {
-    /// The condition.
+    /// Name of the condition.
     pub condition: &'static str,
-    /// H + nᵀD m, Pa.
+    /// Value of H + nᵀD m, Pa.
     pub value: f64,
 }
 
-/// The tangent stiffness between the stresses of the list while these conditions stay active.
+/// Tangent stiffness between the listed stress components for plastic loading of all active conditions.
 ///
-/// A normal that depends linearly on the ones before adds nothing and is passed over.
+/// A condition whose normal depends linearly on its predecessors is skipped.
 ///
 /// # Errors
-/// See [`NoResponse`].
+/// H + nᵀD m is not positive; see [`NoResponse`].
 pub fn tangent(
     elastic: &Matrix,
     stresses: &[Component],
@@ -38,7 +38,7 @@ pub fn tangent(
     let mut tangent = elastic.clone();
     let size = stresses.len();
     for (index, condition) in active.iter().enumerate() {
-        // A normal comes out of a few roundings of the size of its largest component.
+        // Rounding bound of a normal: a few roundings of the size of its largest component.
         let vector = |gradient: &crate::solid::stress::Stress| -> Vec<Rounded> {
             let values: Vec<f64> = stresses.iter().map(|c| c.derivative(gradient)).collect();
             let largest = values.iter().fold(0.0f64, |a, b| a.max(b.abs()));
@@ -57,7 +57,7 @@ pub fn tangent(
         let covector =
             |matrix: &Matrix, j: usize| sum(&mut (0..size).map(|i| normal[i] * matrix[(i, j)]));
         let stretch = sum(&mut (0..size).map(|i| normal[i] * image(&tangent, i)));
-        // What the conditions before have left of a dependent normal is rounding.
+        // A linearly dependent normal is reduced to rounding by its predecessors.
         let before = sum(&mut (0..size).map(|i| normal[i] * image(elastic, i)));
         let is_spent = stretch.value.abs() <= 1e-12 * before.value.abs();
         if index > 0 && condition.hardening == 0.0 && is_spent {

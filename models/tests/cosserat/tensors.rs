@@ -14,7 +14,7 @@ fn rows(t: &Matrix3<f64>) -> [[f64; 3]; 3] {
 }
 
 pub fn of(component: Component, force: &Matrix3<f64>, couple: &Matrix3<f64>) -> f64 {
-    component.of(&Stress { force: rows(force), couple: rows(couple) })
+    component.value_in(&Stress { force: rows(force), couple: rows(couple) })
 }
 
 /// What works on a component: for the symmetric ones off the diagonal twice the tensor's.

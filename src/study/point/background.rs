@@ -1,7 +1,7 @@
 //! The background of a flow, and the wave at which it is analysed.
 
 use crate::case::Wave;
-use models::flow::state::{Flow, Stress};
+use models::flow::state::{Flow, PlanarStress};
 use serde::Serialize;
 
 /// A wave in the plane of the flow.
@@ -77,8 +77,8 @@ pub struct FlowStress {
     pub tensor: [[f64; 2]; 2],
 }
 
-impl From<&Stress> for FlowStress {
-    fn from(stress: &Stress) -> Self {
+impl From<&PlanarStress> for FlowStress {
+    fn from(stress: &PlanarStress) -> Self {
         Self {
             pressure: stress.pressure,
             deviatoric_stress: stress.deviator.value,

@@ -175,7 +175,7 @@ impl<T: Real> SimdKernel<T> for FlushSubnormals<'_, T> {
     fn run<V: Vector<T>>(self) {
         let limit = <V as Vector<T>>::all(self.limit);
         for group in self.data {
-            V::load(group).unless_below(limit).store(group);
+            V::load(group).flush_below(limit).store(group);
         }
     }
 }

@@ -405,7 +405,7 @@ fn correct<T: Real, V: Vector<T>, const DEVIATOR: bool>(
     let strength = V::load(&own.strength);
     let room = strength - V::load(&own.friction) * mean;
     // Where the mean alone is beyond.
-    let left = V::LEAST.greater_lanes(room);
+    let left = V::MIN_POSITIVE.greater_lanes(room);
     let mapped = square.greater_lanes(room * room) & !left;
     if mapped == 0 {
         return Done { mapped, left };
@@ -433,10 +433,10 @@ fn correct<T: Real, V: Vector<T>, const DEVIATOR: bool>(
 /// λ = 2(τ̄ − r)/(a + d), and the deviator loses the fraction d λ/(2τ̄), with its rate d = Dp.
 #[inline(always)]
 fn one_rate<T: Real, V: Vector<T>>(square: V, room: V, own: &Strength<T::Lanes>) -> (V, V) {
-    let shear = square.root();
-    let multiplier = V::load(&own.softness) * (shear - room).greatest(V::ZERO);
+    let shear = square.sqrt();
+    let multiplier = V::load(&own.softness) * (shear - room).max(V::ZERO);
     // In lanes without any stress there is nothing to lose.
-    (V::load(&own.half_rate) * multiplier / shear.greatest(V::LEAST), multiplier)
+    (V::load(&own.half_rate) * multiplier / shear.max(V::MIN_POSITIVE), multiplier)
 }
 
 /// What each part loses of itself, λ, and what the parts lose of their energy: by [`Equation::root`].
@@ -456,7 +456,8 @@ fn several_rates<T: Real, V: Vector<T>>(
     for part in 0..PARTS {
         weighted[part] = V::load(&own.weights[part]) * squares[part];
     }
-    let Iterate { x, kept, .. } = Equation { squares: weighted, rates, a, room, seen }.root();
+    let Iterate { x, kept, .. } =
+        Equation { squares: weighted, rates, a, shear_capacity: room, seen }.solve();
     let mut shares = [V::ZERO; PARTS];
     let (mut square_left, mut loss) = (V::ZERO, V::ZERO);
     for part in 0..PARTS {
@@ -468,5 +469,5 @@ fn several_rates<T: Real, V: Vector<T>>(
             loss = loss + compliance * squares[part] * shares[part] * shares[part];
         }
     }
-    (shares, (x + x) * square_left.root(), loss)
+    (shares, (x + x) * square_left.sqrt(), loss)
 }

@@ -116,7 +116,7 @@ impl<V: Vector<f64>> Trial<V> {
     /// Whether it is within the set in all lanes, by a sufficient test.
     #[inline(always)]
     fn is_inside(&self) -> bool {
-        !self.square.exceeds(self.room * self.room) && !V::ZERO.exceeds(self.room)
+        !self.square.any_gt(self.room * self.room) && !V::ZERO.any_gt(self.room)
     }
 
     /// The lanes in which it is beyond the set, by more than rounding; as in
@@ -124,32 +124,32 @@ impl<V: Vector<f64>> Trial<V> {
     #[inline(always)]
     fn yielding(&self, shape: Shape, cone: &Cone<V>, shear: V) -> u16 {
         let mean = self.parts.force.0;
-        let size = shear + cone.friction * mean.greatest(-mean) + cone.strength;
+        let size = shear + cone.friction * mean.max(-mean) + cone.strength;
         let excess = shear - self.room;
-        let possible = excess.greater_lanes(V::constant(ROUNDING) * size);
+        let possible = excess.greater_lanes(V::from_f64(ROUNDING) * size);
         // Mostly far more, so that the root of what rounds the components is not needed.
-        let allowed = V::constant(1.0 / ROUNDING) * excess - size;
+        let allowed = V::from_f64(1.0 / ROUNDING) * excess - size;
         let [force, couple] = cone.rounding_weights;
         let [deviator, antisymmetric, couple_deviator, couple_mean, couple_antisymmetric] =
             self.parts.squares;
-        let three = V::constant(3.0);
+        let three = V::from_f64(3.0);
         let rounded = force * (deviator + antisymmetric + three * mean * mean)
             + couple * (couple_deviator + couple_mean + couple_antisymmetric);
-        let certain = (V::constant(0.999) * allowed * allowed).greater_lanes(rounded)
-            & (V::constant(0.5 / ROUNDING) * excess).greater_lanes(size);
+        let certain = (V::from_f64(0.999) * allowed * allowed).greater_lanes(rounded)
+            & (V::from_f64(0.5 / ROUNDING) * excess).greater_lanes(size);
         if possible & !certain == 0 {
             return possible;
         }
         let [force, couple] =
             [force * shape.square(0, &self.stress[0]), couple * shape.square(1, &self.stress[1])];
-        let rounded = (force + couple).root();
-        excess.greater_lanes(V::constant(ROUNDING) * (size + rounded))
+        let rounded = (force + couple).sqrt();
+        excess.greater_lanes(V::from_f64(ROUNDING) * (size + rounded))
     }
 
     /// The lanes that may go to the apex.
     #[inline(always)]
     fn beyond_apex(&self) -> u16 {
-        V::ZERO.greater_lanes(self.room) | V::LEAST.greater_lanes(self.square)
+        V::ZERO.greater_lanes(self.room) | V::MIN_POSITIVE.greater_lanes(self.square)
     }
 }
 
@@ -221,7 +221,7 @@ impl<'a> MapStresses<'a> {
         if !is_plain {
             alone |= self.beyond_half_spaces::<V>(place, block, initial) & cells;
         }
-        let shear = trial.square.greatest(V::LEAST).root();
+        let shear = trial.square.max(V::MIN_POSITIVE).sqrt();
         let yielding = trial.yielding(shape, &cone, shear) & block.cones & cells;
         let beyond = trial.beyond_apex() & yielding;
         let (alone, lanes) = (alone | beyond, yielding & !beyond);
@@ -230,7 +230,7 @@ impl<'a> MapStresses<'a> {
         }
         let found = &mut batch.found[batch.count];
         (found.place, found.lanes, found.alone) = (place, lanes, alone);
-        found.room = trial.room.greatest(V::ZERO);
+        found.room = trial.room.max(V::ZERO);
         found.at.shear = shear;
         for part in 0..PARTS {
             if seen[part] {
@@ -262,7 +262,7 @@ impl<'a> MapStresses<'a> {
             let (equation, at) = found.equation(seen, &cone);
             let at = equation.at(equation.first(&equation.at_zero(at.shear)));
             found.set(seen, &at);
-            left.push(index.into(), at.excess.exceeds(V::ZERO));
+            left.push(index.into(), at.excess.any_gt(V::ZERO));
         }
         pending = left;
         while pending.count > 0 {
@@ -272,12 +272,12 @@ impl<'a> MapStresses<'a> {
                 let cone = load_cone::<V>(&self.block(found.place).1.cone);
                 let (equation, at) = found.equation(seen, &cone);
                 let next = equation.next(&at);
-                if !next.exceeds(at.x) {
+                if !next.any_gt(at.x) {
                     continue;
                 }
                 let at = equation.at(next);
                 found.set(seen, &at);
-                left.push(index.into(), at.excess.exceeds(V::ZERO));
+                left.push(index.into(), at.excess.any_gt(V::ZERO));
             }
             pending = left;
         }
@@ -319,7 +319,7 @@ impl<'a> MapStresses<'a> {
         if let Some(released) = self.released.get_mut(place * WIDTH..(place + 1) * WIDTH) {
             add_lanes(released, taken.released);
         }
-        if V::ZERO.exceeds(taken.shares) {
+        if V::ZERO.any_gt(taken.shares) {
             self.note_shares(place, taken.shares);
         }
     }
@@ -436,10 +436,10 @@ impl<'a> MapStresses<'a> {
         let mapped =
             Mapped::new(cone, &parts.squares, [V::ONE, root.x], root.reciprocal, root.kept, seen);
         // Where the mean is recovered from the yield condition, which is done one by one. τ̄ = 1/(1/τ̄) is rounded there.
-        let least = cone.strength + root.shear * V::constant(1.0 - 4.0 * f64::EPSILON);
-        let size = cone.friction * (mean.greatest(-mean) + mapped.fall);
+        let least = cone.strength + root.shear * V::from_f64(1.0 - 4.0 * f64::EPSILON);
+        let size = cone.friction * (mean.max(-mean) + mapped.mean_drop);
         let left = size.greater_lanes(least) & lanes;
-        let (force, couple) = parts.scaled(shape, &mapped.kept, mean - mapped.fall);
+        let (force, couple) = parts.scaled(shape, &mapped.kept, mean - mapped.mean_drop);
         let own = [force, couple];
         let mut plastic = [[[V::ZERO; 3]; 3]; 2];
         let mut greatest = V::ZERO;
@@ -449,7 +449,7 @@ impl<'a> MapStresses<'a> {
                     if shape.has(which, i, j) {
                         let change = stress[which][i][j] - own[which][i][j];
                         plastic[which][i][j] = change;
-                        greatest = greatest.greatest(change.greatest(-change));
+                        greatest = greatest.max(change.max(-change));
                     }
                 }
             }
@@ -465,8 +465,8 @@ impl<'a> MapStresses<'a> {
         taken.dissipated = V::ZERO.with_lanes(lanes, dissipated);
         if V::ZERO.greater_lanes(dissipated) & lanes != 0 {
             let energy = stored_energy(shape, &stress[0], &stress[1], moduli);
-            let share = dissipated / energy.greatest(V::LEAST);
-            taken.shares = V::ZERO.with_lanes(lanes, share.least(V::ZERO));
+            let share = dissipated / energy.max(V::MIN_POSITIVE);
+            taken.shares = V::ZERO.with_lanes(lanes, share.min(V::ZERO));
         }
         if let Some(initial) = initial {
             let mut both = plastic;
@@ -577,7 +577,7 @@ fn is_inside<V: Vector<f64>>(shape: Shape, cone: &Cone<V>, stress: &Tensor<V>) -
     let (ab, bc, ca) = (a - b, b - c, c - a);
     let square = V::THIRD * (ab * ab + bc * bc + ca * ca) + (off_diagonal + off_diagonal);
     let room = cone.strength - cone.friction * third(a + b + c);
-    !(cone.half_weights[0] * square).exceeds(room * room) && !V::ZERO.exceeds(room)
+    !(cone.half_weights[0] * square).any_gt(room * room) && !V::ZERO.any_gt(room)
 }
 
 /// Adds numbers in lanes.

@@ -251,7 +251,7 @@ pub(super) fn load_cone<V: Vector<f64>>(cone: &Cone<Wide>) -> Cone<V> {
     Cone {
         strength: V::load(&cone.strength),
         friction: V::load(&cone.friction),
-        fall: V::load(&cone.fall),
+        mean_drop: V::load(&cone.mean_drop),
         a: V::load(&cone.a),
         half_weights,
         stiffnesses,

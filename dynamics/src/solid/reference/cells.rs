@@ -280,7 +280,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     pub(super) fn flush_subnormals(&mut self) {
         let Some(limit) = flush_limit::<T>(self.steps) else { return };
         for value in self.fields.iter_mut().flatten() {
-            *value = value.unless_below(limit);
+            *value = value.flush_below(limit);
         }
         self.faces.flush_below(limit);
     }

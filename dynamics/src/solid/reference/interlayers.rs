@@ -91,7 +91,7 @@ impl<T: Real, const D: usize> Faces<T, D> {
     /// Sets to zero what is near the subnormal numbers.
     pub(super) fn flush_below(&mut self, limit: T) {
         for value in self.all.iter_mut().flat_map(|face| &mut face.memory) {
-            *value = value.unless_below(limit);
+            *value = value.flush_below(limit);
         }
     }
 

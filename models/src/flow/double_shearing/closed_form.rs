@@ -1,11 +1,11 @@
-//! The growth of short waves in the double-shearing model.
+//! Closed-form growth rate of short waves in the double-shearing model (Spencer 1964; Mehrabadi & Cowin 1978).
 
 use super::parameters::DoubleShearing;
 use crate::common::rounding::Rounded;
 use crate::flow::closed_form::{ClosedForm, is_below_right_angle, is_of_moderate_size};
 use crate::flow::state::Flow;
 
-/// Order 1 in every background.
+/// Ill-posed with growth of order 1 in every background.
 ///
 /// With e = φ − ν, β = 2(Ψ_Σ − ψ_K) and 𝒜 = cos β − sin φ, let n be the unit vector at the angle β
 /// from ξ = k/k, and n⊥ its turn by a right angle. To leading order in k, where ς is of order k and

@@ -7,12 +7,12 @@ pub mod symbol;
 use crate::common::input::InputError;
 use crate::common::system::LinearisedSystem;
 use crate::flow::closed_form::ClosedForm;
-use crate::flow::state::{Coulomb, Flow, FlowRule, Rotation};
+use crate::flow::state::{Coulomb, Flow, FlowRule, MaterialRotation};
 use crate::flow::{FAMILY, FlowLaw, FlowModel, RotationKind};
 use parameters::DoubleShearing;
 use std::sync::Arc;
 
-/// The entry in the registry.
+/// Registry entry of the double-shearing model.
 pub static MODEL: FlowModel = FlowModel {
     name: "double-shearing",
     title: "double shearing",
@@ -35,8 +35,8 @@ impl FlowLaw for DoubleShearing {
         DoubleShearing::flow_rule(self)
     }
 
-    fn rotation(&self) -> Rotation {
-        Rotation::StressAxes
+    fn rotation(&self) -> MaterialRotation {
+        MaterialRotation::StressAxes
     }
 
     fn symbol(&self, flow: &Flow, system: &mut LinearisedSystem<2>) {

@@ -1,4 +1,4 @@
-//! Constants of the double-shearing model and what is known of it in closed form.
+//! Constants of the double-shearing model, its flow rule and its leading growth rate.
 
 use crate::common::elementary::Elementary;
 use crate::common::input::InputError;
@@ -15,26 +15,26 @@ pub struct DoubleShearing {
 }
 
 impl DoubleShearing {
-    /// From the constants in the order of the model's parameters.
+    /// Creates the model from its constants in the order of its registered parameters.
     ///
     /// # Errors
-    /// The constant that is out of range.
+    /// A constant is out of range.
     pub fn from_constants(given: &[f64]) -> Result<Self, InputError> {
         let [friction_angle, dilatancy_angle, cohesion] = constants(given)?;
         let coulomb = Coulomb::new(friction_angle, cohesion)?;
         Self::new(coulomb, dilatancy_angle)
     }
 
-    /// Checks the constants.
+    /// Creates the model after checking 0 ≤ ν < φ; `dilatancy_angle` ν in rad.
     ///
     /// # Errors
-    /// The constant that is out of range.
+    /// The dilatancy angle is out of range.
     pub fn new(coulomb: Coulomb, dilatancy_angle: f64) -> Result<Self, InputError> {
         check_dilatancy(&coulomb, dilatancy_angle)?;
         Ok(Self { coulomb, dilatancy_angle })
     }
 
-    /// The flow rule.
+    /// Flow rule of double shearing (Harris & Grekova 2005, eqs 41, 42).
     pub fn flow_rule(&self) -> FlowRule {
         FlowRule::double_shearing(self.coulomb.friction_angle, self.dilatancy_angle)
     }

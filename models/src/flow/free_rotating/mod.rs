@@ -7,12 +7,12 @@ pub mod symbol;
 use crate::common::input::InputError;
 use crate::common::system::LinearisedSystem;
 use crate::flow::closed_form::ClosedForm;
-use crate::flow::state::{Coulomb, Flow, FlowRule, Rotation};
+use crate::flow::state::{Coulomb, Flow, FlowRule, MaterialRotation};
 use crate::flow::{FAMILY, FlowLaw, FlowModel, RotationKind};
 use parameters::FreeRotating;
 use std::sync::Arc;
 
-/// The entry in the registry.
+/// Registry entry of the double-sliding free-rotating model.
 pub static MODEL: FlowModel = FlowModel {
     name: "free-rotating",
     title: "double-sliding free-rotating",
@@ -35,8 +35,8 @@ impl FlowLaw for FreeRotating {
         self.0.flow_rule()
     }
 
-    fn rotation(&self) -> Rotation {
-        Rotation::Free
+    fn rotation(&self) -> MaterialRotation {
+        MaterialRotation::Free
     }
 
     fn symbol(&self, flow: &Flow, system: &mut LinearisedSystem<2>) {

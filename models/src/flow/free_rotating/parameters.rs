@@ -10,10 +10,10 @@ use crate::flow::state::Coulomb;
 pub struct FreeRotating(pub DoubleShearing);
 
 impl FreeRotating {
-    /// From the constants in the order of the model's parameters.
+    /// Creates the model from its constants in the order of its registered parameters.
     ///
     /// # Errors
-    /// The constant that is out of range.
+    /// A constant is out of range.
     pub fn from_constants(given: &[f64]) -> Result<Self, InputError> {
         let [friction_angle, dilatancy_angle, cohesion] = constants(given)?;
         let coulomb = Coulomb::new(friction_angle, cohesion)?;

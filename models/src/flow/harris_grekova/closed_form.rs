@@ -1,4 +1,4 @@
-//! The growth of short waves in the Harris–Grekova model.
+//! Closed-form growth rate of short waves in the Harris–Grekova model.
 
 use super::parameters::HarrisGrekova;
 use crate::common::elementary::Elementary;
@@ -7,8 +7,8 @@ use crate::flow::closed_form::{ClosedForm, clear_sign, is_below_right_angle, is_
 use crate::flow::state::Flow;
 use std::f64::consts::PI;
 
-/// For ν = 0 in every background; for ν > 0 in a uniform, unaccelerated one without rotational
-/// stress.
+/// Verdict for ν = 0 in every background, and for ν > 0 in a uniform, unaccelerated background without rotational
+/// stress; otherwise `None`.
 pub fn closed_form(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
     let is_moderate = is_below_right_angle(model.coulomb.friction_angle)
         && is_of_moderate_size(flow)
@@ -95,7 +95,7 @@ fn with_dilatancy(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
     Some(ClosedForm::unbounded(flow, beta))
 }
 
-/// No gradients besides that of the velocity, and no accelerations.
+/// Whether the background has no gradients besides the velocity gradient, and no acceleration.
 fn is_uniform(flow: &Flow) -> bool {
     let gradients = [
         flow.pressure_gradient,

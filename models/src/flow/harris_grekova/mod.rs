@@ -7,12 +7,12 @@ pub mod symbol;
 use crate::common::input::InputError;
 use crate::common::system::LinearisedSystem;
 use crate::flow::closed_form::ClosedForm;
-use crate::flow::state::{Coulomb, Flow, FlowRule, Rotation};
+use crate::flow::state::{Coulomb, Flow, FlowRule, MaterialRotation};
 use crate::flow::{COHESION, DILATANCY_ANGLE, FRICTION_ANGLE, FlowLaw, FlowModel, RotationKind};
 use parameters::{HarrisGrekova, MOMENT_OF_INERTIA, ROTATIONAL_STRENGTH};
 use std::sync::Arc;
 
-/// The entry in the registry.
+/// Registry entry of the Harris–Grekova model.
 pub static MODEL: FlowModel = FlowModel {
     name: "harris-grekova",
     title: "Harris–Grekova",
@@ -41,8 +41,8 @@ impl FlowLaw for HarrisGrekova {
         HarrisGrekova::flow_rule(self)
     }
 
-    fn rotation(&self) -> Rotation {
-        Rotation::IntrinsicSpin {
+    fn rotation(&self) -> MaterialRotation {
+        MaterialRotation::IntrinsicSpin {
             moment_of_inertia: self.moment_of_inertia,
             strength: self.rotational_strength,
         }

@@ -1,4 +1,4 @@
-//! Constants of the Harris–Grekova model and what is known of it in closed form.
+//! Constants of the Harris–Grekova model, its flow rule, non-coaxiality bound and leading growth rate.
 
 use crate::common::elementary::Elementary;
 use crate::common::input::InputError;
@@ -6,7 +6,7 @@ use crate::common::parameter::{Parameter, constants};
 use crate::common::range::Range;
 use crate::flow::state::{Coulomb, FlowRule, check_dilatancy};
 
-/// Moment of inertia per unit mass.
+/// Parameter: moment of inertia per unit mass I, m².
 pub(super) const MOMENT_OF_INERTIA: Parameter = Parameter::required(
     ["moment_of_inertia", "moment of inertia I", "m²"],
     "moment of inertia per unit mass I; > 0, for discs of diameter d it is d²/8",
@@ -14,7 +14,7 @@ pub(super) const MOMENT_OF_INERTIA: Parameter = Parameter::required(
 )
 .within(Range::Positive);
 
-/// Rotational yield strength.
+/// Parameter: rotational yield strength m, Pa.
 pub(super) const ROTATIONAL_STRENGTH: Parameter = Parameter::required(
     ["rotational_strength", "rotational strength m", "Pa"],
     "rotational yield strength m; ≥ 0",
@@ -36,10 +36,10 @@ pub struct HarrisGrekova {
 }
 
 impl HarrisGrekova {
-    /// From the constants in the order of the model's parameters.
+    /// Creates the model from its constants in the order of its registered parameters.
     ///
     /// # Errors
-    /// The constant that is out of range.
+    /// A constant is out of range.
     pub fn from_constants(given: &[f64]) -> Result<Self, InputError> {
         let [friction_angle, dilatancy_angle, cohesion, moment_of_inertia, rotational_strength] =
             constants(given)?;
@@ -49,10 +49,10 @@ impl HarrisGrekova {
         Ok(model)
     }
 
-    /// Checks the constants.
+    /// Creates the model after checking 0 ≤ ν < φ, I > 0 (m²) and m ≥ 0 (Pa).
     ///
     /// # Errors
-    /// The constant that is out of range.
+    /// A constant is out of range.
     pub fn new(
         coulomb: Coulomb,
         dilatancy_angle: f64,
@@ -71,12 +71,12 @@ impl HarrisGrekova {
         Ok(Self { coulomb, dilatancy_angle, moment_of_inertia, rotational_strength })
     }
 
-    /// The flow rule (eqs 41, 42).
+    /// Flow rule (Harris & Grekova 2005, eqs 41, 42).
     pub fn flow_rule(&self) -> FlowRule {
         FlowRule::double_shearing(self.coulomb.friction_angle, self.dilatancy_angle)
     }
 
-    /// Bound on |Δ| inside which the leading growth rate is nowhere positive, rad.
+    /// Bound on the non-coaxiality |Δ|, rad, below which the leading growth rate is not positive in any direction.
     ///
     /// For ν = 0 it is π/4 (eq. 152). For ν > 0, with β = 2(Ψ_Σ − ψ_K) and e = φ − ν, the coefficient
     /// of the highest power of ς is proportional to

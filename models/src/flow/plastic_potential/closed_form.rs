@@ -1,4 +1,4 @@
-//! The growth of short waves in the plastic-potential model.
+//! Closed-form growth rate of short waves in the plastic-potential model.
 
 use super::parameters::PlasticPotential;
 use crate::common::elementary::Elementary;
@@ -6,12 +6,11 @@ use crate::common::rounding::Rounded;
 use crate::flow::closed_form::{ClosedForm, is_below_right_angle, is_of_moderate_size};
 use crate::flow::state::Flow;
 
-/// Least |φ − ν|, rad, at which the formula decides. The depth of the sector of growth goes as its
-/// square, and to ten digits the linearised equations themselves do not know it any nearer to the
-/// associated flow rule.
+/// Smallest |φ − ν|, rad, at which the formula decides. The leading growth rate is proportional to (φ − ν)²; closer to
+/// the associated flow rule the linearised equations do not resolve it to ten digits.
 const THINNEST: f64 = 1e-3;
 
-/// Order 2 in every background, unless nearly associated.
+/// Ill-posed with growth of order 2 in every background, unless the flow rule is nearly associated.
 ///
 /// To leading order in k, where ς is of order k² and all gradients of the background and the density
 /// drop out, the worst direction is that of [`PlasticPotential::worst`]. It is

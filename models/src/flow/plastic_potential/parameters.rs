@@ -1,4 +1,4 @@
-//! Constants of the plastic-potential model and what is known of it in closed form.
+//! Constants of the plastic-potential model, its flow rule and its leading growth rate.
 
 use crate::common::elementary::Elementary;
 use crate::common::input::InputError;
@@ -17,20 +17,20 @@ pub struct PlasticPotential {
 }
 
 impl PlasticPotential {
-    /// From the constants in the order of the model's parameters.
+    /// Creates the model from its constants in the order of its registered parameters.
     ///
     /// # Errors
-    /// The constant that is out of range.
+    /// A constant is out of range.
     pub fn from_constants(given: &[f64]) -> Result<Self, InputError> {
         let [friction_angle, dilatancy_angle, cohesion] = constants(given)?;
         let coulomb = Coulomb::new(friction_angle, cohesion)?;
         Self::new(coulomb, dilatancy_angle)
     }
 
-    /// Checks the constants.
+    /// Creates the model after checking 0 ≤ ν < π/2; `dilatancy_angle` ν in rad.
     ///
     /// # Errors
-    /// The constant that is out of range.
+    /// The dilatancy angle is out of range.
     pub fn new(coulomb: Coulomb, dilatancy_angle: f64) -> Result<Self, InputError> {
         DILATANCY_ANGLE.check(
             dilatancy_angle,
@@ -77,15 +77,15 @@ impl PlasticPotential {
             / (2.0 * density * shear_rate * (1.0 + sin_nu * sin_phi - (sin_nu + sin_phi) * cos))
     }
 
-    /// The sector |β| of growth, from and to, rad: between π/2 less the greater and π/2 less the smaller
-    /// of φ and ν; empty where they agree.
+    /// Sector of unstable directions as the interval of |β|, rad: [π/2 − max(φ, ν), π/2 − min(φ, ν)]; empty for
+    /// associated flow, φ = ν.
     pub fn sector(&self) -> [f64; 2] {
         let (phi, nu) = (self.coulomb.friction_angle, self.dilatancy_angle);
         [phi.max(nu), phi.min(nu)].map(|angle| std::f64::consts::FRAC_PI_2 - angle)
     }
 
-    /// The greatest leading growth rate over k², `q tan²((φ − ν)/2) / (2 ρ Q_D)` in m²/s, and
-    /// cos β where it is reached, `sin((φ + ν)/2) / cos((φ − ν)/2)`.
+    /// Largest leading growth rate over k², `q tan²((φ − ν)/2) / (2 ρ Q_D)` in m²/s, and cos β of the worst direction,
+    /// `sin((φ + ν)/2) / cos((φ − ν)/2)`. `deviator` q in Pa, `density` in kg/m³, `shear_rate` Q_D in 1/s.
     pub fn worst(&self, deviator: f64, density: f64, shear_rate: f64) -> (f64, f64) {
         let half_difference = 0.5 * (self.coulomb.friction_angle - self.dilatancy_angle);
         let half_sum = 0.5 * (self.coulomb.friction_angle + self.dilatancy_angle);

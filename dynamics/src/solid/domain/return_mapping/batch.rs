@@ -78,7 +78,8 @@ impl<V: Number> Found<V> {
                 (squares[part], kept[part]) = (self.squares[part], self.at.kept[part]);
             }
         }
-        let equation = Equation { squares, rates: cone.rates, a: cone.a, room: self.room, seen };
+        let equation =
+            Equation { squares, rates: cone.rates, a: cone.a, shear_capacity: self.room, seen };
         (equation, Iterate { kept, ..self.at })
     }
 }
