@@ -10,7 +10,7 @@ use models::yield_set::parameters::Mises;
 use std::hint::black_box;
 use std::time::Instant;
 use support::states::seeded;
-use wellposed_analysis::sphere::{RankOne, Sphere};
+use wellposed_analysis::sphere::{AcousticTensor3, RankOne};
 
 const POINTS: usize = 60;
 
@@ -29,7 +29,7 @@ fn main() {
         let solid = Isotropic { lambda: 1.0, mu: 1.0, density: 1.0, microrotation };
         let elastic = solid.rates::<3>();
         let start = Instant::now();
-        let Ok(sphere) = Sphere::new(&elastic) else { continue };
+        let Ok(sphere) = AcousticTensor3::new(&elastic) else { continue };
         let setup = start.elapsed().as_secs_f64();
         let mut workspace = sphere.workspace();
         let components: Vec<_> = solid.layout::<3>().all_stresses().collect();

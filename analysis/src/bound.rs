@@ -8,18 +8,18 @@ use crate::pencil::Pencil;
 use models::common::elementary::Elementary;
 use std::f64::consts::PI;
 
-/// A finite supremum of the growth rate.
+/// Finite supremum of the growth rate over wave vectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Supremum {
-    /// S, 1/s.
+    /// Supremum S of Re ς, 1/s.
     pub rate: f64,
-    /// Where it is attained or approached.
+    /// Wave number at which it is attained or approached.
     pub place: Place,
     /// Direction of the wave vector there, rad, in [0, π).
     pub direction: f64,
 }
 
-/// Where a supremum lies.
+/// Wave number at which a supremum is attained or approached.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
     /// Attained at this wave number, 1/m.
@@ -33,21 +33,22 @@ pub enum Place {
 /// Relative tolerance to which the supremum is located.
 pub const TOLERANCE: f64 = 1e-5;
 
-/// Wave numbers are searched up to this many of the system's own units. Further out the rounding
-/// of the coefficients, times k², would be taken for growth.
-const GREATEST: f64 = 1e5;
-/// And down to this many where the background sets no length.
-const LEAST: f64 = 1e-16;
+/// Upper end of the searched wave numbers, in the scaled unit of the system. Beyond it the rounding of the
+/// coefficients, times k², would appear as growth.
+const MAX_WAVE_NUMBER: f64 = 1e5;
+/// Lower end of the searched wave numbers, in the scaled unit, for a uniform background.
+const MIN_WAVE_NUMBER: f64 = 1e-16;
 const STEPS: usize = 96;
 const DIRECTIONS: usize = 48;
 
-/// Locates S over k ≥ `least` (1/m; 0 for a uniform background) for a well-posed system.
+/// Locates the supremum of Re ς over all directions and k ≥ `least` (1/m; 0 for a uniform background) of a well-posed
+/// system.
 pub fn supremum(pencil: &Pencil, assessment: &Assessment, least: f64) -> Option<Supremum> {
     if assessment.verdict != Verdict::WellPosed {
         return None;
     }
     let unit = pencil.polynomial.wave_number;
-    let (low, high) = ((least / unit).max(LEAST).cr_ln(), GREATEST.cr_ln());
+    let (low, high) = ((least / unit).max(MIN_WAVE_NUMBER).cr_ln(), MAX_WAVE_NUMBER.cr_ln());
     if low >= high {
         return None;
     }
@@ -105,7 +106,7 @@ pub fn supremum(pencil: &Pencil, assessment: &Assessment, least: f64) -> Option<
     })
 }
 
-/// The greatest value near `start` and its place.
+/// Local maximum near `start` by the simplex method (Nelder & Mead 1965): value and position.
 fn simplex(f: impl Fn([f64; 2]) -> f64, start: [f64; 2], step: [f64; 2]) -> (f64, [f64; 2]) {
     let vertex = |x: [f64; 2]| (f(x), x);
     let mut s = [

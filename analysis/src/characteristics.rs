@@ -1,5 +1,5 @@
-//! Characteristic directions of the steady equations: real and complex roots of
-//! det(ξ₁ B¹ + ξ₂ B²) with `V A` put back into B.
+//! Characteristic directions of the steady equations: real and complex roots of det(ξ₁ B̃¹ + ξ₂ B̃²) with
+//! B̃ⁱ = Bⁱ + Vᵢ A.
 //!
 //! The determinant is the product over the irreducible blocks of the matrix's pattern of non-zero
 //! entries; each block is a group of unknowns, so each factor belongs to a family of
@@ -22,36 +22,36 @@ pub struct Characteristic {
     pub bound: f64,
     /// Multiplicity as a root of the whole determinant.
     pub multiplicity: usize,
-    /// The fields that jump across it, for instance "stress and velocity", or "streamline".
+    /// Family: the fields that may jump across the characteristic, such as "stress and velocity", or "streamline".
     pub family: String,
 }
 
 /// Type of the steady equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Type {
-    /// All roots are real.
+    /// Hyperbolic: all roots are real.
     Hyperbolic,
-    /// Some are.
+    /// Mixed: some roots are real.
     Mixed,
-    /// None is.
+    /// Elliptic: no root is real.
     Elliptic,
 }
 
 /// Characteristics of the steady equations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Characteristics {
-    /// The real ones, by ascending angle.
+    /// Real characteristics by ascending angle.
     pub real: Vec<Characteristic>,
-    /// The complex ones: tan of the complex angle of the characteristic, with the family.
+    /// Complex characteristics: tangent of the complex angle, with the family.
     pub complex: Vec<(Complex64, String)>,
     /// Families whose factor of the determinant vanishes identically, so that every direction is
     /// characteristic for them: convected fields in a material at rest.
     pub arbitrary: Vec<String>,
-    /// Type, by the roots that exist; `None` if there is none.
+    /// Type of the steady equations; `None` if the determinant has no roots.
     pub kind: Option<Type>,
 }
 
-/// Why there are no characteristics to speak of.
+/// Error: characteristics are not defined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoCharacteristics {
     /// Fewer equations than unknowns, or a pattern with a vanishing determinant.
@@ -59,10 +59,10 @@ pub enum NoCharacteristics {
     Indeterminate,
 }
 
-/// Finds the characteristics of a square system.
+/// Computes the characteristics of a square system.
 ///
 /// # Errors
-/// [`NoCharacteristics`] where the pattern of the matrix has no transversal.
+/// The nonzero pattern of the matrix is structurally singular (has no transversal).
 pub fn characteristics(system: &LinearisedSystem<2>) -> Result<Characteristics, NoCharacteristics> {
     if system.equations.len() != system.unknowns.len() {
         return Err(NoCharacteristics::Indeterminate);
@@ -106,7 +106,7 @@ pub fn characteristics(system: &LinearisedSystem<2>) -> Result<Characteristics, 
     Ok(found)
 }
 
-/// The two matrices Bⁱ + Vᵢ A, entry (row, column) → [first, second].
+/// The matrices Bⁱ + Vᵢ A of the steady equations; entry (row, column) holds both.
 fn steady(system: &LinearisedSystem<2>) -> Vec<Vec<[Rounded; 2]>> {
     let v = system.velocity.map(|v| if v == 0.0 { Rounded::ZERO } else { Rounded::given(v) });
     (0..system.equations.len())
@@ -188,16 +188,16 @@ fn irreducible_blocks(matrix: &[Vec<[Rounded; 2]>]) -> Option<Vec<(Vec<usize>, V
     Some(blocks)
 }
 
-/// det of a block as a form in (ξ₁, ξ₂), up to a positive factor.
+/// Determinant of a block as a binary form in (ξ₁, ξ₂), up to a positive factor.
 fn determinant(matrix: &[Vec<[Rounded; 2]>], rows: &[usize], columns: &[usize]) -> Option<Form> {
     let entry = |i: usize, j: usize| {
         let [first, second] = matrix[rows[i]][columns[j]];
         [Rounded::ZERO, first, second, Rounded::ZERO]
     };
-    polynomial::of_block(rows.len(), entry)?.pop().map(|term| term.form)
+    polynomial::block_determinant(rows.len(), entry)?.pop().map(|term| term.form)
 }
 
-/// Name of the fields of these columns.
+/// Name of the family of fields in `columns`.
 fn family(system: &LinearisedSystem<2>, columns: &[usize]) -> String {
     let mut names: Vec<&str> = columns.iter().map(|&c| system.unknowns[c].family).collect();
     names.sort_unstable();
@@ -230,7 +230,7 @@ fn merge(
     }
 }
 
-/// Along the velocity it is the streamlines that are characteristic.
+/// Renames characteristics along the velocity to "streamline".
 fn name_streamlines(system: &LinearisedSystem<2>, real: &mut [Characteristic]) {
     let [v1, v2] = system.velocity;
     if v1 == 0.0 && v2 == 0.0 {
@@ -251,8 +251,7 @@ fn name_streamlines(system: &LinearisedSystem<2>, real: &mut [Characteristic]) {
     }
 }
 
-/// The `count` roots with the greatest imaginary part of the direction, as tan of the
-/// characteristic's complex angle.
+/// The `count` roots farthest from the real axis, as tangents of the complex characteristic angle.
 fn complex_roots(form: &Form, count: usize) -> Vec<Complex64> {
     if count == 0 {
         return Vec::new();
@@ -264,8 +263,8 @@ fn complex_roots(form: &Form, count: usize) -> Vec<Complex64> {
     while polynomial.last().is_some_and(|c| c.norm() <= 1e-15 * size) {
         polynomial.pop();
     }
-    let mut found = roots::of(&polynomial);
-    // A complex direction is as far from real ones as the angle's imaginary part says.
+    let mut found = roots::solve(&polynomial);
+    // Distance of a complex direction from the real ones: the imaginary part of the angle.
     let off_real = |t: &Complex64| t.im.abs() / (1.0 + t.norm_sqr());
     found.sort_by(|a, b| off_real(b).total_cmp(&off_real(a)));
     found.truncate(count);

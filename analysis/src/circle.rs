@@ -7,9 +7,9 @@
 //! Γ(θ) = cos²θ Γ₁₁ + cos θ sin θ (Γ₁₂ + Γ₂₁) + sin²θ Γ₂₂,    Γᵢⱼ = M^(−½) Gⁱᵀ D Gʲ M^(−½).
 //! ```
 //!
-//! Two or three velocities carry waves, so that its eigenvalues cost less than a microsecond, and the
-//! circle is sampled every half degree. Sectors of flutter that are narrower are found at the directions
-//! handed over: those of the verdict, which comes from the exact polynomial.
+//! The matrix has two or three rows, its eigenvalues cost less than a microsecond, and the circle is sampled every half
+//! degree. Narrower sectors of flutter are found if a hint lies in them: the caller passes the directions of the
+//! verdict from the exact dispersion polynomial.
 
 use crate::search::{bisect, place_of_maximum, sectors};
 use crate::sphere::{Extremes, Flutter, Slowest};
@@ -22,17 +22,17 @@ use std::f64::consts::PI;
 
 /// Directions sampled over half a turn.
 const DIRECTIONS: usize = 360;
-/// (Im c²)² below this part of the square of the greatest |c²| is rounding: a double root moves by the
-/// square root of the rounding.
+/// Threshold of rounding for (Im c²)², relative to the largest |c²|²: a double root is perturbed by the square root of
+/// the rounding.
 const NO_FLUTTER: f64 = 1e-13;
-/// |c²| below this part of the greatest is rounding.
+/// Threshold of rounding for |c²|, relative to the largest |c²|.
 const NO_SPEED: f64 = 1e-13;
-/// Steps of halving: to the last bit of an angle.
+/// Number of bisection steps: to the last bit of an angle.
 const STEPS: usize = 60;
 
 /// The acoustic tensor of a solid in plane strain, for all directions.
 #[derive(Clone, Debug)]
-pub struct Circle {
+pub struct AcousticTensor2 {
     size: usize,
     /// Γ₁₁, Γ₁₂ + Γ₂₁, Γ₂₂, m²/s².
     terms: [Matrix3<f64>; 3],
@@ -40,9 +40,9 @@ pub struct Circle {
     unit: f64,
 }
 
-impl Circle {
-    /// Takes the rate equations of a solid. Velocities that no gradient strains (the spin of a reduced
-    /// Cosserat solid) carry no waves and are left out.
+impl AcousticTensor2 {
+    /// Assembles the acoustic tensor from the rate equations of a solid. Velocities whose gradients are not strains
+    /// (the spin of a reduced Cosserat solid) carry no waves and are omitted.
     pub fn new(equations: &RateEquations<2>) -> Self {
         let carries =
             |&v: &usize| equations.gradient.iter().any(|g| g.column(v).iter().any(|&x| x != 0.0));
@@ -101,7 +101,7 @@ impl Circle {
         ([all[0], all[1], all[2]], 3)
     }
 
-    /// The greatest |Im c| with its c², m/s and m²/s²; zero where no pair is complex.
+    /// Strongest flutter at `theta`: largest |Im c|, m/s, with its c², m²/s²; zero if no pair is complex.
     fn flutter(&self, theta: f64) -> (f64, Complex64) {
         let (values, size) = self.eigenvalues(theta);
         let is_complex =
@@ -113,7 +113,7 @@ impl Circle {
             .fold((0.0, Complex64::from(0.0)), |a, b| if b.0 > a.0 { b } else { a })
     }
 
-    /// The least real c², m²/s²; infinite where there is none.
+    /// Smallest real c² at `theta`, m²/s²; infinite if all are complex.
     fn least(&self, theta: f64) -> f64 {
         let (values, size) = self.eigenvalues(theta);
         let is_real =
@@ -121,7 +121,7 @@ impl Circle {
         values[..size].iter().filter(is_real).map(|value| value.re).fold(f64::INFINITY, f64::min)
     }
 
-    /// The strongest flutter and the slowest wave over all directions, those in `hints` (rad) among them.
+    /// Strongest flutter and slowest wave over all directions; `hints` (rad) are sampled in addition to the grid.
     pub fn search(&self, hints: &[f64]) -> Extremes {
         let angles: Vec<f64> = angles().chain(hints.iter().copied()).collect();
         let normal = |theta: f64| [theta.cr_cos(), theta.cr_sin(), 0.0];
@@ -138,23 +138,23 @@ impl Circle {
         Extremes { flutter, slowest }
     }
 
-    /// Sectors in which speeds are complex: first and last direction, rad, the first in \[0, π); an end
-    /// is found by halving. `[0, π]` where they are so all around.
+    /// Sectors of complex speeds: first and last direction, rad, the first in \[0, π); ends by bisection. `[0, π]` if
+    /// speeds are complex in all directions.
     pub fn flutter_sectors(&self) -> Vec<[f64; 2]> {
         let is_complex = |theta: f64| self.flutter(theta).0 > 0.0;
         sectors(angles(), PI / DIRECTIONS as f64, PI, STEPS, is_complex)
     }
 
     /// Whether some c² is zero in all directions.
-    pub fn is_always_still(&self) -> bool {
+    pub fn is_always_stationary(&self) -> bool {
         let (tolerance, offset) = (NO_SPEED * self.unit, 0.5 * PI / DIRECTIONS as f64);
         angles().all(|theta| self.least(theta + offset).abs() <= tolerance)
     }
 
-    /// Directions of the wave normal in which a speed vanishes, rad, in \[0, π), ascending: where a c²
-    /// touches zero or passes through it. None where one [always](Self::is_always_still) does.
+    /// Directions of the wave normal in which a speed vanishes, rad, in \[0, π), ascending: simple and double zeros of
+    /// c². Empty if a speed vanishes in [all directions](Self::is_always_stationary).
     pub fn vanishing(&self) -> Vec<f64> {
-        if self.is_always_still() {
+        if self.is_always_stationary() {
             return Vec::new();
         }
         let step = PI / DIRECTIONS as f64;
@@ -179,7 +179,7 @@ impl Circle {
                 }
             }
         }
-        // A zero that is touched is known to the square root of the rounding.
+        // A double zero is located to the square root of the rounding only.
         const SAME: f64 = 1e-5;
         for theta in &mut found {
             *theta = theta.rem_euclid(PI);
@@ -197,7 +197,7 @@ fn angles() -> impl Iterator<Item = f64> {
     (0..DIRECTIONS).map(|i| PI * i as f64 / DIRECTIONS as f64)
 }
 
-/// The angle of the greatest value: the best of `angles`, refined between its neighbours' distance.
+/// Angle of the maximum of `value`: the best of `angles`, refined by golden sections between its neighbours.
 fn greatest(value: impl Fn(f64) -> f64, angles: &[f64]) -> f64 {
     let step = PI / DIRECTIONS as f64;
     let (mut best, mut at) = (f64::NEG_INFINITY, 0.0);

@@ -4,11 +4,10 @@ use nalgebra::DMatrix;
 use nalgebra::linalg::Schur;
 use num_complex::Complex64;
 
-/// The eigenvalues, each to rounding of the largest; `None` if the norm of the matrix is not finite, or the iteration
-/// does not converge.
+/// Eigenvalues of a dense complex matrix by the Schur form (QR algorithm), each to rounding of the largest; `None` if
+/// the norm is not finite or the iteration does not converge.
 ///
-/// The iteration deflates by comparison with its diagonal, which eigenvalues of zero make vanish: it runs
-/// on the matrix plus its norm.
+/// Deflation compares with the diagonal, which vanishes for zero eigenvalues, so the matrix is shifted by its norm.
 pub(crate) fn eigenvalues(mut matrix: DMatrix<Complex64>) -> Option<Vec<Complex64>> {
     let shift = Complex64::from(matrix.norm());
     if !shift.is_finite() {
@@ -17,7 +16,7 @@ pub(crate) fn eigenvalues(mut matrix: DMatrix<Complex64>) -> Option<Vec<Complex6
     for i in 0..matrix.nrows() {
         matrix[(i, i)] += shift;
     }
-    // A unit in the last place is less than what rotations leave.
+    // Tolerance above the rounding of the rotations.
     let roots = Schur::try_new(matrix, 8.0 * f64::EPSILON, 10_000)?.eigenvalues()?;
     Some(roots.iter().map(|root| root - shift).collect())
 }

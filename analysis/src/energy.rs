@@ -1,8 +1,8 @@
-//! Is the energy of a solid conserved by its rate equations, and do its waves keep their size?
+//! Energy conservation of the rate equations of a solid, and growth of its waves.
 //!
-//! The elastic equations become symmetric by the symmetriser diag(M, D⁻¹), whose quadratic form is twice
-//! the energy density (Sadovskii & Sadovskaya 2019, "Elastic Cosserat continuum"). Shown here from the
-//! linearised system as the analysis takes it, not from how it was put together.
+//! The symmetriser diag(M, D⁻¹) makes the elastic equations symmetric hyperbolic; its quadratic form is twice
+//! the energy density (Sadovskii & Sadovskaya 2019, "Elastic Cosserat continuum"). Verified here from the
+//! linearised system as the analysis receives it, independent of its assembly.
 
 use crate::dense::eigenvalues;
 use models::LinearisedSystem;
@@ -14,32 +14,32 @@ use nalgebra::DMatrix;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Directions in which waves are looked at, and decades of wave numbers to both sides.
+/// Number of sampled directions, and of decades of wave numbers on both sides of the given one.
 const DIRECTIONS: usize = 40;
 const DECADES: i32 = 2;
 
-/// How well the energy is kept, all relative to the largest of what is compared.
+/// Defects of energy conservation, each relative to the largest of the compared numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Energy {
-    /// Least eigenvalue of the symmetriser of the elastic equations, over its diagonal: positive
-    /// where the energy is.
+    /// Smallest eigenvalue of the symmetriser of the elastic equations after scaling to unit diagonal: positive if the
+    /// energy is positive definite.
     pub definiteness: f64,
-    /// ‖A − Aᵀ‖ of the symmetriser A, or ‖B − Bᵀ‖ of the elastic equations times it: the greater.
+    /// Asymmetry: maximum of ‖A − Aᵀ‖ of the symmetriser A and ‖B − Bᵀ‖ of the symmetrised equations.
     pub asymmetry: f64,
-    /// ‖Q + Qᵀ‖, likewise.
+    /// Deviation ‖Q + Qᵀ‖ of the symmetrised source matrix from antisymmetry.
     pub antisymmetry: f64,
-    /// Greatest |Re ς|/|ς| of elastic waves of many lengths and directions.
+    /// Largest |Re ς|/|ς| of elastic waves over the sampled wave vectors.
     pub elastic_growth: f64,
-    /// The same while yielding.
+    /// Largest |Re ς|/|ς| of waves while yielding over the sampled wave vectors.
     pub growth: f64,
-    /// Unknowns of the rate equations.
+    /// Number of unknowns of the rate equations.
     pub unknowns: usize,
-    /// Roots that are zero at every wave number.
+    /// Number of roots that are zero at every wave number.
     pub zeros: usize,
 }
 
-/// Energies of the elastic equations from the linearised system itself, and growth over waves of four
-/// decades of wave numbers about `number` in forty directions.
+/// Measures energy conservation of the elastic equations from the linearised system, and growth over 40 directions and
+/// four decades of wave numbers around `number` (1/m).
 pub fn energy<const D: usize>(
     elastic: &RateEquations<D>,
     rates: &RateEquations<D>,
@@ -90,7 +90,7 @@ pub fn energy<const D: usize>(
     }
 }
 
-/// Greatest |Re ς|/|ς| over waves, in the units of energy given by `factor`.
+/// Largest |Re ς|/|ς| over the sampled waves, in energy coordinates given by the Cholesky factor `factor`.
 fn greatest_growth<const D: usize>(
     rates: &RateEquations<D>,
     factor: &DMatrix<f64>,

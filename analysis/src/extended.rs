@@ -1,6 +1,6 @@
-//! Numbers of twice the working precision, as unevaluated sums of two doubles (Dekker 1971).
+//! Double-double arithmetic: numbers of twice the working precision as unevaluated sums of two doubles (Dekker 1971).
 //!
-//! Only what the exact polynomial needs; no fused operations, so the bits are the same everywhere.
+//! Implements the operations of the exact polynomial only; no fused multiply-add, so bits are platform-independent.
 
 use std::ops::{Add, Mul, Neg};
 
@@ -9,24 +9,24 @@ use std::ops::{Add, Mul, Neg};
 pub struct Extended {
     /// Leading part: the value rounded to a double.
     pub high: f64,
-    /// The rest.
+    /// Trailing part: the remainder after rounding.
     pub low: f64,
 }
 
-/// Sum of two doubles and its rounding error (Knuth).
+/// Error-free sum of two doubles (TwoSum, Knuth 1969).
 fn two_sum(a: f64, b: f64) -> Extended {
     let high = a + b;
     let virtual_b = high - a;
     Extended { high, low: (a - (high - virtual_b)) + (b - virtual_b) }
 }
 
-/// The same where |a| ≥ |b| (Dekker).
+/// Error-free sum of two doubles with |a| ≥ |b| (FastTwoSum, Dekker 1971).
 fn fast_two_sum(a: f64, b: f64) -> Extended {
     let high = a + b;
     Extended { high, low: b - (high - a) }
 }
 
-/// Product of two doubles and its rounding error (Veltkamp, Dekker).
+/// Error-free product of two doubles (TwoProduct with Veltkamp's splitting, Dekker 1971).
 fn two_product(a: f64, b: f64) -> Extended {
     fn split(x: f64) -> (f64, f64) {
         let t = 134_217_729.0 * x; // 2²⁷ + 1

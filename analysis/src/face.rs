@@ -1,5 +1,6 @@
-//! The leading part of the dispersion polynomial as a polynomial in the root's coefficient c, with
-//! coefficients that are forms in (cos α, sin α): its special angles, and the greatest Re c.
+//! Face polynomials of the Newton polytope: the leading part of the dispersion polynomial as a polynomial in the
+//! coefficient c of a root ς ≈ c k^m, with binary forms in (cos α, sin α) as coefficients. Computes its special angles
+//! and the supremum of Re c over α.
 //!
 //! In a sector α is the direction of the wave vector; in a layer tan α is the scaled offset from a
 //! degenerate direction.
@@ -14,27 +15,27 @@ use num_complex::Complex64;
 use std::cell::OnceCell;
 use std::f64::consts::PI;
 
-/// Σ cⁱ Σ `coefficients[i][l]` cos^(r−l) sin^l.
+/// A face polynomial E(c, α) = Σ cⁱ Σ `coefficients[i][l]` cos^(r−l) α sin^l α.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Face {
+pub(crate) struct FacePolynomial {
     /// By ascending power of c; empty where there is none.
     pub(crate) coefficients: List<List<Value>>,
     collisions: OnceCell<List<f64>>,
 }
 
-/// Angles as near as this to one in which a coefficient vanishes are left to its layer.
+/// Angles closer than this (rad) to a zero of a coefficient belong to the layer around that zero.
 const APART: f64 = 1e-7;
-/// So near, sectors between collisions belong to the layer.
+/// Sectors between collisions closer than this (rad) to a zero of a coefficient belong to its layer.
 const BESIDE: f64 = 1e-4;
-/// How far a root may lie from the unit circle, or an angle from a real one, to be looked at.
+/// Distance from the unit circle, or of an angle from the real axis, within which a root is considered.
 const NEAR_CIRCLE: f64 = 1e-3;
-/// By how much (relative) the supremum is asked to be exceeded before the search ends.
+/// Relative increase of the level in each round of the supremum search; the search ends if it is not exceeded.
 const LEVEL: f64 = 1e-7;
 const ROUNDS: usize = 12;
-/// Where a grid of angles starts, in steps.
+/// Offset of the sampling angles from the axes, in steps.
 const OFF_AXES: f64 = 0.372_915_6;
 
-impl Face {
+impl FacePolynomial {
     pub(crate) fn new(coefficients: List<List<Value>>) -> Self {
         Self { coefficients, collisions: OnceCell::new() }
     }
@@ -65,7 +66,7 @@ impl Face {
         roots_of(&self.at(angle))
     }
 
-    /// Greatest Re c at an angle beyond rounding; 0 where none is positive.
+    /// Largest Re c at `angle`; 0 if no real part is positive beyond rounding.
     pub(crate) fn rate(&self, angle: f64) -> f64 {
         let growing = self.roots(angle).into_iter().filter(Root::grows);
         growing.map(|root| root.value.re).fold(0.0, f64::max)
@@ -76,7 +77,7 @@ impl Face {
         self.coefficients.iter().map(|form| form.len().saturating_sub(1)).max().unwrap_or(0)
     }
 
-    /// Angles in [0, π) in which the coefficient of a power of c vanishes.
+    /// Angles in [0, π) at which the coefficient of c^`power` vanishes.
     pub(crate) fn zeros_of_power(&self, power: usize) -> List<f64> {
         let form = &self.coefficients[power];
         let first = form.iter().take_while(|c| c.is_zero()).count();
@@ -85,20 +86,18 @@ impl Face {
             return List::new();
         }
         let plain: List<Complex64> = form[first..end].iter().map(|c| c.value).collect();
-        roots::of(&plain)
+        roots::solve(&plain)
             .into_iter()
             .filter(|t| t.im.abs() <= 1e-7 * t.norm())
             .map(|t| t.re.cr_atan().rem_euclid(PI))
             .collect()
     }
 
-    /// The greatest Re c over all angles in which no coefficient in `avoided` vanishes, with its
-    /// angle; `None` where it is not positive, or not bounded.
+    /// Supremum of Re c over all angles except `avoided`, with its angle; `None` if it is not positive or not bounded.
     ///
-    /// By level sets (Boyd & Balakrishnan 1990; Bruinsma & Steinbuch 1990): the angles in which some
-    /// root has Re c = s are among the zeros of a trigonometric polynomial, the resultant of E(c) and
-    /// its conjugate reflected in that line. Above the supremum there are none; below, the midpoints
-    /// between them lead up.
+    /// Level-set method of the H∞ norm (Boyd & Balakrishnan 1990; Bruinsma & Steinbuch 1990): the angles at which some
+    /// root has Re c = s are zeros of a trigonometric polynomial, the resultant of E(c) and of its conjugate reflected
+    /// in that line. Above the supremum there are none; below, the midpoints between neighbouring zeros increase s.
     pub(crate) fn supremum(&self, avoided: &[f64]) -> Option<(f64, f64)> {
         let nodes = self.degree() * self.width() + 1;
         let is_apart = |angle: f64, least: f64| {
@@ -137,7 +136,7 @@ impl Face {
             for (index, &left) in collisions.iter().enumerate() {
                 let right = collisions.get(index + 1).copied().unwrap_or(collisions[0] + PI);
                 let middle = 0.5 * (left + right);
-                // Next to where a coefficient vanishes the layer around it knows better.
+                // Angles close to a zero of a coefficient are left to its layer.
                 if is_apart(middle, BESIDE) {
                     consider(middle, &mut best);
                 }
@@ -167,8 +166,7 @@ impl Face {
         None
     }
 
-    /// The nearest maximum of Re c over the angle, upwards: zeros of its derivative by bisection
-    /// and secants.
+    /// Local maximum of Re c over the angle uphill from `start`: a zero of its derivative by bisection and secants.
     fn climb(&self, start: f64) -> (f64, f64) {
         let slope = |angle: f64| -> (f64, f64) {
             let Some(root) = self
@@ -229,7 +227,7 @@ impl Face {
         (slope(top).0, top)
     }
 
-    /// E_α/E_c at a root: minus dc/dα.
+    /// Derivative of a root with respect to the angle by implicit differentiation, E_α/E_c = −dc/dα.
     fn slope(&self, angle: f64, c: Complex64) -> Complex64 {
         let (sin, cos) = angle.cr_sin_cos();
         let (mut by_angle, mut by_root) = (Complex64::ZERO, Complex64::ZERO);
@@ -256,7 +254,7 @@ impl Face {
         by_angle / by_root
     }
 
-    /// Sum of the moduli of all terms at a root of that modulus.
+    /// Sum of the moduli of all terms at a root of modulus `modulus`, the scale of rounding.
     pub(crate) fn size(&self, modulus: f64) -> f64 {
         let sum = |form: &List<Value>| form.iter().map(|f| f.size()).sum::<f64>();
         self.coefficients.iter().rev().fold(0.0, |total, form| total * modulus + sum(form))
@@ -307,8 +305,8 @@ impl Face {
         })
     }
 
-    /// Angles in [0, π), ascending, in which non-zero roots c may collide, but for roots that agree
-    /// everywhere: zeros of the discriminant of the different ones.
+    /// Angles in [0, π), ascending, at which nonzero roots c may collide: zeros of the discriminant, after removal of
+    /// roots that are multiple at all angles.
     pub(crate) fn collisions(&self) -> &[f64] {
         self.collisions.get_or_init(|| {
             let folded = self.folded();
@@ -318,14 +316,16 @@ impl Face {
         })
     }
 
-    /// The face as a polynomial in c^g with the greatest such g: roots of as many directions collide
-    /// together, which would make all zeros of the discriminant multiple.
-    fn folded(&self) -> Face {
+    /// The face polynomial in the variable c^g with the largest possible g: else g roots would collide together and all
+    /// zeros of the discriminant would be multiple.
+    fn folded(&self) -> FacePolynomial {
         let present = |form: &List<Value>| form.iter().any(|f| !f.is_zero());
         let powers = || self.coefficients.iter().enumerate().filter(|(_, f)| present(f));
         let lowest = powers().next().map_or(0, |(i, _)| i);
         let step = powers().fold(0, |g, (i, _)| gcd(g, (i - lowest) as i64)).max(1);
-        Face::new(self.coefficients[lowest..].iter().step_by(step as usize).cloned().collect())
+        FacePolynomial::new(
+            self.coefficients[lowest..].iter().step_by(step as usize).cloned().collect(),
+        )
     }
 
     fn zeros_of_discriminant(&self) -> List<f64> {
@@ -349,14 +349,14 @@ impl Face {
         })
     }
 
-    /// Number of different non-zero roots in a general direction.
+    /// Number of distinct nonzero roots at a generic angle.
     fn generic_roots(&self) -> Option<usize> {
         [0.2345, 1.3579, 2.2468].iter().map(|&angle| self.roots(angle).len()).max()
     }
 }
 
-/// Res_c(E(c), conj E(2s − conj c)) over its own size: vanishes where roots a, b (also a = b) have
-/// a + conj b = 2s. By elimination in Sylvester's matrix.
+/// Normalised resultant Res_c(E(c), conj E(2s − conj c)): vanishes if roots a, b (also a = b) have a + conj b = 2s. By
+/// Gaussian elimination of the Sylvester matrix.
 fn reflected_resultant(p: &[Complex64], level: f64) -> Complex64 {
     let n = p.len() - 1;
     // Coefficients of E(s + x) and of conj E at s − x.
@@ -403,8 +403,8 @@ fn reflected_resultant(p: &[Complex64], level: f64) -> Complex64 {
     determinant
 }
 
-/// Zeros in [0, π) of a trigonometric polynomial of period π, up to a factor exp(iNθ), with at most
-/// `terms` powers of z = exp 2iθ, from its values at as many angles.
+/// Zeros in [0, π) of a trigonometric polynomial of period π, up to a factor exp(iNθ), with at most `terms` powers of
+/// z = exp 2iθ, by interpolation from its values at `terms` angles.
 fn circle_zeros(terms: usize, f: impl Fn(f64) -> Complex64) -> List<f64> {
     // A power of exp iθ makes all exponents of z run from 0. The angles stay off the axes, where
     // coefficients often vanish.
@@ -428,7 +428,7 @@ fn circle_zeros(terms: usize, f: impl Fn(f64) -> Complex64) -> List<f64> {
         coefficients.pop();
     }
     let first = coefficients.iter().take_while(|c| c.norm() <= 1e-14 * greatest).count();
-    roots::of(&coefficients[first.min(coefficients.len())..])
+    roots::solve(&coefficients[first.min(coefficients.len())..])
         .into_iter()
         .filter(|z| (z.norm() - 1.0).abs() < NEAR_CIRCLE)
         .map(|z| (0.5 * cr_arg(z)).rem_euclid(PI))

@@ -1,13 +1,14 @@
-//! How fast short waves grow, in every direction: the verdict on a frozen state.
+//! Verdict on a frozen state: the asymptotic growth of short waves over all directions, by the Newton polygon of the
+//! dispersion polynomial.
 //!
 //! With P = Σ ςⁱ F_ij(κ₁, κ₂) the roots at wave number k → ∞ in a fixed direction are
 //! ς ≈ c k^m, where m runs through the slopes of the Newton polygon of the points (i, j) with
 //! F_ij ≠ 0 and c through the roots of the edge polynomials ([`newton`](crate::newton)). Signs of
 //! the F_ij at the corners of the polygon change only at their zeros, which are found exactly
-//! ([`Form::zeros`]); between them the worst direction is searched. Around each zero ("degenerate
-//! direction") lies a layer in which other terms decide (module `layers`).
+//! ([`Form::zeros`]); between them the worst direction is searched. In a layer around each zero ("degenerate
+//! direction") other terms dominate (module `layers`).
 
-use crate::face::Face;
+use crate::face::FacePolynomial;
 use crate::form::{self, Form, Zero};
 use crate::layers::{Collision, along, collisions_at, search_collision, search_layer};
 use crate::leading;
@@ -24,7 +25,7 @@ use models::common::elementary::{Elementary, cr_arg};
 use std::cell::OnceCell;
 use std::f64::consts::PI;
 
-/// Growth of the worst short waves, Re ς ≈ `coefficient` k^`order`.
+/// Asymptotic growth of the fastest growing short waves, Re ς ≈ `coefficient` k^`order`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Growth {
     /// Order in k.
@@ -36,26 +37,25 @@ pub struct Growth {
 /// The verdict on a frozen state.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// The growth rate is bounded uniformly over short waves of all directions.
+    /// The growth rate is bounded uniformly over all wave vectors.
     WellPosed,
-    /// It is not.
+    /// The growth rate is unbounded.
     IllPosed {
-        /// Order and coefficient; `None` where the growth rate is unbounded at finite wave
-        /// numbers already.
+        /// Order and coefficient; `None` if the growth rate is unbounded at finite wave numbers.
         growth: Option<Growth>,
         /// Angle of the wave vector, rad, in [0, π), at which it is approached.
         direction: f64,
     },
-    /// The quantity that decides is zero within its own rounding bound.
+    /// Undecided: the deciding quantity is zero within its rounding bound.
     Marginal {
-        /// What it is.
+        /// Name of the deciding quantity.
         quantity: String,
-        /// Its value (in scaled units).
+        /// Value of the quantity, in scaled units.
         value: f64,
-        /// Its rounding bound.
+        /// Rounding bound of the value.
         rounding: f64,
     },
-    /// det ≡ 0, or fewer equations than unknowns.
+    /// Singular pencil: det ≡ 0, or fewer equations than unknowns.
     Indeterminate {
         /// Generic rank of the pencil.
         rank: usize,
@@ -76,16 +76,16 @@ impl Verdict {
     }
 }
 
-/// A direction in which a leading coefficient vanishes.
+/// A degenerate direction: a leading coefficient vanishes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DegenerateDirection {
     /// Angle of the wave vector, rad, in [0, π).
     pub angle: f64,
-    /// Bound on its error, rad.
+    /// Bound on the error of the angle, rad.
     pub bound: f64,
 }
 
-/// A verdict with what it rests on.
+/// A verdict with its evidence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assessment {
     /// The verdict.
@@ -93,7 +93,7 @@ pub struct Assessment {
     /// The Newton polygon in a general direction: (order, number of roots) of the growing or
     /// decaying roots, largest order first; orders ≤ 0 are bounded and left out.
     pub orders: List<(Order, usize)>,
-    /// Directions in which a leading coefficient vanishes, ascending.
+    /// Degenerate directions, ascending.
     pub degenerate: List<DegenerateDirection>,
 }
 
@@ -102,10 +102,10 @@ struct Edge<'a> {
     order: Order,
     /// Terms on the edge, by descending power of ς.
     terms: List<&'a Term>,
-    face: OnceCell<Face>,
+    face: OnceCell<FacePolynomial>,
 }
 
-/// Judges the system that `pencil` holds.
+/// Assesses the linearised system in `pencil`.
 pub fn assess(pencil: &Pencil) -> Assessment {
     let mut assessment =
         Assessment { verdict: Verdict::WellPosed, orders: List::new(), degenerate: List::new() };
@@ -125,7 +125,7 @@ pub fn assess(pencil: &Pencil) -> Assessment {
         .map(|e| (e.order, e.terms[0].time - e.terms[e.terms.len() - 1].time))
         .collect();
 
-    // A form that is all rounding, but would stand above the polygon, decides and cannot be judged.
+    // A form that is zero within rounding but would lie above the polygon leaves the verdict open.
     if let Some(term) = doubtful.iter().find(|term| stands_above(term, &corners)) {
         let worst =
             |f: &Form| f.coefficients.iter().copied().max_by(|a, b| a.bound.total_cmp(&b.bound));
@@ -185,12 +185,11 @@ fn powers(term: &Term) -> (i64, i64) {
     (term.time as i64, term.form.degree() as i64)
 }
 
-/// Zeros of factors nearer to each other than this (rad) are found factor by factor.
+/// Distance (rad) below which zeros are computed factor by factor.
 const CLOSE: f64 = 1e-2;
 
-/// The zeros of all corner coefficients. Also of those off the growing edges: where they vanish, other
-/// edges may come to grow. Coefficients whose zeros lie close together are split into factors: zeros
-/// of one factor are well-conditioned however near those of another lie.
+/// Zeros of all corner coefficients of the Newton polygon, including corners off the growing edges: at their zeros
+/// other edges may grow. Coefficients with close zeros are split into factors, whose zeros are well-conditioned.
 fn zeros_of_corners(pencil: &Pencil, terms: &mut [Term], corners: &[(i64, i64)]) -> List<Zero> {
     let slope = |a: (i64, i64), b: (i64, i64)| [b.1 - a.1, a.0 - b.0];
     let mut all = List::new();
@@ -235,7 +234,7 @@ fn edges<'a>(terms: &'a [Term], corners: &[(i64, i64)]) -> List<Edge<'a>> {
         .collect()
 }
 
-/// Whether a term, were it not zero, would enter the part of the polygon with positive orders.
+/// Whether a term, if nonzero, would lie above the part of the polygon with positive orders.
 fn stands_above(term: &Term, corners: &[(i64, i64)]) -> bool {
     let (i, j) = (term.time as i64, term.form.degree() as i64);
     let Some(&(first, top)) = corners.first() else { return false };
@@ -249,12 +248,11 @@ fn stands_above(term: &Term, corners: &[(i64, i64)]) -> bool {
     })
 }
 
-/// A wave number, in the system's own units, taken for a general large one.
+/// A generic large wave number, in scaled units.
 const GENERAL: f64 = 1.37e3;
 
-/// A direction in which the coefficient of the highest power of ς vanishes at a finite wave number,
-/// however large, while a root that passes through infinity there has a positive real part; and
-/// whether that is certain.
+/// Finds a direction in which the coefficient of the highest power of ς vanishes at a finite wave number while a root
+/// with positive real part passes through infinity; returns the direction and whether this is certain.
 fn unbounded_at_finite_k(certain: &[Term], doubtful: &[Term]) -> Option<(f64, bool)> {
     let highest = certain.iter().map(|t| t.time).max()?;
     if doubtful.iter().any(|t| t.time == highest) {
@@ -312,8 +310,8 @@ fn unbounded_at_finite_k(certain: &[Term], doubtful: &[Term]) -> Option<(f64, bo
     doubt
 }
 
-/// Whether, at a general wave number, roots ς with positive real part become infinite as the wave
-/// vector turns into this direction.
+/// Whether, at a generic wave number, roots ς with positive real part tend to infinity as the wave vector approaches the
+/// direction `zero`.
 fn leads_to_infinity(certain: &[Term], highest: usize, zero: &Zero) -> bool {
     [1.0, -1.0].into_iter().any(|side: f64| {
         let mut terms = List::new();
@@ -333,14 +331,14 @@ fn leads_to_infinity(certain: &[Term], highest: usize, zero: &Zero) -> bool {
     })
 }
 
-/// Angle between two directions.
+/// Angle between two directions modulo π, rad.
 fn apart(a: f64, b: f64) -> f64 {
     let gap = (a - b).rem_euclid(PI);
     gap.min(PI - gap)
 }
 
 impl Edge<'_> {
-    /// Whether roots of this order may be neutral in a whole sector and yet grow at a lower order.
+    /// Whether roots of this edge may be neutral in a whole sector to leading order, but grow at a lower order.
     fn may_be_neutral(&self) -> bool {
         if self.terms.len() > 2 {
             return true;
@@ -356,8 +354,7 @@ impl Edge<'_> {
         [end(self.terms[0]), end(self.terms[self.terms.len() - 1])]
     }
 
-    /// For two terms, c^r = w: the greatest real part of a root c over its modulus, where F₀/F₁ has
-    /// the given sign.
+    /// For an edge of two terms, c^r = w: largest Re c/|c| over the roots, for F₀/F₁ of sign `sign`.
     fn greatest_cosine(&self, sign: f64) -> f64 {
         let [(i1, j1), (i0, j0)] = self.ends();
         let r = i1 - i0;
@@ -371,7 +368,7 @@ impl Edge<'_> {
             .fold(-1.0, f64::max)
     }
 
-    fn face(&self) -> &Face {
+    fn face(&self) -> &FacePolynomial {
         self.face.get_or_init(|| {
             let [(highest, _), (lowest, _)] = self.ends();
             let mut coefficients = list![List::new(); highest - lowest + 1];
@@ -379,7 +376,7 @@ impl Edge<'_> {
                 let turned = |&f: &Rounded| Value::turned(f, t.form.degree() as i64);
                 coefficients[t.time - lowest] = t.form.coefficients.iter().map(turned).collect();
             }
-            Face::new(coefficients)
+            FacePolynomial::new(coefficients)
         })
     }
 }
@@ -395,7 +392,7 @@ fn sectors(zeros: &[Zero]) -> List<(f64, f64)> {
         .collect()
 }
 
-/// The worst direction of an edge.
+/// Searches the direction of largest growth of an edge.
 fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
     if !worst.may_improve(edge.order) {
         return;
@@ -469,13 +466,13 @@ fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
     }
 }
 
-/// Directions tried between two degenerate ones for roots that are neutral to leading order.
+/// Number of sample directions between degenerate directions for roots that are neutral to leading order.
 const SAMPLES: usize = 12;
 
-/// Sectors thinner than this (rad) are not told from branches that nearly touch.
+/// Width (rad) below which sectors are not distinguished from branches that nearly touch.
 const WIDTH: f64 = 0.1;
 
-/// Growth of lower order of roots that are neutral to leading order in whole sectors.
+/// Searches lower-order growth of roots that are neutral to leading order in whole sectors, by Puiseux series.
 fn follow_neutral_roots(terms: &[Term], zeros: &[Zero], worst: &mut Worst) {
     let at = |angle: f64| {
         let mut list: List<Monomial, 32> = terms
@@ -528,7 +525,7 @@ fn follow_neutral_roots(terms: &[Term], zeros: &[Zero], worst: &mut Worst) {
     }
 }
 
-/// Growth around the directions in which neutral roots of an edge collide.
+/// Searches growth around the directions in which neutral roots of an edge collide.
 fn search_collisions(terms: &[Term], edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
     let face = edge.face();
     for &angle in face.collisions() {
@@ -548,7 +545,7 @@ fn search_collisions(terms: &[Term], edge: &Edge, zeros: &[Zero], worst: &mut Wo
     }
 }
 
-/// The verdict that follows from all that was found.
+/// Verdict from the accumulated worst growth and doubts.
 fn verdict(mut worst: Worst, pencil: &Pencil) -> Verdict {
     if let Some(order) = worst.missing() {
         worst.growth = None;

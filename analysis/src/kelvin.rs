@@ -1,10 +1,10 @@
-//! Plane waves in a homogeneous flow that carries them along (Kelvin 1887).
+//! Kelvin waves: plane waves advected by a homogeneous flow (Kelvin 1887).
 //!
-//! In v = Γx a wave exp(ik·x) of a uniform background stays one while its wave vector moves,
-//! k̇ = −Γᵀk, so that z(t) exp(ik(t)·x) solves the linearised equations exactly. Equations without time
-//! derivatives fall into two kinds: those that determine unknowns which do not evolve, and constraints on
-//! those which do, such as k·v = 0. A constraint is differentiated, k·v̇ = −k̇·v: the motion of k enters the
-//! evolution, which the frozen pencil does not see.
+//! In v = Γx a plane wave exp(ik·x) of a uniform background stays plane while its wave vector evolves by
+//! k̇ = −Γᵀk, so z(t) exp(ik(t)·x) solves the linearised equations exactly. The system is differential-algebraic:
+//! equations without time derivatives either determine algebraic unknowns or constrain differential ones, such as
+//! k·v = 0. Constraints are differentiated, k·v̇ = −k̇·v, so the rate of k enters the evolution, unlike in the frozen
+//! pencil.
 
 use models::LinearisedSystem;
 use models::common::elementary::Elementary;
@@ -12,31 +12,31 @@ use models::common::rounding::Rounded;
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 
-/// The evolution of a wave: ż = Gz of the unknowns that have time derivatives.
+/// Evolution ż = Gz of a Kelvin wave in the unknowns that have time derivatives.
 #[derive(Clone, Debug)]
 pub struct Evolution {
-    /// Their columns in the system.
+    /// Columns of the evolving unknowns in the system.
     pub evolving: Vec<usize>,
-    /// G, 1/s.
+    /// Rate matrix G, 1/s.
     pub rates: DMatrix<Complex64>,
-    /// Orthonormal columns: what the constraints leave.
+    /// Orthonormal basis of the subspace admitted by the constraints.
     admissible: DMatrix<Complex64>,
 }
 
-/// The wave vector of a wave in v = Γx after a time: exp(−Γᵀt) k, 1/m.
+/// Wave vector exp(−Γᵀt) k, 1/m, of a wave in v = Γx after the time t (s).
 pub fn wave_vector(gradient: [[f64; 2]; 2], wave: [f64; 2], time: f64) -> [f64; 2] {
     let matrix = nalgebra::Matrix2::from_fn(|i, j| -gradient[j][i] * time);
     (matrix.exp() * nalgebra::Vector2::from(wave)).into()
 }
 
-/// −Γᵀk, 1/(m·s).
+/// Rate of the wave vector k̇ = −Γᵀk, 1/(m·s).
 pub fn wave_vector_rate(gradient: [[f64; 2]; 2], wave: [f64; 2]) -> [f64; 2] {
     std::array::from_fn(|i| -(0..2).map(|j| gradient[j][i] * wave[j]).sum::<f64>())
 }
 
 impl Evolution {
-    /// Of a wave of vector k, 1/m, that changes at the rate k̇, 1/(m·s); with k̇ = 0 its eigenvalues on
-    /// what is admissible are the finite roots of the frozen pencil, less −ik·V.
+    /// Evolution of a wave with wave vector k (1/m) that changes at the `rate` k̇ (1/(m·s)). With k̇ = 0 the eigenvalues
+    /// of [`reduced`](Self::reduced) are the finite roots of the frozen pencil without −ik·V.
     ///
     /// `None` if the equations do not determine the evolution.
     pub fn new(system: &LinearisedSystem<2>, wave: [f64; 2], rate: [f64; 2]) -> Option<Self> {
@@ -97,13 +97,13 @@ impl Evolution {
         rates.iter().all(|entry| entry.is_finite()).then_some(Self { evolving, rates, admissible })
     }
 
-    /// The evolution on what the constraints leave, in an orthonormal basis that turns no more than they do.
+    /// Rate matrix on the admissible subspace, in an orthonormal basis.
     pub fn reduced(&self) -> DMatrix<Complex64> {
         self.admissible.adjoint() * &self.rates * &self.admissible
     }
 
-    /// Rates of [`reduced`](Self::reduced), 1/s, and the admissible waves that have them, of unit length; the
-    /// fastest growing one first. Empty if the iteration does not converge.
+    /// Eigenvalues (1/s) and unit eigenvectors of [`reduced`](Self::reduced), by descending growth rate. Empty if the
+    /// iteration does not converge.
     pub fn modes(&self) -> Vec<(Complex64, Vec<Complex64>)> {
         let (reduced, scales, unit) = balanced(self.reduced());
         let size = reduced.nrows();
@@ -123,14 +123,14 @@ impl Evolution {
     }
 }
 
-/// The course of a wave of vector `wave` (1/m) in v = Γx from its beginning: its unknowns that evolve at
-/// `count` even intervals of a time, s, the beginning included. By collocation of fifth order (Radau IIA;
-/// Hairer & Wanner 1996, IV.5), which takes decay however fast, in `steps` steps an interval.
+/// Integrates a Kelvin wave with initial wave vector `wave` (1/m) in v = Γx: values of the evolving unknowns at the ends
+/// of `count` equal time intervals, and at the beginning. Radau IIA collocation of fifth order (Hairer & Wanner 1996,
+/// IV.5), L-stable, with `steps` steps per interval.
 ///
-/// `system` gives the linearised equations at a time, s: a uniform mean flow may change while it goes on.
-/// Coefficients of constraints are taken as constant in time, as those of k·v = 0 are.
+/// `system` returns the linearised equations at a time (s), so the uniform mean flow may depend on time. Coefficients
+/// of constraints, as in k·v = 0, must not.
 ///
-/// `None` if the equations do not determine the evolution, or there are none at some time.
+/// `None` if the equations do not determine the evolution, or `system` returns none at some time.
 pub fn course(
     system: &dyn Fn(f64) -> Option<LinearisedSystem<2>>,
     gradient: [[f64; 2]; 2],
@@ -170,9 +170,9 @@ pub fn course(
     Some(all)
 }
 
-/// A square matrix A as D⁻¹AD/u with powers of two on the diagonal of D and for u, such that rows and columns of the
-/// result are of comparable size (Parlett & Reinsch 1969) and its greatest entry is about one; D and u. What A maps may
-/// have components of different units, which decide over no bit of the result.
+/// Balances a square matrix (Parlett & Reinsch 1969): returns D⁻¹AD/u, D and u, with powers of two in D and u, such that
+/// rows and columns have comparable norms and the largest entry is about one. So units of the unknowns do not affect
+/// the bits of results.
 fn balanced(mut matrix: DMatrix<Complex64>) -> (DMatrix<Complex64>, Vec<f64>, f64) {
     const ROUNDS: usize = 100;
     let size = matrix.nrows();
@@ -211,7 +211,7 @@ fn balanced(mut matrix: DMatrix<Complex64>) -> (DMatrix<Complex64>, Vec<f64>, f6
     (matrix.unscale(unit), scales, unit)
 }
 
-/// Orthonormal columns orthogonal to rows (Gram and Schmidt, twice), if there are any.
+/// Orthonormal basis of the orthogonal complement of `rows` (Gram–Schmidt with reorthogonalisation); `None` if empty.
 fn complement(rows: &[nalgebra::RowDVector<Complex64>], size: usize) -> Option<DMatrix<Complex64>> {
     let mut taken: Vec<nalgebra::DVector<Complex64>> = Vec::new();
     let mut left = Vec::new();

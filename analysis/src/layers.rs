@@ -1,12 +1,11 @@
-//! Growth in the layers around degenerate directions.
+//! Growth in the layers around degenerate directions, by the Newton polytope in root, direction and wave number.
 //!
-//! A chart is the polynomial in ς − ς₀ = x and an offset y of the wave vector from a direction, both
-//! small against what they are measured from, Σ value xⁱ yˡ k^j. Where x = O(k^m) and y = O(k^τ) the
-//! leading part is a facet of the Newton polytope of its points (i, l, j), a polynomial in x = c k^m
-//! and y = d k^τ. Its roots c grow, decay, or are neutral and followed by Puiseux series; where they
-//! vanish, become infinite or collide a further chart is opened.
+//! A chart is the dispersion polynomial in local coordinates: x = ς − ς₀, and the offset y of the wave vector from a
+//! direction, Σ value xⁱ yˡ k^j. With x = O(k^m) and y = O(k^τ) the leading part is a facet of the Newton polytope of
+//! the points (i, l, j), a polynomial in c and d with x = c k^m and y = d k^τ. Its roots c grow, decay, or are neutral
+//! and continued by Puiseux series; a further chart is opened where they vanish, become infinite or collide.
 
-use crate::face::Face;
+use crate::face::FacePolynomial;
 use crate::form::{Form, Zero};
 use crate::list::{List, list};
 use crate::newton::Order;
@@ -20,7 +19,7 @@ use num_complex::Complex64;
 use std::cell::RefCell;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Charts in charts.
+/// Maximum depth of nested charts.
 const DEPTH: usize = 4;
 
 /// A point of a chart.
@@ -33,7 +32,7 @@ struct Point {
     value: Value,
 }
 
-/// Where it lies, for what is reported.
+/// Location of a chart, for reports.
 #[derive(Clone, Copy)]
 pub(crate) struct Place {
     /// The degenerate direction, rad.
@@ -41,17 +40,18 @@ pub(crate) struct Place {
     depth: usize,
 }
 
+/// A polynomial in local coordinates (x, y) and k; see the module.
 struct Chart {
     points: List<Point, 64>,
     /// Common denominator of the powers of k.
     unit: i64,
-    /// Orders of x and y lie below these.
+    /// Upper bounds on the orders m of x and τ of y.
     below: Option<Order>,
     offset_below: Order,
 }
 
-/// Coefficients of κ^(d−l) κ⊥^l in axes along a degenerate direction: those in the axes as they stand,
-/// their bounds widened by what a turn by the direction's own bound does to them.
+/// Coefficients of κ^(d−l) κ⊥^l in axes along a degenerate direction, with bounds widened by the uncertainty of the
+/// direction.
 pub(crate) fn along(form: &Form, zero: &Zero) -> List<Rounded> {
     let axis = Rounded::exact(zero.angle);
     let turned = form.rotated(axis.cos(), axis.sin());
@@ -69,7 +69,7 @@ pub(crate) fn along(form: &Form, zero: &Zero) -> List<Rounded> {
         .collect()
 }
 
-/// The chart around a direction and ς = 0.
+/// Chart around a degenerate direction and ς = 0.
 fn chart(terms: &[Term], zero: &Zero) -> Chart {
     let mut points = List::new();
     for term in terms {
@@ -84,12 +84,12 @@ fn chart(terms: &[Term], zero: &Zero) -> Chart {
     Chart { points, unit: 1, below: None, offset_below: Order::new(1, 1) }
 }
 
-/// Growth in the layers around a direction in which some coefficient vanishes.
+/// Searches growth in the layers around a direction in which some coefficient vanishes.
 pub(crate) fn search_layer(terms: &[Term], zero: &Zero, worst: &mut Worst) {
     explore(&chart(terms, zero), Place { angle: zero.angle, depth: DEPTH }, worst);
 }
 
-/// Growth around a direction in which neutral roots ς ≈ c k^m collide.
+/// Searches growth around a direction in which neutral roots ς ≈ c k^m collide.
 pub(crate) fn search_collision(
     terms: &[Term],
     zero: &Zero,
@@ -104,7 +104,7 @@ pub(crate) fn search_collision(
 }
 
 impl Chart {
-    /// The chart in x − c k^m, m = `top`\[0\]/`top`\[1\]; the offsets below k^τ.
+    /// Chart in the shifted root x − c k^m, m = `top`\[0\]/`top`\[1\], for offsets below k^τ.
     fn moved_root(&self, top: (i64, i64), tau: Order, root: &Root) -> Chart {
         let order = Order::new(top.0, top.1);
         let unit = lcm(lcm(self.unit, order.denominator), tau.denominator);
@@ -133,7 +133,7 @@ impl Chart {
         Chart { points, unit, below: Some(order), offset_below: tau }
     }
 
-    /// The chart in y − d k^τ.
+    /// Chart in the shifted offset y − d k^τ.
     fn moved_offset(&self, tau: Order, d: f64, bound: f64) -> Chart {
         let unit = lcm(self.unit, tau.denominator);
         let across = tau.numerator * (unit / tau.denominator);
@@ -180,7 +180,7 @@ struct Facet {
 }
 
 fn explore(chart: &Chart, place: Place, worst: &mut Worst) {
-    // In the middle itself.
+    // The degenerate direction itself, y = 0.
     let line: List<Monomial, 32> = chart
         .points
         .iter()
@@ -201,7 +201,8 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
     }
     let first = facet.points.iter().map(|p| p.y).min().unwrap_or(0);
     let width = facet.points.iter().map(|p| p.y).max().unwrap_or(0) - first;
-    let mut face = Face::new(list![list![Value::default(); width + 1]; highest - lowest + 1]);
+    let mut face =
+        FacePolynomial::new(list![list![Value::default(); width + 1]; highest - lowest + 1]);
     for p in &facet.points {
         face.coefficients[p.x - lowest][p.y - first] += p.value;
     }
@@ -233,7 +234,7 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
             .iter()
             .any(|z| [1e-3, -1e-3, 0.3, -0.3].iter().any(|offset| face.rate(z + offset) > 0.0))
         {
-            // Growth that is not bounded in this layer is that of a neighbour, or of one within.
+            // Growth unbounded in this layer belongs to a neighbouring or an inner layer.
             worst.expects(facet.order);
         }
     }
@@ -263,7 +264,7 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
         let d = angle.cr_tan();
         let terms = at_offset(chart, facet.offset, d);
         let mut growth = puiseux::growth(&terms.0, terms.1, chart.below);
-        // What this facet has is known better.
+        // Growth of this facet itself is known more accurately.
         growth.growth = growth.growth.filter(|(order, _)| *order < facet.order);
         if let Some((order, coefficient)) = growth.growth {
             worst.grows_in_layer(order, coefficient, place.angle);
@@ -289,7 +290,7 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
 #[derive(Clone, Copy, PartialEq)]
 struct Triangle([(usize, usize, u8); 3]);
 
-/// The triangle that a facet of three points becomes when c and d are scaled, and the scale of c.
+/// Normalises a facet of three points by scaling c and d; returns the triangle and the scale of c.
 fn triangle(facet: &Facet) -> Option<(Triangle, f64)> {
     let [p, q, r] = facet.points[..] else { return None };
     let lowest = |f: fn(&Point) -> usize| facet.points.iter().map(f).min().unwrap_or(0);
@@ -313,7 +314,7 @@ fn triangle(facet: &Facet) -> Option<(Triangle, f64)> {
 }
 
 impl Triangle {
-    /// The greatest Re c of its face, a number that is computed once for each thread.
+    /// Supremum of Re c of the face polynomial, cached per thread.
     fn supremum(self) -> Option<f64> {
         thread_local! {
             static KNOWN: RefCell<Vec<(Triangle, Option<f64>)>> = const { RefCell::new(Vec::new()) };
@@ -323,7 +324,8 @@ impl Triangle {
             let greatest = |f: fn(&(usize, usize, u8)) -> usize| self.0.iter().map(f).max();
             let degree = greatest(|p| p.0).unwrap_or(0);
             let width = greatest(|p| p.1).unwrap_or(0);
-            let mut face = Face::new(list![list![Value::default(); width + 1]; degree + 1]);
+            let mut face =
+                FacePolynomial::new(list![list![Value::default(); width + 1]; degree + 1]);
             for (x, y, n) in self.0 {
                 face.coefficients[x][y] += Value::turned(Rounded::ONE, n.into());
             }
@@ -342,7 +344,7 @@ fn offset_bound(angle: f64) -> f64 {
     1e-14 * (1.0 + angle.cr_tan().powi(2))
 }
 
-/// The terms at a fixed offset d k^τ.
+/// Terms of a chart at a fixed offset y = d k^τ.
 fn at_offset(chart: &Chart, tau: Order, d: f64) -> (List<Monomial, 32>, i64) {
     let unit = lcm(chart.unit, tau.denominator);
     let across = tau.numerator * (unit / tau.denominator);
@@ -359,7 +361,7 @@ fn at_offset(chart: &Chart, tau: Order, d: f64) -> (List<Monomial, 32>, i64) {
     (terms, unit)
 }
 
-/// A place where roots collide.
+/// An angle at which roots collide.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Collision {
     pub(crate) angle: f64,
@@ -368,12 +370,12 @@ pub(crate) struct Collision {
     pub(crate) is_sharp: bool,
 }
 
-/// The collisions of roots next to an angle: every multiple root at the angles that are found.
+/// Collisions of roots next to `angle`: all multiple roots, with refined angles.
 ///
-/// Roots that stay neutral all around cross and do not fold. Where n branches cross, ∂E/∂α and ∂E/∂c
-/// vanish after n − 2 derivatives by c, and do so simply while no two of them touch: Newton's iteration
-/// finds the place to full accuracy. On the axes the angle is exact, whatever the branches do.
-pub(crate) fn collisions_at(face: &Face, angle: f64) -> List<Collision> {
+/// Roots that are neutral on both sides cross; they do not fold. At a crossing of n branches ∂E/∂α and ∂E/∂c vanish
+/// together with their first n − 2 derivatives in c. This zero is simple unless two branches touch, so Newton's
+/// iteration locates it to full accuracy. On the axes the angle is exact.
+pub(crate) fn collisions_at(face: &FacePolynomial, angle: f64) -> List<Collision> {
     let mut found: List<Collision> = List::new();
     let mut include = |angle: f64, near: Option<Complex64>, is_sharp: bool| {
         for root in face.roots(angle).into_iter().filter(|r| r.multiplicity > 1) {
@@ -423,12 +425,17 @@ pub(crate) fn collisions_at(face: &Face, angle: f64) -> List<Collision> {
     found
 }
 
-/// So many steps take Newton's iteration from a zero of the discriminant to rounding, and two on.
+/// Number of Newton steps from a zero of the discriminant to rounding accuracy, with two in reserve.
 const NEWTON_STEPS: usize = 12;
 
-/// The angle next to `angle` in which `count` branches cross near the root c, that root, and whether they
-/// are known to rounding: convergence is quadratic but to where branches touch.
-fn crossing(face: &Face, angle: f64, c: Complex64, count: usize) -> Option<(f64, Complex64, bool)> {
+/// Locates the crossing of `count` branches near `angle` and the root c by Newton's iteration: angle, root, and whether
+/// convergence was quadratic (branches cross) and not linear (branches touch).
+fn crossing(
+    face: &FacePolynomial,
+    angle: f64,
+    c: Complex64,
+    count: usize,
+) -> Option<(f64, Complex64, bool)> {
     let (mut place, mut root) = (Complex64::from(angle), c);
     let mut steps = [f64::INFINITY; NEWTON_STEPS];
     let n = count as f64;
@@ -460,8 +467,8 @@ fn crossing(face: &Face, angle: f64, c: Complex64, count: usize) -> Option<(f64,
     holds.then_some((place.re, root, is_sharp))
 }
 
-/// Whether a multiple root is one at this angle alone.
-fn comes_apart(face: &Face, angle: f64, root: &Root) -> bool {
+/// Whether a multiple root splits at neighbouring angles.
+fn comes_apart(face: &FacePolynomial, angle: f64, root: &Root) -> bool {
     [1e-3, -1e-3].into_iter().any(|offset| {
         let distance = |r: &Root| (r.value - root.value).norm();
         let beside = face.roots(angle + offset);
@@ -470,7 +477,7 @@ fn comes_apart(face: &Face, angle: f64, root: &Root) -> bool {
     })
 }
 
-/// Facets of the polytope whose normal is (m, τ, 1) with m > 0 and τ within the chart's limits.
+/// Facets of the Newton polytope with normal (m, τ, 1), m > 0 and τ within the limits of the chart.
 fn facets(chart: &Chart) -> List<Facet> {
     // Of all points with equal x and y the one with the greatest power dominates.
     let mut points: List<&Point, 64> = List::new();

@@ -1,10 +1,9 @@
-//! The coefficients at the corners of the Newton polygon as products.
+//! Factorisation of the corner coefficients of the Newton polygon.
 //!
 //! With ς = O(k^m) for an m between the slopes that meet in a corner, every entry of
-//! ςA + κ₁B¹ + κ₂B² + C has a leading part, and the corner's coefficient is the determinant of
-//! those leading entries that take part in a transversal of the greatest order. Their pattern falls
-//! apart into blocks, and the determinant into the product of the blocks': for a granular flow, that
-//! of the stresses and that of the velocities.
+//! ςA + κ₁B¹ + κ₂B² + C has a leading part, and the corner coefficient is the determinant of the leading entries that
+//! lie on a transversal of maximal order. Their pattern decomposes into blocks, and the determinant into the product of
+//! the block determinants: for a granular flow, one of the stresses and one of the velocities.
 
 use crate::form::Form;
 use crate::list::{List, list};
@@ -13,8 +12,7 @@ use crate::scaling::ScaledSystem;
 use models::Rounded;
 use smallvec::smallvec;
 
-/// Factors of the corner coefficient for ς = O(k^m), m = `slope`\[0\]/`slope`\[1\]; none where the
-/// determinant does not fall apart.
+/// Factors of the corner coefficient for ς = O(k^m), m = `slope`\[0\]/`slope`\[1\]; empty if the pattern is irreducible.
 pub(crate) fn factors(scaled: &ScaledSystem, slope: [i64; 2]) -> List<Form, 4> {
     let system = &scaled.system;
     let n = system.equations.len();
@@ -89,7 +87,7 @@ pub(crate) fn factors(scaled: &ScaledSystem, slope: [i64; 2]) -> List<Form, 4> {
     let factor = |name: usize| {
         let rows: List<usize> = (0..n).filter(|&i| block[i] == name).collect();
         let columns: List<usize> = (0..n).filter(|&j| block[n + j] == name).collect();
-        let terms = polynomial::of_block(rows.len(), |i, j| {
+        let terms = polynomial::block_determinant(rows.len(), |i, j| {
             let (row, column) = (rows[i], columns[j]);
             match entries[row][column] {
                 Some((_, part)) if takes_part[row][column] => part,

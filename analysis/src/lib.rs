@@ -1,4 +1,4 @@
-//! From a linearised system to its roots, characteristics, growth and verdict.
+//! Well-posedness analysis: from a linearised system to its dispersion roots, characteristics, growth and verdict.
 //!
 //! The engine works on [`models::LinearisedSystem`] as data and knows no model:
 //!
@@ -6,20 +6,20 @@
 //! - [`polynomial`]: the exact dispersion polynomial det(ςA + κ₁B¹ + κ₂B² + C), κ = ik;
 //! - [`pencil`]: the roots ς at a given wave, by generalised eigenvalues and that polynomial;
 //! - [`characteristics`]: characteristic directions of the steady equations;
-//! - [`qz`], [`roots`], [`extended`]: small generalised eigenproblems, zeros of polynomials, twice the
-//!   working precision;
-//! - [`form`], [`newton`]: zeros of homogeneous forms in the direction, orders of growth;
-//! - [`growth`]: how fast short waves grow, in every direction: the verdict;
+//! - [`qz`], [`roots`], [`extended`]: generalised eigenvalues of small pencils by the QZ algorithm, zeros of polynomials
+//!   by Aberth's method, double-double arithmetic;
+//! - [`form`], [`newton`]: zeros of binary forms in the direction, Newton polygons and orders of growth;
+//! - [`growth`]: verdict by the Newton polygon, with Puiseux series in the layers around degenerate directions;
 //! - [`bound`]: the supremum of the growth rate, where it is finite;
-//! - [`circle`], [`sphere`]: flutter and shear bands of a yielding solid over all directions in the plane
-//!   and in space;
-//! - [`energy`]: what the symmetriser of a solid's equations shows;
-//! - [`kelvin`]: waves that a homogeneous flow carries along;
+//! - [`circle`], [`sphere`]: acoustic tensor of a yielding solid over all directions in the plane and in space: flutter
+//!   and shear bands;
+//! - [`energy`]: symmetriser and energy conservation of the equations of a solid;
+//! - [`kelvin`]: Kelvin waves, advected by a homogeneous flow;
 //! - [`waves`]: speeds, dispersion curves and forbidden bands of solids.
 //!
-//! On top of it stand the assessments of what [`models`] describes: [`flows`] and [`solids`].
+//! [`flows`] and [`solids`] assess the media of [`models`] with these tools.
 //!
-//! It knows no solver in time, no case and no file: what solvers show is held against it elsewhere.
+//! The crate depends on no time-domain solver, case or file format; crate `agreement` compares solvers with it.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
@@ -58,13 +58,13 @@ use sphere::SphereError;
 /// A system that cannot be analysed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AnalysisError {
-    /// Some coefficient overflowed.
+    /// A coefficient is not finite.
     #[error(
         "a coefficient of the linearised equations is not finite (equation \"{equation}\"): the \
          numbers of the case are too large or too small"
     )]
     NotFinite {
-        /// The equation it stands in.
+        /// Equation of the coefficient.
         equation: &'static str,
     },
     /// Too many equations for the exact polynomial.
@@ -72,19 +72,19 @@ pub enum AnalysisError {
     TooLarge(usize),
 }
 
-/// A state that cannot be assessed.
+/// Error of assessing a state.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StateError {
-    /// The model does not take it.
+    /// The model rejects the state.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// Its linearised equations cannot be analysed.
+    /// The linearised equations cannot be analysed.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
-    /// A yielding solid has no rate of response.
+    /// The rate response of a yielding solid is not defined.
     #[error(transparent)]
     NoResponse(#[from] NoResponse),
-    /// A solid in space cannot be searched.
+    /// The search over all directions in space failed.
     #[error(transparent)]
     Sphere(#[from] SphereError),
 }

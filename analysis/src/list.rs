@@ -1,9 +1,8 @@
-//! Short lists that live on the stack: judging a state takes hundreds of them.
+//! Short lists on the stack: assessing a state needs hundreds of them.
 
 use smallvec::SmallVec;
 
-/// A list with room for `N` items, long enough for what the models of this project lead to; longer
-/// ones move to the heap.
+/// A list of up to `N` items on the stack, enough for the models of this project; longer lists move to the heap.
 pub type List<T, const N: usize = 8> = SmallVec<[T; N]>;
 
 /// A [`List`] written like an array.

@@ -3,7 +3,7 @@
 use crate::list::List;
 use std::cmp::Ordering;
 
-/// A rational order of growth.
+/// A rational order of growth: the exponent m of ς ≈ c k^m.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Order {
     /// Numerator.
@@ -23,7 +23,7 @@ impl Order {
         Self { numerator: numerator / divisor, denominator: denominator / divisor }
     }
 
-    /// As a double.
+    /// The order as a double.
     pub fn value(self) -> f64 {
         self.numerator as f64 / self.denominator as f64
     }
@@ -41,7 +41,7 @@ impl PartialOrd for Order {
     }
 }
 
-/// Corners of the upper boundary of the Newton polygon of points (i, j), by descending i.
+/// Newton polygon: corners of the upper hull of points (i, j), by descending i.
 pub(crate) fn corners_of(points: impl Iterator<Item = (i64, i64)>) -> List<(i64, i64)> {
     let mut sorted: List<_, 64> = points.collect();
     // Of equal i only the greatest j counts.

@@ -1,9 +1,9 @@
 //! The roots ς of det(ςA + ik(cos θ B¹ + sin θ B²) + C) at a given wave.
 //!
 //! The pencil is equilibrated and its generalised eigenvalues are computed by the QZ algorithm;
-//! how many of them are finite follows from the degree of the exact polynomial, not from a
-//! threshold on the eigenvalues (an index-2 block leaves infinite ones that look finite). The
-//! finite ones are then polished on that polynomial.
+//! the number of finite eigenvalues follows from the degree of the exact polynomial, not from a
+//! threshold on the eigenvalues (a block of index 2 makes infinite eigenvalues appear finite). The
+//! finite eigenvalues are then refined on that polynomial.
 
 use crate::AnalysisError;
 use crate::list::List;
@@ -14,36 +14,36 @@ use models::LinearisedSystem;
 use models::common::elementary::Elementary;
 use num_complex::Complex64;
 
-/// The roots at one wave.
+/// Roots of the dispersion relation at one wave vector.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Roots {
-    /// The system determines finitely many.
+    /// Regular pencil: finitely many roots.
     Regular {
         /// The finite roots ς, 1/s, by descending real part.
         finite: Vec<Complex64>,
-        /// How many roots are infinite: algebraic equations.
+        /// Number of infinite roots, due to algebraic equations.
         infinite: usize,
     },
-    /// det ≡ 0, or fewer equations than unknowns: every ς is a root.
+    /// Singular pencil, det ≡ 0 or fewer equations than unknowns: every ς is a root.
     Singular {
         /// Generic rank of the pencil.
         rank: usize,
     },
 }
 
-/// Everything that the analysis derives from a system before it looks at a direction; keep one
-/// per thread and [`update`](Self::update) it.
+/// A linearised system prepared for analysis, independent of direction: scaled system and dispersion polynomial. Keep
+/// one per thread and [`update`](Self::update) it.
 #[derive(Clone, Debug, Default)]
 pub struct Pencil {
-    /// The system in its own units.
+    /// The system in scaled units.
     pub scaled: ScaledSystem,
-    /// Its dispersion polynomial; of no meaning where the system is not square.
+    /// Dispersion polynomial; undefined if the system is not square.
     pub polynomial: DispersionPolynomial,
     is_singular: bool,
 }
 
 impl Pencil {
-    /// Takes a system.
+    /// Replaces the system, reusing memory.
     ///
     /// # Errors
     /// See [`AnalysisError`].
@@ -108,7 +108,7 @@ impl Pencil {
         let size = self.scaled.system.equations.len();
         let count = self.polynomial.at_wave(k, direction).len() - 1;
         let mut guesses = self.generalised_eigenvalues(k, direction);
-        // Infinite ones last, whatever they look like.
+        // Infinite eigenvalues sort last.
         guesses.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
         guesses.truncate(count);
         let mut finite = self.polynomial.roots(k, direction, &guesses);
@@ -122,7 +122,7 @@ impl Pencil {
         self.generalised_eigenvalues_in(&mut Qz::default(), k, direction).to_vec()
     }
 
-    /// The same without allocation.
+    /// As [`generalised_eigenvalues`](Self::generalised_eigenvalues), in the memory of `qz`, without allocation.
     pub fn generalised_eigenvalues_in<'q>(
         &self,
         qz: &'q mut Qz,

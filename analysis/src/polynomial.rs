@@ -1,8 +1,8 @@
 //! The exact dispersion polynomial P(ς, κ₁, κ₂) = det(ςA + κ₁B¹ + κ₂B² + C), κ = ik.
 //!
-//! Its coefficients are real. They are expanded row by row over the sets of columns used so far
-//! (Laplace expansion with memory), in twice the working precision, together with a bound on what
-//! the rounding of the entries of A, Bⁱ, C may have done to each.
+//! Its coefficients are real. The determinant is expanded row by row over subsets of columns (Laplace expansion by
+//! dynamic programming) in double-double arithmetic, with a bound on the effect of the rounding of the entries of
+//! A, Bⁱ, C on each coefficient.
 
 use crate::extended::{Extended, ExtendedComplex};
 use crate::form::Form;
@@ -15,21 +15,21 @@ use models::{LinearisedSystem, Rounded};
 use num_complex::Complex64;
 use std::cell::RefCell;
 
-/// Greatest number of equations: the expansion takes 2ⁿ partial determinants.
+/// Maximum number n of equations: the expansion takes 2ⁿ partial determinants.
 pub const MAX_SIZE: usize = 10;
 
 /// A coefficient of the polynomial.
 #[derive(Clone, Copy, Debug, Default)]
 struct Coefficient {
-    /// The determinant's coefficient for the entries as they stand, to twice working precision.
+    /// Coefficient of the determinant of the stored entries, in double-double precision.
     value: Extended,
-    /// How far the rounding bounds of the entries may move it.
+    /// Error bound due to the rounding bounds of the entries.
     bound: f64,
-    /// How far the roundings of the expansion itself may.
+    /// Error bound due to rounding in the expansion itself.
     expansion: f64,
 }
 
-/// Relative error of a product and a sum in twice the working precision, generously.
+/// Upper bound on the relative error of a double-double product and sum.
 const EXTENDED_ROUNDOFF: f64 = 1e-30;
 
 impl Coefficient {
@@ -94,7 +94,7 @@ pub struct DispersionPolynomial {
     monomials: Monomials,
     /// Partial determinants, one block of coefficients per set of columns; the last is the whole.
     partial: Vec<Coefficient>,
-    /// Whether a set of columns has a transversal in the rows used so far.
+    /// Whether a subset of columns has a transversal in the rows used so far.
     is_reached: Vec<bool>,
     order: Vec<usize>,
     /// Unit of ς, 1/s.
@@ -270,14 +270,14 @@ impl DispersionPolynomial {
         let convection =
             Complex64::new(0.0, -k * (self.velocity[0] * cos + self.velocity[1] * sin));
         let guesses: Vec<_> = guesses.iter().map(|g| (g - convection) / self.rate).collect();
-        roots::of_extended(&coefficients, &guesses)
+        roots::solve_extended(&coefficients, &guesses)
             .into_iter()
             .map(|root| root * self.rate + convection)
             .collect()
     }
 }
 
-/// What [`of_block`] works with: one for each size, so that it is made once.
+/// Reusable memory of [`block_determinant`], one per size.
 #[derive(Default)]
 struct Block {
     system: LinearisedSystem<2>,
@@ -285,9 +285,9 @@ struct Block {
     polynomial: DispersionPolynomial,
 }
 
-/// The dispersion polynomial of a square block of coefficients, up to a positive factor; entry
-/// (i, j) gives those of A, B¹, B², C. `None` where it cannot be had.
-pub(crate) fn of_block(
+/// Dispersion polynomial of a square block, up to a positive factor; `entry` (i, j) returns the coefficients of A, B¹,
+/// B², C. `None` if a coefficient is not finite or the block is too large.
+pub(crate) fn block_determinant(
     size: usize,
     entry: impl Fn(usize, usize) -> [Rounded; 4],
 ) -> Option<List<Term, 24>> {
@@ -315,8 +315,8 @@ pub(crate) fn of_block(
 /// A term ςⁱ F(κ₁, κ₂) of the dispersion polynomial.
 #[derive(Clone, Debug)]
 pub struct Term {
-    /// The power i of ς.
+    /// Exponent i of ς.
     pub time: usize,
-    /// The form F, of degree j.
+    /// Binary form F of degree j.
     pub form: Form,
 }

@@ -1,6 +1,5 @@
-//! Puiseux series of the roots of a polynomial whose coefficients are powers of a large parameter,
-//! as far as it takes to see whether their real parts grow (Newton, Puiseux 1850; Walker 1950,
-//! chapter IV).
+//! Puiseux series of the roots of a polynomial whose coefficients are powers of a large parameter k, up to the first
+//! term with a nonzero real part (Newton; Puiseux 1850; Walker 1950, chapter IV).
 
 use crate::list::{List, list};
 use crate::newton::{Order, corners_of};
@@ -16,12 +15,12 @@ pub(crate) struct Monomial {
     pub(crate) value: Value,
 }
 
-/// A non-zero root of a polynomial.
+/// A nonzero root of a polynomial with multiplicity and error bound.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Root {
     pub(crate) value: Complex64,
     pub(crate) multiplicity: usize,
-    /// Bound on its error.
+    /// Bound on the error of the value.
     pub(crate) bound: f64,
 }
 
@@ -36,22 +35,22 @@ impl Root {
     }
 }
 
-/// Bounds wider than this fraction of a neutral root leave its real part open.
+/// Error bound, relative to a neutral root, above which the sign of its real part is undecided.
 pub(crate) const DOUBTFUL: f64 = 1e-7;
 
-/// Series are followed over so many terms.
+/// Maximum number of terms of a Puiseux series.
 const TERMS: usize = 6;
 
-/// What the roots of one polynomial do.
+/// Asymptotic growth of the roots of one polynomial.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Growth {
-    /// The greatest order with a positive real part, and that coefficient.
+pub(crate) struct RootGrowth {
+    /// Largest order with a positive real part, and the coefficient.
     pub(crate) growth: Option<(Order, f64)>,
-    /// Order at which a sign was lost in rounding, real part and its bound.
+    /// Order at which the sign of the real part is undecided, real part and its error bound.
     pub(crate) doubt: Option<(Order, f64, f64)>,
 }
 
-impl Growth {
+impl RootGrowth {
     fn grows(&mut self, order: Order, coefficient: f64) {
         let better = self.growth.is_none_or(|(o, c)| (order, coefficient) > (o, c));
         if better {
@@ -64,8 +63,7 @@ impl Growth {
     }
 }
 
-/// All roots but zero of Σ `polynomial[i]` xⁱ, those that agree within the bounds as one of higher
-/// multiplicity.
+/// Nonzero roots of Σ `polynomial[i]` xⁱ; roots that agree within their bounds are merged into a multiple root.
 pub(crate) fn roots_of(polynomial: &[Value]) -> List<Root> {
     let first = polynomial.iter().take_while(|c| c.is_zero()).count();
     let end = polynomial.iter().rposition(|c| !c.is_zero()).map_or(0, |last| last + 1);
@@ -80,7 +78,7 @@ pub(crate) fn roots_of(polynomial: &[Value]) -> List<Root> {
     };
     let polynomial = &polynomial[first..end];
     let plain: List<Complex64> = polynomial.iter().map(|c| c.value).collect();
-    let all = roots::of(&plain);
+    let all = roots::solve(&plain);
     let mut open = all.clone();
     let mut found = List::new();
     while let Some(root) = open.first().copied() {
@@ -116,8 +114,8 @@ pub(crate) fn roots_of(polynomial: &[Value]) -> List<Root> {
     found
 }
 
-/// The root of the given multiplicity near a place, if derivatives below vanish within their bounds;
-/// `lost` is what the polynomial may miss.
+/// A root of the given multiplicity near a point, if all lower derivatives vanish within their bounds; `lost` bounds the
+/// coefficients neglected in the polynomial.
 fn multiple_root(
     polynomial: &[Value],
     lost: impl Fn(Complex64) -> f64,
@@ -174,14 +172,20 @@ pub(crate) fn collect(terms: &mut List<Monomial, 32>) {
     terms.retain(|t| !t.value.is_zero());
 }
 
-/// What the roots of Σ `terms` do as k → ∞, those of order below `limit` (times D) alone.
-pub(crate) fn growth(terms: &[Monomial], unit: i64, limit: Option<Order>) -> Growth {
-    let mut result = Growth::default();
+/// Growth of the roots of Σ `terms` as k → ∞, restricted to roots of order below `limit` (times D).
+pub(crate) fn growth(terms: &[Monomial], unit: i64, limit: Option<Order>) -> RootGrowth {
+    let mut result = RootGrowth::default();
     follow(terms, unit, limit, TERMS, &mut result);
     result
 }
 
-fn follow(terms: &[Monomial], unit: i64, limit: Option<Order>, depth: usize, result: &mut Growth) {
+fn follow(
+    terms: &[Monomial],
+    unit: i64,
+    limit: Option<Order>,
+    depth: usize,
+    result: &mut RootGrowth,
+) {
     let corners = corners_of(terms.iter().map(|t| (t.x as i64, t.power)));
     for pair in corners.windows(2) {
         let ((i1, j1), (i0, j0)) = (pair[0], pair[1]);
@@ -222,7 +226,7 @@ fn follow(terms: &[Monomial], unit: i64, limit: Option<Order>, depth: usize, res
     }
 }
 
-/// The terms in y = x − c k^m, c a root of the edge of order m.
+/// Terms of the polynomial in y = x − c k^m, with a root c of the edge polynomial of order m.
 fn shift(terms: &[Monomial], unit: i64, order: Order, root: &Root) -> (List<Monomial, 32>, i64) {
     let unit_after = lcm(unit, order.denominator);
     let slope = order.numerator * (unit_after / order.denominator);

@@ -1,4 +1,4 @@
-//! The finite eigenvalues λ of a small dense pencil, L x = λ R x, without allocation.
+//! QZ algorithm: finite generalised eigenvalues λ of a small dense pencil, L x = λ R x, without allocation.
 //!
 //! Rows, columns and the unit of λ are scaled by powers of two first, as in
 //! [`scaling`](crate::scaling). Then three steps, of permutations and unitary rotations only, so
@@ -19,16 +19,17 @@ use std::ops::Range;
 type Matrix = [[Complex64; MAX_SIZE]; MAX_SIZE];
 
 const EPSILON: f64 = f64::EPSILON;
-/// A zero beside the greatest entry, which is near one; the fourth power does not underflow.
+/// Magnitude below which an entry counts as zero beside the largest entry, which is near one; its fourth power does not
+/// underflow.
 const ZERO: f64 = 1e-75;
-/// Steps allowed for one eigenvalue; two or three are usual.
+/// Maximum number of QZ steps per eigenvalue; two or three are typical.
 const STEPS: usize = 40;
 /// Sweeps of the equilibration.
 const SWEEPS: usize = 6;
 /// Stands for the logarithm of zero.
 const ABSENT: f64 = -1e6;
 
-/// A pencil and room for its eigenvalues; keep one per thread.
+/// Workspace of the QZ algorithm: a pencil and its eigenvalues. Keep one per thread.
 #[derive(Clone, Debug)]
 pub struct Qz {
     size: usize,
@@ -45,17 +46,17 @@ impl Default for Qz {
     }
 }
 
-/// The unitary matrix (c s; −s̄ c) that takes (f, g) to (r, 0).
+/// Complex Givens rotation (c s; −s̄ c) that maps (f, g) to (r, 0).
 #[derive(Clone, Copy)]
-struct Rotation {
+struct GivensRotation {
     c: f64,
     s: Complex64,
 }
 
-impl Rotation {
-    /// c = |f|/h, s = (f/|f|) ḡ/h, r = (f/|f|) h with h² = |f|² + |g|²; returns r as well.
+impl GivensRotation {
+    /// The rotation that annihilates g, and r: c = |f|/h, s = (f/|f|) ḡ/h, r = (f/|f|) h with h² = |f|² + |g|².
     #[inline(always)]
-    fn of(f: Complex64, g: Complex64) -> (Self, Complex64) {
+    fn annihilating(f: Complex64, g: Complex64) -> (Self, Complex64) {
         let (f2, g2) = (f.norm_sqr(), g.norm_sqr());
         if g2 <= ZERO * ZERO {
             return (Self { c: 1.0, s: Complex64::ZERO }, f);
@@ -235,8 +236,8 @@ impl Qz {
         Some(&mut self.values[..found])
     }
 
-    /// Splits infinite eigenvalues off until R has no exact zeros to show for them; returns the size
-    /// of the leading block that is left. With a unitary Q, a permutation P and R of rank r,
+    /// Deflates infinite eigenvalues while R is exactly singular; returns the size of the remaining leading block. With
+    /// a unitary Q, a permutation P and R of rank r,
     ///
     /// ```text
     /// Q L P = (L₁)    Q R P = (R₁)
@@ -256,7 +257,7 @@ impl Qz {
             for i in (rank..size).rev() {
                 for j in 0..i {
                     if left[i][j] != Complex64::ZERO {
-                        let (rotation, r) = Rotation::of(left[i][i], left[i][j]);
+                        let (rotation, r) = GivensRotation::annihilating(left[i][i], left[i][j]);
                         (left[i][i], left[i][j]) = (r, Complex64::ZERO);
                         rotation.columns(left, [i, j], 0..i);
                         rotation.columns(right, [i, j], 0..rank);
@@ -267,8 +268,7 @@ impl Qz {
         }
     }
 
-    /// Q R P = triangular, with the greatest remaining entry as the next pivot; returns how many are
-    /// not zero.
+    /// Pivoted QR factorisation of R by rotations, with the largest remaining entry as pivot; returns the rank.
     fn triangularise(&mut self, size: usize) -> usize {
         let (left, right) = (&mut self.left, &mut self.right);
         for k in 0..size {
@@ -292,7 +292,7 @@ impl Qz {
             }
             for i in k + 1..size {
                 if right[i][k] != Complex64::ZERO {
-                    let (rotation, r) = Rotation::of(right[k][k], right[i][k]);
+                    let (rotation, r) = GivensRotation::annihilating(right[k][k], right[i][k]);
                     (right[k][k], right[i][k]) = (r, Complex64::ZERO);
                     rotation.rows(right, [k, i], k + 1..size);
                     rotation.rows(left, [k, i], 0..size);
@@ -307,11 +307,11 @@ impl Qz {
         let (left, right) = (&mut self.left, &mut self.right);
         for j in 0..size.saturating_sub(2) {
             for i in (j + 2..size).rev() {
-                let (rotation, r) = Rotation::of(left[i - 1][j], left[i][j]);
+                let (rotation, r) = GivensRotation::annihilating(left[i - 1][j], left[i][j]);
                 (left[i - 1][j], left[i][j]) = (r, Complex64::ZERO);
                 rotation.rows(left, [i - 1, i], j + 1..size);
                 rotation.rows(right, [i - 1, i], i - 1..size);
-                let (rotation, r) = Rotation::of(right[i][i], right[i][i - 1]);
+                let (rotation, r) = GivensRotation::annihilating(right[i][i], right[i][i - 1]);
                 (right[i][i], right[i][i - 1]) = (r, Complex64::ZERO);
                 rotation.columns(right, [i, i - 1], 0..i);
                 rotation.columns(left, [i, i - 1], 0..size);
@@ -319,8 +319,7 @@ impl Qz {
         }
     }
 
-    /// The QZ iteration: the subdiagonal of L goes to zero, from the bottom. `None` where it does
-    /// not.
+    /// Single-shift QZ iteration: reduces the subdiagonal of L to zero, from the bottom. `None` if it does not converge.
     fn iterate(&mut self, size: usize, [left_norm, right_norm]: [f64; 2]) -> Option<()> {
         let (left, right) = (&mut self.left, &mut self.right);
         let (mut end, mut steps, mut exceptional) = (size, 0, Complex64::ZERO);
@@ -343,11 +342,11 @@ impl Qz {
                 (end, steps, exceptional) = (first, 0, Complex64::ZERO);
                 continue;
             }
-            // What rounding leaves of an infinite eigenvalue at the end.
+            // An infinite eigenvalue at the end, up to rounding.
             let (k, last) = (end - 2, end - 1);
             if l1(right[last][last]) <= singular {
                 right[last][last] = Complex64::ZERO;
-                let (rotation, r) = Rotation::of(left[last][last], left[last][k]);
+                let (rotation, r) = GivensRotation::annihilating(left[last][last], left[last][k]);
                 (left[last][last], left[last][k]) = (r, Complex64::ZERO);
                 rotation.columns(left, [last, k], first..last);
                 rotation.columns(right, [last, k], first..last);
@@ -371,19 +370,19 @@ impl Qz {
             // The rotation that takes the first column of (L − σR) R⁻¹ to a multiple of e₁ makes L
             // and R deviate from their forms; rotations from both sides chase that out.
             let x = left[first][first] - shift * right[first][first];
-            let mut next = Rotation::of(x, left[first + 1][first]);
+            let mut next = GivensRotation::annihilating(x, left[first + 1][first]);
             for k in first..end - 1 {
                 let (rotation, r) = next;
                 if k > first {
                     (left[k][k - 1], left[k + 1][k - 1]) = (r, Complex64::ZERO);
                 }
                 rotation.rows(right, [k, k + 1], k..end);
-                let (back, r) = Rotation::of(right[k + 1][k + 1], right[k + 1][k]);
+                let (back, r) = GivensRotation::annihilating(right[k + 1][k + 1], right[k + 1][k]);
                 rotation.rows(left, [k, k + 1], k..end);
                 (right[k + 1][k + 1], right[k + 1][k]) = (r, Complex64::ZERO);
                 back.columns(left, [k + 1, k], first..end.min(k + 3));
                 if k + 2 < end {
-                    next = Rotation::of(left[k + 1][k], left[k + 2][k]);
+                    next = GivensRotation::annihilating(left[k + 1][k], left[k + 2][k]);
                 }
                 back.columns(right, [k + 1, k], first..k + 1);
             }
@@ -438,7 +437,7 @@ fn l1(z: Complex64) -> f64 {
     z.re.abs() + z.im.abs()
 }
 
-/// The greater number, without what `f64::max` does for NaN.
+/// Maximum of two numbers, without the NaN handling of `f64::max`.
 #[inline(always)]
 fn greater(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
@@ -454,7 +453,7 @@ fn log2(z: Complex64) -> f64 {
     if size > 0.0 { log } else { ABSENT }
 }
 
-/// The nearest whole number, for moduli below 2⁵¹.
+/// Rounds to the nearest integer, for moduli below 2⁵¹.
 #[inline(always)]
 fn whole(x: f64) -> f64 {
     const SHIFT: f64 = 1.5 * (1u64 << 52) as f64;

@@ -1,4 +1,4 @@
-//! Roots of complex polynomials, all at once (Aberth 1973, Ehrlich 1967).
+//! All roots of a complex polynomial by simultaneous iteration (Aberth–Ehrlich method: Ehrlich 1967, Aberth 1973).
 
 use crate::extended::ExtendedComplex;
 use crate::list::{List, list};
@@ -8,7 +8,7 @@ use num_complex::Complex64;
 const ITERATIONS: usize = 200;
 
 /// All roots of Σ `coefficients[i]` xⁱ; the last coefficient must not vanish.
-pub fn of(coefficients: &[Complex64]) -> List<Complex64> {
+pub fn solve(coefficients: &[Complex64]) -> List<Complex64> {
     match coefficients {
         [] | [_] => List::new(),
         [c0, c1] => list![-c0 / c1],
@@ -27,10 +27,9 @@ pub fn of(coefficients: &[Complex64]) -> List<Complex64> {
     }
 }
 
-/// The same with coefficients of twice the working precision, so that the roots are those of the
-/// polynomial to nearly working precision even where they are ill-conditioned; `guesses` are used
-/// when there is one for each root.
-pub fn of_extended(coefficients: &[ExtendedComplex], guesses: &[Complex64]) -> List<Complex64> {
+/// All roots of a polynomial with double-double coefficients, so that even ill-conditioned roots are accurate to nearly
+/// working precision; `guesses` are used if there is one for each root.
+pub fn solve_extended(coefficients: &[ExtendedComplex], guesses: &[Complex64]) -> List<Complex64> {
     let rounded: List<_> =
         coefficients.iter().map(|c| Complex64::new(c.re.high, c.im.high)).collect();
     // Roots that are exactly zero are split off: nothing is left to iterate on.
@@ -166,7 +165,7 @@ mod tests {
             vec![c(1e-6, 2e-6), c(-4.0, 1.0), c(5e5, -7e5)],
             vec![c(1.0, 0.0), c(-1.0, 0.0), c(0.0, 1.0), c(0.0, -1.0), c(1e4, 3.0)],
         ] {
-            let found = of(&expand(&wanted));
+            let found = solve(&expand(&wanted));
             assert_eq!(found.len(), wanted.len());
             for w in &wanted {
                 let best = found.iter().map(|f| (f - w).norm()).fold(f64::MAX, f64::min);
@@ -182,7 +181,7 @@ mod tests {
         let e = |x: f64| crate::extended::Extended::from(x);
         let real = |re| ExtendedComplex { re, im: e(0.0) };
         let p = [real(e(1.0) + e(gap)), real(-(e(2.0) + e(gap))), real(e(1.0))];
-        let mut found: Vec<_> = of_extended(&p, &[]).iter().map(|r| r.re).collect();
+        let mut found: Vec<_> = solve_extended(&p, &[]).iter().map(|r| r.re).collect();
         found.sort_by(f64::total_cmp);
         assert!((found[0] - 1.0).abs() < 1e-15 && (found[1] - 1.0 - gap).abs() < 1e-15);
     }
@@ -190,7 +189,7 @@ mod tests {
     #[test]
     fn exact_zero_roots_are_exact() {
         let e = |x: f64| ExtendedComplex { re: x.into(), im: 0.0.into() };
-        let mut found = of_extended(&[e(0.0), e(0.0), e(-6.0), e(2.0)], &[]);
+        let mut found = solve_extended(&[e(0.0), e(0.0), e(-6.0), e(2.0)], &[]);
         found.sort_by(|a, b| a.re.total_cmp(&b.re));
         assert_eq!(found[..2], [Complex64::ZERO; 2]);
         assert!((found[2].re - 3.0).abs() < 1e-15);

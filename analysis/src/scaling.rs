@@ -1,4 +1,4 @@
-//! Units in which a linearised system has coefficients of comparable size.
+//! Equilibration of a linearised system: units in which its coefficients are of comparable size.
 //!
 //! Rows, columns, the unit of time and the unit of length are scaled by powers of two, so no bit
 //! of any coefficient is lost. The scales minimise the sum of squares of the logarithms of all
@@ -11,10 +11,10 @@ use models::common::elementary::Elementary;
 use models::common::system::Matrix;
 use smallvec::smallvec;
 
-/// A system in its own units: ς = `rate` ς̂, k = `wave_number` k̂.
+/// A system in scaled units: ς = `rate` ς̂, k = `wave_number` k̂.
 #[derive(Clone, Debug, Default)]
 pub struct ScaledSystem {
-    /// The coefficients, scaled. Its `velocity` is left in m/s.
+    /// The scaled coefficients. `velocity` stays in m/s.
     pub system: LinearisedSystem<2>,
     /// Unit of ς, 1/s.
     pub rate: f64,
@@ -28,13 +28,13 @@ pub struct ScaledSystem {
 pub(crate) struct Entry {
     pub row: usize,
     pub column: usize,
-    /// Which common factor multiplies it: 0 none, else that of `groups[group − 1]`.
+    /// Index of the common factor of the entry: 0 for none, else `groups[group − 1]`.
     pub group: usize,
     /// Base-two logarithm of its modulus.
     pub log: f64,
 }
 
-/// Scales that bring the given entries near one.
+/// Row, column and group scales that bring the entries near one.
 #[derive(Clone, Debug)]
 pub(crate) struct Scales {
     pub rows: List<f64>,
@@ -104,7 +104,7 @@ impl ScaledSystem {
                     if !(x.value.is_finite() && x.bound.is_finite()) {
                         return Err(AnalysisError::NotFinite { equation: system.equations[row] });
                     }
-                    // A coefficient that is all rounding noise says nothing of sizes.
+                    // Skip coefficients that are zero within rounding.
                     if x.value.abs() > x.bound {
                         self.entries.push(Entry {
                             row,

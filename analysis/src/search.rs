@@ -1,11 +1,11 @@
-//! Searches over one variable: golden section, bisection, sectors.
+//! One-dimensional searches: golden section, bisection, sectors.
 
 const RATIO: f64 = 0.618_033_988_749_894_9;
 
 /// An interval around a maximum, after golden sections.
 pub(crate) struct Bracket {
     ends: [f64; 2],
-    /// The two places inside with their values: [value, place].
+    /// The two inner points: [value, position].
     inner: [[f64; 2]; 2],
 }
 
@@ -15,7 +15,7 @@ impl Bracket {
         0.5 * (self.ends[0] + self.ends[1])
     }
 
-    /// The greater of the two values inside, and its place.
+    /// The larger of the two inner values, and its position.
     pub(crate) fn best(&self) -> [f64; 2] {
         let [x, y] = self.inner;
         if x[0] >= y[0] { x } else { y }
@@ -47,14 +47,14 @@ pub(crate) fn golden_section(
     Bracket { ends: [a, b], inner: [x, y] }
 }
 
-/// The place of the maximum of a function that has one in [a, b], to rounding.
+/// Position of the maximum of a unimodal function in [a, b], to rounding.
 pub(crate) fn place_of_maximum(f: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
     /// The interval shrinks to the rounding of its ends.
     const STEPS: usize = 60;
     golden_section(f, [a, b], STEPS, Some(1e-12)).middle()
 }
 
-/// The interval [low, high], halved `steps` times around a place where `holds` changes.
+/// Bisects [low, high] `steps` times around a point where `holds` changes.
 pub(crate) fn bisect(
     [mut low, mut high]: [f64; 2],
     steps: usize,
@@ -68,9 +68,8 @@ pub(crate) fn bisect(
     [low, high]
 }
 
-/// Sectors of a period in which something holds: their first and last angle, the first in the period, the
-/// ends found by bisection between the `samples` and those a `step` after. The whole period where it does
-/// all around.
+/// Sectors of a period in which a predicate holds, as first and last angle; ends by bisection between `samples` and the
+/// samples a `step` later. The whole period if the predicate holds at all samples.
 pub(crate) fn sectors(
     samples: impl Iterator<Item = f64>,
     step: f64,

@@ -1,10 +1,10 @@
-//! Complex numbers with a bound on their rounding.
+//! Complex numbers with a rounding-error bound.
 
 use models::Rounded;
 use num_complex::Complex64;
 use std::ops::{Add, AddAssign, Mul};
 
-/// Relative rounding of a complex product or sum, with room to spare.
+/// Upper bound on the relative rounding error of a complex product or sum.
 const UNIT: f64 = 4.0 * f64::EPSILON;
 
 /// A complex number known to within a distance of `bound`.
@@ -19,7 +19,7 @@ impl Value {
         Self { value, bound }
     }
 
-    /// Whether it may be zero.
+    /// Whether the number may be zero within its bound.
     pub(crate) fn is_zero(self) -> bool {
         self.value.norm() <= self.bound || self.value == Complex64::ZERO
     }

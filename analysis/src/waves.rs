@@ -6,11 +6,11 @@
 //! ς² M v̂ = −H* D H v̂,    M^(−½) H*DH M^(−½) = k²Γ + kN₁ + N₀,    ω² = −ς²:
 //! ```
 //!
-//! as many branches ω(k) as velocities; every other root of the rate equations is ς = 0, stress that
-//! no motion relieves. Γ is the acoustic tensor: its eigenvalues are the squared characteristic
-//! speeds c². Where D is symmetric the matrices are Hermitian and every ω² is real; otherwise
-//! c² may be complex (flutter) or negative (divergence). The relaxation R, of lower order, stands in
-//! [`roots`] alone.
+//! as many branches ω(k) of the dispersion relation as velocities; the other roots of the rate equations are ς = 0,
+//! self-equilibrated stresses. Γ is the acoustic tensor: its eigenvalues are the squared characteristic
+//! speeds c². For symmetric D the matrices are Hermitian and every ω² is real; otherwise
+//! c² may be complex (flutter) or negative (divergence). The relaxation R, of lower order, is included in
+//! [`roots`] only.
 
 use crate::dense;
 use crate::qz::Qz;
@@ -23,35 +23,35 @@ use num_complex::Complex64;
 
 type Matrix = DMatrix<Complex64>;
 
-/// Waves along one direction, split into families that do not see each other.
+/// Plane waves along one direction, split into decoupled families.
 #[derive(Clone, Debug)]
 pub struct Waves {
-    /// The families, in the order of their first velocity along (n, t₁, t₂).
+    /// Families in the order of their first velocity in the basis (n, t₁, t₂).
     pub families: Vec<Family>,
 }
 
-/// Waves whose velocities are coupled among themselves alone.
+/// A family of waves: velocities coupled with each other and decoupled from the rest.
 #[derive(Clone, Debug)]
 pub struct Family {
-    /// What moves.
+    /// Polarisation of the family.
     pub polarisation: Polarisation,
     /// Γ, N₁, N₀ of the family: [k², k, 1].
     by_power: [Matrix; 3],
     is_hermitian: bool,
 }
 
-/// What moves in a family of waves.
+/// Polarisation of a family of waves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Polarisation {
     /// Displacement along the wave vector.
     Longitudinal,
-    /// Displacement across it, with or without rotation across it.
+    /// Displacement normal to the wave vector, with or without microrotation.
     Transverse,
-    /// Rotation about an axis across it, without displacement.
+    /// Microrotation about an axis normal to the wave vector, without displacement.
     Rotation,
-    /// Rotation about the wave vector.
+    /// Microrotation about the wave vector.
     Torsion,
-    /// Several of these together.
+    /// Coupled motions of several kinds.
     Coupled,
 }
 
@@ -68,7 +68,7 @@ impl Polarisation {
     }
 }
 
-/// A branch at one wave number.
+/// One branch of the dispersion relation at one wave number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
     /// ω², rad²/s².
@@ -77,7 +77,7 @@ pub struct Mode {
     pub slope: Complex64,
 }
 
-/// An interval of frequencies in which no wave of a family propagates.
+/// Forbidden band: a frequency interval in which no wave of a family propagates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForbiddenBand {
     /// Lower end, rad/s.
@@ -95,8 +95,7 @@ enum Motion {
     SpinAcross,
 }
 
-/// Relative size below which a coupling, a speed or a frequency counts as zero: some hundred
-/// roundings of the largest entry.
+/// Relative size below which a coupling, speed or frequency counts as zero: a few hundred roundings of the largest entry.
 const NEGLIGIBLE: f64 = 1e-13;
 
 /// Squared characteristic speeds c² along the unit vector `normal`, m²/s², by descending real part.
@@ -110,9 +109,8 @@ pub fn squared_speeds<const D: usize>(
     all
 }
 
-/// All roots ς along the unit vector `normal` at the wave number `k` (1/m), 1/s, relaxation included:
-/// the eigenvalues of the first-order equations. Those that are zero within rounding are left out, of
-/// stresses that no motion relieves.
+/// All roots ς along the unit vector `normal` at the wave number `k` (1/m), 1/s, relaxation included: the eigenvalues of
+/// the first-order equations. Roots that are zero within rounding (self-equilibrated stresses) are omitted.
 pub fn roots<const D: usize>(
     equations: &RateEquations<D>,
     normal: [f64; D],
@@ -140,7 +138,7 @@ pub fn roots<const D: usize>(
 }
 
 impl Waves {
-    /// The waves along the unit vector `normal`.
+    /// Plane waves along the unit vector `normal`.
     pub fn along<const D: usize>(equations: &RateEquations<D>, normal: [f64; D]) -> Self {
         let (basis, motions) = basis(equations, normal);
         let mut gradient = DMatrix::zeros(equations.stresses(), equations.velocities());
@@ -231,7 +229,7 @@ fn axes<const D: usize>(normal: [f64; D]) -> [[f64; D]; D] {
     axes
 }
 
-/// Sets of velocities that no matrix couples to another set.
+/// Connected components of the velocities under the coupling of all matrices.
 fn components(by_power: &[Matrix; 3]) -> Vec<Vec<usize>> {
     let size = by_power[0].nrows();
     let couples = |i: usize, j: usize| {
@@ -295,7 +293,7 @@ impl Family {
             let step = 1e-5 * k;
             let [before, here, after] =
                 [k - step, k, k + step].map(|k| self.squared_frequencies(k));
-            // Conjugate pairs have no order: what is nearest goes on.
+            // Conjugate pairs have no natural order: match each to the nearest.
             let nearest = |list: &[Complex64], to: Complex64| {
                 let nearer = |a: Complex64, b: &Complex64| {
                     if (b - to).norm() < (a - to).norm() { *b } else { a }

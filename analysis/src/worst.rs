@@ -1,20 +1,20 @@
-//! The worst growth met so far, and what could not be judged.
+//! Accumulator of the largest growth and of undecided quantities during an assessment.
 
 use crate::newton::Order;
-use crate::puiseux::Growth;
+use crate::puiseux::RootGrowth;
 use std::f64::consts::PI;
 
-/// By how much a layer's coefficient must exceed that of the sectors beside it to be news: of equal
-/// order it is mostly theirs again.
+/// Factor by which the coefficient of a layer must exceed that of the neighbouring sectors at equal order, as it usually
+/// repeats theirs.
 const LAYER_EXCESS: f64 = 1.0 + 1e-6;
 
-/// The greatest growth met so far, and what could not be judged.
+/// Largest growth so far, and the first undecided quantity.
 #[derive(Default)]
 pub(crate) struct Worst {
     /// (order, scaled coefficient, direction)
     pub(crate) growth: Option<(Order, f64, f64)>,
     pub(crate) doubt: Option<(String, f64, f64)>,
-    /// Growth of more than this order must turn up.
+    /// Growth of a larger order than this must still be found.
     expected: Option<Order>,
 }
 
@@ -26,7 +26,7 @@ impl Worst {
         }
     }
 
-    /// Growth in a layer.
+    /// Records growth in a layer.
     pub(crate) fn grows_in_layer(&mut self, order: Order, coefficient: f64, direction: f64) {
         let again =
             self.growth.is_some_and(|(o, c, _)| o == order && coefficient < LAYER_EXCESS * c);
@@ -35,8 +35,8 @@ impl Worst {
         }
     }
 
-    /// Growth of roots in one direction.
-    pub(crate) fn takes(&mut self, found: Growth, direction: f64) {
+    /// Records the growth of roots in one direction.
+    pub(crate) fn takes(&mut self, found: RootGrowth, direction: f64) {
         if let Some((order, coefficient)) = found.growth {
             self.grows_in_layer(order, coefficient, direction);
         }
@@ -49,17 +49,17 @@ impl Worst {
         }
     }
 
-    /// Growth that increases towards a neighbouring layer.
+    /// Records that growth increases towards a neighbouring layer and so must exceed `order` there.
     pub(crate) fn expects(&mut self, order: Order) {
         self.expected = self.expected.max(Some(order));
     }
 
-    /// Whether growth of that order would count.
+    /// Whether growth of order `order` could exceed the largest so far.
     pub(crate) fn may_improve(&self, order: Order) -> bool {
         self.growth.is_none_or(|(known, _, _)| order >= known)
     }
 
-    /// Whether growth of some order below that one would count.
+    /// Whether growth of some order below `order` could exceed the largest so far.
     pub(crate) fn may_improve_below(&self, order: Order) -> bool {
         self.growth.is_none_or(|(known, _, _)| order > known)
     }
@@ -73,8 +73,8 @@ impl Worst {
         self.growth.is_none()
     }
 
-    /// Branches of neutral roots of that order touch next to an angle: growth of lower order depends on
-    /// whether they do so exactly.
+    /// Records that branches of neutral roots of order `order` touch near `angle` (rad): growth of lower order depends on
+    /// whether they touch exactly.
     pub(crate) fn doubts_contact(&mut self, order: Order, angle: f64) {
         self.doubts(
             format!(

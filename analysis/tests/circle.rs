@@ -13,7 +13,7 @@ use num_complex::Complex64;
 use std::f64::consts::PI;
 use support::slipping::Slipping;
 use support::states::{Random, seeded};
-use wellposed_analysis::circle::Circle;
+use wellposed_analysis::circle::AcousticTensor2;
 use wellposed_analysis::growth::{Verdict, assess};
 use wellposed_analysis::pencil::Pencil;
 use wellposed_analysis::waves::squared_speeds;
@@ -78,7 +78,7 @@ fn speeds_are_those_of_the_waves() {
     let mut worst = 0.0f64;
     for _ in 0..2000 {
         let Some(equations) = yielding(random) else { continue };
-        let circle = Circle::new(&equations);
+        let circle = AcousticTensor2::new(&equations);
         let angle = random.within(0.0, PI);
         let found = circle.squared_speeds(angle);
         let expected = squared_speeds(&equations, [angle.cos(), angle.sin()]);
@@ -114,7 +114,7 @@ fn verdict_and_speeds_agree() {
             Verdict::IllPosed { direction, .. } => Some(direction),
             _ => None,
         };
-        let extremes = Circle::new(&equations).search(hint.as_slice());
+        let extremes = AcousticTensor2::new(&equations).search(hint.as_slice());
         flutter += u32::from(extremes.flutter.is_some());
         let shear_band = extremes.slowest.speed_squared < -extremes.slowest.rounding;
         let grows = extremes.flutter.is_some() || shear_band;
@@ -151,7 +151,7 @@ fn sectors_of_flutter_end_where_the_discriminant_vanishes() {
             let [trace, determinant] = layer.invariants(angle);
             (trace * trace - 4.0 * determinant) / (trace * trace)
         };
-        for [from, to] in Circle::new(&layer.equations()).flutter_sectors() {
+        for [from, to] in AcousticTensor2::new(&layer.equations()).flutter_sectors() {
             sectors += 1;
             for (edge, inwards) in [(from, 1e-6), (to, -1e-6)] {
                 assert!(discriminant(edge + inwards) < 0.0, "{edge} of dilatancy {dilatancy}");
@@ -161,14 +161,14 @@ fn sectors_of_flutter_end_where_the_discriminant_vanishes() {
     }
     assert!(sectors >= 6, "{sectors}");
     let associated = Slipping { lambda: 1.0, alpha: 0.3, friction: 0.6, dilatancy: 0.6 };
-    assert!(Circle::new(&associated.equations()).flutter_sectors().is_empty());
+    assert!(AcousticTensor2::new(&associated.equations()).flutter_sectors().is_empty());
 }
 
 #[test]
 fn speeds_vanish_along_the_layer_and_where_the_determinant_does() {
     for dilatancy in [0.0, 0.3, 0.6, 0.9, 1.2, 1.5] {
         let layer = Slipping { lambda: 0.0, alpha: 0.1, friction: 1.5, dilatancy };
-        let found = Circle::new(&layer.equations()).vanishing();
+        let found = AcousticTensor2::new(&layer.equations()).vanishing();
         // Counted by changes of sign of the determinant less the double zero along the layer.
         let reduced = |i: i32| {
             let angle = (f64::from(i) + 0.5) * PI / 20_000.0;
@@ -191,7 +191,7 @@ fn brute_force_finds_nothing_worse() {
     while cases < 60 {
         let Some(equations) = yielding(random) else { continue };
         cases += 1;
-        let extremes = Circle::new(&equations).search(&[]);
+        let extremes = AcousticTensor2::new(&equations).search(&[]);
         let (mut growth, mut least) = (0.0f64, f64::INFINITY);
         for i in 0..2000 {
             let angle = PI * (f64::from(i) + 0.37) / 2000.0;
@@ -218,7 +218,7 @@ fn brute_force_finds_nothing_worse() {
 fn a_known_set_of_conditions() {
     // An elastic solid: two speeds, nothing vanishes, nothing flutters.
     let solid = Isotropic::new(1.0, 1.0, 1.0, None).expect("sound moduli");
-    let circle = Circle::new(&solid.rates::<2>());
+    let circle = AcousticTensor2::new(&solid.rates::<2>());
     let extremes = circle.search(&[]);
     assert!(extremes.flutter.is_none());
     assert!((extremes.slowest.speed_squared - 1.0).abs() < 1e-14);
@@ -232,7 +232,7 @@ fn a_known_set_of_conditions() {
     let list: Vec<_> = layout.all_stresses().collect();
     let stiffness = tangent(&solid.stiffness(layout.all_stresses()), &list, &active);
     let equations: RateEquations<2> = layout.rates(&stiffness.expect("response"), 1.0, 0.0);
-    let vanishing = Circle::new(&equations).vanishing();
+    let vanishing = AcousticTensor2::new(&equations).vanishing();
     assert_eq!(vanishing.len(), 2, "{vanishing:?}");
     for (angle, expected) in vanishing.iter().zip([0.25 * PI, 0.75 * PI]) {
         assert!((angle - expected).abs() < 1e-6, "{angle}");

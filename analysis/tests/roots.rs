@@ -13,7 +13,7 @@ use support::states::{Dilatancy, Sample, VARIANTS, reference, seeded, wild};
 use support::wide::{Wide, WideComplex};
 use wellposed_analysis::extended::ExtendedComplex;
 use wellposed_analysis::pencil::{Pencil, Roots};
-use wellposed_analysis::roots::{of as roots_of, of_extended as roots_of_extended};
+use wellposed_analysis::roots::{solve, solve_extended};
 
 const STATES: u64 = 12_000;
 
@@ -187,7 +187,7 @@ fn roots_of_symmetric_polynomials() {
                 .iter()
                 .map(|c| ExtendedComplex { re: c.re.into(), im: c.im.into() })
                 .collect();
-            for found in [roots_of(&rounded), roots_of_extended(&extended, &[])] {
+            for found in [solve(&rounded), solve_extended(&extended, &[])] {
                 for (found, wanted) in matched(&found, &wanted) {
                     let error = (found - wanted.to_c64()).norm();
                     assert!(error < 1e-10 * scale, "{scale:e} × {set:?}: {found} for {wanted:?}");

@@ -6,51 +6,49 @@ use crate::search::golden_section;
 use models::common::elementary::Elementary;
 use std::f64::consts::PI;
 
-/// Samples of the growth rate over directions, two per degree; layers around the degenerate ones are
-/// sampled in steps of equal ratio.
+/// Number of directions of a growth curve, two per degree; layers around degenerate directions are sampled
+/// geometrically in addition.
 const DIRECTIONS: usize = 360;
-/// Exponents of ten of the distances from a degenerate direction, degrees: first, step, number.
+/// Geometric samples in a layer: decimal exponents of the distance (degrees) from a degenerate direction, as first
+/// exponent, step, count.
 const LAYER: (f64, f64, usize) = (-9.0, 0.1, 90);
 
-/// Samples per decade of the wave number, and how many decades they reach to both sides of the given
-/// one.
+/// Samples per decade of the wave number, and number of decades on both sides of the given wave number.
 const PER_DECADE: i32 = 12;
 const DECADES: i32 = 4;
-/// How many decades they reach at most to the side of short waves, where the growth is to be seen on
-/// its asymptote.
+/// Maximum number of decades towards short waves, extended until the growth reaches its asymptote.
 const MOST_DECADES: i32 = 8;
-/// The growth is on its asymptote where their ratio differs from one by less than this.
+/// Relative difference from the asymptote below which growth counts as asymptotic.
 const ON_ASYMPTOTE: f64 = 0.02;
 /// Decades at the end of a curve to which an order is fitted.
 const FITTED_DECADES: i32 = 2;
 
-/// Directions at every wave number, and distances from a degenerate direction, rad, for the greatest
-/// growth rate: it is refined between them.
+/// Coarse samples of the direction at every wave number for the largest growth rate, refined between neighbours.
 const COARSE_DIRECTIONS: usize = 60;
 const COARSE_LAYER: (f64, f64, usize) = (-10.0, 1.0 / 3.0, 28);
-/// Peaks that are refined, and the number of steps.
+/// Number of refined peaks, and of golden-section steps.
 const PEAKS: usize = 3;
 const STEPS: usize = 28;
 
-/// The growth rates of a state at a wave number.
+/// Growth rates of a state at one wave number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AtWaveNumber {
-    /// The wave number, 1/m.
+    /// Wave number k, 1/m.
     pub number: f64,
-    /// Greatest Re ς of all roots in the direction of the case, 1/s.
+    /// Largest Re ς over the roots in the direction of the case, 1/s.
     pub growth_rate: f64,
     /// Supremum of Re ς over all directions, 1/s; infinite where growth is unbounded.
     pub greatest: f64,
-    /// Direction of the wave vector in which it is found, rad, in \[0, π).
+    /// Direction of the wave vector of the supremum, rad, in \[0, π).
     pub direction: f64,
 }
 
-/// An order of growth in the wave number that was fitted to a curve.
+/// Order of growth in the wave number, fitted to a growth curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FittedOrder {
     /// Slope of log Re ς against log k.
     pub order: f64,
-    /// The least and the greatest wave number of the fit, 1/m.
+    /// Smallest and largest wave number of the fit, 1/m.
     pub numbers: [f64; 2],
 }
 
@@ -66,8 +64,8 @@ pub fn by_direction(workspace: &Workspace, assessment: &Assessment, number: f64)
     degrees.into_iter().map(|d| [d, workspace.growth(number, d.to_radians())]).collect()
 }
 
-/// Decades of short waves beyond the given wave number that show the growth of the verdict on its
-/// asymptote, as far as can be.
+/// Number of decades beyond the given wave number needed to reach the asymptotic growth of the verdict, at most
+/// [`MOST_DECADES`].
 pub fn decades(workspace: &Workspace, assessment: &Assessment, number: f64) -> i32 {
     let Verdict::IllPosed { growth: Some(growth), .. } = assessment.verdict else { return DECADES };
     let directions = directions(assessment);
@@ -114,7 +112,7 @@ pub fn by_wave_number(
         .collect()
 }
 
-/// Greatest Re ς, 1/s; zero where it is no more than the rounding of the greatest root.
+/// Largest Re ς, 1/s; zero if it is below the rounding of the largest root.
 fn rate(workspace: &Workspace, k: f64, direction: f64) -> f64 {
     if !workspace.reaches(k) {
         return f64::NAN;
@@ -125,7 +123,7 @@ fn rate(workspace: &Workspace, k: f64, direction: f64) -> f64 {
     if rate.abs() <= 8.0 * f64::EPSILON * size { 0.0 } else { rate }
 }
 
-/// Directions, rad, ascending, that tell the layers around degenerate directions at all wave numbers.
+/// Sample directions, rad, ascending, dense enough in the layers around degenerate directions at all wave numbers.
 fn directions(assessment: &Assessment) -> Vec<f64> {
     let step = PI / COARSE_DIRECTIONS as f64;
     let mut directions: Vec<f64> = (0..COARSE_DIRECTIONS).map(|i| i as f64 * step).collect();
@@ -144,14 +142,14 @@ fn directions(assessment: &Assessment) -> Vec<f64> {
     directions
 }
 
-/// A direction and others on both sides of it at distances of equal ratio.
+/// A direction and geometrically spaced directions on both sides of it.
 fn around(centre: f64, (first, step, number): (f64, f64, usize)) -> impl Iterator<Item = f64> {
     let offsets = (0..number).map(move |i| 10f64.cr_powf(first + step * i as f64));
     offsets.flat_map(move |offset| [centre - offset, centre + offset]).chain([centre])
 }
 
-/// The greatest value of a function of period π, and where it is taken: the highest of its `samples`
-/// (ascending) refined between their neighbours.
+/// Maximum and its position of a function of period π: the highest of the ascending `samples`, refined between their
+/// neighbours.
 fn greatest(f: impl Fn(f64) -> f64, samples: &[f64]) -> [f64; 2] {
     let values: Vec<f64> = samples.iter().map(|&x| f(x)).collect();
     let count = samples.len();
@@ -173,8 +171,8 @@ fn greatest(f: impl Fn(f64) -> f64, samples: &[f64]) -> [f64; 2] {
     [value, place.rem_euclid(PI)]
 }
 
-/// The order m of Re ς ∝ k^m over the last decades of the greatest growth rate; `None` unless there
-/// is finite growth all along them.
+/// Fits the order m of Re ς ∝ k^m to the last decades of the largest growth rate; `None` unless all samples there are
+/// finite and positive.
 pub fn fitted_order(curve: &[AtWaveNumber]) -> Option<FittedOrder> {
     let last = curve.last()?.number;
     let first = last / 10f64.powi(FITTED_DECADES) * (1.0 - 1e-9);

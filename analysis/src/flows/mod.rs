@@ -1,4 +1,4 @@
-//! Flows: the verdict on a frozen state, and growth rates against direction and wave number.
+//! Analysis of granular flows: verdict on a frozen state, and growth rates against direction and wave number.
 
 pub mod growth_curves;
 
@@ -10,29 +10,29 @@ use models::flow::Model;
 use models::flow::state::{Background, Flow, State};
 use models::{ClosedForm, LinearisedSystem};
 
-/// How states are assessed from their linearised equations.
+/// Description of the model-blind method of assessment, for output.
 pub const FLOW_ROUTE: &str = "exact dispersion polynomial of the linearised equations, all directions (no model's closed form)";
 
-/// Memory for one state after another; one per thread.
+/// Reusable memory for assessing states one after another; use one per thread.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     /// The linearised equations of the last state.
     pub system: LinearisedSystem<2>,
-    /// Their pencil and dispersion polynomial.
+    /// Pencil and dispersion polynomial of the last state.
     pub pencil: Pencil,
 }
 
-/// The method that a verdict comes from.
+/// Method of a verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Route {
-    /// By a formula of the model.
+    /// Closed-form formula of the model.
     ClosedForm,
-    /// From the linearised equations as data.
+    /// Numerical analysis of the linearised equations, independent of the model.
     ModelBlind,
 }
 
 impl Route {
-    /// Both, in the order in which they are tried.
+    /// Both methods, in the order in which they are tried.
     pub const ALL: [Self; 2] = [Self::ClosedForm, Self::ModelBlind];
 
     /// Name in results.
@@ -45,7 +45,7 @@ impl Route {
 }
 
 impl From<ClosedForm> for Verdict {
-    /// The verdict that a formula of the model gives.
+    /// Converts the result of a closed-form formula.
     fn from(closed_form: ClosedForm) -> Self {
         match closed_form {
             ClosedForm::WellPosed => Self::WellPosed,
@@ -61,18 +61,18 @@ impl From<ClosedForm> for Verdict {
     }
 }
 
-/// A state of a flow, frozen.
+/// Result of assessing a frozen state of a flow.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "never kept in numbers")]
 pub enum FrozenState {
-    /// Fully deforming, and assessed.
+    /// The state yields (is fully deforming) and was assessed.
     Yielding {
         /// The background.
         flow: Flow,
         /// The verdict with its evidence.
         assessment: Assessment,
     },
-    /// Not fully deforming: there are no equations to assess.
+    /// The state does not yield: there are no equations to assess.
     NotYielding(Background),
 }
 
@@ -94,7 +94,7 @@ impl Workspace {
         Ok(FrozenState::Yielding { flow, assessment })
     }
 
-    /// Assesses a flow from its linearised equations, whatever the model.
+    /// Assesses a flow from its linearised equations, independent of the model.
     ///
     /// # Errors
     /// See [`AnalysisError`].
@@ -104,7 +104,7 @@ impl Workspace {
         Ok(growth::assess(&self.pencil))
     }
 
-    /// The verdict on a flow by a formula where one answers, else from the linearised equations.
+    /// Verdict on a flow by the closed form of the model if it decides, else from the linearised equations.
     ///
     /// # Errors
     /// See [`AnalysisError`].
@@ -119,14 +119,14 @@ impl Workspace {
         }
     }
 
-    /// Whether the powers of a wave number (1/m) in the dispersion polynomial of the last state hold
-    /// in doubles with room to spare.
+    /// Whether the powers of the wave number k (1/m) in the dispersion polynomial of the last state are far from
+    /// overflow and underflow.
     pub fn reaches(&self, k: f64) -> bool {
         (1e-30..1e30).contains(&(k / self.pencil.polynomial.wave_number))
     }
 
-    /// Greatest Re ς of the last state, 1/s, at the wave number `k` (1/m) and direction (rad); NaN
-    /// where there is no finite root, or where the wave is out of reach.
+    /// Largest Re ς of the last state, 1/s, at the wave number `k` (1/m) and `direction` (rad); NaN if there is no finite
+    /// root, or if [`reaches`](Self::reaches) is false for `k`.
     pub fn growth(&self, k: f64, direction: f64) -> f64 {
         if !self.reaches(k) {
             return f64::NAN;

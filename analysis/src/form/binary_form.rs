@@ -5,20 +5,19 @@ use models::Rounded;
 use models::common::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// A binary form of degree d by its d + 1 coefficients.
+/// A binary form (homogeneous polynomial in two variables) of degree d by its d + 1 coefficients.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Form {
-    /// Entry l belongs to κ₁^(d−l) κ₂^l.
+    /// Coefficients; entry l multiplies κ₁^(d−l) κ₂^l.
     pub coefficients: List<Rounded>,
-    /// The form as a product, where that is known: two factors that vanish next to each other
-    /// tell their zeros apart, the product of their coefficients does not. The coefficients of one
-    /// factor after the other, and where each ends.
+    /// Known factorisation of the form: factors resolve close zeros that the expanded coefficients do not. The
+    /// coefficients of one factor after the other, with their ends.
     pub(super) factors: List<Rounded>,
     pub(super) ends: List<usize, 4>,
 }
 
 impl Form {
-    /// The zero form of that degree.
+    /// The zero form of degree `degree`.
     pub fn zero(degree: usize) -> Self {
         Self { coefficients: list![Rounded::ZERO; degree + 1], ..Self::default() }
     }
@@ -27,14 +26,14 @@ impl Form {
         Self { coefficients: List::from_slice(coefficients), ..Self::default() }
     }
 
-    /// The coefficients of the factors that are known.
+    /// Coefficients of the known factors.
     pub(super) fn factors(&self) -> impl Iterator<Item = &[Rounded]> {
         let starts = [0].into_iter().chain(self.ends.iter().copied());
         starts.zip(&self.ends).map(|(start, &end)| &self.factors[start..end])
     }
 
-    /// Remembers that the form is the product of `factors`, up to a positive or negative constant;
-    /// does nothing if it turns out not to be.
+    /// Stores `factors` as factorisation of the form, up to a constant factor; ignored if their product is not
+    /// proportional to the form.
     pub fn factorise(&mut self, factors: &[Form]) {
         let product =
             |angle: f64| factors.iter().map(|f| f.at_angle(angle)).fold(Rounded::ONE, |a, b| a * b);
@@ -68,7 +67,7 @@ impl Form {
         self.coefficients.iter().any(|c| matches!(c.sign(), Some(1 | -1)))
     }
 
-    /// F(cos, sin).
+    /// Value F(cos θ, sin θ) with rounding bound, from cos θ and sin θ.
     pub fn at(&self, cos: Rounded, sin: Rounded) -> Rounded {
         if self.ends.is_empty() {
             return evaluate(&self.coefficients, cos, sin);
@@ -76,7 +75,7 @@ impl Form {
         self.factors().map(|f| evaluate(f, cos, sin)).fold(Rounded::ONE, |a, b| a * b)
     }
 
-    /// F at an angle that is meant literally.
+    /// Value F(cos θ, sin θ) with rounding bound at an exact angle θ, rad.
     pub fn at_angle(&self, angle: f64) -> Rounded {
         let angle = Rounded::exact(angle);
         self.at(angle.cos(), angle.sin())
@@ -101,7 +100,7 @@ impl Form {
         self.ends.clear();
     }
 
-    /// Whether the form vanishes exactly at this angle, which is one of the axes.
+    /// Whether the form vanishes exactly at `angle`, one of the axes.
     pub fn vanishes_on_axis(&self, angle: f64) -> bool {
         let zero = |c: Option<&Rounded>| c.is_some_and(|c| c.is_structural_zero());
         (angle == 0.0 || angle == PI) && zero(self.coefficients.first())
@@ -142,7 +141,7 @@ impl Form {
         result
     }
 
-    /// The form in axes turned by the angle with this cosine and sine: G(κ, κ⊥) with
+    /// The form in axes rotated by the angle with cosine `cos` and sine `sin`: G(κ, κ⊥) with
     /// κ₁ = cos κ − sin κ⊥, κ₂ = sin κ + cos κ⊥.
     pub fn rotated(&self, cos: Rounded, sin: Rounded) -> Self {
         let d = self.degree();

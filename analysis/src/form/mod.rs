@@ -1,4 +1,4 @@
-//! Binary forms F(κ₁, κ₂) = Σ f_l κ₁^(d−l) κ₂^l with rounding bounds, and where they vanish.
+//! Binary forms F(κ₁, κ₂) = Σ f_l κ₁^(d−l) κ₂^l with rounding bounds, and their zeros.
 
 mod binary_form;
 mod ratio;

@@ -1,4 +1,4 @@
-//! Directions in which a form vanishes.
+//! Zeros of a binary form: directions in which it vanishes, with error bounds.
 
 use super::binary_form::Form;
 use crate::list::{List, list};
@@ -15,7 +15,7 @@ pub struct Zero {
     pub angle: f64,
     /// Bound on the error of `angle`, rad.
     pub bound: f64,
-    /// Whether the form changes sign there; otherwise it touches zero within its rounding bound.
+    /// Whether the form changes sign at the zero; otherwise it touches zero within its rounding bound.
     pub crosses: bool,
 }
 
@@ -70,7 +70,7 @@ impl Form {
         while polynomial.last().is_some_and(|c| c.norm() <= 1e-14 * size) {
             polynomial.pop();
         }
-        roots::of(&polynomial).into_iter()
+        roots::solve(&polynomial).into_iter()
     }
 
     /// All directions in [0, π) in which the form crosses zero, or touches it within rounding.
@@ -136,7 +136,7 @@ impl Form {
         zeros
     }
 
-    /// The zeros of a form that powers of κ₁ and κ₂ divide exactly; none of another form.
+    /// Zeros of a form that is exactly divisible by powers of κ₁ or κ₂; `None` for other forms.
     fn zeros_beside_axes(&self) -> Option<List<Zero>> {
         let absent = |c: &&Rounded| c.is_structural_zero();
         let second = self.coefficients.iter().take_while(absent).count();
@@ -183,11 +183,11 @@ impl Form {
     }
 }
 
-/// The place of a zero that the form touches near its extremum at `angle`, and its rounding bound.
+/// Position and rounding bound of a multiple zero near the extremum at `angle`.
 ///
-/// Zeros of multiplicity m come apart by the m-th root of the rounding, and so do the extrema between
-/// them. They are one zero if there is a place near by at which all derivatives below the m-th are zero
-/// within rounding: a simple zero of the last of these, as accurate as any.
+/// Rounding splits a zero of multiplicity m by the m-th root of the rounding, and the extrema between the parts as
+/// well. The parts are one zero if all derivatives of order below m vanish within rounding at a nearby point: a simple
+/// zero of derivative m − 1, which is well-conditioned.
 fn touching(form: &Form, angle: f64) -> (f64, f64) {
     const NEAR: f64 = 0.03;
     let mut derivatives = list![form.clone()];
@@ -219,8 +219,8 @@ fn touching(form: &Form, angle: f64) -> (f64, f64) {
     (angle, (slope / curvature).min(1.0) + f64::EPSILON)
 }
 
-/// Sorts zeros of several factors; those that agree within their bounds become one, which crosses
-/// if an odd number of them does.
+/// Sorts the zeros of several factors and merges those that agree within their bounds; a merged zero crosses if an odd
+/// number of its parts does.
 pub fn merge(zeros: &mut List<Zero>) {
     zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));
     let near = |a: &Zero, b: &Zero, turn: f64| {

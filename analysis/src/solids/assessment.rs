@@ -1,12 +1,12 @@
-//! The verdict on a solid: are all speeds real, does any vanish, and is growth bounded?
+//! Verdict on a solid: hyperbolicity, flutter, shear bands and bounded growth.
 
 use super::angles_deg;
 use crate::StateError;
-use crate::circle::Circle;
+use crate::circle::AcousticTensor2;
 use crate::flows::Workspace;
 use crate::growth::{self, Assessment, Growth, Verdict};
 use crate::newton::Order;
-use crate::sphere::{self, Extremes, Flutter, RankOne, Slowest, Sphere, SphereError};
+use crate::sphere::{self, AcousticTensor3, Extremes, Flutter, RankOne, Slowest, SphereError};
 use crate::waves::squared_speeds;
 use models::common::elementary::Elementary;
 use models::common::rates::RateEquations;
@@ -16,33 +16,33 @@ use models::yield_set::tangent::NoResponse;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// How plane strain is assessed.
+/// Description of the method for plane strain, for output.
 pub const PLANE_ROUTE: &str = "exact dispersion polynomial of the rate equations, all directions; \
                                speeds from the acoustic tensor every half degree, then refined";
 
-/// How space is assessed.
+/// Description of the method in space, for output.
 pub const SPACE_ROUTE: &str = "acoustic tensor over the sphere, from a start fine enough for a cap \
                                of flutter of 1°, then refined by Newton's method";
 
-/// How elastic solids and those with associated flow without softening are assessed.
+/// Description of the method for elastic solids and associated flow without softening, for output.
 pub const SYMMETRIC_ROUTE: &str =
     "symmetric tangent stiffness: the rate equations are symmetric-hyperbolic";
 
 /// Type of the characteristic speeds of a solid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hyperbolicity {
-    /// All real; some may be zero.
+    /// All speeds are real; some may be zero.
     Hyperbolic,
-    /// Complex in some directions.
+    /// Flutter: complex speeds in some directions.
     Flutter,
-    /// Imaginary in some directions, c² < 0: beyond the onset of shear bands.
+    /// Shear bands: imaginary speeds in some directions, c² < 0.
     ShearBand,
-    /// Both.
+    /// Flutter in some directions and shear bands in others.
     FlutterAndShearBand,
 }
 
 impl Hyperbolicity {
-    /// All of them, in the order in which they are listed.
+    /// All types, in the order of listings.
     pub const ALL: [Self; 4] =
         [Self::Hyperbolic, Self::Flutter, Self::ShearBand, Self::FlutterAndShearBand];
 
@@ -56,7 +56,7 @@ impl Hyperbolicity {
         }
     }
 
-    /// The same in words.
+    /// Description for output.
     pub const fn words(self) -> &'static str {
         match self {
             Self::Hyperbolic => "real speeds in all directions",
@@ -66,7 +66,7 @@ impl Hyperbolicity {
         }
     }
 
-    /// What growth without bound comes from.
+    /// Cause of unbounded growth, for output.
     pub const fn cause(self) -> &'static str {
         match self {
             Self::Hyperbolic => "terms of lower order",
@@ -87,18 +87,18 @@ impl Hyperbolicity {
     }
 }
 
-/// The verdict on a solid with what it rests on.
+/// Verdict on a solid with its evidence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidAssessment {
     /// The verdict.
     pub verdict: Verdict,
-    /// Normal of the waves that grow fastest where it is ill-posed.
+    /// Wave normal of the fastest growth if ill-posed.
     pub normal: Option<[f64; 3]>,
-    /// Strongest flutter, slowest wave.
+    /// Strongest flutter and slowest wave over all directions.
     pub extremes: Extremes,
-    /// Type of the speeds.
+    /// Type of the characteristic speeds.
     pub hyperbolicity: Hyperbolicity,
-    /// The method.
+    /// Description of the method.
     pub route: &'static str,
 }
 
@@ -108,34 +108,33 @@ impl SolidAssessment {
         self.normal.map(angles_deg)
     }
 
-    /// Whether the speed of the slowest wave is zero within rounding: a stationary discontinuity, or slip
-    /// along layers.
+    /// Whether the slowest speed is zero within rounding: a stationary discontinuity, or slip along layers.
     pub fn is_stationary(&self) -> bool {
         self.extremes.slowest.speed_squared.abs() <= self.extremes.slowest.rounding
     }
 }
 
-/// The acoustic tensors over the sphere of the elastic solids met last, for all threads: they take a tenth of
-/// a second each, and serve every yield set and stress.
+/// Cache of acoustic tensors of the last elastic solids in space, shared by all threads: each takes 0.1 s to compute and
+/// serves every yield set and stress.
 #[derive(Default)]
 pub struct AcousticTensorCache {
-    latest: Mutex<VecDeque<(ElasticLaw, Arc<Sphere>)>>,
+    latest: Mutex<VecDeque<(ElasticLaw, Arc<AcousticTensor3>)>>,
 }
 
 impl AcousticTensorCache {
-    /// How many are kept: a map that sweeps a modulus meets one after the other, some threads at once.
+    /// Number of cached tensors: a map over a modulus uses one after the other, threads several at once.
     const KEPT: usize = 4;
 
     fn get(
         &self,
         elastic: ElasticLaw,
         rates: &RateEquations<3>,
-    ) -> Result<Arc<Sphere>, SphereError> {
+    ) -> Result<Arc<AcousticTensor3>, SphereError> {
         let lock = || self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, sphere)) = lock().iter().find(|(known, _)| *known == elastic) {
             return Ok(Arc::clone(sphere));
         }
-        let sphere = Arc::new(Sphere::new(rates)?);
+        let sphere = Arc::new(AcousticTensor3::new(rates)?);
         let mut latest = lock();
         latest.truncate(Self::KEPT - 1);
         latest.push_front((elastic, Arc::clone(&sphere)));
@@ -143,25 +142,25 @@ impl AcousticTensorCache {
     }
 }
 
-/// Assesses one solid after another; one per thread.
+/// Assesses solids one after another, reusing memory; use one per thread.
 pub struct SolidAssessor<'a> {
     /// The linearised equations of the plane solid assessed last.
     pub plane: Workspace,
     cache: &'a AcousticTensorCache,
-    /// The elastic solid in space of last time.
-    space: Option<(ElasticLaw, Arc<Sphere>, sphere::Workspace)>,
+    /// The last elastic solid in space.
+    space: Option<(ElasticLaw, Arc<AcousticTensor3>, sphere::Workspace)>,
 }
 
 impl<'a> SolidAssessor<'a> {
-    /// Shares the acoustic tensors with others.
+    /// An assessor that shares the acoustic tensors in `cache`.
     pub fn new(cache: &'a AcousticTensorCache) -> Self {
         Self { plane: Workspace::default(), cache, space: None }
     }
 
-    /// The verdict on a solid, and the assessment by its polynomial where that was what decided.
+    /// Verdict on a solid, and the assessment by the dispersion polynomial if that decided.
     ///
     /// # Errors
-    /// No rate of response; numbers that overflow.
+    /// The rate response is not defined, or numbers overflow.
     pub fn assess(
         &mut self,
         solid: &Solid,
@@ -178,7 +177,7 @@ impl<'a> SolidAssessor<'a> {
     ) -> Result<(SolidAssessment, Option<Assessment>), StateError> {
         let rates = solid.rates::<2>()?;
         if solid.keeps_energy() {
-            return Ok((energetic(Circle::new(&rates).search(&[])), None));
+            return Ok((energetic(AcousticTensor2::new(&rates).search(&[])), None));
         }
         let Workspace { system, pencil } = &mut self.plane;
         rates.linearise(system);
@@ -188,7 +187,7 @@ impl<'a> SolidAssessor<'a> {
             Verdict::IllPosed { direction, .. } => Some(direction),
             _ => None,
         };
-        let extremes = Circle::new(&rates).search(worst.as_slice());
+        let extremes = AcousticTensor2::new(&rates).search(worst.as_slice());
         let hyperbolicity = Hyperbolicity::from_extremes(&extremes);
         let mut normal = worst.map(|angle| [angle.cr_cos(), angle.cr_sin(), 0.0]);
         // What the polynomial leaves open in one direction is decided by complex or imaginary speeds in
@@ -253,7 +252,7 @@ impl<'a> SolidAssessor<'a> {
     }
 }
 
-/// The verdict on complex or imaginary speeds, and the normal of the fastest growth.
+/// Verdict from complex or imaginary speeds, with the wave normal of the fastest growth.
 fn grows(extremes: &Extremes) -> (Verdict, Option<[f64; 3]>) {
     let normal = match extremes.flutter {
         Some(Flutter { growth, normal, .. }) if growth >= extremes.growth() => normal,
@@ -265,7 +264,7 @@ fn grows(extremes: &Extremes) -> (Verdict, Option<[f64; 3]>) {
     (Verdict::IllPosed { growth: Some(growth), direction }, Some(normal))
 }
 
-/// The verdict on a solid that keeps its energy.
+/// Verdict on a solid that conserves or dissipates energy (symmetric-hyperbolic).
 fn energetic(mut extremes: Extremes) -> SolidAssessment {
     // Every c² is real and not negative: what is below zero is rounding.
     extremes.flutter = None;
@@ -279,8 +278,8 @@ fn energetic(mut extremes: Extremes) -> SolidAssessment {
     }
 }
 
-/// Of an isotropic solid: one direction stands for all. Waves of speed zero, the spins of a reduced
-/// Cosserat solid, are no waves.
+/// Slowest wave of an isotropic elastic solid, from one direction. Zero speeds of the spins of a reduced Cosserat solid
+/// are not counted.
 fn slowest_elastic(elastic: &RateEquations<3>) -> Extremes {
     let normal = [1.0, 0.0, 0.0];
     let speeds = squared_speeds(elastic, normal);

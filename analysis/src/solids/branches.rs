@@ -6,17 +6,17 @@ use models::elastoplastic::Solid;
 use models::yield_set::tangent::NoResponse;
 use num_complex::Complex64;
 
-/// Wave numbers of a curve.
+/// Number of wave numbers of a dispersion curve.
 const SAMPLES: usize = 600;
 
-/// Families of waves with the same dispersion, taken together.
+/// Families of plane waves with the same dispersion relation.
 #[derive(Clone, Debug)]
 pub struct BranchGroup {
     /// One of the families.
     pub family: Family,
-    /// Number of families.
+    /// Number of families with this dispersion relation.
     pub count: usize,
-    /// Frequencies at which none of these waves propagates.
+    /// Forbidden bands: frequency intervals in which no wave of the group propagates.
     pub bands: Vec<ForbiddenBand>,
     /// Whether ω² below zero is rounding.
     keeps_energy: bool,
@@ -28,21 +28,21 @@ pub struct BranchGroup {
 pub struct BranchPoint {
     /// Wave number k, 1/m.
     pub number: f64,
-    /// Re ω, rad/s.
+    /// Frequency Re ω, rad/s.
     pub frequency: f64,
-    /// |Im ω|, 1/s.
+    /// Growth rate |Im ω|, 1/s.
     pub growth_rate: f64,
-    /// Re ω/k, m/s.
+    /// Phase speed Re ω/k, m/s.
     pub phase_speed: f64,
-    /// Re dω/dk, m/s; 0 where Re ω is.
+    /// Group speed Re dω/dk, m/s; 0 if Re ω = 0.
     pub group_speed: f64,
 }
 
-/// The families of waves along the unit vector `normal`, of the elastic solid if `stays_elastic`; those whose
-/// frequencies are the same up to the wave number `greatest` (1/m) taken together.
+/// Families of plane waves along the unit vector `normal`, of the elastic solid if `stays_elastic`; families whose
+/// frequencies agree up to the wave number `greatest` (1/m) are grouped.
 ///
 /// # Errors
-/// There is no rate of response.
+/// The rate response of the yielding solid is not defined.
 pub fn branches(
     solid: &Solid,
     normal: [f64; 3],
@@ -95,7 +95,7 @@ impl BranchPoint {
 }
 
 impl BranchGroup {
-    /// Name of a branch, which is counted from the lowest.
+    /// Name of a branch, numbered from the lowest frequency.
     pub fn label(&self, branch: usize) -> String {
         let place = match (self.family.branches(), branch) {
             (1, _) => String::new(),
@@ -119,7 +119,7 @@ impl BranchGroup {
         curves
     }
 
-    /// Frequencies at k = 0 that are not zero, rad/s.
+    /// Nonzero cut-off frequencies (ω at k = 0), rad/s.
     pub fn cut_offs(&self) -> Vec<f64> {
         let squares = self.family.squared_cut_offs();
         let largest = squares.iter().map(|x| x.re).fold(0.0, f64::max);

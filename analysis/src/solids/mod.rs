@@ -1,4 +1,4 @@
-//! Solids: their plane waves, the verdict on them, and their speeds over all directions.
+//! Analysis of solids: plane waves, verdict, and characteristic speeds over all directions.
 
 mod assessment;
 mod branches;
@@ -15,8 +15,7 @@ pub use speeds::{DirectionalSpeeds, ZeroSpeed, slowest_speed};
 
 use models::common::elementary::Elementary;
 
-/// Direction in the plane, in [0, 180), and elevation above it, of a normal; degrees. Opposite normals are
-/// the same.
+/// Azimuth in [0, 180) and elevation of a normal, degrees; opposite normals are identified.
 pub fn angles_deg([x, y, z]: [f64; 3]) -> [f64; 2] {
     // Where a direction was found by search its last digits are noise.
     const NOISE: f64 = 1e-7;

@@ -5,10 +5,10 @@ use models::elastoplastic::Solid;
 use models::yield_set::tangent::NoResponse;
 use num_complex::Complex64;
 
-/// The waves along the unit vector `normal`, and those of the elastic solid if `stays_elastic`.
+/// Plane waves along the unit vector `normal`, of the elastic solid if `stays_elastic`.
 ///
 /// # Errors
-/// There is no rate of response.
+/// The rate response of the yielding solid is not defined.
 pub fn waves(solid: &Solid, normal: [f64; 3], stays_elastic: bool) -> Result<Waves, NoResponse> {
     if solid.dimensions == 2 {
         let [x, y, _] = normal;
@@ -21,10 +21,10 @@ pub fn waves(solid: &Solid, normal: [f64; 3], stays_elastic: bool) -> Result<Wav
 }
 
 /// The roots ς along the unit vector `normal` at the wave number `k` (1/m), 1/s, by descending real part;
-/// those that are always zero left out.
+/// roots that are zero at all k are omitted.
 ///
 /// # Errors
-/// There is no rate of response.
+/// The rate response of the yielding solid is not defined.
 pub fn roots(solid: &Solid, normal: [f64; 3], k: f64) -> Result<Vec<Complex64>, NoResponse> {
     let [x, y, _] = normal;
     let damped = match solid.dimensions {
@@ -38,7 +38,7 @@ pub fn roots(solid: &Solid, normal: [f64; 3], k: f64) -> Result<Vec<Complex64>, 
             .iter()
             .flat_map(|family| {
                 let squares = family.squared_frequencies(k);
-                // What is below zero while energy is kept is rounding.
+                // With energy conservation a negative ω² is rounding.
                 let is_kept = solid.keeps_energy();
                 squares.into_iter().map(move |square| match is_kept {
                     true => Complex64::from(square.re.max(0.0)),
@@ -53,11 +53,10 @@ pub fn roots(solid: &Solid, normal: [f64; 3], k: f64) -> Result<Vec<Complex64>, 
     Ok(all)
 }
 
-/// Greatest Re ς along the unit vector `normal` at the wave number `k` (1/m), 1/s; those that are always
-/// zero included.
+/// Largest Re ς along the unit vector `normal` at the wave number `k` (1/m), 1/s, including roots that are zero at all k.
 ///
 /// # Errors
-/// There is no rate of response.
+/// The rate response of the yielding solid is not defined.
 pub fn growth_rate(solid: &Solid, normal: [f64; 3], k: f64) -> Result<f64, NoResponse> {
     Ok(roots(solid, normal, k)?.iter().map(|root| root.re).fold(0.0, f64::max))
 }

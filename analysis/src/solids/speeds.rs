@@ -1,6 +1,6 @@
 //! Characteristic speeds of a solid against the direction in a plane, elastic and while yielding.
 
-use crate::circle::Circle;
+use crate::circle::AcousticTensor2;
 use crate::search::sectors;
 use crate::waves::squared_speeds;
 use models::common::elementary::Elementary;
@@ -10,12 +10,12 @@ use models::solid::stress::Stress;
 use models::yield_set::tangent::NoResponse;
 use num_complex::Complex64;
 
-/// Directions over half a turn, both ends included.
+/// Number of directions over half a turn, both ends included.
 const DIRECTIONS: usize = 721;
-/// Steps of halving of the end of a sector.
+/// Bisection steps for the end of a sector.
 const BISECTIONS: usize = 45;
-/// Parts of the greatest c² that count as zero: of a real part, and of an imaginary one, which a double
-/// root has by the square root of the rounding.
+/// Thresholds of zero relative to the largest c²: for real parts, and for imaginary parts, which a double root has by
+/// the square root of the rounding.
 const ZERO: f64 = 1e-12;
 const REAL: f64 = 1e-6;
 
@@ -25,8 +25,8 @@ type Speeds = Vec<Complex64>;
 /// Elastic squared speeds and those while yielding, at an angle in degrees.
 type Responses = dyn Fn(f64) -> (Speeds, Speeds);
 
-/// Squared characteristic speeds over half a turn in the plane of x₁ and x₂, or on a cone about x₃, and what
-/// they are.
+/// Squared characteristic speeds over half a turn in the plane of x₁ and x₂, or on a cone about x₃, with the sectors of
+/// flutter, imaginary and vanishing speeds.
 #[derive(Clone, Debug)]
 pub struct DirectionalSpeeds {
     /// Directions, degrees, with the squared speeds of the elastic solid and of the yielding one, m²/s², by
@@ -40,16 +40,16 @@ pub struct DirectionalSpeeds {
     pub vanishing: Vec<(f64, ZeroSpeed)>,
     /// Whether a speed vanishes in all directions.
     pub is_always_stationary: bool,
-    /// Greatest real part of the elastic c², m²/s².
+    /// Largest real part of the elastic c², m²/s².
     pub largest: f64,
 }
 
 /// The cause of a vanishing speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ZeroSpeed {
-    /// The layers across the wave normal slip.
+    /// Slip of the layers normal to the wave normal.
     Slip,
-    /// The onset of a shear band.
+    /// Stationary discontinuity: the onset of a shear band.
     StationaryDiscontinuity,
 }
 
@@ -67,16 +67,17 @@ impl DirectionalSpeeds {
     /// The number of directions of the [`curves`](Self::curves).
     pub const DIRECTIONS: usize = DIRECTIONS;
 
-    /// The speeds of a solid; in space those whose normals have this elevation above the plane of x₁ and x₂
-    /// (rad).
+    /// Speeds of a solid; in space for normals of `elevation` (rad) above the plane of x₁ and x₂.
     ///
     /// # Errors
-    /// There is no rate of response.
+    /// The rate response of the yielding solid is not defined.
     pub fn new(solid: &Solid, elevation: f64) -> Result<Self, NoResponse> {
         // Both responses at an angle in degrees.
         let (at, circle): (Box<Responses>, _) = if solid.dimensions == 2 {
-            let (elastic, circle) =
-                (Circle::new(&solid.elastic_rates()), Circle::new(&solid.rates()?));
+            let (elastic, circle) = (
+                AcousticTensor2::new(&solid.elastic_rates()),
+                AcousticTensor2::new(&solid.rates()?),
+            );
             let yielding = circle.clone();
             let at = move |degrees: f64| {
                 let angle = degrees.to_radians();
@@ -125,16 +126,16 @@ impl DirectionalSpeeds {
                 ends.map(|end| (end, ZeroSpeed::StationaryDiscontinuity)).collect()
             }
         };
-        let is_always_stationary = circle.is_some_and(|circle| circle.is_always_still());
+        let is_always_stationary = circle.is_some_and(|circle| circle.is_always_stationary());
         Ok(Self { curves, flutter, imaginary, vanishing, is_always_stationary, largest })
     }
 
-    /// Whether a squared speed is complex: its imaginary part is not of rounding.
+    /// Whether a squared speed is complex beyond rounding.
     pub fn is_complex(&self, c: &Complex64) -> bool {
         is_complex(c, self.largest)
     }
 
-    /// Whether the real part of a squared speed is not negative but for rounding.
+    /// Whether the real part of a squared speed is nonnegative up to rounding.
     pub fn is_not_negative(&self, c: &Complex64) -> bool {
         c.re >= -ZERO * self.largest
     }
@@ -144,7 +145,7 @@ fn is_complex(c: &Complex64, largest: f64) -> bool {
     c.im.abs() > REAL * largest
 }
 
-/// Why a speed vanishes whose normal has that angle (rad).
+/// Cause of a vanishing speed whose wave normal has the angle `angle` (rad).
 fn cause(solid: &Solid, angle: f64) -> ZeroSpeed {
     const NEAR: f64 = 1e-5; // a zero that is touched is known to the square root of the rounding
     let active = solid.plastic.iter().flat_map(|plastic| &plastic.active);

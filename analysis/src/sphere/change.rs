@@ -1,12 +1,12 @@
-//! α and β of a change of rank one in a direction.
+//! Rank-one update −αβᵀ of the acoustic tensor in a direction.
 
 use super::eigenbasis::{Basis, Groups, SIZE};
-use super::elastic_waves::Sphere;
+use super::elastic_waves::AcousticTensor3;
 use super::error::SphereError;
 use super::rank_one::RankOne;
 use super::secular_equation::{Secular, secular};
 
-/// Weights below this part of |α||β| count as zero.
+/// Threshold of zero for the weights w_g, relative to |α||β|.
 pub(super) const NO_WEIGHT: f64 = 1e-15;
 
 /// α and β as linear functions of the wave normal.
@@ -39,7 +39,7 @@ impl Change {
     }
 }
 
-impl Sphere {
+impl AcousticTensor3 {
     pub(super) fn change(&self, update: &RankOne) -> Result<Change, SphereError> {
         for vector in [&update.image, &update.covector] {
             if vector.len() != self.stresses {

@@ -1,22 +1,22 @@
-//! Eigenvectors of Γₑ by Jacobi's method, and groups of equal eigenvalues.
+//! Eigenvectors of the elastic acoustic tensor Γₑ by Jacobi's method, and groups of equal eigenvalues.
 
-/// Velocities at most.
+/// Maximum number of velocities.
 pub(super) const SIZE: usize = 6;
 
 /// Eigenvalues of Γₑ closer than this, relative to the larger, count as equal.
 const EQUAL: f64 = 1e-10;
 
-/// Different eigenvalues of Γₑ in a direction.
+/// Distinct eigenvalues of Γₑ in a direction.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Groups {
     pub(super) count: usize,
     pub(super) value: [f64; SIZE],
     pub(super) multiplicity: [u8; SIZE],
-    /// The group of each eigenvalue.
+    /// Group index of each eigenvalue.
     pub(super) of: [u8; SIZE],
 }
 
-/// Γₑ's eigenvectors in a direction.
+/// Eigenvectors of Γₑ in a direction.
 pub(super) type Basis = [[f64; SIZE]; SIZE];
 
 impl Groups {
@@ -40,8 +40,8 @@ impl Groups {
     }
 }
 
-/// Jacobi's method for the block of a symmetric matrix: its eigenvalues come to stand in the diagonal, in
-/// ascending order, the eigenvectors into the columns of `basis`.
+/// Diagonalises a block of a symmetric matrix by Jacobi's method: eigenvalues on the diagonal, ascending; eigenvectors in
+/// the columns of `basis`.
 pub(super) fn diagonalise(matrix: &mut Basis, basis: &mut Basis, (first, size): (usize, usize)) {
     let range = first..first + size;
     let trace = range.clone().fold(0.0, |sum, i| sum + matrix[i][i].abs());

@@ -1,4 +1,4 @@
-//! Elastic waves in all starting directions.
+//! Elastic acoustic tensor Γₑ and its eigenbases on the geodesic grid of wave normals.
 
 use super::eigenbasis::{Basis, Groups, SIZE, diagonalise, identity};
 use super::error::SphereError;
@@ -7,20 +7,20 @@ use models::common::product::triple_product;
 use models::common::rates::RateEquations;
 use nalgebra::DMatrix;
 
-/// Directions that the inner loops take at a time.
+/// Number of directions processed together by the inner loops.
 pub(super) const LANES: usize = 32;
 
-/// The directions of an elastic solid and its waves in them; serves every
-/// [change of rank one](super::rank_one::RankOne) of that solid's stiffness, from any thread.
+/// Elastic acoustic tensor Γₑ(n) of a solid in space, with its eigenbases on a grid of wave normals; serves every
+/// [rank-one update](super::rank_one::RankOne) of the stiffness of that solid, from any thread.
 ///
-/// Speeds are in units of the fastest elastic wave of the grid. Velocities that no gradient strains
-/// (the spins of a reduced Cosserat solid) carry no waves and are left out.
+/// Speeds are in units of the fastest elastic wave of the grid. Velocities whose gradients are not strains
+/// (the spins of a reduced Cosserat solid) carry no waves and are omitted.
 #[derive(Clone, Debug)]
-pub struct Sphere {
-    /// (Fastest elastic wave)², m²/s².
+pub struct AcousticTensor3 {
+    /// Squared speed of the fastest elastic wave, m²/s².
     pub(super) unit: f64,
     pub(super) stresses: usize,
-    /// Velocities that carry waves, blocks that do not act on each other one after the other.
+    /// Number of velocities that carry waves, ordered by decoupled blocks.
     pub(super) size: usize,
     /// First velocity and size of the blocks.
     pub(super) blocks: Vec<(usize, usize)>,
@@ -30,15 +30,15 @@ pub struct Sphere {
     acoustic: [[[f64; SIZE]; SIZE]; 6],
     /// Wave normals.
     pub(super) normals: Vec<[f64; 3]>,
-    /// How eigenvalues go together at each of `normals`.
+    /// Groups of equal eigenvalues at each of `normals`.
     pub(super) groups: Vec<Groups>,
-    /// The point of the coarse grid, by its place in `coarse`, next to each of `normals`.
+    /// Index in `coarse` of the nearest point of the coarse grid to each of `normals`.
     pub(super) parents: Vec<u32>,
-    /// The coarse grid, by places in `normals`.
+    /// Coarse grid, as indices into `normals`.
     pub(super) coarse: Vec<u32>,
-    /// Its neighbours, by places in `coarse`; fewer than six repeat the first.
+    /// Neighbours of the coarse grid points, as indices into `coarse`; if fewer than six, the first is repeated.
     pub(super) neighbours: Vec<[u32; NEIGHBOURS]>,
-    /// The same as structure of arrays.
+    /// Eigenvalues in chunks of directions, as structure of arrays.
     pub(super) chunks: Vec<Chunk>,
     /// Eigenvectors of each chunk, block after block: by velocity, then by eigenvalue.
     pub(super) bases: Vec<[f64; LANES]>,
@@ -50,15 +50,15 @@ pub(super) struct Chunk {
     pub(super) speed_squared: [[f64; LANES]; SIZE],
 }
 
-impl Sphere {
+impl AcousticTensor3 {
     /// No direction is farther than this from a starting point or its opposite, rad: 0.9°.
     pub const COVERING_RADIUS: f64 = 0.9 * std::f64::consts::PI / 180.0;
 
-    /// Computes the elastic waves in all starting directions. Takes about 0.1 s.
+    /// Computes the elastic acoustic tensor and its eigenbases on the grid, in about 0.1 s.
     ///
     /// # Errors
-    /// More than six velocities; numbers that are not finite; an elastic solid that has no waves of some
-    /// direction and polarisation.
+    /// More than six velocities, numbers that are not finite, or a direction in which the elastic acoustic tensor is not
+    /// positive definite.
     pub fn new(elastic: &RateEquations<3>) -> Result<Self, SphereError> {
         let stresses = elastic.stresses();
         let stiffness = elastic.stiffness_values();
@@ -174,7 +174,7 @@ impl Sphere {
         Ok(())
     }
 
-    /// Eigenvalues and eigenvectors of Γₑ; quick where `near` has nearly its eigenvectors.
+    /// Eigenvalues and eigenvectors of Γₑ at the normal n; fast if `near` is close to the eigenvectors.
     pub(super) fn elastic(&self, n: &[f64; 3], near: &Basis) -> ([f64; SIZE], Basis) {
         let factors =
             [n[0] * n[0], n[1] * n[1], n[2] * n[2], n[1] * n[2], n[0] * n[2], n[0] * n[1]];
@@ -221,14 +221,13 @@ impl Sphere {
         basis
     }
 
-    /// The starting directions; −n stands for n too.
+    /// Wave normals of the grid, one of each pair n, −n.
     pub fn normals(&self) -> &[[f64; 3]] {
         &self.normals
     }
 }
 
-/// The order of the velocities in which those that act on each other stand together, and first velocity
-/// and size of these blocks.
+/// Permutation of the velocities into decoupled blocks, with first velocity and size of each block.
 fn coupled_blocks(all: &[[DMatrix<f64>; 3]; 3], size: usize) -> (Vec<usize>, Vec<(usize, usize)>) {
     let mut block: Vec<usize> = (0..size).collect();
     for v in 0..size {

@@ -1,8 +1,8 @@
-//! Errors of the search.
+//! Errors of the search over all wave normals in space.
 
 use super::eigenbasis::SIZE;
 
-/// An elastic solid, or a change of its stiffness, that cannot be searched.
+/// Error of the search over all wave normals in space.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SphereError {
     /// Too many velocities.
@@ -11,7 +11,7 @@ pub enum SphereError {
     /// A number overflowed.
     #[error("a coefficient of the solid is not finite: its numbers are too large or too small")]
     NotFinite,
-    /// Vectors and stiffness do not belong together.
+    /// The length of the vectors of an update differs from the number of stresses.
     #[error("{given} components are given for {needed} stresses")]
     Mismatch {
         /// Components given.
@@ -19,7 +19,7 @@ pub enum SphereError {
         /// Stresses of the solid.
         needed: usize,
     },
-    /// The elastic stiffness does not make waves of every direction and polarisation.
+    /// The elastic acoustic tensor is not positive definite in some direction.
     #[error(
         "the elastic solid has no waves with the normal ({}, {}, {}): its least c² is {speed_squared:e} \
          m²/s² and must be positive", normal[0], normal[1], normal[2]
@@ -30,7 +30,7 @@ pub enum SphereError {
         /// Least c², m²/s².
         speed_squared: f64,
     },
-    /// The solid has no rate of response while it yields.
+    /// The rate response of the yielding solid is not defined: H + n·Dm, Pa, is not positive.
     #[error("no response while yielding: H + n·Dm = {0:e} Pa must be positive")]
     NoResponse(f64),
 }

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 pub struct Flutter {
     /// Supremum of |Im c| over the directions with complex c², m/s: short waves grow as this times k.
     pub growth: f64,
-    /// c² there, m²/s²; the conjugate is a c² too.
+    /// Squared speed c² of the strongest flutter, m²/s²; its conjugate is the other of the pair.
     pub speed_squared: Complex64,
     /// The wave normal.
     pub normal: [f64; 3],
@@ -21,21 +21,21 @@ pub struct Slowest {
     pub speed_squared: f64,
     /// The wave normal, which is the normal of the band.
     pub normal: [f64; 3],
-    /// How far rounding may have moved `speed_squared`, m²/s².
+    /// Rounding bound of `speed_squared`, m²/s².
     pub rounding: f64,
 }
 
-/// What was found over all directions.
+/// Strongest flutter and slowest wave over all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extremes {
     /// Flutter, if there is any.
     pub flutter: Option<Flutter>,
-    /// The least real c².
+    /// Wave of the smallest real c².
     pub slowest: Slowest,
 }
 
 impl Extremes {
-    /// The greater |Im c| of flutter and of negative c², m/s; 0 without either.
+    /// Largest |Im c| of flutter and of negative c², m/s; 0 if there is neither.
     pub fn growth(&self) -> f64 {
         let divergence = (-self.slowest.speed_squared).max(0.0).sqrt();
         self.flutter.map_or(divergence, |flutter| flutter.growth.max(divergence))

@@ -3,14 +3,14 @@
 use super::unit_vectors::{dot, unit};
 use std::collections::HashMap;
 
-/// Subdivisions of an edge of the icosahedron: of the grid, and of its part where everything is computed.
+/// Subdivisions of an edge of the icosahedron of the fine grid, and of the coarse grid on which all roots are computed.
 pub(super) const FINE: usize = 51;
 pub(super) const COARSE: usize = 17;
 /// Neighbours of a point of the geodesic grid.
 pub(super) const NEIGHBOURS: usize = 6;
 
-/// Points of an icosahedron's faces divided into `frequency`² triangles, on the unit sphere, one of each
-/// pair n, −n; and the triangles between them.
+/// Geodesic grid: the faces of an icosahedron divided into `frequency`² triangles and projected onto the unit sphere, one
+/// point of each pair n, −n; returns points and triangles.
 fn geodesic(frequency: usize) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
     let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
     let mut corners = Vec::with_capacity(12);

@@ -1,15 +1,13 @@
-//! A minimum over directions by Newton's method in the tangent plane.
+//! Minimisation over directions by Newton's method in the tangent plane.
 
 use super::unit_vectors::{tangents, unit};
 
-/// Step of the differences by which smooth functions are refined in the end, rad: rounding over step
-/// and the square of the step are both below 1e-9.
+/// Final step of the finite differences, rad: rounding over step and square of the step are both below 1e-9.
 const LAST_STEP: f64 = 2e-5;
 
-/// A minimum near a direction, by Newton's method with differences in the tangent plane; where the
-/// function is not smooth, by trying the points around with ever smaller steps. The end is a Newton step
-/// below 1e-9 rad or steps below 1e-10 rad. Gives up once the quadratic that fits the function stays
-/// above `target` by far.
+/// Local minimum near a direction, by Newton's method with finite differences in the tangent plane, and by pattern search
+/// with decreasing steps if the function is not smooth. Ends at a Newton step below 1e-9 rad or a pattern step below
+/// 1e-10 rad. Gives up if the fitted quadratic stays far above `target`.
 pub(super) fn minimise(
     start: [f64; 3],
     radius: f64,

@@ -23,7 +23,7 @@
 //! m and n differ by an isotropic tensor alone (Drucker–Prager) has w ≥ 0 on the shear waves, which are
 //! the slower ones: no flutter either (Loret, Prevost & Harireche 1990).
 //!
-//! The search starts on a geodesic grid ([`Sphere::COVERING_RADIUS`]), on which the eigenbases of Γₑ are
+//! The search starts on a geodesic grid ([`AcousticTensor3::COVERING_RADIUS`]), on which the eigenbases of Γₑ are
 //! computed once per elastic solid, and ends with Newton's method in the tangent plane. Short waves grow
 //! as Re ς ≈ |Im c| k.
 //!
@@ -45,7 +45,7 @@ mod secular_roots;
 mod speeds;
 mod unit_vectors;
 
-pub use elastic_waves::Sphere;
+pub use elastic_waves::AcousticTensor3;
 pub use error::SphereError;
 pub use extremes::{Extremes, Flutter, Slowest};
 pub use rank_one::RankOne;

@@ -1,9 +1,9 @@
-//! The change of rank one that an active yield condition makes to the stiffness.
+//! Rank-one update of the stiffness by an active yield condition.
 
 use super::error::SphereError;
 use models::common::rates::RateEquations;
 
-/// The change −a bᵀ of the stiffness while one yield condition is active.
+/// Rank-one update −a bᵀ of the stiffness while one yield condition is active.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RankOne {
     /// a = D m/(H + n·Dm), dimensionless where the gradients of the condition are.
@@ -13,11 +13,11 @@ pub struct RankOne {
 }
 
 impl RankOne {
-    /// The change that a condition makes with its gradient n, the direction m of plastic flow, both by
-    /// the stresses of `elastic`, and the plastic modulus H, Pa.
+    /// Update of a condition with normal n and flow direction m, both in the stress components of `elastic`, and plastic
+    /// modulus H, Pa.
     ///
     /// # Errors
-    /// Vectors of another length; H + n·Dm that is not positive.
+    /// A vector has the wrong length, or H + n·Dm is not positive.
     pub fn new(
         elastic: &RateEquations<3>,
         normal: &[f64],

@@ -1,44 +1,43 @@
-//! The search for the strongest flutter and the slowest wave.
+//! Search for the strongest flutter and the slowest wave over all wave normals in space.
 
 use super::change::{Change, NO_WEIGHT};
 use super::eigenbasis::{Basis, Groups, SIZE};
-use super::elastic_waves::{LANES, Sphere};
+use super::elastic_waves::{AcousticTensor3, LANES};
 use super::error::SphereError;
 use super::extremes::{Extremes, Flutter, Slowest};
 use super::geodesic_grid::{COARSE, FINE};
 use super::minimise::minimise;
 use super::rank_one::RankOne;
 use super::secular_equation::secular;
-use super::secular_roots::{Pair, Roots};
+use super::secular_roots::{RootPair, SecularRoots};
 use num_complex::Complex64;
 
-/// What [`Sphere::search`] needs room for.
+/// Reusable memory of [`AcousticTensor3::search`].
 #[derive(Clone, Debug)]
 pub struct Workspace {
-    pub(super) coarse: Vec<Roots>,
+    pub(super) coarse: Vec<SecularRoots>,
     pub(super) growth: Vec<f64>,
 }
 
-impl Sphere {
-    /// Room for [`search`](Self::search), one per thread.
+impl AcousticTensor3 {
+    /// Memory for [`search`](Self::search); use one per thread.
     pub fn workspace(&self) -> Workspace {
-        let none = Roots { least: f64::INFINITY, pair: None, is_complex: false };
+        let none = SecularRoots { least: f64::INFINITY, pair: None, is_complex: false };
         Workspace {
             coarse: vec![none; self.coarse.len()],
             growth: vec![f64::NEG_INFINITY; self.coarse.len()],
         }
     }
 
-    /// The strongest flutter and the slowest real wave over all directions, to 1e-9 rad where they are
-    /// smooth, or to the rounding of their values.
+    /// Strongest flutter and slowest real wave over all directions, to 1e-9 rad where they are smooth functions of the
+    /// direction, or to the rounding of their values.
     ///
-    /// Flutter in a cap that holds a circle of radius [`COVERING_RADIUS`](Self::COVERING_RADIUS) is
-    /// found: a starting point lies in it. Smaller caps are found from the directions in which two real
-    /// eigenvalues are nearest to each other. (Im c²)² below 1e-13 of the squared speeds involved is taken
-    /// for rounding.
+    /// Flutter in a cap that contains a circle of radius [`COVERING_RADIUS`](Self::COVERING_RADIUS) is always found,
+    /// since a grid point lies in it. Smaller caps are found from the directions in which two real eigenvalues are
+    /// closest. (Im c²)² below 1e-13 of the squared speeds involved counts as rounding.
     ///
     /// # Errors
-    /// Vectors of the wrong length, or not finite.
+    /// A vector has the wrong length or is not finite.
     pub fn search(
         &self,
         update: &RankOne,
@@ -107,9 +106,8 @@ impl Sphere {
         })
     }
 
-    /// The fine grid: complex speeds in directions whose neighbours of the coarse grid have none, and c²
-    /// below the least so far.
-    fn search_between(&self, change: &Change, coarse: &[Roots], best: &mut Best) {
+    /// Searches the fine grid for complex speeds missed by the coarse grid and for c² below the smallest so far.
+    fn search_between(&self, change: &Change, coarse: &[SecularRoots], best: &mut Best) {
         let mut products = [[0.0; LANES]; SIZE];
         let mut flags = [false; LANES];
         let mut tiny = [0.0; LANES];
@@ -166,7 +164,7 @@ impl Sphere {
         }
     }
 
-    /// α̂β̂ for each eigenvalue of Γₑ in a chunk of directions.
+    /// Products α̂β̂ in the eigenbasis of Γₑ, per eigenvalue, for a chunk of directions.
     pub(super) fn products(
         &self,
         change: &Change,
@@ -213,7 +211,7 @@ impl Sphere {
         }
     }
 
-    fn roots_near(&self, change: &Change, near: &Basis, normal: &[f64; 3]) -> Roots {
+    fn roots_near(&self, change: &Change, near: &Basis, normal: &[f64; 3]) -> SecularRoots {
         let (values, basis) = self.elastic(normal, near);
         change.at(normal, &basis, &Groups::new(&values[..self.size])).roots()
     }
@@ -244,7 +242,7 @@ impl Sphere {
     }
 }
 
-/// Puts a direction into the descending list unless one with the same parent is stronger.
+/// Inserts a direction into the descending list unless one with the same parent is stronger.
 fn keep_strongest(list: &mut [(usize, f64)], own: (usize, f64), parents: &[u32]) {
     let same =
         |other: &(usize, f64)| other.1 > f64::NEG_INFINITY && parents[other.0] == parents[own.0];
@@ -258,7 +256,7 @@ fn keep_strongest(list: &mut [(usize, f64)], own: (usize, f64), parents: &[u32])
 
 struct Best {
     pub(super) slowest: ([f64; 3], f64),
-    pub(super) flutter: Option<([f64; 3], Pair)>,
+    pub(super) flutter: Option<([f64; 3], RootPair)>,
 }
 
 fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {

@@ -1,15 +1,15 @@
-//! The secular equation of a direction: its polynomial, intervals of roots and single roots.
+//! Secular equation of the rank-one update in a direction (Golub 1973): polynomial, root intervals and single roots.
 
 use super::eigenbasis::{Groups, SIZE};
 use num_complex::Complex64;
 
-/// The secular equation 1 = Σ w/(λ_g − λ) of a direction, weights that vanish left out.
+/// Secular equation 1 = Σ w_g/(λ_g − λ) of a direction, without vanishing weights.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Secular {
     pub(super) count: usize,
     pub(super) pole: [f64; SIZE],
     pub(super) weight: [f64; SIZE],
-    /// Eigenvalues that stay.
+    /// Eigenvalues unchanged by the update.
     pub(super) kept: [f64; SIZE],
     pub(super) kept_count: usize,
 }
@@ -53,7 +53,7 @@ impl Secular {
         changes + usize::from(positive)
     }
 
-    /// Largest of the numbers in the equation.
+    /// Largest magnitude of the numbers in the equation, the scale of rounding.
     pub(super) fn size(&self) -> f64 {
         let all = self.pole[..self.count].iter().chain(&self.weight[..self.count]);
         all.fold(0.0, |largest: f64, x| largest.max(x.abs()))
@@ -89,8 +89,8 @@ impl Secular {
 
     /// A step from `x` towards the root of the interval below pole `index`: the zero of
     /// c + a/(λ_below − y) + b/(λ_above − y) that has the values and slopes of the sums over the poles
-    /// below and above (R.-C. Li 1993, "Solving secular equations stably and efficiently"). Not a number
-    /// where that has none.
+    /// below and above (R.-C. Li 1993, "Solving secular equations stably and efficiently"). NaN if it has
+    /// no zero.
     fn rational_step(&self, index: usize, x: f64) -> f64 {
         let (mut value, mut below, mut above) = (1.0, 0.0, 0.0);
         // Over all, with weights of zero beyond the last pole: as many divisions at a time as there are.
@@ -124,8 +124,8 @@ impl Secular {
         2.0 * last / (linear + root.copysign(linear))
     }
 
-    /// A root in an interval with an odd number of them: rational steps, then Newton's method, halving
-    /// where it leaves. `size` is that of the [equation](Self::size), `is_simple` whether no interval has three.
+    /// A root in an interval with an odd number of roots: rational steps, then Newton's method, with bisection if a step
+    /// leaves the interval. `size` is [`size`](Self::size); `is_simple` states that no interval has three roots.
     pub(super) fn root(&self, index: usize, size: f64, is_simple: bool) -> f64 {
         let (mut low, mut high) = self.interval(index);
         let sign = self.sign_above(index);
@@ -175,7 +175,7 @@ impl Secular {
     }
 }
 
-/// Puts the products αβ of equal eigenvalues together.
+/// Assembles the secular equation: sums the products αβ over groups of equal eigenvalues.
 pub(super) fn secular(groups: &Groups, products: &[f64], tiny: f64) -> Secular {
     let mut weight = [0.0; SIZE];
     for (&product, &group) in products.iter().zip(&groups.of) {

@@ -1,37 +1,36 @@
-//! The roots of the secular equation: the least real one, and the pair nearest to being complex.
+//! Roots of the secular equation: the smallest real root, and the pair closest to becoming complex.
 
 use super::eigenbasis::SIZE;
 use super::secular_equation::Secular;
 use models::common::elementary::cr_from_polar;
 use num_complex::Complex64;
 
-/// Weights below this part of the largest number in the secular equation may change sign on the way to the
-/// next direction of the coarse grid.
+/// Relative size of a weight below which it may change sign between neighbouring directions of the coarse grid.
 const SLIGHT: f64 = 0.004;
-/// Roots of such directions farther apart than this, in the same unit, do not meet before that.
+/// Relative distance above which two roots do not meet between neighbouring directions of the coarse grid.
 const REACH: f64 = 0.1;
 
-/// (Im λ)² below this part of the square of the largest number in the secular equation is rounding.
+/// Threshold of rounding for (Im λ)², relative to the square of the largest number in the secular equation.
 const NO_FLUTTER: f64 = 1e-13;
 
 /// A pair of eigenvalues `middle` ± √`square`, complex for `square` < 0.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pair {
+pub(super) struct RootPair {
     pub(super) middle: f64,
     pub(super) square: f64,
 }
 
-/// What counts among the eigenvalues of a direction.
+/// The relevant eigenvalues of a direction.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Roots {
-    /// The least real one; infinite if there is none.
+pub(super) struct SecularRoots {
+    /// Smallest real eigenvalue; infinite if there is none.
     pub(super) least: f64,
-    /// The pair that is complex or nearest to becoming so, if one can.
-    pub(super) pair: Option<Pair>,
+    /// The complex pair, or the real pair closest to becoming complex, if one can.
+    pub(super) pair: Option<RootPair>,
     pub(super) is_complex: bool,
 }
 
-impl Pair {
+impl RootPair {
     /// (Im c)² = (|λ| − Re λ)/2, and its analytic continuation to real pairs of positive middle, where
     /// it is negative. Real pairs of negative middle do not flutter: negative too.
     pub(super) fn growth_squared(&self) -> f64 {
@@ -50,17 +49,17 @@ impl Pair {
 
 impl Secular {
     /// The two roots that the equation of two poles has.
-    pub(super) fn quadratic(&self) -> Pair {
+    pub(super) fn quadratic(&self) -> RootPair {
         let [first, second] = [self.pole[0] - self.weight[0], self.pole[1] - self.weight[1]];
         let half = 0.5 * (first - second);
-        Pair {
+        RootPair {
             middle: 0.5 * (first + second),
             square: half * half + self.weight[0] * self.weight[1],
         }
     }
 
-    /// The eigenvalues that matter.
-    pub(super) fn roots(&self) -> Roots {
+    /// Computes the relevant eigenvalues.
+    pub(super) fn roots(&self) -> SecularRoots {
         let mut least =
             self.kept[..self.kept_count].iter().fold(f64::INFINITY, |least, &x| least.min(x));
         let mut pair = None;
@@ -82,12 +81,12 @@ impl Secular {
                 least = least.min(pair.middle - root);
             }
         }
-        Roots { least, pair, is_complex }
+        SecularRoots { least, pair, is_complex }
     }
 
-    /// The least of `least` and of the roots, all real, and the pair that a slight weight may make
-    /// complex next to here.
-    fn real_roots(&self, mut least: f64) -> (f64, Option<Pair>) {
+    /// For real roots only: minimum of `least` and the roots, and the pair that a small weight may make complex in a
+    /// neighbouring direction.
+    fn real_roots(&self, mut least: f64) -> (f64, Option<RootPair>) {
         let mut pair = None;
         let least_index = usize::from(self.weight[0] < 0.0);
         let size = self.size();
@@ -117,9 +116,8 @@ impl Secular {
         (least, pair)
     }
 
-    /// The least of `least` and of the real roots, and the pair that may be complex where all others
-    /// are real.
-    fn roots_with_last_two(&self, mut least: f64) -> (f64, Option<Pair>) {
+    /// With at most one complex pair: minimum of `least` and the real roots, and that pair.
+    fn roots_with_last_two(&self, mut least: f64) -> (f64, Option<RootPair>) {
         let (found, rest) = self.last_two();
         let found = &found[..self.count - 2];
         least = found.iter().fold(least, |least, &x| least.min(x));
@@ -138,14 +136,14 @@ impl Secular {
         (least, pair)
     }
 
-    /// The least of `least` and of the real roots, and the complex pair of strongest growth or the real
-    /// one nearest to becoming complex.
-    fn roots_by_aberth(&self, mut least: f64) -> (f64, Option<Pair>) {
-        let mut pair: Option<Pair> = None;
+    /// Roots by the Aberth–Ehrlich method: minimum of `least` and the real roots, and the complex pair of strongest
+    /// growth or the real pair closest to becoming complex.
+    fn roots_by_aberth(&self, mut least: f64) -> (f64, Option<RootPair>) {
+        let mut pair: Option<RootPair> = None;
         let all = self.all();
         let all = &all[..self.count];
         for (index, root) in all.iter().enumerate() {
-            let own = Pair { middle: root.re, square: -(root.im * root.im) };
+            let own = RootPair { middle: root.re, square: -(root.im * root.im) };
             if root.im == 0.0 {
                 least = least.min(root.re);
                 for other in all[..index].iter().filter(|other| other.im == 0.0) {
@@ -160,9 +158,9 @@ impl Secular {
 
     /// Two real roots without a pole of more than slight weight between them, if they are nearer to
     /// becoming complex than `pair`.
-    fn nearer(&self, pair: Option<Pair>, x: f64, y: f64) -> Option<Pair> {
+    fn nearer(&self, pair: Option<RootPair>, x: f64, y: f64) -> Option<RootPair> {
         let half = 0.5 * (x - y);
-        let own = Pair { middle: 0.5 * (x + y), square: half * half };
+        let own = RootPair { middle: 0.5 * (x + y), square: half * half };
         let slight = SLIGHT * self.size();
         let is_between =
             |(pole, weight): (&f64, &f64)| (pole - x) * (pole - y) < 0.0 && weight.abs() > slight;
@@ -173,7 +171,7 @@ impl Secular {
 
     /// One root of each interval that must have one, and the other two by their sum and by q:
     /// −¼(difference)² = q(x)/Π(x − found) in the middle x between them.
-    pub(super) fn last_two(&self) -> ([f64; SIZE], Pair) {
+    pub(super) fn last_two(&self) -> ([f64; SIZE], RootPair) {
         let (mut found, mut count) = ([0.0; SIZE], 0);
         let mut sum = 0.0;
         for index in 0..self.count {
@@ -214,7 +212,7 @@ impl Secular {
             middle = root.re;
             square = -(root.im * root.im);
         }
-        (found, Pair { middle, square })
+        (found, RootPair { middle, square })
     }
 
     /// All roots by Aberth's method; those within rounding of the real axis are put on it.

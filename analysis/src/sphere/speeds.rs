@@ -1,15 +1,14 @@
 //! All characteristic speeds of a direction.
 
 use super::eigenbasis::{Groups, identity};
-use super::elastic_waves::Sphere;
+use super::elastic_waves::AcousticTensor3;
 use super::error::SphereError;
 use super::rank_one::RankOne;
-use super::secular_roots::Pair;
+use super::secular_roots::RootPair;
 use num_complex::Complex64;
 
-impl Sphere {
-    /// The squares of all characteristic speeds of waves with that unit normal, m²/s², the real ones
-    /// first.
+impl AcousticTensor3 {
+    /// Squared characteristic speeds of waves with the unit normal `normal`, m²/s², real ones first.
     ///
     /// # Errors
     /// See [`search`](Self::search).
@@ -47,7 +46,7 @@ impl Sphere {
     }
 }
 
-fn push_pair(roots: &mut Vec<Complex64>, pair: &Pair) {
+fn push_pair(roots: &mut Vec<Complex64>, pair: &RootPair) {
     let root = Complex64::new(pair.square, 0.0).sqrt();
     roots.extend([pair.middle - root, pair.middle + root]);
 }

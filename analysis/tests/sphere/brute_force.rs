@@ -6,7 +6,7 @@ use crate::support::states::seeded;
 use models::common::rates::RateEquations;
 use models::yield_set::parameters::Mises;
 use nalgebra::{DMatrix, DVector, Vector3};
-use wellposed_analysis::sphere::{RankOne, Sphere};
+use wellposed_analysis::sphere::{AcousticTensor3, RankOne};
 
 /// M^(−½) G(n)ᵀ (D − a bᵀ) G(n) M^(−½), and its eigenvalues by nalgebra.
 fn brute_speeds(elastic: &RateEquations<3>, update: &RankOne, n: [f64; 3]) -> Vec<(f64, f64)> {
@@ -40,7 +40,7 @@ fn brute_extremes(speeds: &[(f64, f64)]) -> (f64, f64) {
 
 fn compare_with_brute_force(
     elastic: &RateEquations<3>,
-    sphere: &Sphere,
+    sphere: &AcousticTensor3,
     update: &RankOne,
     worst: &mut [f64; 2],
 ) -> bool {
@@ -111,7 +111,7 @@ fn agrees_with_brute_force_for_yielding_solids() {
         let condition = set.condition(&random_stress(random, is_cosserat)).unwrap();
         let Ok(update) = update(&solid, &condition) else { continue };
         let elastic = solid.rates();
-        let sphere = Sphere::new(&elastic).unwrap();
+        let sphere = AcousticTensor3::new(&elastic).unwrap();
         flutter += u32::from(compare_with_brute_force(&elastic, &sphere, &update, &mut worst));
         total += 1;
     }
@@ -136,7 +136,7 @@ fn agrees_with_brute_force_for_any_gradients() {
         let part = random.within(0.0, 1.2);
         let flow: Vec<f64> = normal.iter().zip(&other).map(|(n, o)| n + part * o).collect();
         let Ok(update) = RankOne::new(&elastic, &normal, &flow, 0.0) else { continue };
-        let sphere = Sphere::new(&elastic).unwrap();
+        let sphere = AcousticTensor3::new(&elastic).unwrap();
         flutter += u32::from(compare_with_brute_force(&elastic, &sphere, &update, &mut worst));
         total += 1;
     }
@@ -151,7 +151,7 @@ fn all_speeds_of_a_direction_are_those_of_brute_force() {
     for case in 0..40 {
         let is_cosserat = case % 2 == 1;
         let elastic = anisotropic(random, is_cosserat);
-        let sphere = Sphere::new(&elastic).unwrap();
+        let sphere = AcousticTensor3::new(&elastic).unwrap();
         for _ in 0..50 {
             let size = elastic.stresses();
             let mut vector =

@@ -3,13 +3,13 @@
 use crate::random_solids::isotropic;
 use crate::support::states::seeded;
 use nalgebra::Vector3;
-use wellposed_analysis::sphere::Sphere;
+use wellposed_analysis::sphere::AcousticTensor3;
 
 #[test]
 fn every_direction_is_near_a_starting_point() {
     let random = &mut seeded(1);
     let solid = isotropic(random, false);
-    let sphere = Sphere::new(&solid.rates()).unwrap();
+    let sphere = AcousticTensor3::new(&solid.rates()).unwrap();
     let points: Vec<Vector3<f64>> =
         sphere.normals().iter().flat_map(|&n| [Vector3::from(n), -Vector3::from(n)]).collect();
     // The farthest directions have the same distance to three points and none nearer.
@@ -37,11 +37,14 @@ fn every_direction_is_near_a_starting_point() {
         }
     }
     println!("covering radius {:.4}°, {} points", farthest.to_degrees(), points.len() / 2);
-    assert!(farthest > 0.5 * Sphere::COVERING_RADIUS && farthest <= Sphere::COVERING_RADIUS);
+    assert!(
+        farthest > 0.5 * AcousticTensor3::COVERING_RADIUS
+            && farthest <= AcousticTensor3::COVERING_RADIUS
+    );
     // And without the neighbourhoods.
     for _ in 0..2000 {
         let n = Vector3::from_fn(|_, _| random.within(-1.0, 1.0)).normalize();
         let nearest = points.iter().fold(-1.0, |best: f64, p| best.max(p.dot(&n)));
-        assert!(nearest >= Sphere::COVERING_RADIUS.cos());
+        assert!(nearest >= AcousticTensor3::COVERING_RADIUS.cos());
     }
 }

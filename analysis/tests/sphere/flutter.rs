@@ -10,7 +10,7 @@ use models::solid::parameters::Isotropic;
 use models::solid::stress::Stress;
 use models::yield_set::parameters::{ActiveCondition, Mises};
 use nalgebra::Vector3;
-use wellposed_analysis::sphere::{RankOne, Sphere};
+use wellposed_analysis::sphere::{AcousticTensor3, RankOne};
 
 #[test]
 fn associated_flow_never_flutters() {
@@ -18,7 +18,7 @@ fn associated_flow_never_flutters() {
     for solid in 0..50 {
         let is_cosserat = solid % 2 == 1;
         let solid = isotropic(random, is_cosserat);
-        let sphere = Sphere::new(&solid.rates()).unwrap();
+        let sphere = AcousticTensor3::new(&solid.rates()).unwrap();
         for _ in 0..24 {
             let mut set = cosserat_mises(random);
             set.dilatancy = set.friction;
@@ -35,7 +35,7 @@ fn associated_flow_without_softening_has_no_negative_square_of_speed() {
     let random = &mut seeded(6);
     for case in 0..100 {
         let elastic = anisotropic(random, case % 2 == 1);
-        let sphere = Sphere::new(&elastic).unwrap();
+        let sphere = AcousticTensor3::new(&elastic).unwrap();
         let normal: Vec<f64> = (0..elastic.stresses()).map(|_| random.within(-1.0, 1.0)).collect();
         let update = RankOne::new(&elastic, &normal, &normal, 0.0).unwrap();
         let found = search(&sphere, &update);
@@ -49,7 +49,7 @@ fn classical_drucker_prager_solids_never_flutter() {
     let random = &mut seeded(7);
     for _ in 0..40 {
         let solid = isotropic(random, false);
-        let sphere = Sphere::new(&solid.rates()).unwrap();
+        let sphere = AcousticTensor3::new(&solid.rates()).unwrap();
         for _ in 0..30 {
             let set = Mises::drucker_prager(1.0, random.within(0.0, 2.0), random.within(-1.0, 2.0));
             let condition = set.condition(&random_stress(random, false)).unwrap();
@@ -144,7 +144,7 @@ fn small_caps_of_flutter_are_found_wherever_they_are() {
     let mut smallest_growth = f64::INFINITY;
     while planted[0] < 25 {
         let solid = isotropic(random, false);
-        let sphere = Sphere::new(&solid.rates()).unwrap();
+        let sphere = AcousticTensor3::new(&solid.rates()).unwrap();
         let cap = Cap::new(&solid, [0, 1].map(|_| random_tensor(random, true)));
         // No flutter with `none`, flutter with `some`.
         let (mut none, mut some) = (0.0, 1.0);

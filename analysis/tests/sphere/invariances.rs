@@ -6,7 +6,7 @@ use crate::random_solids::{
 use crate::support::states::seeded;
 use models::solid::stress::Stress;
 use models::yield_set::parameters::ActiveCondition;
-use wellposed_analysis::sphere::{Extremes, RankOne, Sphere};
+use wellposed_analysis::sphere::{AcousticTensor3, Extremes, RankOne};
 
 #[test]
 fn rotation_changes_nothing() {
@@ -15,7 +15,7 @@ fn rotation_changes_nothing() {
     for case in 0..80 {
         let is_cosserat = case % 2 == 1;
         let solid = isotropic(random, is_cosserat);
-        let sphere = Sphere::new(&solid.rates()).unwrap();
+        let sphere = AcousticTensor3::new(&solid.rates()).unwrap();
         for _ in 0..10 {
             let part = random.within(0.1, 0.8);
             let [normal, other] = [0, 1].map(|_| random_stress(random, is_cosserat));
@@ -55,7 +55,7 @@ fn rotation_changes_nothing() {
 fn threads_and_workspaces_change_no_bit() {
     let random = &mut seeded(11);
     let elastic = anisotropic(random, true);
-    let sphere = Sphere::new(&elastic).unwrap();
+    let sphere = AcousticTensor3::new(&elastic).unwrap();
     let updates: Vec<RankOne> = (0..16)
         .filter_map(|_| {
             let mut vector = || -> Vec<f64> {

@@ -7,7 +7,7 @@ use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
 use models::solid::stress::{Component, Stress};
 use models::yield_set::parameters::{ActiveCondition, Mises};
 use nalgebra::{DMatrix, Rotation3, Vector3};
-use wellposed_analysis::sphere::{Extremes, RankOne, Sphere, SphereError};
+use wellposed_analysis::sphere::{AcousticTensor3, Extremes, RankOne, SphereError};
 
 pub type Tensor = [[f64; 3]; 3];
 
@@ -96,7 +96,7 @@ pub fn cosserat_mises(random: &mut Random) -> Mises {
     }
 }
 
-pub fn search(sphere: &Sphere, update: &RankOne) -> Extremes {
+pub fn search(sphere: &AcousticTensor3, update: &RankOne) -> Extremes {
     sphere.search(update, &mut sphere.workspace()).unwrap()
 }
 

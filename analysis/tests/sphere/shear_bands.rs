@@ -5,7 +5,7 @@ use crate::support::states::seeded;
 use models::solid::parameters::Isotropic;
 use models::solid::stress::Stress;
 use models::yield_set::parameters::Mises;
-use wellposed_analysis::sphere::Sphere;
+use wellposed_analysis::sphere::AcousticTensor3;
 
 #[test]
 fn shear_bands_start_as_rudnicki_and_rice_say() {
@@ -43,7 +43,7 @@ fn shear_bands_start_as_rudnicki_and_rice_say() {
             principal[i][i] = scale * deviators[i] + pressure;
         }
         let stress = Stress { force: turned(&q, &principal), couple: [[0.0; 3]; 3] };
-        let sphere = Sphere::new(&solid.rates()).unwrap();
+        let sphere = AcousticTensor3::new(&solid.rates()).unwrap();
         let with = |hardening: f64| {
             let set = Mises { hardening, ..Mises::drucker_prager(1.0, friction, dilatancy) };
             update(&solid, &set.condition(&stress).unwrap()).map(|update| search(&sphere, &update))

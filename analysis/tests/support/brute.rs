@@ -188,7 +188,7 @@ fn resonances(p: &DispersionReference, k: Wide, centres: &[Wide], reach: f64) ->
 /// precision: this only says where to look.
 fn gap(polynomial: &[WideComplex], least: f64) -> f64 {
     let plain: Vec<_> = polynomial.iter().map(|c| c.to_c64()).collect();
-    let roots = wellposed_analysis::roots::of(&plain);
+    let roots = wellposed_analysis::roots::solve(&plain);
     let mut found = f64::INFINITY;
     for (n, a) in roots.iter().enumerate() {
         for b in &roots[n + 1..] {
