@@ -1,4 +1,4 @@
-//! The cases that come with the program.
+//! Case files bundled with the program.
 
 // `CASES`: path and text of every file in the folders of cases, sorted by path.
 include!(concat!(env!("OUT_DIR"), "/cases.rs"));

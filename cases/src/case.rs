@@ -1,4 +1,4 @@
-//! A case: read from its file, and as the problems of its models.
+//! A case: reading it from its file, and writing it as TOML.
 
 use super::check::{self, Check};
 use super::dynamics::{Dynamics, Grid, Picture, TimeFunction};
@@ -21,39 +21,39 @@ use std::fmt::Write;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Largest case file, bytes. A larger one is refused before it is read: parsing takes up to 70 times its size in memory.
+/// Maximum size of a case file, bytes. Larger files are refused unread: parsing takes up to 70 times their size in memory.
 pub const LARGEST_FILE: u64 = 16 << 20;
 
-/// What a case is read for.
+/// Purpose for which a case is read.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Use {
     Any,
     InTime,
 }
 
-/// A case as its file states it, with defaults filled in.
+/// A case as stated in its file, with defaults filled in.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Names the folder of results; by default the stem of the file's name.
+    /// Name of the result folder; by default the file name without extension.
     pub name: String,
-    /// One line that says what the case is; may be empty.
+    /// Title of the case in one line; may be empty.
     pub title: String,
-    /// Kind of model, yield set and numbers; of a case with regions those that regions have in common.
+    /// Kind of model, yield set and numbers; in a case with regions the values common to the regions.
     pub material: Material,
-    /// What `wellposed map` sweeps.
+    /// Section `[map]`: the sweep of `wellposed map`.
     pub map: Option<Map>,
-    /// Kinds of model to compare on this state.
+    /// Section `[compare]`: kinds of model to compare on this state.
     pub compare: Option<Vec<Kind>>,
-    /// How a solid is run in time, if the case says so.
+    /// Sections of a time-domain simulation of a solid, if present.
     pub dynamics: Option<Dynamics>,
-    /// How a flow is run in time, if the case says so.
+    /// Sections of a time-domain simulation of a flow, if present.
     pub flow: Option<FlowRun>,
-    /// What `wellposed check` sends, if the case says so.
+    /// Section `[check]`: the waves of `wellposed check`, if present.
     pub check: Option<Check>,
     source: Option<PathBuf>,
 }
 
-/// Equal content; where it stands in the file does not matter.
+/// Compares content; positions in the file are ignored.
 impl PartialEq for Case {
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name
@@ -67,28 +67,28 @@ impl PartialEq for Case {
     }
 }
 
-/// How a case is run in time.
+/// Time-domain simulation of a case.
 #[derive(Clone, Copy, Debug)]
 pub enum InTime<'a> {
-    /// As a solid.
+    /// Simulation of a solid.
     Solid(&'a Dynamics),
-    /// As a flow.
+    /// Simulation of a flow.
     Flow(&'a FlowRun),
 }
 
 impl Case {
-    /// Reads a case file, with `--set` options (`key=value`) over it.
+    /// Reads a case file; `--set` options (`key=value`) override its values.
     ///
     /// # Errors
-    /// What is wrong, where, and what is allowed.
+    /// The file or an option is invalid: the error gives place, key, value found and values allowed.
     pub fn load(path: &Path, sets: &[String]) -> Result<Self, CaseError> {
         Self::load_for(path, sets, Use::Any)
     }
 
-    /// Reads the file of a case that is to be run in time.
+    /// Reads the case file of a time-domain simulation.
     ///
     /// # Errors
-    /// First of all that the case does not say how it is run in time; else as [`load`](Self::load).
+    /// The case has no section `[grid]` (reported first), or an error of [`load`](Self::load).
     pub fn load_in_time(path: &Path, sets: &[String]) -> Result<Self, CaseError> {
         Self::load_for(path, sets, Use::InTime)
     }
@@ -117,10 +117,10 @@ impl Case {
         }
     }
 
-    /// Reads the text of a case file called `file`, with `--set` options over it.
+    /// Parses the text of a case file called `file`; `--set` options override its values.
     ///
     /// # Errors
-    /// What is wrong, where, and what is allowed.
+    /// The text or an option is invalid: the error gives place, key, value found and values allowed.
     pub fn parse(text: &str, file: &str, sets: &[String]) -> Result<Self, CaseError> {
         Self::parse_for(text, file, sets, Use::Any)
     }
@@ -173,12 +173,12 @@ impl Case {
         Ok(Self { name, title, material, map, compare, dynamics, flow, check, source })
     }
 
-    /// The file that the case was loaded from.
+    /// Path of the file from which the case was loaded.
     pub fn source(&self) -> Option<&Path> {
         self.source.as_deref()
     }
 
-    /// Other files that the case was read from, and that a run of it begins with.
+    /// Input files named by the case, such as tables and initial fields.
     pub fn input_files(&self) -> impl Iterator<Item = &Path> {
         let parts = self.flow.iter().flat_map(|flow| &flow.initial);
         let archives = parts.filter_map(|part| match part {
@@ -192,12 +192,12 @@ impl Case {
         archives.chain(tables)
     }
 
-    /// Kind of model and yield set.
+    /// Kind of model and yield set of the case.
     pub fn medium(&self) -> Medium {
         self.material.medium()
     }
 
-    /// The number of that name, if the case has one.
+    /// Value of the number called `name`; `None` if the case has none.
     pub fn get(&self, name: &str) -> Option<f64> {
         self.material.get(name)
     }
@@ -207,15 +207,15 @@ impl Case {
         self.material.set(parameter, value);
     }
 
-    /// Adds the place to an error that a model found.
+    /// Adds the position in the case file to an error found by a model.
     pub fn locate(&self, error: InputError) -> CaseError {
         self.material.locate(error)
     }
 
-    /// The map that the case asks for.
+    /// The section `[map]`.
     ///
     /// # Errors
-    /// That the case has none, and how to add one.
+    /// The case has no section `[map]`; the message says how to add one.
     pub fn required_map(&self) -> Result<&Map, CaseError> {
         self.map.as_ref().ok_or_else(|| {
             let axis =
@@ -228,8 +228,8 @@ impl Case {
         })
     }
 
-    /// Adds the place to an error that a model found at a point of the map: a number that is swept
-    /// has its value from `[map]`, not from where its key stands.
+    /// Adds the position to an error found by a model at a point of the map: the value of a swept number stems from
+    /// `[map]`, not from its own key.
     pub fn locate_in_map(&self, error: InputError) -> CaseError {
         let axes = self.map.iter().flat_map(|map| [("map.x", &map.x), ("map.y", &map.y)]);
         let key = self.material.key_of(error.input);
@@ -245,18 +245,18 @@ impl Case {
         }
     }
 
-    /// How the case is run in time.
+    /// The time-domain simulation of the case.
     ///
     /// # Errors
-    /// That the case does not say, and how to.
+    /// The case has no section `[grid]`; the message says how to add one.
     pub fn in_time(&self) -> Result<InTime<'_>, CaseError> {
         let flow = || self.flow.as_ref().map(InTime::Flow);
         let found = self.dynamics.as_ref().map(InTime::Solid).or_else(flow);
         found.ok_or_else(|| no_grid(&self.material.places, self.material.kind))
     }
 
-    /// The case without what decides over its pictures alone: where this is the same, results are.
-    pub fn undrawn(&self) -> Self {
+    /// The case without plot options: equal cases after this have equal results.
+    pub fn without_plot_options(&self) -> Self {
         let mut case = self.clone();
         if let Some(dynamics) = &mut case.dynamics {
             (dynamics.output.picture, dynamics.output.contours) = (Picture::default(), None);
@@ -267,8 +267,8 @@ impl Case {
         case
     }
 
-    /// The resolved case as TOML: every value that the kind uses, defaults included, numbers in
-    /// their shortest form that reads back to the same double.
+    /// The resolved case as TOML: all values used by its kind, defaults included; numbers in the shortest form that
+    /// reads back to the same double.
     pub fn to_toml(&self) -> String {
         let mut text = String::new();
         if !self.title.is_empty() {
@@ -305,7 +305,7 @@ impl Case {
     }
 }
 
-/// That a case does not say how it is run in time, and how to.
+/// Error: a case has no section `[grid]`, with the remedy.
 fn no_grid(places: &Places, kind: Kind) -> CaseError {
     match kind {
         Kind::Flow(flow) if flow.rotation() == RotationKind::Free => {

@@ -1,10 +1,10 @@
-//! The section `[check]`: what `wellposed check` sends, and on which grids.
+//! The section `[check]`: waves and grids of `wellposed check`.
 
 use super::error::CaseError;
 use super::section::{Resolved, Section};
 use crate::schema::{Form, Group, Item, Order, Range, Type};
 
-/// What a case asks of `wellposed check`; what it leaves open is chosen to suit the model.
+/// Options of `wellposed check`; absent options are chosen by the model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Check {
     /// Wave numbers, 1/m; positive.
@@ -16,13 +16,13 @@ pub struct Check {
     pub cells: Option<Vec<usize>>,
 }
 
-/// Most grids.
+/// Maximum number of grids of a convergence study.
 pub const MOST_GRIDS: usize = 5;
 
-/// Fewest cells to a period: fewer hold no wave.
+/// Minimum number of cells per period: fewer do not resolve a wave.
 pub const FEWEST_CELLS: usize = 8;
 
-/// The section.
+/// Schema of the section `[check]`.
 pub(super) const FORM: Form = Form::section(
     "check",
     "what wellposed check sends; what is left out is chosen to suit the model",
@@ -54,10 +54,10 @@ pub(super) const FORM: Form = Form::section(
     ])],
 );
 
-/// Reads the section; absent: nothing is asked for.
+/// Reads the section; `None` if absent.
 ///
 /// # Errors
-/// What is wrong, where, and what is allowed.
+/// A key is unknown, or a value is invalid.
 pub(super) fn read(root: &Section) -> Result<Option<Check>, CaseError> {
     let Some(section) = root.section(&FORM)? else { return Ok(None) };
     let check = Check {
@@ -70,7 +70,7 @@ pub(super) fn read(root: &Section) -> Result<Option<Check>, CaseError> {
 }
 
 impl Check {
-    /// The section as TOML: what it says, and no more.
+    /// The section as TOML, with the given keys only.
     pub(super) fn to_toml(&self) -> String {
         let mut text = Resolved::default();
         if let Some(numbers) = &self.numbers {

@@ -1,4 +1,4 @@
-//! A case in the units and types of the models.
+//! Conversion of a case to the units and types of the models, and to other kinds of model.
 
 use super::case::Case;
 use super::error::CaseError;
@@ -10,23 +10,23 @@ use models::InputError;
 use models::flow::state::{Background, Flow, Region, State};
 use models::flow::{FlowKind, Model, RotationKind};
 
-/// The state of a case for another kind of model.
+/// Result of converting the state of a case to another kind of model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Converted {
-    /// The state, as far as that kind can take it.
+    /// The case with all quantities that the kind uses.
     pub case: Case,
-    /// The non-coaxiality of the state, degrees, where that kind cannot take it and has 0 instead.
+    /// Non-coaxiality of the state, degrees, if it was lost because the kind is coaxial by definition.
     pub lost_noncoaxiality_deg: Option<f64>,
 }
 
-/// An angle in radians. Whole turns are taken off in degrees, where that is exact: the sine of
-/// 1e308° means something, that of 1.7e306 rad is noise. Angles below a turn keep every bit.
+/// Converts an angle from degrees to radians. Whole turns are removed in degrees, where the reduction is exact: the
+/// sine of 1e308° is well-defined, that of 1.7e306 rad is noise. Angles below a turn keep all bits.
 pub fn radians(degrees: f64) -> f64 {
     (degrees % 360.0).to_radians()
 }
 
 impl Case {
-    /// The same state for another kind of model, without what that kind does not use.
+    /// The same state for another kind of model; quantities that the kind does not use are dropped.
     pub fn for_kind(&self, kind: Kind) -> Self {
         let yields = self.material.yields.filter(|set| kind.yield_sets().contains(set));
         let mut case = self.clone();
@@ -41,18 +41,18 @@ impl Case {
         case
     }
 
-    /// The same state for another kind of model, with the non-coaxiality that a given spin stands
-    /// for: `noncoaxiality_deg` is what the case's own model made of it, in degrees.
+    /// The same state for another kind of model; a given spin is replaced by the non-coaxiality `noncoaxiality_deg`
+    /// (degrees) that the model of the case derived from it.
     ///
-    /// A kind without spin would otherwise be given another state, coaxial by default. The plastic
-    /// potential is coaxial by definition: what it loses is handed back, to be told the reader.
+    /// Otherwise a kind without spin would get a different, coaxial state. For the plastic potential, which is coaxial by
+    /// definition, the lost non-coaxiality is returned for a warning.
     pub fn for_kind_with(&self, kind: Kind, noncoaxiality_deg: Option<f64>) -> Converted {
         let mut case = self.for_kind(kind);
         let mut lost_noncoaxiality_deg = None;
         let state = self.material.numbers.background.noncoaxiality_deg.or(noncoaxiality_deg);
         let other = &mut case.material.numbers.background;
         if matches!(kind, Kind::Flow(flow) if flow.is_coaxial()) && kind != self.material.kind {
-            // Axes have no sense: half a turn apart they are the same.
+            // Principal axes are equal modulo half a turn.
             lost_noncoaxiality_deg = state.filter(|delta| delta % 180.0 != 0.0);
             other.noncoaxiality_deg = Some(0.0);
         } else if self.material.numbers.background.spin.is_some() && other.spin.is_none() {
@@ -61,7 +61,7 @@ impl Case {
         Converted { case, lost_noncoaxiality_deg }
     }
 
-    /// The state in the units of the models.
+    /// The state of the flow in SI units and rad.
     pub fn state(&self) -> State {
         let given = &self.material.numbers.background;
         State {
@@ -89,24 +89,23 @@ impl Case {
         }
     }
 
-    /// The model, with its constants checked.
+    /// The flow model with checked constants.
     ///
     /// # Errors
-    /// The constant that is out of range, and where it stands.
+    /// A constant is out of range; the error gives its position in the file.
     pub fn model(&self) -> Result<Model, CaseError> {
         self.flow_model().map_err(|error| self.locate(error))
     }
 
-    /// The same without the place.
+    /// The flow model with checked constants; errors without position.
     ///
     /// # Errors
-    /// The constant that is out of range, or that the case is one of a solid.
+    /// A constant is out of range, or the case describes a solid.
     pub fn flow_model(&self) -> Result<Model, InputError> {
         Model::new(self.flow_kind()?, &self.model_constants())
     }
 
-    /// The constants of the model in the order in which its entry lists them, in SI units and rad; NaN for those
-    /// that are absent.
+    /// Constants of the model in the order of its registry entry, in SI units and rad; NaN for absent constants.
     pub fn model_constants(&self) -> Vec<f64> {
         let mut constants = Vec::new();
         match self.material.kind {
@@ -133,10 +132,10 @@ impl Case {
             }),
         }
     }
-    /// What rotates in the case's flow in time, and with it what determines the stress angle.
+    /// Kind of material rotation of a time-domain flow; it determines the equation of the stress angle.
     ///
     /// # Errors
-    /// The model is none of a flow that can be run in time.
+    /// The model is a solid or a flow without time-domain solver.
     pub fn rotation_in_time(&self) -> Result<RotationKind, CaseError> {
         self.material.kind.rotation_in_time().ok_or_else(|| {
             let found = format!("found {}", self.material.kind.name());
@@ -145,10 +144,10 @@ impl Case {
         })
     }
 
-    /// The uniform flow that a run in time perturbs.
+    /// The uniform mean flow of a time-domain simulation.
     ///
     /// # Errors
-    /// The state is none of a uniform, fully deforming flow of constant volume in its own frame.
+    /// The state is not a uniform, fully deforming, isochoric flow in its own frame.
     pub fn mean_flow(&self) -> Result<Flow, CaseError> {
         for name in UNIFORM {
             let Some(value) =

@@ -1,6 +1,6 @@
-//! What a case says of a run in time: grid, media, sides, loads, initial state and what is recorded.
+//! Sections of a time-domain simulation of a solid: grid, media, boundary conditions, loads, initial state, output.
 //!
-//! Each file has the form, the reader and the writer of one section. SI units, angles in degrees; coordinates
+//! Each file has the schema, the reader and the writer of one section. SI units, angles in degrees; coordinates
 //! and lengths in m. Axes are counted from 0 here and from 1 in case files. In plane strain forces are per
 //! unit thickness.
 
@@ -47,7 +47,7 @@ use models::solid::parameters::Theory;
 use reader::Reader;
 use std::path::Path;
 
-/// The sections, in the order in which they are written.
+/// Schemas of the sections, in the order of writing.
 pub(crate) const FORMS: &[&Form] = &[
     &grid::FORM,
     &time::TIME,
@@ -63,38 +63,38 @@ pub(crate) const FORMS: &[&Form] = &[
     &output::OUTPUT,
 ];
 
-/// The sections of a case that say how it is run in time.
+/// Sections of a time-domain simulation of a solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dynamics {
-    /// The cells.
+    /// Section `[grid]`: the grid of cells.
     pub grid: Grid,
-    /// How long, and in which steps.
+    /// Section `[time]`: duration and Courant number.
     pub time: Time,
-    /// The choices of the scheme.
+    /// Section `[scheme]`: options of the numerical scheme.
     pub scheme: Scheme,
-    /// Parts of other media; empty: the case's own is everywhere.
+    /// Regions of different media; if empty, the medium of the case fills the grid.
     pub regions: Vec<Region>,
-    /// Conditions on sides. What no entry names is free; of two that overlap the later one holds.
+    /// Boundary conditions. Faces without condition are traction-free; of overlapping entries the last applies.
     pub sides: Vec<SideCondition>,
-    /// Loads on sides; they add up, over the conditions.
+    /// Boundary loads; they are added to each other and to the boundary conditions.
     pub loads: Vec<Load>,
-    /// Loads inside.
+    /// Sources inside the grid.
     pub sources: Vec<Source>,
-    /// What the initial state is made of; the parts add up.
+    /// Parts of the initial state, which are summed.
     pub initial: Vec<Initial>,
-    /// Uniform initial stress: all stresses of the case, Pa and N/m.
+    /// Uniform initial stress by components, Pa and N/m.
     pub initial_stress: Vec<(Component, f64)>,
-    /// Weight.
+    /// Section `[gravity]`, if present.
     pub gravity: Option<Gravity>,
-    /// Points at which the state is recorded.
+    /// Receivers: points at which the state is recorded.
     pub receivers: Vec<Receiver<Recorded>>,
-    /// What else is recorded.
+    /// Section `[output]`: ledger, snapshots and pictures.
     pub output: Output,
     places: Places,
 }
 
 impl Dynamics {
-    /// All functions of time.
+    /// All functions of time of loads, sources and initial pulses.
     pub(crate) fn times(&self) -> impl Iterator<Item = &TimeFunction> {
         let initial = self.initial.iter().filter_map(|part| match part {
             Initial::PlanePulse(pulse) => Some(&pulse.time),
@@ -104,11 +104,11 @@ impl Dynamics {
         loads.chain(self.sources.iter().map(|source| &source.time)).chain(initial)
     }
 
-    /// What the sections around `root` say besides `[grid]`, of a case of that material; `material_of` reads the
-    /// tables of a region that say what it is made of.
+    /// Reads all sections below `root` except `[grid]`, for a case of material `material`; `material_of` reads the
+    /// material of a region.
     ///
     /// # Errors
-    /// What is wrong, where, and what is allowed.
+    /// A key is unknown or missing, or a value is invalid.
     pub(crate) fn read(
         root: &Section,
         grid: Grid,
@@ -149,7 +149,7 @@ impl Dynamics {
         })
     }
 
-    /// The sections as TOML: every value, defaults included.
+    /// The sections as TOML, with all values, defaults included.
     pub(crate) fn to_toml(&self) -> String {
         let d = self.grid.dimensions();
         let mut text = self.grid.to_toml() + &self.time.to_toml() + &self.scheme.to_toml();
@@ -164,7 +164,7 @@ impl Dynamics {
         text + &self.output.to_toml()
     }
 
-    /// An error at a key of these sections, as in `load[0].amplitude`; indices from 0.
+    /// An error at a key of these sections such as `load[0].amplitude`; indices from 0.
     pub fn locate(
         &self,
         path: &str,
@@ -173,11 +173,11 @@ impl Dynamics {
     ) -> CaseError {
         self.places.error(path, found, allowed)
     }
-    /// The region of each cell, by its place in [`regions`](Self::regions), the first axis running
-    /// fastest; all 0 without regions. A cell belongs to the region that holds its centre.
+    /// Region index of each cell (index into [`regions`](Self::regions)), first axis fastest; all 0 without regions. A
+    /// cell belongs to the region that contains its centre.
     ///
     /// # Errors
-    /// Two regions hold the same cell, a cell is in none, a region holds none, or memory is short.
+    /// Regions overlap, a cell is in no region, a region is empty, or memory allocation fails.
     pub fn media_of_cells(&self) -> Result<Vec<u16>, CaseError> {
         let count = self.grid.count();
         let mut media = Vec::new();
@@ -222,7 +222,7 @@ impl Dynamics {
         }
     }
 
-    /// The one region that holds a point, that of the rest aside.
+    /// The region other than the rest that contains a point; `None` if there is none.
     fn region_at(&self, x: &[f64]) -> Result<Option<usize>, CaseError> {
         let mut holders =
             (0..self.regions.len()).filter(|&region| self.regions[region].shape.contains(x));

@@ -1,6 +1,6 @@
-//! From TOML text and `--set` options to values by key, each with its place.
+//! Parsing of TOML text and `--set` options to values by key with positions.
 
-use super::error::{CaseError, Place, shown};
+use super::error::{CaseError, Place, escape};
 use super::keys::{Field, Key, keys};
 use super::kind::{Kind, Medium};
 use super::node::{Node, Refused, Table, segment};
@@ -12,23 +12,23 @@ use models::registry;
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
-/// Most sections, entries of lists and tables in braces.
+/// Maximum number of sections, list entries and inline tables.
 const MOST_TABLES: usize = 100_000;
-/// Most keys.
+/// Maximum number of keys.
 const MOST_KEYS: usize = 500_000;
 
-/// The values of a case by key, before their meaning is looked at.
+/// Parsed values of a case by key, before interpretation.
 pub(super) struct Entries<'a> {
     values: BTreeMap<&'static str, Value>,
-    /// The sections that say how a case is run in time, and `[check]`.
+    /// Time-domain sections and `[check]`.
     structured: Table<'a>,
-    /// The forms of these sections.
+    /// Schemas of these sections.
     forms: &'static Forms,
     pub(super) places: Places,
 }
 
 impl<'a> Entries<'a> {
-    /// Reads the text of a file, then the `--set` options over it; the last one of a key holds.
+    /// Parses the text of a file, then applies the `--set` options; the last option of a key wins.
     pub(super) fn read(
         text: &'a str,
         file: &str,
@@ -41,7 +41,7 @@ impl<'a> Entries<'a> {
             let content = text.lines().nth(line - 1).unwrap_or_default().trim();
             CaseError::Syntax {
                 place: Place::Line { file: file.to_owned(), line },
-                cause: format!("{} in '{}'", shown(error.message()), shown(content)),
+                cause: format!("{} in '{}'", escape(error.message()), escape(content)),
             }
         })?;
 
@@ -100,10 +100,10 @@ impl<'a> Entries<'a> {
         Ok(())
     }
 
-    /// Reads one `--set key=value`; hands back the key if it is unknown.
+    /// Applies one option `--set key=value`; returns the key if it is unknown.
     fn set(&mut self, set: &'a str) -> Result<Option<String>, CaseError> {
         let refused = |key: &str, found: &str, allowed: String| {
-            let (place, key) = (Place::Option(set.to_owned()), shown(key));
+            let (place, key) = (Place::Option(set.to_owned()), escape(key));
             Err(CaseError::Key { place, key, found: found.to_owned(), allowed })
         };
         let Some((name, text)) = set.split_once('=') else {
@@ -136,7 +136,7 @@ impl<'a> Entries<'a> {
         Ok(None)
     }
 
-    /// Reads one `--set` of a key in one of these sections.
+    /// Applies one option `--set` of a key in a time-domain section or `[check]`.
     fn set_structured(&mut self, set: &str, name: &str, text: &'a str) -> Result<(), CaseError> {
         // Quotes around text may be left out, as the shell takes them away.
         let value = DeValue::parse(text).map(|value| value.into_inner());
@@ -144,7 +144,7 @@ impl<'a> Entries<'a> {
         // One place answers for all that the option holds.
         let node = Node::read(&value, name, &mut |_, _| {});
         let key = self.structured.set(name, node).map_err(|Refused { key, found, allowed }| {
-            let (place, key) = (Place::Option(set.to_owned()), shown(&key));
+            let (place, key) = (Place::Option(set.to_owned()), escape(&key));
             CaseError::Key { place, key, found, allowed }
         })?;
         self.places.forget(&key);
@@ -152,18 +152,18 @@ impl<'a> Entries<'a> {
         Ok(())
     }
 
-    /// The sections that say how a case is run in time, and what is checked.
+    /// Root of the time-domain sections and `[check]`.
     pub(super) fn structured(&self, scope: Scope) -> Section<'_> {
         Section::root(&self.structured, &self.places, scope)
     }
 
-    /// A value that follows from others, where none was given.
+    /// Supplies a derived value for a key that was not given.
     pub(super) fn provide(&mut self, key: &'static str, value: Value) {
         self.values.entry(key).or_insert(value);
     }
 
-    /// The values of a region: those of the case, and over them what its tables `model` and `yield`
-    /// say. A table that names another kind than the case counts alone.
+    /// Values of a region: those of the case, overridden by its tables `model` and `yield`. A table that names another
+    /// kind than the case inherits nothing.
     pub(super) fn of_region(&self, region: &Section) -> Result<Entries<'static>, CaseError> {
         let (structured, places) = (Table::default(), self.places.clone());
         let mut own = Entries { values: BTreeMap::new(), structured, forms: self.forms, places };
@@ -211,19 +211,18 @@ impl<'a> Entries<'a> {
         }
     }
 
-    /// Whether a region has the value from the case.
+    /// Whether a region inherits the value of `key` from the case.
     pub(super) fn is_inherited(&self, key: &str) -> bool {
         !self.places.has_alias(key)
     }
 
-    /// Drops what a region has from the case and its own medium does not use.
+    /// Drops inherited values that the medium of a region does not use.
     pub(super) fn keep_inherited(&mut self, is_used: impl Fn(&str) -> bool) {
         let places = &self.places;
         self.values.retain(|key, _| places.has_alias(key) || is_used(key));
     }
 
-    /// What to say of a key that the table does not have: what it may mean, and what is allowed.
-    /// `shown_as` is how the key is named in the message.
+    /// Error of an unknown key, with a suggestion and the allowed keys; `shown_as` is the key in the message.
     fn unknown(&self, name: &str, shown_as: &str, place: Place) -> CaseError {
         let text = |key: &str| self.get(key).and_then(Value::text);
         let kind = text("model.kind").and_then(Kind::from_name);
@@ -244,20 +243,20 @@ impl<'a> Entries<'a> {
         let misplaced = keys().iter().find(|key| is_usable(key) && key.split().1 == last);
         let meant = misplaced.map(|key| key.name).or_else(|| nearest(last, bare));
         let allowed = format!("{}allowed here: {}", suggestion(meant), siblings.join(", "));
-        CaseError::Key { place, key: shown(shown_as), found: "unknown key".into(), allowed }
+        CaseError::Key { place, key: escape(shown_as), found: "unknown key".into(), allowed }
     }
 
-    /// The value of a key, if it was given.
+    /// Value of a key, if given.
     pub(super) fn get(&self, key: &str) -> Option<&Value> {
         self.values.get(key)
     }
 
-    /// Whether a section stands in the file or was set.
+    /// Whether a section is in the file or was set by an option.
     pub(super) fn has_section(&self, section: &str) -> bool {
         self.places.has_line(section) || self.values.keys().any(|key| is_inside(key, section))
     }
 
-    /// The value of a key that must be there.
+    /// Value of a required key.
     pub(super) fn require(&self, key: &'static str) -> Result<&Value, CaseError> {
         self.get(key).ok_or_else(|| {
             let row = Key::find(key);
@@ -275,7 +274,7 @@ impl<'a> Entries<'a> {
         })
     }
 
-    /// The text of a key that must be there.
+    /// Text of a required key.
     pub(super) fn text(&self, key: &'static str) -> Result<&str, CaseError> {
         match self.require(key)? {
             Value::Text(text) => Ok(text),
@@ -283,7 +282,7 @@ impl<'a> Entries<'a> {
         }
     }
 
-    /// The number of a key that must be there.
+    /// Number of a required key.
     pub(super) fn number(&self, key: &'static str) -> Result<f64, CaseError> {
         match self.require(key)? {
             Value::Number(number) => Ok(*number),
@@ -293,14 +292,14 @@ impl<'a> Entries<'a> {
     }
 }
 
-/// What the table says is allowed for a key.
+/// Description of the allowed values of a key, for messages.
 pub(super) fn allowed(key: &Key) -> String {
     let unit = if key.unit.is_empty() { String::new() } else { format!(" in {}", key.unit) };
     let words = key.field.value_type().words(&Scope::default());
     format!("expected {words}{unit} ({})", key.meaning)
 }
 
-/// That a text has not too many keys and tables, each of which takes over a kilobyte when it is parsed.
+/// Checks that a text has not too many keys and tables, each of which takes over a kilobyte when parsed.
 fn check_size(text: &str, file: &str) -> Result<(), CaseError> {
     let count = |byte: u8| text.bytes().filter(|own| *own == byte).count();
     // Rows of a list of lists have commas.
@@ -317,7 +316,7 @@ fn check_size(text: &str, file: &str) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// The line of an offset, both counted in the text; lines from 1.
+/// Function from a byte offset in the text to its line, from 1.
 fn lines(text: &str) -> impl Fn(usize) -> usize {
     let ends: Vec<usize> = text.match_indices('\n').map(|(offset, _)| offset).collect();
     move |offset| 1 + ends.partition_point(|&end| end < offset)
@@ -347,7 +346,7 @@ fn is_section(name: &str) -> bool {
     keys().iter().any(|key| is_inside(key.name, name))
 }
 
-/// The usable names directly inside a section, and the sections among them in brackets.
+/// Usable keys directly inside a section; subsections in brackets.
 fn names_inside(section: &str, is_usable: impl Fn(&Key) -> bool) -> Vec<String> {
     let mut names = Vec::new();
     for key in keys().iter().filter(|key| is_usable(key)) {
@@ -365,17 +364,17 @@ fn names_inside(section: &str, is_usable: impl Fn(&Key) -> bool) -> Vec<String> 
     names
 }
 
-/// A value of the type that the table gives to the key.
+/// Converts a TOML value to the type of the key; `None` if it has another type.
 fn read_value(key: &Key, value: &DeValue) -> Option<Value> {
     key.field.value_type().parse(value, &Scope::default())
 }
 
-/// The kind of model of that name, for the key that names it.
+/// Kind of model called `name`; errors refer to `key`.
 pub(super) fn kind(name: &str, key: &str, places: &Places) -> Result<Kind, CaseError> {
     Kind::from_name(name).ok_or_else(|| {
         let names: Vec<&str> = Kind::all().into_iter().map(Kind::name).collect();
         let meant = suggestion(nearest(name, names.iter().copied()));
-        let found = format!("found '{}'", shown(name));
+        let found = format!("found '{}'", escape(name));
         places.error(key, found, format!("{meant}allowed: {}", names.join(", ")))
     })
 }

@@ -1,18 +1,18 @@
-//! What is wrong with a case, where, and what to do about it.
+//! Errors of case files: place, key, value found and values allowed.
 
 use std::path::PathBuf;
 
-/// Where something stands in the input.
+/// Position in the input.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
     /// A line of a case file, counted from 1.
     Line {
-        /// The file, as it was named.
+        /// Path of the file as given.
         file: String,
-        /// The line.
+        /// Line number.
         line: usize,
     },
-    /// A case file as a whole: what is missing stands on no line.
+    /// A case file as a whole, for missing keys.
     File(String),
     /// A `--set` option, with its text.
     Option(String),
@@ -23,20 +23,20 @@ impl std::fmt::Display for Place {
         match self {
             Self::Line { file, line } => write!(formatter, "{file}:{line}"),
             Self::File(file) => write!(formatter, "{file}"),
-            Self::Option(text) => write!(formatter, "--set {}", shown(text)),
+            Self::Option(text) => write!(formatter, "--set {}", escape(text)),
         }
     }
 }
 
-/// A case that cannot be used: one message with place, key, what was found and what is allowed.
+/// Error of a case file, with a one-line message.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CaseError {
-    /// The file cannot be read at all.
+    /// The file cannot be read.
     #[error("{}: {cause}; name a case file (wellposed cases lists some, wellposed new writes one)", .path.display())]
     Unreadable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why not.
+        /// Cause given by the operating system.
         cause: String,
     },
     /// The text is not TOML.
@@ -44,7 +44,7 @@ pub enum CaseError {
     Syntax {
         /// Where.
         place: Place,
-        /// What the parser says, and the line.
+        /// Message of the parser, with the line.
         cause: String,
     },
     /// A key is unknown, missing, not used, or has a wrong value.
@@ -52,27 +52,27 @@ pub enum CaseError {
     Key {
         /// Where.
         place: Place,
-        /// The key, with its section.
+        /// Key with its section.
         key: String,
-        /// What was found.
+        /// Value found.
         found: String,
-        /// What is allowed, or the remedy.
+        /// Allowed values, or the remedy.
         allowed: String,
     },
 }
 
-/// Text of the user as it may stand in a one-line message: escaped and not too long.
-pub(super) fn shown(text: &str) -> String {
+/// Escapes and shortens user text for a one-line message.
+pub(super) fn escape(text: &str) -> String {
     const LONGEST: usize = 80;
-    let mut short: String = text.chars().take(LONGEST).flat_map(escaped).collect();
+    let mut short: String = text.chars().take(LONGEST).flat_map(escape_control).collect();
     if text.chars().nth(LONGEST).is_some() {
         short.push('…');
     }
     short
 }
 
-/// Control characters escaped, all others as they are.
-fn escaped(c: char) -> impl Iterator<Item = char> {
+/// Escapes a control character; other characters are unchanged.
+fn escape_control(c: char) -> impl Iterator<Item = char> {
     let control = c.is_control();
     control.then(|| c.escape_default()).into_iter().flatten().chain((!control).then_some(c))
 }

@@ -1,7 +1,7 @@
-//! Sections whose keys are rows of the table: name, yield set, numbers and kinds to compare.
+//! Reading of the sections whose keys are rows of the key table: name, yield set, numbers and kinds to compare.
 
 use super::entries::{Entries, allowed, kind};
-use super::error::{CaseError, shown};
+use super::error::{CaseError, escape};
 use super::keys::{Key, Presence, keys};
 use super::kind::{Kind, Medium, Yield, names};
 use super::numbers::Numbers;
@@ -10,7 +10,7 @@ use super::value::{Value, nearest, suggestion};
 use models::registry;
 use std::path::Path;
 
-/// The name of a case: given, or else from its file.
+/// Name of a case: given, or derived from its file name.
 pub(super) fn name(entries: &Entries, file: &str) -> Result<String, CaseError> {
     const KEY: &str = "name";
     let may_stand = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.');
@@ -19,7 +19,7 @@ pub(super) fn name(entries: &Entries, file: &str) -> Result<String, CaseError> {
     if let Some(Value::Text(name)) = entries.get(KEY) {
         if is_dots(name) || !name.chars().all(may_stand) || is_too_long(name) {
             let allowed = Key::find(KEY).map_or(String::new(), allowed);
-            let found = format!("found '{}'", shown(name));
+            let found = format!("found '{}'", escape(name));
             return Err(entries.places.error(KEY, found, allowed));
         }
         return Ok(name.clone());
@@ -29,11 +29,11 @@ pub(super) fn name(entries: &Entries, file: &str) -> Result<String, CaseError> {
     if is_dots(stem) {
         return Ok("case".to_owned());
     }
-    // What a resolved case states must read back.
+    // The name of a resolved case must be readable again.
     Ok(stem.chars().map(|c| if may_stand(c) { c } else { '-' }).collect())
 }
 
-/// The yield set that `[yield]` names; a name among `none` stands for none.
+/// Yield set named in `[yield]`; names in `none` mean no yield set.
 pub(super) fn yield_set(
     entries: &Entries,
     kind: Kind,
@@ -64,13 +64,13 @@ pub(super) fn yield_set(
         let names: Vec<&str> =
             sets.iter().map(|set| set.name).chain(none.iter().copied()).collect();
         let meant = suggestion(nearest(name, names.iter().copied()));
-        let found = format!("found '{}'", shown(name));
+        let found = format!("found '{}'", escape(name));
         let allowed = format!("{meant}allowed for {}: {}", kind.name(), names.join(", "));
         entries.places.error(KEY, found, allowed)
     })
 }
 
-/// The conditions of `yield.active`.
+/// Indices of the conditions of `yield.active`.
 pub(super) fn active(entries: &Entries, medium: Medium) -> Result<Option<Vec<usize>>, CaseError> {
     const KEY: &str = "yield.active";
     let Some(Value::Texts(names)) = entries.get(KEY) else { return Ok(None) };
@@ -89,13 +89,13 @@ pub(super) fn active(entries: &Entries, medium: Medium) -> Result<Option<Vec<usi
     let known = medium.condition_names();
     let mut active = Vec::new();
     for name in names {
-        let found = format!("found '{}'", shown(name));
+        let found = format!("found '{}'", escape(name));
         let Some(index) = known.iter().position(|known| *known == name.as_str()) else {
             let meant = suggestion(nearest(name, known.iter().copied()));
             let allowed = format!("{meant}allowed: {}", known.join(", "));
             return Err(entries.places.error(KEY, found, allowed));
         };
-        // Both signs at once: a stress of zero and a strength of zero, where nothing is decided.
+        // Both signs of a condition need zero stress and zero strength, which decides nothing.
         let stress = |index: usize| known[index].trim_start_matches(['+', '-']);
         if active.iter().any(|&other| stress(other) == stress(index)) {
             let allowed = "name each stress once, with one sign";
@@ -110,10 +110,10 @@ pub(super) fn active(entries: &Entries, medium: Medium) -> Result<Option<Vec<usi
     Ok(Some(active))
 }
 
-/// The numbers of a case: defaults, what was given, and nothing that no medium uses.
+/// Numbers of a case: given values and defaults; refuses numbers that no medium uses.
 pub(super) fn numbers(entries: &Entries, media: &[Medium]) -> Result<Numbers, CaseError> {
     let is_used = |key: &Key| media.iter().any(|&medium| key.is_used_by(medium));
-    // What is too much says more of a mistake than what is missing.
+    // An unused key is a better diagnosis than a missing one: report it first.
     if let Some(key) = keys()
         .iter()
         .find(|key| key.field.is_kept() && entries.get(key.name).is_some() && !is_used(key))
@@ -183,7 +183,7 @@ pub(super) fn wave_number(entries: &Entries, key: &str, found: f64) -> CaseError
     entries.places.error(key, format!("found {found:?}"), "a wave number must be positive")
 }
 
-/// The kinds of `[compare]`.
+/// Kinds of model of `[compare]`.
 pub(super) fn compare(entries: &Entries) -> Result<Option<Vec<Kind>>, CaseError> {
     const KEY: &str = "compare.kinds";
     if !entries.has_section("compare") {

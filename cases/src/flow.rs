@@ -1,8 +1,7 @@
-//! What a case says of a flow in time: the box and its points, the perturbation of the uniform flow,
-//! and what is recorded.
+//! Sections of a time-domain simulation of a flow: periodic box, perturbation of the uniform mean flow, output.
 //!
-//! SI units, angles in degrees. The box moves with the mean flow; positions are those that its points
-//! have at the beginning, from 0 to its edges, m. Axes are counted from 0.
+//! SI units, angles in degrees. The box moves with the mean flow; positions are initial positions of its points, from 0
+//! to its edges, m. Axes are counted from 0.
 
 mod grid;
 mod initial;
@@ -23,7 +22,7 @@ use models::flow::RotationKind;
 use reader::Reader;
 use std::path::Path;
 
-/// Keys of a state that are 0 in a flow that is uniform and whose box moves with it.
+/// Keys of a state that must be 0 in a uniform flow whose box moves with it.
 pub const UNIFORM: [&str; 9] = [
     "model.dilatancy_angle_deg",
     "background.velocity",
@@ -36,11 +35,11 @@ pub const UNIFORM: [&str; 9] = [
     "background.acceleration",
 ];
 
-/// The sections, in the order in which they are written; the last one is of coaxial flows alone.
+/// Schemas of the sections, in the order of writing; the last is for coaxial flows only.
 pub(crate) const FORMS: [&Form; 6] =
     [&grid::GRID, &grid::TIME, &initial::FORM, &output::RECEIVER, &output::OUTPUT, &grid::LIMITS];
 
-/// The sections of a kind of flow; none where it cannot be run in time.
+/// Schemas of the sections of a kind of flow; empty if it has no time-domain solver.
 pub(crate) fn forms(kind: Kind) -> Vec<&'static Form> {
     match kind.rotation_in_time() {
         None => Vec::new(),
@@ -49,31 +48,32 @@ pub(crate) fn forms(kind: Kind) -> Vec<&'static Form> {
     }
 }
 
-/// The sections of a case that say how a flow is run in time.
+/// Sections of a time-domain simulation of a flow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlowRun {
-    /// What rotates: it says which field evolves beside the velocity. Never [`RotationKind::Free`].
+    /// Kind of material rotation, which determines the field that evolves with the velocity. Never
+    /// [`RotationKind::Free`].
     pub rotation: RotationKind,
-    /// The box.
+    /// Section `[grid]`: the periodic box.
     pub grid: Grid,
-    /// How long, and how accurately.
+    /// Section `[time]`: duration and tolerances.
     pub time: Time,
-    /// Least Q_D relative to that of the mean flow, at which a run is stopped (plastic potential alone).
+    /// Smallest Q_D, relative to the mean flow, at which a simulation stops (plastic potential only).
     pub least_shear_rate: f64,
-    /// What the perturbation is made of at the beginning; the parts add up. At least one.
+    /// Parts of the initial perturbation, which are summed; at least one.
     pub initial: Vec<Initial>,
-    /// Points of the box at which fields are recorded.
+    /// Receivers: points of the box at which fields are recorded.
     pub receivers: Vec<Receiver<Quantity>>,
-    /// What else is recorded.
+    /// Section `[output]`: ledger, snapshots and pictures.
     pub output: Output,
     places: Places,
 }
 
 impl FlowRun {
-    /// What the sections around `root` say.
+    /// Reads all sections below `root`.
     ///
     /// # Errors
-    /// What is wrong, where, and what is allowed.
+    /// A key is unknown or missing, or a value is invalid.
     pub(crate) fn read(
         root: &Section,
         rotation: RotationKind,
@@ -93,7 +93,7 @@ impl FlowRun {
         })
     }
 
-    /// The sections as TOML: every value, defaults included.
+    /// The sections as TOML, with all values, defaults included.
     pub(crate) fn to_toml(&self) -> String {
         let mut text = self.grid.to_toml() + &self.time.to_toml();
         if self.rotation == RotationKind::None {
@@ -104,12 +104,12 @@ impl FlowRun {
         text + &self.output.to_toml()
     }
 
-    /// The same in another box.
+    /// This simulation on another grid.
     pub fn on(&self, grid: Grid) -> Self {
         Self { grid, ..self.clone() }
     }
 
-    /// An error at a key of these sections, as in `initial[0].amplitude`; indices from 0.
+    /// An error at a key of these sections such as `initial[0].amplitude`; indices from 0.
     pub fn locate(
         &self,
         path: &str,

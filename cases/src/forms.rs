@@ -1,4 +1,4 @@
-//! The list of all sections that are trees, and which of them a case may have.
+//! Schemas of all structured sections, and which of them a case may have.
 
 use crate::error::CaseError;
 use crate::kind::{Kind, names};
@@ -7,7 +7,7 @@ use crate::section::Section;
 use crate::{check, dynamics, flow};
 use models::flow::RotationKind;
 
-/// All sections that are trees.
+/// Schemas of all structured sections.
 pub(crate) const FORMS: Forms = Forms {
     solids: dynamics::FORMS,
     flows: &flow::FORMS,
@@ -15,8 +15,8 @@ pub(crate) const FORMS: Forms = Forms {
     in_time: forms_in_time,
 };
 
-/// The sections that say how models of a kind are run in time, in the order in which they are written; none
-/// where nothing is.
+/// Schemas of the time-domain sections of a kind of model, in the order of writing; empty if it has no time-domain
+/// solver.
 pub(crate) fn forms_in_time(kind: Kind) -> Vec<&'static Form> {
     match kind {
         Kind::Solid(_) => dynamics::FORMS.to_vec(),
@@ -24,16 +24,16 @@ pub(crate) fn forms_in_time(kind: Kind) -> Vec<&'static Form> {
     }
 }
 
-/// All sections that are trees: those of solids in time, those of flows in time, and `[check]`.
+/// Schemas of all structured sections, by group: time-domain solids, time-domain flows, and `[check]`.
 pub fn all_forms() -> [(&'static str, Vec<&'static Form>); 3] {
     let Forms { solids, flows, check, .. } = FORMS;
     [("solids in time", solids.to_vec()), ("flows in time", flows.to_vec()), ("check", vec![check])]
 }
 
-/// Whether the case says how it is run in time, by a section `[grid]`.
+/// Whether the case describes a time-domain simulation, i.e. has a section `[grid]`.
 ///
 /// # Errors
-/// A section that such a model has no use for, or one without a grid.
+/// A section is not used by the kind of model, or present without `[grid]`.
 pub(crate) fn is_run_in_time(root: &Section, kind: Kind) -> Result<bool, CaseError> {
     let own = forms_in_time(kind);
     let is_own = |name: &str| name == check::FORM.name || own.iter().any(|form| form.name == name);

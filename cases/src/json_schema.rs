@@ -1,8 +1,8 @@
-//! The JSON Schema of case files (draft 2020-12): what editors complete and check.
+//! JSON Schema of case files (draft 2020-12), for completion and validation in editors.
 //!
-//! It takes every case that the program takes, but one with a number out of range that only a map replaces. Of what the
-//! program refuses it knows types, ranges, words, missing and unknown keys, by kind of model. Relations between numbers
-//! are for the program alone.
+//! It accepts every case that the program accepts, except a number out of range that only a map replaces. It rejects
+//! wrong types, ranges and words, and missing or unknown keys, by kind of model. Relations between numbers are checked
+//! by the program only.
 
 use crate::dynamics::stress;
 use crate::forms::forms_in_time;
@@ -15,7 +15,7 @@ use models::registry;
 use serde_json::{Map, Value, json};
 use toml::de::DeValue;
 
-/// The schema.
+/// The JSON Schema of case files.
 pub fn json_schema() -> Value {
     let mut properties = Map::new();
     let mut branches = Branches::default();
@@ -54,7 +54,7 @@ pub fn json_schema() -> Value {
     })
 }
 
-/// Which dimensions go together: of the solid, its yield set and its grid.
+/// Adds the consistency of dimensions of the solid, its yield set and its grid.
 fn add_dimensions(branches: &mut Branches) {
     let in_model = |dimensions: usize| {
         json!({
@@ -79,12 +79,12 @@ fn add_dimensions(branches: &mut Branches) {
     ask(is_one("model", "kind", &solids), "grid", "cells", json!({ "maxItems": 2 }));
 }
 
-/// What holds under conditions: each condition once, with what it asks for.
+/// Conditional parts of the schema (`if`/`then`): each condition once, with its requirements.
 #[derive(Default)]
 struct Branches(Vec<(Value, Map<String, Value>)>);
 
 impl Branches {
-    /// What is asked for under a condition.
+    /// The requirements under a condition.
     fn under(&mut self, condition: Value) -> &mut Map<String, Value> {
         let place = self.0.iter().position(|(own, _)| *own == condition).unwrap_or_else(|| {
             self.0.push((condition, Map::new()));
@@ -98,7 +98,7 @@ impl Branches {
     }
 }
 
-/// The object at a name inside, made where it is absent.
+/// The object called `name` in `map`, created if absent.
 fn inside<'a>(map: &'a mut Map<String, Value>, name: &str) -> &'a mut Map<String, Value> {
     let slot = map.entry(name).or_insert_with(|| json!({}));
     if !slot.is_object() {
@@ -107,7 +107,7 @@ fn inside<'a>(map: &'a mut Map<String, Value>, name: &str) -> &'a mut Map<String
     slot.as_object_mut().expect("an object was put there")
 }
 
-/// Adds a name to a list at another one.
+/// Appends `name` to the list called `list` in `map`.
 fn append(map: &mut Map<String, Value>, list: &str, name: &str) {
     let slot = map.entry(list).or_insert_with(|| json!([]));
     if let Some(names) = slot.as_array_mut().filter(|names| !names.contains(&json!(name))) {
@@ -124,7 +124,7 @@ fn object(properties: Map<String, Value>, required: Vec<&str>) -> Value {
     schema
 }
 
-/// A condition that a key of a section has one of these values.
+/// Condition: a key of a section has one of the values `words`.
 fn is_one(section: &str, key: &str, words: &[&str]) -> Value {
     json!({
         "properties": { section: { "properties": { key: { "enum": words } }, "required": [key] } },
@@ -132,8 +132,7 @@ fn is_one(section: &str, key: &str, words: &[&str]) -> Value {
     })
 }
 
-/// A condition that the model, or a flow that it is compared with, is one of these kinds, and yields by one of these
-/// sets if there are any.
+/// Condition: the model, or a flow of `[compare]`, is one of `kinds`, with one of the yield sets `sets` if nonempty.
 fn has_one(kinds: &[&str], sets: &[&str]) -> Value {
     let own = is_one("model", "kind", kinds);
     let compared = json!({ "properties": { "compare": { "properties": { "kinds": { "contains": { "enum": kinds } } }, "required": ["kinds"] } }, "required": ["compare"] });
@@ -145,7 +144,7 @@ fn has_one(kinds: &[&str], sets: &[&str]) -> Value {
     }
 }
 
-/// Those of the kinds and of the sets that use a key whose own entries require it.
+/// Kinds and yield sets that require the key.
 fn requiring<'a>(key: &Key, kinds: Vec<&'a str>, sets: Vec<&'a str>) -> [Vec<&'a str>; 2] {
     let is_required = |medium: Medium| matches!(key.presence_for(medium), Presence::Required(_));
     let by_kind = |name: &&str| {
@@ -166,7 +165,7 @@ fn requiring<'a>(key: &Key, kinds: Vec<&'a str>, sets: Vec<&'a str>) -> [Vec<&'a
     [kinds, sets]
 }
 
-/// A row of the table of keys, with the conditions under which it may or must stand.
+/// Adds a row of the key table, with the conditions under which the key is allowed or required.
 fn add_key(key: &'static Key, properties: &mut Map<String, Value>, branches: &mut Branches) {
     let path: Vec<&str> = key.name.split('.').collect();
     let (last, sections) = path.split_last().expect("a name has a part");
@@ -249,7 +248,7 @@ fn description(unit: &str, meaning: &str) -> String {
     }
 }
 
-/// The sections of solids or flows in time, in as many dimensions as the grid has.
+/// Adds the time-domain sections of solids or flows, by the dimensions of the grid.
 fn add_forms(
     name: &str,
     kinds: &[Kind],
@@ -296,7 +295,7 @@ fn add_forms(
     }
 }
 
-/// A condition that the grid has so many dimensions; one of another number than 2 and 3 is refused by both.
+/// Condition: the grid has `dimensions` dimensions; grids of other than 2 or 3 dimensions fail both.
 fn has_grid_of(dimensions: usize) -> Value {
     let cells = match dimensions {
         2 => json!({ "maxItems": 2 }),
@@ -305,7 +304,7 @@ fn has_grid_of(dimensions: usize) -> Value {
     json!({ "properties": { "grid": { "properties": { "cells": cells } } } })
 }
 
-/// A table, or a list of tables.
+/// Schema of a table or a list of tables.
 fn of_form(form: &'static Form, scope: &Scope) -> Value {
     let mut schema = match form.groups {
         [] => of_stresses(),
@@ -320,7 +319,7 @@ fn of_form(form: &'static Form, scope: &Scope) -> Value {
     }
 }
 
-/// The table whose keys are stresses.
+/// Schema of the table whose keys are stress components.
 fn of_stresses() -> Value {
     let stresses = stress::all().map(|component| {
         let schema = json!({ "type": "number", "description": stress::unit(component) });
@@ -381,7 +380,7 @@ fn of_items(form: &'static Form, scope: &Scope) -> Value {
     schema
 }
 
-/// Adds a key; one of the same name may have another type in other dimensions.
+/// Adds a key; a key may have different types in different dimensions.
 fn merge(properties: &mut Map<String, Value>, item: &Item, scope: &Scope) {
     let schema = of_item(item, scope);
     let merged = match properties.remove(item.name) {
@@ -391,7 +390,7 @@ fn merge(properties: &mut Map<String, Value>, item: &Item, scope: &Scope) {
     properties.insert(item.name.to_owned(), merged);
 }
 
-/// Whether a condition on the dimensions holds; `None` where these are unknown, and of any other condition.
+/// Whether a condition on the dimensions holds; `None` if they are unknown, and for other conditions.
 fn holds(condition: &Condition, scope: &Scope) -> Option<bool> {
     match condition {
         Condition::Plane => Some(scope.dimensions? == 2),
@@ -422,7 +421,7 @@ fn of_item(item: &Item, scope: &Scope) -> Value {
     schema
 }
 
-/// A value in TOML as one in JSON.
+/// Converts a TOML value to JSON.
 fn json_of(toml: &str) -> Value {
     fn convert(value: &DeValue) -> Value {
         match value {
@@ -458,12 +457,12 @@ fn of_range(range: Range) -> Value {
     }
 }
 
-/// A list of so many items.
+/// Schema of a list with `least` to `most` items.
 fn list_of(items: Value, least: usize, most: usize) -> Value {
     json!({ "type": "array", "items": items, "minItems": least, "maxItems": most })
 }
 
-/// Least and greatest length of a list in so many dimensions, or whatever the case.
+/// Minimum and maximum length of a list in the dimensions of `scope`, or in any.
 fn lengths(length: Length, scope: &Scope) -> [usize; 2] {
     match (length, scope.dimensions) {
         (Length::Two, _) => [2, 2],
@@ -558,7 +557,7 @@ fn of_type(value: &Type, scope: &Scope) -> Value {
     }
 }
 
-/// A table with keys of a section that some solid uses.
+/// Schema of a table with the keys of a section that some solid uses.
 fn of_part(section: &str) -> Value {
     let is_of_solid = |key: &&Key| Kind::solids().iter().any(|own| key.is_for(*own));
     let own = keys().iter().filter(|key| key.split().0 == section).filter(is_of_solid);

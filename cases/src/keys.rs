@@ -1,8 +1,8 @@
-//! The one table of keys that a case file may hold.
+//! Table of the scalar keys of case files.
 //!
-//! Parsing, refusal of unknown and unused keys, `--set`, the commented files of `wellposed new`
-//! and the parameters that a map can sweep all read this table. Constants of models and yield sets come from the
-//! [registry](models::registry). To add another key: add a field to [`Numbers`] and a row here.
+//! Parsing, refusal of unknown and unused keys, `--set`, the templates of `wellposed new`
+//! and the parameters of a map all use this table. Constants of models and yield sets come from the
+//! [registry](models::registry). To add a case key: add a field to [`Numbers`] and a row here.
 
 mod key;
 mod table;
@@ -18,12 +18,12 @@ use models::common::parameter::Parameter as Constant;
 use models::registry;
 
 impl Key {
-    /// The row of that name.
+    /// The row of the key called `name`.
     pub fn find(name: &str) -> Option<&'static Self> {
         keys().iter().find(|key| key.name == name)
     }
 
-    /// The words that it may have, where it has not any.
+    /// Allowed words of a text key; `None` if any text is allowed.
     pub fn words(&self) -> Option<Vec<String>> {
         let kinds = |kinds: Vec<Kind>| kinds.into_iter().map(|kind| kind.name().to_owned());
         Some(match self.name {
@@ -60,7 +60,7 @@ impl PartialEq for Parameter {
 }
 
 impl Parameter {
-    /// The parameter of that name: `background.pressure`, `background.velocity[0]`.
+    /// The parameter called `name`, e.g. `background.pressure`, `background.velocity[0]`.
     pub fn find(name: &str) -> Option<Self> {
         Self::all().find(|parameter| parameter.name() == name)
     }
@@ -82,18 +82,18 @@ impl Parameter {
         self.numbered(self.key.label)
     }
 
-    /// Unit, as written on an axis.
+    /// Unit, as written on axes.
     pub fn unit(self) -> &'static str {
         self.key.unit
     }
 
-    /// The row of the table.
+    /// Row of the key table.
     pub fn key(self) -> &'static Key {
         self.key
     }
 
-    /// The constant of a model that it is, with its place among the constants of the model's entry; `None` of
-    /// numbers that are none of the model's constants.
+    /// The constant of the model `kind` set by this parameter, with its index in the registry entry; `None` if the
+    /// parameter is no constant of the model.
     pub fn constant_of(self, kind: Kind) -> Option<(usize, &'static Constant)> {
         let Field::Constant(name) = self.key.field else { return None };
         let constants = match kind {
@@ -103,7 +103,7 @@ impl Parameter {
         constants.iter().enumerate().find(|(_, own)| own.name == name)
     }
 
-    /// The number, if the case has one.
+    /// Value of the parameter, if present.
     pub fn get(self, numbers: &Numbers) -> Option<f64> {
         match self.key.field.load(numbers)? {
             Value::Number(x) => Some(x),
@@ -112,7 +112,7 @@ impl Parameter {
         }
     }
 
-    /// Sets the number; the other component of an absent pair becomes 0.
+    /// Sets the value; the other component of an absent pair becomes 0.
     pub fn set(self, numbers: &mut Numbers, value: f64) {
         match self.key.field {
             Field::Constant(name) => numbers.model.set(name, value),

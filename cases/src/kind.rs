@@ -1,11 +1,11 @@
-//! Kinds of model that a case can name.
+//! Kinds of model and media of a case.
 
 use models::flow::{FlowKind as Flow, RotationKind};
 use models::registry;
 pub use models::solid::SolidKind as Solid;
 pub use models::yield_set::YieldSetKind as Yield;
 
-/// What stands for a yield set in a region that stays elastic.
+/// Name of the absent yield set, for a region that stays elastic.
 pub(crate) const NO_YIELD: &str = "none";
 
 /// A kind of model.
@@ -17,18 +17,17 @@ pub enum Kind {
     Solid(Solid),
 }
 
-/// A kind of model, and the set within which a solid's stress stays: what decides which keys a case
-/// has.
+/// A kind of model with its yield set; together they determine the keys of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Medium {
-    /// The model.
+    /// Kind of model.
     pub kind: Kind,
-    /// The yield set; `None` in flows and elastic solids.
+    /// Yield set; `None` in flows and elastic solids.
     pub yields: Option<Yield>,
 }
 
 impl Medium {
-    /// All of them.
+    /// All media: every kind with every admissible yield set.
     pub fn all() -> impl Iterator<Item = Self> {
         Kind::all().into_iter().flat_map(|kind| {
             let sets = kind.yield_sets().into_iter().map(Some);
@@ -36,10 +35,10 @@ impl Medium {
         })
     }
 
-    /// A kind of model with a yield set.
+    /// Combines a kind of model with a yield set.
     ///
     /// # Errors
-    /// Such a model has no such set.
+    /// The kind does not admit the yield set.
     pub fn new(kind: Kind, yields: Option<Yield>) -> Result<Self, NoSuchMedium> {
         match yields.filter(|set| !kind.yield_sets().contains(set)) {
             Some(set) => Err(NoSuchMedium { kind, set }),
@@ -47,7 +46,7 @@ impl Medium {
         }
     }
 
-    /// Names of the conditions of its yield set by which a case may say what is active.
+    /// Names of the yield conditions that a case can state as active.
     pub fn condition_names(self) -> Vec<&'static str> {
         match (self.kind, self.yields) {
             (Kind::Solid(solid), Some(set)) => set.conditions_for(solid.theory),
@@ -64,7 +63,7 @@ impl Medium {
     }
 }
 
-/// A model that cannot have a yield set.
+/// Error: a kind of model does not admit a yield set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "{} cannot yield by {}; allowed: {}",
@@ -76,9 +75,9 @@ impl Medium {
     }
 )]
 pub struct NoSuchMedium {
-    /// The model.
+    /// Kind of model.
     pub kind: Kind,
-    /// The set.
+    /// Yield set.
     pub set: Yield,
 }
 
@@ -89,7 +88,7 @@ impl From<Kind> for Medium {
 }
 
 impl Kind {
-    /// The yield sets that such a model may have.
+    /// Yield sets admitted by the kind of model.
     pub fn yield_sets(self) -> Vec<Yield> {
         match self {
             Self::Flow(_) => Vec::new(),
@@ -99,17 +98,17 @@ impl Kind {
         }
     }
 
-    /// All kinds, flows first, in the order in which they are listed.
+    /// All kinds, flows first, in the order of listings.
     pub fn all() -> Vec<Self> {
         Self::flows().into_iter().chain(Self::solids()).collect()
     }
 
-    /// The flows among them.
+    /// All kinds of flows.
     pub fn flows() -> Vec<Self> {
         registry::flows().into_iter().map(Self::Flow).collect()
     }
 
-    /// The solids among them.
+    /// All kinds of solids.
     pub fn solids() -> Vec<Self> {
         registry::solids().into_iter().map(Self::Solid).collect()
     }
@@ -130,8 +129,8 @@ impl Kind {
         }
     }
 
-    /// What rotates in a flow that can be run in time: it says which field evolves beside the velocity and what
-    /// determines the stress angle. `None` of solids, and of flows that leave the rotation undetermined.
+    /// Kind of material rotation of a flow with a time-domain solver; it determines which field evolves with the
+    /// velocity and the equation of the stress angle. `None` for solids and for flows with undetermined rotation.
     pub fn rotation_in_time(self) -> Option<RotationKind> {
         match self {
             Self::Flow(flow) => Some(flow.rotation()).filter(|own| *own != RotationKind::Free),
@@ -139,13 +138,13 @@ impl Kind {
         }
     }
 
-    /// The kind of that name.
+    /// The kind called `name`.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::all().into_iter().find(|kind| kind.name() == name)
     }
 }
 
-/// The names of some kinds of model, as a list for a reader.
+/// Names of `kinds`, separated by commas.
 pub fn names(kinds: &[Kind]) -> String {
     kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ")
 }

@@ -1,13 +1,13 @@
-//! Case files: one schema of all sections, and what follows from it.
+//! Case files: one schema of all sections, from which reader, writer, templates and documentation are derived.
 //!
-//! [`Case`] is a case as its file states it, with settings over it and defaults filled in, and writes itself as TOML.
-//! Rows of [`keys()`] are numbers that a map can sweep, constants of the registered models among them; a section that is
-//! a tree is a [`schema::Form`] of items with type, unit, range, default and meaning. Reader, writer, the templates of
-//! `wellposed new` ([`template`]), the reference page ([`reference()`]) and the JSON Schema ([`json_schema()`]) take all of
-//! it from there. An error names file, line and key, the value found and those allowed. [`CASES`] are the texts of the cases that
-//! come with the program.
+//! [`Case`] is a case as stated in its file, overridden by options, with defaults filled in; it writes itself as TOML.
+//! Rows of [`keys()`] are scalar keys, which a map can sweep, including the constants of the registered models. A
+//! structured section is a [`schema::Form`] of items with type, unit, range, default and meaning. Reader, writer, the
+//! templates of `wellposed new` ([`template`]), the reference page ([`reference()`]) and the JSON Schema
+//! ([`json_schema()`]) follow these schemas. An error gives file, line and key, the value found and the values allowed.
+//! [`CASES`] are the texts of the bundled cases.
 //!
-//! It knows the models, but no analysis, no solver and no report.
+//! The crate depends on the models, but on no analysis, solver or report.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

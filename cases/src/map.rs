@@ -1,7 +1,7 @@
-//! The section `[map]`: what `wellposed map` sweeps.
+//! The section `[map]`: the parameter sweep of `wellposed map`.
 
 use super::entries::Entries;
-use super::error::{CaseError, shown};
+use super::error::{CaseError, escape};
 use super::flat::wave_number;
 use super::keys::{Key, Parameter};
 use super::kind::Medium;
@@ -23,7 +23,7 @@ pub struct Map {
 /// One axis of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweep {
-    /// What is swept.
+    /// Swept parameter.
     pub parameter: Parameter,
     /// First value, in the parameter's unit.
     pub from: f64,
@@ -62,8 +62,8 @@ impl std::fmt::Display for Sweep {
 }
 
 impl Map {
-    /// Reads the section; `numbers` are those of the case, and `has_active` says whether conditions that hold with
-    /// equality are named.
+    /// Reads the section `[map]`; `numbers` are those of the case, `has_active` states whether the case names active yield
+    /// conditions.
     pub(super) fn read(
         entries: &Entries,
         medium: Medium,
@@ -146,7 +146,7 @@ fn sweep(
     Ok(Sweep { parameter, from, to, points })
 }
 
-/// That neighbouring values of a sweep of at least 2 points differ.
+/// Checks that neighbouring values of a sweep of at least 2 points differ.
 fn check_step(
     entries: &Entries,
     [from_key, to_key, points_key]: [&'static str; 3],
@@ -172,13 +172,13 @@ fn check_step(
     Ok(())
 }
 
-/// Why a name is no parameter to sweep.
+/// Error of a name that is not a sweepable parameter.
 fn no_parameter(entries: &Entries, medium: Medium, place: &str, name: &str) -> CaseError {
     let names: Vec<String> = Parameter::all()
         .filter(|parameter| parameter.key().is_used_by(medium))
         .map(Parameter::name)
         .collect();
-    let shown = shown(name);
+    let shown = escape(name);
     let component = Parameter::find(name).map(Parameter::key);
     let mut meant = String::new();
     let found = match Key::find(name).or(component) {

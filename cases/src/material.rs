@@ -1,4 +1,4 @@
-//! What a case or a region of it is made of.
+//! Material of a case or of a region.
 
 use super::entries::{Entries, kind};
 use super::error::CaseError;
@@ -11,28 +11,26 @@ use super::section::Section;
 use super::value::Value;
 use models::InputError;
 
-/// Kind, yield set and numbers of a medium, with the places of its keys.
+/// Kind of model, yield set and numbers of a medium, with the positions of its keys.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Kind of model.
     pub kind: Kind,
-    /// The yield set of a solid that has one.
+    /// Yield set; `None` in flows and elastic solids.
     pub yields: Option<Yield>,
-    /// The conditions of a set with named conditions that hold with equality, by their places in
-    /// [`Medium::condition_names`]; absent: as the stress decides.
+    /// Active yield conditions, as indices into [`Medium::condition_names`]; `None` if determined by the stress.
     pub active: Option<Vec<usize>>,
-    /// The numbers; SI units, angles in degrees.
+    /// Numbers in SI units, angles in degrees.
     pub numbers: Numbers,
-    /// Where its keys stand; no matter whether two are equal.
+    /// Positions of the keys; ignored in comparisons.
     pub(super) places: Places,
 }
 
 impl Material {
-    /// The material of a region of a grid of so many dimensions: this one but for the kind, yield set and numbers
-    /// that the region has of its own.
+    /// Material of a region: this material, overridden by kind, yield set and numbers of the region.
     ///
     /// # Errors
-    /// What is wrong, where, and what is allowed.
+    /// A key is unknown or missing, or a value is invalid.
     pub(super) fn of_region(
         &self,
         entries: &Entries,
@@ -84,7 +82,7 @@ impl Material {
         Medium { kind: self.kind, yields: self.yields }
     }
 
-    /// The number of that name, if it has one.
+    /// Value of the number called `name`; `None` if absent.
     pub fn get(&self, name: &str) -> Option<f64> {
         Parameter::find(name)?.get(&self.numbers)
     }
@@ -94,14 +92,13 @@ impl Material {
         parameter.set(&mut self.numbers, value);
     }
 
-    /// Adds the place to an error that a model found.
+    /// Adds the position in the case file to an error found by a model.
     pub fn locate(&self, error: InputError) -> CaseError {
         let key = self.key_of(error.input);
         self.places.error(key, format!("found {}", error.found), error.allowed)
     }
 
-    /// The key of an input of the model, yield set or state; a name that is none of these
-    /// stands for itself.
+    /// Case key of an input of the model, yield set or state; other names are returned unchanged.
     pub(super) fn key_of(&self, input: &'static str) -> &'static str {
         const SECTIONS: [&str; 4] = ["model", "background", "yield", "stress"];
         let medium = self.medium();
@@ -115,7 +112,7 @@ impl Material {
         found.map_or(input, |key| key.name)
     }
 
-    /// The keys that such a medium or one of these kinds uses, and their values.
+    /// Keys used by this medium or by the kinds `compared`, with their values.
     pub(super) fn values(&self, compared: &[Kind]) -> impl Iterator<Item = (&'static Key, Value)> {
         keys().iter().filter_map(|key| {
             let value = match key.name {
@@ -139,7 +136,7 @@ impl Material {
     }
 }
 
-/// Gives a solid the dimensions of the grid if it has none of its own.
+/// Supplies the dimensions of a solid from the grid if not given.
 pub(super) fn provide_dimensions(entries: &mut Entries, kind: Kind, of_grid: usize) {
     const KEY: &str = "model.dimensions";
     if Key::find(KEY).is_some_and(|key| key.is_used_by(kind)) {
@@ -147,7 +144,7 @@ pub(super) fn provide_dimensions(entries: &mut Entries, kind: Kind, of_grid: usi
     }
 }
 
-/// That a solid has the dimensions of the grid.
+/// Checks that a solid has the dimensions of the grid.
 pub(super) fn check_dimensions(
     places: &Places,
     kind: Kind,

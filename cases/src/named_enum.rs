@@ -1,6 +1,6 @@
-//! Enumerations of the words of a key.
+//! Macro for enumerations of the allowed words of a key.
 
-/// An enumeration whose variants have names in case files; the first one is the default.
+/// Defines an enumeration whose variants have names in case files; the first variant is the default.
 macro_rules! named_enum {
     ($(#[$doc:meta])* $name:ident {
         $(#[$first_doc:meta])* $first:ident = $first_word:literal

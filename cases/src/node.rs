@@ -1,4 +1,4 @@
-//! The values of sections that hold tables and lists of tables, as a tree.
+//! Tree of values, tables and lists of tables of structured sections.
 
 use super::value::{self, describe, short_list};
 use toml::de::{DeTable, DeValue};
@@ -14,8 +14,7 @@ pub(super) enum Node<'a> {
 #[derive(Default)]
 pub(super) struct Table<'a>(Vec<(String, Node<'a>)>);
 
-/// Why a `--set` cannot be carried out: the part of its key that is wrong, what was found and what
-/// is allowed.
+/// Error of an option `--set`: the wrong part of its key, the text found and the text allowed.
 pub(super) struct Refused {
     pub(super) key: String,
     pub(super) found: String,
@@ -25,7 +24,7 @@ pub(super) struct Refused {
 /// A step of a key in `--set`: a name, and the index behind it.
 type Step<'k> = (&'k str, Option<usize>);
 
-/// A name as a part of a dotted key: what would be taken for several is put in quotes.
+/// A name as segment of a dotted key, quoted if necessary.
 pub(super) fn segment(name: &str) -> String {
     match name.contains(['.', '[', ']']) {
         true => format!("{name:?}"),
@@ -34,7 +33,7 @@ pub(super) fn segment(name: &str) -> String {
 }
 
 impl<'a> Node<'a> {
-    /// The tree of a value, and by dotted key where its parts begin.
+    /// Builds the tree of a value and reports the offsets of its parts by dotted key.
     pub(super) fn read(
         value: &DeValue<'a>,
         path: &str,
@@ -58,12 +57,12 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// The text, if it is one.
+    /// Text of the node; `None` if it is not a text.
     pub(super) fn text(&self) -> Option<String> {
         value::text(self.value()?)
     }
 
-    /// What is neither a table nor a list of tables.
+    /// Plain value; `None` for a table or a list of tables.
     pub(super) fn value(&self) -> Option<&DeValue<'a>> {
         match self {
             Self::Value(value) => Some(value),
@@ -71,7 +70,7 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// The node as it is named in a message.
+    /// Description of the node for messages.
     pub(super) fn words(&self) -> String {
         match self {
             Self::Value(value) => short_list(value).unwrap_or_else(|| describe(value)),
@@ -113,7 +112,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Puts a node where the key says, and hands back the key as places are kept by it.
+    /// Inserts a node at a dotted key and returns the normalised key.
     pub(super) fn set(&mut self, key: &str, node: Node<'a>) -> Result<String, Refused> {
         let steps: Option<Vec<Step>> = key.split('.').map(step).collect();
         let Some(steps) = steps else {
@@ -195,7 +194,7 @@ impl<'a> Table<'a> {
     }
 }
 
-/// A part of a key between dots; `None` if it is none.
+/// Parses a segment of a key between dots; `None` if invalid.
 fn step(text: &str) -> Option<Step<'_>> {
     let is_name =
         |name: &str| !name.is_empty() && !name.contains(|c: char| "[]\"'".contains(c) || c == ' ');

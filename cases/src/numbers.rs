@@ -1,24 +1,24 @@
-//! The numbers of a case, by section.
+//! Scalar numbers of a case, by section.
 
 use models::common::parameter::{Parameter as Constant, Presence};
 
-/// The numbers of a case exactly as its file states them: SI units, angles in degrees, `None`
-/// where a key without default is absent.
+/// Scalar numbers of a case exactly as in its file: SI units, angles in degrees, `None` for an absent key without
+/// default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Numbers {
     /// Constants of the model.
     pub model: Constants,
-    /// Dimensions of a solid; 0 where its kind leaves no choice.
+    /// Dimensions of a solid; 0 if its kind leaves no choice.
     pub dimensions: usize,
-    /// Constants of its yield set.
+    /// Constants of the yield set.
     pub yields: Constants,
-    /// Rate Λ at which the background of a yielding solid flows, 1/s.
+    /// Plastic multiplier rate Λ of the background of a yielding solid, 1/s.
     pub plastic_rate: f64,
     /// Stress of a yielding solid.
     pub stress: StressNumbers,
     /// State of the flow at the point.
     pub background: BackgroundNumbers,
-    /// Wave at which roots are listed.
+    /// Wave vector at which roots are listed.
     pub wave: Wave,
 }
 
@@ -27,12 +27,12 @@ pub struct Numbers {
 pub struct Constants(Vec<(&'static str, f64)>);
 
 impl Constants {
-    /// The value of that name.
+    /// Value of the constant called `name`.
     pub fn get(&self, name: &str) -> Option<f64> {
         self.place(name).ok().map(|place| self.0[place].1)
     }
 
-    /// Sets a value.
+    /// Sets the constant called `name`.
     pub fn set(&mut self, name: &'static str, value: f64) {
         match self.place(name) {
             Ok(place) => self.0[place].1 = value,
@@ -40,12 +40,12 @@ impl Constants {
         }
     }
 
-    /// Where a name is among all in order, or where it would be.
+    /// Binary search of a name: index, or insertion index.
     fn place(&self, name: &str) -> Result<usize, usize> {
         self.0.binary_search_by(|(own, _)| (*own).cmp(name))
     }
 
-    /// Takes a value back to what holds where none is given.
+    /// Resets a constant to the default of `presence`.
     pub(super) fn reset(&mut self, name: &'static str, presence: Presence) {
         match presence {
             Presence::Default(value) => self.set(name, value),
@@ -53,8 +53,7 @@ impl Constants {
         }
     }
 
-    /// The values of a model's constants, in the order in which it lists them, in SI units and rad; NaN for those
-    /// that are absent.
+    /// Values of the constants of a model in the order of its registry entry, in SI units and rad; NaN for absent ones.
     pub fn in_order<'a>(
         &self,
         parameters: impl IntoIterator<Item = &'a Constant>,
@@ -112,8 +111,8 @@ pub struct Wave {
     pub number: f64,
     /// Direction ψ_K of the wave vector, degrees anticlockwise from x₁.
     pub direction_deg: f64,
-    /// Its angle above the plane of x₁ and x₂, degrees.
+    /// Elevation of the wave vector above the plane of x₁ and x₂, degrees.
     pub elevation_deg: f64,
-    /// Greatest wave number of dispersion curves, 1/m; 0 for what suits the solid.
+    /// Largest wave number of dispersion curves, 1/m; 0 for an automatic choice.
     pub greatest_number: f64,
 }

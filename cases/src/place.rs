@@ -1,19 +1,19 @@
-//! Where the keys of a case stand, in its file or in `--set` options, and errors at them.
+//! Positions of the keys of a case in its file or in `--set` options, for error messages.
 
-use super::error::{CaseError, Place, shown};
+use super::error::{CaseError, Place, escape};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Where the keys and sections of a case stand, to answer for them later.
+/// Positions of the keys and sections of a case.
 #[derive(Clone, Debug)]
 pub(super) struct Places {
     /// Shared by the case and its regions.
     all: Arc<Standing>,
-    /// Keys that stand under another name: those that a region has of its own.
+    /// Full names of keys overridden by a region.
     aliases: BTreeMap<&'static str, String>,
 }
 
-/// Where something stands makes no case different from another.
+/// All positions compare equal, so that cases are compared by content.
 impl PartialEq for Places {
     fn eq(&self, _: &Self) -> bool {
         true
@@ -34,18 +34,17 @@ impl Places {
         Self { all: Arc::new(Standing { file, lines, options }), aliases: BTreeMap::new() }
     }
 
-    /// Keeps the line of a key or section. A dotted section has several headers; the first one
-    /// answers for it.
+    /// Records the line of a key or section; for a dotted section with several headers the first.
     pub(super) fn add_line(&mut self, name: String, line: usize) {
         Arc::make_mut(&mut self.all).lines.entry(name).or_insert(line);
     }
 
-    /// Keeps the option that set a key.
+    /// Records the option that set a key.
     pub(super) fn add_option(&mut self, key: String, option: &str) {
         Arc::make_mut(&mut self.all).options.insert(key, option.to_owned());
     }
 
-    /// Forgets where a key and all inside it stand.
+    /// Removes the positions of a key and of everything inside it.
     pub(super) fn forget(&mut self, key: &str) {
         let is_kept = |name: &str| {
             name.strip_prefix(key)
@@ -56,27 +55,27 @@ impl Places {
         standing.options.retain(|name, _| is_kept(name));
     }
 
-    /// Keeps the other name under which a key stands.
+    /// Records the full name of a key overridden by a region.
     pub(super) fn add_alias(&mut self, key: &'static str, name: String) {
         self.aliases.insert(key, name);
     }
 
-    /// Whether a key stands under another name.
+    /// Whether a key is overridden by the region.
     pub(super) fn has_alias(&self, key: &str) -> bool {
         self.aliases.contains_key(key)
     }
 
-    /// Whether a key or section stands on a line of the file.
+    /// Whether a key or section is in the file.
     pub(super) fn has_line(&self, name: &str) -> bool {
         self.all.lines.contains_key(name)
     }
 
-    /// The name under which a key stands.
+    /// Full name of a key.
     fn alias<'k>(&'k self, key: &'k str) -> &'k str {
         self.aliases.get(key).map_or(key, String::as_str)
     }
 
-    /// The place of a key, or else of the innermost section around it, or else the file.
+    /// Position of a key, else of the innermost section around it, else the file.
     pub(super) fn of(&self, key: &str) -> Place {
         let mut name = self.alias(key);
         loop {
@@ -98,12 +97,12 @@ impl Places {
         }
     }
 
-    /// A section as it is named in a message.
+    /// Name of a section for messages.
     pub(super) fn title(&self, section: &str) -> String {
         self.aliases.get(section).cloned().unwrap_or_else(|| format!("[{section}]"))
     }
 
-    /// The place of an axis of `[map]`: the option that set one of its values, or else its line.
+    /// Position of an axis of `[map]`: the option that set one of its values, else its line.
     pub(super) fn of_axis(&self, axis: &str) -> Place {
         let set = ["from", "to", "parameter", "points"]
             .iter()
@@ -120,14 +119,14 @@ impl Places {
     ) -> CaseError {
         CaseError::Key {
             place: self.of(key),
-            key: shown(self.alias(key)),
+            key: escape(self.alias(key)),
             found: found.into(),
             allowed: allowed.into(),
         }
     }
 }
 
-/// Whether a dotted key is one inside a section.
+/// Whether a dotted key is inside a section.
 pub(super) fn is_inside(key: &str, section: &str) -> bool {
     key.strip_prefix(section).is_some_and(|rest| rest.starts_with('.'))
 }

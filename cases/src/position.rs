@@ -1,14 +1,13 @@
-//! Positions in a grid or box.
+//! Checks of positions in a grid or box.
 
 use crate::error::CaseError;
 use crate::section::{Section, joined};
 
-/// What a coordinate may lie beyond a side, over the length of the grid: cells × spacing + origin misses the decimal that
-/// is meant by rounding (100 × 0.29 is less than 29).
+/// Tolerance for positions outside the grid, relative to its length: cells × spacing + origin differs from the intended
+/// decimal by rounding (100 × 0.29 < 29).
 const SLACK: f64 = 1e-12;
 
-/// That a position along some axes, the value of a key, is between first and last coordinates, those of the
-/// grid or box.
+/// Checks that a position, the value of a key, is within the lower and upper coordinates of the grid or box.
 pub(crate) fn check_inside(
     section: &Section,
     key: &str,
@@ -24,7 +23,7 @@ pub(crate) fn check_inside(
     if position.iter().zip(extents).all(is_inside) {
         return Ok(());
     }
-    // Without what rounding left.
+    // Remove rounding noise near 0.
     let tidy = |x: f64, length: f64| match x.abs() < SLACK * length {
         true => 0.0,
         false => format!("{x:.11e}").parse().unwrap_or(x),
@@ -41,7 +40,7 @@ pub(crate) fn check_inside(
     Err(section.error(key, found, format!("the {whole} has {}", joined(&words))))
 }
 
-/// That `from` is below `to` along each axis.
+/// Checks that `from` < `to` along each axis.
 pub(crate) fn check_order(section: &Section, from: &[f64], to: &[f64]) -> Result<(), CaseError> {
     if from.iter().zip(to).all(|(from, to)| from < to) {
         return Ok(());

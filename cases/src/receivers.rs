@@ -1,4 +1,4 @@
-//! Entries `[[receiver]]` of a case: a point, a line or a grid of points.
+//! The sections `[[receiver]]`: a point, a line or a grid of receivers.
 
 use super::error::CaseError;
 use super::named_enum::named_enum;
@@ -9,15 +9,15 @@ use crate::schema::{Condition, Form, Item, Length, Type};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 
-/// Most points of an entry.
+/// Maximum number of points of an entry.
 const MOST_POINTS: usize = 10_000;
 
-/// Most points of all entries.
+/// Maximum number of points of all entries.
 const MOST_RECEIVERS: usize = 100_000;
 
 const LINE: &[Condition] = &[Condition::Present("from")];
 
-/// The key of the name.
+/// Key `name` of a receiver.
 pub(super) const NAME: Item = Item::optional(
     "name",
     Type::Name,
@@ -27,14 +27,14 @@ pub(super) const NAME: Item = Item::optional(
 )
 .note("letters, digits, '-', '_' and '.'");
 
-/// The key of a point; `note` says of what.
+/// Key `at` of a point; `note` describes the point in messages.
 pub(super) const fn at(note: &'static str, example: &'static str, meaning: &'static str) -> Item {
     Item::required("at", Type::Numbers(Length::Axes), "m", example, meaning)
         .note(note)
         .when(&[Condition::Absent("from")])
 }
 
-/// The key of the first point of a line.
+/// Key `from`: first point of a line of receivers.
 pub(super) const FROM: Item = Item::optional(
     "from",
     Type::Numbers(Length::Axes),
@@ -44,7 +44,7 @@ pub(super) const FROM: Item = Item::optional(
 )
 .note("the first point");
 
-/// The key of the last one.
+/// Key `to`: last point of a line of receivers.
 pub(super) const TO: Item = Item::required(
     "to",
     Type::Points,
@@ -56,7 +56,7 @@ pub(super) const TO: Item = Item::required(
 .remark(", or for a grid a list of such corners")
 .when(LINE);
 
-/// The key of the number of points.
+/// Key of the number of points of a line or grid.
 pub(super) const COUNT: Item = Item::required(
     "count",
     Type::Divisions,
@@ -68,30 +68,30 @@ pub(super) const COUNT: Item = Item::required(
 .when(LINE);
 
 named_enum! {
-    /// How the record of a receiver comes from cells.
+    /// Interpolation of a receiver between cells.
     Interpolation {
-        /// Polynomials of degree 3 along each axis through cells of the medium at the receiver.
+        /// Cubic polynomials along each axis through cells of the medium at the receiver.
         Cubic = "cubic",
-        /// The cell, or of a flow the point of the grid, that is nearest.
+        /// Nearest cell, or nearest grid point of a flow.
         Nearest = "none"
     }
 }
 
-/// A point at which fields `F` of a solid or flow are recorded.
+/// A receiver: a point at which fields `F` of a solid or flow are recorded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Receiver<F> {
-    /// Names its record; no other receiver has it.
+    /// Unique name of the record.
     pub name: String,
-    /// Where, m; inside the grid.
+    /// Position, m; inside the grid.
     pub at: Vec<f64>,
-    /// How cells make up the record.
+    /// Interpolation between cells.
     pub interpolation: Interpolation,
-    /// What is recorded.
+    /// Recorded fields.
     pub fields: Vec<F>,
 }
 
 impl<F: Display> Receiver<F> {
-    /// The entry without what only solids have.
+    /// The entry as TOML, without keys of solids only.
     pub(super) fn resolved(&self) -> Resolved {
         Resolved::default()
             .text("name", &self.name)
@@ -100,23 +100,23 @@ impl<F: Display> Receiver<F> {
     }
 }
 
-/// Where receivers can be.
+/// Domain of receivers.
 pub(super) struct Domain<'a> {
-    /// The form of the entries.
+    /// Schema of the entries.
     pub(super) form: &'static Form,
-    /// First and last coordinate along each axis, m.
+    /// Lower and upper coordinate along each axis, m.
     pub(super) extents: Vec<[f64; 2]>,
-    /// Its name in messages.
+    /// Name of the domain in messages.
     pub(super) whole: &'a str,
-    /// Whether receivers interpolate between cells, or may do without.
+    /// Whether receivers have a choice of interpolation.
     pub(super) interpolates: bool,
 }
 
-/// The receivers, which record any of the fields `all`, each of which `find` knows by its name. A line or
-/// grid of `name` has the receivers `name-1`, `name-2`, … or `name-1-1`, `name-2-1`, …
+/// Reads the receivers, which record fields among `all`; `find` looks a field up by name. A line or grid called `name`
+/// has the receivers `name-1`, `name-2`, … or `name-1-1`, `name-2-1`, …
 ///
 /// # Errors
-/// What is wrong, where, and what is allowed.
+/// A key is unknown or missing, or a value is invalid.
 pub(super) fn receivers<F: Clone + PartialEq + Display>(
     root: &Section,
     all: &[F],
@@ -161,12 +161,12 @@ pub(super) fn receivers<F: Clone + PartialEq + Display>(
     Ok(receivers)
 }
 
-/// Takes a point that misses a side by rounding onto it.
+/// Moves a point that is outside the grid by rounding onto its boundary.
 fn onto_the_grid(at: &mut [f64], extents: &[[f64; 2]]) {
     at.iter_mut().zip(extents).for_each(|(x, [first, last])| *x = x.clamp(*first, *last));
 }
 
-/// The points of an entry, with what they add to its name.
+/// Points of an entry, with the suffixes of their names.
 fn points(section: &Section, domain: &Domain) -> Result<Vec<(String, Vec<f64>)>, CaseError> {
     let d = domain.extents.len();
     let axes: Vec<usize> = (0..d).collect();

@@ -1,4 +1,4 @@
-//! The reference page of case files, from the schema.
+//! Generator of the reference page of case files from the schema.
 
 use super::keys::{Key, Presence, keys};
 use super::kind::Kind;
@@ -19,7 +19,7 @@ A case is TOML: SI units, angles in degrees anticlockwise from x₁. Where a def
 load[0].amplitude=2` one in a list, counted from 0.
 ";
 
-/// What stands under the headings of the sections of numbers.
+/// Introductory text of the sections of scalar keys.
 const SECTIONS: [(&str, &str); 8] = [
     ("", "Before the first section"),
     ("model", "The kind of model and its constants"),
@@ -31,7 +31,7 @@ const SECTIONS: [(&str, &str); 8] = [
     ("compare", "For `wellposed point`: models side by side on this state"),
 ];
 
-/// The page, in Markdown.
+/// The reference page in Markdown.
 pub fn reference() -> String {
     let mut page = HEAD.to_owned();
     for (section, meaning) in SECTIONS {
@@ -112,7 +112,7 @@ fn row_of_key(key: &Key) -> String {
     row(&[&code(&name), &value, key.unit, &default, key.meaning, &owners(key)])
 }
 
-/// Kinds of model and yield sets that use a key.
+/// Kinds of model and yield sets that use a key, as text.
 fn owners(key: &Key) -> String {
     let all = Kind::all();
     let own: Vec<&str> =
@@ -165,7 +165,7 @@ fn add_form(page: &mut String, form: &'static Form) {
     }
 }
 
-/// The section whose keys are stresses.
+/// Adds the section whose keys are stress components.
 fn add_stresses(page: &mut String) {
     page.push_str("\n| key | value | unit |\n|---|---|---|\n");
     for component in stress::all() {
@@ -184,7 +184,7 @@ fn condition(condition: &Condition) -> String {
     }
 }
 
-/// More words than this are not listed.
+/// Maximum number of listed words.
 const MOST_WORDS: usize = 12;
 
 fn listed(words: &[String]) -> String {
@@ -215,7 +215,7 @@ fn described_length(length: Length) -> &'static str {
     }
 }
 
-/// A type in a cell of a table.
+/// Description of a type for a table cell.
 fn described(value: &Type) -> String {
     match *value {
         Type::Text => "text".into(),

@@ -1,47 +1,47 @@
-//! The schema of the sections that are trees: grids, loads, sources, receivers and so on.
+//! Schema of the structured sections: grids, loads, sources, receivers and so on.
 //!
-//! Each table of a case is a [`Form`], each of its keys an [`Item`] with type, unit, meaning and default. What
-//! reads a section, the templates of `wellposed new`, the reference page and the JSON Schema all follow it.
-//! Relations between keys are checked by code beside the form. Constants and states, which can be swept, are
-//! rows of [`keys`](crate::keys()).
+//! Each table of a case is a [`Form`], each of its keys an [`Item`] with type, unit, meaning and default. The reader of
+//! a section, the templates of `wellposed new`, the reference page and the JSON Schema follow it. To add a case key to a
+//! section, add an [`Item`] to its form. Relations between keys are checked by code next to the form. Constants and
+//! states, which can be swept, are rows of [`keys`](crate::keys()).
 
 use crate::kind::Kind;
 pub use models::common::range::Range;
 
-/// The keys that a table may hold.
+/// Schema of a table: the keys that it may contain.
 #[derive(Debug)]
 pub struct Form {
     /// Name of the section, or of the key whose value is the table.
     pub name: &'static str,
-    /// How it is written.
+    /// Notation of the table.
     pub layout: Layout,
-    /// What it describes, in one line.
+    /// Meaning of the table, in one line.
     pub meaning: &'static str,
-    /// Whether a run in time must have it.
+    /// Whether a time-domain simulation requires the table.
     pub is_required: bool,
-    /// What is to be added where it is missing.
+    /// Remedy if the table is missing.
     pub(crate) remedy: &'static str,
-    /// Its keys, in the order of the reference page.
+    /// Keys of the table, in the order of the reference page.
     pub groups: &'static [Group],
 }
 
-/// How a table is written.
+/// Notation of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
-    /// `[name]`.
+    /// Section `[name]`.
     Section,
-    /// `[[name]]`, any number of times.
+    /// List of sections `[[name]]`.
     List,
-    /// `name = { … }`.
+    /// Inline table `name = { … }`.
     Braces,
 }
 
-/// Keys that a table may hold under the same conditions.
+/// Keys of a table that are allowed under common conditions.
 #[derive(Debug)]
 pub struct Group {
-    /// All of them hold.
+    /// Conditions, all of which must hold.
     pub when: &'static [Condition],
-    /// The keys.
+    /// Keys of the group.
     pub items: &'static [Item],
 }
 
@@ -54,37 +54,37 @@ pub struct Item {
     pub value: Type,
     /// Unit; empty for text and pure numbers.
     pub unit: &'static str,
-    /// What holds where the key is absent.
+    /// Whether the key is required, and its default.
     pub need: Need,
-    /// What it is, in one line.
+    /// Meaning of the key, in one line.
     pub meaning: &'static str,
-    /// What a message says of it, in parentheses.
+    /// Note in messages, in parentheses.
     pub(crate) note: &'static str,
-    /// What a message adds to that.
+    /// Remark at the end of messages.
     pub(crate) remark: &'static str,
     /// Conditions besides those of the group.
     pub when: &'static [Condition],
 }
 
-/// What holds where a key is absent. Values are TOML.
+/// Whether a key is required, has a default or is optional. Values are TOML.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
-    /// It must be there; this is an example.
+    /// Required, with an example.
     Required(&'static str),
-    /// This value.
+    /// Optional with this default.
     Default(&'static str),
-    /// What the meaning says; this is an example.
+    /// Optional as described in the meaning, with an example.
     Optional(&'static str),
 }
 
-/// When a key may stand in a table.
+/// Condition under which a key is allowed in a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Condition {
     /// Another key has one of these values.
     Is(&'static str, &'static [&'static str]),
-    /// Another key is there.
+    /// Another key is present.
     Present(&'static str),
-    /// Another key is not there.
+    /// Another key is absent.
     Absent(&'static str),
     /// The grid has two dimensions.
     Plane,
@@ -92,18 +92,18 @@ pub enum Condition {
     Space,
 }
 
-/// What is known of the case that a table is in.
+/// Known properties of the case that contains a table.
 #[derive(Clone, Debug, Default)]
 pub struct Scope {
-    /// Kind of model; `None`: any.
+    /// Kind of model; `None` if unknown.
     pub kind: Option<Kind>,
-    /// Dimensions of the grid; `None`: any.
+    /// Dimensions of the grid; `None` if unknown.
     pub dimensions: Option<usize>,
-    /// Axes of the side that a table is about, from 0.
+    /// Tangential axes of the side to which a table refers, from 0.
     pub(crate) axes: Vec<usize>,
 }
 
-/// Words that a key may have, of a case of which something is known.
+/// Function that lists the allowed words of a key in a scope.
 pub type Words = fn(&Scope) -> Vec<String>;
 
 /// Type and range of a value.
@@ -121,7 +121,7 @@ pub enum Type {
     Truth,
     /// A number.
     Number(Range),
-    /// A whole number of at least this.
+    /// A whole number not below this bound.
     Whole(u64),
     /// An axis by its number: at most the dimensions of the grid.
     Axis,
@@ -131,69 +131,69 @@ pub enum Type {
     Pair,
     /// Two rows of two numbers.
     Matrix,
-    /// A list of numbers; one alone needs no brackets.
+    /// A list of numbers; a single number needs no brackets.
     Numbers(Length),
     /// A positive number for all axes, or one for each.
     PerAxis(Length),
     /// A number for each axis, not all 0.
     Direction,
-    /// A list of at least so many numbers.
+    /// A list with a minimum number of numbers in a range.
     List(usize, Range),
     /// A list of whole numbers.
     Counts {
-        /// Least and greatest length of the list.
+        /// Minimum and maximum length of the list.
         length: [usize; 2],
-        /// Least number.
+        /// Minimum of the numbers.
         least: usize,
-        /// What else holds of them.
+        /// Further property of the numbers.
         order: Order,
     },
     /// Two whole numbers, not both 0.
     Mode,
     /// A square matrix with a row for each axis.
     Tensor,
-    /// At least two pairs of these two quantities, the first one increasing.
+    /// Samples: at least two pairs of the two named quantities, the first increasing.
     Samples([&'static str; 2]),
     /// A point, or a list of points.
     Points,
     /// A whole number of at least 2, or a list of such numbers.
     Divisions,
-    /// One of some words.
+    /// One of the allowed words.
     OneOf(Words),
-    /// A list of different ones of some words.
+    /// A list of distinct allowed words.
     AnyOf(Words),
-    /// A table in braces.
+    /// An inline table.
     Table(&'static Form),
-    /// A table in braces with keys of this section of the case.
+    /// An inline table with the keys of this section of the case.
     Part(&'static str),
 }
 
-/// What holds of a list of whole numbers besides its length.
+/// Property of a list of whole numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// Nothing.
+    /// No property.
     Any,
-    /// They are even.
+    /// All numbers are even.
     Even,
-    /// Each is greater than the one before.
+    /// The numbers are strictly ascending.
     Ascending,
 }
 
 /// Length of a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Length {
-    /// Two.
+    /// Two items.
     Two,
-    /// One for each axis of the grid.
+    /// One item for each axis of the grid.
     Axes,
-    /// One for each axis of a side.
+    /// One item for each tangential axis of a side.
     SideAxes,
-    /// One for each spin: 1 in plane strain, 3 in space.
+    /// One item for each spin: 1 in plane strain, 3 in space.
     Spins,
 }
 
 impl Form {
-    /// A section that may stand once.
+    /// Schema of a section that may occur once.
     pub(crate) const fn section(
         name: &'static str,
         meaning: &'static str,
@@ -203,7 +203,7 @@ impl Form {
         Self { name, layout, meaning, is_required, remedy, groups }
     }
 
-    /// A list of sections.
+    /// Schema of a list of sections.
     pub(crate) const fn list(
         name: &'static str,
         meaning: &'static str,
@@ -212,7 +212,7 @@ impl Form {
         Self { layout: Layout::List, ..Self::section(name, meaning, groups) }
     }
 
-    /// A table in braces.
+    /// Schema of an inline table.
     pub(crate) const fn braces(
         name: &'static str,
         meaning: &'static str,
@@ -221,12 +221,12 @@ impl Form {
         Self { layout: Layout::Braces, ..Self::section(name, meaning, groups) }
     }
 
-    /// The same, which a run in time must have; `remedy` says what to add.
+    /// This schema, required in time-domain simulations; `remedy` says what to add.
     pub(crate) const fn required(self, remedy: &'static str) -> Self {
         Self { is_required: true, remedy, ..self }
     }
 
-    /// Its header, or the beginning of a line in braces.
+    /// Header of the table as written in a file.
     pub fn header(&self) -> String {
         match self.layout {
             Layout::Section => format!("[{}]", self.name),
@@ -235,12 +235,12 @@ impl Form {
         }
     }
 
-    /// All keys, with the conditions of their groups; a name may stand several times.
+    /// All keys with the conditions of their groups; a name may occur several times.
     pub fn items(&self) -> impl Iterator<Item = (&'static [Condition], &'static Item)> {
         self.groups.iter().flat_map(|group| group.items.iter().map(|item| (group.when, item)))
     }
 
-    /// The keys for which all conditions hold.
+    /// Keys whose conditions all hold.
     pub(crate) fn applicable(
         &self,
         holds: impl Fn(&Condition) -> bool,
@@ -251,7 +251,7 @@ impl Form {
         self.items().filter(holds).map(|(_, item)| item)
     }
 
-    /// The key whose value decides which others there are, and its words.
+    /// Discriminator: the key whose value decides which other keys are allowed, with its words.
     pub fn discriminator(&self) -> Option<(&'static Item, Vec<String>)> {
         let key = self.items().flat_map(|(when, item)| when.iter().chain(item.when)).find_map(
             |condition| match condition {
@@ -290,7 +290,7 @@ impl Item {
         Self { name, value, unit, need, meaning, note: "", remark: "", when: &[] }
     }
 
-    /// A key that must be there, with an example.
+    /// A required key, with an example.
     pub(crate) const fn required(
         name: &'static str,
         value: Type,
@@ -312,7 +312,7 @@ impl Item {
         Self::new(name, value, unit, Need::Default(default), meaning)
     }
 
-    /// A key that may be absent, with an example; the meaning says what holds then.
+    /// An optional key without default, with an example; the meaning describes its absence.
     pub(crate) const fn optional(
         name: &'static str,
         value: Type,
@@ -323,17 +323,17 @@ impl Item {
         Self::new(name, value, unit, Need::Optional(example), meaning)
     }
 
-    /// With what a message says of it in parentheses.
+    /// This key with a note in messages, in parentheses.
     pub(crate) const fn note(self, note: &'static str) -> Self {
         Self { note, ..self }
     }
 
-    /// With what a message adds after that.
+    /// This key with a remark at the end of messages.
     pub(crate) const fn remark(self, remark: &'static str) -> Self {
         Self { remark, ..self }
     }
 
-    /// With conditions.
+    /// This key with additional conditions.
     pub(crate) const fn when(self, when: &'static [Condition]) -> Self {
         Self { when, ..self }
     }
@@ -347,27 +347,27 @@ impl Item {
 }
 
 impl Scope {
-    /// The number of dimensions; 2 where it is open.
+    /// Number of dimensions; 2 if unknown.
     pub fn dimensions(&self) -> usize {
         self.dimensions.unwrap_or(2)
     }
 }
 
-/// The sections of a case that are trees.
+/// Schemas of the structured sections of a case.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Forms {
-    /// Those of solids in time, in the order in which they are written.
+    /// Time-domain sections of solids, in the order of writing.
     pub(crate) solids: &'static [&'static Form],
-    /// Those of flows in time.
+    /// Time-domain sections of flows.
     pub(crate) flows: &'static [&'static Form],
     /// The section `[check]`.
     pub(crate) check: &'static Form,
-    /// Those by which models of a kind are run in time.
+    /// Function from a kind of model to its time-domain sections.
     pub(crate) in_time: fn(Kind) -> Vec<&'static Form>,
 }
 
 impl Forms {
-    /// Whether a section of that name is among them.
+    /// Whether `section` is a structured section.
     pub(crate) fn has(&self, section: &str) -> bool {
         let mut all = self.solids.iter().chain(self.flows).chain([&self.check]);
         all.any(|form| form.name == section)

@@ -1,6 +1,6 @@
-//! Reads a table by its form, and writes one.
+//! Reader and writer of a table by its schema.
 
-use super::error::{CaseError, Place, shown};
+use super::error::{CaseError, Place, escape};
 use super::node::{Node, Table, segment};
 use super::place::Places;
 use super::value::{Value, nearest, suggestion};
@@ -8,46 +8,46 @@ use crate::schema::{Condition, Form, Item, Need, Scope, Type};
 use std::fmt::{Debug, Display};
 use toml::de::DeValue;
 
-/// A table of which no key is known: the one around all sections, and parts of other sections.
+/// Empty schema, for the root table and for parts of other sections.
 const OPEN: Form = Form::section("", "", &[]);
 
-/// Reads one table: what its form says of a key decides what is taken and what a message says.
+/// Table reader: the schema of the table determines allowed keys, types and messages; `finish` reports unknown keys.
 pub(super) struct Section<'a> {
     path: String,
     table: &'a Table<'a>,
     places: &'a Places,
     form: &'static Form,
-    /// What is known of the case.
+    /// Known properties of the case.
     pub(super) scope: Scope,
 }
 
 impl<'a> Section<'a> {
-    /// The table around all sections.
+    /// Reader of the root table, which contains all sections.
     pub(super) fn root(table: &'a Table<'a>, places: &'a Places, scope: Scope) -> Self {
         Self { path: String::new(), table, places, form: &OPEN, scope }
     }
 
-    /// Where keys of the case stand.
+    /// Positions of the keys of the case.
     pub(super) fn places(&self) -> &'a Places {
         self.places
     }
 
-    /// All that the table holds.
+    /// All entries of the table.
     pub(super) fn entries(&self) -> impl Iterator<Item = (&'a str, &'a Node<'a>)> {
         self.table.entries()
     }
 
-    /// The node of that name, whether allowed or not.
+    /// The node called `name`, allowed or not.
     pub(super) fn node(&self, name: &str) -> Option<&'a Node<'a>> {
         self.table.get(name)
     }
 
-    /// Whether something of that name is there.
+    /// Whether the table contains `name`.
     pub(super) fn has(&self, name: &str) -> bool {
         self.node(name).is_some()
     }
 
-    /// The dotted key of what is inside.
+    /// Dotted key of `name` in this table.
     pub(super) fn key(&self, name: &str) -> String {
         match self.path.as_str() {
             "" => name.to_owned(),
@@ -55,7 +55,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// An error at a key inside.
+    /// An error at the key `name` of this table.
     pub(super) fn error(
         &self,
         name: &str,
@@ -65,7 +65,7 @@ impl<'a> Section<'a> {
         self.places.error(&self.key(name), found, allowed)
     }
 
-    /// Where a key inside stands.
+    /// Position of the key `name` of this table.
     pub(super) fn place(&self, name: &str) -> Place {
         self.places.of(&self.key(name))
     }
@@ -83,7 +83,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// What the form says of a key here, or else where it is not allowed.
+    /// Item of a key whose conditions hold, else the item of that name whose conditions do not.
     fn item(&self, name: &str) -> Option<&'static Item> {
         let named = |item: &&Item| item.name == name;
         let elsewhere = || self.form.items().map(|(_, item)| item).find(named);
@@ -94,7 +94,7 @@ impl<'a> Section<'a> {
         self.item(name).map_or(String::new(), |item| item.expected(&self.scope))
     }
 
-    /// What to say of a value that is none of those that are allowed.
+    /// Error of a value that is not allowed.
     pub(super) fn wrong(&self, name: &str) -> CaseError {
         self.wrong_for(name, &self.expected(name))
     }
@@ -104,7 +104,7 @@ impl<'a> Section<'a> {
         self.error(name, format!("found {found}"), format!("expected {expected}"))
     }
 
-    /// What to say of a key that must be there.
+    /// Error of a missing required key.
     fn missing(&self, name: &str, expected: &str) -> CaseError {
         let allowed = match self.path.as_str() {
             "" => format!("add {expected}"),
@@ -116,7 +116,7 @@ impl<'a> Section<'a> {
         self.error(name, "missing", allowed)
     }
 
-    /// A value that may be absent.
+    /// Reads an optional value.
     pub(super) fn optional<T: TryFrom<Value>>(&self, name: &str) -> Result<Option<T>, CaseError> {
         let Some(node) = self.node(name) else { return Ok(None) };
         let item = self.item(name);
@@ -127,12 +127,12 @@ impl<'a> Section<'a> {
         value.map(Some).ok_or_else(|| self.wrong(name))
     }
 
-    /// A value that must be there.
+    /// Reads a required value.
     pub(super) fn required<T: TryFrom<Value>>(&self, name: &str) -> Result<T, CaseError> {
         self.optional(name)?.ok_or_else(|| self.missing(name, &self.expected(name)))
     }
 
-    /// A value, or else its default.
+    /// Reads a value, or returns its default.
     pub(super) fn or_default<T: TryFrom<Value>>(&self, name: &str) -> Result<T, CaseError> {
         if let Some(value) = self.optional(name)? {
             return Ok(value);
@@ -147,7 +147,7 @@ impl<'a> Section<'a> {
         default.ok_or_else(|| self.missing(name, &self.expected(name)))
     }
 
-    /// A value that must be there, of which the form does not know all; `expected` says what is allowed.
+    /// Reads a required value with a conversion; `expected` describes the allowed values.
     pub(super) fn required_as<T>(
         &self,
         name: &str,
@@ -158,7 +158,7 @@ impl<'a> Section<'a> {
         node.value().and_then(read).ok_or_else(|| self.wrong_for(name, expected))
     }
 
-    /// A text that may be absent, where one of some words is expected; whether it is one is not looked at.
+    /// Reads an optional text without checking it against `words`, which appear in messages only.
     pub(super) fn optional_text(
         &self,
         name: &str,
@@ -169,7 +169,7 @@ impl<'a> Section<'a> {
         text.map(Some).ok_or_else(|| self.wrong_for(name, &format!("one of {}", joined(words))))
     }
 
-    /// The same of one that must be there.
+    /// Reads a required text without checking it against the words of the message.
     pub(super) fn required_text(
         &self,
         name: &str,
@@ -179,7 +179,7 @@ impl<'a> Section<'a> {
             .ok_or_else(|| self.missing(name, &format!("one of {}", joined(words))))
     }
 
-    /// One of some names that may be absent.
+    /// Reads an optional choice among `names`.
     pub(super) fn optional_choice<T: Copy, N: AsRef<str>>(
         &self,
         name: &str,
@@ -194,7 +194,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// One of some names.
+    /// Reads a choice among names.
     pub(super) fn choice<T: Copy, N: AsRef<str>>(
         &self,
         name: &str,
@@ -207,7 +207,7 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// A list of different quantities, whose names are `among`; `None` where it is absent.
+    /// Reads a list of distinct quantities with names `among`; `None` if absent.
     pub(super) fn different<T: PartialEq>(
         &self,
         key: &str,
@@ -230,19 +230,19 @@ impl<'a> Section<'a> {
         Ok(Some(all))
     }
 
-    /// What to say of a text that is none of the allowed ones.
+    /// Error of a text that is not among the allowed words.
     pub(super) fn no_such(&self, name: &str, found: &str, words: &[impl AsRef<str>]) -> CaseError {
         let meant = suggestion(nearest(found, words.iter().map(AsRef::as_ref)));
-        let found = format!("found '{}'", shown(found));
+        let found = format!("found '{}'", escape(found));
         self.error(name, found, format!("{meant}allowed: {}", joined(words)))
     }
 
-    /// The section of a form that must be there.
+    /// Reader of a required subsection.
     pub(super) fn required_section(&self, form: &'static Form) -> Result<Section<'a>, CaseError> {
         self.section(form)?.ok_or_else(|| self.missing(form.name, form.remedy))
     }
 
-    /// The section of a form.
+    /// Reader of an optional subsection.
     pub(super) fn section(&self, form: &'static Form) -> Result<Option<Section<'a>>, CaseError> {
         let name = form.name;
         match self.node(name) {
@@ -265,7 +265,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A table in braces that must be there.
+    /// Reader of a required inline table.
     pub(super) fn required_table(&self, name: &str) -> Result<Section<'a>, CaseError> {
         self.table(name)?.ok_or_else(|| self.missing(name, &self.expected(name)))
     }
@@ -279,7 +279,7 @@ impl<'a> Section<'a> {
         self.error(name, format!("found {found}"), expected)
     }
 
-    /// The sections of a form, none where they are absent.
+    /// Readers of a list of subsections; empty if absent.
     pub(super) fn list(&self, form: &'static Form) -> Result<Vec<Section<'a>>, CaseError> {
         let name = form.name;
         match self.node(name) {
@@ -304,7 +304,7 @@ impl<'a> Section<'a> {
         Section { path, table, places: self.places, form, scope: self.scope.clone() }
     }
 
-    /// Refuses what the form does not have here.
+    /// Finishes reading: refuses keys that the schema does not allow here.
     pub(super) fn finish(self) -> Result<(), CaseError> {
         let mut names: Vec<&str> = Vec::new();
         for item in self.form.applicable(|condition| self.holds(condition)) {
@@ -318,7 +318,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// What to say of a key that is none of the allowed ones.
+    /// Error of an unknown key.
     pub(super) fn unknown(&self, name: &str, names: &[impl AsRef<str>]) -> CaseError {
         let meant = suggestion(nearest(name, names.iter().map(AsRef::as_ref)));
         let allowed = format!("{meant}allowed here: {}", joined(names));
@@ -326,28 +326,27 @@ impl<'a> Section<'a> {
     }
 }
 
-/// Names with commas between them.
+/// Joins names with commas.
 pub(super) fn joined(words: &[impl AsRef<str>]) -> String {
     words.iter().map(AsRef::as_ref).collect::<Vec<_>>().join(", ")
 }
 
-/// Keys and values of a resolved table, as TOML.
+/// Writer of a resolved table: keys and values as TOML.
 #[derive(Default)]
 pub(super) struct Resolved(Vec<(String, String)>);
 
 impl Resolved {
-    /// A number, or a list or matrix of numbers, in the shortest form that reads back to the same
-    /// doubles.
+    /// Adds a number, or a list or matrix of numbers, in the shortest form that reads back to the same doubles.
     pub(super) fn number(self, name: impl Into<String>, value: impl Debug) -> Self {
         self.literal(name, format_args!("{value:?}"))
     }
 
-    /// A text.
+    /// Adds a text.
     pub(super) fn text(self, name: &str, value: impl AsRef<str>) -> Self {
         self.literal(name, toml::Value::from(value.as_ref()))
     }
 
-    /// A list of texts.
+    /// Adds a list of texts.
     pub(super) fn texts(self, name: &str, values: &[impl Display]) -> Self {
         let values: Vec<String> = values.iter().map(ToString::to_string).collect();
         self.literal(name, toml::Value::from(values))
@@ -360,13 +359,13 @@ impl Resolved {
         self.literal(name, format_args!("{{ {} }}", entries.join(", ")))
     }
 
-    /// What is TOML already.
+    /// Adds a value that is TOML already.
     pub(super) fn literal(mut self, name: impl Into<String>, value: impl Display) -> Self {
         self.0.push((name.into(), value.to_string()));
         self
     }
 
-    /// The lines of a section under its header.
+    /// The section as TOML: header and lines.
     pub(super) fn under(&self, form: &Form) -> String {
         let lines = self.0.iter().map(|(name, value)| format!("{name} = {value}\n"));
         format!("\n{}\n{}", form.header(), lines.collect::<String>())

@@ -1,4 +1,4 @@
-//! The commented cases of `wellposed new`, from the schema.
+//! Generator of the commented case templates of `wellposed new` from the schema.
 
 mod blocks;
 
@@ -9,7 +9,7 @@ use crate::forms::forms_in_time;
 use blocks::{Blocks, Start, comment};
 use std::fmt::Write;
 
-/// What a case is for.
+/// Purpose of a template.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     /// One state: `point`, `map`, `dispersion`, `speeds`.
@@ -18,10 +18,10 @@ pub enum Purpose {
     Run,
 }
 
-/// Column at which comments begin in sections of states, and in those of runs.
+/// Column of comments in sections of states, and in time-domain sections.
 const COLUMNS: [usize; 2] = [48, 29];
 
-/// A dynamic problem in plane strain, to be changed.
+/// Example simulation in plane strain.
 const SOLID: &[Start] = &[
     ("grid", &[("cells", "[200, 100]"), ("spacing", "1.0"), ("origin", "[-100.0, -100.0]")]),
     ("time", &[("duration", "0.05")]),
@@ -54,7 +54,7 @@ const SOLID: &[Start] = &[
     ("output", &[("picture", "\"speed\"")]),
 ];
 
-/// A flow in time, to be changed.
+/// Example simulation of a flow.
 const FLOW: &[Start] = &[
     ("grid", &[("cells", "[64, 64]"), ("length", "0.1")]),
     ("time", &[("duration", "1e-3")]),
@@ -74,12 +74,12 @@ const FLOW: &[Start] = &[
     ("limits", &[]),
 ];
 
-/// Kinds to compare, whose keys all flows have.
+/// Section `[compare]` with kinds whose keys all flows have.
 const COMPARE: &str = "\
 # compare.kinds = [\"double-shearing\", \"plastic-potential\"]  # for point: models side by side on this state
 ";
 
-/// Keys of a state that follow from others, and are only checked.
+/// Redundant keys of a state, which are only checked.
 const CHECKED: [&str; 5] = [
     "background.deviatoric_stress",
     "background.velocity_gradient",
@@ -88,12 +88,12 @@ const CHECKED: [&str; 5] = [
     "background.stress_angle_rate_deg",
 ];
 
-/// The text of a case of one state: every key that the medium uses, with unit and meaning.
+/// Template of a case of one state: all keys used by the medium, with unit and meaning.
 pub fn text(medium: impl Into<Medium>) -> String {
     text_for(medium.into(), Purpose::State)
 }
 
-/// The text of a case for that purpose.
+/// Template of a case for a purpose.
 pub fn text_for(medium: Medium, purpose: Purpose) -> String {
     let mut text = head(medium, purpose);
     write_keys(&mut text, medium, purpose);
@@ -125,7 +125,7 @@ pub fn text_for(medium: Medium, purpose: Purpose) -> String {
     text + &map(medium)
 }
 
-/// What stands before the first constant.
+/// Head of a template, before the first constant.
 fn head(medium: Medium, purpose: Purpose) -> String {
     let kind = medium.kind;
     let is_flow = matches!(kind, Kind::Flow(_));
@@ -169,7 +169,7 @@ kind = \"{name}\"
     )
 }
 
-/// The value of a key that a template shows; `None` where it has no use for the key.
+/// Value of a key in a template; `None` if the template omits the key.
 fn value_for(key: &Key, medium: Medium, purpose: Purpose) -> Option<String> {
     let value = key.example_for(medium)?;
     let (section, name) = key.split();
@@ -200,7 +200,7 @@ fn value_for(key: &Key, medium: Medium, purpose: Purpose) -> Option<String> {
     Some(if name.ends_with("dilatancy") { of_friction().unwrap_or(value) } else { value })
 }
 
-/// The sections whose keys are rows of the table.
+/// Writes the sections of scalar keys.
 fn write_keys(text: &mut String, medium: Medium, purpose: Purpose) {
     let mut section = "model";
     for key in keys().iter().filter(|key| key.is_used_by(medium)) {
@@ -236,7 +236,7 @@ fn map(medium: Medium) -> String {
     format!("\n[map]\nx = {x}\ny = {y}\n")
 }
 
-/// The axes of a map to start from.
+/// Example axes of a map.
 fn example_map(medium: Medium) -> [String; 2] {
     let axis = |parameter: &str, from: f64, to: f64, points: usize| {
         format!(

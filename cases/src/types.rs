@@ -1,11 +1,11 @@
-//! How values of each type are read, and what a message says of a type.
+//! Parsing of values by type, and descriptions of types for messages.
 
 use crate::schema::{Item, Length, Order, Range, Scope, Type};
 use crate::value::{self, Value, list};
 use std::fmt::Write;
 use toml::de::DeValue;
 
-/// A number of a range as a message says what is expected.
+/// Description of a number in a range, for messages.
 fn number_in_words(range: Range) -> String {
     match range {
         Range::Finite => "a finite number".into(),
@@ -18,7 +18,7 @@ fn number_in_words(range: Range) -> String {
 }
 
 impl Length {
-    /// The length in a case.
+    /// Number of items in a scope.
     pub(crate) fn count(self, scope: &Scope) -> usize {
         match self {
             Self::Two => 2,
@@ -35,8 +35,7 @@ impl Length {
     }
 }
 
-/// Characters of the longest name: of receivers and of cases, which names of files and of entries in archives have in
-/// them.
+/// Maximum length of names of cases and receivers, which appear in file names and archive entries.
 pub(crate) const LONGEST_NAME: usize = 255;
 
 /// Whether a text has more characters than a name may have.
@@ -45,7 +44,7 @@ pub(crate) fn is_too_long(name: &str) -> bool {
 }
 
 impl Type {
-    /// The type as a message says what is expected.
+    /// Description of the type, for messages.
     pub(crate) fn words(&self, scope: &Scope) -> String {
         match *self {
             Self::Text => "text in quotes".into(),
@@ -103,7 +102,7 @@ impl Type {
         }
     }
 
-    /// Along which axes the numbers of a list on a side are, behind the note of a message.
+    /// Axes of the numbers of a list on a side, for messages.
     pub(crate) fn axes_in_words(&self, scope: &Scope) -> String {
         match self {
             Self::Numbers(Length::SideAxes) => {
@@ -115,7 +114,7 @@ impl Type {
         }
     }
 
-    /// The value, if it is of this type; words are not looked at, and tables are none.
+    /// Parses a value of this type; words are not checked, and tables give `None`.
     pub(crate) fn parse(&self, value: &DeValue, scope: &Scope) -> Option<Value> {
         let numbers = |length| list(value, length, value::number);
         let whole_numbers = || list(value, value.as_array()?.len(), value::count);
@@ -205,7 +204,7 @@ impl Type {
 }
 
 impl Item {
-    /// What is allowed, as a message says it.
+    /// Description of the allowed values, for messages.
     pub(crate) fn expected(&self, scope: &Scope) -> String {
         let mut text = self.value.words(scope);
         match self.unit {
@@ -221,7 +220,7 @@ impl Item {
     }
 }
 
-/// A point of so many coordinates, or a list of such points, at most one for each axis.
+/// Parses a point of `dimensions` coordinates, or a list of at most `dimensions` points.
 fn points(value: &DeValue, dimensions: usize) -> Option<Vec<Vec<f64>>> {
     if let Some(point) = list(value, dimensions, value::number) {
         return Some(vec![point]);

@@ -1,6 +1,6 @@
-//! Typed values out of TOML, and how a message names what was found and what may have been meant.
+//! Typed values from TOML, their descriptions in messages, and suggestions for misspelt names.
 
-use super::error::shown;
+use super::error::escape;
 use std::fmt::{Display, Formatter};
 use toml::de::{DeArray, DeInteger, DeValue};
 
@@ -32,7 +32,7 @@ impl Value {
     }
 }
 
-/// A value as what its type stands for.
+/// Implements the conversion of a value to its Rust type.
 macro_rules! from_value {
     ($($variant:ident: $type:ty;)*) => {
         $(impl TryFrom<Value> for $type {
@@ -61,7 +61,7 @@ from_value! {
     Rows: Vec<Vec<f64>>;
 }
 
-/// As TOML; numbers in their shortest form that reads back to the same double.
+/// Writes the value as TOML; numbers in the shortest form that reads back to the same double.
 impl Display for Value {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -87,7 +87,7 @@ pub(super) fn text(value: &DeValue) -> Option<String> {
     value.as_str().filter(|text| !text.chars().any(char::is_control)).map(str::to_owned)
 }
 
-/// Integers count as numbers as far as doubles hold them exactly.
+/// Parses a number; integers are accepted if a double represents them exactly.
 pub(super) fn number(value: &DeValue) -> Option<f64> {
     const EXACT: i64 = 1 << f64::MANTISSA_DIGITS;
     match value {
@@ -100,36 +100,36 @@ pub(super) fn number(value: &DeValue) -> Option<f64> {
     .filter(|number: &f64| number.is_finite())
 }
 
-/// A whole number.
+/// Parses a whole number.
 pub(super) fn integer(value: &DeValue) -> Option<i64> {
     let integer = value.as_integer()?;
     i64::from_str_radix(integer.as_str(), integer.radix()).ok()
 }
 
-/// Whether what begins like an integer is one, however large: `0x` alone has no digits.
+/// Whether an integer literal has digits (`0x` alone has none).
 fn has_digits(integer: &DeInteger) -> bool {
     let digits = integer.as_str().trim_start_matches(['+', '-']);
     !digits.is_empty() && digits.chars().all(|digit| digit.is_digit(integer.radix()))
 }
 
-/// A whole number of at least 1.
+/// Parses a whole number not below 1.
 pub(super) fn count(value: &DeValue) -> Option<usize> {
     integer(value).filter(|&count| count >= 1).and_then(|count| count.try_into().ok())
 }
 
-/// A list of texts.
+/// Parses a list of texts.
 pub(super) fn texts(value: &DeValue) -> Option<Vec<String>> {
     value.as_array()?.iter().map(|text| text.get_ref().as_str().map(str::to_owned)).collect()
 }
 
-/// Two values.
+/// Parses a pair of values.
 pub(super) fn pair<T>(value: &DeValue, read: impl Fn(&DeValue) -> Option<T>) -> Option<[T; 2]> {
     let array: &DeArray = value.as_array()?;
     let items: Option<Vec<T>> = array.iter().map(|item| read(item.get_ref())).collect();
     items?.try_into().ok()
 }
 
-/// `length` values; one alone needs no brackets.
+/// Parses a list of `length` values; a single value needs no brackets.
 pub(super) fn list<T>(
     value: &DeValue,
     length: usize,
@@ -142,12 +142,12 @@ pub(super) fn list<T>(
     items.filter(|items| items.len() == length)
 }
 
-/// A value as it is named in a message.
+/// Description of a value for messages.
 pub(super) fn describe(value: &DeValue) -> String {
     match value {
-        DeValue::String(text) => format!("the text '{}'", shown(text)),
+        DeValue::String(text) => format!("the text '{}'", escape(text)),
         DeValue::Integer(integer) => {
-            let digits = shown(&integer.to_string());
+            let digits = escape(&integer.to_string());
             match number(value) {
                 Some(_) => format!("the integer {digits}"),
                 None if !has_digits(integer) => format!("'{digits}', which is not a number"),
@@ -155,7 +155,7 @@ pub(super) fn describe(value: &DeValue) -> String {
             }
         }
         DeValue::Float(float) => {
-            let digits = shown(float.as_str());
+            let digits = escape(float.as_str());
             match number(value) {
                 Some(_) => format!("the number {digits}"),
                 None => format!("{digits}, which is not finite"),
@@ -180,20 +180,20 @@ pub(super) fn describe(value: &DeValue) -> String {
     }
 }
 
-/// A list of a few numbers as it stands.
+/// A short list of numbers as text; `None` for longer lists.
 pub(super) fn short_list(value: &DeValue) -> Option<String> {
     const MOST: usize = 9;
     let array = value.as_array().filter(|array| (1..=MOST).contains(&array.len()))?;
     let item = |item: &DeValue| match item {
-        DeValue::Integer(integer) => number(item).map(|_| shown(&integer.to_string())),
-        DeValue::Float(float) => number(item).map(|_| shown(float.as_str())),
+        DeValue::Integer(integer) => number(item).map(|_| escape(&integer.to_string())),
+        DeValue::Float(float) => number(item).map(|_| escape(float.as_str())),
         _ => None,
     };
     let items: Option<Vec<String>> = array.iter().map(|own| item(own.get_ref())).collect();
     items.map(|items| format!("[{}]", items.join(", ")))
 }
 
-/// The name nearest to a misspelt one, where one is near.
+/// The name closest to a misspelt one, if close enough.
 pub(super) fn nearest<'a>(
     name: &str,
     candidates: impl IntoIterator<Item = &'a str>,
@@ -209,7 +209,7 @@ pub(super) fn nearest<'a>(
         .map(|(_, candidate)| candidate)
 }
 
-/// A question in front of what is allowed, or nothing.
+/// Text "did you mean …?" for messages; empty without a suggestion.
 pub(super) fn suggestion(name: Option<&str>) -> String {
     name.map_or(String::new(), |name| format!("did you mean '{name}'? "))
 }

@@ -96,8 +96,8 @@ impl RunResult {
         for (own, quantity) in shown.iter().zip(&self.fields.quantities) {
             let [least, greatest] = range(&quantity.values);
             let unit = unit_of(own.name());
-            write_line(text, &format!("least {own}"), own.shown(least), unit);
-            write_line(text, &format!("greatest {own}"), own.shown(greatest), unit);
+            write_line(text, &format!("least {own}"), own.to_display_unit(least), unit);
+            write_line(text, &format!("greatest {own}"), own.to_display_unit(greatest), unit);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The sections `[[side]]`: conditions on sides of the grid.
+//! The sections `[[side]]`: boundary conditions on the sides of the grid.
 
 use super::component::{Component, components, names};
 use super::reader::Reader;
@@ -7,7 +7,7 @@ use crate::position::check_order;
 use crate::schema::{Condition as When, Form, Group, Item, Length, Type};
 use crate::section::{Resolved, Section, joined};
 
-/// The key of a side.
+/// Key `side`: name of a side of the grid.
 pub(super) const SIDE: Item = Item::required(
     "side",
     Type::OneOf(|scope| {
@@ -21,7 +21,7 @@ pub(super) const SIDE: Item = Item::required(
 
 const END: Type = Type::Numbers(Length::SideAxes);
 
-/// The ends of a part of a side.
+/// Key `from`: lower corner of a part of a side.
 pub(super) const FROM: Item = Item::optional(
     "from",
     END,
@@ -31,12 +31,12 @@ pub(super) const FROM: Item = Item::optional(
 )
 .note("an end of the part");
 
-/// The other end.
+/// Key `to`: upper corner of a part of a side.
 pub(super) const TO: Item =
     Item::optional("to", END, "m", "5.0", "last end of the part, which is not in it")
         .note("an end of the part");
 
-/// The sections.
+/// Schema of the sections `[[side]]`.
 pub(super) const FORM: Form = Form::list(
     "side",
     "a condition on a side of the grid; a side that is not named is free, and later entries hold over earlier ones",
@@ -75,12 +75,12 @@ pub(super) const FORM: Form = Form::list(
     ],
 );
 
-/// A side of the grid.
+/// A side of the grid: a boundary normal to an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Side {
-    /// The axis of its normal, from 0.
+    /// Axis of the normal, from 0.
     pub axis: usize,
-    /// Whether the coordinate is the greatest there, not the least.
+    /// Whether the side is at the upper end of the axis.
     pub is_upper: bool,
 }
 
@@ -96,28 +96,28 @@ impl Side {
         format!("x{}{}", self.axis + 1, if self.is_upper { '+' } else { '-' })
     }
 
-    /// The side across.
+    /// The opposite side.
     pub fn opposite(self) -> Self {
         Self { is_upper: !self.is_upper, ..self }
     }
 
-    /// The other axes, ascending: those along which positions on the side are given.
+    /// Tangential axes of the side, ascending; positions on the side are given along them.
     pub fn axes(self, dimensions: usize) -> Vec<usize> {
         (0..dimensions).filter(|&axis| axis != self.axis).collect()
     }
 }
 
-/// A rectangle of a side, from ≤ x < to along its axes.
+/// A rectangular part of a side, from ≤ x < to along its tangential axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// Least coordinates along the other axes ascending, m.
+    /// Lower coordinates along the tangential axes, m.
     pub from: Vec<f64>,
-    /// Greatest coordinates along the other axes ascending, m.
+    /// Upper coordinates along the tangential axes, m.
     pub to: Vec<f64>,
 }
 
 impl Part {
-    /// Whether a position on the side, along its axes ascending, is in it.
+    /// Whether the part contains a position on the side.
     pub fn contains(&self, position: &[f64]) -> bool {
         let ends = self.from.iter().zip(&self.to);
         position.iter().zip(ends).all(|(x, (from, to))| (from..to).contains(&x))
@@ -129,36 +129,36 @@ impl Part {
     }
 }
 
-/// A condition on a side or a part of one. Sides that no entry names are free; where two entries of
-/// a side overlap the later one holds.
+/// Boundary condition on a side or a part of it. Sides without entry are traction-free; of overlapping entries the last
+/// applies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SideCondition {
-    /// The side.
+    /// Side of the grid.
     pub side: Side,
-    /// What holds there.
+    /// Boundary condition.
     pub condition: Condition,
-    /// Where on the side; `None`: on all of it.
+    /// Part of the side; `None` for the whole side.
     pub part: Option<Part>,
 }
 
-/// What holds on a side.
+/// Boundary condition.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Condition {
-    /// No traction.
+    /// Traction-free.
     Free,
-    /// No velocity and no spin.
+    /// Fixed: zero velocity and spin.
     Fixed,
-    /// The solid is mirrored there.
+    /// Mirror symmetry.
     Symmetry,
-    /// The solid is mirrored there with the opposite sign.
+    /// Mirror antisymmetry.
     Antisymmetry,
-    /// The side across follows.
+    /// Periodic: connected to the opposite side.
     Periodic,
-    /// Waves along the normal leave.
+    /// Non-reflecting: waves along the normal leave the grid.
     NonReflecting,
-    /// Some velocities and spins vanish, and the tractions and couples of all others.
+    /// Mixed: some velocities and spins vanish, and the tractions and couples of the others.
     Mixed {
-        /// The velocities and spins that vanish.
+        /// Velocities and spins that vanish.
         held: Vec<Component>,
     },
 }
@@ -182,7 +182,7 @@ impl Condition {
     }
 }
 
-/// Sides that are periodic when all entries are read, with the entry that says so.
+/// Periodic sides after all entries, each with the index of the entry.
 pub(super) fn periodic_sides(sides: &[SideCondition]) -> impl Iterator<Item = (usize, Side)> {
     let is_last_whole = |index: usize, side: Side| {
         !sides[index + 1..].iter().any(|later| later.side == side && later.part.is_none())
@@ -213,14 +213,14 @@ impl SideCondition {
 }
 
 impl Reader<'_> {
-    /// The side that an entry is about; positions in it are along the other axes.
+    /// Reads the side of an entry; positions in the entry are along its tangential axes.
     pub(super) fn side(&self, section: &mut Section) -> Result<Side, CaseError> {
         let side = section.choice("side", &Side::all(self.dimensions()), Side::name)?;
         section.scope.axes = side.axes(self.dimensions());
         Ok(side)
     }
 
-    /// The part of a side between `from` and `to`, if they are given.
+    /// Reads the part of a side between `from` and `to`, if given.
     pub(super) fn part(&self, section: &Section) -> Result<Option<Part>, CaseError> {
         let (from, to): (Option<Vec<f64>>, _) =
             (section.optional("from")?, section.optional::<Vec<f64>>("to")?);
@@ -277,7 +277,7 @@ impl Reader<'_> {
         Ok(sides)
     }
 
-    /// The velocities and spins that vanish on a mixed side.
+    /// Reads the velocities and spins that vanish on a mixed side.
     fn held(&self, section: &Section, side: Side) -> Result<Vec<Component>, CaseError> {
         let mut among = Component::on_side(self.theory, self.dimensions(), side.axis);
         among.retain(|component| component.is_velocity());

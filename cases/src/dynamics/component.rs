@@ -1,4 +1,4 @@
-//! Names of the components of the state of a solid.
+//! State components of a solid and their names in case files.
 
 use crate::kind::Kind;
 use crate::schema::Scope;
@@ -12,13 +12,13 @@ use std::fmt;
 pub struct Component(pub Field);
 
 impl Component {
-    /// The components that a theory has in 2 (plane strain) or 3 dimensions.
+    /// All components of a theory in 2 (plane strain) or 3 dimensions.
     pub fn all(theory: Theory, dimensions: usize) -> Vec<Self> {
         fields(theory, dimensions).into_iter().map(Self).collect()
     }
 
-    /// Those that act on sides normal to `axis` (from 0): velocities and spins of the side, stresses
-    /// and couple stresses on it.
+    /// Components that a boundary load may prescribe on sides normal to `axis` (from 0): velocities, spins, and the
+    /// stresses and couple stresses of the traction.
     pub fn on_side(theory: Theory, dimensions: usize, axis: usize) -> Vec<Self> {
         let acts = |component: &Self| match component.0 {
             Field::Velocity(_) => true,
@@ -31,12 +31,12 @@ impl Component {
         Self::all(theory, dimensions).into_iter().filter(acts).collect()
     }
 
-    /// Whether it is a velocity or a spin.
+    /// Whether the component is a velocity or a spin.
     pub const fn is_velocity(self) -> bool {
         matches!(self.0, Field::Velocity(_) | Field::Spin(_))
     }
 
-    /// The name of the integral in time of a velocity or spin: `u1`, `phi3`; `None` of a stress.
+    /// Name of the time integral of a velocity or spin (displacement `u1`, rotation `phi3`); `None` for stresses.
     pub fn integral(self) -> Option<String> {
         match self.0 {
             Field::Velocity(i) => Some(format!("u{}", i + 1)),
@@ -45,7 +45,7 @@ impl Component {
         }
     }
 
-    /// The one of that name among some. In classical solids `sigma21` is `sigma12`.
+    /// The component called `name` among `among`. In classical solids `sigma21` is `sigma12`.
     pub fn find(name: &str, theory: Theory, among: &[Self]) -> Option<Self> {
         let is_named = |component: &&Self| {
             let transposed = match component.0 {
@@ -88,7 +88,7 @@ pub(super) fn names(components: &[Component]) -> Vec<String> {
     components.iter().map(Component::to_string).collect()
 }
 
-/// The components that a solid has, or any where it is not known which.
+/// Components of the solid of the case, or of any solid if its theory is unknown.
 pub(super) fn components(scope: &Scope) -> Vec<Component> {
     let theory = match scope.kind {
         Some(Kind::Solid(solid)) => solid.theory,

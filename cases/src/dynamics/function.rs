@@ -1,7 +1,7 @@
-//! Functions of time by which loads are multiplied.
+//! Time functions of loads, sources and initial pulses.
 
 use super::reader::Reader;
-use crate::error::{CaseError, Place, shown};
+use crate::error::{CaseError, Place, escape};
 use crate::schema::{Condition, Form, Group, Item, Range, Type};
 use crate::section::{Resolved, Section};
 use models::common::elementary::Elementary;
@@ -9,10 +9,10 @@ use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Largest table of a function of time, bytes.
+/// Maximum size of a table of samples, bytes.
 const LARGEST_TABLE: u64 = 8 << 20;
 
-/// The key of a function of time.
+/// Key `time`: the time function.
 pub(super) const TIME: Item = Item::required(
     "time",
     Type::Table(&FORM),
@@ -33,7 +33,7 @@ const FREQUENCY: Item = Item::required(
 )
 .note("frequency");
 
-/// The table `time` of a load, a source or a plane pulse.
+/// Schema of the table `time` of a load, a source or a plane pulse.
 pub(super) const FORM: Form = Form::braces(
     "time",
     "a function of time without unit",
@@ -95,61 +95,61 @@ pub(super) const FORM: Form = Form::braces(
     ],
 );
 
-/// What a file of samples must be.
+/// Error text of an invalid file of samples.
 const NEEDS: &str = "name a CSV file of two columns, time in s and value, in a folder as seen from that of the \
                      case";
 
 /// A function of time without unit; times in s, frequencies in Hz.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TimeFunction {
-    /// 1 from `start` until `start + duration`, or for ever; else 0.
+    /// Step: 1 from `start` until `start + duration`, or without end; else 0.
     Step {
         /// When it begins, s.
         start: f64,
-        /// How long it lasts, s; `None`: for ever.
+        /// Duration, s; `None` without end.
         duration: Option<f64>,
     },
-    /// From 0 to 1 and back in straight lines.
+    /// Triangle: linear from 0 to 1 and back.
     Triangle {
         /// When it begins, s.
         start: f64,
         /// How long it lasts, s; positive.
         duration: f64,
     },
-    /// From 0 to 1 and back as sin²(π(t − start)/duration).
+    /// Pulse sin²(π(t − start)/duration).
     Pulse {
         /// When it begins, s.
         start: f64,
         /// How long it lasts, s; positive.
         duration: f64,
     },
-    /// (1 − 2a) exp(−a) with a = (π·frequency·(t − delay))².
+    /// Ricker wavelet (1 − 2a) exp(−a), a = (π·frequency·(t − delay))².
     Ricker {
-        /// Frequency of the greatest amplitude, Hz; positive.
+        /// Peak frequency, Hz; positive.
         frequency: f64,
-        /// When it is greatest, s.
+        /// Time of the maximum, s.
         delay: f64,
     },
-    /// sin(2π·frequency·(t − start)) from `start` on; 0 before.
+    /// Sine sin(2π·frequency·(t − start)) from `start` on; 0 before.
     Sine {
         /// Frequency, Hz; positive.
         frequency: f64,
         /// When it begins, s.
         start: f64,
     },
-    /// Straight lines between samples; 0 outside.
+    /// Linear interpolation of samples; 0 outside.
     Table(Samples),
 }
 
 /// Samples of a function of time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Samples {
-    /// Times (s), increasing, and values; kept once for all copies of a case.
+    /// Increasing times (s) with values, shared by all copies of a case.
     samples: Arc<[[f64; 2]]>,
     source: SampleFile,
 }
 
-/// The file that samples were read from. It makes no function different from another.
+/// File of the samples; ignored in comparisons.
 #[derive(Clone, Debug, Default)]
 struct SampleFile(Option<Arc<Path>>);
 
@@ -160,8 +160,7 @@ impl PartialEq for SampleFile {
 }
 
 impl Samples {
-    /// Samples of a function of time; `None` unless there are two at least, all numbers are finite
-    /// and times increase.
+    /// Samples of a function; `None` unless there are at least two, all numbers are finite and times increase.
     pub fn new(samples: Vec<[f64; 2]>) -> Option<Self> {
         let is_finite = samples.iter().flatten().all(|x| x.is_finite());
         let increases = samples.windows(2).all(|pair| pair[0][0] < pair[1][0]);
@@ -169,7 +168,7 @@ impl Samples {
             .then(|| Self { samples: samples.into(), source: SampleFile::default() })
     }
 
-    /// The file that they were read from, if they were.
+    /// File from which the samples were read, if any.
     pub fn source(&self) -> Option<&Path> {
         self.source.0.as_deref()
     }
@@ -179,7 +178,7 @@ impl Samples {
         &self.samples
     }
 
-    /// On the straight line between its neighbours; at a sample exactly that.
+    /// Linear interpolation at `t`; exact at samples.
     pub(super) fn value(&self, t: f64) -> f64 {
         let next = self.samples.partition_point(|[time, _]| *time <= t);
         let Some(&[before, value]) = next.checked_sub(1).and_then(|last| self.samples.get(last))
@@ -201,14 +200,14 @@ impl TimeFunction {
     /// All names in case files.
     pub const NAMES: [&str; 6] = ["step", "triangle", "pulse", "ricker", "sine", "table"];
 
-    /// A function by its samples; see [`Samples::new`].
+    /// A tabulated function; see [`Samples::new`].
     pub fn from_samples(samples: Vec<[f64; 2]>) -> Option<Self> {
         Samples::new(samples).map(Self::Table)
     }
 
-    /// Its value at the time `t`, s.
+    /// Value at the time `t` (s).
     pub fn value(&self, t: f64) -> f64 {
-        // Where in the duration; only inside is there anything.
+        // Relative time in the duration; `None` outside.
         let inside = |start: f64, duration: f64| {
             let part = (t - start) / duration;
             (0.0..1.0).contains(&part).then_some(part)
@@ -226,7 +225,7 @@ impl TimeFunction {
             }
             Self::Ricker { frequency, delay } => {
                 let a = (PI * frequency * (t - delay)).powi(2);
-                // Far away the product of what overflows and 0 would be no number.
+                // For large a the product would be ∞ · 0 = NaN.
                 if a < 700.0 { (1.0 - 2.0 * a) * (-a).cr_exp() } else { 0.0 }
             }
             Self::Sine { frequency, start } if t >= start => {
@@ -237,7 +236,7 @@ impl TimeFunction {
         }
     }
 
-    /// The shortest time in which much happens, s; `None` where that is a jump alone.
+    /// Shortest time scale of the function, s; `None` for a step.
     pub fn shortest(&self) -> Option<f64> {
         match *self {
             Self::Step { duration, .. } => duration,
@@ -284,7 +283,7 @@ impl TimeFunction {
 }
 
 impl Reader<'_> {
-    /// The table `time` of an entry.
+    /// Reads the table `time` of an entry.
     pub(super) fn function(&self, section: &Section) -> Result<TimeFunction, CaseError> {
         let section = section.required_table("time")?;
         let kind = section.choice("kind", &TimeFunction::NAMES, |name| name)?;
@@ -320,7 +319,7 @@ impl Reader<'_> {
         Ok(function)
     }
 
-    /// The samples of a table, or of the file that it names.
+    /// Reads the samples of a table, or of the file named by it.
     fn samples(&self, section: &Section) -> Result<Samples, CaseError> {
         const FEW: &str = "expected at least two lines of a time in s and a value";
         if let Some(pairs) = section.optional("samples")? {
@@ -329,7 +328,7 @@ impl Reader<'_> {
         let file: String = section.required("file")?;
         let path = self.folder.join(&file);
         let unreadable =
-            |cause: &str| section.error("file", format!("'{}': {cause}", shown(&file)), NEEDS);
+            |cause: &str| section.error("file", format!("'{}': {cause}", escape(&file)), NEEDS);
         let bytes = files::read_regular_within(&path, LARGEST_TABLE)
             .map_err(|error| unreadable(&error.to_string()))?;
         let text = std::str::from_utf8(&bytes).map_err(|_| unreadable("not UTF-8 text"))?;
@@ -339,7 +338,7 @@ impl Reader<'_> {
             found,
             allowed: allowed.to_owned(),
         })?;
-        let found = format!("'{}' has {}", shown(&file), plural(samples.len(), "sample"));
+        let found = format!("'{}' has {}", escape(&file), plural(samples.len(), "sample"));
         let samples = Samples::new(samples).ok_or_else(|| section.error("file", found, FEW))?;
         Ok(Samples { source: SampleFile(Some(path.into())), ..samples })
     }
@@ -350,7 +349,7 @@ fn plural(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// The samples of a CSV file, or the line that is none, what was found there and what is allowed.
+/// Parses the samples of a CSV file; the error is line number, text found and text allowed.
 fn parse_samples(text: &str) -> Result<Vec<[f64; 2]>, (usize, String, &'static str)> {
     const LINE: &str = "expected two finite numbers with a comma between them, time in s and value";
     let mut samples: Vec<[f64; 2]> = Vec::new();
@@ -373,7 +372,7 @@ fn parse_samples(text: &str) -> Result<Vec<[f64; 2]>, (usize, String, &'static s
                 samples.push([time, value]);
             }
             _ if is_header => {}
-            _ => return Err((index + 1, format!("found '{}'", shown(line)), LINE)),
+            _ => return Err((index + 1, format!("found '{}'", escape(line)), LINE)),
         }
     }
     Ok(samples)

@@ -4,10 +4,10 @@ use crate::error::CaseError;
 use crate::schema::{Form, Group, Item, Length, Order, Type};
 use crate::section::{Resolved, Section};
 
-/// Most cells of a grid.
+/// Maximum number of cells of a grid.
 pub const MOST_CELLS: usize = 4_000_000_000;
 
-/// The section.
+/// Schema of the section `[grid]`.
 pub(super) const FORM: Form = Form::section(
     "grid",
     "the cells: a rectangular grid, of a plane with two axes or of space with three",
@@ -40,19 +40,19 @@ pub(super) const FORM: Form = Form::section(
 )
 .required("a section [grid] with cells and spacing");
 
-/// A rectangular grid.
+/// A uniform rectangular grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
-    /// Cells along each axis: two in plane strain, three in space.
+    /// Number of cells along each axis; two axes in plane strain, three in space.
     pub cells: Vec<usize>,
-    /// Edges of a cell, m.
+    /// Cell spacing along each axis, m.
     pub spacing: Vec<f64>,
-    /// The corner of least coordinates, m.
+    /// Lower corner of the grid, m.
     pub origin: Vec<f64>,
 }
 
 impl Grid {
-    /// 2 for plane strain, 3 for space.
+    /// Number of dimensions: 2 for plane strain, 3 for space.
     pub fn dimensions(&self) -> usize {
         self.cells.len()
     }
@@ -62,18 +62,18 @@ impl Grid {
         self.cells.iter().product()
     }
 
-    /// First and last coordinate along an axis, m.
+    /// Lower and upper end of the grid along `axis`, m.
     pub fn extent(&self, axis: usize) -> [f64; 2] {
         let first = self.origin[axis];
         [first, first + self.cells[axis] as f64 * self.spacing[axis]]
     }
 
-    /// Centre along an axis of the cell of that index, m.
+    /// Coordinate along `axis` of the centre of the cell of index `index`, m.
     pub fn centre(&self, axis: usize, index: usize) -> f64 {
         self.origin[axis] + (index as f64 + 0.5) * self.spacing[axis]
     }
 
-    /// Whether a point is inside or on a side.
+    /// Whether a point is in the grid or on its boundary.
     pub fn contains(&self, point: &[f64]) -> bool {
         point.iter().enumerate().all(|(axis, x)| {
             let [first, last] = self.extent(axis);
@@ -81,10 +81,10 @@ impl Grid {
         })
     }
 
-    /// Reads the section.
+    /// Reads the section `[grid]`.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// A key is unknown or missing, or a value is invalid.
     pub(crate) fn read(root: &Section) -> Result<Self, CaseError> {
         let mut section = root.required_section(&FORM)?;
         if section.has("length") {

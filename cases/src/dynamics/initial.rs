@@ -1,4 +1,4 @@
-//! The sections `[[initial]]`: what the initial state is made of.
+//! The sections `[[initial]]`: parts of the initial state of a solid.
 
 use super::component::{Component, components, names};
 use super::function;
@@ -43,7 +43,7 @@ const ELEVATION: Item = Item::with_default(
 )
 .when(SPACE);
 
-/// The sections.
+/// Schema of the sections `[[initial]]`.
 pub(super) const FORM: Form = Form::list(
     "initial",
     "a part of the initial state; the parts add up",
@@ -132,23 +132,23 @@ pub(super) const FORM: Form = Form::list(
     ],
 );
 
-/// A part of the initial state.
+/// A part of the initial state; parts are summed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Initial {
-    /// A bell exp(−(r/radius)²) of one field.
+    /// Gaussian pulse exp(−(r/radius)²) of one field.
     Pulse {
         /// The field.
         field: Component,
-        /// Its greatest value, in its unit.
+        /// Maximum value, in the unit of the field.
         amplitude: f64,
-        /// Where it is greatest.
+        /// Centre of the pulse.
         centre: Centre,
         /// Radius, m; positive.
         radius: f64,
     },
     /// A plane wave of the case's own medium.
     PlaneWave {
-        /// Its branch, from 1: the greatest frequency.
+        /// Branch of the dispersion relation, from 1 for the highest frequency.
         branch: usize,
         /// Direction from x₁ anticlockwise, degrees.
         direction_deg: f64,
@@ -156,10 +156,10 @@ pub enum Initial {
         elevation_deg: f64,
         /// Wavelength, m; positive.
         wavelength: f64,
-        /// Greatest velocity, m/s.
+        /// Velocity amplitude, m/s.
         amplitude: f64,
     },
-    /// A plane wave of finite length.
+    /// A plane wave with a time function as waveform.
     PlanePulse(PlanePulse),
     /// A microrotation.
     Rotation {
@@ -181,7 +181,7 @@ pub enum Initial {
     },
 }
 
-/// What the distance r of a pulse is measured from.
+/// Centre of a pulse, from which the distance r is measured.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Centre {
     /// A point, m.

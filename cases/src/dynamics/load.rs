@@ -1,4 +1,4 @@
-//! The sections `[[load]]`: loads on sides of the grid.
+//! The sections `[[load]]`: boundary loads on sides of the grid.
 
 use super::boundary::{FROM, Part, SIDE, Side, TO};
 use super::component::{Component, components, names};
@@ -12,7 +12,7 @@ use crate::section::{Resolved, Section};
 
 const WITHOUT_POINT: &[Condition] = &[Condition::Absent("at")];
 
-/// The sections.
+/// Schema of the sections `[[load]]`.
 pub(super) const FORM: Form = Form::list(
     "load",
     "a load on a side: what a stress or velocity of the side is; loads add up, over the conditions",
@@ -60,37 +60,37 @@ pub(super) const FORM: Form = Form::list(
     ],
 );
 
-/// A load on a side.
+/// A boundary load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
-    /// The side.
+    /// Side of the grid.
     pub side: Side,
-    /// A velocity or spin of the side, or a stress or couple stress on it; stresses are the
-    /// components themselves, tension positive on either side.
+    /// Loaded component: a velocity or spin of the side, or a stress or couple stress on it; stresses are tensor
+    /// components, tension-positive on both sides.
     pub field: Component,
-    /// What is multiplied by the function of time: m/s, rad/s, Pa or N/m. At a point it is the
-    /// integral over the side: N or N·m, in plane strain per m.
+    /// Amplitude, multiplied by the time function: m/s, rad/s, Pa or N/m. For a point load the integral over the side:
+    /// N or N·m, in plane strain per m.
     pub amplitude: f64,
-    /// Where.
+    /// Loaded part of the side.
     pub action: Action,
-    /// By what it is multiplied along the side; not at a point.
+    /// Spatial profile along the side; not for point loads.
     pub profile: Option<Profile>,
-    /// When.
+    /// Time function.
     pub time: TimeFunction,
 }
 
-/// Where a load acts on a side.
+/// Part of a side on which a load acts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
-    /// On all of it.
+    /// The whole side.
     Whole,
-    /// On a part.
+    /// A part of the side.
     Part(Part),
-    /// About a point.
+    /// A point load.
     Point {
-        /// Coordinates along the other axes ascending, m.
+        /// Coordinates along the tangential axes of the side, m.
         at: Vec<f64>,
-        /// Over which it is spread.
+        /// Kernel over which the load is distributed.
         kernel: Kernel,
     },
 }
@@ -146,7 +146,7 @@ impl Reader<'_> {
         Ok(loads)
     }
 
-    /// Where a load acts.
+    /// Reads the part of the side on which a load acts.
     fn action(&self, section: &Section, field: Component) -> Result<Action, CaseError> {
         let part = self.part(section)?;
         let at: Option<Vec<f64>> = section.optional("at")?;

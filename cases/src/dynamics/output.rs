@@ -9,13 +9,13 @@ use crate::schema::{Form, Group, Item, Range, Scope, Type};
 use crate::section::{Resolved, Section};
 use std::fmt;
 
-/// The key of the time between two lines of the ledger; `zero` says what 0 means.
+/// Key `ledger_interval`: time between two rows of the energy ledger; `zero` describes the meaning of 0.
 pub(crate) const fn ledger_interval(zero: &'static str, meaning: &'static str) -> Item {
     Item::with_default("ledger_interval", Type::Number(Range::NotNegative), "s", "0.0", meaning)
         .note(zero)
 }
 
-/// The key of the time between two snapshots.
+/// Key `snapshot_interval`: time between two snapshots.
 pub(crate) const SNAPSHOT_INTERVAL: Item = Item::with_default(
     "snapshot_interval",
     Type::Number(Range::NotNegative),
@@ -25,7 +25,7 @@ pub(crate) const SNAPSHOT_INTERVAL: Item = Item::with_default(
 )
 .note("0: none");
 
-/// The key of the lines of a picture.
+/// Key `contours`: contour levels of a picture.
 pub(crate) const CONTOURS: Item = Item::optional(
     "contours",
     Type::List(0, Range::Finite),
@@ -35,7 +35,7 @@ pub(crate) const CONTOURS: Item = Item::optional(
 )
 .note("lines of equal value");
 
-/// The sections `[[receiver]]`.
+/// Schema of the sections `[[receiver]]`.
 pub(super) const RECEIVER: Form = Form::list(
     "receiver",
     "a point, a line or a grid of points at which the state is recorded",
@@ -70,7 +70,7 @@ pub(super) const RECEIVER: Form = Form::list(
     ])],
 );
 
-/// The section `[output]`.
+/// Schema of the section `[output]`.
 pub(super) const OUTPUT: Form = Form::section(
     "output",
     "what else is recorded, and what pictures show",
@@ -104,17 +104,17 @@ pub(super) const OUTPUT: Form = Form::section(
     ])],
 );
 
-/// The names of the displacements and rotations of a solid.
+/// Names of the displacements and rotations of a solid.
 fn all_integrals(scope: &Scope) -> Vec<String> {
     components(scope).into_iter().filter_map(Component::integral).collect()
 }
 
-/// A quantity that a receiver records.
+/// A quantity recorded by a receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Recorded {
     /// A component of the state.
     Component(Component),
-    /// The integral in time of a velocity or spin.
+    /// Time integral of a velocity or spin: a displacement or rotation.
     Integral(Component),
 }
 
@@ -130,22 +130,22 @@ impl fmt::Display for Recorded {
     }
 }
 
-/// What else is recorded.
+/// Output options of a solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Output {
-    /// Time between two lines of the energy ledger, s; 0: so that there are at most 1000.
+    /// Time between two rows of the energy ledger, s; 0 for at most 1000 rows.
     pub ledger_interval: f64,
-    /// Time between two snapshots of all fields, s; 0: none.
+    /// Time between two snapshots of all fields, s; 0 for none.
     pub snapshot_interval: f64,
-    /// Velocities and spins whose integrals in time, displacements and rotations, are kept.
+    /// Velocities and spins whose time integrals (displacements, rotations) are stored.
     pub integrals: Vec<Component>,
-    /// What pictures show.
+    /// Quantity shown in pictures.
     pub picture: Picture,
-    /// Values of it on which lines are drawn, in its unit; `None`: as suits the picture.
+    /// Contour levels in the unit of the quantity; `None` for automatic levels.
     pub contours: Option<Vec<f64>>,
 }
 
-/// What a picture shows.
+/// Quantity shown in a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Picture {
     /// The magnitude of the velocity.
@@ -216,7 +216,7 @@ impl Reader<'_> {
         receivers(root, &all, find, &domain)
     }
 
-    /// What is recorded and drawn, of media of which one `yields` or none.
+    /// Reads the section `[output]`; `yields` states whether some medium yields.
     pub(super) fn output(&self, root: &Section, yields: bool) -> Result<Output, CaseError> {
         let mut output = Output {
             ledger_interval: 0.0,

@@ -1,4 +1,4 @@
-//! A plane wave of finite length, as an initial state.
+//! Initial plane P or S wave with a given waveform.
 
 use super::function::TimeFunction;
 use crate::error::CaseError;
@@ -7,11 +7,11 @@ use crate::section::{Resolved, Section};
 use models::common::elementary::Elementary;
 
 named_enum! {
-    /// Kind of a plane wave.
+    /// Polarisation of a plane wave.
     Polarization {
-        /// Longitudinal.
+        /// Longitudinal (P) wave.
         P = "P",
-        /// Transverse.
+        /// Transverse (S) wave.
         S = "S"
     }
 }
@@ -19,27 +19,27 @@ named_enum! {
 /// A plane P or S wave of the medium around a point, v = amplitude·a g(t − n·(x − at)/c), with its stress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanePulse {
-    /// P: a = n; S: a is n turned by 90° anticlockwise, in space about n by the angle below.
+    /// Polarisation vector a: n for P waves; for S waves n rotated by 90° anticlockwise, in space then about n by
+    /// `polarization_deg`.
     pub polarization: Polarization,
     /// Direction of n from x₁ anticlockwise, degrees.
     pub direction_deg: f64,
     /// Angle of n above the plane of x₁ and x₂, degrees; 0 in plane strain.
     pub elevation_deg: f64,
-    /// Of S waves in space: the angle from the direction of growing azimuth to that of growing elevation,
-    /// degrees; else 0.
+    /// For S waves in space the angle of a from the azimuthal towards the elevation direction, degrees; else 0.
     pub polarization_deg: f64,
-    /// Where the velocity is amplitude·g(t) as long as nothing else arrives, m.
+    /// Reference point, m, at which the velocity of the incident wave is amplitude·g(t).
     pub at: Vec<f64>,
-    /// m/s.
+    /// Velocity amplitude, m/s.
     pub amplitude: f64,
-    /// Width of the full amplitude across n, m; it falls to 0 over half of it on either side. `None`: without end.
+    /// Width of the full amplitude transverse to n, m, with a taper of half the width on both sides; `None` if unbounded.
     pub width: Option<f64>,
-    /// g.
+    /// Waveform g(t).
     pub time: TimeFunction,
 }
 
 impl PlanePulse {
-    /// The factor at a distance from the line through `at` along n, m.
+    /// Taper factor at a distance (m) from the line through `at` along n.
     pub fn across(&self, distance: f64) -> f64 {
         let Some(width) = self.width else { return 1.0 };
         match distance / width - 0.5 {
@@ -49,7 +49,7 @@ impl PlanePulse {
         }
     }
 
-    /// The entry, of which place and function of time are read.
+    /// Reads the entry; position and time function are passed in.
     pub(super) fn read(
         section: &Section,
         at: Vec<f64>,
@@ -76,7 +76,7 @@ impl PlanePulse {
         })
     }
 
-    /// The entry as TOML, but for its function of time.
+    /// The entry as TOML, without its time function.
     pub(super) fn resolved(&self, resolved: Resolved, dimensions: usize) -> Resolved {
         let mut resolved = resolved
             .text("wave", self.polarization.name())

@@ -1,4 +1,4 @@
-//! Factors of a load along its side.
+//! Spatial profiles of boundary loads.
 
 use super::function::Samples;
 use crate::error::CaseError;
@@ -17,7 +17,7 @@ const AXIS: Item = Item::optional(
 )
 .when(&[Condition::Space]);
 
-/// The table `profile` of a load.
+/// Schema of the table `profile` of a load.
 pub(super) const FORM: Form = Form::braces(
     "profile",
     "a factor along the side",
@@ -73,10 +73,10 @@ pub(super) const FORM: Form = Form::braces(
     ],
 );
 
-/// A factor of a load, by the position on its side.
+/// Spatial profile of a boundary load: a factor depending on the position on its side.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Profile {
-    /// cos(2πx/wavelength + phase) along an axis.
+    /// Cosine cos(2πx/wavelength + phase) along an axis.
     Cos {
         /// The axis, from 0.
         axis: usize,
@@ -85,14 +85,14 @@ pub enum Profile {
         /// Phase, degrees.
         phase_deg: f64,
     },
-    /// ½(1 + cos(πr/radius)) about a point, 0 beyond.
+    /// Cosine bell ½(1 + cos(πr/radius)) about a point, 0 beyond the radius.
     Bell {
-        /// The point along the axes of the side ascending, m.
+        /// Centre in the tangential axes of the side, m.
         at: Vec<f64>,
         /// Radius, m; positive.
         radius: f64,
     },
-    /// Straight lines between samples along an axis, 0 outside.
+    /// Linear interpolation of samples along an axis, 0 outside.
     Table {
         /// The axis, from 0.
         axis: usize,
@@ -104,7 +104,7 @@ pub enum Profile {
 impl Profile {
     const NAMES: [&str; 3] = ["cos", "bell", "table"];
 
-    /// The factor at a position along some axes; `distance` is that of two such positions, m.
+    /// Factor at a position on the side; `distance` (m) measures the distance of two positions, e.g. periodically.
     pub fn value(
         &self,
         axes: &[usize],
@@ -127,7 +127,7 @@ impl Profile {
         }
     }
 
-    /// The table `profile` of a load.
+    /// Reads the table `profile` of a load.
     pub(super) fn read(section: &Section) -> Result<Option<Self>, CaseError> {
         let Some(section) = section.table("profile")? else { return Ok(None) };
         let axes = &section.scope.axes;
@@ -159,7 +159,7 @@ impl Profile {
         Ok(Some(profile))
     }
 
-    /// As TOML; of a side with one axis that goes without saying.
+    /// The profile as TOML; the axis is omitted on a side with one tangential axis.
     pub(super) fn resolved(&self, dimensions: usize) -> Resolved {
         let with_axis = |resolved: Resolved, axis: &usize| match dimensions {
             2 => resolved,

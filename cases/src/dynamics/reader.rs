@@ -1,4 +1,4 @@
-//! Reading of sections of a solid in time.
+//! Common context for reading the time-domain sections of a solid.
 
 use super::component::{Component, names};
 use super::grid::Grid;
@@ -8,13 +8,13 @@ use crate::section::Section;
 use models::solid::parameters::Theory;
 use std::path::Path;
 
-/// What all entries are read with.
+/// Context for reading the time-domain sections of a solid.
 pub(super) struct Reader<'a> {
     pub(super) grid: &'a Grid,
     pub(super) theory: Theory,
-    /// Those of the case's solid.
+    /// State components of the solid of the case.
     pub(super) components: Vec<Component>,
-    /// The folder of the case file.
+    /// Folder of the case file.
     pub(super) folder: &'a Path,
 }
 
@@ -23,7 +23,7 @@ impl Reader<'_> {
         self.grid.dimensions()
     }
 
-    /// The point `at`, which must be in the grid.
+    /// Reads the point `at`, which must be in the grid.
     pub(super) fn point_inside(&self, section: &Section) -> Result<Vec<f64>, CaseError> {
         let at: Vec<f64> = section.required("at")?;
         let axes: Vec<usize> = (0..self.dimensions()).collect();
@@ -31,7 +31,7 @@ impl Reader<'_> {
         Ok(at)
     }
 
-    /// That a position along some axes is in the grid.
+    /// Checks that a position along the given axes is in the grid.
     pub(super) fn check_inside(
         &self,
         section: &Section,
@@ -42,7 +42,7 @@ impl Reader<'_> {
         check_inside(section, "at", position, axes, &extents, "grid")
     }
 
-    /// The component that the key `field` names.
+    /// Reads the component named by the key `field`.
     pub(super) fn component(
         &self,
         section: &Section,

@@ -1,4 +1,4 @@
-//! The sections `[[region]]`: parts of the grid with media of their own.
+//! The sections `[[region]]`: parts of the grid with different media.
 
 use super::reader::Reader;
 use super::shape::{ITEMS, Shape};
@@ -8,10 +8,10 @@ use crate::material::Material;
 use crate::schema::{Form, Group, Item, Type};
 use crate::section::{Resolved, Section};
 
-/// Most regions of a case.
+/// Maximum number of regions of a case.
 pub const MOST_REGIONS: usize = u16::MAX as usize;
 
-/// The sections.
+/// Schema of the sections `[[region]]`.
 pub(super) const FORM: Form = Form::list(
     "region",
     "a part of the grid with its own medium: every cell is in just one, by its centre; without any [model] and [yield] hold everywhere",
@@ -43,12 +43,12 @@ pub(super) const FORM: Form = Form::list(
     ],
 );
 
-/// A part of the grid with its own medium.
+/// A part of the grid with a medium of its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
-    /// Where it is: the cells whose centres are in it.
+    /// Shape of the region: it consists of the cells whose centres are inside.
     pub shape: Shape,
-    /// What it is made of, with the places of the region.
+    /// Material of the region.
     pub material: Material,
 }
 
@@ -65,14 +65,14 @@ impl Region {
     }
 }
 
-/// What a material has in one section.
+/// The keys of one section of a material, as TOML.
 fn part(material: &Material, section: &str) -> Resolved {
     let own = material.values(&[]).filter(|(key, _)| key.split().0 == section);
     own.fold(Resolved::default(), |all, (key, value)| all.literal(key.split().1, value))
 }
 
 impl Reader<'_> {
-    /// Reads the sections; `material` is what reads the tables of one that say what it is made of.
+    /// Reads the sections; `material` reads the material of a region.
     pub(super) fn regions(
         &self,
         root: &Section,

@@ -1,4 +1,4 @@
-//! Parts of space, by the key `shape` and those that go with it.
+//! Shapes in space: the key `shape` and its parameters.
 
 use super::reader::Reader;
 use crate::error::CaseError;
@@ -14,7 +14,7 @@ const BALL: &[Condition] = &[Condition::Is("shape", &["circle", "sphere"])];
 const LAYER: &[Condition] = &[Condition::Is("shape", &["layer"])];
 const HALF: &[Condition] = &[Condition::Is("shape", &["half-plane", "half-space"])];
 
-/// The keys of a shape besides its name.
+/// Keys of a shape other than its name.
 pub(super) const ITEMS: &[Item] = &[
     Item::required(
         "from",
@@ -65,24 +65,24 @@ pub(super) const ITEMS: &[Item] = &[
         .when(HALF),
 ];
 
-/// A part of space.
+/// A shape in space.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// from ≤ x < to along each axis.
+    /// Box: from ≤ x < to along each axis.
     Box {
-        /// Corner of least coordinates, m.
+        /// Lower corner, m.
         from: Vec<f64>,
-        /// Corner of greatest coordinates, m.
+        /// Upper corner, m.
         to: Vec<f64>,
     },
-    /// A disc or ball; without its surface.
+    /// Open disc or ball.
     Ball {
         /// Centre, m.
         center: Vec<f64>,
         /// Radius, m; positive.
         radius: f64,
     },
-    /// from ≤ x < to along one axis.
+    /// Layer: from ≤ x < to along one axis.
     Layer {
         /// The axis, from 0.
         axis: usize,
@@ -91,17 +91,17 @@ pub enum Shape {
         /// Last coordinate, m.
         to: f64,
     },
-    /// What lies on the side of a plane (in two dimensions a line) into which the normal points. Two
-    /// of opposite normals share the plane so that each of its points is in one of them.
+    /// Half-space (half-plane in two dimensions) into which the normal points. Each point of the plane itself belongs to
+    /// exactly one of the two half-spaces with opposite normals.
     HalfSpace {
         /// A point of the plane, m.
         point: Vec<f64>,
         /// The normal, of any length but 0.
         normal: Vec<f64>,
     },
-    /// What no other region holds.
+    /// All points in no other region.
     Rest,
-    /// All of it.
+    /// The whole grid.
     Everywhere,
 }
 
@@ -120,7 +120,7 @@ impl Shape {
         }
     }
 
-    /// The names in so many dimensions, with `extra`, the one without keys that is allowed.
+    /// Names of the shapes in `dimensions` dimensions, including the allowed keyless shape `extra`.
     pub(super) fn names(dimensions: usize, extra: &Self) -> [&'static str; 5] {
         match dimensions {
             2 => ["box", "circle", "layer", "half-plane", extra.name(2)],
@@ -128,7 +128,7 @@ impl Shape {
         }
     }
 
-    /// The names in the dimensions that are known, or in any.
+    /// Names of the shapes in `dimensions` dimensions, or in any if unknown.
     pub(super) fn words(dimensions: Option<usize>, extra: &Self) -> Vec<String> {
         let mut words: Vec<String> = Vec::new();
         for d in dimensions.map_or(2..=3, |d| d..=d) {
@@ -141,7 +141,7 @@ impl Shape {
         words
     }
 
-    /// Whether a point is in it; nothing is in [`Shape::Rest`], which depends on the other regions.
+    /// Whether the shape contains a point; false for [`Shape::Rest`], which depends on the other regions.
     pub fn contains(&self, x: &[f64]) -> bool {
         match self {
             Self::Box { from, to } => {
@@ -184,7 +184,7 @@ impl Shape {
 }
 
 impl Reader<'_> {
-    /// A shape; `extra` is the one without keys that is allowed here.
+    /// Reads a shape; `extra` is the keyless shape allowed here.
     pub(super) fn shape(&self, section: &Section, extra: &Shape) -> Result<Shape, CaseError> {
         let d = self.dimensions();
         let (names, others) = (Shape::names(d, extra), Shape::names(5 - d, extra));

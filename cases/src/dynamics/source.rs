@@ -1,4 +1,4 @@
-//! The sections `[[source]]`: loads inside the grid, and the kernels that spread what acts at a point.
+//! The sections `[[source]]`: point sources inside the grid, and the kernels that distribute them over cells.
 
 use super::function::{self, TimeFunction};
 use super::reader::Reader;
@@ -10,7 +10,7 @@ use models::solid::parameters::Theory;
 const PLANE: &[Condition] = &[Condition::Plane];
 const SPACE: &[Condition] = &[Condition::Space];
 
-/// The key of a kernel.
+/// Key `kernel`: kernel of a point load or source.
 pub(super) const KERNEL: Item = Item::optional(
     "kernel",
     Type::OneOf(|_| Kernel::NAMES.map(str::to_owned).to_vec()),
@@ -19,7 +19,7 @@ pub(super) const KERNEL: Item = Item::optional(
     "over which what acts at a point is spread: spline, smooth, of a few cells; bell, with its radius; cell, the nearest one; default spline, with a radius bell",
 );
 
-/// The key of its radius.
+/// Key `radius`: radius of the bell kernel.
 pub(super) const RADIUS: Item = Item::optional(
     "radius",
     Type::Number(Range::NotNegative),
@@ -29,7 +29,7 @@ pub(super) const RADIUS: Item = Item::optional(
 )
 .note("radius of the bell; 0: one cell");
 
-/// The sections.
+/// Schema of the sections `[[source]]`.
 pub(super) const FORM: Form = Form::list(
     "source",
     "a load inside the grid",
@@ -113,31 +113,31 @@ pub(super) const FORM: Form = Form::list(
     ],
 );
 
-/// A load inside.
+/// A point source inside the grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
-    /// What acts.
+    /// Kind and amplitude of the source.
     pub action: SourceKind,
-    /// Where, m; inside the grid.
+    /// Position, m; inside the grid.
     pub at: Vec<f64>,
-    /// Over which it is spread.
+    /// Kernel that distributes the source over cells.
     pub kernel: Kernel,
-    /// When.
+    /// Time function.
     pub time: TimeFunction,
 }
 
-/// The kernel by which what acts at a point is spread over cells.
+/// Kernel that distributes a point source over cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Kernel {
-    /// A smooth kernel of a few cells, exact for polynomials, without the waves of two cells.
+    /// Smooth spline kernel over a few cells, exact for polynomials, without two-cell waves.
     #[default]
     Spline,
-    /// A bell.
+    /// Bell-shaped kernel.
     Bell {
-        /// Its radius, m; positive.
+        /// Radius, m; positive.
         radius: f64,
     },
-    /// The cell or face nearest to the point.
+    /// Nearest cell or face only.
     Cell,
 }
 
@@ -154,7 +154,7 @@ impl Kernel {
         }
     }
 
-    /// The kernel of what acts at a point, if anything is said of it.
+    /// Reads the kernel, if given.
     pub(super) fn read(section: &Section) -> Result<Option<Self>, CaseError> {
         let radius: Option<f64> = section.optional("radius")?;
         let name = section.optional_choice("kernel", &Self::NAMES, |name| name)?;
@@ -186,16 +186,16 @@ impl Kernel {
     }
 }
 
-/// What a source does; amplitudes are multiplied by the function of time.
+/// Kind of a point source with its amplitude, which is multiplied by the time function.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SourceKind {
-    /// A force, N, by components.
+    /// Force by components, N.
     Force(Vec<f64>),
-    /// A couple, N·m: one number about x₃ in plane strain, three components in space.
+    /// Couple, N·m: one number about x₃ in plane strain, three components in space.
     Couple(Vec<f64>),
-    /// A moment tensor by rows, N·m: the stress glut.
+    /// Moment tensor by rows, N·m (stress glut).
     Moment(Vec<Vec<f64>>),
-    /// An isotropic moment, N·m.
+    /// Explosion: isotropic moment, N·m.
     Explosion(f64),
 }
 
@@ -256,7 +256,7 @@ impl Reader<'_> {
         Ok(sources)
     }
 
-    /// That the solid has spins.
+    /// Checks that the solid has spins.
     pub(super) fn need_spin(
         &self,
         section: &Section,

@@ -9,14 +9,14 @@ use crate::value::number;
 use models::solid::parameters::Theory;
 use models::solid::waves::Field;
 
-/// The section `[initial_stress]`, whose keys are the stresses of the solid.
+/// Schema of the section `[initial_stress]`, whose keys are the stress components of the solid.
 pub(super) const INITIAL_STRESS: Form = Form::section(
     "initial_stress",
     "a uniform initial stress: components of stress, Pa, and of couple stress, N/m, by name; what is not named is 0",
     &[],
 );
 
-/// The section `[gravity]`.
+/// Schema of the section `[gravity]`.
 pub(super) const GRAVITY: Form = Form::section(
     "gravity",
     "weight",
@@ -46,14 +46,14 @@ pub(super) const GRAVITY: Form = Form::section(
     ])],
 );
 
-/// Weight.
+/// Gravity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gravity {
-    /// Acceleration by components, m/s².
+    /// Gravitational acceleration by components, m/s².
     pub acceleration: Vec<f64>,
-    /// Whether an initial stress balances it; then it is along one axis.
+    /// Whether a geostatic initial stress balances the weight; then gravity is along one axis.
     pub is_balanced: bool,
-    /// Ratio of the normal stresses across the weight to that along it in the initial stress; ≥ 0.
+    /// Ratio of lateral to vertical normal stress in the initial stress (K₀); ≥ 0.
     pub lateral_ratio: f64,
 }
 
@@ -85,12 +85,12 @@ impl Gravity {
     }
 }
 
-/// The stresses and couple stresses that any solid may have.
+/// All stress and couple stress components of any solid.
 pub(crate) fn all() -> impl Iterator<Item = Component> {
     Component::all(Theory::Cosserat, 3).into_iter().filter(|component| !component.is_velocity())
 }
 
-/// The unit of a stress or couple stress.
+/// Unit of a stress or couple stress component.
 pub(crate) fn unit(component: Component) -> &'static str {
     if let Field::Couple(..) = component.0 { "N/m" } else { "Pa" }
 }
@@ -104,7 +104,7 @@ pub(super) fn to_toml(stresses: &[(Component, f64)]) -> String {
 }
 
 impl Reader<'_> {
-    /// All stresses of the initial state.
+    /// Reads all stress components of the initial state.
     pub(super) fn initial_stress(
         &self,
         root: &Section,

@@ -5,7 +5,7 @@ use crate::named_enum::named_enum;
 use crate::schema::{Form, Group, Item, Range, Type};
 use crate::section::{Resolved, Section};
 
-/// The section `[time]`.
+/// Schema of the section `[time]`.
 pub(super) const TIME: Form = Form::section(
     "time",
     "how long the run lasts, and in which steps",
@@ -38,7 +38,7 @@ pub(super) const TIME: Form = Form::section(
 )
 .required("a section [time] with duration in s");
 
-/// The section `[scheme]`.
+/// Schema of the section `[scheme]`.
 pub(super) const SCHEME: Form = Form::section(
     "scheme",
     "the choices of the scheme",
@@ -86,86 +86,86 @@ pub(super) fn names<T: Copy>(all: &[T], name: impl Fn(T) -> &'static str) -> Vec
     all.iter().map(|&own| name(own).to_owned()).collect()
 }
 
-/// Duration and step.
+/// Duration and time step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Time {
     /// Duration, s; positive.
     pub duration: f64,
-    /// Courant number of a sweep along an axis, at most; in (0, 1].
+    /// Maximum Courant number (CFL number) c Δt/Δx of a sweep along an axis; in (0, 1].
     pub courant: f64,
-    /// Angle by which a step turns spins against antisymmetric stress, degrees, at most; in (0, 180].
+    /// Maximum angle per step of the rotation between spins and antisymmetric stress, degrees; in (0, 180].
     pub rotation_deg: f64,
 }
 
-/// The choices of the scheme.
+/// Options of the numerical scheme.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Scheme {
-    /// Reconstruction of waves.
+    /// Reconstruction of the Riemann invariants.
     pub order: Order,
-    /// Accuracy in time of plastic flow.
+    /// Order in time of the return mapping.
     pub correction: Correction,
-    /// Order of the sweeps.
+    /// Dimensional splitting: order of the sweeps.
     pub splitting: Splitting,
-    /// Numbers of the state.
+    /// Floating-point precision of the state.
     pub precision: Precision,
-    /// What is kept of the energy.
+    /// Detail of the energy ledger.
     pub ledger: Ledger,
 }
 
 named_enum! {
-    /// Reconstruction of waves.
+    /// Reconstruction of the Riemann invariants.
     Order {
-        /// Fourth order, linear: for waves that are smooth on the grid.
+        /// Fourth order, linear: for smooth waves.
         FourthOrder = "fourth-order",
-        /// Second order, limited: for fronts.
+        /// Second order with a limiter (TVD): for fronts.
         Eno2 = "eno2",
-        /// First order.
+        /// First order: Godunov's scheme.
         Godunov = "godunov"
     }
 }
 
 named_enum! {
-    /// Order of the sweeps of a step.
+    /// Dimensional splitting (Strang 1968): order of the sweeps along the axes.
     Splitting {
-        /// Those along one axis alternate with the others.
+        /// Alternating: sweeps along one axis alternate with the others.
         Alternating = "alternating",
-        /// Forth and back through all axes.
+        /// Two-cyclic: forward and backward through all axes.
         TwoCyclic = "two-cyclic"
     }
 }
 
 named_enum! {
-    /// Accuracy in time of plastic flow.
+    /// Order in time of the return mapping.
     Correction {
-        /// After each step.
+        /// First order: return mapping after each step.
         FirstOrder = "first-order",
-        /// In the middle of a step.
+        /// Second order: midpoint reflection in the middle of the step.
         SecondOrder = "second-order"
     }
 }
 
 named_enum! {
-    /// Numbers of the state.
+    /// Floating-point precision of the state.
     Precision {
-        /// 64 bits.
+        /// Double precision, 64 bits.
         F64 = "f64",
-        /// 32 bits: half the memory.
+        /// Single precision, 32 bits: half the memory.
         F32 = "f32"
     }
 }
 
 named_enum! {
-    /// What is kept of the energy.
+    /// Detail of the energy ledger.
     Ledger {
-        /// The energies alone.
+        /// Light: total energies only.
         Light = "light",
-        /// Also what the scheme and plastic flow dissipate.
+        /// Full: also numerical and plastic dissipation.
         Full = "full"
     }
 }
 
-/// The default Courant number: at 1 nothing damps waves of two cells along an axis; below 0.87 a run would cost more
-/// than 15 % more.
+/// Default Courant number (CFL number): at 1 two-cell waves along an axis are undamped; below 0.87 a run costs over 15 %
+/// more.
 pub const COURANT: f64 = 0.9;
 
 impl Time {
@@ -192,8 +192,8 @@ impl Time {
 impl Scheme {
     /// Reads the section.
     ///
-    /// By default waves are reconstructed to fourth order, but where something yields, as plastic fronts are steps. Sweeps
-    /// alternate, but where waves are to move by whole cells exactly, or a correction in the middle of the step needs one.
+    /// Defaults: fourth-order reconstruction for elastic media, limited second order if a medium yields, since plastic
+    /// fronts are discontinuous. Alternating sweeps, except for Courant number 1 or a midpoint return mapping.
     pub(super) fn read(root: &Section, courant: f64, yields: bool) -> Result<Self, CaseError> {
         let order = if yields { Order::Eno2 } else { Order::FourthOrder };
         let default = |correction: Correction| match correction {

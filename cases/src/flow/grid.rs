@@ -5,13 +5,13 @@ use crate::schema::{Form, Group, Item, Length, Order, Range, Type};
 use crate::section::{Resolved, Section};
 use models::common::fourier::greatest_modes;
 
-/// Most points of a box.
+/// Maximum number of points of a box.
 pub const MOST_POINTS: usize = 1 << 28;
 
-/// Least number of points along an axis.
+/// Minimum number of points along an axis.
 pub const LEAST_POINTS: usize = 8;
 
-/// The section `[grid]`.
+/// Schema of the section `[grid]`.
 pub(super) const GRID: Form = Form::section(
     "grid",
     "a periodic box that moves with the mean flow, and its points",
@@ -36,7 +36,7 @@ pub(super) const GRID: Form = Form::section(
 )
 .required("a section [grid] with cells and length");
 
-/// The section `[time]`.
+/// Schema of the section `[time]`.
 pub(super) const TIME: Form = Form::section(
     "time",
     "how long the run lasts, and how accurate its steps are",
@@ -68,7 +68,7 @@ pub(super) const TIME: Form = Form::section(
 )
 .required("a section [time] with duration in s");
 
-/// The section `[limits]`, which only coaxial flows may have.
+/// Schema of the section `[limits]`, for coaxial flows only.
 pub(super) const LIMITS: Form = Form::section(
     "limits",
     "where a run stops",
@@ -82,12 +82,12 @@ pub(super) const LIMITS: Form = Form::section(
     .note("least Q_D relative to that of the mean flow")])],
 );
 
-/// A box that moves with the mean flow, and its points.
+/// Grid of a periodic box that moves with the mean flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     /// Points along each axis; even, at least [`LEAST_POINTS`].
     pub cells: [usize; 2],
-    /// Edges at the beginning, m; positive.
+    /// Initial edge lengths, m; positive.
     pub lengths: [f64; 2],
 }
 
@@ -97,18 +97,18 @@ impl Grid {
         self.cells[0] * self.cells[1]
     }
 
-    /// Greatest m₁ and m₂ of the waves exp(2πi(m₁y₁/L₁ + m₂y₂/L₂)) that the points hold without mistaking
-    /// products of two of them for others.
+    /// Largest mode numbers m₁ and m₂ of the Fourier modes exp(2πi(m₁y₁/L₁ + m₂y₂/L₂)) whose products are free of
+    /// aliasing (two-thirds rule).
     pub fn greatest_modes(&self) -> [usize; 2] {
         greatest_modes(self.cells)
     }
 
-    /// Coordinate at the beginning of the point of that index along an axis, m.
+    /// Initial coordinate along `axis` of the point of index `index`, m.
     pub fn position(&self, axis: usize, index: usize) -> f64 {
         (index as f64 + 0.5) * self.lengths[axis] / self.cells[axis] as f64
     }
 
-    /// The point nearest to a position in the box, the first axis running fastest.
+    /// Linear index of the point nearest to a position in the box, first axis fastest.
     pub fn nearest(&self, at: &[f64]) -> usize {
         let index = |axis: usize| {
             let index = (at[axis] / self.lengths[axis] * self.cells[axis] as f64).floor();
@@ -143,14 +143,14 @@ impl Grid {
     }
 }
 
-/// Duration and accuracy.
+/// Duration and tolerances of a flow simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Time {
     /// Duration, s; positive.
     pub duration: f64,
-    /// Error of a step relative to the perturbation; in (0, 1).
+    /// Tolerance of the error per step relative to the perturbation; in (0, 1).
     pub tolerance: f64,
-    /// Residual of the equation of the pressure relative to its right-hand side; in (0, 1).
+    /// Tolerance of the residual of the pressure equation relative to its right-hand side; in (0, 1).
     pub pressure_tolerance: f64,
 }
 
@@ -175,7 +175,7 @@ impl Time {
     }
 }
 
-/// Reads the least shear rate of `[limits]`.
+/// Reads the smallest allowed shear rate of `[limits]`.
 pub(super) fn least_shear_rate(root: &Section) -> Result<f64, CaseError> {
     const DEFAULT: f64 = 1e-3;
     let Some(section) = root.section(&LIMITS)? else { return Ok(DEFAULT) };

@@ -1,7 +1,7 @@
-//! The sections `[[initial]]` of a flow: parts of its perturbation.
+//! The sections `[[initial]]` of a flow: parts of its initial perturbation.
 
 use super::reader::Reader;
-use crate::error::{CaseError, shown};
+use crate::error::{CaseError, escape};
 use crate::kind::Kind;
 use crate::position::check_inside;
 use crate::schema::{Condition, Form, Group, Item, Length, Range, Type};
@@ -15,7 +15,7 @@ const NUMBER: Type = Type::Number(Range::Finite);
 const POSITIVE: Type = Type::Number(Range::Positive);
 const UNIT_OF_FIELD: &str = "the unit of the field";
 
-/// What an archive must be.
+/// Error text of an invalid archive.
 const NEEDS: &str =
     "name an archive (NPZ) such as fields.npz of a run, in a folder as seen from that of the case";
 
@@ -29,7 +29,7 @@ const FIELD: Item = Item::required(
 
 const AMPLITUDE: Item = Item::required("amplitude", NUMBER, UNIT_OF_FIELD, "1e-6", "amplitude");
 
-/// The sections.
+/// Schema of the sections `[[initial]]`.
 pub(super) const FORM: Form = Form::list(
     "initial",
     "a part of the perturbation; the parts add up, and there is at least one",
@@ -113,19 +113,19 @@ pub(super) const FORM: Form = Form::list(
     ],
 );
 
-/// A field that a perturbation is given in.
+/// Field of a perturbation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Disturbed {
-    /// The velocity across the wave vector, m/s.
+    /// Velocity normal to the wave vector, m/s.
     Velocity,
-    /// The spin ω, rad/s (Harris–Grekova alone).
+    /// Spin ω, rad/s (Harris–Grekova only).
     Spin,
-    /// The stress angle ψ, degrees (double shearing alone).
+    /// Stress angle ψ, degrees (double shearing only).
     StressAngle,
 }
 
 impl Disturbed {
-    /// Those that evolve in a flow.
+    /// Fields that evolve in a flow with the material rotation `rotation`.
     pub const fn all(rotation: RotationKind) -> &'static [Self] {
         match rotation {
             RotationKind::IntrinsicSpin => &[Self::Velocity, Self::Spin],
@@ -152,7 +152,7 @@ impl Disturbed {
         }
     }
 
-    /// The names of those that evolve in a flow, or in any.
+    /// Names of the fields that evolve in a flow, or in any flow for `None`.
     pub(crate) fn words(rotation: Option<RotationKind>) -> Vec<String> {
         let all: &[Self] = match rotation {
             Some(rotation) => Self::all(rotation),
@@ -167,40 +167,39 @@ impl Disturbed {
 pub struct Wave {
     /// Numbers of wavelengths along the axes, m₁ and m₂; not both 0.
     pub mode: [i64; 2],
-    /// The field.
+    /// Perturbed field.
     pub field: Disturbed,
-    /// A, in the unit of the field.
+    /// Amplitude A, in the unit of the field.
     pub amplitude: f64,
     /// Phase, degrees.
     pub phase_deg: f64,
 }
 
-/// A part of the perturbation.
+/// A part of the initial perturbation; parts are summed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Initial {
-    /// A wave.
+    /// A Fourier mode.
     Mode(Wave),
-    /// A wave under a bell exp(−(r/radius)²).
+    /// A wave packet with a Gaussian envelope exp(−(r/radius)²).
     Packet {
-        /// The wave.
+        /// Carrier wave.
         wave: Wave,
-        /// The middle of the bell, m.
+        /// Centre of the envelope, m.
         at: [f64; 2],
         /// Radius, m; positive.
         radius: f64,
     },
-    /// All waves of a band with the same amplitude and random phases, which are those of the seed on
-    /// whatever points.
+    /// Noise: all modes of a band with equal amplitude and random phases, which depend on the seed and not on the grid.
     Noise {
         /// The field.
         field: Disturbed,
-        /// Least √(m₁² + m₂²).
+        /// Smallest √(m₁² + m₂²) of the band.
         from: f64,
-        /// Greatest √(m₁² + m₂²).
+        /// Largest √(m₁² + m₂²) of the band.
         to: f64,
         /// Root mean square, in the unit of the field.
         amplitude: f64,
-        /// What the phases follow from.
+        /// Seed of the random phases.
         seed: u64,
     },
     /// A uniform value.
@@ -210,11 +209,11 @@ pub enum Initial {
         /// The value, in the unit of the field.
         amplitude: f64,
     },
-    /// Fields of an archive such as an earlier run's.
+    /// Fields from an NPZ archive, e.g. of an earlier simulation.
     File {
-        /// Where it is, from the root.
+        /// Absolute path of the archive.
         path: String,
-        /// Checksum of its bytes, which are part of the case.
+        /// Checksum of the archive, which is part of the case.
         checksum: u32,
     },
 }
@@ -236,7 +235,7 @@ impl Initial {
 }
 
 impl Reader<'_> {
-    /// The point `at`, which must be in the box.
+    /// Reads the point `at`, which must be in the box.
     fn at(&self, section: &Section) -> Result<[f64; 2], CaseError> {
         let at: Vec<f64> = section.required("at")?;
         let extents = self.grid.lengths.map(|length| [0.0, length]);
@@ -336,12 +335,12 @@ impl Reader<'_> {
         Ok(Initial::Uniform { field, amplitude: Self::amplitude(section, field)? })
     }
 
-    /// The file is read when the run begins; that it is the same then is known by its checksum, which a
-    /// resolved case holds.
+    /// Reads the entry of a file. Its content is read when the simulation begins; the checksum in the resolved case
+    /// detects changes.
     fn file(&self, section: &Section) -> Result<Initial, CaseError> {
         let file: String = section.required("path")?;
         let unreadable =
-            |cause: &str| section.error("path", format!("'{}': {cause}", shown(&file)), NEEDS);
+            |cause: &str| section.error("path", format!("'{}': {cause}", escape(&file)), NEEDS);
         let path = std::path::absolute(self.folder.join(&file))
             .map_err(|error| unreadable(&error.to_string()))?;
         let path =

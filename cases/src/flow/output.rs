@@ -10,10 +10,10 @@ use crate::section::{Resolved, Section};
 use models::flow::RotationKind;
 use std::fmt;
 
-/// The picture of the magnitude of the perturbation of the velocity.
+/// Name of the picture of the magnitude of the velocity perturbation.
 const SPEED: &str = "speed";
 
-/// The sections `[[receiver]]`.
+/// Schema of the sections `[[receiver]]`.
 pub(super) const RECEIVER: Form = Form::list(
     "receiver",
     "a point, a line or a grid of points of the box at which fields are recorded",
@@ -37,7 +37,7 @@ pub(super) const RECEIVER: Form = Form::list(
     ])],
 );
 
-/// The section `[output]`.
+/// Schema of the section `[output]`.
 pub(super) const OUTPUT: Form = Form::section(
     "output",
     "what else is recorded, and what pictures show",
@@ -58,7 +58,7 @@ pub(super) const OUTPUT: Form = Form::section(
     ])],
 );
 
-/// The names of the fields of a flow.
+/// Names of the fields of a flow.
 fn words(scope: &Scope) -> Vec<String> {
     // A flow with spin has all fields.
     let rotation = scope.kind.and_then(Kind::rotation_in_time);
@@ -66,7 +66,7 @@ fn words(scope: &Scope) -> Vec<String> {
     all.iter().map(Quantity::to_string).collect()
 }
 
-/// A field of the flow, by its name in case files and tables.
+/// A field of a flow in receivers, tables and pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// A component of the velocity: 0 or 1.
@@ -82,7 +82,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Those that a flow has, velocities first.
+    /// All fields of a flow with the material rotation `rotation`, velocities first.
     pub fn all(rotation: RotationKind) -> Vec<Self> {
         let spin = (rotation == RotationKind::IntrinsicSpin).then_some(Self::Spin);
         [Self::Velocity(0), Self::Velocity(1)]
@@ -112,8 +112,8 @@ impl Quantity {
         }
     }
 
-    /// A value in SI units as it stands under the [`name`](Self::name).
-    pub fn shown(self, value: f64) -> f64 {
+    /// Converts a value from SI units to the unit of [`name`](Self::name): angles to degrees.
+    pub fn to_display_unit(self, value: f64) -> f64 {
         if self == Self::StressAngle { value.to_degrees() } else { value }
     }
 }
@@ -125,16 +125,16 @@ impl fmt::Display for Quantity {
     }
 }
 
-/// What else is recorded.
+/// Output options of a flow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Output {
-    /// Time between two lines of the ledger and of the spectrum, s; 0: a two-hundredth of the duration.
+    /// Time between two rows of the ledger and of the spectrum, s; 0 for 1/200 of the duration.
     pub ledger_interval: f64,
-    /// Time between two snapshots of all fields, s; 0: none.
+    /// Time between two snapshots of all fields, s; 0 for none.
     pub snapshot_interval: f64,
-    /// What pictures show; `None`: the magnitude of the perturbation of the velocity.
+    /// Field shown in pictures; `None` for the magnitude of the velocity perturbation.
     pub picture: Option<Quantity>,
-    /// Values of it on which lines are drawn, in its unit; `None`: as suits the picture.
+    /// Contour levels in the unit of the field; `None` for automatic levels.
     pub contours: Option<Vec<f64>>,
 }
 
@@ -173,7 +173,7 @@ impl Reader<'_> {
         receivers(root, &all, |name| named(&all, name), &domain)
     }
 
-    /// What is recorded and drawn.
+    /// Reads the section `[output]`.
     pub(super) fn output(&self, root: &Section) -> Result<Output, CaseError> {
         let mut output =
             Output { ledger_interval: 0.0, snapshot_interval: 0.0, picture: None, contours: None };

@@ -1,13 +1,13 @@
-//! Reading of sections of a flow in time.
+//! Common context for reading the time-domain sections of a flow.
 
 use super::grid::Grid;
 use models::flow::RotationKind;
 use std::path::Path;
 
-/// What all entries are read with.
+/// Context for reading the time-domain sections of a flow.
 pub(super) struct Reader<'a> {
     pub(super) rotation: RotationKind,
     pub(super) grid: Grid,
-    /// The folder of the case file.
+    /// Folder of the case file.
     pub(super) folder: &'a Path,
 }

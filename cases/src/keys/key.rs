@@ -1,4 +1,4 @@
-//! A row of the table: a key, which media use it, and where its value is kept.
+//! A row of the key table: a key, the media that use it, and where its value is stored.
 
 use crate::kind::{Kind, Medium, Solid, Yield};
 use crate::numbers::Numbers;
@@ -18,39 +18,39 @@ pub struct Key {
     pub label: &'static str,
     /// Unit; empty for text and pure numbers.
     pub unit: &'static str,
-    /// What the quantity is and what is allowed, in one line.
+    /// Meaning and allowed values, in one line.
     pub meaning: &'static str,
     pub(super) users: Users,
-    /// The yield sets that use it; `None` if it is no matter whether and how a solid yields.
+    /// Yield sets that use the key; `None` if independent of the yield set.
     pub(super) sets: Option<Sets>,
-    /// What holds where the key is absent.
+    /// Whether the key is required, and its default.
     pub presence: Presence,
-    /// Range of a number, whatever the others are. A file may state any finite one, as a map may sweep it: models
-    /// and states are refused where it is out of range.
+    /// Allowed range of a number, independent of others. A file may contain any finite number, as a map may sweep it;
+    /// the range is checked when the model or state is built.
     pub range: Range,
     pub(crate) field: Field,
 }
 
-/// The kinds of model that use a key.
+/// Kinds of model that use a key.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Users {
     All,
     Flows(fn(Flow) -> bool),
     Solids(fn(Solid) -> bool),
-    /// Those that have a constant of that name: of flows and solids where both are of one unit.
+    /// Models with a constant of this name; flows and solids share a key if the units agree.
     With(&'static str),
 }
 
-/// The yield sets that use a key, of solids of some theory.
+/// Yield sets that use a key.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Sets {
     Any(fn(Yield) -> bool),
-    /// Those that have a constant of that name.
+    /// Yield sets with a constant of this name.
     With(&'static str),
 }
 
 impl Sets {
-    /// Whether a set of a solid that can have it uses the key.
+    /// Whether the yield set `set` uses the key in the solid `solid`.
     fn contain(self, set: Yield, solid: Solid) -> bool {
         set.admits(solid)
             && match self {
@@ -60,7 +60,7 @@ impl Sets {
     }
 }
 
-/// Type of a value and, for the numbers of a case, where it is kept.
+/// Type of a value and, for numbers, its storage in [`Numbers`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Field {
     Text,
@@ -96,12 +96,12 @@ impl Field {
         }
     }
 
-    /// Whether the value is kept in [`Numbers`].
+    /// Whether the value is stored in [`Numbers`].
     pub(crate) fn is_kept(self) -> bool {
         !matches!(self, Self::Text | Self::Texts | Self::Count | Self::Plain)
     }
 
-    /// Number of components that a map can sweep: 0 for what is no scalar or pair.
+    /// Number of components that a map can sweep: 1 for scalars, 2 for pairs, else 0.
     pub(super) fn components(self) -> usize {
         match self {
             Self::Constant(_)
@@ -113,7 +113,7 @@ impl Field {
         }
     }
 
-    /// The value kept, if there is one.
+    /// The stored value, if any.
     pub(crate) fn load(self, numbers: &Numbers) -> Option<Value> {
         let numbers = &mut numbers.clone();
         match self {
@@ -129,7 +129,7 @@ impl Field {
         }
     }
 
-    /// Keeps a value of this type.
+    /// Stores a value of this type.
     pub(crate) fn store(self, numbers: &mut Numbers, value: &Value) {
         match (self, value) {
             (Self::Whole(f), Value::Count(n)) => *f(numbers) = *n,
@@ -146,13 +146,13 @@ impl Field {
 }
 
 impl Key {
-    /// The row of a constant of a model.
+    /// Row of a constant of a model.
     pub(super) fn of_model(constant: &'static Constant) -> Self {
         let name = constant.name;
         Self::of_constant("model", constant, Users::With(name), None, Field::Constant(name))
     }
 
-    /// The row of a constant of a yield set.
+    /// Row of a constant of a yield set.
     pub(super) fn of_yield_set(constant: &'static Constant) -> Self {
         let name = constant.name;
         let sets = Some(Sets::With(name));
@@ -188,7 +188,7 @@ impl Key {
         self.name.rsplit_once('.').unwrap_or(("", self.name))
     }
 
-    /// Whether such media use the key.
+    /// Whether `medium` uses the key.
     pub fn is_used_by(&self, medium: impl Into<Medium>) -> bool {
         let Medium { kind, yields } = medium.into();
         let Some(sets) = self.sets else { return self.is_for(kind) };
@@ -198,7 +198,7 @@ impl Key {
         }
     }
 
-    /// Whether such a model uses the key, if it yields as it must for that.
+    /// Whether models of `kind` use the key with some yield set.
     pub(crate) fn is_for(&self, kind: Kind) -> bool {
         if let (Some(sets), Kind::Solid(solid)) = (self.sets, kind)
             && !registry::yield_sets().iter().any(|set| sets.contain(*set, solid))
@@ -219,20 +219,19 @@ impl Key {
         }
     }
 
-    /// The names of the models that use the key.
+    /// Names of the models that use the key.
     pub(crate) fn owners(&self) -> Vec<&'static str> {
         Kind::all().into_iter().filter(|kind| self.is_for(*kind)).map(Kind::name).collect()
     }
 
-    /// The names of the yield sets that use it, in solids of some theory; empty if it is no matter whether and how a
-    /// solid yields.
+    /// Names of the yield sets that use the key; empty if independent of the yield set.
     pub(crate) fn set_names(&self) -> Vec<&'static str> {
         let Some(sets) = self.sets else { return Vec::new() };
         let uses = |set: &Yield| registry::solids().into_iter().any(|own| sets.contain(*set, own));
         registry::yield_sets().into_iter().filter(uses).map(|set| set.name).collect()
     }
 
-    /// What holds where the key is absent from a case of this medium: of a constant what the entry of the medium says.
+    /// Presence of the key for `medium`; for a constant that of the registry entry of the medium.
     pub fn presence_for(&self, medium: Medium) -> Presence {
         let constant = match (self.field, medium.kind, medium.yields) {
             (Field::Constant(name), Kind::Flow(flow), _) => {
@@ -249,12 +248,12 @@ impl Key {
         constant.map_or(self.presence, |own| own.presence)
     }
 
-    /// Takes the key back to what holds where it is absent.
+    /// Resets the key to its default.
     pub(crate) fn clear(&self, numbers: &mut Numbers) {
         self.clear_to(self.presence, numbers);
     }
 
-    /// Takes the key back to this, which holds where it is absent.
+    /// Resets the key to the default of `presence`.
     pub(crate) fn clear_to(&self, presence: Presence, numbers: &mut Numbers) {
         let absent = match presence {
             Presence::Default(value) => value,
@@ -273,13 +272,12 @@ impl Key {
         }
     }
 
-    /// The value that `wellposed new` shows: default or example, as TOML; `None` for what is no
-    /// number of the case.
+    /// Default or example value as TOML, shown by `wellposed new`; `None` if the key is no number.
     pub fn example(&self) -> Option<String> {
         self.example_of(self.presence)
     }
 
-    /// The same for a medium, by its own entry.
+    /// Default or example value as TOML for `medium`, by its registry entry.
     pub fn example_for(&self, medium: Medium) -> Option<String> {
         self.example_of(self.presence_for(medium))
     }

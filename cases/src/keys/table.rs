@@ -1,4 +1,4 @@
-//! The rows of the table.
+//! Rows of the key table.
 
 use super::key::{Field, Key, Presence, Sets, Users};
 use crate::schema::Range;
@@ -58,10 +58,10 @@ macro_rules! keys {
     (@sets $sets:ident) => { Some($sets) };
 }
 
-/// Every key of a case file, in the order in which files are written. Those of `[map]` and
-/// `[compare]` are required where their section stands.
+/// All scalar keys of a case file, in the order of writing. Keys of `[map]` and `[compare]` are required if their
+/// section is present.
 pub fn keys() -> &'static [Key] {
-    /// The number of registered entries that the table was made for, and the table.
+    /// Number of registered entries for which the table was built, and the table.
     static TABLE: RwLock<(usize, &[Key])> = RwLock::new((0, &[]));
     let (flows, solids, sets) = (registry::flows(), registry::solids(), registry::yield_sets());
     let entries = flows.len() + solids.len() + sets.len();
@@ -108,26 +108,26 @@ pub fn keys() -> &'static [Key] {
             key.range = Range::Finite;
         }
     }
-    // Never freed, as entries of the registry are not: keys are handed out by reference.
+    // Leaked on purpose, like registry entries: keys are returned by static reference.
     let table: &'static [Key] = table.leak();
     *TABLE.write().unwrap_or_else(PoisonError::into_inner) = (entries, table);
     table
 }
 
-/// The kinds of model by name.
+/// Allowed kinds of model, as text.
 fn kinds_of_model(flows: &[FlowKind], solids: &[SolidKind]) -> String {
     let flows = alternatives(flows.iter().map(|flow| flow.name()));
     let solids = alternatives(solids.iter().map(|solid| solid.name));
     format!("{flows} for flows; {solids} for solids")
 }
 
-/// The yield sets by name.
+/// Allowed yield sets, as text.
 fn kinds_of_set(sets: &[YieldSetKind]) -> String {
     let sets = alternatives(sets.iter().map(|set| set.name));
     format!("{sets}; without the section [yield] a solid stays elastic")
 }
 
-/// `a, b or c`.
+/// Joins alternatives as `a, b or c`.
 fn alternatives<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let names: Vec<&str> = names.collect();
     match names.split_last() {
@@ -137,8 +137,8 @@ fn alternatives<'a>(names: impl Iterator<Item = &'a str>) -> String {
     }
 }
 
-/// The constants of several entries, each once, in an order that keeps the order of every entry where they agree on one:
-/// what an entry has before a constant that is listed already is put before it.
+/// Merges the constants of several entries, each once, in an order compatible with that of every entry where possible: a
+/// constant is inserted before the first listed constant that follows it in its entry.
 fn ordered<I: Iterator<Item = &'static Constant>>(
     entries: impl Iterator<Item = I>,
 ) -> Vec<&'static Constant> {
@@ -161,7 +161,7 @@ fn ordered<I: Iterator<Item = &'static Constant>>(
     all
 }
 
-/// The keys before the constants of flows. What kinds there are says the registry.
+/// Keys before the constants of flows; the kinds of model come from the registry.
 static HEAD: &[Key] = keys! {
     "title": "title" [""] "one line that says what the case is";
         ALL, Optional, Text;
@@ -172,13 +172,13 @@ static HEAD: &[Key] = keys! {
         ALL, Required(0.0), Text;
 };
 
-/// The keys of solids before their constants.
+/// Keys of solids before their constants.
 static SOLID: &[Key] = keys! {
     "model.dimensions": "dimensions" [""] "2 for plane strain, 3 for space";
         PLANE_AND_SPACE, Required(3.0), Whole(|n| &mut n.dimensions);
 };
 
-/// The keys between the constants of solids and those of yield sets.
+/// Keys between the constants of solids and those of yield sets.
 static STATE: &[Key] = keys! {
     "background.density": "density ρ" ["kg/m³"] "density ρ; > 0";
         FLOWS, Required(1600.0), in State::DENSITY, Number(|n| &mut n.background.density);
@@ -229,7 +229,7 @@ static STATE: &[Key] = keys! {
         SOLIDS that yield by BY_NAMED_CONDITIONS, Optional, Texts;
 };
 
-/// The keys after the constants of yield sets.
+/// Keys after the constants of yield sets.
 static REST: &[Key] = keys! {
     "yield.plastic_rate": "plastic rate Λ" ["1/s"] "rate Λ at which the background flows, its stress at rest; ≥ 0; damps waves, changes no speed";
         SOLIDS that yield by CURVED, Or(0.0), in Plastic::RATE, Number(|n| &mut n.plastic_rate);

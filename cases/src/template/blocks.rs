@@ -1,17 +1,17 @@
-//! Sections that are trees, as a template shows them.
+//! Structured sections of a template.
 
 use crate::dynamics::{Component, stress};
 use crate::kind::Kind;
 use crate::schema::{Condition, Form, Item, Need, Scope, Type};
 use std::fmt::Write;
 
-/// Longest line of a comment.
+/// Maximum line length of a comment.
 const WIDTH: usize = 110;
 
-/// A section of the small problem that a template is: its keys and their values.
+/// A section of the example of a template: name, and keys with values.
 pub(super) type Start = (&'static str, &'static [(&'static str, &'static str)]);
 
-/// Unit and meaning.
+/// Comment of a key: unit and meaning.
 pub(super) fn comment(unit: &str, meaning: &str) -> String {
     match unit {
         "" => meaning.to_owned(),
@@ -20,7 +20,7 @@ pub(super) fn comment(unit: &str, meaning: &str) -> String {
     }
 }
 
-/// Text in lines of at most so many characters.
+/// Wraps a text into lines of at most `width` characters.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split(' ') {
@@ -35,7 +35,7 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// What is written of sections that are trees.
+/// Writer of the structured sections of a template.
 pub(super) struct Blocks {
     text: String,
     scope: Scope,
@@ -44,19 +44,19 @@ pub(super) struct Blocks {
     shown: Vec<&'static str>,
 }
 
-/// An item, or one that is the same elsewhere.
+/// Whether two items describe the same key.
 fn is_same(one: &Item, other: &Item) -> bool {
     (one.name, one.meaning, one.unit) == (other.name, other.meaning, other.unit)
 }
 
 impl Blocks {
-    /// Nothing yet; comments stand at that column.
+    /// An empty writer with comments at `column`.
     pub(super) fn new(kind: Kind, column: usize) -> Self {
         let scope = Scope { kind: Some(kind), dimensions: Some(2), axes: vec![0] };
         Self { text: String::new(), scope, column, shown: Vec::new() }
     }
 
-    /// Writes a section: as it is in the problem, and behind marks the keys of every other form that it may have.
+    /// Writes a section of the example, followed by all other variants of its schema, commented out.
     pub(super) fn add(&mut self, form: &'static Form, start: &[Start]) {
         let separator = if self.text.is_empty() { "" } else { "\n" };
         let _ = write!(self.text, "{separator}");
@@ -101,12 +101,12 @@ impl Blocks {
         }
     }
 
-    /// All that was written.
+    /// The written text.
     pub(super) fn into_text(self) -> String {
         self.text
     }
 
-    /// The section whose keys are stresses.
+    /// Writes the section whose keys are stress components.
     fn add_stresses(&mut self, form: &Form) {
         let Some(Kind::Solid(solid)) = self.scope.kind else { return };
         let _ = writeln!(self.text, "\n# {}", form.header());
@@ -118,7 +118,7 @@ impl Blocks {
         }
     }
 
-    /// The words of a key in this kind of model.
+    /// Allowed words of a key in this kind of model.
     fn words(&self, item: &Item) -> Vec<String> {
         match item.value {
             Type::OneOf(words) | Type::AnyOf(words) => words(&self.scope),
@@ -126,7 +126,7 @@ impl Blocks {
         }
     }
 
-    /// The keys of a variant; of one that has another type in space that of plane strain.
+    /// Keys of a variant; if the type depends on the dimensions, that of plane strain.
     fn items(&self, form: &'static Form, variant: &Variant) -> Vec<&'static Item> {
         let in_plane = |condition: &Condition| {
             *condition != Condition::Space && variant.holds(form, condition)
@@ -146,8 +146,8 @@ impl Blocks {
             .collect()
     }
 
-    /// The value of a key in a variant: given, or else the word of the variant, or else default or example;
-    /// `None` where the model has no word for it.
+    /// Value of a key in a variant: given, else the word of the variant, else default or example; `None` if the model
+    /// has no word for it.
     fn value(&self, form: &'static Form, item: &Item, variant: &Variant) -> Option<String> {
         if let Some((_, value)) = variant.given.iter().find(|(key, _)| *key == item.name) {
             return Some((*value).to_owned());
@@ -166,7 +166,7 @@ impl Blocks {
         }
     }
 
-    /// Writes one variant, behind marks unless it is a part of the problem. Comments stand in the first one.
+    /// Writes one variant, commented out unless it is part of the example. The first variant carries the descriptions.
     fn write(
         &mut self,
         form: &'static Form,
@@ -219,7 +219,7 @@ impl Blocks {
         text
     }
 
-    /// A table in braces, and where it has not been shown yet all other tables that can stand in its place.
+    /// Writes an inline table and, at its first occurrence, all alternative tables.
     fn write_tables(
         &mut self,
         form: &'static Form,
@@ -273,7 +273,7 @@ impl Blocks {
         }
     }
 
-    /// A line, and more where its comment is long.
+    /// Writes a line, continued if its comment is long.
     fn line(&mut self, is_set: bool, name: &str, value: &str, comment: &str) {
         let mark = if is_set { "" } else { "# " };
         let line = format!("{mark}{name} = {value}");
@@ -291,7 +291,7 @@ impl Blocks {
     }
 }
 
-/// Keys that take the place of others, or bring others with them.
+/// Keys whose presence excludes or requires other keys.
 fn switches(form: &'static Form) -> impl Iterator<Item = &'static str> {
     let mut names: Vec<&'static str> = Vec::new();
     for (when, item) in form.items() {
@@ -306,12 +306,12 @@ fn switches(form: &'static Form) -> impl Iterator<Item = &'static str> {
     names.into_iter()
 }
 
-/// What is assumed of a table.
+/// A variant of a table: the assumed word of the discriminator and the key present.
 struct Variant<'a> {
     given: &'a [(&'static str, &'static str)],
-    /// That of the discriminator.
+    /// Word of the discriminator.
     word: Option<&'a str>,
-    /// The key that takes the place of others.
+    /// Key that replaces others.
     present: Option<&'static str>,
 }
 

@@ -44,7 +44,7 @@ const PATIENCE: Duration = Duration::from_secs(10);
 pub struct ResultFolder {
     path: PathBuf,
     case: String,
-    undrawn: String,
+    without_plot_options: String,
     /// Whether results of another case are to go, and runs to begin again.
     force: bool,
 }
@@ -62,8 +62,8 @@ impl ResultFolder {
     /// What stands in the way, and the remedy.
     pub fn check(case: &Case, out: Option<&Path>, force: bool) -> Result<Self, OutputError> {
         let path = out.map_or_else(|| Path::new("out").join(&case.name), Path::to_owned);
-        let (text, undrawn) = (case.to_toml(), case.undrawn().to_toml());
-        let own = Self { path, case: text, undrawn, force };
+        let (text, without_plot_options) = (case.to_toml(), case.without_plot_options().to_toml());
+        let own = Self { path, case: text, without_plot_options, force };
         if own.case.len() as u64 > LARGEST_FILE {
             let bytes = own.case.len();
             return Err(OutputError {
@@ -104,7 +104,7 @@ impl ResultFolder {
     /// # Errors
     /// There are, and they are not.
     fn refuse_foreign(&self) -> Result<bool, OutputError> {
-        match foreign(&self.path, &self.case, &self.undrawn)? {
+        match foreign(&self.path, &self.case, &self.without_plot_options)? {
             Some(cause) if !self.force => Err(OutputError {
                 path: self.path.clone(),
                 cause: cause.into(),
@@ -140,8 +140,8 @@ impl ResultFolder {
     }
 
     /// The resolved case without what decides over its pictures alone.
-    pub fn undrawn(&self) -> &str {
-        &self.undrawn
+    pub fn without_plot_options(&self) -> &str {
+        &self.without_plot_options
     }
 
     /// Names of the files that stand in every folder of results.
@@ -214,7 +214,10 @@ impl ResultFolder {
 
     /// The files that say what the results are of.
     fn origin_files(&self) -> [(&'static str, Vec<u8>); 2] {
-        [(CASE, self.case.clone().into_bytes()), (PROGRAM, program_bytes(&self.undrawn))]
+        [
+            (CASE, self.case.clone().into_bytes()),
+            (PROGRAM, program_bytes(&self.without_plot_options)),
+        ]
     }
 
     /// Removes what killed processes left half-written.

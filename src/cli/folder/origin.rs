@@ -8,17 +8,17 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 /// The bytes of [`PROGRAM`].
-pub(super) fn program_bytes(undrawn: &str) -> Vec<u8> {
-    format!("{:#}\n", program(undrawn)).into_bytes()
+pub(super) fn program_bytes(without_plot_options: &str) -> Vec<u8> {
+    format!("{:#}\n", program(without_plot_options)).into_bytes()
 }
 
 /// What [`PROGRAM`] holds.
-fn program(undrawn: &str) -> Value {
+fn program(without_plot_options: &str) -> Value {
     serde_json::json!({
         "name": env!("CARGO_PKG_NAME"),
         "version": env!("CARGO_PKG_VERSION"),
         "commit": env!("WELLPOSED_COMMIT"),
-        "case": format!("{:08x}", files::checksum(undrawn.as_bytes())),
+        "case": format!("{:08x}", files::checksum(without_plot_options.as_bytes())),
     })
 }
 
@@ -32,14 +32,14 @@ pub(super) struct Origin {
 
 impl Origin {
     /// By what [`PROGRAM`] holds in the folder, if it is there.
-    pub(super) fn of(folder: &Path, undrawn: &str) -> Result<Self, OutputError> {
+    pub(super) fn of(folder: &Path, without_plot_options: &str) -> Result<Self, OutputError> {
         let path = folder.join(PROGRAM);
         let bytes = match read_regular(&path) {
             Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
             bytes => bytes.map_err(|error| OutputError::unreadable(&path, &error))?,
         };
         let found: Value = serde_json::from_slice(&bytes).unwrap_or_default();
-        let own = program(undrawn);
+        let own = program(without_plot_options);
         let is_same = |key: &str| found[key] == own[key];
         let is_version = ["name", "version", "commit"].into_iter().all(is_same);
         Ok(Self { is_version, is_case: is_same("case") })
@@ -54,7 +54,7 @@ pub(super) fn holds(path: &Path, text: &str) -> bool {
 pub(super) fn foreign(
     folder: &Path,
     case: &str,
-    undrawn: &str,
+    without_plot_options: &str,
 ) -> Result<Option<&'static str>, OutputError> {
     let mut names = names_in(folder)?;
     names.retain(|name| !is_passing(name));
@@ -66,7 +66,7 @@ pub(super) fn foreign(
     }
     // A run killed early may have left the case alone; there is no result to be taken for another.
     let has_origin = names.iter().any(|name| name == PROGRAM || is_result(name));
-    let origin = Origin::of(folder, undrawn)?;
+    let origin = Origin::of(folder, without_plot_options)?;
     Ok(match has_origin {
         true if !origin.is_version => {
             Some("the folder holds results of another version of this program")

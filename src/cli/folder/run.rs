@@ -43,7 +43,7 @@ impl ResultFolder {
         let nameless = Self {
             path: path.to_owned(),
             case: String::new(),
-            undrawn: String::new(),
+            without_plot_options: String::new(),
             force: false,
         };
         let lock = nameless.lock_run()?;
@@ -77,12 +77,12 @@ impl ResultFolder {
     /// The folder of the case that it holds.
     pub(super) fn of_own_case(path: &Path) -> Result<(Self, Case), Error> {
         let case = Case::load_in_time(&path.join(CASE), &[])?;
-        let (text, undrawn) = (case.to_toml(), case.undrawn().to_toml());
-        Ok((Self { path: path.to_owned(), case: text, undrawn, force: false }, case))
+        let (text, without_plot_options) = (case.to_toml(), case.without_plot_options().to_toml());
+        Ok((Self { path: path.to_owned(), case: text, without_plot_options, force: false }, case))
     }
 
     fn origin(&self) -> Result<Origin, OutputError> {
-        Origin::of(&self.path, &self.undrawn)
+        Origin::of(&self.path, &self.without_plot_options)
     }
 
     /// That the case of the folder is the one that its results began with.

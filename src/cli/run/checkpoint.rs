@@ -35,7 +35,7 @@ impl Checkpoint {
         })
         .to_string();
         let mut sections: Vec<(&str, &[u8])> =
-            vec![("case", folder.undrawn().as_bytes()), ("about", about.as_bytes())];
+            vec![("case", folder.without_plot_options().as_bytes()), ("about", about.as_bytes())];
         sections.extend(numbers.iter().map(|(name, own)| (name.as_str(), own.as_slice())));
         let path = folder.path_of(AppendedFile::Checkpoint);
         write_sealed(&path, &sections).map_err(|error| not_written(&path, &error))
@@ -57,7 +57,7 @@ impl Checkpoint {
         let mut sections: BTreeMap<String, Vec<u8>> = sections.into_iter().collect();
         let mut take = |name: &str| sections.remove(name);
         let odd = || damaged("not a checkpoint of this program");
-        if take("case").as_deref() != Some(folder.undrawn().as_bytes()) {
+        if take("case").as_deref() != Some(folder.without_plot_options().as_bytes()) {
             return Err(damaged("a checkpoint of another case"));
         }
         let about: Value =

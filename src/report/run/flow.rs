@@ -21,7 +21,7 @@ pub(super) fn pictures(
     let of = |name: &str| fields.get(name).unwrap_or_default();
     let values = match run.output.picture {
         None => of("v1").iter().zip(of("v2")).map(|(v1, v2)| v1.root_sum_square(*v2)).collect(),
-        Some(own) => of(own.array()).iter().map(|value| own.shown(*value)).collect(),
+        Some(own) => of(own.array()).iter().map(|value| own.to_display_unit(*value)).collect(),
     };
     let figure = figure(case, run, fields.time, values);
     let mut pictures = vec![Picture::new("run", move |format| figure.draw(format))];
@@ -46,7 +46,7 @@ pub(super) fn of_snapshot(bytes: &[u8], run: &FlowRun) -> Result<Vec<f64>, Strin
         Some(Quantity::Velocity(i)) => velocity()?.chunks_exact(3).map(|v| v[i]).collect(),
         Some(own) => {
             let name = format!("{} [{}]", own.array(), unit_of(own.array()));
-            array(bytes, &name, count)?.iter().map(|value| own.shown(*value)).collect()
+            array(bytes, &name, count)?.iter().map(|value| own.to_display_unit(*value)).collect()
         }
     };
     Ok(values)

@@ -161,7 +161,7 @@ impl View<FlowSimulation> for FlowJob<'_> {
     }
 
     fn to_display_unit(&self, place: usize, value: f64) -> f64 {
-        self.quantities[place % self.quantities.len()].shown(value)
+        self.quantities[place % self.quantities.len()].to_display_unit(value)
     }
 
     fn tables(&self) -> Vec<Head> {
