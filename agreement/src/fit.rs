@@ -1,4 +1,4 @@
-//! Fits of complex frequencies to amplitudes, and their limit on small cells.
+//! Least-squares fits of complex frequencies to amplitudes, and their extrapolation to zero cell size.
 
 use models::common::elementary::{Elementary, cr_arg};
 use nalgebra::DMatrix;
@@ -8,14 +8,14 @@ use std::ops::Sub;
 /// A complex frequency: exp((γ − iω)t).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rate {
-    /// ω, rad/s.
+    /// Frequency ω, rad/s.
     pub frequency: f64,
-    /// γ, 1/s.
+    /// Growth rate γ, 1/s.
     pub growth: f64,
 }
 
 impl Rate {
-    /// max(|ω|, |γ|), 1/s.
+    /// Maximum norm max(|ω|, |γ|), 1/s.
     pub fn max_norm(self) -> f64 {
         self.frequency.abs().max(self.growth.abs())
     }
@@ -29,8 +29,8 @@ impl Sub for Rate {
     }
 }
 
-/// The slope of the least-squares line through values at abscissae, which are centred and scaled for the fit;
-/// not a number where there is none.
+/// Slope of the least-squares line through `values` at `abscissae`, which are centred and scaled for the fit; NaN if
+/// undefined.
 pub fn slope(abscissae: &[f64], values: &[f64]) -> f64 {
     let low = abscissae.iter().copied().fold(f64::INFINITY, f64::min);
     let high = abscissae.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -42,8 +42,8 @@ pub fn slope(abscissae: &[f64], values: &[f64]) -> f64 {
     polyfit_rs::polyfit_rs::polyfit(&scaled, values, 1).map_or(f64::NAN, |found| found[1] / half)
 }
 
-/// The complex frequency of an amplitude at times (s): slopes of its phase and of the logarithm of its modulus.
-/// From one time to the next the phase changes by less than half a turn.
+/// Fits the complex frequency of amplitudes at `times` (s): slopes of the phase and of the logarithm of the modulus. The
+/// phase must change by less than half a turn between neighbouring times.
 pub fn fit_rate(times: &[f64], amplitudes: &[Complex64]) -> Rate {
     let mut phase = 0.0;
     let mut phases = vec![0.0];
@@ -57,19 +57,19 @@ pub fn fit_rate(times: &[f64], amplitudes: &[Complex64]) -> Rate {
     Rate { frequency: -slope(times, &phases), growth: slope(times, &logarithms) }
 }
 
-/// The greatest error of [`fit_rate`] over a duration (s), 1/s, if phase and logarithm are off by at most `error`: the
-/// slope of the line that fits ±`error` on both halves.
+/// Maximum error of [`fit_rate`] over a `duration` (s), 1/s, for errors of phase and logarithm up to `error`: the slope of
+/// the line fitted to ±`error` on both halves.
 pub fn rate_error(error: f64, duration: f64) -> f64 {
     3.0 * error / duration
 }
 
-/// Powers of the cell's edge h in the errors of a scheme of second order; with two grids only the first power is
+/// Powers of the cell size h in the error expansion of a scheme of second order; with two grids only the first power is
 /// fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Powers {
-    /// Of the frequency.
+    /// Powers in the error of the frequency.
     pub frequency: &'static [i32],
-    /// Of the growth.
+    /// Powers in the error of the growth rate.
     pub growth: &'static [i32],
 }
 
@@ -85,7 +85,8 @@ impl Powers {
     pub const PROJECTED: Self = Self { frequency: &[2, 3], growth: &[1, 2] };
 }
 
-/// Weights of values at h = 1/n, n as in `cells`, in the limit h → 0 of the least-squares fit of 1, h^p, h^q … to them.
+/// Weights of values at h = 1/n, n in `cells`, in their Richardson extrapolation to h → 0 by a least-squares fit of
+/// 1, h^p, h^q …
 fn weights(cells: &[usize], powers: &[i32]) -> Vec<f64> {
     let powers = &powers[..powers.len().min(cells.len().saturating_sub(1))];
     let edge = |row: usize| cells[0] as f64 / cells[row] as f64;
@@ -100,7 +101,7 @@ fn weights(cells: &[usize], powers: &[i32]) -> Vec<f64> {
     }
 }
 
-/// The limit for small cells of rates on cells of edges in proportion to 1/n, n as in `cells`.
+/// Richardson extrapolation of rates to zero cell size h ∝ 1/n, n in `cells`.
 pub fn extrapolate(cells: &[usize], rates: &[Rate], powers: Powers) -> Rate {
     let sum = |powers: &[i32], part: fn(&Rate) -> f64| -> f64 {
         weights(cells, powers).iter().zip(rates).map(|(weight, rate)| weight * part(rate)).sum()
@@ -111,7 +112,7 @@ pub fn extrapolate(cells: &[usize], rates: &[Rate], powers: Powers) -> Rate {
     }
 }
 
-/// The greatest error of [`extrapolate`], 1/s, if rates on these grids are off by at most `errors`: it is linear.
+/// Maximum error of [`extrapolate`], 1/s, for errors of the rates up to `errors`.
 pub fn extrapolation_error(cells: &[usize], errors: &[f64], powers: Powers) -> f64 {
     let sum = |powers: &[i32]| -> f64 {
         weights(cells, powers).iter().zip(errors).map(|(own, error)| own.abs() * error).sum()

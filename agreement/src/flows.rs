@@ -1,5 +1,5 @@
-//! Uniform flows: waves that the mean flow carries along, and the fastest growing wave of a perturbation on finer and
-//! finer grids.
+//! Comparison for uniform flows: Kelvin waves advected by the mean flow, and the fastest growing wave of a perturbation
+//! under grid refinement.
 
 mod linearised;
 mod mean_flow;
@@ -18,61 +18,60 @@ use models::flow::Model;
 use models::flow::state::{Flow, State};
 use num_complex::Complex64;
 
-/// A uniform flow v = Γx, for the analysis and for the solver.
+/// A uniform flow v = Γx for analysis and solver.
 #[derive(Clone, Debug)]
 pub struct UniformFlow {
-    /// The model that is linearised.
+    /// Model of the linearised equations.
     pub model: Model,
-    /// The state at the beginning, as given.
+    /// Initial state, as given.
     pub state: State,
-    /// The same state with everything that the model makes of it: its [`background`](Model::background).
+    /// Initial state completed by the model: its [`background`](Model::background).
     pub flow: Flow,
-    /// The solver's problem for that flow. Box, points and tolerances are those of each measurement.
+    /// Solver problem of the flow; box, points and tolerances are set by each measurement.
     pub solver: Problem,
 }
 
 impl UniformFlow {
-    /// Rates ς (1/s) at the beginning of the modes of a wave whose wave vector moves with the flow, by descending growth.
+    /// Initial rates ς (1/s) of the modes of a wave advected by the flow, by descending growth.
     ///
     /// # Errors
-    /// The equations do not determine them.
+    /// The equations do not determine the evolution.
     pub fn initial_rates(&self, wave: &PlaneWave<2>) -> Result<Vec<Complex64>, AgreementError> {
         let modes = LinearisedFlow::new(self).moving(wave.vector())?.modes();
         Ok(modes.into_iter().map(|(rate, _)| rate).collect())
     }
 }
 
-/// A mode of a wave: it grows, decays or oscillates.
+/// Predicted and measured rate of one mode of a wave.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModeResult {
-    /// Index of its wave among those given.
+    /// Index of the wave in the list of waves.
     pub wave: usize,
-    /// Its place among the modes of this wave, by descending growth at the beginning, from 1.
+    /// Number of the mode, by descending initial growth, from 1.
     pub mode: usize,
-    /// Duration over which it was followed, s.
+    /// Duration of the measurement, s.
     pub duration: f64,
-    /// By the linearised equations along k(t).
+    /// Rate predicted by the linearised equations along k(t).
     pub predicted: Rate,
-    /// By the pencil of the frozen wave vector.
+    /// Rate predicted by the pencil of the frozen wave vector.
     pub frozen: Rate,
-    /// By the solver, or why there is no measurement.
+    /// Rate measured in the solver, or the reason for its absence.
     pub measured: Result<StepSequences, NotMeasurable>,
 }
 
-/// Rates that the solver shows in sequences of ever shorter steps.
+/// Rates measured in the solver for a sequence of decreasing time steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepSequences {
-    /// Numbers of steps, ascending, and rates.
+    /// Number of steps, ascending, with the rate.
     pub sequences: Vec<(usize, Rate)>,
-    /// The limit of short steps.
+    /// Rate extrapolated to zero time step.
     pub limit: Rate,
-    /// Bound on the error of the limit: that of the extrapolation, and rounding, 1/s.
+    /// Bound on the error of the limit by extrapolation and rounding, 1/s.
     pub tolerance: f64,
 }
 
 impl ModeResult {
-    /// The scale of relative differences: the predicted rate, or the shear rate Q_D (1/s) of the mean flow where that is
-    /// greater, 1/s.
+    /// Scale of relative differences, 1/s: the maximum of the predicted rate and the shear rate Q_D of the mean flow.
     pub fn scale(&self, shear_rate: f64) -> f64 {
         self.predicted.max_norm().max(shear_rate)
     }
@@ -88,7 +87,7 @@ impl ModeResult {
         Some((own.limit - self.predicted).max_norm() <= own.tolerance)
     }
 
-    /// The order of convergence in the step; `None` where the error is rounding.
+    /// Order of convergence in the time step; `None` if the error is rounding.
     pub fn order(&self) -> Option<f64> {
         let own = self.measured.as_ref().ok()?;
         let [(few, coarse), .., (many, fine)] = own.sequences.as_slice() else { return None };

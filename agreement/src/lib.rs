@@ -1,17 +1,17 @@
-//! The two halves held against each other: rates of plane waves that the analysis predicts, that the solvers show,
-//! and that the solvers should show. It takes plain problems, and knows no case and no report.
+//! Agreement of analysis and solvers: rates of plane waves as predicted by the analysis, measured in the time-domain
+//! solvers, and expected from the discretisation. Takes plain problems; depends on no case file or report.
 //!
-//! - **Predicted** from the linearised equations ([`analysis`]): of solids the frequencies of every branch, of flows the
-//!   evolution along the wave vector k(t) that the mean flow turns and stretches.
-//! - **Measured** by a solver ([`dynamics`]) that is given the wave as its initial state in a periodic box: a complex
-//!   frequency fitted to the amplitudes that the solver shows ([`fit`]).
-//! - **Expected** (solids): the exact symbol of the time step ([`scheme`]) gives the amplitudes that the solver must
-//!   show, its discretisation error included; they are fitted and extrapolated to small cells as the measured ones are.
+//! - **Predicted** from the linearised equations ([`analysis`]): for solids the frequencies of every branch, for flows the
+//!   evolution along the wave vector k(t), which is rotated and stretched by the mean flow.
+//! - **Measured** in a solver ([`dynamics`]) with the wave as initial state in a periodic box: a complex frequency fitted
+//!   to the amplitudes ([`fit`]).
+//! - **Expected** (solids): the exact symbol of the time step ([`scheme`]) gives the amplitudes including the
+//!   discretisation error; they are fitted and extrapolated to zero cell size like the measured amplitudes.
 //!
-//! Prediction and measurement share nothing but the constants that both are given. No tolerance is tuned: measured and
-//! expected rates may differ by rounding, and on curved yield surfaces by what the wave turns their normal, amplified by
-//! fit and extrapolation; the limit of small steps of a flow by the error of its extrapolation, and rounding. Only a
-//! refinement of grids, whose perturbation is a whole of many waves, has fixed bounds
+//! Prediction and measurement share only the constants of the problem. No tolerance is tuned: measured and expected
+//! rates may differ by rounding, and on curved yield surfaces by the rotation of the normal in the wave, amplified by
+//! fit and extrapolation; the zero-step limit of a flow by the extrapolation error and rounding. Only grid refinement,
+//! whose perturbation consists of many waves, has fixed bounds
 //! ([`RATE_TOLERANCE`](flows::Refinement::RATE_TOLERANCE), [`ORDER_TOLERANCE`](flows::Refinement::ORDER_TOLERANCE)).
 //!
 //! ```
@@ -64,49 +64,49 @@ pub struct PlaneWave<const D: usize> {
     pub normal: [f64; D],
 }
 
-/// Why nothing can be compared.
+/// Error of a comparison.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AgreementError {
-    /// A solid cannot be put into units of energy.
+    /// The energy of the solid is not positive definite.
     #[error("a solid without positive energy, or dependent active conditions")]
     Energy,
-    /// The background of a yielding solid is not where the active conditions are.
+    /// The background stress does not satisfy the active yield conditions with equality.
     #[error("active conditions that no stress meets alone")]
     ActiveConditions,
     /// Some plastic multiplier is not positive.
     #[error("active conditions of which flow leaves one")]
     PlasticFlow,
-    /// A yielding solid has no rate of response.
+    /// The rate response of the yielding solid is not defined.
     #[error(transparent)]
     NoResponse(#[from] NoResponse),
-    /// The solver's medium is of another dimension.
+    /// Solid and solver medium have different dimensions.
     #[error("a medium in {medium} dimensions for a solid in {solid}")]
     Dimensions {
-        /// Of the solid.
+        /// Dimensions of the solid.
         solid: usize,
-        /// Of the medium.
+        /// Dimensions of the medium.
         medium: usize,
     },
     /// No numbers of cells are given.
     #[error("no grids to measure on")]
     NoGrids,
-    /// A run of more cell-updates than allowed.
+    /// A simulation exceeds the allowed number of cell updates.
     #[error("a wave of {updates:.1e} cell-updates at {number} 1/m")]
     TooLong {
-        /// Cells times steps.
+        /// Cell updates: cells times steps.
         updates: f64,
         /// The wave number, 1/m.
         number: f64,
-        /// The allowed number of cell-updates.
+        /// Allowed number of cell updates.
         most: f64,
     },
     /// A constraint or the pencil of a flow is singular.
     #[error("a state in which the equations do not determine how waves evolve")]
     Undetermined,
-    /// The solver does not take the flow.
+    /// The solver rejects the flow.
     #[error(transparent)]
     Flow(#[from] dynamics::flow::FlowError),
-    /// The solver does not bring a perturbation of the flow to its end.
+    /// The solver stops before the end of a perturbation.
     #[error(transparent)]
     Left(#[from] dynamics::flow::Left),
     /// A perturbation without a value at each point.
@@ -117,36 +117,36 @@ pub enum AgreementError {
         /// Points along each axis.
         points: [usize; 2],
     },
-    /// No mode of the grid has a velocity.
+    /// No mode of the perturbation has a velocity.
     #[error("a perturbation that moves nothing on these grids")]
     NothingMoves,
-    /// The callback asked to end.
+    /// Cancelled by the progress callback.
     #[error("cancelled")]
     Cancelled,
 }
 
-/// Why a wave has no measurement.
+/// Reason why a wave has no measurement.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NotMeasurable {
-    /// The equations in units of energy have fewer waves than the analysis.
+    /// The equations in energy coordinates have fewer waves than the analysis.
     #[error("the equations in units of energy have no such wave")]
     NoSuchWave,
-    /// A wave that meets no yield condition but the active ones is below the rounding of the background.
+    /// An amplitude small enough to activate no further yield condition is below the rounding of the background.
     #[error("the background's stress, rounded, hides any wave that meets no other yield condition")]
     Hidden,
-    /// The solver does not take the solid on this grid.
+    /// The solver rejects the solid on this grid.
     #[error(transparent)]
     Domain(#[from] dynamics::problem::DomainError),
     /// Amplitudes of a wave in a solid vanish or overflow.
     #[error("amplitudes that vanish or are not finite")]
     Vanishing,
-    /// The solver does not take the flow in the box of the wave.
+    /// The solver rejects the flow in the box of the wave.
     #[error("the solver does not take it: {0}")]
     Flow(#[from] dynamics::flow::FlowError),
-    /// The solver does not take the wave as its initial state.
+    /// The solver rejects the wave as initial state.
     #[error("the solver does not begin: {0}")]
     Initial(dynamics::flow::Left),
-    /// The solver does not bring the wave to its end.
+    /// The solver stops before the end of the measurement.
     #[error("the solver stops at {:.3e} s: {}", .0.time, .0)]
     Stopped(dynamics::flow::Left),
     /// Amplitudes of a wave in a flow overflow.
@@ -154,11 +154,11 @@ pub enum NotMeasurable {
     NotFinite,
 }
 
-/// Called with the parts that are done and their number: at the beginning, and after each part, from any thread;
-/// [`Break`](ControlFlow::Break) ends the work as [`AgreementError::Cancelled`].
+/// Progress callback, called with (parts done, total parts) at the beginning and after each part, from any thread;
+/// [`Break`](ControlFlow::Break) ends the work with [`AgreementError::Cancelled`].
 pub type OnProgress<'a> = &'a (dyn Fn(usize, usize) -> ControlFlow<()> + Sync);
 
-/// Counts the parts that are done.
+/// Counter of finished parts.
 struct Progress<'a> {
     on_progress: OnProgress<'a>,
     done: AtomicUsize,

@@ -1,7 +1,7 @@
-//! The exact symbol of a time step of the solver for solids: its amplification matrix for a plane wave, from the
-//! matrices of the analysis.
+//! Von Neumann analysis of the solver for solids: the exact amplification matrix of a time step for a plane wave, from
+//! the matrices of the analysis.
 //!
-//! In units of energy y = LᵀU, A = LLᵀ, the equations are ẏ = Σ B̂ⁱ∂ᵢy + Q̂y with B̂ⁱ symmetric and Q̂
+//! In energy coordinates y = LᵀU, A = LLᵀ, the equations are ẏ = Σ B̂ⁱ∂ᵢy + Q̂y with B̂ⁱ symmetric and Q̂
 //! antisymmetric, and the projection onto the tangent of a yield surface is the orthogonal one, Π. A sweep of
 //! Δt/2 along axis i is, on exp(iκ·x) with θ = κᵢhᵢ, V g Vᵀ with B̂ⁱ = V diag(c) Vᵀ and for waves that run to
 //! the right with Courant number C = |c|Δt/2hᵢ
@@ -20,9 +20,9 @@
 //! alternating                            x (M X)ⁿ⁻¹ M x, M = Π Y Z R X R Z Y,
 //! ```
 //!
-//! the last x being the one by which the solver completes its output.
+//! where the last x completes the output of the solver.
 //!
-//! Shares nothing with the solver but these formulas and the names of its options.
+//! Shares only these formulas and the names of options with the solver.
 
 use dynamics::problem::{PlasticStep, Splitting};
 use models::common::elementary::{Elementary, cr_cis};
@@ -33,21 +33,21 @@ use num_complex::Complex64;
 
 type Matrix = DMatrix<Complex64>;
 
-/// The cells of a grid and the time step.
+/// Cell size and time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Discretisation<const D: usize> {
     /// Edges of a cell, m.
     pub spacing: [f64; D],
-    /// Δt, s.
+    /// Time step Δt, s.
     pub step: f64,
 }
 
-/// Amplification matrices of a plane wave, in units of energy.
+/// Amplification matrices of a plane wave, in energy coordinates.
 #[derive(Clone, Debug)]
 pub struct Propagator {
-    /// Of the first step.
+    /// Amplification matrix of the first step.
     first: Matrix,
-    /// Of each further one.
+    /// Amplification matrix of each further step.
     step: Matrix,
     /// From the state to the output.
     output: Matrix,
@@ -76,26 +76,26 @@ impl Propagator {
     }
 }
 
-/// The linearised equations in units of energy, while certain yield conditions, or none, stay active.
+/// Linearised equations in energy coordinates, with a fixed set of active yield conditions.
 #[derive(Clone, Debug)]
 pub struct Equations<const D: usize> {
-    /// Lᵀ: from unknowns to units of energy.
+    /// Transformation Lᵀ from unknowns to energy coordinates.
     pub into_energy: DMatrix<f64>,
-    /// L⁻ᵀ: back.
+    /// Transformation L⁻ᵀ from energy coordinates to unknowns.
     pub from_energy: DMatrix<f64>,
-    /// V and c of B̂ⁱ, by axis.
+    /// Eigenvectors V and eigenvalues c of B̂ⁱ, by axis.
     along: [SymmetricEigen<f64, nalgebra::Dyn>; D],
     b: [DMatrix<f64>; D],
     q: DMatrix<f64>,
-    /// Π.
+    /// Projection Π onto the tangent space of the yield surface.
     tangent: DMatrix<f64>,
-    /// L⁻¹n/|L⁻¹n| by active condition.
+    /// Unit normals L⁻¹n/|L⁻¹n| in energy coordinates, by active condition.
     normals: Vec<DVector<f64>>,
 }
 
 impl<const D: usize> Equations<D> {
-    /// From the symmetric form and the gradients of the active conditions by all unknowns; `None` where the
-    /// energy is not positive or the gradients depend on each other.
+    /// Creates the equations from the symmetric form and the yield normals with respect to all unknowns; `None` if the
+    /// energy is not positive definite or the normals are linearly dependent.
     pub fn new(form: &SymmetricForm<D>, normals: &[DVector<f64>]) -> Option<Self> {
         let lower = form.a.clone().cholesky()?.l();
         // By substitution: no pivots, whose choice would depend on the units.
@@ -123,7 +123,7 @@ impl<const D: usize> Equations<D> {
         })
     }
 
-    /// i(Σ κᵢB̂ⁱ) + Q̂ without Π.
+    /// Symbol i(Σ κᵢB̂ⁱ) + Q̂ of the equations, without Π.
     fn symbol(&self, wave: [f64; D]) -> Matrix {
         let mut symbol = complex(&self.q);
         for (b, k) in self.b.iter().zip(wave) {
@@ -132,8 +132,8 @@ impl<const D: usize> Equations<D> {
         symbol
     }
 
-    /// Frequencies (rad/s, positive, descending) and unit amplitudes in units of energy of the waves of wave vector κ,
-    /// 1/m: y = Re ŷ exp(i(κ·x − ωt)).
+    /// Waves y = Re ŷ exp(i(κ·x − ωt)) of the wave vector κ (1/m): frequencies (rad/s, positive, descending) and unit
+    /// amplitudes in energy coordinates.
     pub fn waves(&self, wave: [f64; D]) -> Vec<(f64, DVector<Complex64>)> {
         /// Frequencies below this fraction of the greatest are zero.
         const NEGLIGIBLE: f64 = 1e-9;
@@ -163,14 +163,14 @@ impl<const D: usize> Equations<D> {
         waves
     }
 
-    /// Bounds in a wave of that amplitude on the value of an active condition, in units of energy, and on the rate of
-    /// that value while the solid stays elastic (Cauchy & Schwarz; normals have unit length).
+    /// Bounds on the value of an active condition in a wave of the given amplitude, in energy coordinates, and on its rate
+    /// while the solid is elastic (Cauchy–Schwarz; normals have unit length).
     pub fn bounds(&self, wave: [f64; D], amplitude: &DVector<Complex64>) -> [f64; 2] {
         [amplitude.norm(), (self.symbol(wave) * amplitude).norm()]
     }
 
-    /// The stress normal to the yield surface, as unknowns, in which every active condition has the value one in units
-    /// of energy: its distance from the surface. `None` where no plastic flow keeps all of them active.
+    /// Stress normal to the yield surface, as unknowns, for which every active condition has unit value in energy
+    /// coordinates: unit distance from the surface. `None` if no plastic flow keeps all conditions active.
     pub fn yield_normal_stress(&self) -> Option<DVector<f64>> {
         if self.normals.is_empty() {
             return None;
@@ -182,8 +182,7 @@ impl<const D: usize> Equations<D> {
         share.iter().all(|own| *own > 0.0).then(|| &self.from_energy * all * share)
     }
 
-    /// The amplification matrices of the wave vector κ, 1/m. A correction in the middle of the step has two-cyclic
-    /// sweeps.
+    /// Amplification matrices of the wave vector κ (1/m). The midpoint return mapping requires two-cyclic sweeps.
     pub fn propagator(
         &self,
         wave: [f64; D],
@@ -221,7 +220,7 @@ impl<const D: usize> Equations<D> {
         }
     }
 
-    /// A sweep along an axis by a fraction of the step.
+    /// Amplification matrix of a sweep along `axis` over a fraction of the step.
     fn sweep(&self, axis: usize, k: f64, grid: &Discretisation<D>, fraction: f64) -> Matrix {
         let h = grid.spacing[axis];
         let (sin, cos) = (k * h).cr_sin_cos();
@@ -245,7 +244,7 @@ impl<const D: usize> Equations<D> {
         &vectors * Matrix::from_diagonal(&eigen.eigenvalues.map(factor)) * vectors.adjoint()
     }
 
-    /// exp(Q̂t).
+    /// Rotation exp(Q̂t).
     fn rotation(&self, time: f64) -> Matrix {
         let symbol = self.q.map(|x| Complex64::new(0.0, x));
         let eigen = ((&symbol + symbol.adjoint()) * Complex64::from(0.5)).symmetric_eigen();
@@ -254,8 +253,8 @@ impl<const D: usize> Equations<D> {
     }
 }
 
-/// An orthonormal basis of the span of orthonormal columns that depends on that space alone: projections of the axes
-/// onto it, orthogonalised one after the other (Gram & Schmidt).
+/// Canonical orthonormal basis of the span of orthonormal columns, depending on the space only: projections of the
+/// coordinate axes, orthogonalised by Gram–Schmidt.
 fn canonical_basis(columns: &Matrix) -> Vec<DVector<Complex64>> {
     /// The longest projection onto the remaining space is longer: of at most 24 axes, 1/√24.
     const LEAST: f64 = 0.1;

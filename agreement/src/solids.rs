@@ -1,9 +1,9 @@
-//! Solids: plane waves of every branch.
+//! Comparison for solids: plane waves of every branch.
 //!
-//! Each wave is sent through a periodic box of one period along each axis, on two or more grids, over one period in
-//! time. Elastic waves run through a solid without stress. Where a solid yields, they run over a uniform background on
-//! its yield surface: one that goes on flowing faster than the wave can unload it ([`Response::Loading`]), and one that
-//! has just left it ([`Response::Unloading`]).
+//! Each wave propagates in a periodic box of one wavelength along each axis, on two or more grids, over one period in
+//! time. Elastic waves propagate in a stress-free solid. In a yielding solid they propagate on a uniform background on
+//! the yield surface: one that flows faster than the wave can unload it ([`Response::Loading`]), and one that has just
+//! left the yield surface ([`Response::Unloading`]).
 
 mod background;
 mod branch;
@@ -20,14 +20,14 @@ use dynamics::problem::{PlasticStep, Splitting};
 use models::common::elementary::Elementary;
 use models::elastoplastic::Solid;
 
-/// The linearised equations that a solid obeys under a wave.
+/// Response of a solid to a wave, which selects the linearised equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Response {
-    /// It has no yield set.
+    /// Elastic solid without yield set.
     Elastic,
-    /// Its background has just left the yield surface.
+    /// Elastic unloading: the background has just left the yield surface.
     Unloading,
-    /// Its background flows, and goes on flowing.
+    /// Plastic loading: the background keeps flowing.
     Loading,
 }
 
@@ -42,55 +42,56 @@ impl Response {
     }
 }
 
-/// The grids and the time step of the measurements.
+/// Solver settings of the measurements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolverSettings {
-    /// Cells to a period along each axis, ascending.
+    /// Numbers of cells per wavelength of the grids, ascending.
     pub cells: Vec<usize>,
-    /// Greatest Courant number c(Δt/2)/h of the fastest wave.
+    /// Maximum Courant number (CFL number) c(Δt/2)/h of the fastest wave.
     pub courant: f64,
-    /// Greatest rotation of spins in a step, rad.
+    /// Maximum rotation of spins per step, rad.
     pub rotation: f64,
-    /// Place of the plastic correction in the step.
+    /// Plastic step: return mapping or midpoint reflection.
     pub plastic_step: PlasticStep,
-    /// The order of sweeps.
+    /// Dimensional splitting: order of the sweeps.
     pub splitting: Splitting,
 }
 
-/// A branch at one wave vector.
+/// Predicted and measured frequency of a branch at one wave vector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BranchResult {
-    /// Index of its wave among those given.
+    /// Index of the wave in the list of waves.
     pub wave: usize,
-    /// Which equations hold.
+    /// Response of the solid.
     pub response: Response,
     /// Name of the branch.
     pub branch: String,
     /// Predicted frequency, rad/s; no wave grows.
     pub predicted: f64,
-    /// By the solver, or why there is no measurement.
+    /// Rate measured in the solver, or the reason for its absence.
     pub measured: Result<Measurement, NotMeasurable>,
 }
 
-/// Rates of a wave in the solver.
+/// Measured rates of a wave.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// By grid, the coarsest first.
+    /// Results by grid, coarsest first.
     pub grids: Vec<GridResult>,
-    /// In the limit of small cells.
+    /// Result extrapolated to zero cell size.
     pub limit: GridResult,
 }
 
 /// Rates on a grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridResult {
-    /// Cells to a period along each axis; 0 in the limit of small cells.
+    /// Cells per wavelength; 0 for the extrapolated result.
     pub cells: usize,
-    /// Measured.
+    /// Measured rate.
     pub measured: Rate,
-    /// By the symbol of the scheme: the prediction with its discretisation error.
+    /// Expected rate by the amplification matrix: the prediction including the discretisation error.
     pub expected: Rate,
-    /// Bound on their difference by rounding, and on curved yield surfaces by the turn of their normal in the wave, 1/s.
+    /// Bound on the difference of measured and expected rate, 1/s: rounding, and on curved yield surfaces the rotation of
+    /// the normal in the wave.
     pub tolerance: f64,
 }
 
@@ -102,19 +103,18 @@ impl GridResult {
 }
 
 impl BranchResult {
-    /// Whether it agrees on every grid and in the limit; `None` where there is no measurement.
+    /// Whether rates agree on every grid and in the limit; `None` without measurement.
     pub fn agrees(&self) -> Option<bool> {
         let own = self.measured.as_ref().ok()?;
         Some(own.grids.iter().chain([&own.limit]).all(GridResult::agrees))
     }
 
-    /// Measured minus predicted rate in the limit of small cells, relative to the predicted frequency; `None` where
-    /// there is no measurement.
+    /// Extrapolated measured rate minus predicted rate, relative to the predicted frequency; `None` without measurement.
     pub fn difference(&self) -> Option<Rate> {
         self.measured.as_ref().ok().map(|own| self.relative(own.limit.measured))
     }
 
-    /// The same by the symbol of the scheme.
+    /// Extrapolated expected rate minus predicted rate, relative to the predicted frequency; `None` without measurement.
     pub fn expected_difference(&self) -> Option<Rate> {
         self.measured.as_ref().ok().map(|own| self.relative(own.limit.expected))
     }
@@ -128,7 +128,7 @@ impl BranchResult {
         }
     }
 
-    /// The order of convergence of the measured rate from the coarsest grid to the finest; `None` where the error is
+    /// Order of convergence of the measured rate between the coarsest and the finest grid; `None` if the error is
     /// rounding.
     pub fn order(&self) -> Option<f64> {
         let own = self.measured.as_ref().ok()?;
@@ -143,7 +143,7 @@ impl BranchResult {
     }
 }
 
-/// Frequencies at which no wave of a polarisation propagates, and whether none was measured there.
+/// Band gap: frequencies at which no wave of a polarisation propagates, compared with the measured frequencies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BandGap {
     /// The polarisation.
@@ -152,16 +152,16 @@ pub struct BandGap {
     pub from: f64,
     /// Upper end, rad/s.
     pub to: f64,
-    /// The measured frequencies next to it, below and above, rad/s.
+    /// Measured frequencies next to the gap, below and above, rad/s.
     pub nearest: [Option<f64>; 2],
-    /// Whether none was measured inside.
+    /// Whether no measured frequency is in the gap.
     pub agrees: bool,
 }
 
-/// The band gaps of an elastic solid, held against the results of [`branch_results`] for waves.
+/// Band gaps of an elastic solid, compared with the results of [`branch_results`].
 ///
 /// # Errors
-/// There is no rate of response.
+/// The rate response of the solid is not defined.
 pub fn band_gaps(
     solid: &Solid,
     waves: &[PlaneWave<3>],

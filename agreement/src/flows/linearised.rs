@@ -1,4 +1,4 @@
-//! A uniform flow, and the evolution of its waves by the linearised equations.
+//! Evolution of the waves of a uniform flow by the linearised equations.
 
 use super::UniformFlow;
 use super::mean_flow::MeanFlow;
@@ -10,24 +10,24 @@ use models::flow::state::Flow;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Times at which an amplitude is taken, after the beginning.
+/// Number of times at which amplitudes are sampled, after the beginning.
 pub(super) const TIMES: usize = 8;
-/// Points along each axis of a box of one wave: no shorter wave is in it, which would only make steps stiffer.
+/// Points along each axis of a box of one wave; more points would resolve shorter waves and make the steps stiffer.
 pub(super) const POINTS: usize = 4;
-/// Steps between two times by which the analysis follows a wave.
+/// Integration steps of the analysis between two sample times.
 const COURSE: usize = 50;
 
 impl PlaneWave<2> {
-    /// k, 1/m.
+    /// Wave vector k, 1/m.
     pub(super) fn vector(&self) -> [f64; 2] {
         let [n1, n2] = self.normal;
         [self.number * n1, self.number * n2]
     }
 
-    /// The smallest periodic box that holds the wave, m, and its mode there.
+    /// Smallest periodic box of the wave, m, and its mode in it.
     pub(super) fn periodic_box(&self) -> ([f64; 2], Mode) {
         let [k1, k2] = self.vector();
-        // Nearly along an axis it is along the axis.
+        // Directions close to an axis are snapped to it.
         let is_negligible = |component: f64| component.abs() < 1e-9 * self.number;
         match [k1, k2].map(is_negligible) {
             [true, _] => ([TAU / self.number; 2], [0, k2.signum() as i32]),
@@ -42,7 +42,7 @@ pub(super) struct LinearisedFlow<'a> {
     pub(super) problem: &'a UniformFlow,
     pub(super) flow: Flow,
     mean: MeanFlow,
-    /// Γ, 1/s.
+    /// Velocity gradient Γ, 1/s.
     gradient: [[f64; 2]; 2],
 }
 
@@ -62,12 +62,12 @@ impl<'a> LinearisedFlow<'a> {
         Evolution::new(self.mean.system(), wave, rate).ok_or(AgreementError::Undetermined)
     }
 
-    /// Evolution along k(t), at its beginning.
+    /// Evolution along k(t) at the initial time.
     pub(super) fn moving(&self, wave: [f64; 2]) -> Result<Evolution, AgreementError> {
         self.evolution(wave, wave_vector_rate(self.gradient, wave))
     }
 
-    /// The first `count` unknowns of a wave from its transverse velocity and ω or ψ.
+    /// The first `count` unknowns of a wave from its transverse velocity and its internal variable (ω or ψ).
     pub(super) fn unknowns(
         &self,
         wave: [f64; 2],
@@ -86,14 +86,14 @@ impl<'a> LinearisedFlow<'a> {
         [transverse, unknowns.get(2).copied().unwrap_or_default()]
     }
 
-    /// The greater of the transverse velocity (0) and ω or ψ (1) in units of the mean flow, and that unit.
+    /// The larger field, transverse velocity (0) or internal variable (1), in units of the mean flow, with its unit.
     pub(super) fn greater(&self, number: f64, all: [Complex64; 2]) -> (usize, f64) {
         let size = |field: usize| all[field].norm() / self.unit(number, field);
         let greater = usize::from(size(1) > size(0));
         (greater, self.unit(number, greater))
     }
 
-    /// The mean flow's scale of the transverse velocity of a wave of that number (0), or of ω or ψ (1).
+    /// Scale by the mean flow of the transverse velocity (`field` = 0) or internal variable (1) of a wave of `number`, 1/m.
     pub(super) fn unit(&self, number: f64, field: usize) -> f64 {
         let rate = 2.0 * self.flow.shear_rate;
         match (field, self.flow.spin) {
@@ -103,8 +103,7 @@ impl<'a> LinearisedFlow<'a> {
         }
     }
 
-    /// q/(ρ(Q_D/k)²): the fraction of the mean velocity gradient that a wave has as its own, over the fraction of q that
-    /// its pressure has.
+    /// Inertial ratio q/(ρ(Q_D/k)²): relative velocity gradient of a wave over its relative pressure.
     pub(super) fn inertial_ratio(&self, number: f64) -> f64 {
         let (coulomb, velocity) = (self.problem.model.coulomb(), self.flow.shear_rate / number);
         let (sin, cos) = coulomb.friction_angle.cr_sin_cos();
@@ -112,7 +111,7 @@ impl<'a> LinearisedFlow<'a> {
         deviator / self.flow.density / velocity / velocity
     }
 
-    /// The greatest growth rate of the waves in the box of one wave at a time, 1/s; 0 where none grows.
+    /// Largest growth rate of the waves in the box of one wave at a time (s), 1/s; 0 if none grows.
     pub(super) fn fastest_growth(
         &self,
         lengths: [f64; 2],
@@ -135,7 +134,7 @@ impl<'a> LinearisedFlow<'a> {
         Ok(fastest)
     }
 
-    /// Amplitudes of a wave by the linearised equations.
+    /// Predicted amplitudes of a wave by the linearised equations.
     pub(super) fn predicted(
         &self,
         wave: [f64; 2],

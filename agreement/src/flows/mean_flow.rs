@@ -11,7 +11,7 @@ use models::flow::state::{Background, Flow, State};
 use models::flow::{Model, RotationKind};
 use nalgebra::{Matrix2, Vector2};
 
-/// A uniform mean flow at any time.
+/// A time-dependent uniform mean flow.
 pub(super) struct MeanFlow {
     model: Model,
     /// At the beginning.
@@ -23,12 +23,12 @@ pub(super) struct MeanFlow {
     law: Law,
 }
 
-/// How ψ − ψ_D changes.
+/// Evolution law of ψ − ψ_D.
 enum Law {
     Constant,
     /// Double shearing.
     DoubleShearing,
-    /// By the spin, whose rate is this, rad/s².
+    /// Harris–Grekova: by the spin with this constant rate, rad/s².
     Spin(f64),
 }
 
@@ -47,12 +47,12 @@ impl MeanFlow {
         Self { model, state, flow, system, rotation_ratio, law }
     }
 
-    /// At the beginning.
+    /// Linearised equations at the initial time.
     pub(super) fn system(&self) -> &LinearisedSystem<2> {
         &self.system
     }
 
-    /// ψ − ψ_D after a time, s, up to half turns; `None` where there is no stress angle any more.
+    /// Angle ψ − ψ_D at a time (s), modulo π; `None` if the flow is no longer fully deforming.
     pub(super) fn angle(&self, time: f64) -> Option<f64> {
         let (rate, vorticity) = (self.flow.shear_rate, self.flow.half_vorticity);
         let start = -self.flow.noncoaxiality;
@@ -76,7 +76,7 @@ impl MeanFlow {
         }
     }
 
-    /// The linearised equations after a time, s; `None` where the mean flow is no longer fully deforming.
+    /// Linearised equations at a time (s); `None` if the mean flow is no longer fully deforming.
     pub(super) fn system_at(&self, time: f64) -> Option<LinearisedSystem<2>> {
         if matches!(self.law, Law::Constant) {
             return Some(self.system.clone());

@@ -1,4 +1,4 @@
-//! The fastest growing wave of one perturbation on finer and finer grids.
+//! Grid refinement: the fastest growing wave of one perturbation on a sequence of grids.
 
 use super::UniformFlow;
 use super::linearised::LinearisedFlow;
@@ -12,54 +12,54 @@ use models::common::elementary::Elementary;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// A perturbation of a uniform flow at the points of a box, the first axis running fastest.
+/// A perturbation of a uniform flow at the points of a box, first axis fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Perturbation {
     /// Points along each axis; even, at least 4.
     pub points: [usize; 2],
-    /// Edges of the box at the beginning, m.
+    /// Initial edge lengths of the box, m.
     pub lengths: [f64; 2],
-    /// Of the velocity, m/s.
+    /// Velocity perturbation, m/s.
     pub velocity: [Vec<f64>; 2],
-    /// Of the spin ω, rad/s, or of the stress angle ψ, rad, where one of them evolves.
+    /// Perturbation of the internal variable, if one evolves: spin ω, rad/s, or stress angle ψ, rad.
     pub internal_variable: Vec<f64>,
 }
 
-/// The fastest growing mode of one grid.
+/// The fastest growing mode on one grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FastestMode {
     /// Points along each axis.
     pub points: [usize; 2],
-    /// The mode.
+    /// Fourier mode.
     pub mode: Mode,
-    /// Its wave number at the beginning, 1/m.
+    /// Initial wave number of the mode, 1/m.
     pub number: f64,
-    /// Its growth rate by the linearised equations along k(t), 1/s.
+    /// Growth rate predicted by the linearised equations along k(t), 1/s.
     pub predicted: f64,
-    /// Its growth rate in the solver, 1/s.
+    /// Growth rate measured in the solver, 1/s.
     pub measured: f64,
 }
 
-/// The fastest growing modes of one perturbation on finer and finer grids.
+/// Fastest growing modes of one perturbation under grid refinement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refinement {
-    /// The order of growth in k as k → ∞, by the verdict; 0 where the flow is well-posed.
+    /// Order of growth in k as k → ∞ by the verdict; 0 if the flow is well-posed.
     pub verdict_order: f64,
-    /// Grid by grid.
+    /// Results by grid.
     pub grids: Vec<FastestMode>,
     /// Q_D of the mean flow, 1/s.
     pub shear_rate: f64,
 }
 
 impl Refinement {
-    /// Allowed difference of measured and predicted rates, relative to the rate, and of the orders of both.
+    /// Tolerance of measured against predicted rates (relative), and of their orders.
     pub const RATE_TOLERANCE: f64 = 0.01;
 
-    /// Allowed difference of the order on these grids from that of the verdict, as k → ∞: less than half of the
-    /// difference between orders of 1 and ½.
+    /// Tolerance of the order on finite grids against the asymptotic order of the verdict: half of the difference between
+    /// orders 1 and ½.
     pub const ORDER_TOLERANCE: f64 = 0.25;
 
-    /// Whether the rates of this grid agree.
+    /// Whether measured and predicted rates on `grid` agree.
     pub fn grid_agrees(&self, grid: &FastestMode) -> bool {
         let scale = grid.predicted.abs().max(self.shear_rate);
         (grid.measured - grid.predicted).abs() <= Self::RATE_TOLERANCE * scale
@@ -71,8 +71,8 @@ impl Refinement {
         !self.grids.is_empty() && self.grids.iter().all(grows)
     }
 
-    /// Orders in the wave number of predicted and measured rates, fitted to all grids; `None` where nothing grows faster
-    /// than the mean flow deforms, and where the fastest modes of all grids have one wave number.
+    /// Orders in the wave number of predicted and measured rates, fitted to all grids; `None` if nothing grows faster
+    /// than the mean flow deforms, or if the fastest modes of all grids have the same wave number.
     pub fn orders(&self) -> Option<[f64; 2]> {
         let ends = self.grids.iter().fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], own| {
             [low.min(own.number), high.max(own.number)]
@@ -90,7 +90,7 @@ impl Refinement {
         Some([order(|own| own.predicted), order(|own| own.measured)])
     }
 
-    /// Whether rates and orders agree, and the order is next to that of the verdict.
+    /// Whether rates and orders agree, and the order is within tolerance of that of the verdict.
     pub fn agrees(&self) -> bool {
         let orders = match self.orders() {
             // On grids too coarse for growth, or for another fastest mode on a finer one, there is no order.
@@ -107,7 +107,7 @@ impl Refinement {
 /// Rates of the modes of a grid, by mode.
 type Rates = (Mode, Vec<Complex64>);
 
-/// The mode of a perturbation that grows fastest, predicted and measured.
+/// Predicts and measures the fastest growing mode of a perturbation.
 ///
 /// # Errors
 /// The solver does not take the flow or does not bring the perturbation to its end; the perturbation has no velocity,
@@ -118,7 +118,7 @@ pub fn fastest_mode(
 ) -> Result<FastestMode, AgreementError> {
     let flow = LinearisedFlow::new(problem);
     let (points, lengths) = (perturbation.points, perturbation.lengths);
-    // A tolerance for the whole perturbation, of which one wave is a small part.
+    // Tolerance for the whole perturbation, of which one wave is a small part.
     let solver_problem = Problem { tolerance: 3e-7, points, lengths, ..problem.solver.clone() };
     let mut solver = Solver::new(&solver_problem)?;
     let ([v1, v2], internal) = (&perturbation.velocity, &perturbation.internal_variable);
@@ -158,7 +158,7 @@ pub fn fastest_mode(
         }
         measured.push(amplitudes(&solver, *mode));
     }
-    // Over the last half, when the decaying modes are gone.
+    // Fit over the last half, after the decay of other modes.
     let half = TIMES / 2;
     let growth = |all: &[[Complex64; 2]]| {
         let transverse: Vec<Complex64> = all[half..].iter().map(|own| own[0]).collect();
@@ -173,7 +173,7 @@ pub fn fastest_mode(
     })
 }
 
-/// Predicted rates of the modes whose velocity the perturbation holds, one of each pair of opposite ones.
+/// Predicted rates of the modes in the velocity of the perturbation, one of each pair of opposite modes.
 fn rates(flow: &LinearisedFlow, solver: &Solver) -> Result<Vec<Rates>, AgreementError> {
     let [most, across] = solver.greatest_modes().map(|greatest| greatest as i32);
     let all: Vec<(Mode, f64)> = (0..=most)

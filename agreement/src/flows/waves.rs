@@ -11,17 +11,17 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Perturbations relative to the background.
+/// Amplitude of perturbations relative to the background.
 const AMPLITUDE: f64 = 1e-6;
-/// Steps between two of them, on the coarsest of three sequences; each next one has twice as many. Where steps
-/// are too long for the solver all three are halved, up to the second number.
+/// Steps between two sample times of the coarsest of three step sequences; each further sequence doubles them. If the
+/// solver rejects the steps as too long, all three are halved, up to the second number of steps.
 const STEPS: [usize; 2] = [4, 64];
-/// Powers of e by which other waves in the box may grow.
+/// Maximum number of e-folds by which other waves in the box may grow.
 const FOLDS: f64 = 4.0;
-/// Least amplitude of a wave, over that at the beginning: far above rounding.
+/// Smallest amplitude of a wave relative to its initial amplitude, far above rounding.
 pub(super) const LEAST: f64 = 0.1;
 
-/// The transverse velocity of a mode and ω or ψ, in the solver.
+/// Measured amplitudes of a mode: transverse velocity and internal variable (ω or ψ).
 pub(super) fn amplitudes(solver: &Solver, mode: Mode) -> [Complex64; 2] {
     let [k1, k2] = solver.wave_vector(mode);
     let [[vorticity, internal], _] = solver.mode(mode).unwrap_or_default();
@@ -29,12 +29,12 @@ pub(super) fn amplitudes(solver: &Solver, mode: Mode) -> [Complex64; 2] {
     [vorticity / (Complex64::I * k1.root_sum_square(k2)), internal]
 }
 
-/// Times at which amplitudes are taken.
+/// Times at which amplitudes are sampled.
 pub(super) fn times(duration: f64) -> Vec<f64> {
     (0..=TIMES).map(|index| duration * index as f64 / TIMES as f64).collect()
 }
 
-/// All modes of all waves, in the order of the waves.
+/// Predicts and measures all modes of all waves, in the order of the waves.
 ///
 /// # Errors
 /// The equations do not determine the evolution of a wave; that it was cancelled.
@@ -62,15 +62,15 @@ type Eigenmode = (Complex64, Vec<Complex64>);
 struct Experiment<'a> {
     flow: &'a LinearisedFlow<'a>,
     wave: usize,
-    /// 1/m.
+    /// Wave number, 1/m.
     number: f64,
-    /// k at the beginning, 1/m.
+    /// Initial wave vector k, 1/m.
     vector: [f64; 2],
     /// Edges of the box, m.
     lengths: [f64; 2],
     mode: Mode,
     problem: Problem,
-    /// Of the greater field, in units of the mean flow.
+    /// Amplitude of the larger field, in units of the mean flow.
     amplitude: f64,
     frozen: Vec<Eigenmode>,
 }
@@ -124,7 +124,7 @@ impl Experiment<'_> {
         let fit = |all: &[[Complex64; 2]]| {
             fit_rate(&times(duration), &all.iter().map(|own| own[leading]).collect::<Vec<_>>())
         };
-        // As many stages in all steps: the limit is that of one method.
+        // The same number of stages in all steps: the limit is that of one method.
         let measure = |steps: usize, stages: usize| {
             measured(&self.problem, self.mode, start, [steps, stages], duration)
         };
@@ -194,7 +194,7 @@ impl Experiment<'_> {
     }
 }
 
-/// The rate of the frozen wave vector that belongs to a moving one's.
+/// Rate of the frozen wave vector closest to that of the moving wave vector.
 fn nearest(frozen: &[Eigenmode], rate: Complex64) -> Rate {
     let distance = |own: &&Eigenmode| (own.0 - rate).norm();
     let nearest = frozen.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
@@ -204,8 +204,8 @@ fn nearest(frozen: &[Eigenmode], rate: Complex64) -> Rate {
 /// Amplitudes of a wave in the solver.
 type Amplitudes = Vec<[Complex64; 2]>;
 
-/// Amplitudes of a wave in the solver, with so many steps between two of them and at least so many stages; and
-/// the greatest number of stages. Or why the solver does not come to the end.
+/// Measured amplitudes of a wave with the given number of steps between samples and minimum number of stages, and the
+/// largest number of stages used; or the reason why the solver stops.
 fn measured(
     problem: &Problem,
     mode: Mode,

@@ -1,4 +1,4 @@
-//! The uniform state that waves run through where a solid yields.
+//! Uniform background on the yield surface for waves in a yielding solid.
 
 use crate::AgreementError;
 use crate::scheme::Equations;
@@ -10,16 +10,16 @@ use nalgebra::{DMatrix, DVector};
 /// A stress on the yield surface.
 pub(super) struct Background {
     pub(super) stress: Stress,
-    /// By unknown: the stress in which every active condition has the value one in units of energy.
+    /// Stress, by unknown, for which every active condition has unit value in energy coordinates.
     pub(super) yield_normal_stress: DVector<f64>,
     pub(super) is_curved: bool,
-    /// Norm of the stress in units of energy, √(J/m³).
+    /// Energy norm of the background stress, √(J/m³).
     pub(super) norm: f64,
-    /// The greatest wave, likewise, that meets no condition but the active ones.
+    /// Largest energy norm of a wave that activates no further condition, √(J/m³).
     pub(super) capacity: f64,
 }
 
-/// Gradients of the active conditions by all unknowns.
+/// Normals of the active conditions with respect to all unknowns.
 pub(super) fn normals<const D: usize>(solid: &Solid) -> Vec<DVector<f64>> {
     let active = solid.plastic.iter().flat_map(|plastic| &plastic.active);
     active.map(|condition| normal::<D>(solid, condition)).collect()
@@ -29,7 +29,7 @@ fn normal<const D: usize>(solid: &Solid, condition: &ActiveCondition) -> DVector
     by_unknown::<D>(solid, |component| component.derivative(&condition.normal))
 }
 
-/// Values of stress components in the place of the unknowns; velocities have zero.
+/// Vector over the unknowns with the given values of stress components, zero for velocities.
 fn by_unknown<const D: usize>(solid: &Solid, value: impl Fn(Component) -> f64) -> DVector<f64> {
     let velocities = solid.elastic.carried_rates::<D>().velocities();
     let stresses: Vec<Component> = solid.carried_stresses::<D>();
@@ -41,7 +41,7 @@ fn by_unknown<const D: usize>(solid: &Solid, value: impl Fn(Component) -> f64) -
 }
 
 impl Background {
-    /// The background of a solid; `None` where it does not yield.
+    /// Background of a solid; `None` if it is elastic.
     pub(super) fn new<const D: usize>(
         solid: &Solid,
         yielding: &Equations<D>,
@@ -71,7 +71,7 @@ impl Background {
     }
 }
 
-/// The stress at which the active conditions hold with equality.
+/// A stress at which all active conditions hold with equality.
 fn stress_of(plastic: &Plastic) -> Stress {
     if let Some(stress) = plastic.stress {
         return stress;
@@ -98,7 +98,7 @@ fn stress_of(plastic: &Plastic) -> Stress {
     stress
 }
 
-/// The shear and couple stress of a condition's normal in the plane.
+/// In-plane shear and couple stress of the normal of a condition.
 fn shear(condition: &ActiveCondition) -> Stress {
     let own = condition.normal;
     let mut shear = Stress::default();
@@ -109,8 +109,8 @@ fn shear(condition: &ActiveCondition) -> Stress {
     shear
 }
 
-/// The combination s = Σ cᵢnᵢ of the normals at which all conditions hold with equality, nᵢ·s = kᵢ: of all such stresses
-/// the least, as numbers in SI units. Zero where the normals are linearly dependent.
+/// Minimum-norm stress s = Σ cᵢnᵢ (numbers in SI units) at which all conditions hold with equality, nᵢ·s = kᵢ. Zero if
+/// the normals are linearly dependent.
 fn least_stress(active: &[(ActiveCondition, f64)]) -> Stress {
     let normal = |index: usize| &active[index].0.normal;
     let count = active.len();

@@ -16,16 +16,15 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Most cell-updates of a run.
+/// Maximum number of cell updates of a simulation.
 const MOST_UPDATES: f64 = 2e9;
-/// Roundings of a step, each of half a unit in the last place of the greatest field in units of energy: a
-/// sweep has about ten on a path from field to field, and there are up to seven factors.
+/// Bound on the roundings of a step, in half units in the last place of the largest field in energy coordinates: about
+/// ten per sweep, and up to seven factors per step.
 const ROUNDINGS: f64 = 64.0;
-/// Stress of waves over that of the background where the yield surface is flat.
+/// Ratio of wave stress to background stress on flat yield surfaces.
 const ON_FLAT: f64 = 1e-3;
 
-/// All branches of waves in a solid, predicted for `solid` and measured in `medium`, which is the same solid for the
-/// solver.
+/// Predicts all branches of waves in `solid` and measures them in `medium`, the same solid for the solver.
 ///
 /// # Errors
 /// The solid has no positive energy, no rate of response, or no background on its yield surface; `medium` is of another
@@ -82,7 +81,7 @@ impl<const D: usize> Experiment<'_, D> {
         Ok(results.map(|(branch, grids)| self.result(branch, grids)).collect())
     }
 
-    /// The branches of all waves, with their amplitudes by the equations in units of energy.
+    /// Branches of all waves, with amplitudes in energy coordinates.
     fn branches<'a>(
         &self,
         waves: &[PlaneWave<3>],
@@ -176,14 +175,14 @@ impl<const D: usize> Experiment<'_, D> {
         }
     }
 
-    /// A grid of one period along each axis, the period in time (s), and the number of steps to a cell.
+    /// Grid of one wavelength along each axis, the period (s), and the number of steps per cell.
     fn grid(&self, branch: &Branch<D>, cells: usize) -> (Grid<D>, f64, usize) {
         let edges = branch.vector.map(|k| 2.0 * PI / (k.abs() * cells as f64));
         let longest = edges.iter().copied().filter(|edge| edge.is_finite()).fold(0.0, f64::max);
         let along = |axis: usize| edges[axis].is_finite();
         let grid = Grid {
             cells: std::array::from_fn(|axis| if along(axis) { cells } else { 1 }),
-            // Nothing depends on an axis across the wave.
+            // The solution is constant along axes normal to the wave vector.
             spacing: std::array::from_fn(|axis| if along(axis) { edges[axis] } else { longest }),
         };
         let rate = |axis: usize| {
@@ -197,12 +196,12 @@ impl<const D: usize> Experiment<'_, D> {
             self.settings.rotation / rotation.frequency * coarsest
         });
         let period = 2.0 * PI / branch.predicted;
-        // As many steps to a cell on all grids: one Courant number.
+        // The same number of steps per cell on all grids, hence one Courant number.
         let per_cell = period / (by_waves.min(by_rotation) * cells as f64) * (1.0 - 1e-12);
         (grid, period, per_cell.ceil().max(1.0) as usize)
     }
 
-    /// That a run does not take too long.
+    /// Checks the number of cell updates of a simulation.
     fn check_size(&self, branch: &Branch<D>, cells: usize) -> Result<(), AgreementError> {
         let (grid, _, per_cell) = self.grid(branch, cells);
         let updates = (cells * per_cell) as f64 * grid.count() as f64;

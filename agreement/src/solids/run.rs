@@ -1,4 +1,4 @@
-//! A run of the solver: one wave through a periodic box of one period along each axis.
+//! A simulation of one wave in a periodic box of one wavelength along each axis.
 
 use super::background::Background;
 use super::branch::{Branch, Experiment, MARGIN};
@@ -15,7 +15,7 @@ use nalgebra::DVector;
 use num_complex::Complex64;
 use std::sync::Arc;
 
-/// One wave on one grid.
+/// Simulation of one wave on one grid.
 pub(super) struct Run<'a, const D: usize> {
     pub(super) experiment: &'a Experiment<'a, D>,
     pub(super) branch: &'a Branch<'a, D>,
@@ -27,7 +27,7 @@ pub(super) struct Run<'a, const D: usize> {
 }
 
 impl<const D: usize> Run<'_, D> {
-    /// The amplitude of the wave after every `per_cell` steps, in units of energy; or why there is none.
+    /// Amplitudes of the wave after every `per_cell` steps, in energy coordinates, or the reason for their absence.
     pub(super) fn amplitudes(
         &self,
         amplitude: &DVector<Complex64>,
@@ -80,8 +80,8 @@ impl<const D: usize> Run<'_, D> {
         self.unknowns.iter().position(|own| *own == name)
     }
 
-    /// Cells over a period of the wave on a line along an axis: measuring completes steps cell by cell, which takes
-    /// long. One line after the other, so that all rows are measured.
+    /// Cells of one wavelength on a line along an axis; successive samples use successive lines, so that all rows are
+    /// sampled. A full sample would be slow, as the output of a step is completed cell by cell.
     fn line(&self, index: usize) -> Vec<usize> {
         let counts = self.grid.cells;
         let axis = counts.iter().position(|count| *count > 1).unwrap_or(0);
@@ -91,7 +91,7 @@ impl<const D: usize> Run<'_, D> {
         (0..counts[axis]).map(|own| first + own * stride(axis)).collect()
     }
 
-    /// κ·x in the middle of a cell.
+    /// Phase κ·x at the centre of a cell.
     fn phase(&self, cell: usize) -> f64 {
         let mut rest = cell;
         let mut phase = 0.0;
@@ -134,7 +134,7 @@ impl<const D: usize> Run<'_, D> {
         problem
     }
 
-    /// How far inside its yield surface an unloading background stands, by unknown.
+    /// Offset of an unloading background into the interior of the yield surface, by unknown.
     fn offset(&self, amplitude: &DVector<Complex64>) -> Option<DVector<f64>> {
         let background = self.background?;
         (self.branch.response == Response::Unloading).then(|| {
