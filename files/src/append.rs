@@ -1,8 +1,8 @@
-//! Tables as comma-separated values that grow row by row, over runs that may be interrupted.
+//! CSV tables extended row by row, which interrupted runs can resume.
 //!
-//! Rows are collected in memory and reach the device with [`Appender::sync`]. A reader that looks
-//! earlier may find the last line half-written; a run that was interrupted goes on behind what a
-//! `sync` said was written, if that is still there unchanged, and what follows is written again.
+//! Rows are buffered in memory and written to disk by [`Appender::sync`]; before that a reader may see a partial last
+//! line. An interrupted run resumes at the length reported by the last `sync`, if that part of the file is unchanged;
+//! the rest is cut off and written again.
 
 use std::fs::{self, File};
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
@@ -14,43 +14,43 @@ use crate::atomic::sync_name;
 use crate::csv::shortest;
 use crate::open::open_in_place;
 
-/// A table that could not be started, resumed or extended.
+/// Error of starting, resuming or extending a table.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {problem}", path.display())]
 pub struct AppendError {
-    /// The table.
+    /// Path of the table.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// Cause of the error.
     #[source]
     pub problem: AppendProblem,
 }
 
-/// What is wrong with a table.
+/// Cause of an [`AppendError`].
 #[derive(Debug, thiserror::Error)]
 pub enum AppendProblem {
-    /// The operating system refused.
+    /// An operation was refused by the operating system.
     #[error("cannot {action}: {source}")]
     Refused {
-        /// What was attempted, as a word that follows "cannot".
+        /// Attempted action, a verb that follows "cannot".
         action: &'static str,
-        /// The operating system's answer.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The table to be resumed has lost rows that had been written.
+    /// The table to be resumed is shorter than the part already written.
     #[error("has {found} bytes, less than the {length} after which it should go on")]
     Shorter {
         /// Length of the file, in bytes.
         found: u64,
-        /// Where the table should go on, in bytes from its start.
+        /// Expected length of the part already written, bytes.
         length: u64,
     },
-    /// The table to be resumed does not begin with what had been written.
+    /// The part already written of the table to be resumed was changed.
     #[error("has other content in its first {length} bytes than was written")]
     Changed {
         /// Where the table should go on, in bytes from its start.
         length: u64,
     },
-    /// The table cannot go on there: it is not the end of a line below a header.
+    /// The length to resume at is not the end of a line below a header.
     #[error("has no header and whole rows in its first {length} bytes")]
     Header {
         /// Where the table should go on, in bytes from its start.
@@ -68,8 +68,8 @@ pub enum AppendProblem {
 
 pub use crate::open::Written;
 
-/// A table that is being extended. Rows that are not yet on the device when it is dropped are
-/// handed to the operating system, without a word about failures: call [`Appender::sync`] before.
+/// A table being extended. On drop, buffered rows are passed to the operating system and errors are ignored: call
+/// [`Appender::sync`] first.
 #[derive(Debug)]
 pub struct Appender {
     path: PathBuf,
@@ -77,7 +77,7 @@ pub struct Appender {
     writer: csv::Writer<Hashed>,
 }
 
-/// A file, and the checksum of all that it holds.
+/// A file with the running checksum of its content.
 #[derive(Debug)]
 struct Hashed {
     file: File,
@@ -114,8 +114,8 @@ fn wrong(path: &Path, problem: AppendProblem) -> AppendError {
 }
 
 impl Appender {
-    /// Starts a table with its header; a file of the same name is replaced, a missing folder is
-    /// an error. The header is on the device afterwards.
+    /// Creates a table with its header and writes it to disk; a file of the same name is replaced, a missing folder is an
+    /// error.
     pub fn create(path: &Path, header: &[&str]) -> Result<Self, AppendError> {
         // Another file, so that no link to the one before leads here.
         match fs::remove_file(path) {
@@ -135,8 +135,7 @@ impl Appender {
         Ok(appender)
     }
 
-    /// Goes on with a table behind what had been `written` of it, which must be there unchanged;
-    /// the rest of the file is cut off.
+    /// Resumes a table behind the part already `written`, which must be unchanged; the rest of the file is cut off.
     pub fn resume(path: &Path, written: Written) -> Result<Self, AppendError> {
         Interrupted::open(path, written)?.resume()
     }
@@ -161,8 +160,7 @@ impl Appender {
         written.map_err(|error| at(&self.path, "be written")(error.into()))
     }
 
-    /// Brings all rows to the device and says what is there: behind it [`Appender::resume`] loses
-    /// none of them.
+    /// Writes all rows to disk and returns length and checksum of the file, at which [`Appender::resume`] can resume.
     pub fn sync(&mut self) -> Result<Written, AppendError> {
         let mut flush = || {
             self.writer.flush()?;
@@ -173,7 +171,7 @@ impl Appender {
     }
 }
 
-/// A table that can go on behind what had been written of it; nothing of it is changed yet.
+/// A verified interrupted table that can be resumed; the file is not changed yet.
 #[derive(Debug)]
 pub struct Interrupted {
     path: PathBuf,
@@ -182,10 +180,10 @@ pub struct Interrupted {
 }
 
 impl Interrupted {
-    /// Looks whether what had been `written` of a table is there unchanged.
+    /// Opens an interrupted table and verifies that the part already `written` is unchanged.
     ///
     /// # Errors
-    /// It is not, or cannot be read.
+    /// That part was changed or cannot be read.
     pub fn open(path: &Path, written: Written) -> Result<Self, AppendError> {
         let length = written.length;
         let mut file = open_in_place(path).map_err(at(path, "be opened"))?;
@@ -204,10 +202,10 @@ impl Interrupted {
         Ok(Self { path: path.to_path_buf(), header, start })
     }
 
-    /// Cuts off what had been written later, and goes on.
+    /// Cuts off everything written later and resumes the table.
     ///
     /// # Errors
-    /// The file cannot be shortened.
+    /// The file cannot be truncated.
     pub fn resume(self) -> Result<Appender, AppendError> {
         let Self { path, header, start } = self;
         let mut file = &start.file;
@@ -220,7 +218,7 @@ impl Interrupted {
     }
 }
 
-/// What has hashed the first `length` bytes, as far as they are there.
+/// Hasher over the first `length` bytes, or all bytes of a shorter file.
 fn hasher_of(mut file: &File, length: u64) -> io::Result<Hasher> {
     file.rewind()?;
     let mut start = file.take(length);
@@ -233,7 +231,7 @@ fn hasher_of(mut file: &File, length: u64) -> io::Result<Hasher> {
     }
 }
 
-/// The column names, none where the first `length` bytes are not a header and whole lines.
+/// Column names; `None` if the first `length` bytes are not a header with complete lines.
 fn header_of(file: &mut File, length: u64) -> io::Result<Option<Vec<String>>> {
     let Some(last) = length.checked_sub(1) else { return Ok(None) };
     let mut end = [0];

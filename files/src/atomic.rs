@@ -1,4 +1,4 @@
-//! Writing a file as one indivisible step.
+//! Atomic file writes.
 
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
@@ -10,30 +10,29 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::open::{open_regular, stands_at};
 
-/// A file or folder that could not be written or read.
+/// Error of writing or reading a file or folder.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot {action} {}: {source}", path.display())]
 pub struct FileError {
-    /// The file or folder that the failed step touched.
+    /// File or folder of the failed step.
     pub path: PathBuf,
-    /// What was attempted, as a phrase that follows "cannot".
+    /// Attempted action, a phrase that follows "cannot".
     pub action: &'static str,
-    /// The operating system's answer.
+    /// Error of the operating system.
     pub source: io::Error,
 }
 
-/// Writes `bytes` to `path`: afterwards the file holds all of them or is as it was before.
+/// Writes `bytes` to `path` atomically: afterwards the file contains all of them or is unchanged.
 ///
-/// Missing parent folders are created. The bytes go to a temporary file in the same folder, are
-/// flushed to the device, and the temporary file takes the final name in one step. When any step
-/// fails the temporary file is removed. Something that is neither a file nor a symbolic link, such
-/// as a device, is not replaced; a link is, and what it leads to stays.
+/// Missing parent folders are created. The bytes are written to a temporary file in the same folder, flushed to disk,
+/// and the temporary file is renamed. If a step fails the temporary file is removed. A symbolic link is replaced and its
+/// target is not changed; other special files, such as devices, are refused.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     write_atomically_with(path, |file| file.write_all(bytes))
 }
 
-/// As [`write_atomically`], for content that is not in memory as a whole: `write` puts it into
-/// the file, which collects nothing, so that many small pieces deserve a buffer of their own.
+/// As [`write_atomically`], with content produced by `write` into the unbuffered file; many small pieces need a buffer
+/// of the caller.
 pub fn write_atomically_with(
     path: &Path,
     write: impl FnOnce(&mut File) -> io::Result<()>,
@@ -41,20 +40,20 @@ pub fn write_atomically_with(
     stage_with(path, write)?.publish()
 }
 
-/// A file that stands complete on the device under a temporary name. Dropped, it is gone.
+/// A complete file on disk under a temporary name, removed on drop unless published.
 #[derive(Debug)]
 pub struct Staged {
     path: PathBuf,
     temporary: PathBuf,
-    /// Keeps it locked, which tells others that it is no leftover.
+    /// Keeps the file locked, so that other processes do not remove it as abandoned.
     _file: File,
 }
 
 impl Staged {
-    /// The file takes its name.
+    /// Renames the file to its final name.
     ///
     /// # Errors
-    /// It cannot; it is removed then.
+    /// Renaming fails; the file is removed.
     pub fn publish(self) -> Result<(), FileError> {
         let at = |source| FileError { path: self.path.clone(), action: "write", source };
         refuse_device(&self.path).map_err(at)?;
@@ -73,10 +72,10 @@ impl Drop for Staged {
     }
 }
 
-/// Writes a file under a temporary name, from which [`Staged::publish`] takes it to `path`.
+/// Writes a file under a temporary name; [`Staged::publish`] renames it to `path`.
 ///
 /// # Errors
-/// A folder or the file cannot be created or written; nothing is left then.
+/// A folder or the file cannot be created or written; the temporary file is removed.
 pub fn stage_with(
     path: &Path,
     write: impl FnOnce(&mut File) -> io::Result<()>,
@@ -100,7 +99,7 @@ pub fn stage_with(
     Ok(staged)
 }
 
-/// That a file may be put in place of what stands there.
+/// Checks that `path` may be replaced by a file.
 fn refuse_device(path: &Path) -> io::Result<()> {
     match fs::symlink_metadata(path).map(|found| found.file_type()) {
         Ok(found) if !found.is_file() && !found.is_symlink() && !found.is_dir() => {
@@ -117,15 +116,15 @@ fn own_temporaries() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     OWN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes the temporary files of this process, and lets it make no other: for a process that is to end at once, as by
-/// a signal. Writing in other threads waits from now on.
+/// Removes the temporary files of this process and blocks the creation of others, for a process about to be terminated,
+/// e.g. by a signal. Writers in other threads wait from then on.
 pub fn remove_own_temporaries() {
     let own = own_temporaries();
     own.iter().for_each(|path| drop(fs::remove_file(path)));
     std::mem::forget(own);
 }
 
-/// Creates and locks a temporary file for a file of that name.
+/// Creates and locks a temporary file for the file `name`.
 fn create_temporary(folder: &Path, name: &OsStr) -> Result<(PathBuf, File), FileError> {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     loop {
@@ -151,10 +150,10 @@ fn create_temporary(folder: &Path, name: &OsStr) -> Result<(PathBuf, File), File
     }
 }
 
-/// Removes a temporary file that a dead process left; one that is being written stays.
+/// Removes a temporary file abandoned by a terminated process; files being written are kept.
 ///
 /// # Errors
-/// It cannot be removed.
+/// The file cannot be removed.
 pub fn remove_abandoned(path: &Path) -> io::Result<()> {
     let file = match open_regular(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
@@ -177,14 +176,14 @@ pub fn remove_abandoned(path: &Path) -> io::Result<()> {
     }
 }
 
-/// The number of the process in the name of a temporary file.
+/// Process id in the name of a temporary file.
 fn process_of(path: &Path) -> Option<u32> {
     let name = path.file_name()?.to_str()?.strip_suffix(".partial")?;
     let (_, number) = name.rsplit_once('.')?;
     number.split('-').next()?.parse().ok()
 }
 
-/// Whether there is no process of that number; `None` where that cannot be told.
+/// Whether no process with this id exists; `None` if unknown.
 fn is_dead(process: u32) -> Option<bool> {
     let all = Path::new("/proc");
     all.join("self").exists().then(|| !all.join(process.to_string()).exists())
@@ -199,9 +198,8 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Brings the name of a new file to the device, which it reaches only with its folder. Not every
-/// system can open or flush a folder, and the file itself is complete by now, so a refusal is no
-/// failure.
+/// Flushes the folder of a new file to disk, so that its name is durable. Errors are ignored: not every system can flush
+/// folders, and the file itself is complete.
 pub(crate) fn sync_name(path: &Path) {
     let _ = File::open(folder_of(path)).and_then(|folder| folder.sync_all());
 }

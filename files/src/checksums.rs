@@ -1,8 +1,8 @@
-//! A list of files with their lengths and checksums, which notices its own damage.
+//! A list of files with lengths and checksums, which detects its own damage.
 //!
-//! A line `CHECKSUM LENGTH NAME` for each file, in the order of their names, below a line that says what this is; the
-//! last line is the same for the bytes above it. Checksums are CRC-32 as in zlib, eight hexadecimal digits. A list is
-//! sound only if it is what would be written of its own content, so that every change of a byte is noticed.
+//! A header line, then a line `CHECKSUM LENGTH NAME` for each file, sorted by name; the last line covers the bytes above
+//! it. Checksums are CRC-32 as in zlib, eight hexadecimal digits. A list is valid only if it equals what would be written
+//! for its own content, so that every changed byte is detected.
 
 use std::collections::BTreeMap;
 
@@ -11,41 +11,41 @@ use crate::open::Written;
 /// The first line.
 const HEAD: &str = "# CRC-32, length in bytes and name of every file but the log; the last line is for those above\n";
 
-/// The list.
+/// The list of files with lengths and checksums.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Checksums {
     files: BTreeMap<String, Written>,
 }
 
 impl Checksums {
-    /// The usual name of a list, which its last line has.
+    /// File name of the list, also the name in its last line.
     pub const NAME: &str = "checksums.txt";
 
-    /// Adds a file, or puts another content in place of that which it had.
+    /// Adds or replaces a file.
     ///
     /// # Panics
-    /// The name is of several lines, or that of the list itself.
+    /// The name contains a line break or is that of the list itself.
     pub fn insert(&mut self, name: &str, written: Written) {
         assert!(!name.contains('\n') && name != Self::NAME, "no name of a file in a list: {name}");
         self.files.insert(name.to_owned(), written);
     }
 
-    /// Removes a file, if it is there.
+    /// Removes a file from the list, if present.
     pub fn remove(&mut self, name: &str) {
         self.files.remove(name);
     }
 
-    /// What the list says of a file.
+    /// Length and checksum of a file.
     pub fn get(&self, name: &str) -> Option<Written> {
         self.files.get(name).copied()
     }
 
-    /// All files in the order of their names.
+    /// All files, sorted by name.
     pub fn iter(&self) -> impl Iterator<Item = (&str, Written)> {
         self.files.iter().map(|(name, written)| (name.as_str(), *written))
     }
 
-    /// The bytes of the list.
+    /// The list as bytes of its file.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut text = HEAD.to_owned();
         for (name, written) in &self.files {
@@ -55,7 +55,7 @@ impl Checksums {
         text.into_bytes()
     }
 
-    /// The list of these bytes; `None` where they are damaged.
+    /// Parses the bytes of a list; `None` if they are damaged.
     pub fn parse(bytes: &[u8]) -> Option<Self> {
         let text = str::from_utf8(bytes).ok()?;
         let mut own = Self::default();

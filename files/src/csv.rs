@@ -1,4 +1,4 @@
-//! Tables as comma-separated values.
+//! CSV tables (comma-separated values).
 
 /// One cell of a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,7 +22,7 @@ impl From<&str> for Cell {
     }
 }
 
-/// A row whose length differs from the header's.
+/// Error: the length of a row differs from that of the header.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("row {row} of the table has {found} cells where the header names {expected} columns")]
 pub struct RowLength {
@@ -34,8 +34,7 @@ pub struct RowLength {
     pub expected: usize,
 }
 
-/// A table as comma-separated values: the column names, then one line per row, each line ended by
-/// a line feed.
+/// Formats a CSV table: column names, then one line per row, each ended by a line feed.
 pub fn table(
     header: &[&str],
     rows: impl IntoIterator<Item = Vec<Cell>>,
@@ -56,8 +55,7 @@ pub fn table(
     Ok(writer.into_inner().expect(IN_MEMORY))
 }
 
-/// The shortest decimal form that reads back to the same bits. Very large and very small numbers
-/// get an exponent: written out, they would be shortest in digits but not in characters.
+/// Shortest decimal form that reads back to the same bits; very large and very small numbers with an exponent.
 pub(crate) fn shortest(number: f64) -> String {
     let size = number.abs();
     if number.is_nan() {

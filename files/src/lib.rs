@@ -1,10 +1,10 @@
-//! Files that other programs read: whole or not at all, and the same bytes for the same content.
+//! File formats and safe file writing: atomic writes, and equal bytes for equal content.
 //!
-//! This crate knows no physics. It turns columns and arrays into bytes ([`csv`], [`npz`], [`vti`])
-//! and puts bytes on disk so that a reader never meets a half-written file
-//! ([`write_atomically`]). For work that goes on after an interruption there are files that notice
-//! their own damage ([`sealed`]) and tables that grow row by row ([`append`]); for folders that several
-//! processes write to there are locks ([`lock`]) and lists of checksums ([`checksums`]).
+//! The crate contains no physics. It encodes columns and arrays as CSV ([`csv`]), NumPy archives ([`npz`]) and VTK files
+//! ([`vti`]), and writes files so that a reader never sees a partial one ([`write_atomically`]). For restarts there are
+//! checkpoint files that detect their own damage ([`sealed`]) and tables extended row by row ([`append`]); for folders
+//! shared by processes there are locks ([`lock`]) and lists of checksums ([`checksums`]). To add a file format, add a
+//! module here.
 
 #![deny(missing_docs)]
 
@@ -18,7 +18,7 @@ mod open;
 pub mod sealed;
 pub mod vti;
 
-/// CRC-32 as in zlib: it guards against accidents, not against intent.
+/// CRC-32 checksum as in zlib; detects accidental, not intentional damage.
 pub fn checksum(bytes: &[u8]) -> u32 {
     crc32fast::hash(bytes)
 }

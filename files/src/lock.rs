@@ -1,7 +1,7 @@
-//! Locks on folders: a file that one process at a time holds locked.
+//! Folder locks: a lock file that one process at a time holds locked.
 //!
-//! The lock is the system's, so that it ends with the process however that ends; the file says nothing. It is never
-//! written to, and a symbolic link in its place is refused. Where files cannot be locked nothing is guarded.
+//! The lock is an advisory lock of the operating system, released when the process ends for any reason; the file is
+//! empty and never written. A symbolic link in its place is refused. On systems without file locks it has no effect.
 
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -13,10 +13,10 @@ use crate::open::{open_in_place, open_regular, stands_at};
 /// Time between two attempts.
 const PAUSE: Duration = Duration::from_millis(5);
 
-/// Why there is no lock.
+/// Error of acquiring a lock.
 #[derive(Debug, thiserror::Error)]
 pub enum LockError {
-    /// Another process, or another part of this one, holds it.
+    /// The lock is held by another process, or another part of this one.
     #[error("held by another process")]
     Busy,
     /// The file cannot be created or opened.
@@ -24,20 +24,20 @@ pub enum LockError {
     Refused(#[from] io::Error),
 }
 
-/// A lock that is held. When it is dropped it is free again, and its file is gone if it was not there before.
+/// A held lock. Drop releases it and removes its file if the lock created it.
 #[derive(Debug)]
 pub struct Lock {
     path: PathBuf,
     file: File,
-    /// Whether its file was not there before.
+    /// Whether the lock created its file.
     is_new: bool,
 }
 
 impl Lock {
-    /// Takes the lock whose file is at `path`, if nobody holds it.
+    /// Acquires the lock with its file at `path`, without waiting.
     ///
     /// # Errors
-    /// It is held, or its file cannot be opened: at the path stands no regular file, or a folder is missing.
+    /// The lock is held, or its file cannot be opened: not a regular file, or a missing folder.
     pub fn try_acquire(path: &Path) -> Result<Self, LockError> {
         loop {
             let (file, is_new) =
@@ -64,10 +64,10 @@ impl Lock {
         }
     }
 
-    /// The same, but waits for its holder.
+    /// Acquires the lock, waiting up to `patience` for its holder.
     ///
     /// # Errors
-    /// As [`try_acquire`](Self::try_acquire); it was held all the time.
+    /// As [`try_acquire`](Self::try_acquire), after the waiting time.
     pub fn acquire(path: &Path, patience: Duration) -> Result<Self, LockError> {
         let start = Instant::now();
         loop {
@@ -78,14 +78,14 @@ impl Lock {
         }
     }
 
-    /// Whether somebody holds the lock whose file is at `path`. Looking takes it for a moment, so that whoever looks
-    /// needs a lock of their own against those who would take it.
+    /// Whether the lock with its file at `path` is held. The test acquires it for a moment, so callers must exclude
+    /// concurrent acquirers by another lock.
     pub fn is_held(path: &Path) -> bool {
         let file = open_regular(path);
         file.is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
     }
 
-    /// Its file is to go with it, whether it was there before or not.
+    /// This lock, with its file removed on drop even if it existed before.
     pub fn without_trace(mut self) -> Self {
         self.is_new = true;
         self

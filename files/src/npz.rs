@@ -9,7 +9,7 @@ use crate::open::read_fallibly;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
-/// The archive could not be put together or taken apart.
+/// Error of writing or reading an NPZ archive.
 #[derive(Debug, thiserror::Error)]
 pub enum NpzError {
     /// The number of values is not the product of the shape.
@@ -22,7 +22,7 @@ pub enum NpzError {
         /// Number of values given.
         found: usize,
     },
-    /// The archive's container refused: a name used twice, a damaged archive.
+    /// Error of the ZIP container: a duplicate name or a damaged archive.
     #[error("array archive: {0}")]
     Container(#[from] zip::result::ZipError),
     /// Compressing or decompressing failed.
@@ -33,7 +33,7 @@ pub enum NpzError {
     Entry {
         /// Name of the array.
         name: String,
-        /// What is wrong, as a phrase that follows the name.
+        /// Problem of the entry, as a phrase that follows the name.
         problem: &'static str,
     },
 }
@@ -89,7 +89,7 @@ impl Npz {
         })
     }
 
-    /// Closes the archive and gives its bytes.
+    /// Finishes the archive and returns its bytes.
     pub fn finish(self) -> Result<Vec<u8>, NpzError> {
         Ok(self.archive.finish()?.into_inner())
     }
@@ -123,7 +123,7 @@ impl Npz {
     }
 }
 
-/// Number of values of a shape, none where it exceeds the machine's integers.
+/// Number of values of a shape; `None` on integer overflow.
 fn count(shape: &[usize]) -> Option<usize> {
     shape.iter().try_fold(1_usize, |product, &length| product.checked_mul(length))
 }
@@ -169,17 +169,17 @@ pub struct Array {
     pub values: Values,
 }
 
-/// Reads back an archive that [`Npz`] wrote, in the order of writing. Other programs' archives
-/// are read where they keep to the same kinds of arrays, in row-major order.
+/// Reads all arrays of an archive, in order. Archives of other programs are accepted if all arrays are of the supported
+/// types in row-major order.
 pub fn read(bytes: &[u8]) -> Result<Vec<Array>, NpzError> {
     read_some(bytes, |_| true, usize::MAX)
 }
 
-/// As [`read`], of an archive of unknown origin: the arrays whose names are wanted, each of which may have at most so
-/// many values. Nothing of the others is inflated.
+/// As [`read`], for an untrusted archive: only the arrays with wanted names, each of at most `most_values` values; other
+/// arrays are not decompressed.
 ///
 /// # Errors
-/// The archive is damaged, or an array that is wanted is larger or does not fit into memory.
+/// The archive is damaged, or a wanted array is larger or does not fit into memory.
 pub fn read_some(
     bytes: &[u8],
     is_wanted: impl Fn(&str) -> bool,
@@ -209,7 +209,7 @@ pub fn read_some(
     Ok(arrays)
 }
 
-/// Bytes of the longest header of format version 1.0.
+/// Maximum length of a header of format version 1.0, bytes.
 const MOST_HEADER: usize = 10 + u16::MAX as usize;
 
 /// The text between `open` and the next `close`.

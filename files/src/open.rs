@@ -1,4 +1,4 @@
-//! Opening files of unknown origin: never a device, a pipe or a file behind a symbolic link unasked.
+//! Safe opening of untrusted paths: refuses devices and pipes, and symbolic links where unwanted.
 
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, Read};
@@ -6,33 +6,33 @@ use std::path::Path;
 
 use crc32fast::Hasher;
 
-/// Length and checksum of a file, or of its beginning.
+/// Length and checksum of a file, or of its first bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Written {
     /// Length, in bytes.
     pub length: u64,
-    /// CRC-32 of these bytes as in zlib: it guards against accidents, not against intent.
+    /// CRC-32 of these bytes as in zlib; detects accidental, not intentional damage.
     pub checksum: u32,
 }
 
 impl Written {
-    /// Of bytes in memory.
+    /// Length and checksum of bytes in memory.
     pub fn of(bytes: &[u8]) -> Self {
         Self { length: bytes.len() as u64, checksum: crate::checksum(bytes) }
     }
 
-    /// Of a file, which is read piece by piece.
+    /// Length and checksum of a file, read in pieces.
     ///
     /// # Errors
-    /// The path is not that of a regular file, or cannot be read.
+    /// The path is not a regular file or cannot be read.
     pub fn of_file(path: &Path) -> io::Result<Self> {
         Self::of_reader(open_regular(path)?)
     }
 
-    /// Of the first `length` bytes of a file, or of all where there are fewer.
+    /// Length and checksum of the first `length` bytes of a file, or of all bytes of a shorter one.
     ///
     /// # Errors
-    /// The path is not that of a regular file, or cannot be read.
+    /// The path is not a regular file or cannot be read.
     pub fn of_start(path: &Path, length: u64) -> io::Result<Self> {
         Self::of_reader(open_regular(path)?.take(length))
     }
@@ -53,28 +53,28 @@ impl Written {
     }
 }
 
-/// Opens a file for reading. A pipe that nobody writes to would be waited for, and some devices never end.
+/// Opens a regular file for reading; refuses pipes and devices, which may block or never end.
 ///
 /// # Errors
-/// The path is not that of a regular file, after symbolic links, or cannot be opened.
+/// The path, after following symbolic links, is not a regular file or cannot be opened.
 pub fn open_regular(path: &Path) -> io::Result<File> {
     let file = without_waiting(File::options().read(true)).open(path)?;
     refuse_irregular(&file.metadata()?)?;
     Ok(file)
 }
 
-/// Reads a file into memory.
+/// Reads a regular file into memory.
 ///
 /// # Errors
-/// The path is not that of a regular file, after symbolic links; it cannot be read, or does not fit into memory.
+/// The path, after following symbolic links, is not a regular file, cannot be read, or does not fit into memory.
 pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     read_regular_within(path, u64::MAX)
 }
 
-/// The same for a file of at most so many bytes.
+/// Reads a regular file of at most `most` bytes into memory.
 ///
 /// # Errors
-/// It is larger, or as [`read_regular`].
+/// The file is larger, or an error of [`read_regular`].
 pub fn read_regular_within(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let file = open_regular(path)?;
     let length = file.metadata()?.len();
@@ -87,7 +87,7 @@ pub fn read_regular_within(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Appends what a reader holds, about `length` bytes; an error where it does not fit into memory.
+/// Reads all of a reader, about `length` bytes, into a buffer; allocation failure is an error.
 pub(crate) fn read_fallibly(
     mut reader: impl Read,
     length: u64,
@@ -113,10 +113,10 @@ pub(crate) fn read_fallibly(
     }
 }
 
-/// Opens a file for reading and writing without following a symbolic link at its place.
+/// Opens a regular file for reading and writing without following symbolic links.
 ///
 /// # Errors
-/// At the path stands no regular file, or it cannot be opened.
+/// The path is not a regular file or cannot be opened.
 pub(crate) fn open_in_place(path: &Path) -> io::Result<File> {
     refuse_link(path)?;
     let file = without_following(File::options().read(true).write(true)).open(path)?;
@@ -124,10 +124,10 @@ pub(crate) fn open_in_place(path: &Path) -> io::Result<File> {
     Ok(file)
 }
 
-/// Opens a file to append to it, and creates it if it is missing, without following a symbolic link at its place.
+/// Opens a regular file for appending, created if missing, without following symbolic links.
 ///
 /// # Errors
-/// At the path stands something else than a regular file, or it cannot be opened.
+/// The path is something else than a regular file, or cannot be opened.
 pub fn open_to_append(path: &Path) -> io::Result<File> {
     refuse_link(path)?;
     let file = without_following(File::options().append(true).create(true)).open(path)?;
@@ -135,7 +135,7 @@ pub fn open_to_append(path: &Path) -> io::Result<File> {
     Ok(file)
 }
 
-/// That no symbolic link stands at the path: in words of its own, where the system speaks of too many of them.
+/// Checks that the path is not a symbolic link, with a clearer message than the operating system's.
 fn refuse_link(path: &Path) -> io::Result<()> {
     match fs::symlink_metadata(path) {
         Ok(metadata) if metadata.is_symlink() => {
@@ -153,7 +153,7 @@ fn refuse_irregular(metadata: &Metadata) -> io::Result<()> {
     }
 }
 
-/// Whether an open file is the one that stands at a path. Where the system does not tell, it is.
+/// Whether an open file is the file at `path`; true if the system cannot tell.
 pub(crate) fn stands_at(file: &File, path: &Path) -> bool {
     #[cfg(unix)]
     {
@@ -169,7 +169,7 @@ pub(crate) fn stands_at(file: &File, path: &Path) -> bool {
     }
 }
 
-/// Does not wait for the other end of a pipe.
+/// Sets non-blocking mode, so that opening a pipe does not wait.
 fn without_waiting(options: &mut OpenOptions) -> &mut OpenOptions {
     #[cfg(unix)]
     {
@@ -179,7 +179,7 @@ fn without_waiting(options: &mut OpenOptions) -> &mut OpenOptions {
     options
 }
 
-/// Nor follows a symbolic link.
+/// Sets non-blocking mode and refuses symbolic links.
 fn without_following(options: &mut OpenOptions) -> &mut OpenOptions {
     #[cfg(unix)]
     {

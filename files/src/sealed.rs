@@ -1,5 +1,5 @@
-//! Named sections of bytes under checksums, for what a program reads back itself: damage that is
-//! not noticed would go on as a wrong result.
+//! Checkpoint file format: named sections of bytes with checksums, so that damage is detected when a program reads its
+//! own files.
 //!
 //! All numbers are little-endian. A file opens with 28 bytes that are the same in every version
 //! of the format: eight bytes of magic, the format version (4 bytes), the number of sections (4),
@@ -27,27 +27,27 @@ const OPENING: usize = 28;
 const SECTION_HEAD: usize = 12;
 const CHECKSUM: usize = 4;
 
-/// A file of sections that could not be read.
+/// Error of reading a file of sections.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {problem}", path.display())]
 pub struct SealedError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// Cause of the error.
     #[source]
     pub problem: Problem,
 }
 
-/// What is wrong with a file of sections.
+/// Cause of a [`SealedError`].
 #[derive(Debug, thiserror::Error)]
 pub enum Problem {
     /// The operating system refused to open or to read the file.
     #[error("cannot be read: {0}")]
     Read(#[from] io::Error),
-    /// The file is of some other kind.
+    /// The file is not of this format.
     #[error("is not a file of sealed sections")]
     NotSealed,
-    /// The file is of another version of the format.
+    /// The file has another version of the format.
     #[error("has format version {found} where this program reads version {VERSION}")]
     Version {
         /// The file's version.
@@ -58,15 +58,15 @@ pub enum Problem {
     Truncated {
         /// Length of the file, in bytes.
         found: u64,
-        /// Length that the file says it has, or the least that any has, in bytes.
+        /// Length stated in the file, or the minimum length, bytes.
         expected: u64,
     },
-    /// Something follows the end.
+    /// The file is longer than stated.
     #[error("has {found} bytes where it says {expected}")]
     TooLong {
         /// Length of the file, in bytes.
         found: u64,
-        /// Length that the file says it has, in bytes.
+        /// Length stated in the file, bytes.
         expected: u64,
     },
     /// The bytes in front of the sections are damaged.
@@ -84,7 +84,7 @@ pub enum Problem {
         /// The section's name.
         name: String,
     },
-    /// Each section is sound, but together they are not what was written.
+    /// Each section is valid, but the checksum of the whole file is wrong.
     #[error("is damaged: the checksum of the whole does not match")]
     Whole,
     /// There is not enough memory for a section.
@@ -97,9 +97,8 @@ pub enum Problem {
     },
 }
 
-/// Writes sections to a file: afterwards the file holds all of them or is as it was before, as
-/// with [`crate::write_atomically`]. The contents go from where they are straight to the file.
-/// Two sections of the same name are refused.
+/// Writes sections to a file atomically, as [`crate::write_atomically`], without copying the contents. Duplicate names
+/// are refused.
 pub fn write_sealed(path: &Path, sections: &[(&str, &[u8])]) -> Result<(), FileError> {
     let opening = opening(sections).map_err(|source| FileError {
         path: path.to_path_buf(),
@@ -109,8 +108,8 @@ pub fn write_sealed(path: &Path, sections: &[(&str, &[u8])]) -> Result<(), FileE
     write_atomically_with(path, |file| write(file, &opening, sections))
 }
 
-/// Reads the sections of a file back, in the order of writing. A file that is not exactly as it
-/// was written is refused, and no length is believed that the file itself does not have.
+/// Reads the sections of a file, in the order of writing. Any changed byte is an error, and stated lengths are checked
+/// against the length of the file before allocation.
 pub fn read_sealed(path: &Path) -> Result<Vec<(String, Vec<u8>)>, SealedError> {
     let opened = open_regular(path).and_then(|file| Ok((file.metadata()?.len(), file)));
     opened
@@ -123,8 +122,8 @@ fn refused(reason: String) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, reason)
 }
 
-/// What is on the way to a file, and the checksum of all parts so far. The parts' own checksums do
-/// not count: a part and its checksum in a row have the same checksum whatever the part.
+/// Writer with the running checksum of all parts. The checksums of the parts are excluded, since the CRC of data followed
+/// by its own CRC is constant.
 struct Sealing<W> {
     writer: W,
     whole: Hasher,
@@ -155,7 +154,7 @@ fn write(writer: impl Write, opening: &[u8], sections: &[(&str, &[u8])]) -> io::
     writer.write_all(&whole.finalize().to_le_bytes())
 }
 
-/// The bytes in front of the sections, without their checksum, if the sections can be written.
+/// Opening of the file, without its checksum; an error if the sections cannot be written.
 fn opening(sections: &[(&str, &[u8])]) -> io::Result<Vec<u8>> {
     let mut names = HashSet::new();
     if let Some((name, _)) = sections.iter().find(|(name, _)| !names.insert(name)) {
@@ -177,7 +176,7 @@ fn opening(sections: &[(&str, &[u8])]) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// What comes from a file, the checksum of all parts so far, and how many bytes may still come.
+/// Reader with the running checksum of all parts and the number of remaining bytes.
 struct Unsealing<R> {
     reader: R,
     whole: Hasher,
@@ -185,13 +184,13 @@ struct Unsealing<R> {
 }
 
 impl<R: Read> Unsealing<R> {
-    /// The next bytes, which must be there.
+    /// Reads exactly the next bytes.
     fn fill(&mut self, bytes: &mut [u8]) -> io::Result<()> {
         self.left = self.left.saturating_sub(bytes.len() as u64);
         self.reader.read_exact(bytes)
     }
 
-    /// The next bytes of a part, and their checksum.
+    /// Reads the next bytes of a part and hashes them.
     fn take(&mut self, bytes: &mut [u8]) -> io::Result<Hasher> {
         self.fill(bytes)?;
         let mut own = Hasher::new();
@@ -200,19 +199,19 @@ impl<R: Read> Unsealing<R> {
         Ok(own)
     }
 
-    /// Whether the next bytes are the checksum of what was hashed.
+    /// Reads a checksum and compares it with the hash `own`.
     fn confirms(&mut self, own: Hasher) -> io::Result<bool> {
         let mut stored = [0; CHECKSUM];
         self.fill(&mut stored)?;
         Ok(own.finalize() == u32::from_le_bytes(stored))
     }
 
-    /// Whether so many bytes and two checksums, of themselves and of the whole, may still come.
+    /// Whether `length` bytes and two checksums fit into the remaining bytes.
     fn can_hold(&self, length: u64) -> bool {
         length.checked_add(2 * CHECKSUM as u64).is_some_and(|length| length <= self.left)
     }
 
-    /// Name and length of the next section, none where they are damaged.
+    /// Reads name and length of the next section; `None` if damaged.
     fn section_head(&mut self) -> io::Result<Option<(String, u64)>> {
         if !self.can_hold(SECTION_HEAD as u64) {
             return Ok(None);
@@ -231,7 +230,7 @@ impl<R: Read> Unsealing<R> {
         Ok(String::from_utf8(name).ok().map(|name| (name, length)))
     }
 
-    /// The next section.
+    /// Reads the next section.
     fn section(&mut self, number: u32) -> Result<(String, Vec<u8>), Problem> {
         let head = self.section_head()?;
         let (name, length) = head.ok_or(Problem::SectionHead { number })?;
@@ -246,8 +245,7 @@ impl<R: Read> Unsealing<R> {
     }
 }
 
-/// Zeros of a length in bytes that has been compared with the file's; none where they do not fit
-/// into memory.
+/// Allocates a zeroed buffer of a verified length; `None` if it does not fit into memory.
 fn zeros(length: u64) -> Option<Vec<u8>> {
     let length = usize::try_from(length).ok()?;
     let mut bytes = Vec::new();
@@ -278,7 +276,7 @@ fn read(reader: impl Read, found: u64) -> Result<Vec<(String, Vec<u8>)>, Problem
     if confirmed { Ok(sections) } else { Err(Problem::Whole) }
 }
 
-/// The number of sections, from an opening that fits to the length of the file.
+/// Reads the opening, checks the stated length, and returns the number of sections.
 fn read_opening(unsealing: &mut Unsealing<impl Read>, found: u64) -> Result<u32, Problem> {
     let mut bytes = [0; OPENING];
     let there = usize::try_from(found).unwrap_or(OPENING).min(OPENING);

@@ -3,7 +3,7 @@
 use models::InputError;
 use models::flow::{FlowKind, Model};
 
-/// The constants that the models of `models` have among them; a model takes those that it has.
+/// Constants of all flow models; each model uses its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// Angle of internal friction φ, rad.
@@ -19,10 +19,10 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// The model of that kind; a constant that it has and that is absent here is NaN.
+    /// The model of `kind`; constants that are `None` here are NaN.
     ///
     /// # Errors
-    /// The constant that is out of range.
+    /// A constant is out of range.
     ///
     /// # Panics
     /// The model has a constant that is not listed here.
@@ -30,7 +30,7 @@ impl Parameters {
         Model::new(kind, &self.constants(kind))
     }
 
-    /// The constants of a model, in its order; one that it has and that is absent here is NaN.
+    /// Constants of a model in the order of its registry entry; constants that are `None` here are NaN.
     ///
     /// # Panics
     /// The model has a constant that is not listed here.

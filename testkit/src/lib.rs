@@ -1,5 +1,5 @@
-//! What tests of several crates share: constants of the flow models by name, and random numbers that are the same
-//! in every run. A development dependency alone; it knows [`models`] and nothing above.
+//! Helpers shared by tests of several crates: constants of the flow models by name, reproducible random numbers, values at
+//! the ends of ranges. A development dependency only; depends on [`models`] and no higher crate.
 #![deny(missing_docs)]
 
 pub mod flows;

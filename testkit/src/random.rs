@@ -1,15 +1,15 @@
-//! Random numbers that are the same in every run.
+//! Reproducible random numbers.
 
-/// A small generator with a fixed seed (SplitMix64).
+/// SplitMix64 random number generator with a fixed seed (Steele, Lea & Flood 2014).
 pub struct Random(u64);
 
 impl Random {
-    /// With a seed.
+    /// A generator with the seed `seed`.
     pub fn new(seed: u64) -> Self {
         Self::with_salt(seed, 0)
     }
 
-    /// Another sequence for each salt.
+    /// A generator with an independent sequence for each `salt`.
     pub fn with_salt(seed: u64, salt: u64) -> Self {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ salt)
     }
@@ -23,39 +23,39 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Uniform in [0, 1).
+    /// A uniform random number in [0, 1).
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Uniform in [least, most).
+    /// A uniform random number in [least, most).
     pub fn within(&mut self, least: f64, most: f64) -> f64 {
         least + (most - least) * self.unit()
     }
 
-    /// Log-uniform in [least, most).
+    /// A log-uniform random number in [least, most).
     pub fn decades(&mut self, least: f64, most: f64) -> f64 {
         self.within(least.ln(), most.ln()).exp()
     }
 
-    /// True with this probability.
+    /// True with the given probability.
     pub fn chance(&mut self, probability: f64) -> bool {
         self.unit() < probability
     }
 
-    /// Of either sign, log-uniform magnitude.
+    /// A random number of random sign with log-uniform magnitude in [least, most).
     pub fn signed(&mut self, least: f64, most: f64) -> f64 {
         let size = self.decades(least, most);
         if self.chance(0.5) { -size } else { size }
     }
 
-    /// Of either sign, uniform magnitude in [least, most): never near zero, so that no term hides.
+    /// A random number of random sign with uniform magnitude in [least, most), away from zero so that every term counts.
     pub fn generic(&mut self, least: f64, most: f64) -> f64 {
         let magnitude = self.within(least, most);
         if self.bits() & (1 << 40) == 0 { magnitude } else { -magnitude }
     }
 
-    /// A whole number below `count`.
+    /// A uniform random integer in [0, count).
     pub fn below(&mut self, count: usize) -> usize {
         (self.bits() >> 20) as usize % count
     }

@@ -5,7 +5,7 @@ use models::common::range::Range;
 /// A number next to 0.
 const TINY: f64 = 1e-300;
 
-/// Numbers just outside a range.
+/// Test values just outside a range.
 pub fn outside(range: Range) -> Vec<f64> {
     match range {
         Range::Finite => vec![],
@@ -17,7 +17,7 @@ pub fn outside(range: Range) -> Vec<f64> {
     }
 }
 
-/// The ends that belong to a range.
+/// Closed ends of a range.
 pub fn closed_ends(range: Range) -> Vec<f64> {
     match range {
         Range::Finite | Range::Positive | Range::Below(_) => vec![],
@@ -26,7 +26,7 @@ pub fn closed_ends(range: Range) -> Vec<f64> {
     }
 }
 
-/// Numbers inside a range, next to the ends that do not belong to it.
+/// Test values just inside the open ends of a range.
 pub fn just_inside(range: Range) -> Vec<f64> {
     match range {
         Range::Finite | Range::NotNegative => vec![f64::MAX],

@@ -1,4 +1,4 @@
-//! Values of XML attributes.
+//! Formatting and escaping of XML attribute values.
 
 use super::error::VtiError;
 
@@ -6,7 +6,7 @@ pub(super) fn finite(time: f64) -> Result<f64, VtiError> {
     if time.is_finite() { Ok(time) } else { Err(VtiError::Time(time)) }
 }
 
-/// A name as the value of an attribute.
+/// Formats a name as attribute value.
 pub(super) fn attribute(name: &str) -> Result<String, VtiError> {
     let foreign = |c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}');
     if name.is_empty() || name.contains(foreign) {

@@ -1,11 +1,10 @@
-//! Collections of files, each with its time.
+//! PVD collections: files of a time series with their times.
 
 use super::attributes::{attribute, finite};
 use super::error::VtiError;
 use crate::csv::shortest;
 
-/// A collection (`.pvd`) of files, each with its time, in seconds as a rule, and its path relative
-/// to the collection.
+/// Formats a collection (`.pvd`) of files, each with its time (usually s) and its path relative to the collection.
 pub fn collection(entries: &[(f64, impl AsRef<str>)]) -> Result<Vec<u8>, VtiError> {
     let mut text = String::from(
         "<?xml version=\"1.0\"?>\n\
@@ -22,7 +21,7 @@ pub fn collection(entries: &[(f64, impl AsRef<str>)]) -> Result<Vec<u8>, VtiErro
     Ok(text.into_bytes())
 }
 
-/// The paths in a collection that was written by [`collection`].
+/// Paths in a collection written by [`collection`].
 pub fn collected(text: &str) -> Vec<String> {
     let paths = text.lines().filter_map(|line| line.split_once(" file=\"")?.1.split('"').next());
     let unescaped = |path: &str| {

@@ -1,4 +1,4 @@
-//! Values as appended bytes, plain or compressed.
+//! Encoding of array values as appended bytes, plain or compressed.
 
 use std::io::Write;
 
@@ -7,10 +7,10 @@ use flate2::write::ZlibEncoder;
 
 use super::number::Number;
 
-/// How the values lie in the file.
+/// Storage of array values in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Storage {
-    /// As they are in memory.
+    /// Uncompressed little-endian values.
     Plain,
     /// Compressed without loss (zlib), in blocks.
     Compressed,
@@ -18,7 +18,7 @@ pub enum Storage {
 
 pub(super) const IN_MEMORY: &str = "writing into memory";
 
-/// Values behind their length in bytes.
+/// Encodes values, preceded by their length in bytes.
 pub(super) fn plain<T: Number>(values: &[T]) -> Vec<u8> {
     let length = size_of_val(values);
     let mut bytes = Vec::with_capacity(8 + length);
@@ -27,11 +27,11 @@ pub(super) fn plain<T: Number>(values: &[T]) -> Vec<u8> {
     bytes
 }
 
-/// Length of a block before compression, in bytes: several of the compressor's windows of 32 KiB.
+/// Length of a block before compression, bytes: several windows of 32 KiB of the compressor.
 pub(super) const BLOCK: usize = 1 << 18;
 
-/// Values in compressed blocks, behind the number of blocks, the length of a block, the length of
-/// the last block if that is shorter (zero if it is not) and the compressed length of each.
+/// Encodes values in compressed blocks, preceded by the number of blocks, the length of a block, the length of the last
+/// block if shorter (else zero) and the compressed lengths.
 pub(super) fn compressed<T: Number>(values: &[T]) -> Vec<u8> {
     let mut lengths = Vec::new();
     let mut blocks = Vec::new();

@@ -1,6 +1,6 @@
-//! Errors of image data and collections.
+//! Errors of VTK image data and collections.
 
-/// What cannot be written as image data, or as a collection of it.
+/// Error of image data or a collection.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum VtiError {
     /// The grid has neither two nor three axes, or its parts disagree on their number.
@@ -50,10 +50,10 @@ pub enum VtiError {
     Components {
         /// Name of the array.
         name: String,
-        /// Components asked for.
+        /// Requested number of components.
         found: usize,
     },
-    /// The number of values is not what the grid and the components ask for.
+    /// The number of values differs from cells × components.
     #[error("array \"{name}\" of image data has {found} values where {expected} are needed")]
     Length {
         /// Name of the array.

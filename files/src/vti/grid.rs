@@ -1,4 +1,4 @@
-//! Regular grids.
+//! Regular grids of image data.
 
 use super::error::VtiError;
 use crate::csv::shortest;
@@ -8,15 +8,14 @@ use crate::csv::shortest;
 pub struct Grid {
     /// Cells along each of the two or three axes.
     pub cells: Vec<usize>,
-    /// Corner of the first cell, where all coordinates are smallest; a unit of length of the
-    /// caller's choice.
+    /// Lower corner of the grid, in any unit of length.
     pub origin: Vec<f64>,
     /// Length of a cell along each axis, in the same unit.
     pub spacing: Vec<f64>,
 }
 
 impl Grid {
-    /// The number of cells of a grid that can be written.
+    /// Number of cells; an error if the grid cannot be written.
     pub(super) fn count(&self) -> Result<usize, VtiError> {
         let axes = self.cells.len();
         if !(2..=3).contains(&axes) || self.origin.len() != axes || self.spacing.len() != axes {
@@ -39,15 +38,14 @@ impl Grid {
             .ok_or_else(|| VtiError::Size { cells: self.cells.clone() })
     }
 
-    /// First and last node along each of three axes. A plane grid has a single node along z, which
-    /// makes its cells flat.
+    /// VTK extent: first and last node along three axes. A plane grid has a single node along z.
     pub(super) fn extent(&self) -> String {
         let last = |axis| self.cells.get(axis).copied().unwrap_or(0);
         format!("0 {} 0 {} 0 {}", last(0), last(1), last(2))
     }
 }
 
-/// Three numbers, those that are missing replaced.
+/// Formats three numbers; absent ones are replaced by `missing`.
 pub(super) fn triple(numbers: &[f64], missing: f64) -> String {
     let texts = (0..3).map(|axis| shortest(numbers.get(axis).copied().unwrap_or(missing)));
     texts.collect::<Vec<_>>().join(" ")

@@ -1,4 +1,4 @@
-//! The writer of image data.
+//! Writer of VTK image data and structured grids.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -15,7 +15,7 @@ struct Array {
     pub(super) name: String,
     pub(super) kind: &'static str,
     pub(super) components: usize,
-    /// The values with their lengths in front, as they stand in the file.
+    /// Encoded values, preceded by their lengths.
     pub(super) bytes: Vec<u8>,
 }
 
@@ -35,7 +35,7 @@ struct Array {
 pub struct ImageData {
     pub(super) grid: Grid,
     pub(super) count: usize,
-    /// The nodes of a grid that is deformed, as they stand in the file.
+    /// Encoded nodes of a deformed grid.
     pub(super) nodes: Option<Vec<u8>>,
     pub(super) storage: Storage,
     pub(super) time: Option<f64>,
@@ -49,7 +49,7 @@ impl ImageData {
         Ok(Self { grid, count, nodes: None, storage, time: None, arrays: Vec::new() })
     }
 
-    /// A structured grid: the nodes x of a plane grid are where a matrix F takes them, at Fx.
+    /// A structured grid: a plane grid whose nodes x are mapped to Fx by the deformation gradient `matrix` F.
     pub fn deformed(grid: Grid, matrix: [[f64; 2]; 2], storage: Storage) -> Result<Self, VtiError> {
         let mut data = Self::new(grid, storage)?;
         let axes = data.grid.cells.len();
@@ -72,14 +72,13 @@ impl ImageData {
         Ok(data)
     }
 
-    /// Says at what time, in seconds as a rule, the arrays hold.
+    /// Sets the time of the arrays, usually in s.
     pub fn set_time(&mut self, time: f64) -> Result<(), VtiError> {
         self.time = Some(finite(time)?);
         Ok(())
     }
 
-    /// Adds an array with a number of components per cell: the components of a cell stand next to
-    /// each other, and the cells follow with the first axis fastest.
+    /// Adds a cell array with interleaved components, first axis fastest.
     pub fn add<T: Number>(
         &mut self,
         name: &str,
@@ -96,7 +95,7 @@ impl ImageData {
         Ok(())
     }
 
-    /// Values as they stand in the file.
+    /// Encodes values by the storage of the file.
     fn packed<T: Number>(&self, values: &[T]) -> Vec<u8> {
         match self.storage {
             Storage::Plain => plain(values),
@@ -104,9 +103,8 @@ impl ImageData {
         }
     }
 
-    /// Adds a vector from one to three fields, one for each axis and each with the first axis
-    /// fastest. The vector has three components in any case, because viewers ask for that; those
-    /// that are not given are zero.
+    /// Adds a vector from one to three component fields, first axis fastest. The vector always has three components, as
+    /// viewers require; absent components are zero.
     pub fn add_vector<T: Number>(&mut self, name: &str, axes: &[&[T]]) -> Result<(), VtiError> {
         if !(1..=3).contains(&axes.len()) {
             return Err(VtiError::Components { name: name.to_owned(), found: axes.len() });
@@ -130,7 +128,7 @@ impl ImageData {
         bytes
     }
 
-    /// Writes the file whole or not at all, without a second copy of the arrays.
+    /// Writes the file atomically, without a second copy of the arrays.
     pub fn write(&self, path: &Path) -> Result<(), FileError> {
         write_atomically_with(path, |file| self.write_to(file))
     }
@@ -145,7 +143,7 @@ impl ImageData {
         writer.write_all(b"\n  </AppendedData>\n</VTKFile>\n")
     }
 
-    /// Checks that an array may have a name.
+    /// Checks that a name is allowed for a new array.
     fn admit(&self, name: &str) -> Result<(), VtiError> {
         attribute(name)?;
         if self.arrays.iter().any(|array| array.name == name) {
@@ -185,7 +183,7 @@ impl ImageData {
         )
     }
 
-    /// Where the nodes of a deformed grid start: behind all arrays.
+    /// XML element of the nodes of a deformed grid, with their offset behind all arrays.
     fn node_element(&self) -> String {
         let offset: usize = self.arrays.iter().map(|array| array.bytes.len()).sum();
         format!(
@@ -194,7 +192,7 @@ impl ImageData {
         )
     }
 
-    /// The time, under the name by which VTK's readers know it.
+    /// XML element of the time, by the name that VTK readers expect.
     fn time_element(&self) -> String {
         self.time.map_or_else(String::new, |time| {
             let time = shortest(time);
@@ -205,7 +203,7 @@ impl ImageData {
         })
     }
 
-    /// What the arrays are and where they start.
+    /// XML elements of the arrays with their offsets.
     fn array_elements(&self) -> String {
         let mut elements = String::new();
         let mut offset = 0;

@@ -1,10 +1,8 @@
-//! Fields on regular grids in VTK's XML format for image data (`.vti`), or on such grids after a
-//! deformation for structured grids (`.vts`), which ParaView and VisIt open, and collections that give
-//! each of several files its time (`.pvd`).
+//! VTK XML files for ParaView and VisIt: cell fields on regular grids (image data, `.vti`) and on deformed grids
+//! (structured grids, `.vts`), and collections of a time series (`.pvd`).
 //!
-//! Values belong to cells. They are appended as raw little-endian bytes, so that they keep every
-//! bit and a reader finds its way by offsets; compression is optional. The format has no place
-//! for units that viewers show: put them into the array's name, as in `sigma11 [Pa]`.
+//! Cell values are appended as raw little-endian bytes at offsets, bit for bit; compression is optional. The format has no
+//! units: put them into the name of the array, as in `sigma11 [Pa]`.
 
 mod attributes;
 mod collection;

@@ -1,14 +1,14 @@
-//! Kinds of numbers.
+//! Number types of VTK arrays.
 
 mod private {
     pub trait Sealed {}
 }
 
-/// A kind of number that image data can hold: `f64`, `f32` or `i32`.
+/// A number type of VTK arrays: `f64`, `f32` or `i32`.
 pub trait Number: private::Sealed + Copy + Default {
-    /// The kind's name in the format.
+    /// Name of the type in VTK XML.
     const KIND: &'static str;
-    /// Adds the number's bytes, the least significant first.
+    /// Appends the little-endian bytes of the number.
     fn put(self, bytes: &mut Vec<u8>);
 }
 

@@ -1,10 +1,10 @@
-//! Reading back what was written plain.
+//! Reader of files written by this crate without compression.
 
 use super::attributes::escaped;
 
-/// The values of an array of doubles in a file that was written by
-/// [`ImageData`](super::image_data::ImageData) with [`Storage::Plain`](super::encoding::Storage::Plain);
-/// `None` if it is another file, damaged, or has no such array.
+/// Values of an array of doubles in a file written by [`ImageData`](super::image_data::ImageData) with
+/// [`Storage::Plain`](super::encoding::Storage::Plain); `None` if the file is of another kind or damaged, or the array is
+/// absent.
 pub fn plain_values(bytes: &[u8], name: &str) -> Option<Vec<f64>> {
     const END: &[u8] = b"<AppendedData encoding=\"raw\">\n   _";
     let end = bytes.windows(END.len()).position(|window| window == END)?;
@@ -22,8 +22,8 @@ pub fn plain_values(bytes: &[u8], name: &str) -> Option<Vec<f64>> {
     Some(numbers.iter().map(|number| f64::from_le_bytes(*number)).collect())
 }
 
-/// The time of a file that was written by [`ImageData`](super::image_data::ImageData); `None` if it is
-/// another file or has none.
+/// Time of a file written by [`ImageData`](super::image_data::ImageData); `None` if the file is of another kind or has no
+/// time.
 pub fn plain_time(bytes: &[u8]) -> Option<f64> {
     const NAME: &[u8] = b" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">";
     let start = bytes.windows(NAME.len()).position(|window| window == NAME)? + NAME.len();
