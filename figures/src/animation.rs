@@ -1,4 +1,4 @@
-//! Fields that change in time, as a moving picture.
+//! Animated GIFs of time-dependent fields.
 
 use std::collections::HashMap;
 use std::io::Write;
@@ -40,7 +40,7 @@ enum State<W: Write> {
     Lost,
 }
 
-/// What the first frame has laid down.
+/// Properties fixed by the first frame.
 struct Reel<W: Write> {
     encoder: gif::Encoder<W>,
     palette: Palette,
@@ -55,7 +55,7 @@ struct Reel<W: Write> {
 /// `width` pixels wide; see [`Animation`].
 ///
 /// # Errors
-/// As of [`Animation::new`], [`Animation::add`] and [`Animation::finish`].
+/// An error of [`Animation::new`], [`Animation::add`] or [`Animation::finish`].
 pub fn animate(
     frames: &[FieldFigure],
     seconds_per_frame: f64,
@@ -315,7 +315,7 @@ mod tests {
         }
     }
 
-    /// What is in a GIF.
+    /// Content of a GIF.
     struct Decoded {
         size: [u16; 2],
         repeat: gif::Repeat,
@@ -383,7 +383,7 @@ mod tests {
                 let all = (0..height).flat_map(|y| (0..width / 2).map(move |x| (x, y)));
                 all.filter(|&(x, y)| pixel(frame, x, y) == [red, green, blue]).collect()
             };
-            // Lines of equal value may pass beside the cells, but not within.
+            // Contour lines may pass beside the cells, but not within.
             let all = found(0);
             let inner: Vec<(usize, usize)> = all
                 .iter()

@@ -1,4 +1,4 @@
-//! Lines of equal value on a rectangular grid, by marching squares.
+//! Contour lines on a rectangular grid, by marching squares.
 
 use std::collections::HashMap;
 

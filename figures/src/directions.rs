@@ -7,7 +7,7 @@ use crate::format::Format;
 use crate::page::{self, Legend, MARGIN, NAME, NUMBER};
 use crate::picture::{Anchor, Colour, PALE_INK, Picture, Point, Rectangle, Text, circle};
 
-/// What a direction belongs to.
+/// Kind of a direction, which determines its line style.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Style {
     /// A characteristic direction of the steady equations: solid.
@@ -50,18 +50,18 @@ pub struct Direction {
     pub label: String,
     /// Angle from x₁, anticlockwise, in degrees. Directions that are not finite are left out.
     pub angle_deg: f64,
-    /// How often the direction occurs; written beside it where it is more than once.
+    /// Multiplicity of the direction; written beside it if more than one.
     pub multiplicity: usize,
-    /// What it belongs to.
+    /// Kind, which determines the style.
     pub style: Style,
 }
 
 /// Directions through a common point in the physical plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DirectionsFigure {
-    /// Headline.
+    /// Title of the figure.
     pub title: String,
-    /// What is held fixed.
+    /// Subtitle: the fixed parameters.
     pub subtitle: String,
     /// The directions.
     pub directions: Vec<Direction>,
@@ -73,7 +73,7 @@ const LINE: f64 = 1.45 * NUMBER;
 const CLEARANCE: f64 = 32.0;
 
 impl DirectionsFigure {
-    /// Draws the figure into the bytes of a file.
+    /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
     /// The picture cannot be drawn or encoded.
@@ -228,13 +228,13 @@ impl Direction {
 
 /// A label at the end of a direction.
 struct Label {
-    /// Where the direction meets the circle.
+    /// Point at which the direction meets the circle.
     end: Point,
     /// The height of the label's middle, if nothing else is there.
     wanted: f64,
     text: String,
     colour: Colour,
-    /// Whether it names an axis, whose arrow head needs room.
+    /// Whether the label names an axis, whose arrow head needs space.
     axis: bool,
 }
 

@@ -20,7 +20,7 @@ pub enum FigureError {
     Axis {
         /// The axis's label.
         label: String,
-        /// What is wrong, as a phrase that follows the label.
+        /// Problem, as a phrase that follows the label.
         problem: &'static str,
     },
     /// A cell points at a category that is not in the list.

@@ -13,20 +13,20 @@ use crate::scale::{self, SymmetricLog, Tick};
 /// The growth rate of one model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// The words of the legend. Lines of the same label in both panels look alike and are listed
+    /// Legend text. Lines of the same label in both panels share a style and are listed
     /// once.
     pub label: String,
-    /// Points in the units of the axes. Not-a-number interrupts the line, an infinite growth rate
+    /// Points in the units of the axes. NaN interrupts the line, an infinite growth rate
     /// is drawn at the edge of the panel.
     pub points: Vec<[f64; 2]>,
 }
 
-/// A place of note on the horizontal axis, drawn as a thin upright line.
+/// A marked position on the horizontal axis, drawn as a thin vertical line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
     /// A few words, written above the panel.
     pub label: String,
-    /// Where, in the unit of the horizontal axis.
+    /// Position, in the unit of the horizontal axis.
     pub x: f64,
 }
 
@@ -39,13 +39,13 @@ pub struct Panel {
     pub y_label: String,
     /// Whether the horizontal axis is logarithmic; points that are not positive are left out then.
     pub x_log: bool,
-    /// The lines, one per model; eight have looks of their own.
+    /// The lines, one per model; eight have distinct styles.
     pub curves: Vec<Line>,
     /// Pale wide lines below the others, such as what they tend to: all of one look, listed once
     /// by the label of the first. They leave out the linear part of the vertical axis, on which
     /// power laws are not straight.
     pub guides: Vec<Line>,
-    /// Places of note, such as characteristic directions.
+    /// Marked positions, such as characteristic directions.
     pub marks: Vec<Mark>,
 }
 
@@ -55,9 +55,9 @@ pub struct Panel {
 /// and decay over many decades show in one picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrowthFigure {
-    /// Headline.
+    /// Title of the figure.
     pub title: String,
-    /// What is held fixed.
+    /// Subtitle: the fixed parameters.
     pub subtitle: String,
     /// The left panel.
     pub by_direction: Panel,
@@ -69,7 +69,7 @@ pub struct GrowthFigure {
 const GUIDE: Colour = RGBColor(203, 205, 214);
 const GUIDE_WIDTH: f64 = 11.0;
 
-/// What tells lines apart, in colour and in grey.
+/// Style of a line, distinct in colour and in greyscale.
 #[derive(Clone, Copy)]
 pub(crate) struct Look {
     pub colour: Colour,
@@ -131,7 +131,7 @@ const MARK_LABEL: f64 = 22.0;
 const MARK_ROW: f64 = 1.35 * MARK_LABEL;
 
 impl GrowthFigure {
-    /// Draws the figure into the bytes of a file.
+    /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
     /// The picture cannot be drawn or encoded.
@@ -354,7 +354,7 @@ struct Scales {
 /// Powers of a quantity over many decades reach over still more.
 const POWER_DECADES: i32 = 24;
 
-/// Numbers beyond are treated as infinite: differences of larger ones overflow.
+/// Magnitude above which numbers are treated as infinite, since differences would overflow.
 const FINITE: f64 = 1e300;
 
 impl Scales {

@@ -1,25 +1,25 @@
-//! The energies of a motion against time.
+//! Energy ledger of a simulation against time.
 
 use crate::error::FigureError;
 use crate::format::Format;
 use crate::record::{Series, Sheet, Strip};
 
-/// One of the energies of a motion, or what shows that they balance.
+/// One term of the energy ledger, or the residual of the energy balance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LedgerTerm {
-    /// What it is: the words of the legend, or those above the panel of the balance.
+    /// Legend text, or the text above the panel of the balance.
     pub name: String,
     /// A value for each time of the figure. Numbers that are not finite interrupt the line.
     pub values: Vec<f64>,
 }
 
-/// Where the energy of a motion is and where it came from and went, with the balance of all in a
+/// Energy ledger of a simulation: stored energies, work and dissipation, with the residual of the balance in a
 /// panel of its own.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LedgerFigure {
-    /// Headline.
+    /// Title of the figure.
     pub title: String,
-    /// What is held fixed.
+    /// Subtitle: the fixed parameters.
     pub subtitle: String,
     /// Name, symbol and unit of the time.
     pub time_label: String,
@@ -27,9 +27,9 @@ pub struct LedgerFigure {
     pub label: String,
     /// The times of the values, which do not decrease, in the unit of the label.
     pub times: Vec<f64>,
-    /// The energies, in the unit of the label; eight have looks of their own.
+    /// The energies, in the unit of the label; eight have distinct styles.
     pub terms: Vec<LedgerTerm>,
-    /// What remains of all terms, in the unit that its name tells; without values its panel is left
+    /// Residual of the energy balance, in the unit in its name; without values its panel is left
     /// out.
     pub balance: LedgerTerm,
 }
@@ -38,7 +38,7 @@ pub struct LedgerFigure {
 const LEAST: [f64; 2] = [420.0, 120.0];
 
 impl LedgerFigure {
-    /// Draws the figure into the bytes of a file.
+    /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
     /// A record has not one value for each time, or the picture cannot be drawn or encoded.

@@ -1,4 +1,4 @@
-//! A page with a remark: why there is nothing to draw.
+//! A page with a remark instead of a figure.
 
 use crate::error::FigureError;
 use crate::format::Format;
@@ -8,9 +8,9 @@ use crate::picture::{Anchor, INK, Picture, Text};
 /// A remark in place of a picture.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NoteFigure {
-    /// Headline.
+    /// Title of the figure.
     pub title: String,
-    /// What it is about.
+    /// Subtitle: subject of the remark.
     pub subtitle: String,
     /// The remark; a dozen lines at most.
     pub text: String,
@@ -22,7 +22,7 @@ const SIZE: f64 = 30.0;
 const LINES: usize = 12;
 
 impl NoteFigure {
-    /// Draws the figure into the bytes of a file.
+    /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
     /// The picture cannot be drawn or encoded.

@@ -1,4 +1,4 @@
-//! What the figures have in common: headings, axes and legends.
+//! Elements shared by all figures: titles, axes and legends.
 
 use crate::picture::{Anchor, INK, PALE_INK, Picture, Rectangle, Text, text_width};
 use crate::scale::Tick;

@@ -15,7 +15,7 @@ use crate::verdict_map::percent;
 
 /// Values at the times of a sheet.
 pub(crate) struct Series<'a> {
-    /// The words of the legend; series of the same name look alike. Without a name the line is
+    /// Legend text; series of the same name share a style. Without a name the line is
     /// plain, and its panel says what it is.
     pub name: Option<&'a str>,
     pub values: &'a [f64],
@@ -60,7 +60,7 @@ const MARKER: f64 = 6.5;
 /// Distance between the markers of one line, and of those of neighbouring lines, in pixels.
 const MARKERS_APART: f64 = 160.0;
 const MARKERS_BESIDE: f64 = 56.0;
-/// Numbers beyond are treated as infinite: differences of larger ones overflow.
+/// Magnitude above which numbers are treated as infinite, since differences would overflow.
 const FINITE: f64 = 1e300;
 /// Changes below this share of a value are taken for round-off.
 const ROUND_OFF: f64 = 1e-9;
@@ -77,7 +77,7 @@ struct Range {
     low: f64,
     high: f64,
     ticks: Vec<Tick>,
-    /// What is said in place of a scale.
+    /// Text shown instead of a scale.
     words: Option<String>,
 }
 
@@ -213,7 +213,7 @@ fn reduced(
 }
 
 impl Sheet<'_> {
-    /// Draws the sheet into the bytes of a file.
+    /// Renders the sheet in a file format and returns the bytes of the file.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture()?.render(format)
     }

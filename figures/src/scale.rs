@@ -1,4 +1,4 @@
-//! From numbers to places along an axis and to the words beside it.
+//! Scales: mapping from numbers to positions along an axis, ticks and tick labels.
 
 /// A tick: its value and its label.
 pub(crate) type Tick = (f64, String);
@@ -114,7 +114,7 @@ pub(crate) fn log_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
     values.into_iter().map(|(value, label)| (value.log10(), label)).collect()
 }
 
-/// A scale for values of both signs over many decades: proportional to the value up to a
+/// Symmetric logarithmic scale for values of both signs: proportional to the value up to a
 /// threshold, where it reaches one, and growing by one with each decade beyond.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SymmetricLog {
@@ -132,7 +132,7 @@ impl SymmetricLog {
         Self::for_values_within(values, Self::DECADES)
     }
 
-    /// The same within any number of decades of the largest.
+    /// The symmetric logarithmic scale within a given number of decades of the largest value.
     pub fn for_values_within(values: impl Iterator<Item = f64>, decades: i32) -> Self {
         let mut sizes: Vec<f64> =
             values.map(f64::abs).filter(|size| *size > 0.0 && size.is_finite()).collect();
@@ -143,7 +143,7 @@ impl SymmetricLog {
         Self { exponent: small.clamp(most - decades, most) }
     }
 
-    /// The place of a value.
+    /// Position of a value on the scale.
     pub fn forward(self, value: f64) -> f64 {
         let size = value.abs() / self.threshold();
         if size <= 1.0 {
@@ -157,7 +157,7 @@ impl SymmetricLog {
         10_f64.powi(self.exponent)
     }
 
-    /// The value at a place.
+    /// Value at a position on the scale.
     #[cfg(test)]
     fn inverse(self, place: f64) -> f64 {
         if place.abs() <= 1.0 {

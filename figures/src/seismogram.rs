@@ -1,13 +1,13 @@
-//! What receivers record against time.
+//! Seismograms: records of receivers against time.
 
 use crate::error::FigureError;
 use crate::format::Format;
 use crate::record::{Series, Sheet, Strip};
 
-/// What one receiver records of one quantity.
+/// Trace of one quantity at one receiver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace {
-    /// The name of the receiver, listed in the legend. Traces of the same name look alike in all
+    /// The name of the receiver, listed in the legend. Traces of the same name share a style in all
     /// panels.
     pub name: String,
     /// A value for each time of the figure, in the unit of the panel's label. Numbers that are not
@@ -20,20 +20,20 @@ pub struct Trace {
 pub struct SeismogramPanel {
     /// Name, symbol and unit of the quantity, such as `velocity v₁, m/s`.
     pub label: String,
-    /// The receivers; eight have looks of their own.
+    /// The receivers; eight have distinct styles.
     pub traces: Vec<Trace>,
 }
 
-/// What the receivers of a motion record: a panel for each quantity, one above the other, over one
+/// Seismograms of the receivers: a panel for each quantity, one above the other, over one
 /// axis of time.
 ///
 /// Of more samples than can be shown, the extremes within each pixel are drawn, so that no peak is
 /// lost. The figure is higher where there are more than about five panels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeismogramFigure {
-    /// Headline.
+    /// Title of the figure.
     pub title: String,
-    /// What is held fixed.
+    /// Subtitle: the fixed parameters.
     pub subtitle: String,
     /// Name, symbol and unit of the time.
     pub time_label: String,
@@ -47,7 +47,7 @@ pub struct SeismogramFigure {
 const LEAST: f64 = 110.0;
 
 impl SeismogramFigure {
-    /// Draws the figure into the bytes of a file.
+    /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
     /// A trace has not one value for each time, or the picture cannot be drawn or encoded.

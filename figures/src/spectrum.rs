@@ -1,4 +1,4 @@
-//! Powers of what is spread over many scales.
+//! Spectra: a quantity against the scale, on logarithmic axes.
 
 use crate::dispersion::draw_ring;
 use crate::error::FigureError;
@@ -10,18 +10,18 @@ use crate::scale::{self, Tick};
 
 /// A positive quantity against the number of a scale, both axes logarithmic, at several times.
 ///
-/// What is 16 decades or more below the greatest value is rounding, and is left out.
+/// Values 16 decades or more below the largest are rounding and are omitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectrumFigure {
-    /// Headline.
+    /// Title of the figure.
     pub title: String,
-    /// What is held fixed.
+    /// Subtitle: the fixed parameters.
     pub subtitle: String,
     /// Name and unit of the horizontal axis.
     pub x_label: String,
     /// Name and unit of the quantity.
     pub y_label: String,
-    /// The lines, one for each time; eight have looks of their own. Points that are not positive or not
+    /// The lines, one for each time; eight have distinct styles. Points that are not positive or not
     /// finite interrupt a line.
     pub lines: Vec<Line>,
     /// Points that were measured, drawn as rings in the colours of the lines; fewer lists than lines will do.
@@ -32,7 +32,7 @@ pub struct SpectrumFigure {
 const DECADES: f64 = 16.0;
 
 impl SpectrumFigure {
-    /// Draws the figure into the bytes of a file.
+    /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
     /// The picture cannot be drawn or encoded.

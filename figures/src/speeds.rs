@@ -13,7 +13,7 @@ use crate::polar::{
 };
 use crate::scale::{self, Tick};
 
-/// Which response of the solid a speed belongs to.
+/// Response of the solid to which a speed belongs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Response {
     /// Elastic: grey and dotted.
@@ -25,15 +25,15 @@ pub enum Response {
 /// A characteristic speed over the directions of the wave normal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeedCurve {
-    /// The words of the legend. Curves of the same label, response and multiplicity look alike
+    /// Legend text. Curves of the same label, response and multiplicity share a style
     /// and are listed once.
     pub label: String,
     /// Direction of the normal in degrees, from 0 to 180 (opposite normals have the same speeds),
-    /// and speed. Not-a-number interrupts the line; negative speeds are drawn by their size.
+    /// and speed. NaN interrupts the line; negative speeds are drawn by their size.
     pub points: Vec<[f64; 2]>,
-    /// What it belongs to.
+    /// Kind, which determines the style.
     pub response: Response,
-    /// How many characteristics have this speed; curves of more than one are drawn as that many
+    /// Multiplicity of the speed; curves of more than one are drawn as that many
     /// parallel lines, up to three, and the legend tells the number.
     pub multiplicity: usize,
 }
@@ -54,15 +54,15 @@ pub struct Vanishing {
 /// in which a speed vanishes are dashed lines through the centre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeedsFigure {
-    /// Headline.
+    /// Title of the figure.
     pub title: String,
-    /// What is held fixed.
+    /// Subtitle: the fixed parameters.
     pub subtitle: String,
     /// Name and symbol of the speed, for the legend.
     pub speed_label: String,
-    /// Its unit, written on the outermost ring.
+    /// Unit of the radius, written on the outermost ring.
     pub unit: String,
-    /// The curves; four of the yielding solid have looks of their own.
+    /// The curves; four of the yielding solid have distinct styles.
     pub curves: Vec<SpeedCurve>,
     /// Sectors of flutter: first and last direction in degrees, anticlockwise; the opposite
     /// sectors are shaded too.
@@ -84,11 +84,11 @@ const IMAGINARY: Colour = RGBColor(222, 226, 238);
 const IMAGINARY_RAY: Colour = RGBColor(150, 158, 186);
 /// Sectors are drawn at least this wide, in degrees.
 const NARROWEST: f64 = 0.4;
-/// Speeds beyond are treated as infinite.
+/// Magnitude above which speeds are treated as infinite.
 const FINITE: f64 = 1e300;
 
 impl SpeedsFigure {
-    /// Draws the figure into the bytes of a file.
+    /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
     /// The picture cannot be drawn or encoded.
@@ -354,7 +354,7 @@ fn sector(centre: Point, radius: f64, from: f64, width: f64) -> Vec<Point> {
     sector
 }
 
-/// What tells flutter in grey.
+/// Hatching of flutter sectors, visible in greyscale.
 fn draw_arcs(picture: &mut Picture, centre: Point, radius: f64, from: f64, width: f64) {
     let mut size = 14.0;
     while size < radius {
@@ -363,7 +363,7 @@ fn draw_arcs(picture: &mut Picture, centre: Point, radius: f64, from: f64, width
     }
 }
 
-/// What tells imaginary speeds in grey.
+/// Hatching of sectors of imaginary speeds, visible in greyscale.
 fn draw_rays(picture: &mut Picture, centre: Point, radius: f64, from: f64, width: f64) {
     let count = (width / 3.0).ceil().max(2.0);
     for ray in 0..=count as usize {

@@ -17,10 +17,10 @@ use crate::polar::{DEGREES, RING_LABEL, at, backing, draw_degrees, ring};
 use crate::scale::{self, Tick, plain};
 use crate::verdict_map::{BAR, BAR_GAP, LEVEL_MISSING, colour_on_shade, draw_shades, runs, shade};
 
-/// A wave normal of note.
+/// A marked wave normal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SphereMark {
-    /// The words of the legend, where the components follow. The mark is numbered there and on
+    /// Legend text, followed by the components. The mark is numbered there and on
     /// the map.
     pub label: String,
     /// The normal, of any length; opposite normals are the same. Those that are zero or not finite
@@ -33,37 +33,37 @@ pub struct SphereMark {
 /// the same wave, so that the hemisphere is everything.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SphereFigure {
-    /// Headline.
+    /// Title of the figure.
     pub title: String,
-    /// What is held fixed.
+    /// Subtitle: the fixed parameters.
     pub subtitle: String,
     /// Angles from x₃ in degrees, from 0 to 90, ascending.
     pub polar_deg: Vec<f64>,
     /// Angles from x₁ towards x₂ in degrees, ascending, over the full circle; the value at 360° may
     /// be given or not.
     pub azimuth_deg: Vec<f64>,
-    /// The value for each pair of angles, azimuth running fastest; not-a-number where there is
+    /// The value for each pair of angles, azimuth running fastest; NaN where there is
     /// none. Between the angles values are interpolated; a degree between them is fine enough for
     /// smooth edges of missing values.
     pub values: Vec<f64>,
     /// Name, symbol and unit of the value.
     pub value_label: String,
-    /// Whether the colours follow the logarithm; values that are not positive are missing then.
+    /// Whether the colour scale is logarithmic; values that are not positive are missing then.
     pub value_log: bool,
     /// Whether dark colours stand for low values instead of high ones.
     pub dark_is_low: bool,
-    /// The words of the legend for normals without a value.
+    /// Legend text for normals without a value.
     pub missing_label: String,
-    /// Normals of note.
+    /// Marked normals.
     pub marks: Vec<SphereMark>,
 }
 
 /// Edge of a cell of the map in pixels.
 const CELL: f64 = 3.0;
-/// Open lines of equal level are at least this long.
+/// Open contour lines are at least this long.
 const SHORTEST: f64 = 60.0;
 const GRATICULE: Colour = RGBColor(125, 125, 125);
-/// Values beyond are treated as infinite: differences of larger ones overflow.
+/// Magnitude above which values are treated as infinite, since differences would overflow.
 const FINITE: f64 = 1e300;
 const MISSING: Colour = LEVEL_MISSING;
 
@@ -99,7 +99,7 @@ struct Range {
 }
 
 impl SphereFigure {
-    /// Draws the figure into the bytes of a file.
+    /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
     /// Angles do not ascend, there is not one value for each pair of them, or the picture cannot be drawn or encoded.
@@ -125,7 +125,7 @@ impl SphereFigure {
         Err(FigureError::CellCount { field: "values", found, columns, rows })
     }
 
-    /// A value as the colours and the lines see it; not-a-number where it is missing.
+    /// A value as the colours and the lines see it; NaN where it is missing.
     fn level(&self, value: f64) -> f64 {
         match self.value_log {
             true if value > 0.0 => value.log10(),
@@ -151,7 +151,7 @@ impl SphereFigure {
     }
 
     /// The level in a direction, interpolated between those of the four nearest ones that have a
-    /// value; not-a-number where these weigh less than `least` of all. Infinite levels reach half
+    /// value; NaN where these weigh less than `least` of all. Infinite levels reach half
     /// the way to the next direction.
     fn level_at(&self, [polar, azimuth]: [f64; 2], least: f64) -> f64 {
         let (Some(&first), Some(&last)) = (self.azimuth_deg.first(), self.azimuth_deg.last())
@@ -327,7 +327,7 @@ impl SphereFigure {
         }
     }
 
-    /// Draws the lines of equal level at the ticks of the bar.
+    /// Draws the contour lines at the ticks of the bar.
     fn draw_contours(&self, picture: &mut Picture, disc: Disc, range: &Range, ticks: &[Tick]) {
         let Disc { centre, radius } = disc;
         // One cell more all around, so that the lines reach the rim.

@@ -4,10 +4,10 @@ use super::figure::DispersionFigure;
 use crate::page::{self};
 use crate::scale::{self, SymmetricLog, Tick};
 
-/// Numbers beyond are treated as infinite: differences of larger ones overflow.
+/// Magnitude above which numbers are treated as infinite, since differences would overflow.
 const FINITE: f64 = 1e300;
 
-/// How values become places along an axis.
+/// Mapping from values to positions along an axis.
 #[derive(Clone, Copy)]
 pub(super) enum Kind {
     Linear,

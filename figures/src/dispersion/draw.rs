@@ -10,7 +10,7 @@ use crate::page::{self, Legend, MARGIN};
 use crate::picture::{Picture, Point, Rectangle};
 
 impl DispersionFigure {
-    /// Draws the figure into the bytes of a file.
+    /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
     /// The picture cannot be drawn or encoded.

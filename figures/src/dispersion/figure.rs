@@ -2,11 +2,11 @@
 
 use crate::picture::Point;
 
-/// A branch of the dispersion relation. Points are in the units of the axes; not-a-number
+/// A branch of the dispersion relation. Points are in the units of the axes; NaN
 /// interrupts a line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Branch {
-    /// The words of the legend. The branch is numbered there and on its lines.
+    /// Legend text. The branch is numbered there and on its lines.
     pub label: String,
     /// Wave number and angular frequency; the phase speed is drawn from the same points.
     pub frequency: Vec<[f64; 2]>,
@@ -23,7 +23,7 @@ pub struct Branch {
 /// Frequencies at which no wave of some kind propagates, drawn as a shaded band.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Band {
-    /// The words of the legend, such as `forbidden band`. Bands of one label are listed once.
+    /// Legend text, such as `forbidden band`. Bands of one label are listed once.
     pub label: String,
     /// Least frequency.
     pub from: f64,
@@ -31,12 +31,12 @@ pub struct Band {
     pub to: f64,
 }
 
-/// A value of note on a vertical axis, drawn as a thin level line with its label beside it.
+/// A marked value on a vertical axis, drawn as a thin horizontal line with a label.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Level {
     /// A few words or a symbol with its value.
     pub label: String,
-    /// Where, in the unit of the axis. Levels that are not finite are left out.
+    /// Value, in the unit of the axis. Levels that are not finite are left out.
     pub value: f64,
 }
 
@@ -48,9 +48,9 @@ pub struct Level {
 /// axis, over a logarithmic one of wave numbers a linear one about zero and logarithmic beyond.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DispersionFigure {
-    /// Headline.
+    /// Title of the figure.
     pub title: String,
-    /// What is held fixed.
+    /// Subtitle: the fixed parameters.
     pub subtitle: String,
     /// Name, symbol and unit of the wave number.
     pub k_label: String,
@@ -60,7 +60,7 @@ pub struct DispersionFigure {
     pub speed_label: String,
     /// Name, symbol and unit of the growth rate; unused without growth rates.
     pub growth_label: String,
-    /// Whether the axis of wave numbers is logarithmic; points that are not positive are left out
+    /// Whether the wave-number axis is logarithmic; points that are not positive are left out
     /// then.
     pub k_log: bool,
     /// Whether the axis of frequencies is logarithmic.
@@ -71,7 +71,7 @@ pub struct DispersionFigure {
     pub bands: Vec<Band>,
     /// Cut-off frequencies, dashed.
     pub cutoffs: Vec<Level>,
-    /// Speeds of note such as short-wave limits, dotted.
+    /// Marked speeds such as short-wave limits, dotted.
     pub speed_limits: Vec<Level>,
 }
 

@@ -1,4 +1,4 @@
-//! Frequencies and speeds of the waves of a medium against the wave number.
+//! Dispersion diagrams: frequencies and speeds of waves against the wave number.
 
 mod axes;
 mod draw;

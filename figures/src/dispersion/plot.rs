@@ -12,7 +12,7 @@ use crate::page::{self, RULE};
 use crate::picture::{INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, clip};
 use crate::scale::Tick;
 
-/// What one panel shows.
+/// Content of one panel.
 pub(super) struct Plot<'a> {
     pub(super) frame: Rectangle,
     pub(super) x: Scale,

@@ -39,7 +39,7 @@ impl FieldFigure {
     }
 }
 
-/// Draws upright and level lines, given as areas without width, dark with a light rim.
+/// Draws vertical and level lines, given as areas without width, dark with a light rim.
 pub(super) fn draw_borders(picture: &mut Picture, lines: Vec<Rectangle>) {
     for (half, colour) in [(3.0, WHITE), (1.8, INK)] {
         let widened = |line: &Rectangle| {

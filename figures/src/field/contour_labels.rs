@@ -1,4 +1,4 @@
-//! The numbers on lines of equal value.
+//! The numbers on contour lines.
 
 use std::collections::BTreeMap;
 
@@ -9,12 +9,12 @@ use super::marks::{around, padded};
 use crate::picture::{Anchor, Point, Rectangle, Text, polyline_length, text_width};
 use crate::scale::plain;
 
-/// Size of the numbers on lines of equal value, and length of line for each of them.
+/// Size of the numbers on contour lines, and length of line for each of them.
 const LEVEL_NUMBER: f64 = 20.0;
 const LEVEL_REPEAT: f64 = 900.0;
 
 impl FieldFigure {
-    /// The numbers on lines of equal value that were asked for, each on a level piece of its line
+    /// The numbers on contour lines that were asked for, each on a level piece of its line
     /// and clear of marks, of other numbers and, as far as can be, of other lines.
     pub(super) fn place_numbers(
         &self,

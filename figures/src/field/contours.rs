@@ -1,4 +1,4 @@
-//! Lines of equal value, or ruling of negative values where these would be too many.
+//! Contour lines, or ruling of negative values where these would be too many.
 
 use super::cells::rules;
 use super::colour_map::Scale;
@@ -8,21 +8,21 @@ use super::raster::{COARSE, Raster};
 use crate::contour;
 use crate::picture::{INK, Picture, Point, Rectangle, WHITE, dashes, polyline_length};
 
-/// Lines of equal value, as shares of the end of the colours.
+/// Contour lines, as shares of the end of the colours.
 const LEVELS: [f64; 4] = [-0.5, -0.25, 0.25, 0.5];
 const LEVEL_WIDTH: f64 = 1.4;
 const LEVEL_DASHES: [f64; 2] = [7.0, 5.0];
 /// Lines on colours darker than this share of the scale are white.
 const DARK: f64 = 0.6;
 
-/// Points of lines of equal value above which they are no help; each line counts for some more.
+/// Points of contour lines above which they are no help; each line counts for some more.
 const MOST_LEVEL_POINTS: usize = 60_000;
-/// Distance of the lines over negative values where lines of equal value would be too many.
+/// Distance of the lines over negative values where contour lines would be too many.
 const RULED: f64 = 8.0;
 
-/// What tells positive and negative values apart in grey.
+/// Contours that distinguish positive and negative values in greyscale.
 pub(super) enum Levels {
-    /// Lines of equal value with the share of the end of the colours that they belong to.
+    /// Contour lines with the share of the end of the colours that they belong to.
     Lines(Vec<(f64, Vec<Point>)>),
     /// None, or too many to be told apart: large negative values are ruled instead.
     Ruled,
@@ -32,7 +32,7 @@ pub(super) enum Levels {
 }
 
 impl FieldFigure {
-    /// Whether there are lines of equal value where the values let them.
+    /// Whether contour lines are drawn if the values permit.
     pub(super) fn has_curves(&self, scale: &Scale) -> bool {
         self.curves.is_some() || scale.is_signed
     }

@@ -11,7 +11,7 @@ use crate::format::Format;
 use crate::page::{self, Legend, MARGIN, RULE};
 use crate::picture::{Colour, INK, Picture, Rectangle, WHITE};
 
-/// All that is decided before drawing.
+/// Decisions made before drawing.
 pub(super) struct Arrangement {
     pub(super) layout: Layout,
     pub(super) legend: Legend,
@@ -20,7 +20,7 @@ pub(super) struct Arrangement {
 }
 
 impl FieldFigure {
-    /// Draws the figure into the bytes of a file.
+    /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
     /// A list has not one value for each cell, the limit of the colours is not positive, or the picture cannot be drawn or

@@ -13,27 +13,27 @@ pub struct FieldAxis {
     pub to: f64,
 }
 
-/// What is at a marked place.
+/// Kind of a mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FieldMarkKind {
-    /// Where the motion is excited, drawn as a star.
+    /// Source, drawn as a star.
     Source,
-    /// Where the motion is recorded, drawn as a triangle on its tip.
+    /// Receiver, drawn as a triangle on its tip.
     Receiver,
 }
 
-/// A place of note in the domain.
+/// A marked point in the domain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldMark {
-    /// Where, in the units of the axes. A mark outside the domain is counted in the legend.
+    /// Position, in the units of the axes. A mark outside the domain is counted in the legend.
     pub at: [f64; 2],
     /// A word or two, written beside the mark; may be empty.
     pub name: String,
-    /// What is there.
+    /// Kind of the mark.
     pub kind: FieldMarkKind,
 }
 
-/// One quantity over a plane domain, or over a plane through one of space, at one time.
+/// One quantity over a plane domain, or over a plane section of space, at one time.
 ///
 /// The domain is drawn as it is, one unit to the right as long as one unit upwards, so that both
 /// axes must be in the same unit; only a domain more than about fifteen times longer than wide is
@@ -41,9 +41,9 @@ pub struct FieldMark {
 /// value of greatest magnitude stands for its neighbours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldFigure {
-    /// Headline.
+    /// Title of the figure.
     pub title: String,
-    /// What is held fixed, such as time and plane.
+    /// Subtitle: fixed quantities such as time and plane.
     pub subtitle: String,
     /// The axis drawn to the right.
     pub x: FieldAxis,
@@ -54,7 +54,7 @@ pub struct FieldFigure {
     /// Number of cells along y.
     pub rows: usize,
     /// The value of each cell, in the unit of `label`. x runs fastest, the first row is the lowest.
-    /// Numbers that are not finite have a look of their own.
+    /// Numbers that are not finite have a distinct style.
     pub values: Vec<f64>,
     /// Name, symbol and unit of the quantity.
     pub label: String,
@@ -71,7 +71,7 @@ pub struct FieldFigure {
     /// bar and arrangement, as the frames of an [`crate::Animation`] must: without a sign, negative
     /// values then count as beyond the scale.
     pub scale: Option<f64>,
-    /// Values on which lines of equal value are drawn, in the unit of `label`, with their numbers
+    /// Values on which contour lines are drawn, in the unit of `label`, with their numbers
     /// on them, in place of those at ¼ and ½ of the colours of a quantity with a sign. Values that
     /// are not finite or nowhere attained have no line.
     pub curves: Option<Vec<f64>>,
@@ -84,7 +84,7 @@ pub struct FieldFigure {
     pub marks: Vec<FieldMark>,
 }
 
-/// Numbers beyond are treated as infinite: differences of larger ones overflow.
+/// Magnitude above which numbers are treated as infinite, since differences would overflow.
 pub(super) const FINITE: f64 = 1e300;
 
 impl FieldFigure {

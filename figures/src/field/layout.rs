@@ -18,7 +18,7 @@ const OVERHANG: f64 = 20.0;
 /// Room between a frame's axis and the colour bar below it.
 const BAR_BELOW: f64 = 20.0;
 
-/// Where everything lies on the sheet, in pixels.
+/// Layout of the sheet, in pixels.
 pub(super) struct Layout {
     pub(super) height: f64,
     pub(super) frame: Rectangle,
@@ -29,7 +29,7 @@ pub(super) struct Layout {
     pub(super) bar_is_upright: bool,
     /// Whether the name of the y axis stands above the frame, for want of room beside it.
     pub(super) name_above: bool,
-    /// Where the names of marks may stand.
+    /// Area for the names of marks.
     pub(super) names: Rectangle,
     pub(super) legend_top: f64,
 }

@@ -107,7 +107,7 @@ impl FieldFigure {
         Some(FieldEntry { words, widest, swatch: Box::new(swatch) })
     }
 
-    /// Explains the lines of equal value, or the ruling in their place.
+    /// Explains the contour lines, or the ruling in their place.
     fn level_entries(&self, scale: &Scale, levels: &Levels) -> Vec<FieldEntry> {
         let mut entries = Vec::new();
         match levels {
@@ -242,7 +242,7 @@ impl FieldFigure {
     }
 }
 
-/// What a share is of, where there is room to say so.
+/// Reference of a share, if there is space for it.
 fn of_cells(scale: &Scale) -> &'static str {
     if scale.is_fixed { "" } else { " of the cells" }
 }

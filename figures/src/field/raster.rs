@@ -3,7 +3,7 @@
 use super::figure::{FINITE, FieldFigure};
 use crate::picture::Rectangle;
 
-/// The most cells along an axis of an SVG, and of the grid for lines of equal value.
+/// The most cells along an axis of an SVG, and of the grid for contour lines.
 pub(super) const COARSE: usize = 400;
 
 /// The cells along both axes as they are drawn, a number of true cells each.
@@ -74,7 +74,7 @@ impl Raster {
         values
     }
 
-    /// For each drawn cell the value of greatest magnitude; not-a-number where one is not finite.
+    /// For each drawn cell the value of greatest magnitude; NaN where one is not finite.
     pub(super) fn extremes(&self, values: &[f64]) -> Vec<f64> {
         self.gather(|cells| {
             let mut extreme = 0.0_f64;
@@ -90,7 +90,7 @@ impl Raster {
         })
     }
 
-    /// The mean of each drawn cell; not-a-number where one is not finite.
+    /// The mean of each drawn cell; NaN where one is not finite.
     pub(super) fn means(&self, values: &[f64]) -> Vec<f64> {
         self.gather(|cells| {
             let (mut sum, mut count) = (0.0, 0);

@@ -12,7 +12,7 @@ use crate::error::FigureError;
 /// Fine pixels along the edge of a pixel of the finished picture.
 pub(super) const FINENESS: u32 = 3;
 
-/// How a kind of output places text and strokes lines. The two libraries below plotters read the
+/// Conventions of an output format for text and lines. The two libraries below plotters read the
 /// same size and place differently; without the correction the two formats would not agree.
 pub(super) struct Dialect {
     /// The library's font size for an em square of one pixel.

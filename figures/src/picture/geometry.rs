@@ -3,7 +3,7 @@
 /// A place in pixels, from the upper left corner to the right and down.
 pub(crate) type Point = [f64; 2];
 
-/// An upright rectangle in pixels.
+/// An vertical rectangle in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rectangle {
     pub left: f64,

@@ -11,7 +11,7 @@ pub(crate) const INK: Colour = RGBColor(25, 25, 25);
 pub(crate) const PALE_INK: Colour = RGBColor(95, 95, 95);
 pub(crate) const WHITE: Colour = RGBColor(255, 255, 255);
 
-/// Which part of a text lies at its place.
+/// Anchor of a text: the part at its position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Anchor {
     Start,

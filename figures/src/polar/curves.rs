@@ -4,7 +4,7 @@ use super::circles::at;
 use crate::growth::{LINE_WIDTH, LOOKS, MARKER_SPACING, draw_marker};
 use crate::picture::{Picture, Point};
 
-/// The points of a line over the full circle, with their angles; not-a-number where it is
+/// The points of a line over the full circle, with their angles; NaN where it is
 /// interrupted. `radius` gives the radius of a value.
 pub(crate) fn places(
     line: &[[f64; 2]],
@@ -24,7 +24,7 @@ pub(crate) fn places(
     half(0.0).chain(gap).chain(half(180.0)).map(|(point, turn)| place(&point, turn)).collect()
 }
 
-/// Where a line is interrupted.
+/// Positions at which a line is interrupted.
 const GAP: Point = [f64::NAN; 2];
 
 pub(super) fn draw_curve(

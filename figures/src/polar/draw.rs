@@ -14,7 +14,7 @@ use crate::picture::{Picture, Point, Rectangle, WHITE, circle};
 use crate::scale::Tick;
 
 impl PolarFigure {
-    /// Draws the figure into the bytes of a file.
+    /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
     /// The picture cannot be drawn or encoded.

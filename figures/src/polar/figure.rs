@@ -6,7 +6,7 @@ use crate::growth::Line;
 use crate::picture::{PALE_INK, Picture, Point};
 use crate::scale::plain;
 
-/// What a spoke of a polar diagram belongs to.
+/// Kind of a spoke of a polar diagram, which determines its style.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SpokeStyle {
     /// Normal to a characteristic of the steady equations: a wide pale band.
@@ -33,14 +33,14 @@ impl SpokeStyle {
     }
 }
 
-/// A direction of note of the wave vector; opposite directions are the same.
+/// A marked direction of the wave vector; opposite directions are the same.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spoke {
     /// A few words, written behind the angle; may be empty. Spokes on one angle share a label.
     pub label: String,
     /// Angle from x₁, anticlockwise, in degrees. Directions that are not finite are left out.
     pub angle_deg: f64,
-    /// What it belongs to.
+    /// Kind, which determines the style.
     pub style: SpokeStyle,
 }
 
@@ -50,18 +50,18 @@ pub struct Spoke {
 /// waves neither grow nor decay.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolarFigure {
-    /// Headline.
+    /// Title of the figure.
     pub title: String,
-    /// What is held fixed.
+    /// Subtitle: the fixed parameters.
     pub subtitle: String,
     /// Symbol of the growth rate, for the legend.
     pub symbol: String,
-    /// Its unit, written on the outermost ring.
+    /// Unit of the radius, written on the outermost ring.
     pub unit: String,
     /// The lines, one per model, over directions in degrees from 0 to 180; opposite directions grow
     /// alike.
     pub curves: Vec<Line>,
-    /// Directions of note.
+    /// Marked directions.
     pub spokes: Vec<Spoke>,
 }
 

@@ -6,7 +6,7 @@ use crate::scale::SymmetricLog;
 /// Share of the radius inside which nothing is drawn: circles there are too small to be read.
 pub(super) const HOLE: f64 = 0.12;
 
-/// Growth rates beyond are treated as infinite.
+/// Magnitude above which growth rates are treated as infinite.
 const FINITE: f64 = 1e300;
 
 /// The radial scale: places of the symmetric logarithm and their radii.

@@ -36,7 +36,7 @@ pub(crate) fn shade(share: f64) -> Colour {
     RGBColor(mix(0), mix(1), mix(2))
 }
 
-/// How bright a colour appears, from 0 to 255 (Rec. 601).
+/// Luma of a colour, from 0 to 255 (Rec. 601).
 pub(crate) fn luminance(RGBColor(red, green, blue): Colour) -> f64 {
     0.299 * f64::from(red) + 0.587 * f64::from(green) + 0.114 * f64::from(blue)
 }

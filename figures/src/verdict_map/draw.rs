@@ -13,7 +13,7 @@ use crate::picture::{INK, Picture, Point, Rectangle, clip};
 use crate::scale::{self, Tick};
 
 impl VerdictMap {
-    /// Draws the map into the bytes of a file.
+    /// Renders the map in a file format and returns the bytes of the file.
     ///
     /// # Errors
     /// An axis is not a uniform grid, a list has not one value for each cell, a category is not described, or the picture

@@ -11,7 +11,7 @@ pub struct Axis {
     pub values: Vec<f64>,
 }
 
-/// How the cells of a category are filled.
+/// Fill style of the cells of a category.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Look {
     /// Nearly white.
@@ -21,7 +21,7 @@ pub enum Look {
     IllPosed,
     /// Nearly black with white cross-hatching.
     UnboundedAtFiniteWaveNumber,
-    /// Green with upright hatching.
+    /// Green with vertical hatching.
     Marginal,
     /// Grey with dense falling hatching.
     Indeterminate,
@@ -29,10 +29,10 @@ pub enum Look {
     OutsideModel,
 }
 
-/// A kind of answer that a cell may hold.
+/// A category of verdicts of a cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Category {
-    /// The words of the legend.
+    /// Legend text.
     pub label: String,
     /// The fill.
     pub look: Look,
@@ -41,7 +41,7 @@ pub struct Category {
 /// A line drawn over the map, such as a bound in closed form.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// The words of the legend. Curves of the same label look alike and are listed once.
+    /// Legend text. Curves of the same label share a style and are listed once.
     pub label: String,
     /// Points in the units of the axes; a point that is not finite interrupts the line.
     pub points: Vec<[f64; 2]>,
@@ -50,19 +50,19 @@ pub struct Curve {
 /// Verdict regions over two parameters, with growth levels where the verdict is ill-posed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerdictMap {
-    /// Headline.
+    /// Title of the figure.
     pub title: String,
-    /// What is held fixed.
+    /// Subtitle: the fixed parameters.
     pub subtitle: String,
     /// Parameter drawn to the right.
     pub x: Axis,
     /// Parameter drawn upwards.
     pub y: Axis,
-    /// The kinds of answer; those that occur are listed with their share of the area.
+    /// Categories; those that occur are listed with their share of the area.
     pub categories: Vec<Category>,
     /// Index into `categories` for each cell; x runs fastest.
     pub category: Vec<u8>,
-    /// Growth level for each cell, positive, in the unit of `level_label`; not-a-number where
+    /// Growth level for each cell, positive, in the unit of `level_label`; NaN where
     /// there is none. x runs fastest. Used in cells that look [`Look::IllPosed`].
     pub level: Vec<f64>,
     /// Name and unit of the level.

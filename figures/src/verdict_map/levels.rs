@@ -1,4 +1,4 @@
-//! The range of growth levels and lines of equal level.
+//! The range of growth levels and contour lines.
 
 use super::colour_map::colour_on_shade;
 use super::figure::{Look, VerdictMap};
@@ -52,7 +52,7 @@ impl Range {
 }
 
 impl VerdictMap {
-    /// Draws the lines of equal level at the ticks of the bar. Levels of different categories may
+    /// Draws the contour lines at the ticks of the bar. Levels of different categories may
     /// be of different kinds and are not joined.
     pub(super) fn draw_contours(
         &self,

@@ -1,4 +1,4 @@
-//! Verdicts over two parameters of a case.
+//! Verdict maps: verdicts over two parameters of a case.
 
 mod axes;
 mod cells;
