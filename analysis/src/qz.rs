@@ -324,8 +324,8 @@ impl Qz {
         let (left, right) = (&mut self.left, &mut self.right);
         let (mut end, mut steps, mut exceptional) = (size, 0, Complex64::ZERO);
         while end > 1 {
-            // At first only what is small beside its neighbours is zero, in R nothing: stricter
-            // than ε‖L‖, ε‖R‖, and kinder to eigenvalues far from the others.
+            // At first only entries small relative to their neighbours are deflated, and none in R: stricter
+            // than ε‖L‖, ε‖R‖, and more accurate for eigenvalues far from the others.
             let share = if steps < 10 { EPSILON * EPSILON } else { EPSILON };
             let (floor, singular) = ((share * left_norm).max(2.0 * ZERO), share * right_norm);
             // The last block without a zero on the subdiagonal: first..end.

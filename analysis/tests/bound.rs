@@ -1,4 +1,4 @@
-//! The located supremum of the growth rate against what the exact relation says of it.
+//! Tests of the supremum of the growth rate against the exact dispersion relation.
 
 use models::LinearisedSystem;
 use models::flow::Model;

@@ -25,7 +25,7 @@ fn product(factors: &[Vec<i64>]) -> Form {
     form
 }
 
-/// Where a κ₁ + b κ₂ = 0.
+/// Angle at which a κ₁ + b κ₂ = 0.
 fn angle([a, b]: [i64; 2]) -> f64 {
     (-(a as f64)).atan2(b as f64).rem_euclid(PI)
 }
@@ -86,7 +86,7 @@ fn repeated_zeros_are_told_apart() {
     repeated_zeros(false);
 }
 
-/// The same where the repeated zero is an axis, so that the form is exactly zero there.
+/// Repeated zeros on an axis, where the form is exactly zero.
 #[test]
 fn repeated_zeros_along_the_axes() {
     repeated_zeros(true);

@@ -86,7 +86,7 @@ fn eigenvalues(matrix: &nalgebra::DMatrix<Complex64>) -> Vec<Complex64> {
     }
 }
 
-/// What the motion of the wave vector adds to the rate of the velocity:
+/// Contribution of the rate of the wave vector to the rate of the velocity:
 /// −sin φ sin β (ξ·Γξ⊥)/(1 − sin φ cos β), β = 2(Ψ − θ), by elimination of the pressure: k̇·v is what the
 /// constraint lacks, −k²(1 − sin φ cos β) the symbol of the pressure, ξ⊥·(ξ − sin φ n) = −sin φ sin β what it
 /// does across the wave.

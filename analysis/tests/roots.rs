@@ -309,7 +309,7 @@ fn rounding_bounds_of_the_polynomial_cover_its_errors() {
     println!("greatest error of a coefficient of the polynomial: {worst:.2} of its bound");
 }
 
-/// The same for coefficients that are meant literally: then only the expansion rounds.
+/// Roots of systems with exact coefficients: only the expansion rounds.
 #[test]
 fn rounding_bounds_of_the_expansion_cover_its_errors() {
     for seed in 0..500 {

@@ -42,7 +42,7 @@ pub enum CaseError {
     /// The text is not TOML.
     #[error("{place}: {cause}; write 'key = value' or '[section]', each key once")]
     Syntax {
-        /// Where.
+        /// Position of the error.
         place: Place,
         /// Message of the parser, with the line.
         cause: String,
@@ -50,7 +50,7 @@ pub enum CaseError {
     /// A key is unknown, missing, not used, or has a wrong value.
     #[error("{place}: {key}: {found}; {allowed}")]
     Key {
-        /// Where.
+        /// Position of the key.
         place: Place,
         /// Key with its section.
         key: String,

@@ -77,7 +77,7 @@ impl Change {
     }
 }
 
-/// What the program alone refuses, for it depends on other tables: a perturbation that is missing, names given twice,
+/// Cases refused by the program only, since they depend on other tables: a missing perturbation, duplicate names,
 /// fields of which none is left, sides that go together, integrals that receivers record, a second rest.
 const RELATIONS: [&str; 8] = [
     "initial Empty",

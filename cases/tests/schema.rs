@@ -76,7 +76,7 @@ fn leaves(names: Names) -> Names {
         .collect()
 }
 
-/// That both have the same names, or else those that one of them has alone.
+/// Checks that both have the same names, else lists the names that only one has.
 fn assert_same(one: &Names, other: &Names) {
     let missing: Vec<_> = other.difference(one).collect();
     let surplus: Vec<_> = one.difference(other).collect();
@@ -404,7 +404,7 @@ fn with_value(case: &Value, key: &Key, value: f64) -> Value {
     case
 }
 
-/// What the program refuses by itself, in the program's own tests.
+/// Cases refused by the program beyond the schema, from the tests of the program.
 #[test]
 fn numbers_out_of_range_are_refused_by_the_schema() {
     let validator = validator();

@@ -41,7 +41,7 @@ pub struct Panel {
     pub x_log: bool,
     /// The lines, one per model; eight have distinct styles.
     pub curves: Vec<Line>,
-    /// Pale wide lines below the others, such as what they tend to: all of one look, listed once
+    /// Pale wide lines below the others, such as asymptotes: all of one style, listed once
     /// by the label of the first. They leave out the linear part of the vertical axis, on which
     /// power laws are not straight.
     pub guides: Vec<Line>,
@@ -65,7 +65,7 @@ pub struct GrowthFigure {
     pub by_wave_number: Panel,
 }
 
-/// A pale wide line below those of a panel, such as what one of them tends to.
+/// A pale wide line below those of a panel, such as an asymptote.
 const GUIDE: Colour = RGBColor(203, 205, 214);
 const GUIDE_WIDTH: f64 = 11.0;
 

@@ -52,7 +52,7 @@ mod tests {
         [reader.info().width, reader.info().height]
     }
 
-    /// That no texts of a picture overlap, and that its files are sound and the same each time.
+    /// Checks that no texts of a picture overlap, and that its files are valid and reproducible.
     pub(crate) fn check_drawing(
         picture: &crate::picture::Picture,
         draw: impl Fn(crate::Format) -> Result<Vec<u8>, crate::FigureError>,

@@ -16,7 +16,7 @@ use crate::verdict_map::percent;
 /// Values at the times of a sheet.
 pub(crate) struct Series<'a> {
     /// Legend text; series of the same name share a style. Without a name the line is
-    /// plain, and its panel says what it is.
+    /// plain, and the panel title names it.
     pub name: Option<&'a str>,
     pub values: &'a [f64],
 }
@@ -46,8 +46,7 @@ const LABEL: f64 = 26.0;
 /// Room for them, and below the strip above.
 const LABEL_ROW: f64 = 1.4 * LABEL;
 const BETWEEN: f64 = 12.0;
-/// Lines that are so many times longer than a window of so many pixels is wide would be blots if
-/// they were thick.
+/// Ratio of line length to window width, and window width in pixels, above which a line is drawn thin to stay legible.
 const DENSE: f64 = 4.0;
 const WINDOW: f64 = 50.0;
 const DENSE_WIDTH: f64 = 1.8;

@@ -67,7 +67,7 @@ pub struct SpeedsFigure {
     /// Sectors of flutter: first and last direction in degrees, anticlockwise; the opposite
     /// sectors are shaded too.
     pub flutter: Vec<[f64; 2]>,
-    /// Sectors in which a speed is imaginary (a shear band grows), likewise.
+    /// Sectors in which a speed is imaginary (a shear band grows): first and last direction in degrees.
     pub imaginary: Vec<[f64; 2]>,
     /// Directions in which a speed vanishes.
     pub vanishing: Vec<Vanishing>,

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use wellposed_files::vti::{Grid, ImageData, Number, Storage, collection};
 use wellposed_files::write_atomically;
 
-/// What takes the nodes of plane grids to those of structured ones.
+/// Deformation gradient from the nodes of plane grids to those of structured grids.
 const DEFORMATION: [[f64; 2]; 2] = [[1.0, 0.5], [-0.25, 1.25]];
 
 /// Number of a cell along each axis, the first axis fastest.

@@ -47,13 +47,13 @@ pub enum AppendProblem {
     /// The part already written of the table to be resumed was changed.
     #[error("has other content in its first {length} bytes than was written")]
     Changed {
-        /// Where the table should go on, in bytes from its start.
+        /// Expected length of the part already written, bytes.
         length: u64,
     },
     /// The length to resume at is not the end of a line below a header.
     #[error("has no header and whole rows in its first {length} bytes")]
     Header {
-        /// Where the table should go on, in bytes from its start.
+        /// Length at which the table should resume, bytes.
         length: u64,
     },
     /// A row whose length differs from the header's.

@@ -197,7 +197,7 @@ fn spin_instead_of_noncoaxiality() {
     }
 }
 
-/// What a state may give besides is accepted when it is what follows, and refused by its key with
+/// Redundant quantities of a state are accepted when they agree with the derived ones, and refused by their key with
 /// the residual of the equation it breaks when it is off by 1e-6 of its size.
 #[test]
 fn contradictions_are_refused_with_their_residual() {
@@ -471,7 +471,7 @@ fn stress_tensor_has_the_face_normal_second() {
     }
 }
 
-/// The same r drives the derived body moment: I Dω/Dt + ω DI/Dt = (torque per area)/ρ + G.
+/// The rotational stress r drives the derived body moment: I Dω/Dt + ω DI/Dt = (torque per area)/ρ + G.
 #[test]
 fn body_moment_balances_the_torque_of_the_stress() {
     let mut random = Random::new(750);

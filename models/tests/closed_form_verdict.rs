@@ -26,7 +26,7 @@ fn sample(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> (Paramet
     (parameters, State { velocity: [0.0; 2], ..state })
 }
 
-/// The same without gradients, accelerations and rotational stress.
+/// A state without gradients, accelerations and rotational stress.
 fn uniform(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> (Parameters, State) {
     let (mut parameters, full) = sample(random, kind, dilatancy);
     parameters.rotational_strength = parameters.rotational_strength.map(|_| 0.0);
@@ -42,7 +42,7 @@ fn uniform(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> (Parame
     (parameters, state)
 }
 
-/// The linearised equations of a state, and what the model says of it in closed form.
+/// Linearised equations of a state, and the closed-form verdict of the model.
 fn judged(
     kind: FlowKind,
     parameters: &Parameters,
@@ -208,7 +208,7 @@ fn free_rotating_lacks_one_equation() {
     }
 }
 
-/// Where rounding or the range of doubles leaves doubt, a formula says nothing.
+/// A formula abstains if rounding or the range of doubles leaves doubt.
 #[test]
 fn formulas_are_silent_where_there_is_doubt() {
     let mut random = Random::new(650);

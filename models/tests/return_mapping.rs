@@ -1,4 +1,4 @@
-//! The pieces of the return mapping in lanes that are faster than what they stand for: the same bits.
+//! Optimised parts of the return mapping in SIMD lanes give the same bits as the plain formulas.
 
 mod support;
 

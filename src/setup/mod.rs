@@ -16,7 +16,7 @@ pub fn locate(material: &Material, error: StateError) -> Error {
     material.locate(into_input(material, error)).into()
 }
 
-/// The same for a state of the case's map, whose swept numbers stand in \[map\].
+/// Position of an error in a state of the map of the case, whose swept numbers are in \[map\].
 pub fn locate_in_map(case: &Case, error: StateError) -> Error {
     case.locate_in_map(into_input(&case.material, error)).into()
 }

@@ -33,7 +33,7 @@ pub fn elastic_law_and_set(
     Ok((elastic, set))
 }
 
-/// What a solid is to the solver.
+/// Solver medium of a solid.
 ///
 /// # Errors
 /// The constant that is out of range; that the flow is not one that a run knows; that it is one of a
@@ -62,7 +62,7 @@ fn elastic_law(material: &Material) -> Result<ElasticLaw, InputError> {
     solid.law(&constants)
 }
 
-/// That the yield set of a material, if it has one, admits the elastic law.
+/// Checks that the yield set of a material, if any, admits the elastic law.
 fn check_admits(material: &Material, law: &ElasticLaw) -> Result<(), InputError> {
     match material.yields {
         Some(set) => set.check_admits(solid_kind(material)?, law),

@@ -19,7 +19,7 @@ use dynamics::simulation::TimeSteps;
 pub(crate) use geometry::{cell_at, centre, probe};
 use models::solid::waves::Field;
 
-/// What a case comes to: a problem and the state at its beginning.
+/// Solver problem of a case with its initial state.
 pub(crate) struct Setup<const D: usize> {
     pub(crate) problem: Problem<D>,
     pub(crate) steps: TimeSteps,
@@ -126,7 +126,7 @@ impl<const D: usize> Setup<D> {
     }
 }
 
-/// What the solver refuses though the case was read: each of these the reader should have found.
+/// Error of the solver for a case that was read without error; the reader should have found each of these.
 fn refused(dynamics: &Dynamics, error: &DomainError) -> CaseError {
     let key = match error {
         DomainError::Courant { .. } => "time.courant",
@@ -139,7 +139,7 @@ fn refused(dynamics: &Dynamics, error: &DomainError) -> CaseError {
     dynamics.locate(key, error.to_string(), "docs/case-file.md describes solids in time")
 }
 
-/// That the initial stress is in the yield sets: else the first step would release it.
+/// Checks that the initial stress is in the yield sets: otherwise the first step would release it.
 fn check_initial_stress<const D: usize>(
     dynamics: &Dynamics,
     problem: &Problem<D>,
@@ -158,7 +158,7 @@ fn check_initial_stress<const D: usize>(
     Ok(())
 }
 
-/// What finds the places of a case in its grid.
+/// Locates positions of a case in its grid.
 struct Place<'a> {
     dynamics: &'a Dynamics,
     medium: Medium,

@@ -45,7 +45,7 @@ impl From<Wave> for WaveVector {
 /// Families of waves with the same dispersion.
 #[derive(Clone, Debug, Serialize)]
 pub struct BranchFamily {
-    /// Their polarisation.
+    /// Polarisation of the waves.
     pub polarisation: &'static str,
     /// Number of families.
     pub count: usize,

@@ -45,7 +45,7 @@ impl From<Flutter> for FlutterWave {
 pub struct SlowestWave {
     /// Least real c², m²/s²; infinite if no direction has one (null in JSON).
     pub squared_speed: f64,
-    /// How far rounding may have moved it, m²/s².
+    /// Rounding bound of the squared speed, m²/s².
     pub rounding: f64,
     /// The wave normal.
     pub normal: WaveNormal,

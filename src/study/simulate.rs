@@ -26,7 +26,7 @@ use crate::case::{Case, InTime};
 use memory::InMemory;
 use serde::Serialize;
 
-/// What a simulation is asked for beside its case.
+/// Options of a simulation besides its case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Settings {
     /// Whether a flow is run in time although its equations are ill-posed.
@@ -66,7 +66,7 @@ pub fn simulate(case: &Case, settings: Settings, progress: OnProgress) -> Result
 
 /// A case that is run in time: a solid or a flow.
 pub trait Job: Sync {
-    /// What will be computed, if memory suffices; with that of all snapshots where they are kept.
+    /// Plan of the computation, if memory suffices; including all snapshots if they are kept.
     ///
     /// # Errors
     /// Memory is short, or there would be too many steps.
@@ -75,16 +75,16 @@ pub trait Job: Sync {
     /// Finds everything that can be wrong with the case.
     ///
     /// # Errors
-    /// What is wrong.
+    /// Checks the simulation for errors.
     fn check(&self) -> Result<(), Error>;
 
-    /// What is likely not meant.
+    /// Warnings: settings that are probably unintended.
     ///
     /// # Errors
     /// There would be too many steps.
     fn warnings(&self) -> Result<Vec<Warning>, Error>;
 
-    /// What the analysis says of its equations, where that is against running them.
+    /// Verdict of the analysis that argues against the simulation.
     ///
     /// # Errors
     /// Its state cannot be analysed.
@@ -97,7 +97,7 @@ pub trait Job: Sync {
     fn carry_out(&self, recorder: &mut dyn Recorder) -> Result<RunResult, Error>;
 }
 
-/// What a case that is run in time comes to.
+/// Time-domain simulation of a case.
 ///
 /// # Errors
 /// The case is wrong, or does not say how it is run in time.

@@ -179,7 +179,7 @@ impl Hemisphere {
         Self { polar_deg: list(91), azimuth_deg: list(360), slowest: Vec::new() }
     }
 
-    /// The same with the speeds; `row_is_done` is called after each polar angle.
+    /// Adds the speeds; `row_is_done` is called after each polar angle.
     fn fill(
         self,
         rates: &RateEquations<3>,

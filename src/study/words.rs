@@ -60,7 +60,7 @@ pub fn superscript(order: f64) -> String {
     }
 }
 
-/// What a verdict rests on, in words.
+/// Evidence of a verdict, as text.
 pub fn evidence(verdict: &Verdict) -> String {
     match verdict {
         Verdict::WellPosed => {

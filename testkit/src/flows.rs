@@ -12,9 +12,9 @@ pub struct Parameters {
     pub dilatancy_angle: f64,
     /// Cohesion c, Pa.
     pub cohesion: f64,
-    /// Moment of inertia per unit mass I, m²; Harris–Grekova alone.
+    /// Moment of inertia per unit mass I, m²; Harris–Grekova only.
     pub moment_of_inertia: Option<f64>,
-    /// Rotational yield strength m, Pa; Harris–Grekova alone.
+    /// Rotational yield strength m, Pa; Harris–Grekova only.
     pub rotational_strength: Option<f64>,
 }
 

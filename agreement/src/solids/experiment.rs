@@ -260,9 +260,9 @@ impl<const D: usize> Experiment<'_, D> {
         })
     }
 
-    /// The size of a wave over a background, of unit amplitude, and the disturbance of its phase in so many steps: by the
-    /// turn of a curved yield surface's normal in the stress of the wave and of the flow that carries it, and by the
-    /// rounding of the whole stress.
+    /// Size of a wave of unit amplitude relative to the background, and the phase error after the given number of steps:
+    /// by the rotation of the normal of a curved yield surface in the stress of the wave and of the flow, and by the
+    /// rounding of the total stress.
     fn size(
         &self,
         branch: &Branch<D>,

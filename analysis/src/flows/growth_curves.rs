@@ -64,8 +64,7 @@ pub fn by_direction(workspace: &Workspace, assessment: &Assessment, number: f64)
     degrees.into_iter().map(|d| [d, workspace.growth(number, d.to_radians())]).collect()
 }
 
-/// Number of decades beyond the given wave number needed to reach the asymptotic growth of the verdict, at most
-/// [`MOST_DECADES`].
+/// Number of decades beyond the given wave number needed to reach the asymptotic growth of the verdict, at most 8.
 pub fn decades(workspace: &Workspace, assessment: &Assessment, number: f64) -> i32 {
     let Verdict::IllPosed { growth: Some(growth), .. } = assessment.verdict else { return DECADES };
     let directions = directions(assessment);

@@ -6,7 +6,7 @@ use models::registry;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use testkit::flows::Parameters;
 
-/// What the background has besides a constant rate of deformation: a sum of these.
+/// Properties of a background besides a constant deformation rate, combined as flags.
 pub type Parts = u8;
 pub const ROTATIONAL_STRESS: Parts = 1;
 pub const PRESSURE_GRADIENT: Parts = 2;
@@ -33,7 +33,7 @@ pub fn with(parts: Parts, state: State) -> State {
     }
 }
 
-/// Where |Δ| lies, in [0, 90°].
+/// Range of |Δ| in [0, 90°].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Zone {
     /// Below the bound: the coefficient of the highest power of ς has one sign.
@@ -45,7 +45,7 @@ pub enum Zone {
 }
 pub use Zone::{Inside, Outside, Reversed};
 
-/// What is found of dilatant Harris–Grekova.
+/// Expected verdict on the dilatant Harris–Grekova model.
 ///
 /// Inside, what accelerates the material makes layers grow, and less so a rotational stress.
 /// Outside, growth is unbounded at finite k where the coefficient of the highest power of ς

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use wellposed_analysis::growth::Verdict;
 
-/// What brute force says of a verdict: growth at three wave numbers over four decades.
+/// Brute-force check of a verdict: growth at three wave numbers over four decades.
 ///
 /// Growth of order m in layers nears its asymptote like k^(−m): 6e-8 and 1e-9 at the least of these
 /// wave numbers for the orders 2/5 and 1/2, times a constant of the state, up to 6e4 as met, for which

@@ -93,7 +93,7 @@ fn gradients_next_to_where_the_zeros_coincide() {
     assert!(wrong.is_empty(), "{} differ: {wrong:#?}", wrong.len());
 }
 
-/// The same so near that the zeros are less than 1e-9 rad apart, yet far more than their rounding.
+/// Close to the bound the zeros are less than 1e-9 rad apart, yet far more than their rounding.
 #[test]
 fn gradients_very_near_where_the_zeros_coincide() {
     let wrong = near_coincidence([STRESS_ANGLE_GRADIENT, ALL], [1e-11, 1e-5]);

@@ -1,4 +1,4 @@
-//! What is refused, and spins without couple stress.
+//! Tests of refused input, and of spins without couple stress.
 
 use crate::random_solids::{isotropic, search};
 use crate::support::states::seeded;

@@ -1,4 +1,4 @@
-//! What the integration tests share: 256-bit arithmetic, exact dispersion polynomials and their
+//! Helpers shared by the integration tests: 256-bit arithmetic, exact dispersion polynomials and their
 //! roots, random states. None of it uses the crate's own algebra.
 #![allow(dead_code, reason = "each test file uses its own part")]
 

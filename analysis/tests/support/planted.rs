@@ -14,7 +14,7 @@ const UNKNOWNS: [Unknown; 8] = {
     list
 };
 
-/// What an entry multiplies.
+/// Derivative or unknown multiplied by an entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Part {
     /// ∂ₜ

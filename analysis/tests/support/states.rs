@@ -17,7 +17,7 @@ pub fn seeded(seed: u64) -> Random {
     random
 }
 
-/// What a random state is to have.
+/// Required properties of a random state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dilatancy {
     Zero,

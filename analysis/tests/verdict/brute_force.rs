@@ -34,13 +34,13 @@ fn small(seed: u64, integers: bool) -> LinearisedSystem<2> {
     system(n, n, &entries)
 }
 
-/// Random small systems, far from any physics: what is asserted agrees with brute force.
+/// Verdicts on random small systems without physical meaning agree with brute force.
 #[test]
 fn small_random_systems_agree_with_brute_force() {
     agree_with_brute_force(false, 200);
 }
 
-/// The same with small integers, for which many directions coincide.
+/// Verdicts on random systems of small integers, in which many directions coincide, agree with brute force.
 #[test]
 fn small_integer_systems_agree_with_brute_force() {
     agree_with_brute_force(true, 200);
@@ -53,7 +53,7 @@ fn many_small_systems_agree_with_brute_force() {
     agree_with_brute_force(true, 500);
 }
 
-/// What is wrong with a verdict, by brute force; `fine` takes longer and misses less.
+/// Brute-force check of a verdict: a description of the error, if any; `fine` takes longer and misses less.
 fn difference(verdict: &Verdict, p: &DispersionReference, fine: bool) -> Option<String> {
     match verdict {
         Verdict::Indeterminate { .. } => {

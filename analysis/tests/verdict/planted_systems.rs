@@ -3,7 +3,7 @@
 use crate::support::planted::{C, Part, T, X, Y, system};
 use models::LinearisedSystem;
 
-/// What a planted system is to be found to be.
+/// Expected verdict on a planted system.
 #[derive(Clone, Copy, Debug)]
 pub enum Wanted {
     Bounded,
@@ -47,7 +47,7 @@ fn third() -> f64 {
     (3f64).sqrt() / 2.0
 }
 
-/// Name, system and what it is to be found to be.
+/// Name, system and expected verdict.
 type Planted = (&'static str, LinearisedSystem<2>, Wanted);
 
 struct Systems(Vec<Planted>);

@@ -88,7 +88,7 @@ fn thin_sectors_of_growth_are_found() {
     }
 }
 
-/// The same planted systems in other units and other axes say the same.
+/// Planted systems have the same verdicts in other units and rotated axes.
 #[test]
 fn planted_systems_in_other_units() {
     let random = &mut seeded(77);

@@ -7,7 +7,7 @@ use wellposed_analysis::energy::energy;
 
 use crate::random_solids::{KINDS, solid_of_order_one};
 
-/// What the symmetriser shows of sound solids, and that it shows what is wrong.
+/// The symmetriser confirms energy conservation of valid solids and detects planted errors.
 #[test]
 fn energy_tells_sound_equations_from_others() {
     let random = &mut seeded(43);

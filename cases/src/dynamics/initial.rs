@@ -163,7 +163,7 @@ pub enum Initial {
     PlanePulse(PlanePulse),
     /// A microrotation.
     Rotation {
-        /// Where.
+        /// Shape of the rotated part.
         shape: Shape,
         /// Angle, degrees, anticlockwise about the axis.
         angle_deg: f64,
@@ -172,11 +172,11 @@ pub enum Initial {
     },
     /// A uniform value of one field.
     Uniform {
-        /// Where.
+        /// Shape of the part.
         shape: Shape,
-        /// The field.
+        /// Field with the value.
         field: Component,
-        /// Its value, in its unit.
+        /// Value, in the unit of the field.
         amplitude: f64,
     },
 }

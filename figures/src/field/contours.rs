@@ -24,9 +24,9 @@ const RULED: f64 = 8.0;
 pub(super) enum Levels {
     /// Contour lines with the share of the end of the colours that they belong to.
     Lines(Vec<(f64, Vec<Point>)>),
-    /// None, or too many to be told apart: large negative values are ruled instead.
+    /// No contour lines, as they would be too many: large negative values are hatched instead.
     Ruled,
-    /// Too many of those asked for, of a quantity without a sign.
+    /// Too many requested contour lines of a quantity without a sign: none are drawn.
     TooMany,
     None,
 }

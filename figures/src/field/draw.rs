@@ -29,8 +29,8 @@ impl FieldFigure {
         self.picture(format)?.render(format)
     }
 
-    /// Decides what is drawn where. What the legend lists depends on what is drawn, and where that
-    /// is on the legend's height: borders, lines and names are first placed without a legend.
+    /// Lays out the figure. The legend depends on the drawn elements, and their positions on the height of the legend:
+    /// borders, lines and names are first placed without a legend.
     pub(super) fn arrange(&self, scale: &Scale, format: Format) -> Arrangement {
         let mut sheet = Picture::new(page::WIDTH as u32, 1);
         let top = page::heading(&mut sheet, &self.title, &self.subtitle).ceil();

@@ -1,9 +1,9 @@
-//! Numbers that formulas are written over: one, or several side by side in the registers of a processor.
+//! Number type of generic formulas: a scalar, or SIMD lanes of scalars.
 
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A number, or several in lanes that do not see each other: every operation is that of the lanes.
+/// A floating-point number or SIMD lanes of numbers; every operation acts lane by lane.
 pub trait Number:
     Copy
     + Debug
@@ -26,40 +26,40 @@ pub trait Number:
     const THIRD: Self;
     /// ¼.
     const QUARTER: Self;
-    /// The least normal number.
+    /// The smallest positive normal number; smaller numbers are subnormal.
     const MIN_POSITIVE: Self;
-    /// From 1 to the next number.
+    /// Machine epsilon: distance from 1 to the next number.
     const EPSILON: Self;
 
-    /// The nearest number to a constant.
+    /// The number nearest to a double, in all lanes.
     fn from_f64(value: f64) -> Self;
 
-    /// The greater of two numbers.
+    /// Maximum of two numbers, lane by lane; the second operand if the comparison is false.
     fn max(self, other: Self) -> Self;
 
-    /// The smaller of two numbers.
+    /// Minimum of two numbers, lane by lane.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
         -(-self).max(-other)
     }
 
-    /// √x.
+    /// Square root.
     fn sqrt(self) -> Self;
 
-    /// Of this and two bounds the one nearest to zero, or zero where they have different signs. This is a mean
-    /// of some kind: where the bounds have one sign it has no other.
+    /// Minmod limiter of three arguments: the one of smallest magnitude, or zero if `one` and `other` differ in sign.
+    /// `self` must be a mean of the two, so that it has their sign where they agree.
     fn minmod3(self, one: Self, other: Self) -> Self;
 
-    /// The number, or zero where it is smaller in size than a limit; what is no number stays.
+    /// Flushes magnitudes below `limit` to zero, as subnormal numbers are slow; NaN is unchanged.
     fn flush_below(self, limit: Self) -> Self;
 
-    /// Whether any is greater than its counterpart.
+    /// Whether any lane is greater than its counterpart in `other`.
     fn any_gt(self, other: Self) -> bool;
 }
 
-/// x/3 to the nearest number, as a division by 3 rounds it, without one: with q = x·⅓, 3q is so close to x that both
-/// differences of (x − 2q) − q are exact (Sterbenz 1974), and x/3 is a sixth of a unit in the last place or more from
-/// where rounding changes. Next to underflow the last place may be another one; −0 becomes 0.
+/// Correctly rounded x/3 without a division: with q = x·⅓ both differences of (x − 2q) − q are exact (Sterbenz 1974), and
+/// x/3 is at least a sixth of a unit in the last place away from a rounding boundary. Near underflow the last place may
+/// differ; −0 becomes 0.
 #[inline(always)]
 pub fn third<N: Number>(x: N) -> N {
     let quotient = x * N::THIRD;

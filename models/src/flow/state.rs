@@ -142,7 +142,7 @@ pub struct State {
     pub spin_gradient: [f64; 2],
     /// Gradient of the density, kg/m⁴; only where ν > 0.
     pub density_gradient: [f64; 2],
-    /// Material rate DΩ/Dt of the spin, rad/s²; enters the body moment alone.
+    /// Material rate DΩ/Dt of the spin, rad/s²; enters only the body moment.
     pub spin_acceleration: f64,
     /// Material rate DI/Dt of the moment of inertia, m²/s.
     pub inertia_rate: f64,

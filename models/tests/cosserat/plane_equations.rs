@@ -98,7 +98,7 @@ fn plane_equations_are_the_published_ones() {
     }
 }
 
-/// The same with the moduli: σ̇₁₁ = (λ + 2μ)v₁,₁ + λv₂,₂, σ̇₂₁ = (μ + α)(v₂,₁ − ω₃) + (μ − α)(v₁,₂ + ω₃)…
+/// Plane equations by the moduli: σ̇₁₁ = (λ + 2μ)v₁,₁ + λv₂,₂, σ̇₂₁ = (μ + α)(v₂,₁ − ω₃) + (μ − α)(v₁,₂ + ω₃)…
 #[test]
 fn plane_equations_with_moduli() {
     let mut random = Random::new(2);

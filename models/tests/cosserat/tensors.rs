@@ -17,7 +17,7 @@ pub fn of(component: Component, force: &Matrix3<f64>, couple: &Matrix3<f64>) -> 
     component.value_in(&Stress { force: rows(force), couple: rows(couple) })
 }
 
-/// What works on a component: for the symmetric ones off the diagonal twice the tensor's.
+/// Work-conjugate strain rate of a component: twice the tensor component for symmetric ones off the diagonal.
 pub fn conjugate(component: Component, strain: &Matrix3<f64>, bend: &Matrix3<f64>) -> f64 {
     match component {
         Force(i, j) => strain[(i, j)],

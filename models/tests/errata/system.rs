@@ -55,7 +55,7 @@ impl Incompressible {
         }
     }
 
-    /// The same with no gradients but the velocity's.
+    /// A background with no gradient but the velocity gradient.
     pub fn uniform(random: &mut Random) -> Self {
         let kind = registry::HARRIS_GREKOVA;
         let parameters = states::random_parameters(random, kind, Dilatancy::Zero);

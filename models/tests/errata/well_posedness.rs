@@ -63,7 +63,7 @@ fn eq_130_and_136_limits_along_rays() {
     assert!(near > 0.0 && ((far / near).log10() - 3.0).abs() < 0.01, "{near:e} {far:e}");
 }
 
-/// The same in the model itself. As k → ∞ with β − β₀ = s/k fixed times 1/k (a layer around a
+/// Growth in the layer of the model itself. As k → ∞ with β − β₀ = s/k fixed times 1/k (a layer around a
 /// degenerate direction), Re ς tends to a function of s that is greater, somewhere in the layer,
 /// than its limits along all rays, the degenerate one included: the bound on the growth is not
 /// seen by (130).

@@ -23,9 +23,9 @@ pub const EQUATIONS: [&str; 6] = ["momentum 1", "momentum 2", "spin", "volume", 
 pub enum Rotation {
     /// The intrinsic spin.
     Intrinsic,
-    /// That of the principal axes of stress.
+    /// Rotation rate of the principal stress axes.
     StressAxes,
-    /// None: flow rule from a plastic potential.
+    /// No rotation: flow rule from a plastic potential.
     Potential,
 }
 

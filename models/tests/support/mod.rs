@@ -1,4 +1,4 @@
-//! What the tests of the models stand on: random numbers, numbers of twice the precision, dual
+//! Helpers shared by the tests of the models: random numbers, numbers of twice the precision, dual
 //! numbers, complex numbers, determinants. Nothing here knows a model.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
@@ -367,7 +367,7 @@ pub fn determinant(matrix: &[Vec<Polynomial>]) -> Polynomial {
     minors.pop().unwrap_or_default()
 }
 
-/// The same expansion of absolute values: the size against which a determinant's rounding counts.
+/// Determinant expansion of absolute values: the scale of the rounding of a determinant.
 pub fn permanent(matrix: &[Vec<f64>]) -> f64 {
     let n = matrix.len();
     let mut minors = vec![0.0; 1 << n];

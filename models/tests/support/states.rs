@@ -1,4 +1,4 @@
-//! Random models and states with unequal, generic constants, and what they are in the variables
+//! Random models and states with unequal, generic constants, and their values in the variables
 //! of the nonlinear equations.
 
 use super::equations::{self, Fields, Prescribed, Rotation};

@@ -27,14 +27,14 @@ pub struct FlowWave {
 }
 
 impl FlowWave {
-    /// The same by its unit vector.
+    /// The plane wave by its unit wave normal.
     pub fn plane_wave(&self) -> PlaneWave<2> {
         let angle = crate::case::radians(self.direction_deg);
         PlaneWave { number: self.number, normal: [angle.cr_cos(), angle.cr_sin()] }
     }
 }
 
-/// What of a flow is checked.
+/// Checks of a flow: waves and perturbations to be measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlowPlan {
     /// The waves.
@@ -89,7 +89,7 @@ fn directions(case: &Case) -> Result<Vec<f64>, Error> {
     Ok(all)
 }
 
-/// That the perturbation of a case can be refined on such grids in all its models.
+/// Checks that the perturbation of a case can be refined on the grids in all its models.
 fn check_grids(case: &Case, grids: &[usize]) -> Result<(), Error> {
     let refuse = |found: String, allowed: &str| {
         let allowed = allowed.to_owned();

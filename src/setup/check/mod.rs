@@ -10,23 +10,23 @@ use flow::FlowPlan;
 use models::InputError;
 use solid::MediumPlan;
 
-/// How thorough a check is.
+/// Thoroughness of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
     /// All waves of the case, or the chosen ones.
     Full,
-    /// One wave number in two directions: for many cases one after the other.
+    /// Quick: one wave number in two directions, for series of cases.
     Short,
 }
 
-/// What of a case is checked.
+/// Checks of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CheckPlan {
     /// The media of a solid.
     Solid(Vec<MediumPlan>),
     /// The waves and perturbations of a flow.
     Flow(FlowPlan),
-    /// Nothing, since no solver takes the case: why.
+    /// No check: no solver supports the case; the reason.
     NotMeasurable(String),
 }
 
@@ -61,7 +61,7 @@ fn reason(error: CaseError) -> String {
     }
 }
 
-/// That products of a few numbers of a flow neither overflow nor vanish.
+/// Checks that products of a few numbers of a flow neither overflow nor underflow.
 fn check_range(case: &Case) -> Result<(), CaseError> {
     const SIZES: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
     let asked = case.check.iter().flat_map(|own| own.numbers.iter().flatten());

@@ -10,9 +10,9 @@ use models::InputError;
 /// A medium of a solid, and its waves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MediumPlan {
-    /// Where it is in the case; empty if it is everywhere.
+    /// Position in the case; empty if everywhere.
     pub place: String,
-    /// What it is.
+    /// Material of the medium.
     pub material: Material,
     /// Its waves.
     pub waves: WavePlan,

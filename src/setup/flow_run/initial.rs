@@ -14,9 +14,9 @@ const LARGEST: u64 = 1 << 20;
 
 /// Perturbations at the points, the first axis running fastest.
 pub(crate) struct Fields {
-    /// Of the velocity, m/s.
+    /// Velocity perturbation, m/s.
     pub(crate) velocity: [Vec<f64>; 2],
-    /// Of the spin, rad/s, or of the stress angle, rad; zero where neither evolves.
+    /// Perturbation of the spin, rad/s, or of the stress angle, rad; zero if neither evolves.
     pub(crate) inner: Vec<f64>,
 }
 

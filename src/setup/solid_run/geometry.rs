@@ -58,7 +58,7 @@ pub(super) fn whole_side(dynamics: &Dynamics, side: Side) -> Option<&SideConditi
     dynamics.sides.iter().rev().find(|entry| entry.side == side && entry.part.is_none())
 }
 
-/// Where a receiver is in the grid; `of_cell` are the media.
+/// Probe of a receiver in the grid; `of_cell` are the media of the cells.
 pub(crate) fn probe(dynamics: &Dynamics, of_cell: &[u16], receiver: &Receiver<Recorded>) -> Probe {
     let grid = &dynamics.grid;
     let home = cell_at(dynamics, &receiver.at);

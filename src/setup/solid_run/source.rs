@@ -11,7 +11,7 @@ use dynamics::point_kernel::{Axis, End, bell_shares, nearest_share, spline_share
 use models::solid::waves::Field;
 use std::sync::Arc;
 
-/// What a field meets beyond a side, seen from a point of the grid.
+/// Continuation of a field beyond a side (mirror image, end or period), as seen from a point of the grid.
 fn end(dynamics: &Dynamics, side: Side, point: &[f64], field: Field) -> End {
     if is_periodic(dynamics, side.axis) {
         return End::Periodic;

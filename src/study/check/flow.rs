@@ -18,7 +18,7 @@ use serde::Serialize;
 pub struct FlowCheck {
     /// The modes of the waves.
     pub rows: Vec<ModeCheck>,
-    /// One perturbation on finer and finer grids, model by model.
+    /// Grid refinement of one perturbation, model by model.
     pub refinements: Vec<RefinementCheck>,
     /// Q_D of the mean flow, 1/s.
     #[serde(skip)]

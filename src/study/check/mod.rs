@@ -1,4 +1,4 @@
-//! What is measured in time against what the analysis predicts.
+//! Agreement of time-domain measurements with the predictions of the analysis.
 //!
 //! [`agreement`] holds prediction and measurement against each other; here stand its results on the problems that a case
 //! states.
@@ -24,18 +24,18 @@ pub struct CheckResult {
     pub model: String,
     /// Whether everything that was measured agrees; `None` where nothing was.
     pub agrees: Option<bool>,
-    /// What was found.
+    /// Result of the check.
     #[serde(flatten)]
     pub outcome: Outcome,
 }
 
-/// What was found of a case.
+/// Result of the check of a case.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum Outcome {
-    /// Of a solid.
+    /// Check of a solid.
     Solid(SolidCheck),
-    /// Of a flow.
+    /// Check of a flow.
     Flow(FlowCheck),
     /// No solver takes the case.
     NotMeasurable {

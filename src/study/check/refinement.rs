@@ -1,4 +1,4 @@
-//! One perturbation of a flow on finer and finer grids.
+//! Grid refinement of one perturbation of a flow.
 
 use crate::Error;
 use crate::case::Converted;
@@ -10,7 +10,7 @@ use analysis::growth::Verdict;
 use analysis::newton::Order;
 use serde::Serialize;
 
-/// One perturbation on finer and finer grids in a model.
+/// Grid refinement of one perturbation in a model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RefinementCheck {
     /// Name of the model.
@@ -40,9 +40,9 @@ pub struct RefinementCheck {
 /// Orders of growth in the wave number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Orders {
-    /// Of predicted rates.
+    /// Order of the predicted rates.
     pub predicted: f64,
-    /// Of measured rates.
+    /// Order of the measured rates.
     pub measured: f64,
 }
 

@@ -24,7 +24,7 @@ pub struct SolidCheck {
 /// The results of a medium.
 #[derive(Clone, Debug, Serialize)]
 pub struct MediumCheck {
-    /// Where it is in the case; empty if it is everywhere.
+    /// Position in the case; empty if everywhere.
     pub place: String,
     /// The medium in words.
     pub model: String,
@@ -67,7 +67,7 @@ pub struct BranchCheck {
     /// Measured minus predicted rate in the limit of small cells, relative to the predicted frequency.
     #[serde(skip)]
     pub difference: Option<Rate>,
-    /// The same by the symbol of the scheme.
+    /// Expected rate by the symbol of the scheme.
     #[serde(skip)]
     pub expected_difference: Option<Rate>,
 }

@@ -1,4 +1,4 @@
-//! One point of a map after another.
+//! Assessment of the points of a map.
 
 use super::MapOptions;
 use crate::case::{Case, Kind, Map, Sweep, radians};
@@ -20,7 +20,7 @@ use serde::{Serialize, Serializer};
 pub struct MapPoint {
     /// The verdict, or why there is none.
     pub status: PointStatus,
-    /// Where there is a verdict: the method.
+    /// Method of the verdict, if there is one.
     #[serde(serialize_with = "route_name")]
     pub route: Option<Route>,
     /// Order of growth in k where ill-posed.
@@ -44,7 +44,7 @@ pub struct MapPoint {
 /// The speeds of a solid.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct PointSpeeds {
-    /// Their type over all directions.
+    /// Type of the characteristic speeds over all directions.
     #[serde(serialize_with = "hyperbolicity_name")]
     pub hyperbolicity: Hyperbolicity,
     /// Greatest |Im c| of complex c², m/s; 0 without flutter.
@@ -55,7 +55,7 @@ pub struct PointSpeeds {
     pub least_normal_deg: [f64; 2],
 }
 
-/// What can be said of a point; the numbers stand in `map.npz`.
+/// Status of a point; the numbers are stored in `map.npz`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointStatus {
     /// Well-posed.
@@ -177,7 +177,7 @@ struct SweptFlow {
     constants: Vec<f64>,
     /// Whether they are others than those of the model.
     is_stale: bool,
-    /// Where a swept number is a constant: which. Names are compared once for a map.
+    /// Swept constants of the model, if any. Names are compared once per map.
     swept: [Option<(usize, &'static Parameter)>; 2],
 }
 

@@ -1,4 +1,4 @@
-//! What a map says in numbers.
+//! Summary of a map.
 
 use super::{MapOptions, MapPoint, PointStatus};
 use crate::case::{Case, Kind, Map, Sweep};
@@ -31,13 +31,13 @@ pub struct MapResult {
     /// Number of verdicts by the name of their [`Route`], in the order of [`Route::ALL`].
     #[serde(rename = "route", serialize_with = "as_object")]
     pub routes: [(&'static str, usize); 2],
-    /// What there is of a solid alone.
+    /// Quantities of solids only.
     #[serde(flatten)]
     pub solid: Option<SolidMap>,
     /// All points, x running fastest.
     #[serde(skip)]
     pub points: Vec<MapPoint>,
-    /// What was asked for; a map that sweeps the wave has growth rates.
+    /// Requested options; a map that sweeps the wave has growth rates.
     #[serde(skip)]
     pub options: MapOptions,
 }
@@ -86,7 +86,7 @@ impl From<&Sweep> for MapAxis {
     }
 }
 
-/// Where well-posed states lie along x.
+/// Range of well-posed states along x.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WellPosedIntervals {
     /// The value of y.
@@ -113,7 +113,7 @@ pub struct WorstPoint {
     pub elevation_deg: Option<f64>,
 }
 
-/// What a map says of solids alone.
+/// Summary of a map of solids.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SolidMap {
     /// Name of the yield set.

@@ -27,7 +27,7 @@ pub struct FlowPoint {
     pub compare: Vec<FlowAnalysis>,
 }
 
-/// One model on the state.
+/// Result of one model on the state.
 #[derive(Clone, Debug, Serialize)]
 pub struct FlowAnalysis {
     /// The model.
@@ -68,7 +68,7 @@ pub enum FlowState {
 /// A state that is not fully deforming.
 #[derive(Clone, Debug, Serialize)]
 pub struct NotYieldingState {
-    /// Where the state lies relative to the yield conditions.
+    /// Position of the state relative to the yield conditions.
     pub region: &'static str,
     #[serde(flatten)]
     nothing: NoAnalysis,
@@ -79,7 +79,7 @@ pub struct NotYieldingState {
     words: &'static str,
 }
 
-/// What a yielding state has and this one has not: null in JSON.
+/// Quantities of yielding states only: null in JSON otherwise.
 #[derive(Clone, Debug)]
 struct NoAnalysis;
 
@@ -146,7 +146,7 @@ pub fn flow(case: &Case, on_progress: OnProgress) -> Result<FlowPoint, Error> {
     })
 }
 
-/// One model on the state, while growth rates are still to be sampled.
+/// Result of one model on the state, before sampling of growth rates.
 struct Analysed {
     analysis: FlowAnalysis,
     workspace: Workspace,

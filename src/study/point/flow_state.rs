@@ -19,11 +19,11 @@ use serde::Serialize;
 pub struct YieldingState {
     /// Name of the verdict.
     pub verdict: &'static str,
-    /// Where ill-posed: the order of growth in k; `None` where it is unbounded at finite wave numbers already.
+    /// If ill-posed, the order of growth in k; `None` if growth is unbounded at finite wave numbers.
     pub order: Option<f64>,
     /// lim Re ς / k^order, m^order/s.
     pub coefficient: Option<f64>,
-    /// Where ill-posed: direction of the wave vector of the fastest growth, degrees.
+    /// If ill-posed, direction of the wave vector of the fastest growth, degrees.
     pub direction_deg: Option<f64>,
     /// Order fitted to the greatest growth rate over all directions.
     pub fitted_order: Option<f64>,
@@ -31,13 +31,13 @@ pub struct YieldingState {
     pub fitted_wave_numbers: Option<[f64; 2]>,
     /// Supremum of Re ς over all waves, 1/s, where it is finite.
     pub bound: Option<f64>,
-    /// Where the supremum lies.
+    /// Wave number at which the supremum is attained or approached.
     pub bound_at: Option<SupremumPlace>,
     /// Relative tolerance to which it is located.
     pub bound_tolerance: Option<f64>,
     /// The model's own bound on |Δ| for the leading order of growth, degrees.
     pub noncoaxiality_bound_deg: Option<f64>,
-    /// Where the state lies relative to the yield conditions.
+    /// Position of the state relative to the yield conditions.
     pub region: &'static str,
     /// Internal power, W/m³.
     pub power: f64,
@@ -55,7 +55,7 @@ pub struct YieldingState {
     pub arbitrary_characteristics: Option<Vec<String>>,
     /// Type of the steady equations.
     pub steady_type: Option<&'static str>,
-    /// What the verdict rests on.
+    /// Evidence of the verdict.
     pub evidence: Evidence,
     /// The background, given and derived.
     pub background: FlowBackground,
@@ -82,7 +82,7 @@ pub struct YieldingState {
 }
 
 impl YieldingState {
-    /// What the model, the background and the verdict give.
+    /// State from the model, the background and the verdict.
     pub(super) fn new(wave: PlaneWave, model: &Model, flow: Flow, assessment: Assessment) -> Self {
         let [order, coefficient] = order_and_coefficient(&assessment.verdict);
         let direction_deg = match assessment.verdict {
@@ -121,7 +121,7 @@ impl YieldingState {
         }
     }
 
-    /// The same with the roots at the wave of the case.
+    /// Adds the roots at the wave vector of the case.
     pub(super) fn with_roots(self, roots: &Roots) -> Self {
         match roots {
             Roots::Regular { finite, infinite } => Self {
@@ -133,7 +133,7 @@ impl YieldingState {
         }
     }
 
-    /// The same with the characteristics of the steady equations.
+    /// Adds the characteristics of the steady equations.
     pub(super) fn with_characteristics(self, found: Option<Characteristics>) -> Self {
         let Some(Characteristics { real, complex, arbitrary, kind }) = found else { return self };
         let complex = complex
@@ -148,7 +148,7 @@ impl YieldingState {
         }
     }
 
-    /// The same with the supremum of the growth rate.
+    /// Adds the supremum of the growth rate.
     pub(super) fn with_supremum(self, supremum: Option<Supremum>) -> Self {
         Self {
             bound: supremum.map(|supremum| supremum.rate),
@@ -171,7 +171,7 @@ fn type_name(kind: Type) -> &'static str {
     }
 }
 
-/// Where the supremum of the growth rate lies.
+/// Wave number of the supremum of the growth rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SupremumPlace {
     /// Wave number at which it is attained, 1/m.
@@ -188,7 +188,7 @@ pub enum WaveLimit {
     /// The longest of the range.
     #[serde(rename = "longest waves")]
     LongWaves,
-    /// As k → ∞.
+    /// Short-wave limit k → ∞.
     #[serde(rename = "shortest waves")]
     ShortWaves,
 }
@@ -231,7 +231,7 @@ pub struct ComplexCharacteristic {
     pub family: String,
 }
 
-/// What a verdict rests on.
+/// Evidence of a verdict.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Evidence {
     /// In words.
@@ -244,7 +244,7 @@ pub struct Evidence {
     pub route: &'static str,
 }
 
-/// How many roots grow or decay with an order of k.
+/// Number of roots that grow or decay with an order of k.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OrderCount {
     /// The order.

@@ -36,13 +36,13 @@ pub struct SolidPoint {
     pub dimensions: usize,
     /// Name of the verdict.
     pub verdict: &'static str,
-    /// Where ill-posed: the order of growth in k; `None` where it is unbounded at finite wave numbers already.
+    /// If ill-posed, the order of growth in k; `None` if growth is unbounded at finite wave numbers.
     pub order: Option<f64>,
     /// lim Re ς / k^order, m^order/s.
     pub coefficient: Option<f64>,
     /// Direction of the waves that grow fastest where ill-posed, in the plane of x₁ and x₂, degrees.
     pub direction_deg: Option<f64>,
-    /// Their angle above that plane, degrees.
+    /// Elevation of the directions above that plane, degrees.
     pub elevation_deg: Option<f64>,
     /// Supremum of Re ς, 1/s, where it is known to be finite.
     pub bound: Option<f64>,
@@ -64,9 +64,9 @@ pub struct SolidPoint {
     pub roots: Vec<[f64; 2]>,
     /// c² along that wave, real and imaginary part, m²/s².
     pub squared_speeds: Vec<[f64; 2]>,
-    /// The same while the solid does not yield.
+    /// Speeds of the solid while elastic.
     pub elastic_squared_speeds: Vec<[f64; 2]>,
-    /// How well the energy is kept.
+    /// Defects of energy conservation.
     pub energy: Energy,
     /// Unknowns of the rate equations.
     pub unknowns: usize,
@@ -86,7 +86,7 @@ pub struct SolidPoint {
     /// Greatest Re ς in the direction of the case against the wave number: 1/m, 1/s.
     #[serde(skip)]
     pub by_wave_number: Vec<[f64; 2]>,
-    /// The same in the direction in which short waves grow fastest; empty unless ill-posed.
+    /// Roots in the direction of the fastest growth of short waves; empty unless ill-posed.
     #[serde(skip)]
     pub in_worst_direction: Vec<[f64; 2]>,
 }
@@ -106,7 +106,7 @@ impl From<Stress> for YieldStress {
     }
 }
 
-/// How well the energy is kept, all relative to the largest of what is compared.
+/// Defects of energy conservation, each relative to the largest of the compared numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Energy {
     /// Least eigenvalue of the symmetriser of the elastic equations, over its diagonal.
@@ -117,7 +117,7 @@ pub struct Energy {
     pub antisymmetry: f64,
     /// Greatest |Re ς|/|ς| of elastic waves of many lengths and directions.
     pub elastic_growth: f64,
-    /// The same while yielding.
+    /// Largest |Re ς|/|ς| of waves while yielding.
     pub growth: f64,
 }
 

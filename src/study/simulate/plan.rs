@@ -1,10 +1,10 @@
-//! What a simulation comes to before it begins.
+//! Plan of a simulation: size, time steps and warnings before it begins.
 
 use crate::Error;
 use crate::case::CaseError;
 use dynamics::simulation::StepLimit;
 
-/// What will be computed.
+/// Plan of a simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Steps or wave numbers.
@@ -13,7 +13,7 @@ pub struct Plan {
     pub memory: Bytes,
 }
 
-/// What will be computed, by kind.
+/// Plan of a simulation, by kind.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Work {
     /// A solid.
@@ -26,7 +26,7 @@ pub enum Work {
         steps: usize,
         /// Δt, s.
         step: f64,
-        /// What makes steps as short as they are.
+        /// Condition that limits the time step.
         limit: StepLimit,
     },
     /// A flow.
@@ -46,7 +46,7 @@ pub enum Work {
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Bytes(pub f64);
 
-/// What is likely not meant.
+/// Warning: a setting that is probably unintended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
     /// A function of time that changes within few steps.
@@ -64,7 +64,7 @@ pub enum Warning {
 }
 
 impl Plan {
-    /// That so much memory is free.
+    /// Checks that enough memory is free.
     ///
     /// # Errors
     /// It is not: what `refused` makes of the words.

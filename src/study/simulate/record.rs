@@ -1,4 +1,4 @@
-//! What a simulation delivers on its way, and to whom.
+//! Records delivered by a running simulation, and their receiver.
 
 use super::{Fields, Records, unit_of};
 use crate::Error;
@@ -8,7 +8,7 @@ use dynamics::simulation::{RegularTimes, State};
 /// A table that grows row by row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableKind {
-    /// What receivers saw.
+    /// Records of the receivers.
     Receivers,
     /// The ledger of energy.
     Ledger,
@@ -23,7 +23,7 @@ pub struct Head {
     pub kind: TableKind,
     /// The first one is `time`.
     pub columns: Vec<String>,
-    /// Their units.
+    /// Units of the columns.
     pub units: Vec<&'static str>,
 }
 
@@ -59,20 +59,20 @@ pub struct Moment<'a> {
     pub steps: usize,
     /// Time of the state, s.
     pub time: f64,
-    /// Of the whole run, s.
+    /// Duration of the whole simulation, s.
     pub duration: f64,
     /// Whether the duration is over.
     pub is_finished: bool,
-    /// How the steps were made.
+    /// Account of the time steps.
     pub effort: Effort,
     /// All that the steps to come depend on.
     pub state: &'a dyn Fn() -> State,
 }
 
-/// How steps are made.
+/// Account of the time steps, by kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Effort {
-    /// Of a solid.
+    /// Time steps of a solid.
     Solid {
         /// Energy of the state, J, in a plane J/m.
         energy: f64,
@@ -81,7 +81,7 @@ pub enum Effort {
         /// Parts of the grid, each in a thread of its own.
         threads: usize,
     },
-    /// Of a flow.
+    /// Time steps of a flow.
     Flow {
         /// Kinetic energy of the last account, J/m³.
         energy: f64,

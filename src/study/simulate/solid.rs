@@ -136,7 +136,7 @@ impl Job for SolidJob<'_> {
     }
 }
 
-/// How many steps lie between two lines.
+/// Number of steps between two rows of the ledger.
 fn interval(seconds: f64, step: f64) -> usize {
     ((seconds / step).round() as usize).max(1)
 }
@@ -179,7 +179,7 @@ impl SolidJob<'_> {
             .map_err(|error| dynamics.locate("grid", error.to_string(), "see docs/case-file.md"))?)
     }
 
-    /// That a stress is beyond yield at the beginning.
+    /// Error: the initial stress is beyond yield.
     fn beyond_yield(&self, cell: usize) -> CaseError {
         let place = centre(self.dynamics, cell);
         let found = format!("a stress beyond yield in the cell at {place:?}");

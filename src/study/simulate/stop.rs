@@ -7,9 +7,9 @@ use models::solid::waves::Field;
 /// A run that ended by its own state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stopped {
-    /// What is wrong, and where.
+    /// Cause, with position.
     pub cause: StopCause,
-    /// When it was found, s.
+    /// Time of detection, s.
     pub time: f64,
     /// The time of the last state without fault, s.
     pub saved: f64,
@@ -17,7 +17,7 @@ pub struct Stopped {
 
 impl std::error::Error for Stopped {}
 
-/// What is wrong with a state.
+/// Cause of stopping a simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StopCause {
     /// A field of a solid is not finite.
@@ -31,9 +31,9 @@ pub enum StopCause {
     Energy,
     /// A flow has left what is solved.
     Flow {
-        /// What happened, with its values.
+        /// Event with its values.
         what: String,
-        /// Where, in coordinates of the box at the beginning, m; `None` where it is not one point's doing.
+        /// Position in initial coordinates of the box, m; `None` if it is not local.
         at: Option<[f64; 2]>,
     },
 }

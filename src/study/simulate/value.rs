@@ -32,7 +32,7 @@ pub struct RunResult {
     /// Velocity gradient of the mean flow, 1/s; of flows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity_gradient: Option<[[f64; 2]; 2]>,
-    /// Where the box is at the end: the point y of it is at Fy; of flows.
+    /// Final deformation gradient F of the box: its point y is at Fy; of flows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub deformation: Option<[[f64; 2]; 2]>,
     /// All fields at the end; in the report their names.
@@ -40,12 +40,12 @@ pub struct RunResult {
     pub fields: Fields,
     /// The energy at the end, and what became of it.
     pub ledger: FinalLedger,
-    /// Where the state was recorded.
+    /// Receivers of the simulation with their positions.
     pub receivers: Vec<Receiver>,
     /// Why the run ended before its duration was over, if it did.
     #[serde(serialize_with = "words")]
     pub stopped: Option<Stopped>,
-    /// What was recorded on the way.
+    /// Records of the simulation.
     #[serde(skip)]
     pub records: Records,
 }
@@ -65,7 +65,7 @@ pub struct Fields {
     pub time: f64,
     /// Along each axis, the middles of cells or, of flows, points of the box at the beginning, m.
     pub coordinates: Vec<Vec<f64>>,
-    /// Where the box of a flow is: the point y of it is at Fy.
+    /// Deformation gradient F of the box of a flow: its point y is at Fy.
     pub deformation: Option<[[f64; 2]; 2]>,
     /// Fields, then integrals in time, in SI units.
     pub quantities: Vec<Quantity>,
@@ -94,7 +94,7 @@ pub struct Quantity {
 }
 
 impl Quantity {
-    /// With the unit of its name.
+    /// A column with the unit that follows from its name.
     pub fn new(name: String, values: Vec<f64>) -> Self {
         Self { unit: unit_of(&name), name, values }
     }
@@ -119,7 +119,7 @@ pub fn unit_of(name: &str) -> &'static str {
 /// The last row of the ledger: terms by name, in one unit but for the internal power of flows, W/m³.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FinalLedger {
-    /// Of energies.
+    /// Unit of the energies.
     pub unit: &'static str,
     /// Names and values.
     pub terms: Vec<(&'static str, f64)>,
@@ -145,12 +145,12 @@ impl Serialize for FinalLedger {
 pub struct Receiver {
     /// Its name.
     pub name: String,
-    /// Where it was asked for, m.
+    /// Requested position, m.
     pub at: Vec<f64>,
     /// The centre of the cell that holds it, m; of solids.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cell: Option<Vec<f64>>,
-    /// How cells make up the record; of solids.
+    /// Interpolation between cells; of solids.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interpolation: Option<&'static str>,
     /// The point of the box that is recorded, m; of flows.
@@ -158,10 +158,10 @@ pub struct Receiver {
     pub point: Option<[f64; 2]>,
 }
 
-/// What was recorded in the course of a run.
+/// Records of a simulation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Records {
-    /// What receivers saw: `time`, then `NAME.QUANTITY`, angles in degrees; none without receivers.
+    /// Seismograms: `time`, then `NAME.QUANTITY`, angles in degrees; none without receivers.
     pub receivers: Option<Table>,
     /// The ledger of energy.
     pub ledger: Table,

@@ -7,7 +7,7 @@ use crate::case::dynamics::Receiver;
 use dynamics::simulation::{Observer, OutputTimes, RegularTimes, Simulation, drive};
 use std::fmt::Display;
 
-/// How a kind of simulation is seen.
+/// Observation of a kind of simulation.
 pub(super) trait View<S: Simulation> {
     /// The table of the receivers, and the places of its columns in what the probes record; `None` without
     /// receivers.
@@ -27,14 +27,14 @@ pub(super) trait View<S: Simulation> {
     /// Fields of a time in s.
     fn fields(&self, simulation: &S, fields: S::Fields, time: f64) -> Fields;
 
-    /// How steps were made; `last` is the last account delivered.
+    /// Account of the time steps; `last` is the last account delivered.
     fn effort(&self, simulation: &S, last: &S::Account) -> Effort;
 
     /// Why a simulation stopped, and at which time, s, it is saved.
     fn stopped(&self, fault: &S::Fault, saved: f64) -> Stopped;
 }
 
-/// What came out of a simulation.
+/// Result of a simulation.
 pub(super) struct Found<A> {
     /// All fields at the end.
     pub(super) fields: Fields,
