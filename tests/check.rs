@@ -1,4 +1,4 @@
-//! What is predicted is what is measured, and what is not is told.
+//! Tests of `wellposed check`: predicted and measured rates agree, and disagreement is reported.
 
 use agreement::solids::{BranchResult, SolverSettings};
 use dynamics::problem::{PlasticStep, Splitting};
@@ -23,7 +23,7 @@ fn options(file: PathBuf, sets: &[&str], out: Option<PathBuf>) -> Options {
     Options { case: file, sets, format: Format::Json, out, ..Options::default() }
 }
 
-/// What the verb prints and how it ends.
+/// Output and exit code of the verb.
 fn checked(file: PathBuf, sets: &[&str]) -> (Value, Result<(), Error>) {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let mut printed = Vec::new();
@@ -39,7 +39,7 @@ fn checked(file: PathBuf, sets: &[&str]) -> (Value, Result<(), Error>) {
     (report, ended)
 }
 
-/// How far a measured wave is off, as part of the frequency.
+/// Relative error of a measured wave, as a fraction of the frequency.
 fn off(row: &BranchResult) -> f64 {
     row.difference().expect("a measurement").max_norm()
 }

@@ -371,7 +371,7 @@ fn a_full_device_is_no_success() {
     assert!(String::from_utf8_lossy(&output.stderr).starts_with("error: standard output: "));
 }
 
-/// What is wrong with how the program takes a mutant, if anything.
+/// Description of a wrong reaction of the program to a mutant, if any.
 fn run_mutant(folder: &Path, index: usize, mutant: &[u8]) -> Result<bool, String> {
     // Ends what hangs; a busy machine may take its time.
     const LIMIT: Duration = Duration::from_secs(20);

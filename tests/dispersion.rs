@@ -83,7 +83,7 @@ fn the_forbidden_band_of_the_reduced_solid() {
     }
 }
 
-/// The same solid by its moduli and by its compliances.
+/// One solid by its moduli and by its compliances has the same dispersion.
 #[test]
 fn compliances_and_moduli_agree() {
     let folder = tempfile::tempdir().expect("a scratch folder");

@@ -1,4 +1,4 @@
-//! What the documents say exists: links, paths, commands, what a command prints.
+//! Links, paths, commands and command output in the documents exist and are correct.
 
 use files::npz;
 use std::collections::BTreeSet;

@@ -1,4 +1,4 @@
-//! What `--dry-run` says that a verb writes is what the verb writes, by every verb.
+//! `--dry-run` of every verb lists exactly the files that the verb writes.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -117,7 +117,7 @@ fn of_runs() {
     compare("run", "flow/decay.toml", &sets, &["snapshot-00000001.vts"]);
 }
 
-/// What a run refuses, its dry run refuses, too.
+/// A case refused by a run is refused by its dry run.
 #[test]
 fn of_an_ill_posed_flow_is_refused_as_the_run_is() {
     let arguments = ["run", "cases/flow/outside-the-bound.toml", "--dry-run"];

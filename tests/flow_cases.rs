@@ -1,4 +1,4 @@
-//! What case files say of flows in time: what is read, what is refused and in which words.
+//! Time-domain flow sections of case files: reading, refusals and messages.
 
 use models::flow::RotationKind;
 use std::fs;
@@ -81,7 +81,7 @@ fn with(text: &str, old: &str, new: &str) -> String {
     text.replacen(old, new, 1)
 }
 
-/// The same for a model without spin.
+/// A case of a model without spin.
 fn without_spin(kind: &str, inner: &str) -> String {
     let text = with(FLOW, "moment_of_inertia = 1.25e-7\nrotational_strength = 0\n", "");
     let text = with(&text, "harris-grekova", kind).replace("field = 'w'", inner);
@@ -139,7 +139,7 @@ fn the_resolved_case_reads_back_to_itself() {
     }
 }
 
-/// What is written in place of what, and the beginning of the answer.
+/// Replacements in the case text, and the beginning of the message.
 const WRONG: &[(&str, &str, &str)] = &[
     (
         "cells = [32, 24]",

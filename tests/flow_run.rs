@@ -431,7 +431,7 @@ fn bundled_flows_do_what_they_say() {
     }
 }
 
-/// What is said before an ill-posed run: order, coefficient and time of the closed form, for the plastic
+/// Warning before an ill-posed run: order, coefficient and time of the closed form, for the plastic
 /// potential ς ≈ k² q tan²(φ/2)/(2ρQ_D).
 #[test]
 fn ill_posed_flows_are_told_before_they_run() {

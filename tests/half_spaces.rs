@@ -12,7 +12,7 @@ use wellposed::cli::{self, Control};
 
 const CONTROL: Control = Control { checkpoint_every: 1e9 };
 
-/// What a run of a case left: numbers by name.
+/// Results of a run of a case: numbers by name.
 struct Results {
     fields: HashMap<String, Vec<f64>>,
     receivers: HashMap<String, Vec<f64>>,
@@ -283,7 +283,7 @@ fn lamb_in_space() {
     assert!(shares[0] < shares[1] && shares[1] < 0.0 && shares[0] > -0.3, "{shares:?}");
 }
 
-/// What is left of a pulse on a yielding half-plane, on one grid.
+/// Remaining pulse on a yielding half-plane, on one grid.
 struct Left {
     /// Area where more than 30 J/m³ were dissipated, m².
     zone: f64,

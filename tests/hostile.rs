@@ -1,5 +1,5 @@
-//! What must not be read, overwritten or waited for: devices, pipes, archives that inflate without end, files that a case
-//! begins with; names and titles that no file takes; limits of the system.
+//! Hostile input that must not be read, overwritten or waited for: devices, pipes, decompression bombs, input files of a
+//! case; invalid names and titles; limits of the system.
 #![cfg(unix)]
 
 mod program;
@@ -137,7 +137,7 @@ for path, large in (('beside.npz', 'large'), ('among.npz', 'w')):
     );
 }
 
-/// What a case begins with is not thrown away by its own run, nor by any verb on its folder.
+/// A run does not overwrite its input files, nor does any other verb on its folder.
 #[test]
 fn inputs_inside_the_folder_are_not_overwritten() {
     let here = flow_with("input", NOISE);
@@ -175,7 +175,7 @@ fn inputs_inside_the_folder_are_not_overwritten() {
     assert_eq!(names(&here.join("out")), ["receivers.csv"]);
 }
 
-/// What would be refused after hours is refused at once.
+/// Errors that would appear after hours are reported at once.
 #[test]
 fn names_that_no_archive_takes_are_refused_at_once() {
     let name = "r".repeat(70_000);
@@ -354,7 +354,7 @@ fn absurd_intervals_are_no_panic() {
     }
 }
 
-/// What was started to outlive its terminal does.
+/// A process started to outlive its terminal (`nohup`) does so.
 #[test]
 fn an_ignored_hangup_stays_ignored() {
     let here = folder(TEST, "nohup", SOLID);

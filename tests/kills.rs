@@ -24,7 +24,7 @@ const BESIDE: [&str; 4] = [
 /// Why one of them may be refused: nothing has been written yet, or just now everything.
 const REFUSALS: [&str; 2] = ["holds no results", "the run is finished"];
 
-/// What a process that was not killed may end with.
+/// Exit codes of a process that was not killed.
 fn check_end(arguments: &str, child: Child, was_killed: bool) {
     let output = child.wait_with_output().unwrap();
     let [stdout, stderr] =

@@ -1,5 +1,5 @@
-//! What acts at a point: against the exact wave of a plane source wherever it is in a cell, and parts of a symmetric
-//! model against the whole.
+//! Point sources and point loads: against the exact wave of a plane source at any position in a cell, and parts of a
+//! symmetric model against the whole.
 
 use files::npz::{Values, read};
 use std::collections::HashMap;
@@ -72,8 +72,8 @@ fn a_plane_source_is_where_it_is_put() {
     assert!(error(20, 0.86, "kernel='cell'") > 2.0 * error(20, 0.86, ""));
 }
 
-/// What acts on planes of symmetry: half a model and a quarter move as the whole one, by the same words; likewise what
-/// acts next to a plane, with its image in the whole one.
+/// Sources on planes of symmetry: a half and a quarter of a model move as the whole, with the same case sections; so do
+/// sources next to a plane, with their image in the whole model.
 #[test]
 fn parts_of_a_symmetric_model_move_as_the_whole() {
     let time = "time={kind='ricker', frequency=60}";

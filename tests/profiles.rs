@@ -28,7 +28,7 @@ fn columns(text: &str) -> Columns {
     columns
 }
 
-/// What the receivers recorded, and the ledger.
+/// Records of the receivers, and the ledger.
 fn carried_out(case: &str) -> Result<[Columns; 2], Error> {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let file = folder.path().join("case.run.toml");
@@ -163,7 +163,7 @@ fn loaded(loads: &[&str]) -> Columns {
     seen
 }
 
-/// That one record is a combination of others, to rounding.
+/// Checks that one record is a linear combination of others, to rounding.
 fn assert_combination(found: &[f64], terms: &[(f64, &[f64])]) {
     let largest = found.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     let scale = terms.iter().flat_map(|own| own.1).fold(largest, |a: f64, b| a.max(b.abs()));
@@ -174,7 +174,7 @@ fn assert_combination(found: &[f64], terms: &[(f64, &[f64])]) {
     }
 }
 
-/// What a linear solid answers to profiles: to cos(kx) with cos(kx) in v₂; to a bell as to a force of the same sum;
+/// Response of a linear solid to profiles: to cos(kx) with cos(kx) in v₂; to a bell as to a force of the same integral;
 /// to two ramps that add up to 1 as to a uniform load.
 #[test]
 fn loads_with_profiles() {

@@ -131,8 +131,8 @@ fn fields_in_the_plane_have_the_impulse_of_their_source() {
     assert!((moment - 2.0).abs() < 0.04, "{moment}");
 }
 
-/// What an explosion moves at a point along a direction is the divergence that a force there makes at the explosion:
-/// Garvin's problem against Lamb's, and both in the plane without end.
+/// Reciprocity: the displacement by an explosion at a point in a direction equals the divergence by a force there at the
+/// explosion. Garvin's problem against Lamb's, and both in the unbounded plane.
 #[test]
 fn explosions_and_forces_are_reciprocal() {
     let (h, depth) = (0.01, 5.0);
@@ -265,8 +265,8 @@ fn the_field_in_space_has_the_impulse_of_its_force() {
     assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
 }
 
-/// As much energy leaves the interface as arrives; velocities and tractions are continuous; at normal incidence amplitudes
-/// are those of impedances; on next to nothing they are those at a free surface; none beyond a critical angle.
+/// Energy flux into and out of the interface is equal; velocities and tractions are continuous; at normal incidence
+/// amplitudes follow from impedances; next to a near-void they are those at a free surface; none beyond a critical angle.
 #[test]
 fn waves_at_an_interface() {
     for (incident, critical) in [(Wave::P, 43.8f64), (Wave::S, 23.5)] {

@@ -129,7 +129,7 @@ fn a_living_run_keeps_its_folder() {
     ends_with(0, &here, "verify out");
 }
 
-/// Whatever is damaged of an interrupted run: it is not resumed, and nothing in its folder is changed by the refusal.
+/// A damaged interrupted run is not resumed, and the refusal changes nothing in its folder.
 #[cfg(unix)]
 #[test]
 fn damaged_runs_are_refused_and_stay_as_they_are() {
@@ -238,7 +238,7 @@ fn three_hundred_damages_are_found() {
     damages_are_found("three-hundred", 300);
 }
 
-/// What is no folder of results has nothing to verify; results without a list are no sound ones.
+/// A folder without results has nothing to verify; results without a list of checksums are not valid.
 #[test]
 fn folders_without_results_are_not_verified() {
     let here = flow("without");

@@ -54,7 +54,7 @@ impl Judged {
         Self { closed_form, difference }
     }
 
-    /// What the formula says, in a word.
+    /// Closed-form verdict, in a word.
     fn name(&self) -> &'static str {
         match self.closed_form {
             None => "declined",

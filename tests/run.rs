@@ -197,7 +197,7 @@ radius = 1
 time = { kind = 'ricker', frequency = 60 }
 ";
 
-/// The same files for 1, 2, 3 and 7 threads; and the ledger of the full kind closes.
+/// Files are the same for 1, 2, 3 and 7 threads; and the ledger of the full kind closes.
 #[test]
 fn threads_change_no_bit() {
     let mut all = Vec::new();

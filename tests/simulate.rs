@@ -71,7 +71,7 @@ fn simulated(case: &Case) -> RunResult {
     wellposed::simulate(case, Settings::default(), &unwatched).expect("a sound case")
 }
 
-/// What the program writes of a case.
+/// Files that the program writes for a case.
 fn written(case: &Case, out: &Path) {
     let file = out.with_extension("toml");
     fs::write(&file, case.to_toml()).expect("a scratch file");
@@ -210,7 +210,7 @@ fn cases_of_states_are_refused() {
     assert!(matches!(error, Error::Case(_)) && error.to_string().contains("grid"), "{error}");
 }
 
-/// What ends by its own state is a result that says so.
+/// A simulation stopped by its own state returns a result with the cause.
 #[test]
 fn a_run_that_stops_is_a_result() {
     let sets = ["load[0].amplitude=-1e300".to_owned()];

@@ -91,7 +91,7 @@ fn branches(file: PathBuf, sets: &[String]) -> Vec<(String, f64)> {
     branches
 }
 
-/// How samples count, by where in their span they are, in (0, 1).
+/// Weight of a sample by its position in the span, in (0, 1).
 type Window = fn(f64) -> f64;
 const FLAT: Window = |_| 1.0;
 /// Hann's.
@@ -332,7 +332,7 @@ fn beside_the_forbidden_band_waves_travel() {
     }
 }
 
-/// What holds at the surface of a half-space besides the couple.
+/// Boundary condition at the surface of a half-space besides the couple.
 #[derive(Clone, Copy)]
 enum Surface {
     /// v₁ = 0.

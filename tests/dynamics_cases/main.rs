@@ -1,4 +1,4 @@
-//! What case files say of runs in time: what is read, what is refused and in which words.
+//! Time-domain sections of case files: reading, refusals and messages.
 
 mod meaning;
 mod reading;

@@ -1,4 +1,4 @@
-//! What templates, shapes, functions of time and names stand for.
+//! Meaning of templates, shapes, time functions and names.
 
 use super::{PLANE, SPACE, dynamics, parse, with};
 use models::registry;

@@ -1,4 +1,4 @@
-//! What is read, from all ways in which it may be written.
+//! Reading of time-domain sections in all notations.
 
 use super::{PLANE, SPACE, dynamics, parse, parse_with, with};
 use models::registry;

@@ -1,4 +1,4 @@
-//! What is refused, and in which words.
+//! Refused time-domain sections, and the messages.
 
 use super::{PLANE, SPACE, parse, parse_with, with};
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -111,7 +111,7 @@ pub fn mutants(seed: u64) -> impl Iterator<Item = Vec<u8>> {
     })
 }
 
-/// What is mutated: each key on its own line, two to four points along each axis.
+/// A mutable case: each key on its own line, two to four points along each axis.
 fn originals() -> Vec<String> {
     let new: Vec<String> = wellposed::case::Medium::all().map(wellposed::cli::new::text).collect();
     let bundled = CASES.iter().map(|(_, text)| (*text).to_owned());
@@ -132,7 +132,7 @@ pub fn without_marks(text: &str) -> String {
     text.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// The same case with a tiny grid, its axes written as sections of a line per key.
+/// A mutable case with a tiny grid, its axes written as sections of a line per key.
 pub fn shrunk(text: &str) -> String {
     let mut lines = Vec::new();
     for line in text.lines() {

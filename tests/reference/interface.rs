@@ -48,7 +48,7 @@ impl Plane {
         })
     }
 
-    /// What is continuous at the interface, of a unit of g: v₁, v₂ and the tractions σ₁₂, σ₂₂, from
+    /// Continuous quantities at the interface, per unit of g: v₁, v₂ and the tractions σ₁₂, σ₂₂, from
     /// σ = −(λ(a·n) + μ(a nᵀ + n aᵀ)) amplitude g/c.
     pub fn at_interface(&self) -> [f64; 4] {
         let ([a1, a2], [n1, n2]) = (self.polarisation, self.direction);
@@ -63,7 +63,7 @@ impl Plane {
         self.solid.density * self.speed * self.direction[1] * self.amplitude.powi(2)
     }
 
-    /// When it passes a point, s, if the incident wave passes x = 0 at the time 0.
+    /// Arrival time at a point, s, if the incident wave passes x = 0 at time 0.
     pub fn arrival(&self, x: [f64; 2]) -> f64 {
         (self.direction[0] * x[0] + self.direction[1] * x[1]) / self.speed
     }

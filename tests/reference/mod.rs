@@ -42,12 +42,12 @@ impl Ricker {
         polynomial * (-a).exp()
     }
 
-    /// The same at a real time.
+    /// Value at a real time.
     pub fn real(&self, t: f64, derivative: usize) -> f64 {
         self.value(t.into(), derivative).re
     }
 
-    /// When it is over, s: 10⁻⁶ of its peak is left.
+    /// Time, s, after which less than 10⁻⁶ of the peak is left.
     pub fn end(&self) -> f64 {
         1.5 / self.frequency + 1.35 / self.frequency
     }

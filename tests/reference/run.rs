@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// Where receivers are compared.
+/// Positions of the compared receivers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
     /// At the point given.
@@ -15,7 +15,7 @@ pub enum Place {
     Cell,
 }
 
-/// How problems are run.
+/// Solver settings of the problems.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings<'a> {
     pub program: &'a Path,
@@ -34,7 +34,7 @@ pub struct Settings<'a> {
 }
 
 impl<'a> Settings<'a> {
-    /// Those of a case that leaves everything at its default.
+    /// Settings of a case with all defaults.
     pub fn new(program: &'a Path, cells: f64) -> Self {
         let sets = &[];
         Self { program, cells, place: Place::Point, up: None, kernel: None, sets, is_spread: false }

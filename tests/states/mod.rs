@@ -16,7 +16,7 @@ fn pair(random: &mut Random, size: f64) -> [f64; 2] {
     [0; 2].map(|_| size * random.signed(1e-3, 1e3))
 }
 
-/// How far the numbers of a state reach.
+/// Range of the numbers of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Range {
     /// Sands, powders and pellets: φ of 5° to 60°.

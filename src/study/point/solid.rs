@@ -86,7 +86,8 @@ pub struct SolidPoint {
     /// Greatest Re ς in the direction of the case against the wave number: 1/m, 1/s.
     #[serde(skip)]
     pub by_wave_number: Vec<[f64; 2]>,
-    /// Roots in the direction of the fastest growth of short waves; empty unless ill-posed.
+    /// Largest Re ς in the direction of the fastest growth of short waves against the wave number: 1/m, 1/s; empty unless
+    /// ill-posed.
     #[serde(skip)]
     pub in_worst_direction: Vec<[f64; 2]>,
 }
