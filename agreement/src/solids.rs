@@ -32,7 +32,7 @@ pub enum Response {
 }
 
 impl Response {
-    /// Name in results.
+    /// Name of the response in output.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Elastic => "elastic",

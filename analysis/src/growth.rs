@@ -65,7 +65,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Name in results.
+    /// Name of the verdict in output.
     pub fn name(&self) -> &'static str {
         match self {
             Self::WellPosed => "well-posed",

@@ -24,7 +24,7 @@ impl Value {
         self.value.norm() <= self.bound || self.value == Complex64::ZERO
     }
 
-    /// x iⁿ
+    /// Product x iⁿ with the n-th power of the imaginary unit.
     pub(crate) fn turned(x: Rounded, n: i64) -> Self {
         Self { value: imaginary_power(n) * x.value, bound: x.bound }
     }
@@ -65,7 +65,7 @@ impl Mul for Value {
     }
 }
 
-/// iⁿ
+/// Power iⁿ of the imaginary unit.
 pub(crate) fn imaginary_power(n: i64) -> Complex64 {
     match n.rem_euclid(4) {
         0 => Complex64::ONE,

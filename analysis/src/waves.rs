@@ -56,7 +56,7 @@ pub enum Polarisation {
 }
 
 impl Polarisation {
-    /// Name in results.
+    /// Name of the polarisation in output.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Longitudinal => "longitudinal",
@@ -71,7 +71,7 @@ impl Polarisation {
 /// One branch of the dispersion relation at one wave number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
-    /// ω², rad²/s².
+    /// Squared frequency ω², rad²/s².
     pub squared_frequency: Complex64,
     /// dω²/dk along the direction of the wave vector, rad²·m/s²; for group speeds dω/dk = this/2ω.
     pub slope: Complex64,

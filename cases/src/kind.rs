@@ -113,7 +113,7 @@ impl Kind {
         registry::solids().into_iter().map(Self::Solid).collect()
     }
 
-    /// Name in case files.
+    /// Name of the kind of model in case files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Flow(flow) => flow.name(),

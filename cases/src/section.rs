@@ -252,7 +252,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A table in braces.
+    /// Reader of an optional inline table.
     pub(super) fn table(&self, name: &str) -> Result<Option<Section<'a>>, CaseError> {
         let form = match self.item(name).map(|item| item.value) {
             Some(Type::Table(form)) => form,
@@ -352,7 +352,7 @@ impl Resolved {
         self.literal(name, toml::Value::from(values))
     }
 
-    /// A table in braces.
+    /// Adds an inline table.
     pub(super) fn table(self, name: &str, inner: &Self) -> Self {
         let entry = |(name, value): &(String, String)| format!("{name} = {value}");
         let entries: Vec<String> = inner.0.iter().map(entry).collect();

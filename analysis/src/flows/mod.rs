@@ -35,7 +35,7 @@ impl Route {
     /// Both methods, in the order in which they are tried.
     pub const ALL: [Self; 2] = [Self::ClosedForm, Self::ModelBlind];
 
-    /// Name in results.
+    /// Name of the method in output.
     pub const fn name(self) -> &'static str {
         match self {
             Self::ClosedForm => "closed-form",

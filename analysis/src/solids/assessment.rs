@@ -46,7 +46,7 @@ impl Hyperbolicity {
     pub const ALL: [Self; 4] =
         [Self::Hyperbolic, Self::Flutter, Self::ShearBand, Self::FlutterAndShearBand];
 
-    /// Name in results.
+    /// Name of the type of the speeds in output.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Hyperbolic => "hyperbolic",

@@ -54,7 +54,7 @@ pub enum ZeroSpeed {
 }
 
 impl ZeroSpeed {
-    /// Name in results.
+    /// Name of the cause in output.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Slip => "slip along the layer",

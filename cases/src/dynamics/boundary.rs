@@ -168,7 +168,7 @@ impl Condition {
     pub const NAMES: [&str; 7] =
         ["free", "fixed", "symmetry", "antisymmetry", "periodic", "non-reflecting", "mixed"];
 
-    /// Name in case files.
+    /// Name of the boundary condition in case files.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Free => "free",
@@ -197,7 +197,7 @@ pub(super) fn periodic_sides(sides: &[SideCondition]) -> impl Iterator<Item = (u
 }
 
 impl SideCondition {
-    /// The section as TOML.
+    /// The section `[[side]]` as TOML, with all values.
     pub(super) fn to_toml(&self) -> String {
         let mut resolved =
             Resolved::default().text("side", self.side.name()).text("kind", self.condition.name());
@@ -237,7 +237,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads the sections.
+    /// Reads all sections `[[side]]`.
     pub(super) fn sides(&self, root: &Section) -> Result<Vec<SideCondition>, CaseError> {
         let mut sides = Vec::new();
         for mut section in root.list(&FORM)? {

@@ -249,7 +249,7 @@ impl TimeFunction {
         }
     }
 
-    /// Name in case files.
+    /// Name of the time function in case files.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Step { .. } => "step",

@@ -120,7 +120,7 @@ impl Grid {
         Ok(grid)
     }
 
-    /// The section as TOML.
+    /// The section `[grid]` as TOML, with all values.
     pub(super) fn to_toml(&self) -> String {
         Resolved::default()
             .number("cells", &self.cells)

@@ -199,7 +199,7 @@ impl Initial {
     /// All names in case files.
     pub const NAMES: [&str; 5] = ["pulse", "plane-wave", "plane-pulse", "rotation", "uniform"];
 
-    /// Name in case files.
+    /// Name of the part of the initial state in case files.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Pulse { .. } => "pulse",
@@ -210,7 +210,7 @@ impl Initial {
         }
     }
 
-    /// The section as TOML.
+    /// The section `[[initial]]` as TOML, with all values.
     pub(super) fn to_toml(&self, dimensions: usize) -> String {
         let resolved = Resolved::default().text("kind", self.name());
         let resolved = match self {
@@ -255,7 +255,7 @@ impl Initial {
 }
 
 impl Reader<'_> {
-    /// Reads the sections.
+    /// Reads all sections `[[initial]]`.
     pub(super) fn initial(&self, root: &Section) -> Result<Vec<Initial>, CaseError> {
         let mut parts = Vec::new();
         for section in root.list(&FORM)? {

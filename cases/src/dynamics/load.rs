@@ -96,7 +96,7 @@ pub enum Action {
 }
 
 impl Load {
-    /// The section as TOML.
+    /// The section `[[load]]` as TOML, with all values.
     pub(super) fn to_toml(&self, dimensions: usize) -> String {
         let resolved = Resolved::default()
             .text("side", self.side.name())
@@ -116,7 +116,7 @@ impl Load {
 }
 
 impl Reader<'_> {
-    /// Reads the sections.
+    /// Reads all sections `[[load]]`.
     pub(super) fn loads(&self, root: &Section, periodic: &[Side]) -> Result<Vec<Load>, CaseError> {
         let mut loads = Vec::new();
         for mut section in root.list(&FORM)? {

@@ -160,7 +160,7 @@ pub enum Picture {
 }
 
 impl Picture {
-    /// Name in case files.
+    /// Name of the shown quantity in case files.
     pub fn name(self) -> String {
         match self {
             Self::Speed => "speed".to_owned(),
@@ -172,7 +172,7 @@ impl Picture {
 }
 
 impl Output {
-    /// The section as TOML.
+    /// The section `[[receiver]]` as TOML, with all values.
     pub(super) fn to_toml(&self) -> String {
         let integrals: Vec<String> =
             self.integrals.iter().filter_map(|own| own.integral()).collect();
@@ -190,7 +190,7 @@ impl Output {
 }
 
 impl Receiver<Recorded> {
-    /// The section as TOML.
+    /// The section `[output]` as TOML, with all values.
     pub(super) fn to_toml(&self) -> String {
         self.resolved().text("interpolation", self.interpolation.name()).under(&RECEIVER)
     }

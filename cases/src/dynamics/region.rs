@@ -53,7 +53,7 @@ pub struct Region {
 }
 
 impl Region {
-    /// The section as TOML.
+    /// The section `[[region]]` as TOML, with all values.
     pub(super) fn to_toml(&self, dimensions: usize) -> String {
         let resolved = self.shape.resolved(Resolved::default(), dimensions);
         let resolved = resolved.table("model", &part(&self.material, "model"));

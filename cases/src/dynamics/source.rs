@@ -145,7 +145,7 @@ impl Kernel {
     /// All names in case files.
     pub const NAMES: [&str; 3] = ["spline", "bell", "cell"];
 
-    /// Name in case files.
+    /// Name of the source or kernel in case files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Spline => "spline",
@@ -203,7 +203,7 @@ impl SourceKind {
     /// All names in case files.
     pub const NAMES: [&str; 4] = ["force", "couple", "moment", "explosion"];
 
-    /// Name in case files.
+    /// Name of the source or kernel in case files.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Force(_) => "force",
@@ -215,7 +215,7 @@ impl SourceKind {
 }
 
 impl Source {
-    /// The section as TOML.
+    /// The section `[[source]]` as TOML, with all values.
     pub(super) fn to_toml(&self) -> String {
         let resolved = Resolved::default().text("kind", self.action.name());
         let resolved = match &self.action {
@@ -234,7 +234,7 @@ impl Source {
 }
 
 impl Reader<'_> {
-    /// Reads the sections.
+    /// Reads all sections `[[source]]`.
     pub(super) fn sources(&self, root: &Section) -> Result<Vec<Source>, CaseError> {
         let mut sources = Vec::new();
         for section in root.list(&FORM)? {

@@ -58,7 +58,7 @@ pub struct Gravity {
 }
 
 impl Gravity {
-    /// Reads the section.
+    /// Reads the section `[gravity]`.
     pub(super) fn read(root: &Section) -> Result<Option<Self>, CaseError> {
         let Some(section) = root.section(&GRAVITY)? else { return Ok(None) };
         let acceleration: Vec<f64> = section.required("acceleration")?;
@@ -75,7 +75,7 @@ impl Gravity {
         Ok(Some(Self { acceleration, is_balanced, lateral_ratio }))
     }
 
-    /// The section as TOML.
+    /// The section `[gravity]` as TOML, with all values.
     pub(super) fn to_toml(&self) -> String {
         Resolved::default()
             .number("acceleration", &self.acceleration)

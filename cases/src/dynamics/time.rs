@@ -169,7 +169,7 @@ named_enum! {
 pub const COURANT: f64 = 0.9;
 
 impl Time {
-    /// Reads the section.
+    /// Reads the section `[time]`.
     pub(super) fn read(root: &Section) -> Result<Self, CaseError> {
         let section = root.required_section(&TIME)?;
         let duration = section.required("duration")?;
@@ -179,7 +179,7 @@ impl Time {
         Ok(Self { duration, courant, rotation_deg })
     }
 
-    /// The section as TOML.
+    /// The section `[time]` as TOML, with all values.
     pub(super) fn to_toml(&self) -> String {
         Resolved::default()
             .number("duration", self.duration)
@@ -190,7 +190,7 @@ impl Time {
 }
 
 impl Scheme {
-    /// Reads the section.
+    /// Reads the section `[scheme]`.
     ///
     /// Defaults: fourth-order reconstruction for elastic media, limited second order if a medium yields, since plastic
     /// fronts are discontinuous. Alternating sweeps, except for Courant number 1 or a midpoint return mapping.
@@ -228,7 +228,7 @@ impl Scheme {
         Ok(scheme)
     }
 
-    /// The section as TOML.
+    /// The section `[scheme]` as TOML, with all values.
     pub(super) fn to_toml(self) -> String {
         Resolved::default()
             .text("order", self.order.name())

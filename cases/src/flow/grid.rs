@@ -117,7 +117,7 @@ impl Grid {
         index(1) * self.cells[0] + index(0)
     }
 
-    /// Reads the section.
+    /// Reads the section `[grid]`.
     pub(super) fn read(root: &Section) -> Result<Self, CaseError> {
         let section = root.required_section(&GRID)?;
         if section.has("spacing") {
@@ -137,7 +137,7 @@ impl Grid {
         Ok(Self { cells, lengths })
     }
 
-    /// The section as TOML.
+    /// The section `[grid]` as TOML, with all values.
     pub(super) fn to_toml(self) -> String {
         Resolved::default().number("cells", self.cells).number("length", self.lengths).under(&GRID)
     }
@@ -155,7 +155,7 @@ pub struct Time {
 }
 
 impl Time {
-    /// Reads the section.
+    /// Reads the section `[time]`.
     pub(super) fn read(root: &Section) -> Result<Self, CaseError> {
         let section = root.required_section(&TIME)?;
         let duration = section.required("duration")?;
@@ -165,7 +165,7 @@ impl Time {
         Ok(Self { duration, tolerance, pressure_tolerance })
     }
 
-    /// The section as TOML.
+    /// The section `[time]` as TOML, with all values.
     pub(super) fn to_toml(self) -> String {
         Resolved::default()
             .number("duration", self.duration)

@@ -134,7 +134,7 @@ impl Disturbed {
         }
     }
 
-    /// Name in case files.
+    /// Name of the field in case files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Velocity => "v",
@@ -222,7 +222,7 @@ impl Initial {
     /// All names in case files.
     pub const NAMES: [&str; 5] = ["mode", "packet", "noise", "uniform", "file"];
 
-    /// Name in case files.
+    /// Name of the part of the perturbation in case files.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Mode(_) => "mode",
@@ -243,7 +243,7 @@ impl Reader<'_> {
         <[f64; 2]>::try_from(at).map_err(|_| section.wrong("at"))
     }
 
-    /// Reads the sections.
+    /// Reads all sections `[[initial]]`.
     pub(super) fn initial(&self, root: &Section) -> Result<Vec<Initial>, CaseError> {
         let mut parts = Vec::new();
         for section in root.list(&FORM)? {

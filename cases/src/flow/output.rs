@@ -139,7 +139,7 @@ pub struct Output {
 }
 
 impl Output {
-    /// The section as TOML.
+    /// The section `[[receiver]]` as TOML, with all values.
     pub(super) fn to_toml(&self) -> String {
         let resolved = Resolved::default()
             .number("ledger_interval", self.ledger_interval)
@@ -154,7 +154,7 @@ impl Output {
 }
 
 impl Receiver<Quantity> {
-    /// The section as TOML.
+    /// The section `[output]` as TOML, with all values.
     pub(super) fn to_toml(&self) -> String {
         self.resolved().under(&RECEIVER)
     }

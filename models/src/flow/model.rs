@@ -83,7 +83,7 @@ impl FlowKind {
         Self(model)
     }
 
-    /// Name in case files.
+    /// Name of the model in case files.
     pub const fn name(self) -> &'static str {
         self.0.name
     }

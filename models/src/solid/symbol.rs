@@ -17,9 +17,9 @@ use nalgebra::DMatrix;
 /// A generalised velocity; axes from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Velocity {
-    /// vᵢ.
+    /// Translational velocity vᵢ, m/s.
     Translation(usize),
-    /// ωₖ.
+    /// Spin ωₖ, rad/s.
     Spin(usize),
 }
 use Velocity::{Spin, Translation};

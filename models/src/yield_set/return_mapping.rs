@@ -203,9 +203,9 @@ pub struct Equation<'a, N> {
 /// An iterate of Newton's method with the terms of the equation at x.
 #[derive(Clone, Copy, Debug)]
 pub struct Iterate<N> {
-    /// x = λ/2τ̄, 1/Pa.
+    /// Unknown x = λ/2τ̄, 1/Pa.
     pub x: N,
-    /// τ̄(x), Pa.
+    /// Equivalent shear stress τ̄(x), Pa.
     pub shear: N,
     /// Reciprocal 1/τ̄(x), 1/Pa.
     pub reciprocal: N,
