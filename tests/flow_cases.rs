@@ -377,7 +377,7 @@ fn states_that_cannot_be_run_are_refused() {
     if Path::new("/proc/meminfo").exists() {
         let large = with(FLOW, "cells = [32, 24]", "cells = [16384, 16384]");
         let error = refused(&large);
-        assert!(error.contains("GiB are free; ask for fewer points"), "{error}");
+        assert!(error.contains("GiB that are free; ask for fewer points"), "{error}");
     }
 }
 

@@ -412,7 +412,7 @@ fn more_memory_than_there_is() {
             "{CLASSICAL}[grid]\ncells = [60000, 60000]\nspacing = 1\n[time]\nduration = 1\n"
         );
         let message = refused(&case);
-        assert!(message.contains("GiB are free; ask for fewer cells"), "{message}");
+        assert!(message.contains("GiB that are free; ask for fewer cells"), "{message}");
     }
 }
 

@@ -39,3 +39,18 @@ pub(super) fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
     builder.build().map_err(|error| Error::Threads(error.to_string()))
 }
+
+/// That so many threads can be started beside those of the pool, as the steps of a solid do again and again.
+pub(super) fn check_threads(count: usize) -> Result<(), Error> {
+    let (wait, end) = std::sync::mpsc::channel::<()>();
+    let end = std::sync::Mutex::new(end);
+    std::thread::scope(|scope| {
+        let result = (0..count).try_for_each(|_| {
+            // All of them at once: none ends before the last one has been started.
+            let until_all = || drop(end.lock().map(|end| end.recv()));
+            std::thread::Builder::new().spawn_scoped(scope, until_all).map(drop)
+        });
+        drop(wait);
+        result.map_err(|error| Error::Threads(error.to_string()))
+    })
+}

@@ -19,7 +19,7 @@ use super::signals::{self, Stage};
 use super::write::{print, would_write};
 use crate::case::Case;
 use crate::cli::folder::ResultFolder;
-use crate::cli::options::pool;
+use crate::cli::options::{check_threads, pool};
 use crate::cli::{Error, Format, Options};
 use crate::report::Rendered;
 use crate::study::simulate::{Job, job};
@@ -45,6 +45,9 @@ pub fn run(options: &Options, control: Control, stdout: &mut dyn Write) -> Resul
     let case = Case::load_in_time(&options.case, &options.sets)?;
     let job = job(&case)?;
     let plan = job.plan(false)?;
+    if !options.force {
+        job.refuse_excess(&plan)?;
+    }
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     folder.check_runs()?;
     if options.dry_run {
@@ -90,7 +93,12 @@ pub(super) fn carry_out(
     signals::install();
     let _stage = signals::enter_until_dropped(Stage::Steps);
     let mut recorder = FileRecorder::new(run, from, lock);
-    let result = pool(run.threads)?.install(|| job.carry_out(&mut recorder))?;
+    let pool = pool(run.threads)?;
+    check_threads(pool.current_num_threads())?;
+    let result = pool.install(|| job.carry_out(&mut recorder))?;
+    if let Some(warning) = result.warning() {
+        let _ = writeln!(std::io::stderr(), "warning: {warning}");
+    }
     let Run { case, folder, .. } = run;
     let rendered = Rendered::new(&result, case)?;
     if let Some(mut files) = recorder.into_folder()? {

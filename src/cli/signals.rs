@@ -4,6 +4,7 @@ use super::error::INTERRUPTED_CODE;
 use std::io::{IsTerminal, Write as _};
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::time::Duration;
 
 /// What Ctrl-C means.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -13,11 +14,16 @@ pub(super) enum Stage {
     Anything,
     /// A run makes steps, and writes a checkpoint if it is asked to end.
     Steps,
+    /// A run that is asked to end writes its checkpoint.
+    Checkpoint,
     /// A run makes steps again up to a fault, and ends where it is if it is asked to.
     Replay,
     /// All steps of a run are done, so that only results are left to be written.
     Results,
 }
+
+/// How long a run that is asked to end may take for its step.
+const PATIENCE: Duration = Duration::from_secs(8);
 
 static STAGE: AtomicU8 = AtomicU8::new(Stage::Anything as u8);
 /// Whether somebody has asked a run to end.
@@ -62,6 +68,7 @@ fn end() {
     let stage = STAGE.load(Ordering::Relaxed);
     let said = match stage {
         _ if stage == Stage::Steps as u8 => "finishing the step and writing a checkpoint",
+        _ if stage == Stage::Checkpoint as u8 => "writing the checkpoint",
         _ if stage == Stage::Replay as u8 => {
             "a fault was found, steps are made again up to it: ending, the last checkpoint stays"
         }
@@ -71,10 +78,27 @@ fn end() {
     if INTERRUPTED.swap(true, Ordering::Relaxed) {
         end_at_once();
     }
-    // On a terminal the bar stands in the line. Nothing is left to be said if nobody listens.
+    say(&format!("{said}; press again to stop at once"));
+    // Where no thread can be started the run waits for its step.
+    let _ = std::thread::Builder::new().spawn(|| {
+        std::thread::sleep(PATIENCE);
+        let stage = STAGE.load(Ordering::Relaxed);
+        if stage == Stage::Steps as u8 || stage == Stage::Replay as u8 {
+            say("the step takes too long: ended without it; the last checkpoint stays, if there is one");
+            end_at_once();
+        }
+        say(match stage {
+            _ if stage == Stage::Checkpoint as u8 => "still writing the checkpoint",
+            _ => "still writing results",
+        });
+    });
+}
+
+/// A message of its own line. On a terminal the bar stands in the line. Nothing is left to be said if nobody listens.
+fn say(text: &str) {
     let mut stderr = std::io::stderr();
     let start = if stderr.is_terminal() { "\n" } else { "" };
-    let _ = writeln!(stderr, "{start}{said}; press again to stop at once");
+    let _ = writeln!(stderr, "{start}{text}");
 }
 
 fn end_at_once() -> ! {

@@ -11,6 +11,7 @@ mod words;
 pub use animation::{Frame, Frames};
 pub use archive::read_fields;
 pub use snapshot::image;
+pub use words::Time;
 
 use super::format::{case_title, short};
 use super::{Picture, Report};

@@ -8,11 +8,25 @@ use crate::case::flow::{FlowRun, Grid};
 use dynamics::flow::{Closure, Problem};
 pub(crate) use initial::fields;
 
+/// Least tolerance: numbers have 53 binary digits.
+const LEAST_TOLERANCE: f64 = 1e-13;
+
 /// The problem of a case that is run in time.
 ///
 /// # Errors
-/// See [`flow_problem`].
+/// A tolerance is below the rounding of the numbers; see [`flow_problem`].
 pub(crate) fn problem(case: &Case, run: &FlowRun) -> Result<Problem, Error> {
+    let time = &run.time;
+    for (key, own) in
+        [("tolerance", time.tolerance), ("pressure_tolerance", time.pressure_tolerance)]
+    {
+        if own < LEAST_TOLERANCE {
+            let allowed = format!("at least {LEAST_TOLERANCE:e}: less is lost in rounding");
+            return Err(run
+                .locate(&format!("time.{key}"), format!("found {own:?}"), allowed)
+                .into());
+        }
+    }
     Ok(Problem {
         tolerance: run.time.tolerance,
         pressure_tolerance: run.time.pressure_tolerance,

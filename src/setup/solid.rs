@@ -54,6 +54,26 @@ pub fn normal(wave: &Wave) -> [f64; 3] {
     [along * cos, along * sin, up]
 }
 
+/// The constants of a material and of its yield set by their names, in SI units and rad.
+///
+/// # Errors
+/// It is none of a solid.
+pub fn constants(material: &Material) -> Result<Vec<(&'static str, f64)>, InputError> {
+    let solid = solid_kind(material)?;
+    let mut values = Vec::new();
+    material.numbers.model.in_order(solid.parameters, &mut values);
+    let names = solid.parameters.iter().map(|own| own.name);
+    let mut all: Vec<_> = names.zip(values.iter().copied()).collect();
+    if let Some(set) = material.yields {
+        material.numbers.yields.in_order(set.parameters_for(solid.theory), &mut values);
+        let names = set.parameters_for(solid.theory).map(|own| own.name);
+        all.extend(names.zip(values.iter().copied()));
+    }
+    // Those that are absent have defaults of the model.
+    all.retain(|own| !own.1.is_nan());
+    Ok(all)
+}
+
 /// The elastic law of a material.
 fn elastic_law(material: &Material) -> Result<ElasticLaw, InputError> {
     let mut constants = Vec::new();

@@ -4,6 +4,7 @@ mod boundary;
 mod geometry;
 mod initial;
 mod pulse;
+mod ranges;
 mod source;
 mod weight;
 
@@ -87,6 +88,8 @@ pub(crate) fn scheme(chosen: case::Scheme) -> Scheme {
 
 impl<const D: usize> Setup<D> {
     pub(crate) fn new(case: &Case, dynamics: &Dynamics, media: Vec<Medium>) -> Result<Self, Error> {
+        ranges::check_constants(case, dynamics)?;
+        ranges::check_drives(dynamics, &media)?;
         let cells = std::array::from_fn(|axis| dynamics.grid.cells[axis]);
         let spacing = std::array::from_fn(|axis| dynamics.grid.spacing[axis]);
         let steps = time_steps(dynamics, &media)?;

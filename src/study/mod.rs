@@ -3,6 +3,7 @@
 //! One file per question. A value can be serialised (`serde`), as it stands in the reports; what reports do not hold,
 //! such as long curves, is in it as well.
 
+mod available;
 pub mod check;
 pub mod dispersion;
 pub mod extremes;

@@ -4,6 +4,7 @@
 //! to a [`Recorder`]: [`simulate`] has one that keeps all of it in memory, the program one that writes files and
 //! checkpoints. Results do not depend on the recorder, nor on threads: those of the surrounding `rayon` pool.
 
+mod cost;
 mod flow;
 mod memory;
 mod plan;
@@ -13,6 +14,7 @@ mod stop;
 mod value;
 mod watch;
 
+pub use cost::{Amount, Cost, Excess};
 pub use plan::{Bytes, Plan, Warning, Work};
 pub use record::{Effort, Head, Moment, Recorder, TableKind, column_unit};
 pub use stop::{IllPosed, StopCause, Stopped};
@@ -71,6 +73,12 @@ pub trait Job: Sync {
     /// # Errors
     /// Memory is short, or there would be too many steps.
     fn plan(&self, keeps_snapshots: bool) -> Result<Plan, Error>;
+
+    /// That a plan takes what nobody means to spend.
+    ///
+    /// # Errors
+    /// It does, and by which key.
+    fn refuse_excess(&self, plan: &Plan) -> Result<(), Error>;
 
     /// Finds everything that can be wrong with the case.
     ///

@@ -21,6 +21,10 @@ use std::cmp::Ordering;
 /// Steps between two looks whether all values are finite, at most.
 const LOOK: usize = 64;
 
+/// Cells times steps between two looks, at most: a few seconds of one thread in space, after which a run can be
+/// interrupted.
+const CELLS: usize = 20_000_000;
+
 /// Energy of a solid, and what steps did to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidAccount {
@@ -203,6 +207,11 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         }
     }
 
+    /// Steps between two looks.
+    fn batch(&self) -> usize {
+        (CELLS / self.problem.grid.count().max(1)).clamp(1, LOOK)
+    }
+
     /// What is wrong with the fields that are computed.
     fn fault(&self) -> SolidFault {
         SolidFault { time: self.solver.time(), place: self.solver.first_non_finite() }
@@ -220,9 +229,10 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
             }
         };
         self.solver.watch(&[]);
-        for first in (start..self.done).step_by(LOOK) {
+        let batch = self.batch();
+        for first in (start..self.done).step_by(batch) {
             go_on()?;
-            self.solver.advance(LOOK.min(self.done - first));
+            self.solver.advance(batch.min(self.done - first));
         }
         self.solver.watch(&self.watched);
         Ok(())
@@ -281,7 +291,7 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
         let is_between = step == self.done && part > 0.0;
         self.before = is_between.then(|| self.fields());
         let next = step.saturating_sub(self.done).max(1);
-        let next = next.min(LOOK).min(self.steps.count - self.done);
+        let next = next.min(self.batch()).min(self.steps.count - self.done);
         self.solver.advance(next);
         let account = self.account_after(self.done + next);
         if !account.is_sound() {

@@ -2,7 +2,8 @@
 
 use super::Run;
 use super::appended::Files;
-use crate::cli::{Error, signals};
+use crate::cli::Error;
+use crate::cli::signals::{self, Stage};
 use crate::report::format::short;
 use crate::study::simulate::Moment;
 use std::time::Instant;
@@ -29,6 +30,9 @@ impl<'a> CheckpointTimer<'a> {
         if !is_interrupted && self.last.elapsed().as_secs_f64() <= self.run.control.checkpoint_every
         {
             return Ok(());
+        }
+        if is_interrupted && !moment.is_finished {
+            signals::enter(Stage::Checkpoint);
         }
         let checkpoint = files.checkpoint((moment.state)())?;
         checkpoint.write(self.run.folder)?;

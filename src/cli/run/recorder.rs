@@ -9,11 +9,15 @@ use crate::cli::folder::{RunFolder, snapshot_name};
 use crate::cli::progress::Progress;
 use crate::cli::signals::{self, Stage};
 use crate::report::format::short;
-use crate::report::run::image;
+use crate::report::run::{Time, image};
 use crate::study::simulate::{Effort, Fields, Head, Moment, Recorder, Records, TableKind};
 use dynamics::simulation::{RegularTimes, State};
 use files::lock::Lock;
+use std::io::{IsTerminal as _, Write as _};
 use std::time::Instant;
+
+/// Wall time between two lines of progress where nobody sees a bar, s.
+const LINE_EVERY: f64 = 10.0;
 
 /// Parts of the duration that a bar of progress tells apart.
 const PARTS: f64 = 1000.0;
@@ -30,8 +34,10 @@ pub(super) struct FileRecorder<'a> {
     progress: Progress,
     /// Parts of the duration that the bar shows.
     parts: u64,
-    /// When this part of the run began, and after how many steps.
-    start: (Instant, usize),
+    /// When this part of the run began, after how many steps, and at which time of the run, s.
+    start: (Instant, usize, f64),
+    /// When the last line of progress was written.
+    last_line: Instant,
 }
 
 impl<'a> FileRecorder<'a> {
@@ -46,7 +52,8 @@ impl<'a> FileRecorder<'a> {
             snapshots: None,
             progress: Progress::new("run", PARTS as u64),
             parts: 0,
-            start: (Instant::now(), 0),
+            start: (Instant::now(), 0, 0.0),
+            last_line: Instant::now(),
         }
     }
 
@@ -65,9 +72,23 @@ impl<'a> FileRecorder<'a> {
         self.parts = parts;
     }
 
+    /// Says now and then how far the run is, where there is no bar to say it.
+    fn say_progress(&mut self, moment: &Moment) {
+        if std::io::stderr().is_terminal() || self.last_line.elapsed().as_secs_f64() < LINE_EVERY {
+            return;
+        }
+        self.last_line = Instant::now();
+        let (clock, _, from) = self.start;
+        let rest = (moment.duration - moment.time) / (moment.time - from);
+        let part = 100.0 * moment.time / moment.duration;
+        let left = Time(clock.elapsed().as_secs_f64() * rest);
+        let _ =
+            writeln!(std::io::stderr(), "{part:.1} %, {} steps, about {left} left", moment.steps);
+    }
+
     /// Steps of this part of the run, and the time that they took, s.
     fn rate(&self, moment: &Moment) -> (usize, f64) {
-        let (clock, first) = self.start;
+        let (clock, first, _) = self.start;
         (moment.steps - first, clock.elapsed().as_secs_f64())
     }
 
@@ -95,7 +116,7 @@ impl Recorder for FileRecorder<'_> {
                 let snapshot =
                     |index| Some((snapshots.as_ref()?.time(index)?, snapshot_name(case, index)));
                 self.files.resume(tables, &from, restore, snapshot)?;
-                self.start.1 = from.state.steps;
+                (self.start.1, self.start.2) = (from.state.steps, from.state.time);
             }
         }
         self.snapshots = snapshots;
@@ -119,6 +140,7 @@ impl Recorder for FileRecorder<'_> {
 
     fn after_steps(&mut self, moment: &Moment) -> Result<(), Error> {
         self.tick(moment.time, moment.duration);
+        self.say_progress(moment);
         self.progress.note(note(moment, self.rate(moment)));
         Ok(self.timer.write_if_due(&mut self.files, moment)?)
     }

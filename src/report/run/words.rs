@@ -2,7 +2,9 @@
 
 use crate::case::dynamics::Component;
 use crate::report::format::{short, superscript};
-use crate::study::simulate::{Bytes, IllPosed, Plan, StopCause, Stopped, Warning, Work, unit_of};
+use crate::study::simulate::{
+    Amount, Bytes, Cost, IllPosed, Plan, StopCause, Stopped, Warning, Work, unit_of,
+};
 use analysis::growth::Growth;
 use dynamics::simulation::StepLimit;
 use models::common::elementary::Elementary;
@@ -33,7 +35,52 @@ impl Display for Plan {
                 )
             }
         }?;
-        write!(formatter, ", memory {}", self.memory)
+        write!(formatter, ", memory {}; {}", self.memory, self.cost)
+    }
+}
+
+impl Display for Cost {
+    fn fmt(&self, formatter: &mut Formatter) -> Result {
+        let Self { time, snapshots, snapshot_bytes, table_bytes, .. } = *self;
+        write!(formatter, "about {} of one thread, tables of {table_bytes}", Time(time))?;
+        match snapshots > 0.0 {
+            true => write!(formatter, ", {} in {snapshot_bytes}", Amount::Snapshots(snapshots)),
+            false => Ok(()),
+        }
+    }
+}
+
+impl Display for Amount {
+    fn fmt(&self, formatter: &mut Formatter) -> Result {
+        match self {
+            Self::Steps(steps) => write!(formatter, "{} steps", short(*steps)),
+            Self::Time(time) => write!(formatter, "{} of one thread", Time(*time)),
+            Self::Snapshots(count) => write!(formatter, "{} snapshots", short(*count)),
+            Self::SnapshotBytes(bytes) => write!(formatter, "snapshots of {bytes}"),
+            Self::TableBytes(bytes) => write!(formatter, "tables of {bytes}"),
+        }
+    }
+}
+
+/// A time in words, s, to one or two digits.
+pub struct Time(pub f64);
+
+impl Display for Time {
+    fn fmt(&self, formatter: &mut Formatter) -> Result {
+        const UNITS: [(f64, &str); 5] = [
+            (365.25 * 86400.0, "years"),
+            (86400.0, "days"),
+            (3600.0, "h"),
+            (60.0, "min"),
+            (1.0, "s"),
+        ];
+        let Self(time) = *self;
+        let (unit, name) = UNITS.into_iter().find(|own| time >= 2.0 * own.0).unwrap_or((1.0, "s"));
+        match time / unit {
+            few if few < 1.0 => formatter.write_str("1 s"),
+            few if few < 1e4 => write!(formatter, "{few:.0} {name}"),
+            many => write!(formatter, "{} {name}", short(many)),
+        }
     }
 }
 
@@ -42,7 +89,11 @@ impl Display for Bytes {
         const UNITS: [&str; 4] = ["KiB", "MiB", "GiB", "TiB"];
         let Self(bytes) = self;
         let power = (bytes.max(1.0).cr_log2() / 10.0).floor().clamp(1.0, 4.0);
-        write!(formatter, "{:.1} {}", bytes / 1024f64.cr_powf(power), UNITS[power as usize - 1])
+        let unit = UNITS[power as usize - 1];
+        match bytes / 1024f64.cr_powf(power) {
+            many if many >= 1e5 => write!(formatter, "{} {unit}", short(many)),
+            few => write!(formatter, "{few:.1} {unit}"),
+        }
     }
 }
 
@@ -56,6 +107,12 @@ impl Display for Warning {
                     "{entry}.time changes within {steps} steps: smaller cells see more of it"
                 )
             }
+            Self::Remainder { part } => write!(
+                formatter,
+                "{} % of the energy is left over in the ledger, more than rounding: numbers may be too large or too \
+                 small for scheme.precision",
+                short(100.0 * part)
+            ),
             Self::Sawtooth { entry } => write!(
                 formatter,
                 "{entry} acts on one cell: at Courant number 1 nothing damps the sawtooth that it makes; \

@@ -59,6 +59,23 @@ fn shares(
     }
 }
 
+/// Most cells or faces in the square or cube around a bell.
+const MOST_PLACES: f64 = 1e7;
+
+/// That a bell is not much wider than the grid, and covers no more cells or faces than there is memory for.
+fn check_radius(dynamics: &Dynamics, axes: &[usize], radius: f64, key: &str) -> Result<(), Error> {
+    let grid = &dynamics.grid;
+    let widest = (0..grid.dimensions()).map(|axis| grid.cells[axis] as f64 * grid.spacing[axis]);
+    let widest = 2.0 * widest.fold(0.0, f64::max);
+    let places: f64 = axes.iter().map(|&axis| 2.0 * radius / grid.spacing[axis] + 1.0).product();
+    if radius <= widest && places <= MOST_PLACES {
+        return Ok(());
+    }
+    let found = format!("found {radius:?}, over {places:.1e} cells");
+    let allowed = format!("at most {widest:?}, twice the grid, and {MOST_PLACES:e} cells");
+    Err(dynamics.locate(&format!("{key}.radius"), found, allowed).into())
+}
+
 impl Place<'_> {
     /// Shares of cells or faces in what acts at a point.
     pub(super) fn shares(
@@ -69,6 +86,9 @@ impl Place<'_> {
         field: Field,
         key: &str,
     ) -> Result<Vec<(usize, f64)>, Error> {
+        if let Kernel::Bell { radius } = kernel {
+            check_radius(self.dynamics, axes, radius, key)?;
+        }
         let shares = shares(self.dynamics, axes, point, kernel, field);
         if shares.iter().all(|own| own.1.abs() < 1e-12) {
             let found = format!("what drives {} is on a plane of symmetry", Component(field));

@@ -6,14 +6,20 @@ pub mod summary;
 pub use judge::{MapPoint, PointSpeeds, PointStatus};
 pub use summary::MapResult;
 
+use super::available::Available;
+use super::simulate::Bytes;
 use super::{OnProgress, report_progress};
 use crate::case::{Case, Map, Sweep};
 use crate::{Error, setup};
 use analysis::solids::AcousticTensorCache;
 use judge::Judge;
+use models::InputError;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Memory of a map beside its points, bytes: the program and the picture.
+const PROGRAM: f64 = 60.0 * 1048576.0;
 
 /// Points that a thread judges before it says so.
 const BLOCK: usize = 64;
@@ -84,9 +90,28 @@ impl MapOptions {
 /// ```
 pub fn map(case: &Case, options: MapOptions, progress: OnProgress) -> Result<MapResult, Error> {
     let map = case.required_map()?;
+    check_memory(case, map)?;
     let options = options.for_map(map);
     let points = sweep(case, map, options, progress)?;
     Ok(MapResult::new(case, map, options, points))
+}
+
+/// That there is memory for a map: its points, and a column of a table.
+fn check_memory(case: &Case, map: &Map) -> Result<(), Error> {
+    let points = map.x.points as f64 * map.y.points as f64;
+    let of_point = size_of::<MapPoint>() * if is_transposed(case, map) { 2 } else { 1 };
+    let needed = Bytes(PROGRAM + points * (of_point + size_of::<f64>()) as f64);
+    let Some(available) = Available::too_little_for(needed) else { return Ok(()) };
+    let found = format!("found {points} points, memory {needed}, more than {available}");
+    Err(case
+        .locate(InputError { input: "map.x.points", found, allowed: "fewer points".into() })
+        .into())
+}
+
+/// Whether points are judged column by column: what elastic moduli make in space is used again as long as they stay.
+fn is_transposed(case: &Case, map: &Map) -> bool {
+    let is_modulus = |sweep: &Sweep| sweep.parameter.name().starts_with("model.");
+    is_modulus(&map.x) && !is_modulus(&map.y) && case.material.yields.is_some()
 }
 
 /// Makes sure that some state of the map of a case makes sense: states are judged until one does. Progress counts them.
@@ -95,6 +120,7 @@ pub fn map(case: &Case, options: MapOptions, progress: OnProgress) -> Result<Map
 /// The case has no map, or is wrong everywhere on it; [`Error::Cancelled`].
 pub fn check_map(case: &Case, on_progress: OnProgress) -> Result<(), Error> {
     let map = case.required_map()?;
+    check_memory(case, map)?;
     let cache = AcousticTensorCache::default();
     let mut judge = Judge::new(case, map, MapOptions::default(), &cache);
     let (nx, ny) = (map.x.points, map.y.points);
@@ -124,9 +150,7 @@ fn sweep(
     points.try_reserve_exact(nx * ny).map_err(|_| Error::Memory { points: nx * ny })?;
     points.resize(nx * ny, MapPoint::empty(PointStatus::OutsideModel));
 
-    // What elastic moduli make in space is used again as long as they stay.
-    let is_modulus = |sweep: &Sweep| sweep.parameter.name().starts_with("model.");
-    let is_transposed = is_modulus(&map.x) && !is_modulus(&map.y) && case.material.yields.is_some();
+    let is_transposed = is_transposed(case, map);
     let place = |index: usize| match is_transposed {
         true => [index / ny, index % ny],
         false => [index % nx, index / nx],

@@ -11,6 +11,7 @@ use analysis::bound;
 use analysis::energy;
 use analysis::solids::{self, AcousticTensorCache, SolidAssessment, SolidAssessor};
 use analysis::waves::Waves;
+use models::InputError;
 use models::common::elementary::Elementary;
 use models::elastoplastic::Solid;
 use models::solid::stress::Stress;
@@ -165,9 +166,18 @@ pub fn solid(case: &Case, on_progress: OnProgress) -> Result<SolidPoint, Error> 
     let squared_speeds = [squared_speeds(false)?, squared_speeds(true)?];
     let roots = pairs(&solids::roots(&solid, normal(&wave), wave.number).map_err(located)?);
     part_is_done(PARTS)?;
-    let [squared_speeds, elastic_squared_speeds] = squared_speeds;
+    if !are_finite(&energy, &roots, &squared_speeds) {
+        let error = InputError {
+            input: "model",
+            found: "numbers whose energy or waves at wave.number cannot be computed".into(),
+            allowed: "moduli, inertias and wave numbers whose products and quotients are finite"
+                .into(),
+        };
+        return Err(case.locate(error).into());
+    }
     let [order, coefficient] = order_and_coefficient(&assessment.verdict);
     let normal_deg = assessment.direction_deg();
+    let [squared_speeds, elastic_squared_speeds] = squared_speeds;
     let plastic = solid.plastic.as_ref();
     Ok(SolidPoint {
         model: case.material.kind.name(),
@@ -201,11 +211,35 @@ pub fn solid(case: &Case, on_progress: OnProgress) -> Result<SolidPoint, Error> 
     })
 }
 
+/// The energy by waves about a wave number, 1/m; about the solid's own one where those are so far from it that their
+/// roots are not found.
 fn energy(solid: &Solid, number: f64) -> Result<energy::Energy, NoResponse> {
-    Ok(match solid.dimensions {
-        2 => energy::energy::<2>(&solid.elastic_rates(), &solid.rates()?, number),
-        _ => energy::energy::<3>(&solid.elastic_rates(), &solid.rates()?, number),
-    })
+    let about = |number: f64| {
+        Ok(match solid.dimensions {
+            2 => energy::energy::<2>(&solid.elastic_rates(), &solid.rates()?, number),
+            _ => energy::energy::<3>(&solid.elastic_rates(), &solid.rates()?, number),
+        })
+    };
+    let found = about(number)?;
+    match solid.elastic.characteristic_wave_number() {
+        Some(own) if !(found.elastic_growth + found.growth).is_finite() => about(own),
+        _ => Ok(found),
+    }
+}
+
+/// Whether all of the energy, the roots and the squared speeds are numbers.
+fn are_finite(
+    energy: &energy::Energy,
+    roots: &[[f64; 2]],
+    squared_speeds: &[Vec<[f64; 2]>; 2],
+) -> bool {
+    let energy::Energy { definiteness, asymmetry, antisymmetry, elastic_growth, growth, .. } =
+        *energy;
+    let waves = squared_speeds.iter().flatten().chain(roots).flatten().copied();
+    [definiteness, asymmetry, antisymmetry, elastic_growth, growth]
+        .into_iter()
+        .chain(waves)
+        .all(f64::is_finite)
 }
 
 fn pairs(list: &[Complex64]) -> Vec<[f64; 2]> {

@@ -1,11 +1,12 @@
 //! A flow in time.
 
+use super::cost::Written;
 use super::plan::number_of_snapshots;
 use super::record::energy_unit;
 use super::watch::{Found, View, output_times, receivers_table, run};
 use super::{
-    Bytes, Effort, Fields, FinalLedger, Head, IllPosed, Job, Plan, Quantity, Receiver, Recorder,
-    RunResult, StopCause, Stopped, TableKind, Warning, Work,
+    Bytes, Cost, Effort, Fields, FinalLedger, Head, IllPosed, Job, Plan, Quantity, Receiver,
+    Recorder, RunResult, StopCause, Stopped, TableKind, Warning, Work,
 };
 use crate::case::Case;
 use crate::case::flow::{FlowRun, Quantity as Shown};
@@ -24,6 +25,12 @@ const NUMBERS: f64 = 40.0;
 /// Lines of the ledger where the case does not say how many.
 const LINES: f64 = 200.0;
 
+/// Directions of waves whose rates are looked at before a run.
+const DIRECTIONS: usize = 36;
+
+/// Greatest product of a step and the rate of the waves that decay fastest, in as many stages as a step may have: 2000.
+const GREATEST_PRODUCT: f64 = 2.4e6;
+
 /// A flow and the problem that it comes to.
 pub(super) struct FlowJob<'a> {
     case: &'a Case,
@@ -38,6 +45,39 @@ impl<'a> FlowJob<'a> {
         let problem = flow_run::problem(case, run)?;
         let quantities = Shown::all(run.rotation);
         Ok(Self { case, run, problem, quantities })
+    }
+
+    /// Greatest rate at which waves of the grid change, 1/s, of the uniform flow; `None` where it cannot be analysed.
+    fn greatest_rate(&self) -> Option<f64> {
+        let mut workspace = Workspace::default();
+        workspace.assess(&self.case.flow_model().ok()?, &self.case.mean_flow().ok()?).ok()?;
+        let [_, number] = self.wave_numbers();
+        let polynomial = &workspace.pencil.polynomial;
+        let directions =
+            (0..DIRECTIONS).map(|i| std::f64::consts::PI * i as f64 / DIRECTIONS as f64);
+        let roots = directions.flat_map(|direction| polynomial.roots(number, direction, &[]));
+        Some(roots.map(|root| root.norm()).filter(|rate| rate.is_finite()).fold(0.0, f64::max))
+    }
+
+    /// What a run takes at least: steps of a two-hundredth of the duration, shorter ones where short waves decay so fast
+    /// that these would have too many stages, and one more for each line and snapshot.
+    fn cost(&self) -> Cost {
+        let FlowRun { grid, output, time, receivers, .. } = self.run;
+        let looks = |interval: f64| number_of_snapshots(interval, time.duration);
+        let snapshots = looks(output.snapshot_interval);
+        let lines = looks(output.ledger_interval).max(LINES);
+        let product = time.duration * self.greatest_rate().unwrap_or(0.0);
+        let steps = LINES.max(product / GREATEST_PRODUCT);
+        let stages = (1.5 * product / steps).sqrt().max(2.0);
+        let looked = steps + snapshots + (lines - LINES);
+        let columns: usize = receivers.iter().map(|own| own.fields.len()).sum();
+        let [first, second] = grid.greatest_modes();
+        let written = Written {
+            snapshots,
+            numbers: grid.count() as f64 * self.quantities.len() as f64,
+            cells: lines * (8 + first.max(second)) as f64 + steps * (1 + columns) as f64,
+        };
+        Cost::of_flow([steps, looked * stages], grid.count() as f64, written)
     }
 
     /// Least and greatest wave number of the box along an axis at the beginning, 1/m.
@@ -62,8 +102,12 @@ impl Job for FlowJob<'_> {
         let snapshots = number_of_snapshots(run.output.snapshot_interval, run.time.duration);
         let kept = if keeps_snapshots { snapshots * self.quantities.len() as f64 } else { 0.0 };
         let needed = (NUMBERS + kept) * size_of::<f64>() as f64 * run.grid.count() as f64;
-        let plan = Plan { work, memory: Bytes(needed) };
+        let plan = Plan { work, memory: Bytes(needed), cost: self.cost() };
         plan.if_memory_suffices(|found| run.locate("grid.cells", found, "ask for fewer points"))
+    }
+
+    fn refuse_excess(&self, plan: &Plan) -> Result<(), Error> {
+        plan.cost.refuse_excess(|key, found, allowed| self.run.locate(key, found, allowed))
     }
 
     fn check(&self) -> Result<(), Error> {

@@ -1,7 +1,9 @@
 //! Plan of a simulation: size, time steps and warnings before it begins.
 
+use super::Cost;
 use crate::Error;
 use crate::case::CaseError;
+use crate::study::available::Available;
 use dynamics::simulation::StepLimit;
 
 /// Plan of a simulation.
@@ -11,6 +13,8 @@ pub struct Plan {
     pub work: Work,
     /// Memory that it needs.
     pub memory: Bytes,
+    /// Time, files and bytes that it takes.
+    pub cost: Cost,
 }
 
 /// Plan of a simulation, by kind.
@@ -56,6 +60,11 @@ pub enum Warning {
         /// The steps.
         steps: f64,
     },
+    /// The full ledger leaves over more than rounding.
+    Remainder {
+        /// Relative to its greatest term.
+        part: f64,
+    },
     /// A load or source on one cell at a Courant number of 1.
     Sawtooth {
         /// Its entry in the case.
@@ -72,10 +81,8 @@ impl Plan {
         self,
         refused: impl FnOnce(String) -> CaseError,
     ) -> Result<Self, Error> {
-        match available_memory().filter(|available| self.memory > *available) {
-            Some(available) => {
-                Err(refused(format!("{self}, of which {available} are free")).into())
-            }
+        match Available::too_little_for(self.memory) {
+            Some(available) => Err(refused(format!("{self}, more than {available}")).into()),
             None => Ok(self),
         }
     }
@@ -84,12 +91,4 @@ impl Plan {
 /// Snapshots at an interval of a duration, both in s; none where the interval is 0.
 pub(super) fn number_of_snapshots(interval: f64, duration: f64) -> f64 {
     if interval > 0.0 { (duration / interval).ceil() + 1.0 } else { 0.0 }
-}
-
-/// Memory that the system can give, where it says so.
-fn available_memory() -> Option<Bytes> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    let kibibytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(Bytes(1024.0 * kibibytes))
 }

@@ -1,15 +1,17 @@
 //! A solid in time.
 
+use super::cost::Written;
 use super::plan::number_of_snapshots;
 use super::record::energy_unit;
 use super::watch::{Found, View, output_times, receivers_table, run};
 use super::{
-    Bytes, Effort, Fields, FinalLedger, Head, IllPosed, Job, Plan, Quantity, Receiver, Recorder,
-    RunResult, StopCause, Stopped, TableKind, Warning, Work,
+    Bytes, Cost, Effort, Fields, FinalLedger, Head, IllPosed, Job, Plan, Quantity, Receiver,
+    Recorder, RunResult, StopCause, Stopped, TableKind, Warning, Work,
 };
 use crate::Error;
 use crate::case::dynamics::{
-    Action, Component, Dynamics, Kernel, Ledger as LedgerKind, Load, Precision, TimeFunction,
+    Action, Component, Condition, Dynamics, Kernel, Ledger as LedgerKind, Load, Precision, Side,
+    SideCondition, Splitting, TimeFunction,
 };
 use crate::case::{Case, CaseError};
 use crate::setup::solid_run::{Setup, cell_at, centre, media, probe, time_steps};
@@ -24,6 +26,13 @@ use dynamics::simulation::{
 
 /// Lines of the ledger where the case does not say how many.
 const LINES: usize = 1000;
+
+/// What the program takes by itself and for its pictures, bytes.
+const PROGRAM: f64 = 36.0 * 1048576.0;
+
+/// Numbers that the solver keeps of a line along the last axis, by field.
+const LINE_IN_THE_PLANE: f64 = 36.0;
+const LINE_IN_SPACE: f64 = 4.0;
 
 /// A solid and its media.
 pub(super) struct SolidJob<'a> {
@@ -43,29 +52,87 @@ impl<'a> SolidJob<'a> {
         Ok(Self { case, dynamics, media, names })
     }
 
-    /// Memory of a run, bytes: the fields, and copies of them for a checkpoint and for the results.
+    /// Memory of a run, bytes, at its peak: that of the solver, and copies of the fields for a checkpoint, for the results
+    /// or for a snapshot, whichever are most.
     fn memory(&self, keeps_snapshots: bool) -> Bytes {
-        let dynamics = self.dynamics;
+        let Dynamics { grid, output, scheme, initial, .. } = self.dynamics;
         let fields = self.media[0].fields.len();
-        let own = match dynamics.scheme.precision {
-            Precision::F64 => memory::<f64>(&dynamics.grid.cells, fields),
-            Precision::F32 => memory::<f32>(&dynamics.grid.cells, fields),
+        let (solver, number) = match scheme.precision {
+            Precision::F64 => (memory::<f64>(&self.solver_cells(), fields), size_of::<f64>()),
+            Precision::F32 => (memory::<f32>(&self.solver_cells(), fields), size_of::<f32>()),
         };
-        // A snapshot between two steps needs both.
-        let interval = dynamics.output.snapshot_interval;
-        let shown = fields + dynamics.output.integrals.len() + 1;
-        let snapshot = if interval > 0.0 { shown } else { 0 };
-        let copies = snapshot
-            + 2 * fields
-            + dynamics.initial.len()
-            + 2 * dynamics.output.integrals.len()
-            + 1;
-        let kept = match keeps_snapshots {
-            true => number_of_snapshots(interval, dynamics.time.duration) * shown as f64,
+        // Interface states and boundary values of the lines along the last axis, by field; found by measurement.
+        let cells = self.solver_cells();
+        let lines: usize = cells.iter().rev().skip(1).product();
+        let of_line = if cells.len() == 2 { LINE_IN_THE_PLANE } else { LINE_IN_SPACE };
+        let lines = (lines * fields * number) as f64 * of_line;
+        let wide = size_of::<f64>() as f64;
+        let saved = (fields * number) as f64;
+        let shown = wide * self.names.len() as f64;
+        let checkpoint = 2.0 * saved + 2.0 * wide * output.integrals.len() as f64;
+        let result = saved + shown;
+        // The states before and after it, what is between them, and its file, of which not all are whole at once.
+        let snapshot = match output.snapshot_interval > 0.0 {
+            true => saved + 2.5 * shown + 2.0 * wide * self.numbers_of_snapshot() as f64,
             false => 0.0,
         };
-        let number = size_of::<f64>() as f64;
-        Bytes(own + dynamics.grid.count() as f64 * (copies as f64 + kept) * number)
+        let kept = match keeps_snapshots {
+            true => number_of_snapshots(output.snapshot_interval, self.dynamics.time.duration),
+            false => 0.0,
+        };
+        let copies = checkpoint.max(result).max(snapshot)
+            + kept * shown
+            + wide * initial.len() as f64
+            + size_of::<u16>() as f64;
+        Bytes(PROGRAM + solver + lines + grid.count() as f64 * copies)
+    }
+
+    /// Cells along the axes in the order in which the solver has them: in space a side that reflects comes first.
+    fn solver_cells(&self) -> Vec<usize> {
+        let Dynamics { grid, scheme, .. } = self.dynamics;
+        let mut cells = grid.cells.clone();
+        if cells.len() == 3 && scheme.splitting == Splitting::Alternating {
+            let reflects = |axis: &usize| {
+                [false, true].into_iter().any(|is_upper| {
+                    let side = Side { axis: *axis, is_upper };
+                    let of_side = |own: &&SideCondition| own.side == side && own.part.is_none();
+                    let last = self.dynamics.sides.iter().rev().find(of_side);
+                    !last.is_some_and(|own| {
+                        matches!(own.condition, Condition::Periodic | Condition::NonReflecting)
+                    })
+                })
+            };
+            let first = (0..3).rev().find(reflects).unwrap_or(0);
+            cells[..=first].rotate_right(1);
+        }
+        cells
+    }
+
+    /// Numbers of a cell in a snapshot: velocities have three components there, and what yields dissipates.
+    fn numbers_of_snapshot(&self) -> usize {
+        let yields = self.media.iter().any(|medium| medium.yields.is_some());
+        self.names.len() + 3 - self.dynamics.grid.dimensions() + usize::from(yields)
+    }
+}
+
+impl SolidJob<'_> {
+    /// What so many steps take.
+    fn cost(&self, steps: f64) -> Cost {
+        let Dynamics { grid, output, time, scheme, receivers, .. } = self.dynamics;
+        let count = grid.count() as f64;
+        let fields = self.media[0].fields.len() as f64;
+        let lines = match output.ledger_interval {
+            0.0 => steps.min(LINES as f64),
+            seconds => steps.min(time.duration / seconds),
+        };
+        let columns: usize = receivers.iter().map(|own| own.fields.len()).sum();
+        let row = if columns > 0 { 1.0 + columns as f64 } else { 0.0 };
+        let written = Written {
+            snapshots: number_of_snapshots(output.snapshot_interval, time.duration),
+            numbers: count * self.numbers_of_snapshot() as f64,
+            cells: lines * 9.0 + steps * row,
+        };
+        Cost::of_solid(steps, count * fields, scheme.ledger == LedgerKind::Full, written)
     }
 }
 
@@ -75,11 +142,16 @@ impl Job for SolidJob<'_> {
         let TimeSteps { count, step, limit, .. } = time_steps(dynamics, media)?;
         let cells = dynamics.grid.cells.clone();
         let work = Work::Solid { cells, fields: media[0].fields.len(), steps: count, step, limit };
-        let plan = Plan { work, memory: self.memory(keeps_snapshots) };
+        let memory = self.memory(keeps_snapshots);
+        let plan = Plan { work, memory, cost: self.cost(count as f64) };
         plan.if_memory_suffices(|found| {
             let allowed = "ask for fewer cells, or for scheme.precision = \"f32\"";
             dynamics.locate("grid.cells", found, allowed)
         })
+    }
+
+    fn refuse_excess(&self, plan: &Plan) -> Result<(), Error> {
+        plan.cost.refuse_excess(|key, found, allowed| self.dynamics.locate(key, found, allowed))
     }
 
     fn check(&self) -> Result<(), Error> {

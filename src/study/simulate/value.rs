@@ -1,6 +1,6 @@
 //! The value of a simulation.
 
-use super::Stopped;
+use super::{Stopped, Warning};
 use serde::{Serialize, Serializer};
 
 /// A run in time. What is not of its kind, solid or flow, is absent.
@@ -126,9 +126,26 @@ pub struct FinalLedger {
 }
 
 impl FinalLedger {
+    /// What the full ledger of a solid leaves over, relative to the greatest of its terms; `None` for a light one, which
+    /// leaves over what the scheme dissipates, and of flows.
+    pub fn remainder(&self) -> Option<f64> {
+        let residual = self.get("residual")?.abs();
+        let greatest = self.terms.iter().map(|own| own.1.abs()).fold(0.0, f64::max);
+        Some(if greatest > 0.0 { residual / greatest } else { 0.0 })
+    }
+
     /// The term of that name.
     pub fn get(&self, name: &str) -> Option<f64> {
         self.terms.iter().find(|term| term.0 == name).map(|term| term.1)
+    }
+}
+
+impl RunResult {
+    /// What is not to be believed of the result.
+    pub fn warning(&self) -> Option<Warning> {
+        let rounding = if self.precision == Some("f32") { 1e-2 } else { 1e-6 };
+        let part = self.ledger.remainder().filter(|part| *part > rounding)?;
+        Some(Warning::Remainder { part })
     }
 }
 

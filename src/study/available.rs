@@ -1,0 +1,151 @@
+//! Memory that the system, a limit of the process or one of its control group leaves.
+
+use crate::study::simulate::Bytes;
+use std::fmt::{Display, Formatter};
+use std::path::Path;
+
+/// The part of what is left that a plan may take: the rest is for what no plan counts.
+const PART: f64 = 0.9;
+
+/// Memory that is left, and by what it is bounded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Available {
+    bytes: f64,
+    bound: &'static str,
+}
+
+impl Display for Available {
+    fn fmt(&self, formatter: &mut Formatter) -> std::fmt::Result {
+        let Self { bytes, bound } = self;
+        write!(formatter, "{:.0} % of {} {bound}", 100.0 * PART, Bytes(*bytes))
+    }
+}
+
+impl Available {
+    /// What is too little for a plan; `None` where it suffices, or where the system does not say how much there is.
+    pub(super) fn too_little_for(needed: Bytes) -> Option<Self> {
+        Self::least(Path::new("/")).filter(|own| needed > Bytes(PART * own.bytes))
+    }
+
+    /// The least of all, by the files of the system under a root.
+    fn least(root: &Path) -> Option<Self> {
+        let all = [
+            (free(root), "that are free"),
+            (address_space(root), "that the limit of the address space leaves (ulimit -v)"),
+            (control_group(root), "that the memory limit of the control group leaves"),
+        ];
+        let all = all.into_iter().filter_map(|(bytes, bound)| Some(Self { bytes: bytes?, bound }));
+        all.min_by(|a, b| a.bytes.total_cmp(&b.bytes))
+    }
+}
+
+/// What a file says after a word at the start of a line.
+fn after(path: &Path, word: &str) -> Option<String> {
+    let text = std::fs::read_to_string(path).ok()?;
+    text.lines().find_map(|line| line.strip_prefix(word)).map(|rest| rest.trim().to_owned())
+}
+
+fn kibibytes(path: &Path, word: &str) -> Option<f64> {
+    let number: f64 = after(path, word)?.strip_suffix("kB")?.trim().parse().ok()?;
+    Some(1024.0 * number)
+}
+
+/// Free memory of the machine.
+fn free(root: &Path) -> Option<f64> {
+    kibibytes(&root.join("proc/meminfo"), "MemAvailable:")
+}
+
+/// What is left of RLIMIT_AS.
+fn address_space(root: &Path) -> Option<f64> {
+    let limits = after(&root.join("proc/self/limits"), "Max address space")?;
+    let limit: f64 = limits.split_whitespace().next()?.parse().ok()?;
+    Some((limit - kibibytes(&root.join("proc/self/status"), "VmSize:")?).max(0.0))
+}
+
+/// What is left of the limits of the control group and of those above it, of either version.
+fn control_group(root: &Path) -> Option<f64> {
+    let text = std::fs::read_to_string(root.join("proc/self/cgroup")).ok()?;
+    let of_line = |line: &str| {
+        let (_, rest) = line.split_once(':')?;
+        let (controllers, path) = rest.split_once(':')?;
+        let (mount, names): (_, [&str; 3]) = match controllers {
+            "" => ("sys/fs/cgroup", ["memory.max", "memory.current", ""]),
+            own if own.split(',').any(|own| own == "memory") => {
+                let names = ["memory.limit_in_bytes", "memory.usage_in_bytes", "total_"];
+                ("sys/fs/cgroup/memory", names)
+            }
+            _ => return None,
+        };
+        // In a container the path may be that of the machine, and its own group stands at the top.
+        let groups = Path::new(path.trim_start_matches('/')).ancestors();
+        groups.filter_map(|group| left(&root.join(mount).join(group), names)).reduce(f64::min)
+    };
+    text.lines().filter_map(of_line).reduce(f64::min)
+}
+
+/// What the limit of one group leaves. Pages of files can be given up at any time.
+fn left(group: &Path, [limit, used, prefix]: [&str; 3]) -> Option<f64> {
+    let number = |name: &str| -> Option<f64> {
+        std::fs::read_to_string(group.join(name)).ok()?.trim().parse().ok()
+    };
+    let of_files = |word: &str| -> f64 {
+        let found = after(&group.join("memory.stat"), &format!("{prefix}{word} "));
+        found.and_then(|own| own.parse().ok()).unwrap_or(0.0)
+    };
+    let used = number(used)? - of_files("inactive_file") - of_files("active_file");
+    Some((number(limit)? - used.max(0.0)).max(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A system with one gigabyte free, of which limits leave less.
+    fn system(files: &[(&str, &str)]) -> Option<Available> {
+        let root = tempfile::tempdir().unwrap();
+        let memory = ("proc/meminfo", "MemTotal: 9 kB\nMemAvailable:    1000000 kB\n");
+        for (path, text) in files.iter().chain([&memory]) {
+            let path = root.path().join(path);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        }
+        Available::least(root.path())
+    }
+
+    #[test]
+    fn the_least_limit_holds() {
+        let bytes = |files: &[(&str, &str)]| system(files).unwrap().bytes;
+        assert_eq!(bytes(&[]), 1_024_000_000.0);
+        let limits = |limit: &str| {
+            format!("Limit Soft Hard Units\nMax address space         {limit} unlimited bytes\n")
+        };
+        let status = ("proc/self/status", "Name: x\nVmSize:\t   1000 kB\n");
+        let unlimited = limits("unlimited");
+        assert_eq!(bytes(&[("proc/self/limits", &unlimited), status]), 1_024_000_000.0);
+        let limited = limits("3024000");
+        assert_eq!(bytes(&[("proc/self/limits", &limited), status]), 2_000_000.0);
+        let version_2 = [
+            ("proc/self/cgroup", "0::/a/b\n"),
+            ("sys/fs/cgroup/a/b/memory.max", "max\n"),
+            ("sys/fs/cgroup/a/b/memory.current", "5000\n"),
+            ("sys/fs/cgroup/a/memory.max", "9000\n"),
+            ("sys/fs/cgroup/a/memory.current", "7000\n"),
+            ("sys/fs/cgroup/a/memory.stat", "anon 1\ninactive_file 300\nactive_file 200\n"),
+        ];
+        assert_eq!(bytes(&version_2), 2500.0);
+        let version_1 = [
+            ("proc/self/cgroup", "9:cpu,cpuacct:/x\n4:memory:/docker/1\n"),
+            ("sys/fs/cgroup/memory/memory.limit_in_bytes", "8000\n"),
+            ("sys/fs/cgroup/memory/memory.usage_in_bytes", "9000\n"),
+            ("sys/fs/cgroup/memory/memory.stat", "cache 8\ntotal_inactive_file 4000\n"),
+        ];
+        assert_eq!(bytes(&version_1), 3000.0);
+    }
+
+    #[test]
+    fn one_tenth_is_left() {
+        let Some(available) = Available::least(Path::new("/")) else { return };
+        let part = |part: f64| Available::too_little_for(Bytes(part * available.bytes));
+        assert!(part(0.5).is_none() && part(1.5).is_some());
+    }
+}

@@ -1,0 +1,150 @@
+//! Numbers that no computation holds are refused, and no result has one that is none.
+
+mod program;
+
+use program::*;
+use std::path::Path;
+
+const TEST: &str = "extreme-numbers";
+
+/// That a run is refused for such a key.
+fn is_refused(here: &Path, settings: &str, key: &str, words: &str) {
+    let arguments = format!("run case.toml --out out --threads 1 --accept-ill-posed {settings}");
+    for more in ["", " --dry-run"] {
+        let (stdout, stderr) = ends_with(2, here, &format!("{arguments}{more}"));
+        assert!(stdout.is_empty() && !here.join("out").exists(), "{settings}: {stdout}");
+        for own in [key, words] {
+            assert!(stderr.contains(own), "{settings}: no {own} in {stderr}");
+        }
+    }
+}
+
+/// What a computation of a state does not hold it does not print.
+#[test]
+fn states_of_solids_have_numbers_or_are_refused() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let here = folder(TEST, "states", "");
+    let mut computed = 0;
+    for name in ["forbidden-band", "shear-band", "rotation-waves", "flutter", "microrotation"] {
+        let case = root.join(format!("cases/cosserat/{name}.toml"));
+        for setting in [
+            "wave.number=1e3",
+            "wave.number=1e6",
+            "wave.number=1e9",
+            "wave.number=1e12",
+            "wave.number=1e-6",
+            "wave.number=1e-12",
+            "model.mu=1e20",
+            "model.mu=1e154",
+            "model.density=1e-20",
+            "model.density=1e200",
+        ] {
+            let arguments = format!("point {} --set {setting} --out out --force", case.display());
+            let output = ends(&here, &arguments);
+            let text = String::from_utf8_lossy(&output.stdout).into_owned();
+            let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert!(!text.contains("NaN") && !text.contains("inf"), "{arguments}: {text}");
+            match output.status.code() {
+                Some(0) => computed += 1,
+                Some(2) => assert!(errors.contains("allowed") || errors.contains("; "), "{errors}"),
+                code => panic!("{arguments}: {code:?} {errors}"),
+            }
+            // Short waves of these media are nothing unusual.
+            if setting == "wave.number=1e6" || setting == "wave.number=1e3" {
+                assert_eq!(output.status.code(), Some(0), "{arguments}: {errors}");
+            }
+        }
+    }
+    assert!(computed > 25, "{computed}");
+}
+
+/// Beyond them products of constants overflow, and a solid that yields would pass for an elastic one.
+#[test]
+fn constants_that_overflow_are_refused() {
+    let here = folder(TEST, "constants", SOLID);
+    for (settings, key) in [
+        ("--set yield.strength=2e104", "yield.strength"),
+        (
+            "--set model.mu=8e107 --set model.lambda=1.2e108 --set model.alpha=3e107 \
+             --set model.density=1.9e103 --set model.inertia=3e102",
+            "model.",
+        ),
+        ("--set scheme.precision='f32' --set yield.strength=2e16", "yield.strength"),
+    ] {
+        let settings = settings.replace('\'', "\"");
+        is_refused(&here, &settings, key, "numbers from");
+    }
+}
+
+/// A solid in units of mass, and so of stress, of other sizes computes the same, up to where it is refused.
+#[test]
+fn units_of_mass_change_no_bit() {
+    let scaled = |name: &str, factor: f64| {
+        let here = folder(TEST, name, SOLID);
+        let settings: String = [
+            ("model.lambda", 1.2e8),
+            ("model.mu", 8e7),
+            ("model.alpha", 3e7),
+            ("model.density", 1900.0),
+            ("model.inertia", 300.0),
+            ("yield.strength", 2e4),
+            ("load[0].amplitude", -1e5),
+        ]
+        .iter()
+        .map(|(key, value)| format!(" --set {key}={:e}", value * factor))
+        .collect();
+        ends_with(0, &here, &format!("{RUN}{settings}"));
+        let text = std::fs::read_to_string(here.join("out/receivers.csv")).unwrap();
+        let rows: Vec<Vec<f64>> = text
+            .lines()
+            .skip(1)
+            .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect())
+            .collect();
+        let names: Vec<String> =
+            text.lines().next().unwrap().split(',').map(str::to_owned).collect();
+        (names, rows)
+    };
+    let (names, own) = scaled("own", 1.0);
+    for (name, factor) in [("small", 2f64.powi(-60)), ("large", 2f64.powi(60))] {
+        let (_, other) = scaled(name, factor);
+        for (row, other) in own.iter().zip(&other) {
+            for ((name, a), b) in names.iter().zip(row).zip(other) {
+                let factor = if name.contains("sigma") { factor } else { 1.0 };
+                assert_eq!((a * factor).to_bits(), b.to_bits(), "{name}");
+            }
+        }
+        assert_eq!(own.len(), other.len());
+    }
+}
+
+/// In f32 they would be set to zero as what has decayed.
+#[test]
+fn loads_that_vanish_are_refused() {
+    let here = folder(TEST, "loads", SOLID);
+    let f32 = "--set scheme.precision=\"f32\"";
+    is_refused(&here, &format!("{f32} --set load[0].amplitude=4e-20"), "load[0].amplitude", "f32");
+    is_refused(&here, "--set load[0].amplitude=1e-290", "load[0].amplitude", "f64");
+    let kept = format!("run case.toml --out out --threads 1 {f32} --set load[0].amplitude=1e-10");
+    let (_, stderr) = ends_with(0, &here, &kept);
+    assert!(!stderr.contains("left over"), "{stderr}");
+}
+
+#[test]
+fn tolerances_below_rounding_are_refused() {
+    let here = folder(TEST, "tolerances", "");
+    ends_with(0, &here, "new harris-grekova --run --force case.toml");
+    for key in ["time.tolerance", "time.pressure_tolerance"] {
+        is_refused(&here, &format!("--set {key}=1e-30"), key, "lost in rounding");
+    }
+}
+
+#[test]
+fn bells_far_wider_than_the_grid_are_refused() {
+    let source = "[[source]]\nkind = 'explosion'\namplitude = 1e6\nat = [15, 10]\nradius = 4\n\
+                  time = { kind = 'pulse', duration = 0.02 }\n";
+    let here = folder(TEST, "bells", &SOLID.replace("[output]", &format!("{source}[output]")));
+    for radius in ["1e6", "1e15", "1e300"] {
+        is_refused(&here, &format!("--set source[0].radius={radius}"), "source[0].radius", "grid");
+    }
+    ends_with(0, &here, "run case.toml --out out --dry-run --set source[0].radius=50");
+}
