@@ -138,6 +138,7 @@ fn peak(here: &std::path::Path, arguments: &str) -> f64 {
 
 /// Grids of seven shapes. Thin plates in space across the first axis take a quarter more than is said.
 #[test]
+#[ignore = "peaks depend on the pages of the system: cargo test --release --test limits -- --ignored"]
 fn memory_is_foretold() {
     const SOLID: &str = "
 [model]
