@@ -1,20 +1,20 @@
-//! Instruction sets, chosen at run time: each kernel is compiled for all of them.
+//! Instruction sets: each kernel is compiled for all of them, and one is selected at run time.
 
 use super::real::{Real, SimdKernel};
 
-/// Sets of instructions that a processor may have. Results do not depend on them.
+/// Instruction set of a processor. Results do not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Instructions {
-    /// What every processor of the kind has.
+    /// Instructions of every processor of the architecture.
     Baseline,
-    /// 256 bits at once.
+    /// Registers of 256 bits.
     Avx2,
-    /// 512 bits at once.
+    /// Registers of 512 bits: AVX-512F, DQ and VL.
     Avx512,
 }
 
 impl Instructions {
-    /// Whether this processor has the set.
+    /// Whether this processor has the instruction set.
     pub fn is_available(self) -> bool {
         #[cfg(target_arch = "x86_64")]
         return match self {
@@ -30,22 +30,22 @@ impl Instructions {
         return self == Self::Baseline;
     }
 
-    /// The sets that this processor has, the widest last.
+    /// Returns the instruction sets of this processor, the widest last.
     pub fn available() -> impl Iterator<Item = Self> {
         [Self::Baseline, Self::Avx2, Self::Avx512].into_iter().filter(|set| set.is_available())
     }
 
-    /// The widest set that this processor has.
+    /// Returns the widest instruction set of this processor.
     pub fn best() -> Self {
         Self::available().last().unwrap_or(Self::Baseline)
     }
 
-    /// Does the work in these instructions, or in the baseline's where the processor has not got them.
+    /// Runs a kernel with this instruction set, or with the baseline if the processor does not have it.
     pub(crate) fn run<T: Real>(self, work: impl SimdKernel<T>) {
         match self {
-            // SAFETY: the processor has AVX2.
+            // SAFETY: the processor has AVX2, as `is_available` has checked.
             Self::Avx2 if self.is_available() => unsafe { T::avx2(work) },
-            // SAFETY: the processor has all three.
+            // SAFETY: the processor has AVX-512F, DQ and VL, as `is_available` has checked.
             Self::Avx512 if self.is_available() => unsafe { T::avx512(work) },
             _ => work.run::<T::Lanes>(),
         }

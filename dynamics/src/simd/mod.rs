@@ -1,5 +1,6 @@
-//! Numbers in SIMD lanes: `f32` and `f64`, groups of them that fill a cache line, registers of each instruction set, and
-//! the dispatch at run time. Results do not depend on the instruction set: there is no contraction and no reassociation.
+//! Numbers in SIMD lanes: `f32` and `f64`, groups of numbers that fill a cache line, registers of each instruction set,
+//! dispatch at run time. Results do not depend on the instruction set: operations are neither contracted nor
+//! reassociated.
 
 mod instructions;
 mod real;

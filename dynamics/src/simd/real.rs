@@ -1,34 +1,34 @@
-//! What sweeps compute with: floating-point numbers, and groups of them side by side.
+//! Traits of the numbers of sweeps: floating-point scalars, groups of them in a cache line, and groups in registers.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 pub use models::common::number::Number;
 
-/// `f32` or `f64`.
+/// Floating-point scalar: `f32` or `f64`.
 pub trait Real: Number + PartialOrd {
-    /// As many numbers as fill a line of the cache.
+    /// Group of numbers that fills a cache line of 64 bytes.
     type Lanes: Group<Self> + Vector<Self>;
 
-    /// The nearest number of this kind.
+    /// Rounds a double to the nearest number of this type.
     fn of(value: f64) -> Self;
 
-    /// The same number.
+    /// Converts to double precision, exactly.
     fn wide(self) -> f64;
 
-    /// Its bytes, the least first.
+    /// Returns the bytes of the number in little-endian order.
     fn bytes(self) -> impl Iterator<Item = u8>;
 
-    /// Numbers from such bytes; `None` where one is not whole.
+    /// Converts little-endian bytes to numbers; `None` if their count is not a multiple of the size of a number.
     fn from_bytes(bytes: &[u8]) -> Option<Vec<Self>>;
 
-    /// Does the work in registers of 256 bits.
+    /// Runs a kernel in registers of 256 bits.
     ///
     /// # Safety
     /// The processor has AVX2.
     #[doc(hidden)]
     unsafe fn avx2(work: impl SimdKernel<Self>);
 
-    /// Does the work in registers of 512 bits.
+    /// Runs a kernel in registers of 512 bits.
     ///
     /// # Safety
     /// The processor has AVX-512F, DQ and VL.
@@ -36,28 +36,28 @@ pub trait Real: Number + PartialOrd {
     unsafe fn avx512(work: impl SimdKernel<Self>);
 }
 
-/// Lanes of the narrowest numbers.
+/// Largest number of lanes of a group: that of `f32`.
 pub(crate) const MOST_LANES: usize = 16;
 
-/// Numbers in lanes.
+/// Group of numbers, one per lane, in memory.
 pub trait Group<T>: Number {
-    /// How many.
+    /// Number of lanes.
     const COUNT: usize;
 
-    /// The same number in all lanes.
+    /// Returns a group with `value` in all lanes.
     fn all(value: T) -> Self;
 
-    /// A number for each lane.
+    /// Returns a group with the number `value(lane)` in each lane.
     fn by_lane(value: impl FnMut(usize) -> T) -> Self;
 
-    /// The numbers.
+    /// Returns the numbers of the lanes.
     fn lanes(&self) -> &[T];
 
-    /// The numbers, to be set.
+    /// Returns the numbers of the lanes, to be modified.
     fn lanes_mut(&mut self) -> &mut [T];
 }
 
-/// `COUNT` numbers on a line of the cache.
+/// `COUNT numbers in lanes, aligned to a cache line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub struct Lanes<T, const COUNT: usize>(pub(crate) [T; COUNT]);
@@ -171,33 +171,33 @@ impl<T: Number, const COUNT: usize> Group<T> for Lanes<T, COUNT> {
     }
 }
 
-/// The numbers of a group on their way through a processor.
+/// Group of numbers in registers: operations act lane by lane.
 pub trait Vector<T: Real>: Number {
-    /// The numbers of a group.
+    /// Loads a group.
     fn load(from: &T::Lanes) -> Self;
 
-    /// The numbers as a group.
+    /// Stores a group.
     fn store(self, to: &mut T::Lanes);
 
-    /// The same number in all lanes.
+    /// Returns `value` in all lanes.
     fn all(value: T) -> Self;
 
-    /// The lanes moved on by one: in the place of each the one before it, in the first the last of `previous`.
+    /// Shifts lanes up by one: lane i becomes lane i − 1, lane 0 the last lane of `previous`.
     fn after(self, previous: Self) -> Self;
 
-    /// The lanes moved back by one: in the place of each the one behind it, in the last the first of `next`.
+    /// Shifts lanes down by one: lane i becomes lane i + 1, the last lane becomes lane 0 of `next`.
     fn before(self, next: Self) -> Self;
 
-    /// The numbers of another group in some lanes, by bits, and the own ones in the rest.
+    /// Blends two groups: lanes whose bit is set in `lanes` from `other`, all others from `self`.
     fn with_lanes(self, lanes: u16, other: Self) -> Self;
 
-    /// The lanes in which a number is greater than its counterpart, by bits.
+    /// Compares lane by lane: bit i is set if lane i is greater than lane i of `other`.
     fn greater_lanes(self, other: Self) -> u16;
 }
 
-/// Something to be done in any set of instructions: `run` and all that it calls must be inlined, which
-/// closures are not.
+/// Kernel that is compiled for each instruction set. `run` and all functions that it calls must be inlined; closures
+/// are not.
 pub trait SimdKernel<T: Real> {
-    /// Does it.
+    /// Runs the kernel in registers of type `V`.
     fn run<V: Vector<T>>(self);
 }

@@ -1,5 +1,4 @@
-//! Registers of a processor as numbers: what the lanes of a group are while they are computed with; and
-//! the kinds of numbers that have such.
+//! Implementations of [`Vector`] for groups in memory (baseline instruction set) and of [`Real`] for `f32` and `f64`.
 
 use crate::simd::{Lanes, Real, SimdKernel, Vector};
 
@@ -67,7 +66,7 @@ macro_rules! real {
                 fn run(work: impl SimdKernel<$kind>) {
                     work.run::<$avx2>();
                 }
-                // SAFETY: the caller knows that the processor has it.
+                // SAFETY: the caller guarantees AVX2.
                 unsafe { run(work) }
             }
 
@@ -77,7 +76,7 @@ macro_rules! real {
                 fn run(work: impl SimdKernel<$kind>) {
                     work.run::<$avx512>();
                 }
-                // SAFETY: the caller knows that the processor has all three.
+                // SAFETY: the caller guarantees AVX-512F, DQ and VL.
                 unsafe { run(work) }
             }
 
@@ -133,7 +132,8 @@ mod tests {
         }
     }
 
-    /// Nearest to zero of numbers of one sign, zero where bounds differ in sign; in any instructions, to the bit.
+    /// Verifies `minmod3` against its definition (smallest magnitude, or zero if the bounds differ in sign), bit by
+    /// bit, in every instruction set.
     fn bounds_hold<T: Real>() {
         let tiny = T::MIN_POSITIVE.wide();
         let sizes = [0.0, 1e-3 * tiny, tiny, 1e-3, 0.7, 1.0, 1.5, 1e30, f64::INFINITY];
@@ -178,7 +178,8 @@ mod tests {
         }
     }
 
-    /// Values below a limit are flushed to +0, all others stay, to the bit and in all instruction sets.
+    /// Verifies that `flush_below` turns magnitudes below a limit into +0 and leaves all others, NaN included,
+    /// unchanged, bit by bit, in every instruction set.
     fn traces_vanish<T: Real>() {
         let limit = 1e-3;
         let all = [0.0, 1e-40, 0.9e-3, 1e-3, 1.1e-3, 7.0, f64::INFINITY, f64::NAN];
@@ -223,7 +224,8 @@ mod tests {
         }
     }
 
-    /// Lanes are 0, 1, … and those of the other group 100, 101, …: each choice of some, in any instructions.
+    /// Verifies `after`, `before` and `with_lanes` on lanes 0, 1, … and 100, 101, … of another group, for each single
+    /// lane, for none and for a mixed selection, in every instruction set.
     fn lanes_move<T: Real>() {
         let count = T::Lanes::COUNT;
         let choices = (0..count).map(|lane| 1 << lane).chain([0, 0b1010_0110_0101_1001]);

@@ -1,8 +1,7 @@
 //! Registers of x86-64: AVX2 and AVX-512.
 //!
-//! SAFETY, of all that follows: these numbers are seen nowhere but in `Real::avx2` and `Real::avx512`,
-//! whose callers know that the processor has the instructions; addresses are those of references to as
-//! many numbers as are read or written.
+//! SAFETY of all unsafe blocks below: the register types are used only in `Real::avx2` and `Real::avx512`, whose
+//! callers guarantee the instruction set; addresses come from references to as many numbers as are read or written.
 
 use crate::simd::{Lanes, Number, Vector};
 use std::arch::x86_64::*;
@@ -23,7 +22,7 @@ macro_rules! vector {
 
         impl $name {
             const fn all(value: $scalar) -> Self {
-                // SAFETY: registers are numbers side by side.
+                // SAFETY: a register has the memory layout of an array of its numbers.
                 Self(unsafe {
                     std::mem::transmute::<[$scalar; $count * $width], [$register; $count]>(
                         [value; $count * $width],
@@ -37,7 +36,7 @@ macro_rules! vector {
 
             #[inline(always)]
             fn neg(self) -> Self {
-                // Not 0 − x, which has another sign where x is zero.
+                // Not 0 − x: it has the wrong sign of zero for x = 0.
                 Self::all(-1.0) * self
             }
         }
@@ -173,7 +172,7 @@ macro_rules! vector {
     };
 }
 
-// The numbers of a register that are greater than their counterparts, by bits.
+// Greater-than masks: bit i is set if number i of `one` is greater than number i of `other`.
 
 #[inline(always)]
 unsafe fn double256(one: __m256d, other: __m256d) -> u16 {
@@ -195,7 +194,7 @@ unsafe fn single512(one: __m512, other: __m512) -> u16 {
     unsafe { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(one, other) }
 }
 
-// Two registers behind one another, without so many numbers in front.
+// Shifts across two registers: numbers `BY`, `BY` + 1, … of the concatenation of `low` and `high`.
 
 #[inline(always)]
 unsafe fn moved_double256<const BY: i32>(high: __m256d, low: __m256d) -> __m256d {
@@ -237,7 +236,7 @@ unsafe fn moved_single512<const BY: i32>(high: __m512, low: __m512) -> __m512 {
     }
 }
 
-// Numbers of another register in some lanes, by bits.
+// Blends: numbers of `other` where the bit of `lanes` is set, numbers of `own` elsewhere.
 
 #[inline(always)]
 unsafe fn with_lanes_double256(own: __m256d, lanes: u16, other: __m256d) -> __m256d {
@@ -269,8 +268,8 @@ unsafe fn with_lanes_single512(own: __m512, lanes: u16, other: __m512) -> __m512
     unsafe { _mm512_mask_mov_ps(own, lanes, other) }
 }
 
-// Numbers of one sign grow as their bits do, and minima of integers leave the units free that add. There
-// is none of 64 bits among 256: there by magnitudes.
+// Three-argument minmod: numbers of equal sign are ordered as their bit patterns, and integer minima leave the
+// floating-point units free. AVX2 has no minimum of 64-bit integers; its minimum is over floating-point magnitudes.
 
 #[inline(always)]
 unsafe fn least_double256(mean: __m256d, one: __m256d, other: __m256d) -> __m256d {
@@ -313,10 +312,10 @@ unsafe fn least_single512(mean: __m512, one: __m512, other: __m512) -> __m512 {
     }
 }
 
-/// Of bits of the second and the third number whether they are the same.
+/// Truth table of `ternarylogic`: XNOR of the second and the third operand.
 const XNOR: i32 = 0b1001_1001;
 
-// Flush to zero below a limit; NaN stays.
+// Flush to zero of magnitudes below a limit; NaN is unchanged.
 
 #[inline(always)]
 unsafe fn kept_double256(own: __m256d, limit: __m256d) -> __m256d {
@@ -351,28 +350,28 @@ unsafe fn kept_single512(own: __m512, limit: __m512) -> __m512 {
 }
 
 vector!(
-    /// Eight numbers in two registers of four.
+    /// Eight `f64` in two AVX2 registers of four.
     Avx2Double, f64, __m256d, 2 of 4,
     _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_max_pd
     _mm256_sqrt_pd _mm256_load_pd _mm256_store_pd double256 least_double256 kept_double256
     moved_double256 with_lanes_double256
 );
 vector!(
-    /// Sixteen numbers in two registers of eight.
+    /// Sixteen `f32` in two AVX2 registers of eight.
     Avx2Single, f32, __m256, 2 of 8,
     _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_max_ps
     _mm256_sqrt_ps _mm256_load_ps _mm256_store_ps single256 least_single256 kept_single256
     moved_single256 with_lanes_single256
 );
 vector!(
-    /// Eight numbers in a register.
+    /// Eight `f64` in an AVX-512 register.
     Avx512Double, f64, __m512d, 1 of 8,
     _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_max_pd
     _mm512_sqrt_pd _mm512_load_pd _mm512_store_pd double512 least_double512 kept_double512
     moved_double512 with_lanes_double512
 );
 vector!(
-    /// Sixteen numbers in a register.
+    /// Sixteen `f32` in an AVX-512 register.
     Avx512Single, f32, __m512, 1 of 16,
     _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_max_ps
     _mm512_sqrt_ps _mm512_load_ps _mm512_store_ps single512 least_single512 kept_single512

@@ -1,4 +1,4 @@
-//! A domain, or a part of it, made of a problem.
+//! Construction of a domain, or of a subdomain, from a problem.
 
 use super::boundaries::Boundaries;
 use super::curvilinear::{GeometricRotation, RowSpacing};
@@ -20,7 +20,7 @@ use models::solid::waves::Field;
 use std::ops::Range;
 
 impl<const D: usize> Layout<D> {
-    /// The layout of a region of a problem.
+    /// Creates the layout of a region of a problem.
     fn new<T: Real>(problem: &Problem<D>, region: &Region<D>) -> Self {
         let cells = region.cells();
         let own: [Range<usize>; D] = std::array::from_fn(|axis| {
@@ -47,11 +47,11 @@ impl<const D: usize> Layout<D> {
     }
 }
 
-/// Fields that the halo of a neighbour along the last axis needs, as ranges of a row.
+/// Returns the fields, as ranges of a row, that the halo of a neighbour along the last axis needs.
 ///
-/// In a pass of one step these are the fields that the second sweep along the last axis reads, and those
-/// rotated with them. If two steps share a pass, sweeps alternate, or a law couples them with others
-/// ([`needs_whole_state`]), all fields are exchanged.
+/// In a pass of one step these are the fields that the second sweep along the last axis reads, and the fields that are
+/// rotated with them. All fields are exchanged in the plane, where a pass may have two steps, for alternating sweeps,
+/// and if a local law couples all fields ([`needs_whole_state`]).
 fn exchanged_fields<const D: usize>(problem: &Problem<D>, pitch: usize) -> Vec<Range<usize>> {
     let Problem { media, scheme, .. } = problem;
     let fields = &problem.fields();
@@ -78,8 +78,8 @@ fn exchanged_fields<const D: usize>(problem: &Problem<D>, pitch: usize) -> Vec<R
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// A part of a grid, at rest: the domain of a region, from the problem of that region alone, see
-    /// [`Problem::restricted`], for passes of so many steps at most.
+    /// Creates a subdomain at rest: the domain of `region`, from the problem restricted to that region
+    /// ([`Problem::restricted`]), for passes of at most `most_steps` steps.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -92,7 +92,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         Ok(Self::of_region(problem, region, most_steps))
     }
 
-    /// [`Self::part`] of a problem that has been checked.
+    /// Creates a subdomain as [`Self::part`] does, from a problem that has been checked.
     pub(crate) fn of_region(problem: &Problem<D>, region: &Region<D>, most_steps: usize) -> Self {
         let layout = Layout::new::<T>(problem, region);
         let is_periodic = |axis: usize| {

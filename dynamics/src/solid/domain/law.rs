@@ -1,11 +1,12 @@
-//! Laws that act in a cell between sweeps: rotation of spins against antisymmetric stress, relaxation, rotation by the
-//! curvature of rows, yield sets.
+//! Local laws, which act in a cell between sweeps: rotation of spins against antisymmetric stress, relaxation, rotation
+//! by the curvature of rows, yield sets.
 //!
-//! A new law touches: [`crate::solid::cell_laws`] (formula, `MOST_FIELDS`); here and a file of its own (constants by lane
-//! pattern, kernel, [`needs_whole_state`]); `step` (its place in the recipe); [`Medium`](crate::solid::medium::Medium)
-//! (history fields, energy); `models::solid::waves::Field` and the matches over it; [`crate::solid::ledger`] and `output` if
-//! it dissipates; [`crate::solid::reference`], which tests hold against it. Layout, halo, snapshot and output of its fields
-//! follow. If history enters the yield set, the return mapping takes part as well.
+//! A new law needs changes in [`crate::solid::cell_laws`] (formula, `MOST_FIELDS`); here and in a new file (constants
+//! by lane pattern, kernel, [`needs_whole_state`]); `step` (position in the time step);
+//! [`Medium`](crate::solid::medium::Medium) (history fields, energy); `models::solid::waves::Field` and the matches
+//! over it; [`crate::solid::ledger`] and `output` if it dissipates; [`crate::solid::reference`], which tests compare
+//! with. Layout, halo, snapshot and output of its fields need no change. If the yield set depends on the history, the
+//! return mapping changes as well.
 
 use super::curvilinear::GeometricRotation;
 use super::materials::Materials;
@@ -21,31 +22,31 @@ use models::solid::waves::Field;
 /// Local laws by lane pattern.
 #[derive(Clone)]
 pub(super) struct LocalLaws<T: Real> {
-    /// Rotations of spins against antisymmetric stress, by [`Interval`].
+    /// Rotations of spins against antisymmetric stress, by pattern and [`Interval`].
     pub(super) rotations: Vec<[SpinStressRotation<T::Lanes>; 2]>,
-    /// Places of a spin and of both stresses that rotate against each other.
+    /// Offsets of a spin and of the two stresses that rotate against it.
     pub(super) rotated: Vec<[usize; 3]>,
-    /// Relaxation of stresses; `None` where nothing relaxes.
+    /// Relaxation of stresses; `None` if no medium relaxes.
     pub(super) relaxations: Option<Relaxations<T>>,
-    /// Whether any lane of a pattern yields.
+    /// By pattern, whether any lane has a yield set.
     pub(super) yields: Vec<bool>,
-    /// Yield sets in lanes.
+    /// Yield sets in lanes of one kind, for stresses without initial stress; `None` for mixed or other kinds.
     pub(super) sets: Option<Sets<T>>,
-    /// The axis along which the initial stress varies, and the stress in each layer across it.
+    /// Axis along which the initial stress varies, and the stress by layer across that axis.
     pub(super) initial_stress: Option<(usize, Vec<Stress>)>,
-    /// The initial stress by block of a row, where it varies along the first axis.
+    /// Initial stress by block of a row, if it varies along the first axis; else empty.
     pub(super) initial_blocks: Vec<InitialStress>,
-    /// Yield sets in lanes for stresses with the initial one, for reflections, and for several kinds side by side.
+    /// Yield sets in lanes for total stresses, for reflections, and for several kinds of sets.
     pub(super) whole: WholeStressSets,
-    /// The rotation of the state by the curvature of rows; `None` where they are straight.
+    /// Rotation of the state by the curvature of rows; `None` for straight rows.
     pub(super) geometry: Option<GeometricRotation<T>>,
-    /// Whether the return mapping of stresses with the initial one takes cells one by one and not in lanes; results do not
-    /// depend on it.
+    /// Whether the return mapping of total stresses is scalar, cell by cell, and not in lanes; results do not depend on
+    /// it.
     pub(super) maps_one_by_one: bool,
 }
 
-/// Whether the second sweep of a step along the last axis depends on all fields of a cell, and not only on those which it
-/// reads and which rotate with them: laws that act between the first and the second one couple the fields.
+/// Whether the second sweep of a step along the last axis depends on all fields of a cell, not only on those that it
+/// reads and those that rotate with them: relaxation and a reflection in the middle of the step couple all fields.
 pub(super) fn needs_whole_state<const D: usize>(problem: &Problem<D>) -> bool {
     let Problem { media, scheme, .. } = problem;
     let is_plastic = media.iter().any(|medium| medium.yields.is_some());
@@ -53,7 +54,7 @@ pub(super) fn needs_whole_state<const D: usize>(problem: &Problem<D>) -> bool {
         || (is_plastic && scheme.plastic_step == PlasticStep::MidpointReflection)
 }
 
-/// Places of spins and of the stresses that rotate with them, where fields are `pitch` apart.
+/// Returns the offsets of spins and of the stresses that rotate with them, for fields `pitch` groups apart.
 pub(super) fn rotated_fields(fields: &[Field], pitch: usize) -> Vec<[usize; 3]> {
     cell_laws::rotated_fields(fields)
         .into_iter()
@@ -62,8 +63,9 @@ pub(super) fn rotated_fields(fields: &[Field], pitch: usize) -> Vec<[usize; 3]> 
 }
 
 impl<T: Real> LocalLaws<T> {
-    /// The laws of materials by lane pattern, in rows of `groups` groups, for a time `step`, s. `reflects`: whether yield
-    /// sets act by the reflection 2P − I. `initial_stress` is that of this part, `whole` that of all parts.
+    /// Creates the laws of materials by lane pattern, in rows of `groups` groups, for a time `step`, s. `reflects`:
+    /// whether yield sets act by the reflection 2P − I. `initial_stress` is that of this subdomain, `whole` that of all
+    /// subdomains.
     pub(super) fn new<const D: usize>(
         materials: &Materials<T, D>,
         patterns: &[Vec<u16>],
@@ -106,7 +108,7 @@ impl<T: Real> LocalLaws<T> {
         }
     }
 
-    /// Whether numbers in single precision must be taken to double precision for the return mapping.
+    /// Whether the return mapping needs buffers in double precision, as for domains in single precision.
     pub(super) fn needs_wide_blocks(&self) -> bool {
         blocks_of_group::<T>() > 1 && self.whole != WholeStressSets::default()
     }

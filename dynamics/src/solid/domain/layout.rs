@@ -1,13 +1,13 @@
-//! Where cells and fields stand in memory.
+//! Memory layout of cells and fields.
 //!
-//! A row along the first axis is folded into as many lanes as fill a cache line: of G groups, cell x is in group
-//! x mod G and lane x div G, so that cells follow each other lane by lane. A row holds its fields one after the other,
-//! each with all groups. Two ghosts stand behind the last cell in the row itself, and there are at least two groups:
-//! the neighbours of a row's first and last groups are in the adjacent lanes, not farther.
+//! A row along the first axis is folded into the lanes of a cache line: with G groups, cell x is in group x mod G and
+//! lane x div G, so that consecutive cells lie in the same lane of consecutive groups. A row stores its fields one
+//! after the other, each with all groups. Two ghosts follow the last cell within the row itself, and there are at least
+//! two groups: the neighbours of the first and the last groups of a row are in the adjacent lanes, not farther away.
 //!
-//! Where a domain is cut along an axis, or periodic along the last one, it has a halo of
-//! [`HALO`](crate::solid::line::HALO) cells for each step of a pass, and [`GHOSTS`] more along the first axis where sweeps
-//! alternate. Cells are counted with those of the halo.
+//! If a domain is cut along an axis, or periodic along the last one, it has a halo of
+//! [`HALO`](crate::solid::line::HALO) cells for each step of a pass, and [`GHOSTS`] more along the first axis for
+//! alternating sweeps. Cell indices count all cells, halo included, unless they are called own cells.
 
 use crate::simd::{Group, Real};
 use crate::solid::problem::Problem;
@@ -15,17 +15,17 @@ use crate::solid::reconstruction::GHOSTS;
 use std::cmp::Ordering;
 use std::ops::Range;
 
-/// Groups of a row, at most, that go through the middle of a step together, so that their layers stay in the cache.
+/// Largest number of groups of a row that pass the middle of a step together, so that their layers stay in the cache.
 const SEGMENT: usize = 32;
 
-/// Some adjacent groups of a row, the same in all layers.
+/// Adjacent groups of a row, the same in all layers.
 pub(super) struct RowSegment {
     pub(super) row: usize,
     pub(super) groups: Range<usize>,
 }
 
 impl RowSegment {
-    /// The segments of a row of `groups` groups, of nearly equal length.
+    /// Splits a row of `groups` groups into segments of nearly equal length.
     pub(super) fn of_row(row: usize, groups: usize) -> impl Iterator<Item = Self> {
         let length = groups.div_ceil(groups.div_ceil(SEGMENT));
         let starts = (0..groups).step_by(length);
@@ -33,87 +33,86 @@ impl RowSegment {
     }
 }
 
-/// A group on the path of a sweep.
+/// Position of a group in the lists by group and in the data.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GroupIndex {
-    /// Its number.
+    /// Index of the group among all groups.
     pub(crate) group: usize,
-    /// Where its first field stands in the data: the others follow at their places.
+    /// Index of its first field in the data; the other fields follow at multiples of the pitch.
     pub(crate) data: usize,
 }
 
 impl GroupIndex {
-    /// The same group of another line.
+    /// Returns the same group of the line number `line`, where lines are `across` apart.
     #[inline(always)]
     pub(crate) fn of_line(self, line: usize, across: Self) -> Self {
         Self { group: self.group + line * across.group, data: self.data + line * across.data }
     }
 }
 
-/// Shape of a domain and the order of its data: by row, field and group.
+/// Shape of a domain and order of its data: by row, field and group.
 #[derive(Clone, Debug)]
 pub(super) struct Layout<const D: usize> {
-    /// Cells along each axis, those of the halo included.
+    /// Number of cells along each axis, halo included.
     pub(super) cells: [usize; D],
-    /// The own cells among these.
+    /// Own cells along each axis, as ranges of the cells with the halo.
     pub(super) own: [Range<usize>; D],
-    /// By group of a row, the lanes of own cells.
+    /// By group of a row, mask of the lanes that hold own cells along the first axis.
     pub(super) own_lanes: Vec<u16>,
-    /// Whether the own layers are each other's halo.
+    /// Whether the halo along the last axis is filled from the own layers (periodic, not cut).
     pub(super) periodic_in_place: bool,
     /// Number of fields.
     pub(super) fields: usize,
-    /// Groups of a row.
+    /// Number of groups of a row.
     pub(super) groups: usize,
-    /// Groups from the beginning of a field in a row to that of the next one: the place of a field is this times its
-    /// index.
+    /// Distance between two fields of a row, in groups: the offset of a field is its index times this pitch.
     pub(super) pitch: usize,
-    /// Rows of a layer across the last axis.
+    /// Number of rows of a layer across the last axis.
     pub(super) rows: usize,
-    /// Fields that go into the halo of a neighbour along the last axis, as ranges of a row.
+    /// Fields sent into the halo of a neighbour along the last axis, as ranges of a row.
     pub(super) exchanged_fields: Vec<Range<usize>>,
 }
 
 impl<const D: usize> Layout<D> {
-    /// Cells of a layer across the last axis.
+    /// Returns the number of cells of a layer across the last axis.
     pub(super) fn layer_cells(&self) -> usize {
         self.cells[..D - 1].iter().product()
     }
 
-    /// Groups of a layer across the last axis.
+    /// Returns the number of groups of a layer across the last axis.
     pub(super) fn layer_groups(&self) -> usize {
         self.rows * self.groups
     }
 
-    /// All layers, the halo included.
+    /// Returns the number of layers, halo included.
     pub(super) fn layers(&self) -> usize {
         self.cells[D - 1]
     }
 
-    /// The own layers among all.
+    /// Returns the own layers as a range of all layers.
     pub(super) fn own_layers(&self) -> Range<usize> {
         self.own[D - 1].clone()
     }
 
-    /// Cells of the halo in front of the own ones along an axis and behind.
+    /// Returns the widths of the lower and the upper halo along an axis, in cells.
     pub(super) fn halo(&self, axis: usize) -> [usize; 2] {
         [self.own[axis].start, self.cells[axis] - self.own[axis].end]
     }
 
-    /// The cells in a box among all, the first axis running fastest.
+    /// Returns the cells in a box, first axis fastest.
     pub(super) fn cells_in(&self, ranges: &[Range<usize>; D]) -> impl Iterator<Item = usize> {
         let counts = ranges.each_ref().map(ExactSizeIterator::len);
         let (first, cells) = (ranges.each_ref().map(|range| range.start), self.cells);
         (0..counts.iter().product()).map(move |index| box_cell(index, &counts, &first, &cells))
     }
 
-    /// The own cells among all, in their order.
+    /// Returns the own cells as indices of all cells, first axis fastest.
     pub(super) fn own_cells(&self) -> impl Iterator<Item = usize> {
         self.cells_in(&self.own)
     }
 
-    /// The cells at an end of an axis that are sent there, or those that are received: all cells along lower axes, own cells
-    /// along higher ones, so that edges and corners arrive by successive exchanges.
+    /// Returns the box of cells that are sent at an end of an axis, or of those that are received: all cells along
+    /// lower axes, own cells along higher axes, so that edges and corners are filled by successive exchanges.
     pub(super) fn strip(&self, axis: usize, end: usize, is_sent: bool) -> [Range<usize>; D] {
         let (own, width) = (self.own[axis].clone(), self.halo(axis)[end]);
         let along = match (end, is_sent) {
@@ -129,13 +128,13 @@ impl<const D: usize> Layout<D> {
         })
     }
 
-    /// An own cell, by its number among these, among all.
+    /// Converts the index of an own cell to its index among all cells.
     pub(super) fn own_cell(&self, number: usize) -> usize {
         let counts = self.own.each_ref().map(ExactSizeIterator::len);
         box_cell(number, &counts, &self.own.each_ref().map(|range| range.start), &self.cells)
     }
 
-    /// The number of a cell among the own ones, if it is one.
+    /// Converts the index of a cell among all cells to that among own cells; `None` for a cell of the halo.
     pub(super) fn own_number(&self, cell: usize) -> Option<usize> {
         let (mut rest, mut number, mut stride) = (cell, 0, 1);
         for (own, count) in self.own.iter().zip(self.cells) {
@@ -149,7 +148,7 @@ impl<const D: usize> Layout<D> {
         Some(number)
     }
 
-    /// The rows of all layers that have own cells.
+    /// Returns the rows, counted over all layers, that have own cells.
     pub(super) fn own_rows(&self) -> impl Iterator<Item = usize> {
         let rows = if D == 2 { 0..1 } else { self.own[1].clone() };
         let of_layer = move |layer: usize| rows.clone().map(move |row| layer * self.rows + row);
@@ -161,19 +160,19 @@ impl<const D: usize> Layout<D> {
         self.own_layers().contains(&layer) && (D == 2 || self.own[1].contains(&row))
     }
 
-    /// From the beginning of a row in the data to that of the next one.
+    /// Returns the distance between two rows in the data, in groups.
     #[inline(always)]
     pub(super) fn row_size(&self) -> usize {
         self.fields * self.pitch
     }
 
-    /// A group of a row.
+    /// Returns the index of a group of a row.
     #[inline(always)]
     pub(super) fn index(&self, row: usize, group: usize) -> GroupIndex {
         GroupIndex { group: row * self.groups + group, data: row * self.row_size() + group }
     }
 
-    /// Group and lane of a cell.
+    /// Returns group and lane of a cell.
     #[inline(always)]
     pub(super) fn slot(&self, cell: usize) -> (GroupIndex, usize) {
         let length = self.cells[0];
@@ -181,13 +180,13 @@ impl<const D: usize> Layout<D> {
         (self.index(row, x % self.groups), x / self.groups)
     }
 
-    /// The place of a cell among the lanes of all groups.
+    /// Returns the index of a cell among the lanes of all groups.
     pub(super) fn lane_of<T: Real>(&self, cell: usize) -> usize {
         let (index, lane) = self.slot(cell);
         index.group * T::Lanes::COUNT + lane
     }
 
-    /// The cell in a lane of a group, if there is one.
+    /// Returns the cell in a lane of a group; `None` for a ghost or padding lane.
     #[inline(always)]
     pub(super) fn cell_of(&self, group: usize, lane: usize) -> Option<usize> {
         let (row, place) = (group / self.groups, group % self.groups);
@@ -195,30 +194,30 @@ impl<const D: usize> Layout<D> {
         (x < self.cells[0]).then(|| row * self.cells[0] + x)
     }
 
-    /// Where the fields of a segment begin in a layer, and its groups there.
+    /// Returns the data index of the first group of a segment in a layer, and the indices of its groups.
     pub(super) fn groups_of(&self, layer: usize, tile: &RowSegment) -> (usize, Range<usize>) {
         let first = self.index(layer * self.rows + tile.row, tile.groups.start);
         (first.data, first.group..first.group + tile.groups.len())
     }
 
-    /// A row in one segment.
+    /// Returns the segment that is a whole row.
     pub(super) fn whole_row(&self, row: usize) -> RowSegment {
         RowSegment { row, groups: 0..self.groups }
     }
 
-    /// Where the fields of rows of a layer stand.
+    /// Returns the data range of the fields of rows of a layer.
     pub(super) fn stored(&self, layer: usize, rows: &Range<usize>) -> Range<usize> {
         let first = layer * self.rows;
         (first + rows.start) * self.row_size()..(first + rows.end) * self.row_size()
     }
 
-    /// Whether a layer is in the halo of this domain, or may be in a neighbour's.
+    /// Whether a layer is in the halo of this domain, or may be in the halo of a neighbour along the last axis.
     pub(super) fn is_in_a_halo(&self, layer: usize) -> bool {
         let [front, behind] = self.halo(D - 1);
         layer < 2 * front || layer + 2 * behind >= self.layers()
     }
 
-    /// Where the exchanged fields of rows of a layer stand.
+    /// Returns the data ranges of the exchanged fields of rows of a layer.
     pub(super) fn pieces(
         &self,
         layer: usize,
@@ -232,7 +231,7 @@ impl<const D: usize> Layout<D> {
     }
 }
 
-/// A cell of a box, whose first cell and counts are given, among all.
+/// Converts an index in a box, given by its first cell and its counts, to the index among all cells.
 fn box_cell<const D: usize>(
     mut index: usize,
     counts: &[usize; D],
@@ -248,13 +247,15 @@ fn box_cell<const D: usize>(
     cell
 }
 
-/// Groups of a row: its cells, and the ghosts behind them; neighbours in other lanes are next to each other.
+/// Returns the number of groups of a row: for its cells and the ghosts after them, and for neighbours in other lanes to
+/// be in adjacent lanes.
 fn groups<T: Real>(cells: usize) -> usize {
     (cells + GHOSTS).div_ceil(T::Lanes::COUNT).max(GHOSTS)
 }
 
-/// Groups of a row of `cells` cells. Where interlayers stand at regular distances along rows the number is a multiple of
-/// that distance, so that interlayers stand in all lanes of a group or in none, unless rows became longer by more than a quarter.
+/// Returns the number of groups of a row of `cells` cells. With interlayers at regular distances along rows it is a
+/// multiple of that distance, so that all lanes of a group have an interlayer or none, unless rows became longer by
+/// more than a quarter.
 pub(super) fn groups_of_rows<T: Real, const D: usize>(problem: &Problem<D>, cells: usize) -> usize {
     let block = problem.interlayers_across(0).map_or(1, |own| own.every);
     let groups = groups::<T>(cells);
@@ -262,13 +263,13 @@ pub(super) fn groups_of_rows<T: Real, const D: usize>(problem: &Problem<D>, cell
     if multiple <= groups + groups / 4 { multiple } else { groups }
 }
 
-/// Distance of two fields of a row, in groups, for rows of `groups` groups. No multiple of four cache lines, so that fewer cells at one place of
-/// different fields and rows map to the same cache set.
+/// Returns the distance of two fields of a row, in groups, for rows of `groups` groups. It is not a multiple of four
+/// cache lines, so that fewer values of a cell in different fields and rows map to the same cache set.
 pub(super) fn pitch(groups: usize) -> usize {
     if groups.is_multiple_of(4) { groups + 1 } else { groups }
 }
 
-/// Memory of the fields of a domain and of its materials, bytes.
+/// Returns the memory of the fields and the material indices of a domain, bytes.
 pub fn memory<T: Real>(cells: &[usize], fields: usize) -> f64 {
     let length = cells.first().copied().unwrap_or(0).max(1);
     let count: f64 = cells.iter().map(|&count| count as f64).product();

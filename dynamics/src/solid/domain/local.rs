@@ -1,5 +1,4 @@
-//! Operators that act in each cell on its own: rotation of spins, flush of subnormals, integrals in time; and sums of
-//! energies over cells.
+//! Local operators: rotation of spins, flush of subnormals, time integrals; and sums of energies over cells.
 
 use super::diagnostics::Diagnostics;
 use super::layout::RowSegment;
@@ -14,8 +13,8 @@ use models::solid::stress::Stress;
 use std::ops::Range;
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Adds the present values of some cells to their integrals in time, times `steps` Δt: 0.5 at both ends of the
-    /// trapezoidal rule, else 1.
+    /// Adds the present values of `cells` to their time integrals, weighted by `steps`·Δt: `steps` = 0.5 at both ends
+    /// of the trapezoidal rule, else 1.
     pub(super) fn accumulate_integrals(&mut self, cells: Range<usize>, steps: f64) {
         let mut integrals = std::mem::take(&mut self.diagnostics.integrals);
         for (place, sums) in &mut integrals {
@@ -26,7 +25,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.diagnostics.integrals = integrals;
     }
 
-    /// All fields of a cell.
+    /// Returns all fields of a cell.
     pub(super) fn cell_state(&self, cell: usize) -> [T; MOST_FIELDS] {
         let mut values = [T::ZERO; MOST_FIELDS];
         for (value, (_, place)) in values.iter_mut().zip(self.places()) {
@@ -35,23 +34,23 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         values
     }
 
-    /// The stress in a cell, without the initial stress.
+    /// Returns the stress in a cell, without the initial stress.
     pub(super) fn stress(&self, cell: usize) -> Stress {
         self.stress_of(&self.cell_state(cell))
     }
 
-    /// The stress of a state.
+    /// Returns the stress of a state.
     pub(super) fn stress_of(&self, values: &[T; MOST_FIELDS]) -> Stress {
         stress_of(self.fields(), values)
     }
 
-    /// The total stress in a cell: the initial stress and the deviation from it.
+    /// Returns the total stress in an own cell: the initial stress and the deviation from it.
     pub fn whole_stress(&self, cell: usize) -> Stress {
         let cell = self.layout.own_cell(cell);
         combined(&self.stress(cell), &self.initial_stress(cell), 1.0)
     }
 
-    /// Rotates spins against antisymmetric stress.
+    /// Rotates spins against antisymmetric stress over `interval`.
     pub(super) fn rotate_spins(
         &mut self,
         layers: &Range<usize>,
@@ -73,7 +72,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Flushes small values to zero after every 16th step: see [`flush_limit`].
+    /// Flushes values below [`flush_limit`] to zero after every 16th step, in fields and in history variables of
+    /// interlayers.
     pub(super) fn flush_subnormals(
         &mut self,
         layer: usize,
@@ -89,14 +89,14 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Sums of the energy in own cells and faces.
+    /// Returns the sums of the energy in own cells and faces.
     pub(crate) fn energy_sums(&self) -> EnergySums {
         let mut sums = T::energy_sums(self);
         self.add_interlayer_energy(&mut sums);
         sums
     }
 
-    /// Sums of the energy in own cells.
+    /// Returns the sums of the energy in own cells.
     pub(super) fn sum_energies(&self) -> EnergySums {
         let mut sums = EnergySums::default();
         let row_lanes = self.layout.groups * T::Lanes::COUNT;
@@ -109,14 +109,14 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         sums
     }
 
-    /// What steps did to the energy so far, in own cells and faces.
+    /// Returns the sums of the energy ledger over own cells and faces, for all steps so far.
     pub(crate) fn ledger_sums(&self) -> LedgerSums {
         let Diagnostics { work, dissipation, .. } = &self.diagnostics;
         let dissipation = dissipation.all().map(|values| self.sum_of_own_lanes(values));
         LedgerSums { work: work.clone(), dissipation }
     }
 
-    /// The sum over own cells of a list by group and lane, which may be empty.
+    /// Returns the sum over own cells of a list by group and lane; zero for an empty list.
     fn sum_of_own_lanes(&self, values: &[f64]) -> ExactSum {
         let (mut sum, lanes) = (ExactSum::default(), T::Lanes::COUNT);
         let row = self.layout.groups * lanes;
@@ -134,9 +134,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 }
 
-/// Rotation of spins against antisymmetric stress, in adjacent groups of a row.
+/// Kernel: rotation of spins against antisymmetric stress in adjacent groups of a row.
 struct RotateSpins<'a, T: Real> {
-    /// From the first of the groups on.
+    /// Data from the first of the groups on.
     data: &'a mut [T::Lanes],
     patterns: &'a [u32],
     rotations: &'a [[SpinStressRotation<T::Lanes>; 2]],
@@ -164,7 +164,7 @@ impl<T: Real> SimdKernel<T> for RotateSpins<'_, T> {
     }
 }
 
-/// Flushes values below a limit to zero.
+/// Kernel: flush to zero of magnitudes below a limit.
 struct FlushSubnormals<'a, T: Real> {
     data: &'a mut [T::Lanes],
     limit: T,
@@ -180,11 +180,11 @@ impl<T: Real> SimdKernel<T> for FlushSubnormals<'_, T> {
     }
 }
 
-/// Adds kinetic and stored energy of the own cells of a row, J/m³, to sums.
+/// Kernel: adds kinetic and stored energy of the own cells of a row, J/m³, to exact sums.
 struct Energies<'a, T: SolverReal, const D: usize> {
     domain: &'a Domain<T, D>,
     row: usize,
-    /// Room for both energies by group and lane, zero in lanes that are no own cells.
+    /// Buffers of both energies by group and lane; zero in lanes without own cells.
     of_lanes: [&'a mut [f64]; 2],
     sums: [&'a mut ExactSum; 2],
 }
@@ -198,11 +198,11 @@ impl<T: SolverReal, const D: usize> SimdKernel<T> for Energies<'_, T, D> {
             let index = layout.index(self.row, group_index);
             let factors = &terms.factors[patterns[index.group] as usize];
             let group = &data[index.data..];
-            // Kinetic terms stand first. Sums are in double precision.
+            // Kinetic terms come first. Sums are in double precision.
             let mut of_lanes = [[0.0f64; MOST_LANES]; 2];
             let kinds = [0..terms.kinetic, terms.kinetic..terms.places.len()];
             for (of_kind, kind) in of_lanes.iter_mut().zip(kinds) {
-                // Apart from the list, so that it stays in registers.
+                // A local array, not `of_lanes` itself, so that the sums stay in registers.
                 let mut sums = [0.0f64; MOST_LANES];
                 for (&[one, other], factor) in terms.places[kind.clone()].iter().zip(&factors[kind])
                 {

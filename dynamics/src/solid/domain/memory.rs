@@ -1,4 +1,4 @@
-//! Memory of the fields, and room for the sweeps.
+//! Buffers of a domain and allocation in huge pages.
 
 use super::kernel::Carried;
 use super::layout::{GroupIndex, Layout};
@@ -7,22 +7,23 @@ use super::whole_stress::{Wide, blocks_of_group};
 use crate::simd::{Number, Real};
 use crate::solid::reconstruction::GHOSTS;
 
-/// Buffers of the sweeps.
+/// Buffers of sweeps and return mapping, allocated once.
 #[derive(Clone)]
 pub(super) struct Buffer<T: Real> {
-    /// State that sweeps carry from tile to tile, by axis and half step of the pass, then by line and pair of waves. Rows are
-    /// swept whole: along them its length only sets the number of lines.
+    /// State that sweeps carry from tile to tile, by axis and half step of the pass, then by line and pair of waves.
+    /// Rows are swept whole: along the first axis the length only sets the number of lines.
     pub(super) carried: [Vec<Vec<Carried<T::Lanes>>>; 3],
-    /// Groups on the path along a line.
+    /// Groups on the path of a sweep along a line.
     pub(super) path: Vec<GroupIndex>,
-    /// Groups with cells that are yet to be projected one at a time, and the lanes of these.
+    /// Groups with cells for the scalar return mapping, and masks of their lanes.
     pub(super) left: Vec<(usize, u16)>,
-    /// The fields of a row in double precision, where the return mapping needs them.
+    /// Fields of a row in double precision, for the return mapping of a domain in single precision.
     pub(super) wide: Vec<Wide>,
 }
 
 impl<T: Real> Buffer<T> {
-    /// For so many pairs of waves by axis and half steps of a pass, and rows in double precision or none.
+    /// Allocates buffers for `pairs` pairs of waves by axis, `halves` half steps of a pass, and rows in double
+    /// precision if `needs_wide`.
     pub(super) fn new<const D: usize>(
         layout: &Layout<D>,
         pairs: [usize; D],
@@ -50,8 +51,8 @@ impl<T: Real> Buffer<T> {
     }
 }
 
-/// So many zeros, in huge pages where the system has such: a sweep across rows is on another small page with
-/// every cell, and the translation lookaside buffer of a processor holds few.
+/// Allocates `count` zeros, in huge pages if the system has them: a sweep across rows touches another small page with
+/// every cell, more than the translation lookaside buffer holds.
 pub(super) fn zeros<N: Number>(count: usize) -> Vec<N> {
     let mut room: Vec<N> = Vec::with_capacity(count);
     #[cfg(target_os = "linux")]
@@ -61,8 +62,8 @@ pub(super) fn zeros<N: Number>(count: usize) -> Vec<N> {
         let before = free.as_ptr().cast::<u8>().align_offset(PAGE);
         let length = size_of_val(free).saturating_sub(before) / PAGE * PAGE;
         if length > 0 {
-            // SAFETY: whole pages of memory that is ours; how the system keeps them does not change what they hold.
-            // Where it cannot do it, it goes on as ever.
+            // SAFETY: whole pages of memory owned by the vector; the advice does not change their content. Failure is
+            // ignored: small pages work as well.
             unsafe {
                 libc::madvise(
                     free.as_mut_ptr().cast::<u8>().add(before).cast(),

@@ -2,39 +2,44 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `step` | **the recipe of a step**: the order of sweeps, sources, rotation, relaxation, return mapping |
-//! | `schedule` | wavefront tiling: which rows and layers go through which stage when |
-//! | `layout` | where cells and fields stand in memory |
-//! | `materials`, `table` | media by lane pattern, constants of waves and energy |
-//! | `kernel`, `rows`, `fill` | a sweep of many lines in SIMD lanes; ghosts at the ends of rows and lines |
-//! | `sweep` | which lines a sweep takes, and the work at boundaries |
-//! | `law`, `local`, `relaxation` | what acts in cells between sweeps: rotation, relaxation, subnormals |
-//! | `correct`, `plastic`, `return_mapping`, `whole_stress` | return mapping: dispatch (`correct`); one kind of yield set, no initial stress (`plastic`); Newton's method for total stresses, reflections and mixed sets (`return_mapping`, its constants in `whole_stress`) |
-//! | `cell_mapping` | the return mapping in lanes for single cells, for the reference solver |
-//! | `curvilinear` | spacing by layer along rows, and the rotation of curved rows |
-//! | `sources`, `boundaries` | what acts inside and at the ends |
-//! | `interfaces`, `interlayers` | interlayers: their faces and history variables; input and output of these |
-//! | `halo` | exchange with the parts beyond a cut |
-//! | `complete`, `output`, `diagnostics` | fields at the time of the domain, records, ledger |
-//! | `build` | a domain made of a [`Problem`] |
+//! | `step` | **the time step**: order of sweeps, sources, rotation, relaxation, return mapping |
+//! | `schedule` | wavefront tiling: order in which rows and layers pass the stages of a step |
+//! | `layout` | memory layout of cells and fields |
+//! | `materials`, `table` | media by lane pattern, wave constants and energy coefficients |
+//! | `kernel`, `rows`, `fill` | sweep kernel for many lines in SIMD lanes; ghost cells at the ends of rows and lines |
+//! | `sweep` | sweeps by axis and the work done at boundaries |
+//! | `law`, `local`, `relaxation` | local operators between sweeps: rotation, relaxation, flush of subnormals |
+//! | `correct` | return mapping: dispatch |
+//! | `plastic` | return mapping without initial stress, for one kind of yield set |
+//! | `return_mapping`, `whole_stress` | Newton's method for total stresses, reflections and mixed sets; its constants |
+//! | `cell_mapping` | return mapping in lanes of a single cell, for the reference solver |
+//! | `curvilinear` | cell length along rows by layer, rotation by the curvature of rows |
+//! | `sources`, `boundaries` | sources and gravity; boundary conditions |
+//! | `interfaces`, `interlayers` | interlayers: faces and history variables; their input and output |
+//! | `halo` | halo exchange with neighbouring subdomains |
+//! | `complete`, `output`, `diagnostics` | state at the time of the domain, output and records, energy ledger |
+//! | `build` | construction of a domain from a [`Problem`] |
 //!
-//! The formulas of a sweep are those of [`crate::solid::line`], which applies them one line at a time; here they run over
-//! many lines at once. The bits of the fields are the same, for any tiling, number of parts and instruction set, and those of
-//! [`Reference`](crate::solid::reference::Reference), which also accounts for the dissipation of the scheme itself.
+//! The formulas of a sweep are those of [`crate::solid::line`], which sweeps one line at a time; here sweeps advance
+//! many lines at once. Fields are equal to the bit for any tiling, number of subdomains and instruction set, and equal
+//! to the bit to those of [`Reference`](crate::solid::reference::Reference), which also accounts for the dissipation of
+//! the scheme itself.
 //!
-//! Fields are the deviation from an initial stress in equilibrium: it moves nothing, and yield conditions see the sum.
+//! Fields are the deviation from an initial stress in equilibrium, which causes no motion; yield conditions are
+//! evaluated for the total stress.
 //!
-//! Every 16 steps values below 2⁴⁰ times the least normal number (in single precision 1.3·10⁻²⁶) are flushed to zero,
-//! since subnormal arithmetic is slow on many processors and tails of waves would be full of it. The energy removed is
-//! not in the ledger.
+//! Every 16 steps, values below 2⁴⁰ times the smallest normal number (in single precision 1.3·10⁻²⁶) are flushed to
+//! zero, since subnormal arithmetic is slow on many processors and the tails of waves would be subnormal. The energy
+//! removed is not in the ledger.
 //!
-//! Sums of the ledger are exact, so that they depend on no order; each own cell and face enters them once.
+//! Sums of the ledger are exact and thus independent of the order of summation; each own cell and face enters them
+//! once.
 //!
-//! Where a domain is cut along another axis, its halo there is exchanged before a pass: see `halo`. Where it is cut, or
-//! periodic, along the last axis, it has a halo of [`HALO`](crate::solid::line::HALO) layers for
-//! each step of a pass, recomputed redundantly. Block by block of rows, the neighbour does the first x and y sweeps of its
-//! outermost layers, then sends them; the lower halo is received before the first layer is loaded, the upper one before
-//! the tile that reaches it. The content of a halo after a pass is arbitrary.
+//! If a domain is cut along another axis than the last one, its halo there is exchanged before a pass: see `halo`. If
+//! it is cut, or periodic, along the last axis, it has a halo of [`HALO`](crate::solid::line::HALO) layers for each
+//! step of a pass, recomputed redundantly. For each block of rows a subdomain applies the first x and y sweeps to its
+//! outermost layers, then sends them; the lower halo is received before the first layer is loaded, the upper halo
+//! before the first tile that includes it. After a pass the values in the halo are arbitrary.
 
 mod boundaries;
 mod build;
@@ -88,7 +93,7 @@ use models::solid::waves::Field;
 use schedule::Schedule;
 use sources::Sources;
 
-/// Fields and what moves them.
+/// Domain or subdomain: fields, materials, boundary conditions and sources, and their time integration.
 #[derive(Clone)]
 pub struct Domain<T: SolverReal, const D: usize> {
     grid: Grid<D>,
@@ -102,7 +107,7 @@ pub struct Domain<T: SolverReal, const D: usize> {
     boundary: Boundaries<T, D>,
     sources: Sources<D>,
     law: LocalLaws<T>,
-    /// By row, field and group, behind them ghosts of the lines that are swept.
+    /// Values by row, field and group; after all rows, ghosts of the lines that are swept.
     data: Vec<T::Lanes>,
     interfaces: Interfaces<T, D>,
     diagnostics: Diagnostics,
@@ -110,7 +115,7 @@ pub struct Domain<T: SolverReal, const D: usize> {
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// A domain at rest.
+    /// Creates a domain at rest.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -120,41 +125,41 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         Ok(Self::of_region(&problem.restricted(&region), &region, 1))
     }
 
-    /// Uses other instructions than the best; results do not depend on them.
+    /// Sets the instruction set, by default the widest one; results do not depend on it.
     pub fn set_instructions(&mut self, instructions: Instructions) {
         self.instructions = instructions;
     }
 
-    /// Maps stresses into their yield sets one by one wherever the projection in lanes is that of one stress: with an
-    /// initial stress, as a reflection, or with several kinds of sets. Results do not depend on it.
+    /// Selects the scalar return mapping, cell by cell, where the mapping in lanes is equal to it to the bit: with
+    /// initial stress, for reflections, and for several kinds of yield sets. Results do not depend on it.
     #[doc(hidden)]
     pub fn map_stresses_one_by_one(&mut self) {
         self.law.maps_one_by_one = true;
     }
 
-    /// The components of the state.
+    /// Returns the components of the state.
     pub fn fields(&self) -> &[Field] {
         &self.materials.fields
     }
 
-    /// The grid.
+    /// Returns the grid of own cells.
     pub fn grid(&self) -> Grid<D> {
         self.grid
     }
 
-    /// Time, s.
+    /// Returns the time, s.
     pub fn time(&self) -> f64 {
         self.schedule.steps as f64 * self.step
     }
 
-    /// The values of a field, the first axis running fastest; `None` if there is no such field.
+    /// Returns the values of a field in own cells, first axis fastest; `None` if there is no such field.
     pub fn values(&self, field: Field) -> Option<Vec<T>> {
         let place = self.place(field)?;
         Some(self.layout.own_cells().map(|cell| self.at(cell, place)).collect())
     }
 
-    /// Sets the values of a field, the first axis running fastest; of those beyond the end of either
-    /// nothing happens.
+    /// Sets the values of a field in own cells, first axis fastest; ignores values without a cell, and leaves cells
+    /// without a value unchanged.
     pub fn set(&mut self, field: Field, values: &[T]) {
         let Some(place) = self.place(field) else { return };
         let layout = self.layout.clone();
@@ -163,7 +168,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Sets the values of a field in all cells, those of the halo included, where there are such.
+    /// Sets the values of a field in all cells, halo included, for which `value` is `Some`.
     pub(crate) fn set_all(&mut self, field: Field, value: impl Fn(usize) -> Option<T>) {
         let Some(place) = self.place(field) else { return };
         for cell in 0..self.layout.cells.iter().product() {
@@ -173,19 +178,19 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Sets everything to zero, what is no cell included.
+    /// Sets all fields to zero, ghosts and padding lanes included, and the history variables of interlayers.
     pub(crate) fn clear(&mut self) {
         self.data.fill(T::Lanes::ZERO);
         self.interfaces.memory.fill(T::Lanes::ZERO);
     }
 
-    /// The value of a field in a cell; `None` if there is no such field or cell.
+    /// Returns the value of a field in an own cell; `None` if there is no such field or cell.
     pub fn value(&self, field: Field, cell: usize) -> Option<T> {
         let cell = (cell < self.grid.count()).then(|| self.layout.own_cell(cell))?;
         self.place(field).map(|place| self.at(cell, place))
     }
 
-    /// The first value that is not finite: its field and its cell; of an interlayer those of the cell behind it.
+    /// Returns field and own cell of the first value that is not finite; for an interlayer the cell at its upper side.
     pub fn first_non_finite(&self) -> Option<(Field, usize)> {
         let is_broken = |cell: &usize| {
             self.places().find(|(_, place)| !self.at(*cell, *place).wide().is_finite())
@@ -196,7 +201,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         Some((is_broken(&cell)?.0, self.layout.own_number(cell)?))
     }
 
-    /// All fields, and their places in a row.
+    /// Returns all fields and their offsets in a row, in groups.
     fn places(&self) -> impl Iterator<Item = (Field, usize)> {
         self.fields().iter().copied().zip((0..).step_by(self.layout.pitch))
     }
@@ -217,33 +222,33 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         &mut self.data[index.data + place].lanes_mut()[lane]
     }
 
-    /// What steps did to the energy so far.
+    /// Returns the energy ledger of all steps so far.
     pub fn ledger(&self) -> Ledger {
         self.ledger_sums().ledger(self.grid.volume())
     }
 
-    /// What steps added up over faces and sources.
+    /// Returns the work over boundary faces and of sources, summed over all steps so far.
     pub(crate) fn work(&self) -> &WorkSums {
         &self.diagnostics.work
     }
 
-    /// Takes over steps done and what they added up.
+    /// Restores the number of steps and the work sums, as from a checkpoint.
     pub(crate) fn restore_work(&mut self, steps: usize, work: WorkSums) {
         self.schedule.steps = steps;
         self.diagnostics.work = work;
     }
 
-    /// Steps of a pass at most.
+    /// Returns the largest number of steps of a pass.
     pub fn most_steps(&self) -> usize {
         self.schedule.most_steps
     }
 
-    /// Steps done.
+    /// Returns the number of completed steps.
     pub(crate) fn steps(&self) -> usize {
         self.schedule.steps
     }
 
-    /// Energy of the deviation from the initial stress.
+    /// Returns the energy of the deviation from the initial stress.
     pub fn energy(&self) -> Energy {
         self.energy_sums().energy(self.grid.volume())
     }

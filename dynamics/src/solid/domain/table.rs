@@ -1,37 +1,38 @@
-//! Constants of the materials as the kernels look them up: by lane pattern and wave.
+//! Look-up tables of the kernels: constants of the materials by lane pattern and wave.
 
 use crate::simd::{Real, Vector};
 use crate::solid::cell::CellConstants;
 use crate::solid::ghosts::GhostCoefficients;
 
-/// A pair of waves (one each way) along an axis: places of its fields in a row, and of its constants in the table.
+/// Pair of waves (one in each direction) along an axis: offsets of its fields in a row, and of its constants in the
+/// table.
 #[derive(Clone, Debug)]
 pub(crate) struct WavePair {
     pub(crate) velocity: usize,
     pub(crate) stress: usize,
     pub(crate) passive_stresses: Vec<usize>,
-    /// Place of the constants among those of a pattern.
+    /// Index of the wave constants within those of a pattern.
     pub(crate) constants: usize,
-    /// Places of the coupling ratios of the passive stresses among those of a pattern.
+    /// Indices of the coupling ratios of the passive stresses within those of a pattern.
     pub(crate) ratios: Vec<usize>,
 }
 
-/// Constants of the media by pattern: which medium each lane of a group has.
+/// Constants of the media by lane pattern, which states the medium of each lane of a group.
 #[derive(Clone, Debug)]
 pub(crate) struct Table<T: Real> {
     pub(crate) cells: Vec<CellConstants<T::Lanes>>,
-    /// Number of constants of a pattern: pairs with equal constants share them.
+    /// Number of wave constants of a pattern: pairs with equal constants share them.
     pub(crate) cells_of_pattern: usize,
     pub(crate) ratios: Vec<T::Lanes>,
     /// Number of coupling ratios of a pattern.
     pub(crate) ratios_of_pattern: usize,
-    /// Ghost coefficients by wave if there is one pattern; empty for more, where computing them again takes less time
-    /// than loading them.
+    /// Ghost coefficients by wave if there is one pattern; empty for several patterns, for which computing them again
+    /// takes less time than loading them.
     pub(crate) ghost_coefficients: Vec<GhostCoefficients<T::Lanes>>,
 }
 
 impl<T: Real> Table<T> {
-    /// Whether all groups have the same media, as where there is one.
+    /// Whether all groups have the same lane pattern, as in a domain of one medium.
     #[inline(always)]
     pub(crate) fn is_of_one_pattern(&self) -> bool {
         self.cells.len() == self.cells_of_pattern
@@ -42,14 +43,15 @@ impl<T: Real> Table<T> {
         &self.cells[pattern as usize * self.cells_of_pattern + wave.constants]
     }
 
-    /// Ghost coefficients of a wave beside this outermost cell.
+    /// Returns the ghost coefficients of a wave next to the outermost cell of a line: stored ones, or computed from its
+    /// constants.
     #[inline(always)]
     pub(crate) fn ghost_coefficients<V: Vector<T>>(
         &self,
         wave: &WavePair,
         outermost: &CellConstants<V>,
     ) -> GhostCoefficients<V> {
-        // Both branches through memory: a branch between registers makes the compiler compute both.
+        // Both branches pass through memory: for a branch between registers the compiler computes both.
         let computed;
         let group = match self.ghost_coefficients.get(wave.constants) {
             Some(stored) => stored,
