@@ -1,4 +1,4 @@
-//! The boundary conditions of a domain as its sweeps see them.
+//! Boundary conditions of a domain in the form that its sweeps use.
 
 use super::complete::ClosingBoundaries;
 use super::layout::Layout;
@@ -9,7 +9,7 @@ use crate::solid::ghosts::{BoundaryFaces, GhostRule, Slot, set_time};
 use crate::solid::problem::Problem;
 use crate::solid::region::Region;
 
-/// Both ends of all axes.
+/// Faces at both ends of all axes.
 pub(super) type Faces<T, const D: usize> = [[BoundaryFaces<T>; 2]; D];
 
 /// Boundary conditions in the half steps of a pass.
@@ -17,13 +17,13 @@ pub(super) type Faces<T, const D: usize> = [[BoundaryFaces<T>; 2]; D];
 pub(super) struct Boundaries<T: Real, const D: usize> {
     /// By half step.
     pub(super) faces: Vec<Faces<T, D>>,
-    /// Where sweeps alternate: those of the first axis when each step of a pass is completed.
+    /// By step of the pass: boundaries of the first axis for completing the step, for alternating sweeps; else empty.
     pub(super) closing: Vec<ClosingBoundaries<T>>,
     pub(super) row_ends: RowEnds<T>,
 }
 
 impl<T: Real, const D: usize> Boundaries<T, D> {
-    /// Those of the problem of a region, for passes of so many steps at most.
+    /// Creates the boundary conditions of the problem of a region, for passes of at most `most_steps` steps.
     pub(super) fn new(
         problem: &Problem<D>,
         region: &Region<D>,
@@ -41,8 +41,8 @@ impl<T: Real, const D: usize> Boundaries<T, D> {
         }
     }
 
-    /// Evaluates the boundary values of a half step of the pass at its middle; `start` is the time at the
-    /// beginning of its step, and `first` overrides the time of the first axis (alternating sweeps).
+    /// Evaluates the boundary values of a half step of the pass at its middle; `start` is the time at the beginning of
+    /// its step, and `first` overrides the time of the first axis (alternating sweeps).
     pub(super) fn set_time(&mut self, half: usize, start: f64, step: f64, first: Option<f64>) {
         for faces in &mut self.faces[half] {
             set_time(faces, start + [0.25, 0.75][half % 2] * step);
@@ -53,7 +53,7 @@ impl<T: Real, const D: usize> Boundaries<T, D> {
     }
 }
 
-/// The faces at an end of an axis.
+/// Creates the faces at an end of an axis.
 fn faces_of<T: Real, const D: usize>(
     problem: &Problem<D>,
     (axis, end): (usize, usize),
@@ -73,7 +73,7 @@ fn faces_of<T: Real, const D: usize>(
     };
     let (layers, layer) = (layout.layers(), layout.layer_cells());
     let of_layer = layer / layout.cells[axis];
-    // Where faces stand together: across the first axis by row, else by group of the cells beside them.
+    // Slot of a face: across the first axis by row, else by the group of the adjacent cells.
     let place = |face: usize| match axis {
         0 => (face / T::Lanes::COUNT, face % T::Lanes::COUNT),
         _ if axis + 1 == D => slot(face),

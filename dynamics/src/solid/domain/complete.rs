@@ -1,5 +1,5 @@
-//! The last quarter of a step along the first axis: with alternating sweeps the stored state lacks it, and output is
-//! made of a copy.
+//! Completion of a step for output: with alternating sweeps the stored state lacks the last quarter of a step along the
+//! first axis, which is applied to a copy.
 
 use super::table::WavePair;
 use super::{Domain, MOST_FIELDS, SolverReal};
@@ -10,21 +10,21 @@ use crate::solid::line::sweep;
 use crate::solid::reconstruction::GHOSTS;
 use crate::solid::riemann::State;
 
-/// Cells that a sweep of one cell reads.
+/// Number of cells in the stencil of the sweep of one cell.
 const WINDOW: usize = 2 * GHOSTS + 1;
 
 /// Number of cells next to a reflecting boundary whose output is the mean of the states before and after half a step.
-/// The numerical boundary layer there depends on the Courant number of the sweeps. A sweep of a quarter of a step
+/// The numerical boundary layer there depends on the Courant number of the sweeps: a sweep of a quarter of a step
 /// disturbs it, by several per cent of a Rayleigh wave at 20 cells per wavelength. Farther inside the mean would damp a
 /// wave by (ωΔt)²/32.
 pub(crate) const BOUNDARY_LAYER: usize = 4;
 
-/// The boundaries across the first axis for the sweeps that complete a step.
+/// Boundaries across the first axis in the sweeps that complete a step.
 #[derive(Clone)]
 pub(crate) struct ClosingBoundaries<T: Real> {
     /// For the sweep of a quarter of a step.
     quarter: [BoundaryFaces<T>; 2],
-    /// For the sweep of half a step (mean output).
+    /// For the sweep of half a step, whose mean with the state is the output.
     half: [BoundaryFaces<T>; 2],
 }
 
@@ -33,7 +33,7 @@ impl<T: Real> ClosingBoundaries<T> {
         Self { quarter: sides.clone(), half: sides.clone() }
     }
 
-    /// Sets them for a step of this length that ends at a time.
+    /// Evaluates the boundary values for a time step `step` that ends at time `end`, s.
     pub(super) fn set_time(&mut self, end: f64, step: f64) {
         set_time(&mut self.quarter, end - 0.125 * step);
         set_time(&mut self.half, end);
@@ -41,7 +41,8 @@ impl<T: Real> ClosingBoundaries<T> {
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// The sides of the first axis in the sweeps that complete the last step; none where nothing is to be completed.
+    /// Returns the boundaries of the first axis in the sweeps that complete the last step; `None` without alternating
+    /// sweeps.
     pub(crate) fn closing_boundaries(&self) -> Option<ClosingBoundaries<T>> {
         self.scheme.alternates().then(|| {
             let mut sides = ClosingBoundaries::new(&self.boundary.faces[0][0]);
@@ -50,8 +51,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         })
     }
 
-    /// All fields of own cells at the time of the domain, cell by cell: the deviation from the initial stress, and not
-    /// taken into the yield set as what [`Self::output_cell`] gives is.
+    /// Returns all fields of own cells at the time of the domain, cell by cell: the deviation from the initial stress,
+    /// without the return mapping that [`Self::output_cell`] applies.
     pub fn deviations(&self, cells: &[usize]) -> Vec<f64> {
         let sides = self.closing_boundaries();
         let count = self.fields().len();
@@ -62,8 +63,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         cells.iter().flat_map(of_cell).collect()
     }
 
-    /// The state of a cell among all at the time of the domain: a copy goes along the first axis by a quarter of a
-    /// step; beside sides the mean of a copy that goes by half a step and of the state is taken.
+    /// Returns the state of a cell, counted with the halo, at the time of the domain: a copy is swept along the first
+    /// axis by a quarter of a step; near reflecting boundaries the result is the mean of the state and of a copy swept
+    /// by half a step.
     pub(super) fn completed(
         &self,
         cell: usize,
@@ -111,7 +113,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             || (length - 1 - depth < BOUNDARY_LAYER && reflects(upper))
     }
 
-    /// Velocities, stresses and constants of a pair of waves in a cell and in those that its sweep reads.
+    /// Returns velocities, stresses and constants of a pair of waves in the stencil of a cell.
     fn window(
         &self,
         cell: usize,
@@ -128,7 +130,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let (stop, lane) = self.layout.slot(row * length + x);
             self.materials.table.cell(self.materials.patterns[stop.group], wave).lane(lane)
         };
-        // What is beyond an end, and whose constants it has.
+        // State of the ghost at a depth beyond an end, and the cell whose constants it has.
         let beyond = |end: usize, depth: usize| -> (State<T>, usize) {
             let [own, across] = [depth % length, length - 1 - depth % length];
             let (own, across) = if end == 0 { (own, across) } else { (across, own) };
@@ -142,7 +144,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 stress: image([s, b], seen.stress),
             };
             if length < BESIDE || !mirror.is_one_sided {
-                // A single cell is seen through the other mirror.
+                // In a row of a single cell the second ghost is the image of the ghost at the other end.
                 let mut seen = state(own);
                 if let (BoundaryFaces::Physical(other), true) = (&sides[1 - end], depth >= length) {
                     seen = imaged(numbers(other), seen);

@@ -1,4 +1,4 @@
-//! Ghosts at the ends of lines, in the instructions that the processor has.
+//! SIMD kernels that fill ghost cells at the ends of lines.
 
 use super::rows::Rows;
 use super::table::{Table, WavePair};
@@ -8,7 +8,7 @@ use crate::solid::ghosts::{BESIDE, GhostRule, ghosts, image};
 use crate::solid::reconstruction::GHOSTS;
 use crate::solid::riemann::State;
 
-/// The ghosts of all waves along rows: for those who look at them before the sweep.
+/// Kernel: fills the ghosts of all waves along rows before the sweep, for the work at boundaries.
 pub(crate) struct Fill<'a, T: Real> {
     pub(crate) data: &'a mut [T::Lanes],
     pub(crate) waves: &'a [WavePair],
@@ -25,13 +25,13 @@ impl<T: Real> SimdKernel<T> for Fill<'_, T> {
     }
 }
 
-/// The ghosts at a depth beyond an end of lines that lie side by side, group by group.
+/// Kernel: fills the ghosts at one depth beyond an end of adjacent lines, as images, group by group.
 pub(crate) struct FillEnd<'a, T: Real> {
     pub(crate) data: &'a mut [T::Lanes],
     pub(crate) waves: &'a [WavePair],
-    /// The mirrors through which it is seen, in this order.
+    /// Ghost rules to be applied, in this order.
     pub(crate) mirrors: [Option<&'a GhostRule<T>>; 2],
-    /// Where the fields of what the first line shows begin, and those of its ghost; the other lines follow group by group.
+    /// Data indices of the first line's source group and of its ghost; the other lines follow group by group.
     pub(crate) places: [usize; 2],
     pub(crate) lines: usize,
     pub(crate) face: usize,
@@ -59,20 +59,20 @@ impl<T: Real> SimdKernel<T> for FillEnd<'_, T> {
     }
 }
 
-/// The ghosts beyond an end of lines that lie side by side, where some wave is reconstructed from its own side.
+/// Kernel: fills the ghosts beyond an end of adjacent lines where some wave has a one-sided reconstruction.
 pub(crate) struct FillOneSided<'a, T: Real> {
     pub(crate) data: &'a mut [T::Lanes],
     pub(crate) waves: &'a [WavePair],
     pub(crate) mirror: &'a GhostRule<T>,
     pub(crate) end: usize,
-    /// By depth where the fields of the first line's cell begin; the other lines follow group by group.
+    /// By depth, the data index of the first line's cell; the other lines follow group by group.
     pub(crate) beside: [usize; BESIDE],
-    /// The same of its ghosts.
+    /// By depth, the data index of the first line's ghost.
     pub(crate) ghosts: [usize; GHOSTS],
     pub(crate) lines: usize,
     pub(crate) face: usize,
     pub(crate) table: &'a Table<T>,
-    /// By depth, from the group of the first line on.
+    /// By depth, the patterns from the group of the first line on.
     pub(crate) patterns: [&'a [u32]; BESIDE],
 }
 
@@ -110,7 +110,7 @@ impl<T: Real> SimdKernel<T> for FillOneSided<'_, T> {
     }
 }
 
-/// The velocity and the stress of a wave in a group.
+/// Loads velocity and stress of a pair of waves in a group.
 #[inline(always)]
 fn state_at<T: Real, V: Vector<T>>(group: &[T::Lanes], wave: &WavePair) -> State<V> {
     State { velocity: V::load(&group[wave.velocity]), stress: V::load(&group[wave.stress]) }

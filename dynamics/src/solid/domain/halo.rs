@@ -1,8 +1,8 @@
-//! Exchange with the parts of a grid beyond the cuts of a domain.
+//! Halo exchange with the neighbouring subdomains across the cuts of a domain.
 //!
-//! Along the last axis a pass exchanges layers while it runs, see [`crate::solid::domain`]. Along the other axes it does so
-//! before it begins, axis by axis, those of the first axis first: the halo along an axis takes the cells in the halo along
-//! the axes before it with it, so that edges and corners arrive by two or three exchanges.
+//! Along the last axis a pass exchanges layers while it runs, see [`crate::solid::domain`]. Along the other axes halos
+//! are exchanged before the pass, axis by axis from the first one on: the halo along an axis includes the cells in the
+//! halos along lower axes, so that edges and corners are filled by two or three successive exchanges.
 
 use super::{Domain, SolverReal};
 use crate::simd::{Group, Number};
@@ -10,18 +10,19 @@ use crate::solid::interlayers::MEMORY;
 use std::convert::Infallible;
 use std::ops::Range;
 
-/// Exchange of the halo with the neighbours across the cuts of a domain, at the ends of its axes towards smaller (0) and
-/// towards greater coordinates (1).
+/// Exchange of the halo with the neighbours across the cuts of a domain, at the lower (0) and the upper end (1) of its
+/// axes.
 ///
-/// At each end a domain sends as many messages as it receives, and they arrive in the order in which the neighbour sends
-/// them at its opposite end. A neighbour may be [`Domain::messages_ahead`] messages ahead: `send` may wait where there would
-/// be more, and `receive` waits for the message. With channels of that capacity there is no deadlock: a pass sends all that
-/// the neighbours need for a block of rows before it receives their layers of the same block.
+/// At each end a domain sends as many messages as it receives, and they arrive in the order in which the neighbour
+/// sends them at its opposite end. A neighbour may be up to [`Domain::messages_ahead`] messages ahead: `send` may block
+/// beyond that number, and `receive` blocks until the message arrives. With channels of that capacity there is no
+/// deadlock: a pass sends all that its neighbours need for a block of rows before it receives their layers of the same
+/// block.
 pub trait HaloExchange<T> {
-    /// Why there is no exchange.
+    /// Error of a failed exchange.
     type Error;
 
-    /// Sends pieces of the data to the neighbour at an end of an axis.
+    /// Sends ranges of the data to the neighbour at an end of an axis.
     ///
     /// # Errors
     /// The neighbour cannot be reached.
@@ -33,7 +34,7 @@ pub trait HaloExchange<T> {
         pieces: impl Iterator<Item = Range<usize>>,
     ) -> Result<(), Self::Error>;
 
-    /// Receives the next message of that neighbour into pieces of the data.
+    /// Receives the next message of that neighbour into ranges of the data.
     ///
     /// # Errors
     /// The neighbour cannot be reached, or does not send any more.
@@ -46,7 +47,7 @@ pub trait HaloExchange<T> {
     ) -> Result<(), Self::Error>;
 }
 
-/// No neighbours.
+/// No exchange: a domain without neighbours.
 impl<T> HaloExchange<T> for () {
     type Error = Infallible;
 
@@ -72,9 +73,10 @@ impl<T> HaloExchange<T> for () {
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// How many messages a neighbour at an end of an axis may send before this domain receives the first of them.
+    /// Returns the number of messages that a neighbour at an end of an axis may send before this domain receives the
+    /// first of them.
     pub fn messages_ahead(&self, axis: usize) -> usize {
-        // Along the last axis interlayers have messages of their own.
+        // Along the last axis interlayers have separate messages.
         let kinds = if self.interfaces.is_any() { 2 } else { 1 };
         match axis + 1 == D {
             // A neighbour may be a block of rows ahead.
@@ -83,9 +85,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// First x and y sweeps of a block of rows in the own layers that neighbours along the last axis need, then sends their
-    /// finished rows. The first step of the pass does not sweep these layers again. Where the own layers are each other's halo
-    /// nothing is sent.
+    /// Applies the first x and y sweeps to a block of rows in the own layers that neighbours along the last axis need,
+    /// then sends the rows whose sweeps are complete. The first step of the pass does not sweep these layers again.
+    /// Nothing is sent if the own layers are the halo of each other (periodic in place).
     pub(super) fn sweep_and_send<H: HaloExchange<T::Lanes>>(
         &mut self,
         block: &Range<usize>,
@@ -135,7 +137,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         Ok(())
     }
 
-    /// Fills rows of the halo from the own layers.
+    /// Fills rows of the halo along the last axis with the periodic images of the own layers.
     pub(super) fn fill_own_halo(&mut self, rows: &Range<usize>) {
         let (own, layers) = (self.layout.own_layers(), self.layout.layers());
         for index in (0..own.start).chain(own.end..layers) {
@@ -176,13 +178,14 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         Ok(())
     }
 
-    /// Count of the values of the cells in a box: fields, then the histories of the interlayers at their lower faces.
+    /// Returns the count of the values of the cells in a box: fields, then the histories of the interlayers at their
+    /// lower faces.
     fn numbers_in(&self, cells: &[Range<usize>; D]) -> usize {
         let count: usize = cells.iter().map(ExactSizeIterator::len).product();
         count * self.fields().len() + MEMORY * self.interfaces.sites_in(&self.layout, cells).len()
     }
 
-    /// Hands over the numbers of the cells in a box, lane by lane.
+    /// Packs the values of the cells in a box into a buffer, lane by lane, and passes it to `hand_over`.
     fn pack<E>(
         &self,
         cells: &[Range<usize>; D],
@@ -208,7 +211,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         hand_over(&buffer)
     }
 
-    /// Takes over the numbers of the cells in a box.
+    /// Unpacks a buffer, filled by `fill`, into the cells in a box.
     fn unpack<E>(
         &mut self,
         cells: &[Range<usize>; D],

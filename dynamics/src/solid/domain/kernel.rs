@@ -1,10 +1,9 @@
-//! The sweep of [`crate::solid::line`] on many lines at once, in SIMD lanes.
+//! Sweep kernel: the sweep of [`crate::solid::line`] on many lines at once, in SIMD lanes.
 //!
-//! Cells lie in groups of as many as fill a cache line, and whichever axis is swept, the neighbours of a
-//! group's cells are the cells of another group in the same lanes: a sweep from group to group advances as many
-//! lines as there are lanes, without shuffles. At the ends of a row, where the neighbours are in the next lane,
-//! shifted copies stand as ghosts. Every cell sees the same operations as in the plain sweep, in the same
-//! order: the bits are the same.
+//! A group of cells fills a cache line. For every axis the neighbours of the cells of a group are the cells of another
+//! group in the same lanes: a sweep from group to group advances one line per lane, without shuffles. At the ends of a
+//! row, where the neighbours are in the adjacent lane, shifted copies serve as ghosts. Each cell is updated by the same
+//! operations in the same order as in the sweep of a single line: results are equal to the bit.
 
 pub(super) mod interlayers;
 
@@ -17,15 +16,15 @@ use crate::solid::reconstruction::{GHOSTS, Slopes};
 use crate::solid::riemann::{InterfaceState, RiemannInvariants, State, updated};
 use std::ops::Range;
 
-/// Fields prefetched for each pair of waves: 24 by 6 in a Cosserat solid in space, 12 by 3 in the plane. Viscous strains,
-/// which sweeps do not read, are left to the hardware.
+/// Number of fields prefetched for each pair of waves: 24 by 6 pairs in a Cosserat solid in space, 12 by 3 in the
+/// plane. Viscous strains, which sweeps do not read, are left to the hardware prefetcher.
 pub(crate) const MOST_SHARE: usize = 4;
 
 /// Prefetches the cache lines of `from[distance]`, which may be out of bounds, into L1 if `soon`, else into L2.
 #[inline(always)]
 fn prefetch<N>(from: &[N], distance: usize, soon: bool) {
     #[cfg(target_arch = "x86_64")]
-    // SAFETY: the address is not read from; the instruction does nothing where it is not one of ours.
+    // SAFETY: the address is not dereferenced; prefetching an invalid address has no effect.
     unsafe {
         use std::arch::x86_64::{_MM_HINT_T0, _MM_HINT_T1, _mm_prefetch};
         let address = from.as_ptr().wrapping_add(distance).cast::<i8>();
@@ -40,7 +39,7 @@ fn prefetch<N>(from: &[N], distance: usize, soon: bool) {
     let _ = (from, distance, soon);
 }
 
-/// State that a sweep carries from a group to the next one of a line, by pair of waves.
+/// State that a sweep carries from a group to the next one of a line, for one pair of waves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Carried<N> {
     /// Stencil data of the previous groups for the next face; see [`Slopes::face_values`].
@@ -50,7 +49,7 @@ pub(crate) struct Carried<N> {
 }
 
 impl<V: Number> Carried<V> {
-    /// For the first face of a line.
+    /// Returns the carried state of the first face of a line: zero.
     pub(crate) fn empty() -> Self {
         Self {
             known: RiemannInvariants::ZERO,
@@ -79,54 +78,55 @@ impl<V: Number> Carried<V> {
     }
 }
 
-/// Adjacent lines, and the part of their path that is swept now.
+/// Adjacent lines, and the section of their path that is swept now.
 pub(crate) struct Lines<'a, T: Real> {
-    /// By row, field and group.
+    /// Data by row, field and group.
     pub(crate) data: &'a mut [T::Lanes],
-    /// Fields of a group.
+    /// Number of fields of a group.
     pub(crate) fields: usize,
-    /// From a field of a group to the next one.
+    /// Distance between two fields of a group.
     pub(crate) pitch: usize,
     pub(crate) table: &'a Table<T>,
     pub(crate) waves: &'a [WavePair],
     pub(crate) slopes: Slopes,
-    /// Lane pattern of all groups: which media their lanes hold.
+    /// By group, the number of its lane pattern.
     pub(crate) patterns: &'a [u32],
-    /// By group: number of groups after it along such a line with the same pattern, 255 at most. At a cut the run may
+    /// By group: number of next groups along such a line with the same pattern, at most 255. At a cut the run may
     /// extend beyond the line: the group beyond has the pattern of the last one.
     pub(crate) run_lengths: &'a [u8],
-    /// Groups of the first line in the order of the sweep: each but the first and the last is current once,
-    /// while the one before it is written and the one after it is read. The groups of the other lines follow
-    /// each of them.
+    /// Groups of the first line in the order of the sweep: each one except the first and the last is current once,
+    /// while the previous one is written and the next one is read. The groups of the other lines are offset from these
+    /// by multiples of `across`.
     pub(crate) path: &'a [GroupIndex],
-    /// The group of the first line before its path, or the first of the path where there is none.
+    /// Group of the first line before the path; the first group of the path if there is none.
     pub(crate) in_front: GroupIndex,
-    /// From a line to the next.
+    /// Distance between two lines.
     pub(crate) across: GroupIndex,
-    /// Whether the path begins with the ghosts at the lower end, where no state is carried yet. The sweep writes
-    /// ghosts like all groups: they must be filled anew for another one.
+    /// Whether the path begins with the ghosts at the lower end, where no state is carried yet. The sweep overwrites
+    /// ghosts like all groups: they must be filled again before another sweep.
     pub(crate) begins: bool,
-    /// L1 prefetch distance in groups, some lines or the next row: rows and layers are too far apart for the
-    /// hardware prefetcher.
+    /// L1 prefetch distance in groups (some lines, or the next row): rows and layers are too far apart for the hardware
+    /// prefetcher.
     pub(crate) next: usize,
-    /// L2 prefetch distance, and which of each pair's [`MOST_SHARE`] fields are prefetched.
+    /// L2 prefetch distance, and which of the [`MOST_SHARE`] fields of each pair are prefetched.
     pub(crate) later: (usize, Range<usize>),
-    /// By line and wave.
+    /// Carried state by line and pair of waves.
     pub(crate) carried: &'a mut [Carried<T::Lanes>],
-    /// The ends of lines that are rows.
+    /// Ends of the lines, if lines are rows.
     pub(crate) rows: Option<Rows<'a, T>>,
 }
 
-/// Adjacent lines, of one pattern each or `MIXED`: compiled separately to limit register pressure.
+/// Sweep of adjacent lines, each of one and the same pattern, or `MIXED`: compiled separately to limit register
+/// pressure.
 struct Advance<'a, 'b, T: Real, const MIXED: bool> {
     all: &'a mut Lines<'b, T>,
     lines: Range<usize>,
-    /// The pattern of all lines, unless they are mixed.
+    /// Pattern of all lines, unless they are mixed.
     pattern: u32,
 }
 
 impl<T: Real, const MIXED: bool> SimdKernel<T> for Advance<'_, '_, T, MIXED> {
-    /// One loop for each kind of reconstruction.
+    /// Selects the loop that is compiled for the reconstruction.
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
         let Self { all, lines, pattern } = self;
@@ -141,8 +141,8 @@ impl<T: Real, const MIXED: bool> SimdKernel<T> for Advance<'_, '_, T, MIXED> {
 }
 
 impl<T: Real> Lines<'_, T> {
-    /// Sweeps the lines with an instruction set: adjacent lines of one pattern together, adjacent lines of several patterns
-    /// together.
+    /// Sweeps the lines with an instruction set: consecutive lines of one and the same pattern together, and
+    /// consecutive lines of several patterns together.
     pub(super) fn walk(mut self, instructions: Instructions) {
         let lines = self.carried.len() / self.waves.len().max(1);
         // A single pattern: skip the lookup and its memory traffic.
@@ -167,7 +167,7 @@ impl<T: Real> Lines<'_, T> {
         }
     }
 
-    /// The pattern of a line that has the same one everywhere, ghosts included.
+    /// Returns the pattern of a line that has the same pattern everywhere, ghosts included; else `None`.
     fn own_pattern(&self, line: usize) -> Option<u32> {
         let offset = line * self.across.group;
         let pattern = |place: usize| self.patterns[self.path[place].group + offset];
@@ -175,7 +175,7 @@ impl<T: Real> Lines<'_, T> {
         if self.patterns[self.in_front.group + offset] != own {
             return None;
         }
-        // Those at the end may be ghosts, of which `run_lengths` knows nothing.
+        // The last groups may be ghosts, which `run_lengths` does not cover.
         if (1..=GHOSTS).any(|behind| pattern(self.path.len() - behind) != own) {
             return None;
         }
@@ -189,7 +189,7 @@ impl<T: Real> Lines<'_, T> {
         Some(own)
     }
 
-    /// Lines that lie side by side, of one pattern or each of several.
+    /// Sweeps adjacent lines of one and the same pattern, or `MIXED`.
     #[inline(always)]
     fn advance_lines<V: Vector<T>, const MIXED: bool>(
         &mut self,
@@ -201,7 +201,7 @@ impl<T: Real> Lines<'_, T> {
             if let Some(rows) = &self.rows {
                 rows.fill::<V>(self.data, &self.waves[index], index, lines.clone());
             }
-            // Loops of their own for all numbers of passive_stresses, of which Hooke's law has two at most.
+            // One compiled loop for each number of passive stresses, of which Hooke's law has at most two.
             let lines = lines.clone();
             debug_assert!(self.waves[index].passive_stresses.len() <= 2);
             match self.waves[index].passive_stresses.len() {
@@ -212,7 +212,7 @@ impl<T: Real> Lines<'_, T> {
         }
     }
 
-    /// The range of distances, from a group on the path, of the fields that a pair of waves prefetches.
+    /// Returns the range of distances, from a group of the path, of the fields that a pair of waves prefetches into L2.
     #[inline(always)]
     fn later_share(&self, index: usize) -> Range<usize> {
         let (behind, Range { start, end }) = self.later;
@@ -220,7 +220,7 @@ impl<T: Real> Lines<'_, T> {
         behind + (first + start) * self.pitch..behind + (first + end) * self.pitch
     }
 
-    /// Coupling ratios of the passive stresses of a pair of waves.
+    /// Loads the coupling ratios of the passive stresses of a pair of waves.
     #[inline(always)]
     fn ratios<V: Vector<T>, const PASSIVE: usize>(
         &self,
@@ -263,7 +263,7 @@ impl<T: Real> Lines<'_, T> {
             extent,
             later: self.later_share(index),
         };
-        // Once, and not in every group.
+        // Checks the offsets once, not in every group.
         assert!(places.velocity < extent && places.stress < extent);
         assert!(places.passive_stresses.iter().all(|place| *place < extent));
         let (path, patterns, steps) = (self.path, self.patterns, self.path.len() - 2);
@@ -307,7 +307,7 @@ impl<T: Real> Lines<'_, T> {
                     self.advance_group(&places, &mut stencil, stops, media, slopes);
                     place += 1;
                 }
-                // Nothing of what follows is compiled for lines of one pattern.
+                // The following code is not compiled for lines of one pattern.
                 if !MIXED || place == steps {
                     break;
                 }
@@ -405,28 +405,28 @@ impl<T: Real> Lines<'_, T> {
     }
 }
 
-/// Materials of the stencil: the current group, the previous and the next one along the line.
+/// Materials of the stencil: of the current group and of the previous and next groups of the line.
 #[derive(Clone, Copy)]
 enum Media<'a, V, const PASSIVE: usize> {
-    /// One medium, and the ratios of passive_stresses.
+    /// One medium: its constants, and the coupling ratios of the passive stresses.
     Same(&'a CellConstants<V>, &'a [V; PASSIVE]),
-    /// Constants of the two previous groups, the current and the next one, which are not all the same material. Coupling ratios are
-    /// loaded on demand from the pattern of the previous group and the wave, to save registers.
+    /// Several media: constants of groups i − 2, i − 1, i (current) and i + 1. Coupling ratios are loaded on demand
+    /// from the pattern of group i − 1 and the wave, to save registers.
     Other([&'a CellConstants<V>; 4], u32, &'a WavePair),
 }
 
-/// Places of the fields of a pair of waves in a group.
+/// Offsets of the fields of a pair of waves in a group.
 struct Places<const PASSIVE: usize> {
     velocity: usize,
     stress: usize,
     passive_stresses: [usize; PASSIVE],
-    /// All are before this.
+    /// Upper bound of the offsets.
     extent: usize,
-    /// Of the fields that are prefetched into L2.
+    /// Offsets of the fields that are prefetched into L2.
     later: Range<usize>,
 }
 
-/// The stencil around the current group.
+/// State of the stencil: of the current and the previous group.
 #[derive(Clone, Copy)]
 struct StencilState<V> {
     carried: Carried<V>,

@@ -1,4 +1,4 @@
-//! Materials by lane: which medium each cell has, and the constants of waves and energy that follow from it.
+//! Materials by lane pattern: the medium of each cell, and the constants of waves and energy that follow from it.
 
 use super::curvilinear::RowSpacing;
 use super::layout::Layout;
@@ -13,7 +13,8 @@ use crate::solid::reconstruction::GHOSTS;
 use models::solid::waves::Field;
 use std::collections::HashMap;
 
-/// Terms of the energy density: places of two fields, by pattern a coefficient. Kinetic terms stand first.
+/// Terms of the energy density: offsets of two fields, and by pattern the coefficient of their product. Kinetic terms
+/// come first.
 #[derive(Clone)]
 pub(super) struct EnergyTerms<T: Real> {
     pub(super) places: Vec<[usize; 2]>,
@@ -22,32 +23,33 @@ pub(super) struct EnergyTerms<T: Real> {
     pub(super) factors: Vec<Vec<T::Lanes>>,
 }
 
-/// Media of the cells, those of the halo included, and their constants by lane pattern.
+/// Media of all cells, halo included, and their constants by lane pattern.
 #[derive(Clone)]
 pub(super) struct Materials<T: Real, const D: usize> {
     pub(super) media: Vec<Medium>,
-    /// The components of the state: fields of the media, then memory variables.
+    /// Components of the state: fields of the media, then memory variables.
     pub(super) fields: Vec<Field>,
-    /// By cell.
+    /// By cell, the index of its medium in `media`.
     pub(super) of_cell: Vec<u16>,
-    /// By axis.
+    /// By axis: pairs of waves in sweeps of half a step.
     pub(super) waves: [Vec<WavePair>; D],
-    /// Along the first axis by a quarter of a step, where sweeps alternate; else none.
+    /// Pairs of waves along the first axis in a sweep of a quarter of a step, for alternating sweeps; else empty.
     pub(super) quarter_waves: Vec<WavePair>,
     pub(super) table: Table<T>,
-    /// Constants along rows, where layers differ.
+    /// Wave constants along rows, if cell lengths or constants differ from layer to layer.
     pub(super) row_spacing: Option<RowSpacing<T>>,
     pub(super) energy_terms: EnergyTerms<T>,
-    /// By group: those of the rows, and ghosts beyond the ends of the lines that are swept.
+    /// By group, the number of its lane pattern: groups of the rows, then ghosts beyond the ends of the swept lines.
     pub(super) patterns: Vec<u32>,
-    /// By axis and group: how many groups that follow along the axis have the same pattern, so far as this number
-    /// goes; empty where there is one pattern.
+    /// By axis and group: number of next groups along the axis with the same pattern, at most 255; empty if there is
+    /// only one pattern.
     pub(super) run_lengths: [Vec<u8>; D],
-    /// Of the ghosts of each row: in front of it and behind, the nearest first; empty where there is one pattern.
+    /// By row, the patterns of its ghosts: at the lower, then at the upper end, nearest first; empty if there is only
+    /// one pattern.
     pub(super) row_patterns: Vec<[u32; 2 * GHOSTS]>,
 }
 
-/// Media in the lanes of a group; numbered in the order of their first use.
+/// Lane patterns: the media in the lanes of a group, numbered in the order of their first use.
 #[derive(Default)]
 struct Patterns {
     known: HashMap<Vec<u16>, u32>,
@@ -63,7 +65,7 @@ impl Patterns {
         })
     }
 
-    /// Patterns of the groups of a row, and of the ghosts in front of it and behind.
+    /// Returns the patterns of the groups of a row, and of its ghosts at the lower and the upper end.
     fn row<T: Real>(
         &mut self,
         media: &[u16],
@@ -71,7 +73,8 @@ impl Patterns {
         is_periodic: bool,
     ) -> (Vec<u32>, [u32; 2 * GHOSTS]) {
         let (lanes, length, groups) = (T::Lanes::COUNT as isize, media.len(), groups as isize);
-        // Mirror images, or what comes round. In lanes that are neither cells nor ghosts stands any medium.
+        // Beyond the ends: the medium of the mirror image, or of the periodic one. Lanes that are neither cells nor
+        // ghosts get an arbitrary medium.
         let at = |x: isize| {
             let inside = usize::try_from(x).ok().and_then(|x| media.get(x));
             let beyond =
@@ -87,7 +90,7 @@ impl Patterns {
     }
 }
 
-/// The place of a value in a list, which has each one once.
+/// Returns the index of a value in a list without duplicates; appends the value if it is not there.
 fn number<N: PartialEq>(all: &mut Vec<N>, value: N) -> usize {
     all.iter().position(|own| *own == value).unwrap_or_else(|| {
         all.push(value);
@@ -95,8 +98,8 @@ fn number<N: PartialEq>(all: &mut Vec<N>, value: N) -> usize {
     })
 }
 
-/// By group, how many behind it along lines of so many groups have the same pattern, or 255 of these; then
-/// zeros for ghosts.
+/// Returns by group the number of next groups with the same pattern, at most 255, along lines of `count` groups that
+/// are `stride` apart; then zeros for `ghosts` ghosts.
 fn run_lengths(patterns: &[u32], stride: usize, count: usize, ghosts: usize) -> Vec<u8> {
     let mut lengths = vec![0_u8; patterns.len() + ghosts];
     for group in (0..patterns.len()).rev() {
@@ -107,7 +110,7 @@ fn run_lengths(patterns: &[u32], stride: usize, count: usize, ghosts: usize) -> 
     lengths
 }
 
-/// Constants of waves by medium, those that several waves share once.
+/// Wave constants by medium; pairs of waves with equal constants share one entry.
 struct WaveConstants<'a, T: Real, const D: usize> {
     problem: &'a Problem<D>,
     pitch: usize,
@@ -116,13 +119,13 @@ struct WaveConstants<'a, T: Real, const D: usize> {
 }
 
 impl<T: Real, const D: usize> WaveConstants<'_, T, D> {
-    /// A pair of waves along an axis, swept by a share of the time step.
+    /// Returns a pair of waves along an axis, for sweeps of `share` of the time step.
     fn wave(&mut self, axis: usize, pair: usize, share: f64) -> WavePair {
         let Problem { media, grid, scheme, step, .. } = self.problem;
         let fields = &media[0].fields;
         let index = |field: Field| fields.iter().position(|own| *own == field);
         let place = |field: Field| index(field).map_or(0, |index| index * self.pitch);
-        // What follows in any medium, in the others by a ratio of zero.
+        // Passive stresses of any medium; the coupling ratio is zero in media without that coupling.
         let all = media.iter().flat_map(|medium| &medium.pairs[axis][pair].passive_stresses);
         let mut passive_stresses: Vec<usize> = all.filter_map(|(field, _)| index(*field)).collect();
         passive_stresses.sort_unstable();
@@ -152,7 +155,7 @@ impl<T: Real, const D: usize> WaveConstants<'_, T, D> {
         }
     }
 
-    /// The constants of all patterns.
+    /// Creates the table of the constants of all lane patterns.
     fn table(&self, patterns: &[Vec<u16>]) -> Table<T> {
         let mut table = Table {
             cells_of_pattern: self.cells.len(),
@@ -190,7 +193,8 @@ impl<T: Real, const D: usize> WaveConstants<'_, T, D> {
 }
 
 impl<T: Real, const D: usize> Materials<T, D> {
-    /// Those of the problem of a region, whose rows are periodic or not, and the media in the lanes of each pattern.
+    /// Creates the materials of the problem of a region, with or without periodic rows, and returns the media in the
+    /// lanes of each pattern.
     pub(super) fn new(
         problem: &Problem<D>,
         layout: &Layout<D>,
@@ -212,7 +216,7 @@ impl<T: Real, const D: usize> Materials<T, D> {
             .map(|row| known.row::<T>(row, layout.groups, is_periodic))
             .collect();
         let mut patterns: Vec<u32> = rows.iter().flat_map(|row| row.0.iter().copied()).collect();
-        // From a group to the next one, and groups of a line.
+        // By axis: distance to the next group of a line, and number of groups of a line.
         let lines: [[usize; 2]; D] = std::array::from_fn(|axis| match axis {
             0 => [1, layout.groups],
             _ if axis + 1 == D => [layout.layer_groups(), layout.layers()],
@@ -242,7 +246,7 @@ impl<T: Real, const D: usize> Materials<T, D> {
         (materials, known.all)
     }
 
-    /// The constants of waves along an axis; along rows those of the row at hand, where rows differ.
+    /// Returns the wave constants for sweeps along an axis; along rows those of the current row, if rows differ.
     #[inline(always)]
     pub(super) fn table_along(&self, axis: usize) -> &Table<T> {
         match &self.row_spacing {
@@ -251,7 +255,7 @@ impl<T: Real, const D: usize> Materials<T, D> {
         }
     }
 
-    /// The medium of a cell among all.
+    /// Returns the medium of a cell, counted with the halo.
     #[inline(always)]
     pub(super) fn of(&self, cell: usize) -> &Medium {
         &self.media[usize::from(self.of_cell[cell])]

@@ -1,4 +1,4 @@
-//! Ghost cells at the ends of rows; how rows are folded into lanes: see [`super::layout`].
+//! Ghost cells at the ends of rows; [`super::layout`] states how rows are folded into lanes.
 
 use super::table::{Table, WavePair};
 use crate::simd::{Group, Number, Real, Vector};
@@ -8,31 +8,31 @@ use crate::solid::reconstruction::{GHOSTS, Slopes};
 use crate::solid::riemann::State;
 use std::ops::Range;
 
-/// Where the ends of a row stand in it.
+/// Slots of cells and ghosts at the ends of a row.
 #[derive(Clone)]
 pub(crate) struct RowEnds<T: Real> {
-    /// Groups of a row.
+    /// Number of groups of a row.
     groups: usize,
-    /// Slots of the outermost cells at each end, on which ghosts depend; rows shorter than that repeat
-    /// themselves.
+    /// Slots of the outermost cells at each end, on which ghosts depend; shorter rows are continued periodically.
     inside: [[Slot; BESIDE]; 2],
-    /// Whether a row is a single cell.
+    /// Whether a row has a single cell.
     is_single: bool,
-    /// Whether a row has fewer cells than the ghosts beside a side depend on.
+    /// Whether a row has fewer cells than its ghosts depend on.
     is_short: bool,
-    /// Where ghosts stand behind the last cell.
+    /// Slots of the ghosts after the last cell.
     behind: [Slot; GHOSTS],
-    /// Of each of the first groups the lanes where those stand, by bits.
+    /// By group, of the first [`GHOSTS`] of a row, and by depth: mask of the lane that holds that ghost after the last
+    /// cell.
     in_first: [[u16; GHOSTS]; GHOSTS],
-    /// Padding lanes after the last cell. During a sweep the first [`GHOSTS`] hold ghost values, and the sweep
-    /// changes as many beyond them; otherwise all are zero.
+    /// Padding lanes after the last cell. During a sweep the first [`GHOSTS`] hold ghost values, and the sweep changes
+    /// as many after them; otherwise all are zero.
     empty: Vec<Slot>,
-    /// The rule that copies values, the sign of zero included: for periodic ends.
+    /// Ghost rule that copies values, the sign of zero included: for periodic ends.
     window: [T::Lanes; 5],
 }
 
 impl<T: Real> RowEnds<T> {
-    /// Of rows of so many cells in so many groups.
+    /// Creates the ends of rows of `length` cells in `groups` groups.
     pub(crate) fn new(length: usize, groups: usize) -> Self {
         let slot = |place: usize| (place % groups, place / groups);
         let behind = std::array::from_fn(|depth| slot(length + depth));
@@ -60,31 +60,31 @@ impl<T: Real> RowEnds<T> {
     }
 }
 
-/// Rows that are about to be swept.
+/// Adjacent rows that are about to be swept.
 pub(crate) struct Rows<'a, T: Real> {
     pub(crate) ends: &'a RowEnds<T>,
     pub(crate) sides: &'a [BoundaryFaces<T>; 2],
-    /// The first row among the faces of the sides.
+    /// Index of the first row among the faces of the boundaries.
     pub(crate) face: usize,
-    /// Where that row begins.
+    /// Data index of the first row.
     pub(crate) first: usize,
-    /// From a row to the next one, and from its ghosts to those of the next one.
+    /// Distance between two rows, and between the ghosts of two rows.
     pub(crate) size: usize,
-    /// Where the ghosts of the first row begin: the nearest in front of it, the farther one, the nearest behind it, the
-    /// farther one.
+    /// Data index of the ghosts of the first row: the nearest and the farther one before its first group, then the
+    /// nearest and the farther one after its last group.
     pub(crate) ghosts: usize,
-    /// From each of these to the next one.
+    /// Distance between two of these ghosts.
     pub(crate) apart: usize,
-    /// The first group of the first row.
+    /// Index of the first group of the first row.
     pub(crate) group: usize,
     pub(crate) table: &'a Table<T>,
-    /// Of all groups.
+    /// Lane patterns of all groups.
     pub(crate) patterns: &'a [u32],
 }
 
 impl<T: Real> Rows<'_, T> {
-    /// Fills in the ghosts of the velocity and the stress of a pair of waves: those behind the last cell of a row in the
-    /// row itself; and what is in front of its groups and behind them, which is in other lanes.
+    /// Fills the ghosts of velocity and stress of a pair of waves: those after the last cell, in the row itself, and
+    /// the groups before the first and after the last group of a row, whose values are in the adjacent lanes.
     #[inline(always)]
     pub(crate) fn fill<V: Vector<T>>(
         &self,
@@ -116,7 +116,7 @@ impl<T: Real> Rows<'_, T> {
                 let mut in_front = [image(front, near[0]), image(front, near[1])];
                 let mut beyond = [image(back, far[0]), image(back, far[1])];
                 if self.ends.is_single {
-                    // A single cell is seen through the other mirror.
+                    // In a row of a single cell the second ghost is the image of the ghost at the other end.
                     in_front[1] = image(front, image(back, near[1]));
                     beyond[1] = image(back, image(front, far[1]));
                 }
@@ -125,7 +125,7 @@ impl<T: Real> Rows<'_, T> {
         }
     }
 
-    /// The same where waves are reconstructed one-sidedly: as many rows at once as there are lanes.
+    /// Fills the same ghosts for waves with one-sided reconstruction: one row per lane at a time.
     #[inline(always)]
     fn fill_one_sided<V: Vector<T>>(
         &self,
@@ -160,7 +160,7 @@ impl<T: Real> Rows<'_, T> {
         }
     }
 
-    /// Velocities and stresses of the ghosts at an end of some rows, a lane each.
+    /// Returns velocities and stresses of the ghosts at an end of some rows, one row per lane.
     #[inline(always)]
     fn one_sided<V: Vector<T>>(
         &self,
@@ -171,7 +171,7 @@ impl<T: Real> Rows<'_, T> {
         (rows, end): (Range<usize>, usize),
     ) -> [[T::Lanes; GHOSTS]; 2] {
         let inside = self.ends.inside[end];
-        // The third cell matters to open sides alone.
+        // Only open boundaries need the third cell.
         let depths = if closure.is_open { BESIDE } else { GHOSTS };
         let mut velocity = [T::Lanes::ZERO; BESIDE];
         let mut stress = [T::Lanes::ZERO; BESIDE];
@@ -185,7 +185,7 @@ impl<T: Real> Rows<'_, T> {
                 stress[depth].lanes_mut()[lane] = data[start + wave.stress + group].lanes()[from];
             }
         }
-        // By row, unless all faces or all cells are alike.
+        // Ghost rules by row, unless all faces are alike; constants by row, unless there is one pattern.
         let mut by_row = *self.mirror(end, pair, self.face / T::Lanes::COUNT);
         if !self.is_uniform(end) {
             for row in rows.clone() {
@@ -229,7 +229,7 @@ impl<T: Real> Rows<'_, T> {
         made
     }
 
-    /// The constants of a cell of some rows, a lane each; where there is no row those of the last one.
+    /// Returns the constants of a cell of some rows, one row per lane; surplus lanes have those of the last row.
     #[inline(always)]
     fn cells_of<V: Vector<T>>(
         &self,
@@ -245,14 +245,14 @@ impl<T: Real> Rows<'_, T> {
         CellConstants::load(&cells)
     }
 
-    /// The constants of the group of a row where a cell is.
+    /// Returns the constants of the group of a row that contains a cell.
     #[inline(always)]
     fn cell(&self, row: usize, (group, _): Slot, wave: &WavePair) -> &CellConstants<T::Lanes> {
         let pattern = self.patterns[self.group + row * self.ends.groups + group];
         self.table.cell(pattern, wave)
     }
 
-    /// Sets to zero what is no cell in a field of a row: ghosts, and what the sweep made of them.
+    /// Zeroes the padding lanes of a field of a row: ghosts, and the lanes that the sweep has changed.
     #[inline(always)]
     pub(crate) fn clear(&self, data: &mut [T::Lanes], place: usize, row: usize) {
         let field = &mut data[self.first + row * self.size + place..][..self.ends.groups];
@@ -261,13 +261,13 @@ impl<T: Real> Rows<'_, T> {
         }
     }
 
-    /// Whether that is the same at all faces.
+    /// Whether the ghost rule is the same at all faces of an end.
     #[inline(always)]
     fn is_uniform(&self, end: usize) -> bool {
         self.sides[end].mirror().is_none_or(|mirror| mirror.is_uniform)
     }
 
-    /// What lies beyond an end, by face: see [`GhostRule::face`](crate::solid::ghosts::GhostRule::face).
+    /// Returns the ghost rule at an end, by face: see [`GhostRule::face`](crate::solid::ghosts::GhostRule::face).
     #[inline(always)]
     fn mirror(&self, end: usize, pair: usize, group: usize) -> &[T::Lanes; 5] {
         match &self.sides[end] {
@@ -276,7 +276,7 @@ impl<T: Real> Rows<'_, T> {
         }
     }
 
-    /// Puts the ghosts of a field in front of a row and behind it.
+    /// Stores the ghosts of a field at the lower and the upper end of a row.
     #[inline(always)]
     fn place<V: Vector<T>>(
         &self,
@@ -294,7 +294,7 @@ impl<T: Real> Rows<'_, T> {
         for depth in 0..GHOSTS {
             let own = V::load(&field[groups - 1 - depth]);
             own.after(in_front[depth]).store(&mut ghosts[depth * apart]);
-            // With the ghosts that are about to stand there.
+            // With the ghosts after the last cell, which are stored in the row below.
             let own = V::load(&field[depth]).with_lanes(in_first[depth][0], beyond[0]);
             let own = own.with_lanes(in_first[depth][1], beyond[1]);
             own.before(V::ZERO).store(&mut ghosts[(GHOSTS + depth) * apart]);
@@ -307,10 +307,10 @@ impl<T: Real> Rows<'_, T> {
     }
 }
 
-// No closures here, and no arrays made by them: they are not inlined into the target-feature function and lose
-// its SIMD instructions.
+// No closures here, and no arrays made by them: closures are not inlined into the target-feature function and lose its
+// SIMD instructions.
 
-/// The numbers of a lane of a mirror in all lanes.
+/// Broadcasts one lane of a ghost rule to all lanes.
 #[inline(always)]
 fn splat<T: Real, V: Vector<T>>(mirror: &[T::Lanes; 5], lane: usize) -> [V; 5] {
     let mut all = [V::ZERO; 5];
@@ -320,7 +320,7 @@ fn splat<T: Real, V: Vector<T>>(mirror: &[T::Lanes; 5], lane: usize) -> [V; 5] {
     all
 }
 
-/// A number of a field in all lanes.
+/// Broadcasts one value of a field to all lanes.
 #[inline(always)]
 fn seen<T: Real, V: Vector<T>>(field: &[T::Lanes], (group, lane): Slot) -> V {
     V::all(field[group].lanes()[lane])

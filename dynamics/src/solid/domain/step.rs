@@ -1,7 +1,7 @@
-//! The recipe of a time step.
+//! Time step by operator splitting.
 //!
-//! A step of Δt is two-cyclic (Marchuk 1968; Strang 1968): with x, y, z the sweeps of half a step along the axes, K what
-//! sources and gravity add in half a step, and Q what local laws do in a whole one,
+//! A step of Δt is two-cyclic (Marchuk 1968; Strang 1968): with x, y, z the sweeps of half a step along the axes, K the
+//! action of sources and gravity over half a step, and Q that of the local laws over a whole one,
 //!
 //! ```text
 //! U ← x y z  then  K Q K  then  z y x.
@@ -9,26 +9,27 @@
 //!
 //! Q is the rotation of spins against antisymmetric stress and the [relaxation](super::relaxation) of stresses, which
 //! commute. In curved blocks half a [rotation by the curvature](super::curvilinear) precedes and follows them. Laws of
-//! interlayers act in the sweeps, at the faces where they stand.
+//! interlayers act in the sweeps, at the faces of the interlayers.
 //!
 //! The step is of second order in smooth solutions, since the product is symmetric and its factors are of second order
-//! (but for `Slopes::Godunov`). Without sources, gravity and work at boundaries each factor keeps or lowers the energy at
-//! Courant numbers c(Δt/2)/h ≤ 1, and so does the step. Boundary values are those in the middle of each half. Where stresses yield, with the projection P onto
-//! the yield set in the norm of the energy, the return mapping stands either last, or in the middle between two halves of Q
-//! as the reflection 2P − I, which is no expansion either ([`PlasticStep`]).
+//! (except with `Slopes::Godunov`). Without sources, gravity and work at boundaries each factor conserves or lowers the
+//! energy at Courant numbers c(Δt/2)/h ≤ 1, and so does the step. Boundary values are those in the middle of each half
+//! step. With yield sets, the projection P onto the yield set in the energy norm is applied as return mapping either at
+//! the end, or as the reflection 2P − I, which is also non-expansive, in the middle between two halves of Q
+//! ([`PlasticStep`]).
 //!
-//! Where sweeps alternate ([`Splitting::Alternating`](crate::solid::problem::Splitting)) the step is
+//! With alternating sweeps ([`Splitting::Alternating`](crate::solid::problem::Splitting)) the step is
 //!
 //! ```text
 //! U ← x y z  then  K √Q x √Q K  then  z y  then  P,
 //! ```
 //!
-//! with the very first x by a quarter of a step, √x: n steps are (√x y z … x … z y √x)ⁿ without the last √x, which
+//! with √x, a quarter of a step, for the very first x: n steps are (√x y z … x … z y √x)ⁿ without the last √x, which
 //! `complete` applies to a copy of each cell for output; near reflecting boundaries output is the mean of the states
-//! before and after x. Every factor keeps or lowers the energy.
+//! before and after x. Each factor conserves or lowers the energy.
 //!
-//! [`Domain::pass`] takes one or two such steps through memory, a block of rows and a few layers at a time, as
-//! [`super::schedule`] says; [`Domain::advance_layers`] is the recipe above on those.
+//! [`Domain::pass`] advances memory by one or two such steps, a block of rows and a few layers at a time, as
+//! [`super::schedule`] states; [`Domain::advance_layers`] is the step above on those layers.
 
 use super::halo::HaloExchange;
 use super::layout::RowSegment;
@@ -42,13 +43,13 @@ use std::ops::Range;
 
 /// Layers in the three stages of a step: 0 is x y z, 1 is K Q K z, 2 is y x P.
 pub(super) struct StepStages<'a> {
-    /// The layers that pass each stage now.
+    /// Layers that pass each stage now.
     layers: &'a [Range<usize>; 3],
-    /// All layers that pass it.
+    /// All layers that pass each stage in this pass.
     ends: &'a [Range<usize>; 3],
-    /// The rows of these layers.
+    /// Rows of these layers.
     block: &'a Range<usize>,
-    /// The first of the two half steps, counted from the start of the pass.
+    /// First of the two half steps, counted from the start of the pass.
     first_half: usize,
 }
 
@@ -58,11 +59,11 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let Ok(()) = self.pass(1, &mut ());
     }
 
-    /// Advances all fields by some steps in one pass over the memory: as many as asked for, but one at least and no more than
-    /// [`Self::most_steps`]; [`Self::time`] says how far. Neighbours make the same passes.
+    /// Advances all fields by `steps` steps in one pass over the memory, clamped to at least one and at most
+    /// [`Self::most_steps`]; [`Self::time`] states the time reached. Neighbours must make the same passes.
     ///
     /// # Errors
-    /// Those of the halo. The pass is not complete then, and fields are of no use.
+    /// Errors of the halo exchange. The pass is incomplete then, and the fields are invalid.
     pub fn pass<H: HaloExchange<T::Lanes>>(
         &mut self,
         steps: usize,
@@ -87,8 +88,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         Ok(())
     }
 
-    /// Advances a block of rows by some steps in all layers. Its last rows, whose stencils reach into the next block, are
-    /// finished with that one.
+    /// Advances a block of rows by some steps in all layers. Its last rows, whose stencils reach into the next block,
+    /// are completed with the next block.
     fn advance_block<H: HaloExchange<T::Lanes>>(
         &mut self,
         block: &Range<usize>,
@@ -105,13 +106,13 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let mut ready = [[0; 3]; STEPS];
         while ready[steps - 1][2] < all {
             let mut loaded = all.min(ready[0][0].saturating_add(self.schedule.tiles.layers));
-            // As late as possible: a neighbour may be behind for a while before anyone waits for it.
+            // As late as possible, since a neighbour may lag behind.
             if ready[0][0] <= own.end && own.end < loaded {
                 self.receive_layers(1, &swept, neighbours)?;
             }
             for (step, ready) in ready[..steps].iter_mut().enumerate() {
                 let before = std::mem::replace(ready, stage_progress(loaded, all));
-                // Layers that no later sweep reads are skipped: each reads GHOSTS layers beyond what it writes.
+                // Layers that no later sweep reads are skipped: each sweep reads GHOSTS layers beyond those it writes.
                 let needed = std::array::from_fn(|stage| {
                     let beyond = (steps - 1 - step) * HALO + (2 - stage) * GHOSTS;
                     own.start.saturating_sub(beyond)..all.min(own.end + beyond)
@@ -133,7 +134,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         Ok(())
     }
 
-    /// Integrals in time and records of watched cells of layers that have passed a step.
+    /// Accumulates time integrals and records watched cells, in layers that have completed a step.
     fn record_layers(&mut self, layers: &Range<usize>, step: usize) {
         if !self.scheme.alternates() {
             let layer = self.layout.layer_cells();
@@ -142,7 +143,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.record(layers.clone(), step);
     }
 
-    /// Advances layers by one step. Rows within them trail each other from stage to stage as layers do.
+    /// Advances layers by one step. Rows of a layer trail each other from stage to stage as layers do.
     pub(super) fn advance_layers(&mut self, stages: &StepStages<'_>) {
         let &StepStages { layers, ends, block, first_half: first } = stages;
         let (all, second) = (self.layout.rows, first + 1);
@@ -153,7 +154,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let rows = self.schedule.next_rows(ready[0], block, at_a_time);
             let before = std::mem::replace(&mut ready, stage_progress(rows.end, all));
             let rows = passing(before, ready);
-            // x y, which exchanged layers have passed in `sweep_and_send` or in the neighbour.
+            // x y, already applied to exchanged layers, in `sweep_and_send` or by the neighbour.
             for layer in layers[0].clone() {
                 if first > 0 || !self.layout.is_in_a_halo(layer) {
                     self.sweep_layer(layer, &rows, first);
@@ -186,7 +187,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// K Q K, with relaxation, and with the return mapping where it stands in the middle.
+    /// Applies K Q K, with relaxation, and with the reflection if the return mapping is in the middle of the step.
     fn apply_middle(&mut self, layers: &Range<usize>, tile: &RowSegment, first: usize) {
         self.apply_sources(layers, tile, first);
         if self.scheme.plastic_step == PlasticStep::MidpointReflection
@@ -199,7 +200,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             self.relax(layers, tile, Interval::HalfStep);
             self.rotate_spins(layers, tile, Interval::HalfStep);
         } else {
-            // The rotation by the curvature does not commute with the others: half of it on each side of them.
+            // The rotation by the curvature does not commute with the other local laws: half of it before and half
+            // after them.
             let others = !self.law.rotated.is_empty() || self.law.relaxations.is_some();
             let interval = if others { Interval::HalfStep } else { Interval::Step };
             self.rotate_geometry(layers, tile, interval);
@@ -212,8 +214,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.apply_sources(layers, tile, first + 1);
     }
 
-    /// The sweeps along the last axis with the middle of a step between them, where sweeps alternate. [`CHUNK`] rows go
-    /// through the middle together: their ghosts are made in lanes.
+    /// Applies the sweeps along the last axis and the middle of the step between them, for alternating sweeps.
+    /// [`CHUNK`] rows pass the middle together, since their ghosts are computed in lanes.
     fn apply_alternating_middle(
         &mut self,
         layers: &[Range<usize>; 3],
@@ -234,8 +236,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// K √Q x √Q K. Integrals in time take the mean of the states before and after it, which is second order in the middle
-    /// of the step.
+    /// Applies K √Q x √Q K. Time integrals use the mean of the states before and after x, which is second order in the
+    /// middle of the step.
     fn sweep_middle(&mut self, layers: &Range<usize>, rows: &Range<usize>, first: usize) {
         for row in rows.clone() {
             let tile = self.layout.whole_row(row);
@@ -262,7 +264,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Half a step of the integrals in time in a row of some layers.
+    /// Adds half a step of the time integrals in a row of some layers.
     fn accumulate_row_integrals(&mut self, layers: &Range<usize>, row: usize) {
         let length = self.layout.cells[0];
         for layer in layers.clone() {
@@ -271,7 +273,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// The waves of a sweep along an axis.
+    /// Returns the pairs of waves of a sweep along an axis.
     pub(super) fn waves_of(&self, axis: usize, half: usize) -> &[WavePair] {
         match self.scheme.alternates() && axis == 0 && self.schedule.is_first(half) {
             true => &self.materials.quarter_waves,
@@ -282,14 +284,14 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Boundary values and sources in the half steps of the pass.
+    /// Evaluates boundary values and sources for the half steps of the pass.
     fn set_times(&mut self) {
         let before = self.schedule.steps - self.schedule.pass_steps;
         for half in 0..2 * self.schedule.pass_steps {
             let start = (before + half / 2) as f64 * self.step;
             let end = (before + half / 2 + 1) as f64 * self.step;
             let middle = start + 0.5 * self.step;
-            // The middle of each sweep along the first axis.
+            // Middle of each sweep along the first axis.
             let first = self.scheme.alternates().then(|| match half % 2 {
                 0 if self.schedule.is_first(half) => start + 0.125 * self.step,
                 0 => start,

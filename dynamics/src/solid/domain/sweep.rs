@@ -1,4 +1,4 @@
-//! Sweeps along the axes, what lies beyond their ends, and the work done there.
+//! Sweeps along the axes, ghosts beyond the ends of lines, and the work done at boundaries.
 
 use super::fill::{Fill, FillEnd, FillOneSided};
 use super::kernel::interlayers::InterlayerLines;
@@ -16,36 +16,36 @@ use crate::solid::reconstruction::GHOSTS;
 use crate::solid::riemann::State;
 use std::ops::Range;
 
-/// Lines that are called for ahead of the one at hand, by axis; along rows the next row is.
+/// L1 prefetch distance in lines, by axis; along rows the next row is prefetched.
 const LINES_AHEAD: [Option<usize>; 3] = [None, Some(2), Some(3)];
 
-/// From a group of a row to the next one.
+/// Distance between two groups of a row.
 const NEXT_GROUP: GroupIndex = GroupIndex { group: 1, data: 1 };
 
-/// Lines that lie side by side.
+/// Bundle of adjacent lines.
 #[derive(Clone, Copy)]
 struct Bundle {
     axis: usize,
-    /// The half step of the pass.
+    /// Half step of the pass.
     half: usize,
-    /// The first group of the first line: those of the other lines follow.
+    /// First group of the first line; the other lines are offset by multiples of `across`.
     first: GroupIndex,
-    /// From a group of a line to the next one.
+    /// Distance between two groups of a line.
     stride: GroupIndex,
-    /// Groups of a line.
+    /// Number of groups of a line.
     count: usize,
-    /// Lines of groups.
+    /// Number of lines of groups.
     lines: usize,
-    /// From a line to the next one.
+    /// Distance between two lines.
     across: GroupIndex,
-    /// The first row, or else the first group of faces where the lines end.
+    /// Across the first axis the first row, else the first group of faces at the ends of the lines.
     face: usize,
-    /// Place of the first line among those that carry something along this axis.
+    /// Index of the first line among the carried states of this axis.
     carried: usize,
 }
 
 impl Bundle {
-    /// The group at a place of the first line.
+    /// Returns the group at a place of the first line.
     #[inline(always)]
     fn index(self, place: usize) -> GroupIndex {
         let Self { first, stride, .. } = self;
@@ -55,16 +55,16 @@ impl Bundle {
         }
     }
 
-    /// The places of the ghosts at a depth in front of a line of groups and behind it.
+    /// Returns the places of the ghosts at a depth beyond the lower and the upper end of a line of groups.
     fn beyond(self, depth: usize) -> [isize; 2] {
         [-1 - depth as isize, (self.count + depth) as isize]
     }
 }
 
-/// Sweeps, their ghosts and their work.
+/// Sweeps, their ghosts and the work at boundaries.
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// In-plane sweeps of one half step in one layer: x y in the first half of a step, y x in the second
-    /// (alternating sweeps: y only). Arguments: the rows that pass each of three stages,
+    /// Applies the in-plane sweeps of one half step in one layer: x y in the first half of a step, y x in the second
+    /// (alternating sweeps: y only). Arguments: the rows that pass each of the three stages of
     /// [`super::schedule::stage_progress`].
     pub(super) fn sweep_layer(
         &mut self,
@@ -97,9 +97,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Half a step along the first axis in rows that follow each other.
+    /// Sweeps adjacent rows by half a step along the first axis.
     pub(super) fn sweep_rows_of(&mut self, rows: Range<usize>, half: usize) {
-        // Rows of one spacing go together.
+        // Rows differ in cell length: one row at a time, with the constants of that row.
         let together = if self.materials.row_spacing.is_some() { 1 } else { CHUNK };
         for start in rows.clone().step_by(together) {
             self.fill_row_constants(start);
@@ -107,7 +107,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Half a step along the first axis, in no more than [`CHUNK`] rows.
+    /// Sweeps at most [`CHUNK`] rows by half a step along the first axis.
     fn sweep_rows(&mut self, rows: Range<usize>, half: usize) {
         let bundle = Bundle {
             axis: 0,
@@ -129,7 +129,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.walk(bundle, -1..self.layout.groups as isize + 1);
     }
 
-    /// The rows of a bundle along the first axis.
+    /// Returns the rows of a bundle along the first axis.
     fn rows_of(&self, bundle: Bundle) -> Rows<'_, T> {
         let size = self.layout.row_size();
         Rows {
@@ -146,7 +146,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// The ghosts of rows. The walk along them does it by itself.
+    /// Fills the ghosts of rows before the work is computed. The sweep kernel fills them itself.
     fn fill_rows(&mut self, bundle: Bundle) {
         let mut data = std::mem::take(&mut self.data);
         let (waves, rows) = (self.waves_of(0, bundle.half), self.rows_of(bundle));
@@ -155,8 +155,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.data = data;
     }
 
-    /// Goes on with half a step along the last axis, from end to end, on a tile of a layer's groups: some layers are
-    /// ready that were not before.
+    /// Continues half a step along the last axis over newly finished layers `ready` of the range `ends`, on a segment
+    /// of a row.
     pub(super) fn sweep_last(
         &mut self,
         ready: &Range<usize>,
@@ -179,8 +179,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.sweep_on(bundle, ready.start - ends.start..ready.end - ends.start);
     }
 
-    /// Continues a y or z sweep over newly loaded rows or layers; it writes as far as [`GHOSTS`] behind
-    /// `ready.end`.
+    /// Continues a y or z sweep over newly loaded rows or layers; it writes up to [`GHOSTS`] before `ready.end`.
     fn sweep_on(&mut self, bundle: Bundle, ready: Range<usize>) {
         // The ghosts at the lower end depend on BESIDE cells: wait until they are loaded.
         if ready.is_empty() || ready.end < BESIDE.min(bundle.count) {
@@ -189,7 +188,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let start = if ready.start < BESIDE { 0 } else { ready.start };
         let ready = start..ready.end;
         let ends = [ready.start == 0, ready.end == bundle.count];
-        // Where there is a single row its work at one end needs the ghosts at the other.
+        // Fill both ends first: in a line of a single cell the work at one end depends on the ghosts at the other.
         for end in (0..2).filter(|end| ends[*end]) {
             self.fill_end(bundle, end);
         }
@@ -201,7 +200,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.walk(bundle, start..end);
     }
 
-    /// Part of the path along lines, in the widest instructions: the groups at these places are at hand one
+    /// Sweeps part of the path along lines with the selected instruction set: the groups at `places` are current one
     /// after the other.
     fn walk(&mut self, bundle: Bundle, places: Range<isize>) {
         let Bundle { axis, half, lines, .. } = bundle;
@@ -266,14 +265,13 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.buffer.path = path;
     }
 
-    /// L2 prefetch: the distance to the rows that are loaded next, and the fields of each pair that this sweep
+    /// Returns the L2 prefetch distance to the rows that are loaded next, and the fields of each pair that this sweep
     /// prefetches. The sweeps across rows share the fields, to spread the requests.
     fn later(&self, bundle: Bundle) -> (usize, Range<usize>) {
         let Bundle { axis, half, face, .. } = bundle;
-        // Lag behind the rows loaded last, in units of GHOSTS rows and of GHOSTS layers; in the plane layers
-        // are rows.
+        // Lag behind the rows loaded last, in units of GHOSTS rows and of GHOSTS layers; in the plane layers are rows.
         let (part, parts, rows, layers) = match (D, axis, half) {
-            // In the plane prefetch in the last step of a pass only: earlier requests would be evicted.
+            // In the plane, prefetch only in the last step of a pass: earlier requests would be evicted.
             (2, 1, half) if half + 2 >= 2 * self.schedule.pass_steps => (half % 2, 2, half, 0),
             // No other sweep across rows runs yet: this one prefetches all fields.
             (3, 1, 0) if self.layout.is_in_a_halo(face / self.layout.groups) => (0, 1, 0, 0),
@@ -288,8 +286,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         (behind * self.layout.row_size(), part * share..(part + 1) * share)
     }
 
-    /// The group that stands at a place of a line, ghosts included: of these all lines have theirs at a depth
-    /// beyond an end side by side.
+    /// Returns the group at a place of a line, ghosts included: the ghosts of all lines at one end and depth are
+    /// adjacent.
     fn index_at(&self, bundle: Bundle, line: usize, place: isize) -> GroupIndex {
         let ghost = |end: usize, depth: usize| {
             let row = self.layout.layers() * self.layout.rows + (end * GHOSTS + depth) * CHUNK;
@@ -302,7 +300,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// The state in a lane of a group.
+    /// Returns the state in a lane of a group.
     fn state(&self, (stop, lane): (GroupIndex, usize), wave: &WavePair) -> State<T> {
         let group = &self.data[stop.data..];
         State {
@@ -311,7 +309,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// The patterns of the ghosts of rows.
+    /// Sets the patterns of the ghosts of rows.
     fn fill_row_patterns(&mut self, bundle: Bundle) {
         for line in 0..bundle.lines {
             let Some(&patterns) = self.materials.row_patterns.get(bundle.face + line) else {
@@ -326,8 +324,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// The ghosts at an end of lines across the groups. Beyond a halo their values are arbitrary but must stay
-    /// bounded, since the kernel rewrites them in each sweep.
+    /// Fills the ghosts at an end of lines across the groups. Beyond a halo their values are arbitrary but must stay
+    /// bounded, since the kernel updates them in each sweep.
     fn fill_end(&mut self, bundle: Bundle, end: usize) {
         let Bundle { axis, half, count, lines, face, .. } = bundle;
         let sides = &self.boundary.faces[half][axis];
@@ -368,7 +366,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             }
             _ => {
                 for (depth, [own, ghost]) in places.into_iter().enumerate() {
-                    // A single cell is seen through the other mirror.
+                    // In a line of a single cell the second ghost is the image of the ghost at the other end.
                     let through =
                         if depth < count { [None, Some(end)] } else { [Some(1 - end), Some(end)] };
                     let fill = FillEnd {
@@ -386,7 +384,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.data = data;
     }
 
-    /// Cells of a line, and its lines of cells by line of groups and lane.
+    /// Returns the number of cells of a line, and the number of lines of cells per line of groups.
     fn length(&self, bundle: Bundle) -> (usize, usize) {
         match bundle.axis {
             0 => (self.layout.cells[0], 1),
@@ -394,13 +392,13 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Whether there are cells in a lane of a line of groups.
+    /// Whether a lane of a line of groups holds cells.
     fn has_cells(&self, bundle: Bundle, line: usize, lane: usize) -> bool {
         let place = (bundle.first.group + line) % self.layout.groups;
         bundle.axis == 0 || lane * self.layout.groups + place < self.layout.cells[0]
     }
 
-    /// Group and lane of a cell of a line.
+    /// Returns group and lane of a cell of a line.
     fn place_of(
         &self,
         bundle: Bundle,
@@ -414,7 +412,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         (self.index_at(bundle, line, place as isize), lane)
     }
 
-    /// State and constants at a place of a line, ghosts included.
+    /// Reads state and constants at a place of a line, ghosts included.
     fn read(
         &self,
         bundle: Bundle,
@@ -423,7 +421,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         pair: usize,
     ) -> (State<T>, CellConstants<T>) {
         let wave = &self.waves_of(bundle.axis, bundle.half)[pair];
-        // Behind a row its ghosts stand in it.
+        // The ghosts at the upper end of a row are stored in the row itself.
         let (length, beyond) = match bundle.axis {
             0 => (self.layout.cells[0], GHOSTS),
             _ => (bundle.count, 0),
@@ -438,7 +436,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         (state, cell.lane(lane))
     }
 
-    /// A face of a line times the time of a sweep: accounts are powers per area.
+    /// Returns the area of a face times the duration of the sweep, m² s: work = power per area times this.
     fn face_time(&self, Bundle { axis, half, face, .. }: Bundle) -> f64 {
         let is_quarter = self.scheme.alternates() && axis == 0 && self.schedule.is_first(half);
         let spacing = match &self.materials.row_spacing {
@@ -448,18 +446,18 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.grid.volume() / spacing * if is_quarter { 0.25 } else { 0.5 } * self.step
     }
 
-    /// The time of a sweep where there are interlayers, which alternating sweeps do not have, s.
+    /// Returns the duration of a sweep with interlayers, s; these exclude alternating sweeps.
     fn time_of_sweep(&self) -> f64 {
         0.5 * self.step
     }
 
-    /// The coordinate of the first place of a line along the axis; along the last one layers count, those of the halo
-    /// included.
+    /// Returns the coordinate of the first place of a line along its axis; along the last axis the layer, counted with
+    /// the halo.
     fn origin(&self, bundle: Bundle) -> usize {
         if bundle.axis + 1 == D { bundle.first.group / self.layout.layer_groups() } else { 0 }
     }
 
-    /// Adds the work at an end of lines that their sweep is about to do.
+    /// Adds the work at an end of lines in the sweep that follows.
     fn note_work(&mut self, bundle: Bundle, end: usize) {
         let Bundle { axis, half, lines, .. } = bundle;
         if !matches!(&self.boundary.faces[half][axis][end], BoundaryFaces::Physical(mirror) if mirror.does_work)
@@ -485,7 +483,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Power per area that a side does work with at an end of a line whose ghosts are filled, W/m², positive inwards.
+    /// Returns the power per area that a boundary supplies at an end of a line, W/m², positive inwards. The ghosts must
+    /// be filled.
     fn work_at(&self, bundle: Bundle, line: (usize, usize), pair: usize, end: usize) -> f64 {
         let Bundle { axis, half, .. } = bundle;
         let face = match axis {

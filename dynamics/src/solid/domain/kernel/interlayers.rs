@@ -1,4 +1,4 @@
-//! The sweep of lines with interlayers. A kernel of its own: lines without them do not pay for it.
+//! Sweep kernel of lines with interlayers, apart from that of other lines, which thus have no overhead.
 
 use super::super::interfaces::Face;
 use super::super::layout::GroupIndex;
@@ -12,24 +12,24 @@ use crate::solid::reconstruction::Slopes;
 use crate::solid::riemann::{InterfaceState, State, updated};
 use models::interface::elastic::ElasticInterlayer;
 
-/// Lines with interlayers.
+/// Adjacent lines with interlayers.
 pub(crate) struct InterlayerLines<'a, T: Real> {
     pub(crate) lines: Lines<'a, T>,
-    /// In front of each group of the path.
+    /// Lower faces of the groups of the path.
     pub(crate) faces: &'a [Face],
     pub(crate) memory: &'a mut [T::Lanes],
-    /// Where the memories of the first line begin.
+    /// Index of the history variables of the first line.
     pub(crate) first: usize,
-    /// From the memories of a line to those of the next one.
+    /// Distance between the history variables of two lines.
     pub(crate) line: usize,
-    /// By pair of waves.
+    /// Interlayer laws by pair of waves.
     pub(crate) laws: &'a [ElasticInterlayer<T>],
-    /// Time of the sweep, s.
+    /// Duration of the sweep, s.
     pub(crate) step: T,
 }
 
 impl<T: Real> SimdKernel<T> for InterlayerLines<'_, T> {
-    /// Loops of their own for all kinds of slopes.
+    /// Selects the loop that is compiled for the reconstruction.
     #[inline(always)]
     fn run<V: Vector<T>>(mut self) {
         match self.lines.slopes {
@@ -54,7 +54,7 @@ impl<T: Real> InterlayerLines<'_, T> {
         }
     }
 
-    /// A pair of waves on its path along a line of groups.
+    /// Sweeps a pair of waves along a line of groups.
     #[inline(always)]
     fn advance<V: Vector<T>>(
         &mut self,
@@ -124,7 +124,7 @@ impl<T: Real> InterlayerLines<'_, T> {
         }
     }
 
-    /// The constants of a group.
+    /// Loads the wave constants of a group.
     #[inline(always)]
     fn cell<V: Vector<T>>(
         &self,
@@ -142,7 +142,7 @@ impl<T: Real> InterlayerLines<'_, T> {
         State { velocity: V::load(&group[wave.velocity]), stress: V::load(&group[wave.stress]) }
     }
 
-    /// Writes a group, whose passive_stresses change with its stress.
+    /// Writes a group; its passive stresses change in proportion to its stress.
     #[inline(always)]
     fn write<V: Vector<T>>(
         &mut self,
@@ -164,13 +164,13 @@ impl<T: Real> InterlayerLines<'_, T> {
     }
 }
 
-/// 0 in lanes with an interlayer, 1 in others.
+/// Returns 0 in lanes with an interlayer, 1 in all other lanes.
 #[inline(always)]
 fn joined<T: Real, V: Vector<T>>(face: Face) -> V {
     <V as Number>::ONE.with_lanes(face.lanes, <V as Number>::ZERO)
 }
 
-/// In some lanes the second one.
+/// Blends interface states: `other` in the given lanes, `one` elsewhere.
 #[inline(always)]
 fn chosen<T: Real, V: Vector<T>>(
     lanes: u16,
