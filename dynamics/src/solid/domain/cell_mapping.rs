@@ -1,12 +1,12 @@
-//! The return mapping of this solver in lanes, for single cells: for
-//! [`Reference`](crate::solid::reference::Reference), since it rounds otherwise than the projection of one stress.
+//! Return mapping of single cells in the lanes of this solver: for [`Reference`](crate::solid::reference::Reference),
+//! since its rounding differs from that of the scalar projection.
 
 use super::SolverReal;
 use super::plastic::{Correct, Sets};
 use crate::simd::{Group, Instructions, Number};
 use crate::solid::problem::Problem;
 
-/// Yield sets in lanes, and a group of them.
+/// Yield sets in lanes, and a buffer of one group.
 #[derive(Clone)]
 pub(crate) struct CellMapping<T: SolverReal> {
     /// By medium.
@@ -17,7 +17,7 @@ pub(crate) struct CellMapping<T: SolverReal> {
 }
 
 impl<T: SolverReal> CellMapping<T> {
-    /// `None` where stresses are mapped as if one by one.
+    /// Creates the mapping; `None` if the solver maps stresses as the scalar projection does.
     pub(crate) fn new<const D: usize>(problem: &Problem<D>) -> Option<Self> {
         let media = &problem.media;
         if problem.initial_stress.is_some() || media.iter().all(|own| own.yields.is_none()) {
@@ -32,8 +32,8 @@ impl<T: SolverReal> CellMapping<T> {
         })
     }
 
-    /// Maps the stress of a state of a medium; the plastic dissipation, J/m³. `None` where it is yet to be mapped as one
-    /// stress.
+    /// Maps the stress of a state of a medium and returns the plastic dissipation, J/m³; `None` if the stress is left
+    /// to the scalar projection.
     pub(crate) fn map(&mut self, medium: u16, state: &mut [T]) -> Option<f64> {
         for (group, value) in self.data.iter_mut().zip(state.iter()) {
             *group = T::Lanes::all(*value);

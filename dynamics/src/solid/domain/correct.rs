@@ -1,4 +1,4 @@
-//! Where stresses are taken into their yield sets.
+//! Return mapping of a domain: selection of the kernel, and the scalar mapping of single cells.
 
 use super::layout::RowSegment;
 use super::plastic::Correct;
@@ -14,14 +14,15 @@ use std::any::Any;
 use std::ops::Range;
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// The initial stress in a cell.
+    /// Returns the initial stress in a cell, counted with the halo.
     pub(super) fn initial_stress(&self, cell: usize) -> Stress {
         let Some((axis, layers)) = &self.law.initial_stress else { return Stress::default() };
         let stride: usize = self.layout.cells[..*axis].iter().product();
         layers[cell / stride % layers.len()]
     }
 
-    /// P, or with `reflects` 2P − I.
+    /// Applies the projection P onto the yield sets, or the reflection 2P − I if `reflects`, in a segment of the rows
+    /// of some layers.
     pub(super) fn correct(&mut self, layers: &Range<usize>, tile: &RowSegment, reflects: bool) {
         if self.diagnostics.dissipation.plastic.is_empty() {
             return;
@@ -40,7 +41,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// P without initial stress, where all sets are of one kind.
+    /// Applies P without initial stress, if all sets are of one kind.
     fn correct_plain(&mut self, layer: usize, tile: &RowSegment) {
         let Some(sets) = &self.law.sets else { return };
         let mut left = std::mem::take(&mut self.buffer.left);
@@ -63,7 +64,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.buffer.left = left;
     }
 
-    /// P or 2P − I of whole stresses.
+    /// Applies P or 2P − I to total stresses.
     fn map_stresses(&mut self, layer: usize, tile: &RowSegment, reflects: bool) {
         let (first, groups) = self.layout.groups_of(layer, tile);
         let lanes = T::Lanes::COUNT;
@@ -85,7 +86,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let stresses = stresses.unwrap_or(0)..self.fields().len();
         let is_double = (&self.data as &dyn Any).is::<Vec<Wide>>();
         if !is_double {
-            // In double precision, as the projection of one stress is.
+            // In double precision, as is the scalar projection.
             for field in stresses.clone() {
                 let own = &self.data[first + field * self.layout.pitch..][..groups.len()];
                 widen::<T>(own, &mut wide[field * count..][..count]);
@@ -128,7 +129,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.buffer.wide = wide;
     }
 
-    /// The cells in some lanes of a group, one by one.
+    /// Maps the cells in the masked lanes of a group by the scalar projection.
     fn correct_lanes(&mut self, group: usize, lanes: u16, reflects: bool) {
         if !self.law.yields[self.materials.patterns[group] as usize] {
             return;
@@ -168,7 +169,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
 const NONE: Stress = Stress { force: [[0.0; 3]; 3], couple: [[0.0; 3]; 3] };
 
-/// Groups as blocks in double precision.
+/// Converts groups to blocks in double precision.
 fn widen<T: Real>(groups: &[T::Lanes], blocks: &mut [Wide]) {
     let lanes = groups.iter().flat_map(|group| group.lanes().chunks(WIDTH));
     for (block, own) in blocks.iter_mut().zip(lanes) {
@@ -178,7 +179,7 @@ fn widen<T: Real>(groups: &[T::Lanes], blocks: &mut [Wide]) {
     }
 }
 
-/// The nearest numbers of the groups' own kind.
+/// Rounds blocks in double precision to the type of the groups.
 fn narrow<T: Real>(blocks: &[Wide], groups: &mut [T::Lanes]) {
     let lanes = groups.iter_mut().flat_map(|group| group.lanes_mut().chunks_mut(WIDTH));
     for (block, own) in blocks.iter().zip(lanes) {

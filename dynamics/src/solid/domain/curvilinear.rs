@@ -1,9 +1,9 @@
-//! Layers with a spacing of their own along rows, and the rotation by which curved rows turn the state: see
+//! Rows with a cell length that depends on the layer, and the rotation of the state by the curvature of rows: see
 //! [`crate::solid::metric`].
 //!
-//! Constants along rows depend on the medium and on the layer. Lines across layers must not see that, or no two of their
-//! cells would be alike: they keep the table of all patterns of media, and rows have a table of their own, which is filled
-//! for the row that is swept.
+//! Wave constants along rows depend on the medium and on the layer. Lines across layers keep the table by patterns of
+//! media, since with constants by layer no two of their cells would share a pattern; rows have a separate table, which
+//! is filled for the row that is swept.
 
 use super::layout::RowSegment;
 use super::table::{Table, WavePair};
@@ -18,7 +18,7 @@ use crate::solid::problem::Problem;
 use crate::solid::reconstruction::GHOSTS;
 use std::ops::Range;
 
-/// Waves along rows, and their constants in the row at hand.
+/// Pairs of waves along rows, and their constants in the current row.
 #[derive(Clone)]
 pub(super) struct RowSpacing<T: Real> {
     /// Length of a cell along rows by layer, m.
@@ -34,8 +34,8 @@ pub(super) struct RowSpacing<T: Real> {
 }
 
 impl<T: Real> RowSpacing<T> {
-    /// That of the layers of a region of a problem with these numbers in the whole, from the waves along rows and the
-    /// constants of equal layers; `None` where all layers are alike.
+    /// Creates the constants of `layers` of a problem (their indices in the whole grid), from the waves along rows and
+    /// the table of equal layers; `None` if all layers are equal.
     pub(super) fn new<const D: usize>(
         problem: &Problem<D>,
         (waves, table): (&[WavePair], &Table<T>),
@@ -60,7 +60,7 @@ impl<T: Real> RowSpacing<T> {
         let count = patterns.len() * waves.len();
         Some(Self {
             table: Table {
-                // To be filled.
+                // Filled by `fill`.
                 cells: vec![table.cells[0]; count],
                 cells_of_pattern: waves.len(),
                 ghost_coefficients: Vec::new(),
@@ -74,7 +74,7 @@ impl<T: Real> RowSpacing<T> {
         })
     }
 
-    /// Fills the table of a layer, where these patterns are.
+    /// Fills the table for a layer in which these patterns occur.
     fn fill(&mut self, layer: usize, patterns: impl Iterator<Item = u32>) {
         for pattern in patterns.map(|pattern| pattern as usize) {
             if std::mem::replace(&mut self.filled[pattern], layer) == layer {
@@ -95,14 +95,14 @@ impl<T: Real> RowSpacing<T> {
     }
 }
 
-/// A plane of the rotation of curved rows, in lanes.
+/// Plane of the rotation by the curvature of rows, in lanes.
 #[derive(Clone)]
 struct Plane<T: Real> {
-    /// Place of v.
+    /// Offset of the velocity v.
     velocity: usize,
-    /// Places of stresses, and q.
+    /// Offsets of stresses, and q.
     weights: Vec<(usize, T)>,
-    /// Places of stresses; by pattern Cq.
+    /// Offsets of stresses, and by pattern Cq.
     moduli: Vec<(usize, Vec<T::Lanes>)>,
     /// By pattern, for the layer and the interval of [`GeometricRotation::filled`].
     constants: Vec<[T::Lanes; 4]>,
@@ -110,18 +110,18 @@ struct Plane<T: Real> {
     by_layer: Vec<[Vec<[T; 4]>; 2]>,
 }
 
-/// The rotation of the state by the curvature of rows.
+/// Rotation of the state by the curvature of rows.
 #[derive(Clone)]
 pub(super) struct GeometricRotation<T: Real> {
     planes: Vec<Plane<T>>,
     patterns: Vec<Vec<u16>>,
-    /// By pattern, the layer and the interval for which constants are filled.
+    /// By pattern, the layer and the interval for which the constants are filled.
     filled: Vec<Option<(usize, Interval)>>,
 }
 
 impl<T: Real> GeometricRotation<T> {
-    /// The rotation in `layers` of a region of a problem; `None` where rows are straight. The place of a field is `pitch`
-    /// times its index.
+    /// Creates the rotation in `layers` of a region of a problem; `None` for straight rows. The offset of a field is
+    /// its index times `pitch`.
     pub(super) fn new<const D: usize>(
         problem: &Problem<D>,
         patterns: &[Vec<u16>],
@@ -185,9 +185,9 @@ impl<T: Real> GeometricRotation<T> {
     }
 }
 
-/// Rotation by the curvature of rows, in adjacent groups of a row.
+/// Kernel: rotation by the curvature of rows in adjacent groups of a row.
 struct RotateGeometry<'a, T: Real> {
-    /// From the first of the groups on.
+    /// Data from the first of the groups on.
     data: &'a mut [T::Lanes],
     patterns: &'a [u32],
     planes: &'a [Plane<T>],
@@ -218,7 +218,7 @@ impl<T: Real> SimdKernel<T> for RotateGeometry<'_, T> {
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Rotates the state by the curvature of rows; in the plane, where layers are rows.
+    /// Rotates the state by the curvature of rows over `interval`; in the plane only, where layers are rows.
     pub(super) fn rotate_geometry(
         &mut self,
         layers: &Range<usize>,
@@ -238,13 +238,13 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Fills the constants along rows for the sweep of a row.
+    /// Fills the wave constants for the sweep of a row.
     pub(super) fn fill_row_constants(&mut self, row: usize) {
         let Some(spacing) = &mut self.materials.row_spacing else { return };
         let groups = row * self.layout.groups..(row + 1) * self.layout.groups;
         let own = self.materials.patterns[groups].iter().copied();
         let ghosts = self.materials.row_patterns.get(row).copied().unwrap_or([0; 2 * GHOSTS]);
-        // Where all are alike there is one pattern, which the row has.
+        // With one lane pattern `row_patterns` is empty, and the row has that pattern.
         let ghosts = ghosts.into_iter().filter(|_| !self.materials.row_patterns.is_empty());
         spacing.fill(row, own.chain(ghosts));
     }

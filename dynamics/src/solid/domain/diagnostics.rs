@@ -1,4 +1,4 @@
-//! What a domain records beside its fields: the energy ledger, sums over time by cell, and output of watched cells.
+//! Diagnostics of a domain: energy ledger, sums over time by cell, and output of watched cells.
 
 use super::layout::Layout;
 use super::memory::zeros;
@@ -7,23 +7,23 @@ use crate::solid::ledger::{CellDissipation, WorkSums};
 use crate::solid::problem::Problem;
 use models::solid::waves::Field;
 
-/// Sums and records. Sums over cells are exact: they depend neither on the tiling nor on the number of parts.
+/// Sums and records. Sums over cells are exact: they depend neither on the tiling nor on the number of subdomains.
 #[derive(Clone)]
 pub(super) struct Diagnostics {
-    /// Over own cells and faces.
+    /// Work over own cells and faces.
     pub(super) work: WorkSums,
-    /// By group and lane.
+    /// Dissipation by group and lane.
     pub(super) dissipation: CellDissipation,
-    /// Places of velocities and spins, and Δt times the sum of their values, the first one halved, by cell.
+    /// Offsets of velocities and spins, and by cell Δt times the sum of their values, the first one halved.
     pub(super) integrals: Vec<(usize, Vec<f64>)>,
-    /// Own cells that are recorded after each step, in their order.
+    /// Own cells that are recorded after each step, in ascending order.
     pub(super) watched: Vec<usize>,
-    /// By step of the pass: all output of the watched cells.
+    /// By step of the pass, the output of all watched cells.
     pub(super) records: Vec<Vec<f64>>,
 }
 
 impl Diagnostics {
-    /// Nothing yet, for a part of a problem with these fields.
+    /// Creates empty sums and records for a subdomain of a problem with these fields.
     pub(super) fn new<T: Real, const D: usize>(
         layout: &Layout<D>,
         problem: &Problem<D>,

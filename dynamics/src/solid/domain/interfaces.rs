@@ -1,12 +1,13 @@
-//! Interlayers in a domain: at which faces they stand, and their history variables V and S ([`ElasticInterlayer`]).
+//! Interlayers of a domain: their faces, and their history variables V and S ([`ElasticInterlayer`]).
 //!
-//! A sweep evaluates some faces in more than one place: the face between the last group of a lane and the first group of
-//! the next lane at both ends of a row, the face between both ends of a periodic line twice, faces near a cut in both
-//! parts. Each place keeps a copy of the history. All copies see the same states, and so they stay equal to the bit; in
-//! halo layers they are exchanged with the fields. The copy that counts, for energy and output, is that at the lower face
-//! of the cell above it, in the part that owns the cell.
+//! A sweep evaluates some faces more than once: the face between the last group of a lane and the first group of the
+//! next lane at both ends of a row, the face between both ends of a periodic line twice, faces near a cut in both
+//! subdomains. Each evaluation has its own copy of the history variables. All copies are updated from the same states
+//! and thus stay equal to the bit; in halo layers they are exchanged with the fields. Energy and output use the copy at
+//! the lower face of the cell above the interlayer, in the subdomain that owns the cell.
 //!
-//! Elastic laws dissipate nothing: a law that does needs a term of the ledger, from the copies that count alone.
+//! Elastic laws dissipate nothing: a dissipative law would need a term of the ledger, from the copies used for energy
+//! only.
 
 use super::layout::Layout;
 use crate::simd::{Group, Number, Real};
@@ -19,14 +20,14 @@ use crate::solid::region::Region;
 use models::interface::elastic::ElasticInterlayer;
 use std::ops::Range;
 
-/// The lower face of a group on the path of a sweep.
+/// Lower face of a group on the path of a sweep.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Face {
-    /// Lanes with an interlayer, by bits: the reconstruction does not look across it.
+    /// Mask of the lanes with an interlayer: the reconstruction does not use differences across it.
     pub(super) lanes: u16,
-    /// Lanes of these whose memory is that of a face of the line.
+    /// Mask of those of these lanes whose face belongs to the line, and so has history variables.
     pub(super) active: u16,
-    /// Where the memories stand behind that of the first face of the line, if any is active.
+    /// Offset of the history variables from those of the first face of the line, if any lane is active.
     pub(super) start: usize,
 }
 
@@ -34,43 +35,44 @@ pub(crate) struct Face {
 #[derive(Clone)]
 struct Across<T: Real> {
     laws: Vec<ElasticInterlayer<T>>,
-    /// By coordinate of the cell whose lower face it is; along the last axis by layer, those of the halo included.
+    /// By coordinate of a cell, whether its lower face has an interlayer; along the last axis by layer, halo included.
     has_interlayer: Vec<bool>,
     is_periodic: bool,
-    /// By place of a group on a line, from the farther ghost in front of it to that behind it.
+    /// Lower faces of the groups of a line, from the farther ghost at the lower end to the farther ghost at the upper
+    /// end.
     faces: Vec<Face>,
-    /// Where their memories begin.
+    /// Index of the first history variable of this axis.
     first: usize,
-    /// From the memories of a line to those of the next one.
+    /// Distance between the history variables of two lines.
     line: usize,
-    /// Memories of one place.
+    /// Number of history variables of one place.
     slot: usize,
 }
 
-/// All interlayers, and their memories.
+/// All interlayers and their history variables.
 #[derive(Clone)]
 pub(super) struct Interfaces<T: Real, const D: usize> {
     across: [Option<Across<T>>; D],
-    /// Empty in a part without any.
+    /// History variables; empty in a subdomain without interlayers.
     pub(super) memory: Vec<T::Lanes>,
-    /// Buffer: the faces on the path of a sweep.
+    /// Buffer: faces on the path of a sweep.
     pub(super) path: Vec<Face>,
 }
 
-/// The memory of an own face for a pair of waves.
+/// Location of the history variables of an own face for a pair of waves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Site {
     pub(super) axis: usize,
     pub(super) pair: usize,
-    /// The cell behind the face, among all of the domain.
+    /// Cell at the upper side of the face, counted with the halo.
     pub(super) cell: usize,
-    /// Where V stands; S is in the next group.
+    /// Group that holds V; the next group holds S.
     group: usize,
     lane: usize,
 }
 
 impl<T: Real> Across<T> {
-    /// The coordinate of the face that has an interlayer at a place, if it has.
+    /// Returns the coordinate of the face at a place, periodic images included, if it has an interlayer.
     fn coordinate(&self, place: isize) -> Option<usize> {
         let count = self.has_interlayer.len();
         let around = match self.is_periodic {
@@ -83,7 +85,7 @@ impl<T: Real> Across<T> {
 }
 
 impl<T: Real, const D: usize> Interfaces<T, D> {
-    /// The interlayers of a region of a problem.
+    /// Creates the interlayers of a region of a problem.
     pub(super) fn new(problem: &Problem<D>, layout: &Layout<D>, region: &Region<D>) -> Self {
         let mut memories = 0;
         let across = std::array::from_fn(|axis| {
@@ -109,8 +111,8 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         Self { across, memory: vec![T::Lanes::ZERO; memories], path: Vec::new() }
     }
 
-    /// Across the first axis: lanes follow each other along rows. Given are where interlayers stand, and whether rows are
-    /// periodic.
+    /// Creates the faces across the first axis, where the lanes of a group are different cells of a row, for `pairs`
+    /// pairs of waves. Given are the cells with an interlayer at their lower face, and whether rows are periodic.
     fn along_rows(
         pairs: usize,
         layout: &Layout<D>,
@@ -147,7 +149,7 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         across
     }
 
-    /// Across another axis: all lanes of a group have the same.
+    /// Creates the faces across another axis, where all lanes of a group have an interlayer or none.
     fn across_rows(
         axis: usize,
         pairs: usize,
@@ -184,17 +186,19 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         across
     }
 
-    /// Whether there are any in the whole domain: its parts exchange their memories, be there none.
+    /// Whether the whole problem has interlayers: if so, all subdomains exchange history variables, even those without
+    /// interlayers.
     pub(super) fn is_any(&self) -> bool {
         self.across.iter().any(Option::is_some)
     }
 
-    /// Whether there are any across an axis.
+    /// Whether there are interlayers across an axis.
     pub(super) fn has(&self, axis: usize) -> bool {
         self.across[axis].is_some()
     }
 
-    /// The laws across an axis, by pair; where the memories of a line begin; and from a line to the next one.
+    /// Returns the laws across an axis, by pair of waves; the index of the history variables of a line; the distance
+    /// between lines.
     pub(super) fn lines(
         &self,
         axis: usize,
@@ -204,7 +208,7 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         Some((&own.laws, own.first + line * own.line, own.line))
     }
 
-    /// The faces in front of groups at places of a line that follow each other.
+    /// Returns the lower faces of the groups at consecutive places of a line.
     pub(super) fn faces(&self, axis: usize, places: Range<isize>) -> impl Iterator<Item = Face> {
         let own = self.across[axis].as_ref();
         places.map(move |place| {
@@ -214,8 +218,8 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         })
     }
 
-    /// The memory of a face of a line for a pair: the coordinate along the axis; the group of the line of groups among all,
-    /// and its lane. Along rows these are the row and any lane.
+    /// Returns group and lane of the history variables of a face of a line for a pair: `place` is the coordinate along
+    /// the axis; `line` is the line of groups and its lane. Along rows these are the row and any lane.
     fn site(
         &self,
         layout: &Layout<D>,
@@ -233,7 +237,8 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         (face.active >> lane & 1 == 1).then_some((start + MEMORY * pair, lane))
     }
 
-    /// The memory of the face at a place of a line, the face behind it included, for a pair.
+    /// Returns the history variables of the face at a place of a line for a pair, the upper face of the last cell
+    /// included.
     fn memory_at(
         &self,
         layout: &Layout<D>,
@@ -246,7 +251,7 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         Some([0, 1].map(|index| self.memory[group + index].lanes()[lane]))
     }
 
-    /// The memories of the faces of a layer across the last axis: by axis, face and pair.
+    /// Returns the sites of the faces of a layer across the last axis: by axis, face and pair of waves.
     fn sites(&self, layout: &Layout<D>, layer: usize) -> Vec<Site> {
         let mut sites = Vec::new();
         let (first, cells) = (layer * layout.layer_cells(), layout.layer_cells());
@@ -254,7 +259,7 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
             let Some(own) = own else { continue };
             let stride: usize = layout.cells[..axis].iter().product();
             for cell in first..first + cells {
-                // The last axis counts layers.
+                // Along the last axis the place is the layer.
                 let place = match axis + 1 == D {
                     true => layer,
                     false => cell / stride % layout.cells[axis],
@@ -281,12 +286,12 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         sites
     }
 
-    /// Those of the own cells, layer by layer.
+    /// Returns the sites of the own cells, layer by layer.
     pub(super) fn own_sites(&self, layout: &Layout<D>) -> Vec<Site> {
         self.sites_in(layout, &layout.own)
     }
 
-    /// Those of the cells in a box, layer by layer.
+    /// Returns the sites of the cells in a box, layer by layer.
     pub(super) fn sites_in(&self, layout: &Layout<D>, cells: &[Range<usize>; D]) -> Vec<Site> {
         if !self.is_any() {
             return Vec::new();
@@ -303,19 +308,19 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         sites.filter(is_inside).collect()
     }
 
-    /// V and S.
+    /// Returns V and S of a site.
     pub(super) fn get(&self, site: &Site) -> [T; MEMORY] {
         [0, 1].map(|index| self.memory[site.group + index].lanes()[site.lane])
     }
 
-    /// Sets V and S.
+    /// Sets V and S of a site.
     pub(super) fn set(&mut self, site: &Site, memory: [T; MEMORY]) {
         for (index, value) in memory.into_iter().enumerate() {
             self.memory[site.group + index].lanes_mut()[site.lane] = value;
         }
     }
 
-    /// Adds the energy of the faces of own cells, whose areas across the axes are given, m².
+    /// Adds the energy of the interlayers at own cells; `area` is the area of a face across each axis, m².
     pub(super) fn add_energy(&self, layout: &Layout<D>, area: [f64; D], sums: &mut EnergySums) {
         for site in self.own_sites(layout) {
             let Some(own) = &self.across[site.axis] else { continue };
@@ -326,7 +331,8 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         }
     }
 
-    /// Copies the memories of faces into their other places; those of the halo come with it.
+    /// Copies the history variables of faces to the other copies in this subdomain; copies in the halo are overwritten
+    /// by the exchange.
     pub(super) fn copy_to_other_places(&mut self, layout: &Layout<D>) {
         let own_layers = layout.own_layers();
         if let Some(across) = self.across[0].clone() {
@@ -358,7 +364,7 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         }
     }
 
-    /// All memories that stand with rows of a layer.
+    /// Returns the ranges of all history variables of rows of a layer.
     pub(super) fn stored(
         &self,
         layout: &Layout<D>,
@@ -383,7 +389,8 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         stored
     }
 
-    /// The memories of rows of a layer across the last axis, if it has an interlayer.
+    /// Returns the range of the history variables of rows of a layer across the last axis, if the layer has an
+    /// interlayer.
     fn across_last(
         &self,
         layout: &Layout<D>,
@@ -397,8 +404,9 @@ impl<T: Real, const D: usize> Interfaces<T, D> {
         (face.active != 0).then_some(start + from..start + to)
     }
 
-    /// The memories of rows of a layer that a neighbour needs of its halo, or the layer itself of its own one: across the
-    /// last axis, and in the plane along the row, since there passes have several steps.
+    /// Returns the ranges of the history variables of rows of a layer that are copied into a halo along the last axis:
+    /// those of interlayers across the last axis, and in the plane also across the first axis, since passes have
+    /// several steps there.
     pub(super) fn pieces(
         &self,
         layout: &Layout<D>,

@@ -1,4 +1,4 @@
-//! Interlayers of a domain: their state from outside.
+//! Interlayers of a domain: input and output of their history variables.
 
 use super::interfaces::Site;
 use super::{Domain, SolverReal};
@@ -7,13 +7,13 @@ use crate::solid::ledger::EnergySums;
 use models::solid::waves::Field;
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// V and S of all faces with interlayers in front of own cells: by layer across the last axis, axis of the face, cell
-    /// behind it, and pair of waves.
+    /// Returns V and S of all interlayers at the lower faces of own cells: by layer across the last axis, axis of the
+    /// face, upper cell, and pair of waves.
     pub fn interlayer_memory(&self) -> Vec<[T; MEMORY]> {
         self.interlayers().into_iter().map(|own| own.1).collect()
     }
 
-    /// The same memories with their places: the axis of the face, the number of the own cell behind it, the pair of waves.
+    /// Returns the same history variables with axis of the face, index of the own cell above it, and pair of waves.
     pub(crate) fn interlayers(&self) -> Vec<([usize; 3], [T; MEMORY])> {
         let sites = self.interfaces.own_sites(&self.layout).into_iter();
         let own = |site: Site| {
@@ -23,7 +23,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         sites.filter_map(own).collect()
     }
 
-    /// Sets them from such a list, as far as it goes.
+    /// Sets the history variables in the order of [`Self::interlayer_memory`]; if the list is shorter, the others are
+    /// unchanged.
     pub fn set_interlayer_memory(&mut self, memory: &mut impl Iterator<Item = [T; MEMORY]>) {
         for (site, own) in self.interfaces.own_sites(&self.layout).iter().zip(memory) {
             self.interfaces.set(site, own);
@@ -31,8 +32,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.interfaces.copy_to_other_places(&self.layout);
     }
 
-    /// Lets interlayers move with the cells beside them, V being the mean of their velocities, without stress: so that a
-    /// rigid motion stays one.
+    /// Initialises interlayers without stress and with V, the mean velocity of the adjacent cells, so that a rigid
+    /// motion remains one.
     pub fn initialise_interlayers(&mut self) {
         let (cells, layout) = (self.grid.cells, self.layout.clone());
         let place = |field: Field| self.place(field);
@@ -43,8 +44,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.set_interlayer_memory(&mut memory.into_iter());
     }
 
-    /// The memories of [`Self::initialise_interlayers`], where own cells are cells of a grid with so many, in which fields
-    /// have these values.
+    /// Returns the history variables of [`Self::initialise_interlayers`] from the field values `value` in a grid of
+    /// `cells` cells, in which the index of an own cell is `in_grid(cell)`.
     pub(crate) fn interlayers_at_start(
         &self,
         cells: &[usize; D],
@@ -59,7 +60,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.interlayers().into_iter().map(at_start).collect()
     }
 
-    /// The first interlayer whose memory is not finite: a field of its pair, and the own cell behind it.
+    /// Returns the first interlayer with a history variable that is not finite: a field of its pair, and the own cell
+    /// above it.
     pub(super) fn first_non_finite_interlayer(&self) -> Option<(Field, usize)> {
         self.interlayers().into_iter().find_map(|([axis, cell, pair], memory)| {
             let pair = &self.materials.media[0].pairs[axis][pair];
@@ -67,7 +69,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         })
     }
 
-    /// Adds the energy of interlayers in front of own cells.
+    /// Adds the energy of interlayers at the lower faces of own cells.
     pub(super) fn add_interlayer_energy(&self, sums: &mut EnergySums) {
         let area = self.grid.spacing.map(|spacing| self.grid.volume() / spacing);
         self.interfaces.add_energy(&self.layout, area, sums);

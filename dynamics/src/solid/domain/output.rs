@@ -1,4 +1,4 @@
-//! What a domain gives to the outside: fields of cells at the time of the domain, records of watched cells, sums.
+//! Output of a domain: fields of cells at the time of the domain, records of watched cells, sums by cell.
 
 use super::complete::ClosingBoundaries;
 use super::{Domain, SolverReal};
@@ -8,9 +8,9 @@ use crate::solid::medium::{Medium, component};
 use std::ops::Range;
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// The integrals in time of the problem in a cell, m or rad.
+    /// Returns the time integrals of the problem in an own cell, m or rad.
     pub(crate) fn integrals(&self, cell: usize) -> impl Iterator<Item = f64> {
-        // Of the trapezoidal rule; where sweeps alternate the rule is that of midpoints.
+        // Trapezoidal rule: removes half of the last value; alternating sweeps use the midpoint rule.
         let last = if self.scheme.alternates() { 0.0 } else { 0.5 * self.step };
         let is_under_way = self.schedule.steps > 0;
         let cell = self.layout.own_cell(cell);
@@ -20,12 +20,12 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         })
     }
 
-    /// How many sums steps add up by cell, besides the dissipation.
+    /// Returns the number of time integrals by cell.
     pub(crate) fn integral_count(&self) -> usize {
         self.diagnostics.integrals.len()
     }
 
-    /// What steps added up by own cell: the lists of [`CellDissipation`], then the sums of integrals.
+    /// Returns the sums over time by own cell: the lists of [`CellDissipation`], then the time integrals.
     ///
     /// [`CellDissipation`]: crate::solid::ledger::CellDissipation
     pub(crate) fn sums(&self) -> Vec<Vec<f64>> {
@@ -37,13 +37,13 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         dissipation.into_iter().chain(integrals).collect()
     }
 
-    /// Of a list by group and lane, the values of own cells in their order; none of an empty one.
+    /// Returns the values of own cells, in their order, from a list by group and lane; none if the list is empty.
     fn of_own_lanes(&self, values: &[f64]) -> impl Iterator<Item = f64> {
         let cells = self.layout.own_cells().take(if values.is_empty() { 0 } else { usize::MAX });
         cells.map(|cell| values[self.layout.lane_of::<T>(cell)])
     }
 
-    /// Takes over such sums.
+    /// Restores the sums that [`Self::sums`] returns.
     pub(crate) fn set_sums(&mut self, sums: &[Vec<f64>]) {
         let Some((dissipation, integrals)) = sums.split_at_checked(3) else { return };
         for (own, values) in self.diagnostics.dissipation.all_mut().into_iter().zip(dissipation) {
@@ -58,7 +58,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// The domain with its stresses in their yield sets: what is shown of it.
+    /// Returns a copy of the domain with its stresses mapped into their yield sets, for output.
     #[must_use]
     pub fn admissible(&self) -> Self {
         let mut shown = self.clone();
@@ -71,7 +71,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         shown
     }
 
-    /// The first cell whose stress is not in its yield set.
+    /// Returns the first own cell whose total stress is not in its yield set.
     pub(crate) fn first_beyond_yield(&self) -> Option<usize> {
         (0..self.grid.count()).find(|&cell| {
             let stress = self.whole_stress(cell);
@@ -79,12 +79,12 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         })
     }
 
-    /// Records own cells, in their order, after each step from now on.
+    /// Sets the own cells, in ascending order, that are recorded after each step from now on.
     pub(crate) fn watch(&mut self, cells: impl Iterator<Item = usize>) {
         self.diagnostics.watched = cells.collect();
     }
 
-    /// Records what is watched in layers that have come through a step of the pass.
+    /// Records the watched cells in layers that have completed a step of the pass.
     pub(super) fn record(&mut self, layers: Range<usize>, step: usize) {
         let mut records = std::mem::take(&mut self.diagnostics.records[step]);
         let [from, to] = [layers.start, layers.end].map(|layer| {
@@ -99,18 +99,19 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.diagnostics.records[step] = records;
     }
 
-    /// Appends what the pass recorded, by step and then by cell, and forgets it.
+    /// Moves the records of the pass to the end of `records`, by step and then by cell.
     pub(crate) fn drain_records(&mut self, records: &mut Vec<f64>) {
         self.diagnostics.records.iter_mut().for_each(|step| records.append(step));
     }
 
-    /// Appends all fields of a cell as they are shown: the whole stress, the initial one included, in its
-    /// yield set. Behind them the integrals of the problem.
+    /// Appends the output of an own cell: all fields, with the total stress (initial stress included) mapped into its
+    /// yield set, then the time integrals of the problem.
     pub fn output_cell(&self, cell: usize, values: &mut Vec<f64>) {
         self.output_cell_between(cell, self.closing_boundaries().as_ref(), values);
     }
 
-    /// The same with the sides that [`Self::closing_boundaries`] gives, for many cells.
+    /// Appends the output of an own cell as [`Self::output_cell`] does, with boundaries that
+    /// [`Self::closing_boundaries`] has returned, to save time for many cells.
     pub(crate) fn output_cell_between(
         &self,
         cell: usize,
@@ -128,7 +129,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         values.extend(self.integrals(cell));
     }
 
-    /// The medium of an own cell.
+    /// Returns the medium of an own cell.
     fn medium(&self, cell: usize) -> &Medium {
         self.materials.of(self.layout.own_cell(cell))
     }

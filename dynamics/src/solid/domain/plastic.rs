@@ -1,11 +1,12 @@
-//! Return mapping without initial stress, by the projection, where all sets are of one kind: Mises' set in all its forms
-//! in lanes, and the energy it dissipates. Its terms are those of
-//! [`Mises::project`](models::yield_set::parameters::Mises::project), where they are derived; where one part of the stress
-//! is seen the root is in closed form. Stresses at the apex and on the half-line before it are left to that function.
-//! Of polyhedra all conditions are evaluated in lanes, and a stress beyond one is projected alone. All other configurations
-//! are those of `return_mapping`.
+//! Return mapping in lanes without initial stress, by projection, if all yield sets are of one kind: Mises' set in all
+//! its forms, with the energy it dissipates. Its formulas are derived at
+//! [`Mises::project`](models::yield_set::parameters::Mises::project); if the condition depends on one part of the
+//! stress only, the root is in closed form. Stresses at the apex and on the half-line before it are mapped by that
+//! scalar function. For polyhedra all conditions are evaluated in lanes, and a stress beyond a condition is projected
+//! by the scalar function. All other configurations are mapped by `return_mapping`.
 //!
-//! A lane does not depend on those beside it: stresses within their sets stay as they are to the bit, wherever rows are cut.
+//! A lane does not depend on its neighbours: stresses within their sets are unchanged to the bit, wherever rows are
+//! cut.
 
 use crate::simd::{Group, Number, Real, SimdKernel, Vector};
 use crate::solid::medium::{Medium, component};
@@ -18,15 +19,15 @@ use models::yield_set::return_mapping::{Equation, Iterate, PARTS};
 #[derive(Clone)]
 pub(super) enum Sets<T: Real> {
     Mises(Strengths<T>),
-    /// Conditions of interlayer sets: what is within all of them is left alone, what is not is corrected
-    /// one by one.
+    /// Conditions of interlayer sets: stresses that satisfy all of them are unchanged, all others are projected by the
+    /// scalar function.
     HalfSpaces(Vec<Vec<HalfSpace<T::Lanes>>>),
 }
 
-/// n·s ≤ k in lanes.
+/// Half-space n·s ≤ k in lanes.
 #[derive(Clone)]
 pub(super) struct HalfSpace<N> {
-    /// Places of stresses and components of n.
+    /// Offsets of stresses, and components of n.
     normal: Vec<(usize, N)>,
     strength: N,
 }
@@ -36,16 +37,16 @@ pub(super) struct HalfSpace<N> {
 pub(super) struct Strengths<T: Real> {
     force: Matrix,
     couple: Matrix,
-    /// Parts that any condition sees.
+    /// Parts of the stress with a nonzero weight in any condition.
     seen: [bool; PARTS],
     by_pattern: Vec<Strength<T::Lanes>>,
 }
 
-/// Places of the components of a stress.
+/// Offsets of the components of a force or couple stress.
 #[derive(Clone, Default)]
 pub(super) struct Matrix {
     pub(super) normal: Option<[usize; 3]>,
-    /// Components that mirror each other; the same twice where one stands for both.
+    /// Offsets of the components ij and ji; twice the same if one field stands for both.
     pub(super) pairs: Vec<[usize; 2]>,
 }
 
@@ -68,31 +69,31 @@ impl Matrix {
     }
 }
 
-/// A yield set in lanes.
+/// Mises' set in lanes.
 #[derive(Clone, Copy)]
 struct Strength<N> {
-    /// k; so great that nothing comes near it in lanes that do not yield.
+    /// k; in lanes without yield set greater than any stress.
     strength: N,
     /// κ.
     friction: N,
-    /// κK, by which the mean falls per multiplier.
+    /// κK, decrease of the mean stress per plastic multiplier.
     shift: N,
     /// a = 2κ²K.
     a: N,
-    /// With the rate d = Dp of the force deviator: 2/(a + d), the multiplier per excess of τ̄, and ½d.
+    /// 2/(a + d), plastic multiplier per excess of τ̄, with the rate d = Dp of the force deviator; then ½d.
     softness: N,
     half_rate: N,
-    /// Weights p, rates Dp and compliances 1/D of the parts.
+    /// Weights p, rates Dp and compliances 1/D of the parts of the stress.
     weights: [N; PARTS],
     rates: [N; PARTS],
     compliances: [N; PARTS],
 }
 
 impl Strength<f64> {
-    /// That of a medium which does not yield.
+    /// Returns the set of a medium without yield condition: `strength` is beyond any stress.
     fn none(strength: f64) -> Self {
         let mut rates = [0.0; PARTS];
-        // Any but zero.
+        // Any nonzero value.
         rates[0] = 1.0;
         let [weights, compliances] = [[0.0; PARTS]; 2];
         let [friction, shift, a, half_rate] = [0.0; 4];
@@ -104,7 +105,7 @@ impl Strength<f64> {
         let bulk = solid.lambda + 2.0 / 3.0 * solid.mu;
         let Mises { friction, strength, .. } = *set;
         let [shift, a] = [friction * bulk, 2.0 * friction * friction * bulk];
-        // Parts without weight or stiffness are left alone.
+        // Parts without weight or stiffness are not mapped.
         let parts = set
             .parts(solid)
             .map(|part| if part[0] > 0.0 && part[1] > 0.0 { part } else { [0.0; 2] });
@@ -125,13 +126,14 @@ impl Strength<f64> {
     }
 }
 
-/// Far beyond any stress, with room for products.
+/// Returns a strength beyond any stress whose products do not overflow.
 fn boundless<T: Real>() -> f64 {
     if size_of::<T>() == 4 { 1e15 } else { 1e120 }
 }
 
 impl<T: Real> Sets<T> {
-    /// `None` where there are sets of both kinds, or of another one. The place of a field is so many times its index.
+    /// Creates the sets of all lane patterns; `None` for sets of both kinds, or of another kind. The offset of a field
+    /// is its index times `pitch`.
     pub(super) fn new(media: &[Medium], patterns: &[Vec<u16>], pitch: usize) -> Option<Self> {
         match Strengths::new(media, patterns, pitch) {
             Some(strengths) => Some(Self::Mises(strengths)),
@@ -140,14 +142,14 @@ impl<T: Real> Sets<T> {
     }
 }
 
-/// Conditions by pattern; `None` where a set is no polyhedron.
+/// Returns the conditions by pattern; `None` if a set is not a polyhedron.
 fn half_spaces<T: Real>(
     media: &[Medium],
     patterns: &[Vec<u16>],
     pitch: usize,
 ) -> Option<Vec<Vec<HalfSpace<T::Lanes>>>> {
     let fields = &media[0].fields;
-    /// n by field, and k.
+    /// Condition: n by field, and k.
     struct Condition {
         normal: Vec<f64>,
         strength: f64,
@@ -160,7 +162,7 @@ fn half_spaces<T: Real>(
         };
         let of = |(condition, strength): (ActiveCondition, f64)| {
             let component = |&field: &Field| match field {
-                // One field stands for both in classical solids.
+                // One field stands for both components ij and ji in classical solids.
                 Field::Stress(i, j) if i != j && medium.rotation.is_none() => {
                     condition.normal.force[i][j] + condition.normal.force[j][i]
                 }
@@ -191,7 +193,7 @@ fn half_spaces<T: Real>(
 }
 
 impl<T: Real> Strengths<T> {
-    /// `None` where a set is none of Mises'.
+    /// Creates Mises' sets of all lane patterns; `None` if a set is of another kind.
     fn new(media: &[Medium], patterns: &[Vec<u16>], pitch: usize) -> Option<Self> {
         let fields = &media[0].fields;
         let of_medium: Vec<Strength<f64>> = media
@@ -234,17 +236,17 @@ impl<T: Real> Strengths<T> {
     }
 }
 
-/// The correction of groups that follow each other in a row.
+/// Kernel: return mapping of adjacent groups of a row.
 pub(super) struct Correct<'a, T: Real> {
-    /// From the first of the groups on.
+    /// Data from the first of the groups on.
     pub(super) data: &'a mut [T::Lanes],
     pub(super) patterns: &'a [u32],
     pub(super) sets: &'a Sets<T>,
-    /// By pattern.
+    /// By pattern, whether any lane has a yield set.
     pub(super) yields: &'a [bool],
     /// Plastic dissipation by group and lane, J/m³; added to.
     pub(super) dissipated: &'a mut [f64],
-    /// Groups that have stresses which are left, and their lanes.
+    /// Groups with stresses left to the scalar projection, and masks of their lanes.
     pub(super) left: &'a mut Vec<(usize, u16)>,
 }
 
@@ -273,7 +275,7 @@ impl<T: Real> SimdKernel<T> for Correct<'_, T> {
 }
 
 impl<T: Real> Correct<'_, T> {
-    /// Mises' sets: those that see nothing but the deviator of the stress have a loop of their own.
+    /// Maps Mises' sets; sets that depend on the deviator of the force stress only have a separate compiled loop.
     #[inline(always)]
     fn each<V: Vector<T>, const DEVIATOR: bool>(self, strengths: &Strengths<T>) {
         let lanes = T::Lanes::COUNT;
@@ -289,7 +291,7 @@ impl<T: Real> Correct<'_, T> {
                 let dissipated = &mut self.dissipated[index * lanes..][..lanes];
                 for (own, lost) in dissipated.iter_mut().zip(lost.lanes()) {
                     let lost = lost.wide();
-                    // What is no number is so in the stress as well, where it is looked for.
+                    // NaN also enters the stress, where it is detected.
                     debug_assert!(lost.is_nan() || lost >= 0.0, "the correction adds energy");
                     *own += lost.max(0.0);
                 }
@@ -301,7 +303,7 @@ impl<T: Real> Correct<'_, T> {
     }
 }
 
-/// The lanes of a group whose stresses are beyond any condition.
+/// Returns the mask of the lanes whose stress violates any condition.
 #[inline(always)]
 fn beyond<T: Real, V: Vector<T>>(group: &[T::Lanes], half_spaces: &[HalfSpace<T::Lanes>]) -> u16 {
     let mut lanes = 0;
@@ -315,14 +317,14 @@ fn beyond<T: Real, V: Vector<T>>(group: &[T::Lanes], half_spaces: &[HalfSpace<T:
     lanes
 }
 
-/// What was done to a group, by lanes.
+/// Masks of the lanes of a group after the return mapping.
 struct Done {
     mapped: u16,
-    /// Beyond their sets, and yet to be mapped one by one.
+    /// Lanes beyond their sets that are left to the scalar projection.
     left: u16,
 }
 
-/// Mean, ½ the square of the symmetric deviator and of the antisymmetric part of a stress.
+/// Returns the mean, and ½|·|² of the symmetric deviator and of the antisymmetric part of a stress.
 #[inline(always)]
 fn invariants<T: Real, V: Vector<T>>(group: &[T::Lanes], matrix: &Matrix) -> (V, V, V) {
     let (mut mean, mut deviator, mut antisymmetric) = (V::ZERO, V::ZERO, V::ZERO);
@@ -341,8 +343,8 @@ fn invariants<T: Real, V: Vector<T>>(group: &[T::Lanes], matrix: &Matrix) -> (V,
     (mean, deviator, antisymmetric)
 }
 
-/// Takes shares of the deviator and of the antisymmetric part, if not of the former alone, away and adds to the mean, in
-/// some lanes.
+/// Scales a stress in the masked lanes: subtracts the fraction `deviator` of the symmetric deviator and, unless
+/// `DEVIATOR`, the fraction `antisymmetric` of the antisymmetric part, and adds `more` to the mean.
 #[inline(always)]
 fn relax<T: Real, V: Vector<T>, const DEVIATOR: bool>(
     group: &mut [T::Lanes],
@@ -404,7 +406,7 @@ fn correct<T: Real, V: Vector<T>, const DEVIATOR: bool>(
     }
     let strength = V::load(&own.strength);
     let room = strength - V::load(&own.friction) * mean;
-    // Where the mean alone is beyond.
+    // Lanes whose mean stress alone is beyond the set.
     let left = V::MIN_POSITIVE.greater_lanes(room);
     let mapped = square.greater_lanes(room * room) & !left;
     if mapped == 0 {
@@ -429,17 +431,17 @@ fn correct<T: Real, V: Vector<T>, const DEVIATOR: bool>(
     Done { mapped, left }
 }
 
-/// The fraction that the deviator loses, and λ, where h(x) = 0 is linear: with τ̄ − r in excess
-/// λ = 2(τ̄ − r)/(a + d), and the deviator loses the fraction d λ/(2τ̄), with its rate d = Dp.
+/// Returns the fraction that the deviator loses, and λ, if h(x) = 0 is linear: for an excess τ̄ − r, λ = 2(τ̄ − r)/(a +
+/// d), and the deviator loses the fraction d λ/(2τ̄), with its rate d = Dp.
 #[inline(always)]
 fn one_rate<T: Real, V: Vector<T>>(square: V, room: V, own: &Strength<T::Lanes>) -> (V, V) {
     let shear = square.sqrt();
     let multiplier = V::load(&own.softness) * (shear - room).max(V::ZERO);
-    // In lanes without any stress there is nothing to lose.
+    // Avoids 0/0 in lanes without stress.
     (V::load(&own.half_rate) * multiplier / shear.max(V::MIN_POSITIVE), multiplier)
 }
 
-/// What each part loses of itself, λ, and what the parts lose of their energy: by [`Equation::root`].
+/// Returns the fraction that each part loses, λ, and the energy loss of the parts: by [`Equation::solve`].
 #[inline(always)]
 fn several_rates<T: Real, V: Vector<T>>(
     squares: [V; PARTS],

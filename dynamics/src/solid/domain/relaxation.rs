@@ -1,10 +1,10 @@
-//! Relaxation of stress deviators, a local law with memory variables: an elastic sweep sees the unrelaxed solid at constant
-//! viscous strain, and the law lets stress and viscous strain relax exactly at constant strain in between.
+//! Relaxation of stress deviators, a local law with memory variables: a sweep treats the solid as unrelaxed at constant
+//! viscous strain, and between sweeps stress and viscous strain relax exactly at constant total strain.
 //!
-//! It stands where the rotation of spins stands, by a whole step or by halves on both sides of the middle, so that the
-//! step remains symmetric and of second order. Both commute: relaxation changes the symmetric deviator alone, the rotation
-//! the antisymmetric part. Constants are by pattern of media in lanes; a medium that does not relax has those of
-//! [`Relaxation::NONE`], by which its viscous strain stays zero.
+//! Relaxation is applied where the rotation of spins is, over a whole step, or over two halves before and after the
+//! middle, so that the step remains symmetric and of second order. The two commute: relaxation changes the symmetric
+//! deviator only, the rotation the antisymmetric part only. Constants are by lane pattern; a medium without relaxation
+//! has the constants [`Relaxation::NONE`], for which its viscous strain stays zero.
 
 use super::layout::RowSegment;
 use super::{Domain, SolverReal};
@@ -15,20 +15,20 @@ use models::rheology::relaxation::Relaxation;
 use models::solid::waves::Field;
 use std::ops::Range;
 
-/// The laws by pattern.
+/// Relaxation laws by lane pattern.
 #[derive(Clone)]
 pub(super) struct Relaxations<T: Real> {
-    /// Places of what relaxes.
+    /// Offsets of the stresses that relax and of their viscous strains.
     fields: RelaxedFields,
-    /// `None` where no lane relaxes.
+    /// `None` if no lane relaxes.
     by_pattern: Vec<Option<OfPattern<T>>>,
 }
 
-/// Lanes that relax, and constants over a whole step and a half.
+/// Mask of the lanes that relax, and constants over a whole step and over half a step.
 type OfPattern<T> = (u16, [Relaxation<<T as Real>::Lanes>; 2]);
 
 impl<T: Real> Relaxations<T> {
-    /// `None` where nothing relaxes. The place of a field is its index times `pitch`.
+    /// Creates the laws; `None` if no medium relaxes. The offset of a field is its index times `pitch`.
     pub(super) fn new(
         media: &[Medium],
         patterns: &[Vec<u16>],
@@ -55,7 +55,7 @@ impl<T: Real> Relaxations<T> {
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Relaxes stresses.
+    /// Relaxes stresses over `interval` in a segment of the rows of some layers.
     pub(super) fn relax(&mut self, layers: &Range<usize>, tile: &RowSegment, interval: Interval) {
         let Some(relaxations) = &self.law.relaxations else { return };
         let lanes = T::Lanes::COUNT;
@@ -73,14 +73,14 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 }
 
-/// Relaxation of stresses, in adjacent groups of a row.
+/// Kernel: relaxation of stresses in adjacent groups of a row.
 struct Relax<'a, T: Real> {
-    /// From the first of the groups on.
+    /// Data from the first of the groups on.
     data: &'a mut [T::Lanes],
     patterns: &'a [u32],
     relaxations: &'a Relaxations<T>,
     interval: Interval,
-    /// Energy dissipated by group and lane, J/m³; added to.
+    /// Dissipated energy by group and lane, J/m³; added to.
     dissipated: &'a mut [f64],
 }
 
@@ -131,13 +131,13 @@ impl<T: Real> Relax<'_, T> {
     }
 }
 
-/// Sets some lanes of a field; the others stay as they are, to the sign of zeros.
+/// Sets the masked lanes of a field; all others are unchanged, the sign of zeros included.
 #[inline(always)]
 fn put_lanes<T: Real, V: Vector<T>>(group: &mut [T::Lanes], place: usize, lanes: u16, value: V) {
     V::load(&group[place]).with_lanes(lanes, value).store(&mut group[place]);
 }
 
-/// Constants of a group.
+/// Loads the constants of a group.
 #[inline(always)]
 fn load<T: Real, V: Vector<T>>(from: &Relaxation<T::Lanes>) -> Relaxation<V> {
     Relaxation {

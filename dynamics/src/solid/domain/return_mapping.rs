@@ -1,14 +1,15 @@
-//! Return mapping of whole stresses in lanes, the initial stress included, by the projection P or the reflection 2P − I,
-//! with any kinds of yield sets side by side.
+//! Return mapping of total stresses in lanes, the initial stress included, by the projection P or the reflection 2P −
+//! I, with any kinds of yield sets side by side.
 //!
-//! Every operation is that of the projection of one stress ([`Medium::project`]), in its order and in double precision:
-//! the bits are the same. Groups in which no lane yields are left after the condition is evaluated. Newton's method runs on
-//! a batch of groups: those that have converged do not wait for the others. Lanes are projected one by one where the mean
-//! may come to the apex, and where the set is a polyhedron, whose half-spaces are evaluated in lanes, or unknown.
+//! Every operation is that of the scalar projection ([`Medium::project`]), in the same order and in double precision:
+//! results are equal to the bit. Groups in which no lane yields are skipped after the condition is evaluated. Newton's
+//! method runs on a batch of blocks: converged blocks do not wait for the others. Lanes are projected by the scalar
+//! function if the mean may reach the apex, and if the set is a polyhedron, whose half-spaces are tested in lanes, or
+//! of another kind.
 //!
-//! A block of eight stresses takes 16 to 19 divisions and 3 to 4 roots in a classical solid with initial stress: each step
-//! of Newton's method three and one, each energy two. While Newton's method runs the unit that divides is busy; elsewhere
-//! some four hundred additions, multiplications and comparisons take the time.
+//! A block of eight stresses takes 16 to 19 divisions and 3 to 4 roots in a classical solid with initial stress: three
+//! divisions and one root per step of Newton's method, two divisions per energy. Newton's method is bound by the
+//! division unit; the rest of the time is spent on about 400 additions, multiplications and comparisons.
 #![allow(clippy::needless_range_loop, reason = "indices are those of tensors, parts and lanes")]
 
 mod batch;
@@ -26,39 +27,39 @@ use models::solid::parameters::stored_energy;
 use models::solid::stress::{Shape, Stress, Tensor};
 use models::yield_set::return_mapping::{Cone, Mapped, PARTS, Parts, ROUNDING, sum_of};
 
-/// The mapping of blocks that follow each other in a row.
+/// Kernel: return mapping of adjacent blocks of a row.
 pub(super) struct MapStresses<'a> {
     pub(super) mapping: &'a WholeStressSets,
     pub(super) media: &'a [Medium],
-    /// From the first of the blocks on.
+    /// Data from the first of the blocks on.
     pub(super) data: &'a mut [Wide],
-    /// Room of a field in `data`, in blocks.
+    /// Distance between two fields in `data`, in blocks.
     pub(super) pitch: usize,
-    /// By group.
+    /// Lane patterns by group.
     pub(super) patterns: &'a [u32],
-    /// By pattern.
+    /// By pattern, whether any lane has a yield set.
     pub(super) yields: &'a [bool],
     /// Blocks per group: 1 in double, 2 in single precision.
     pub(super) blocks_per_group: usize,
-    /// None; of all blocks; or by block of the row.
+    /// Initial stress: empty without one, one entry for all blocks, or one entry per block of the row.
     pub(super) initial: &'a [InitialStress],
     pub(super) reflects: bool,
-    /// Place of the first group in the row; lanes that are cells in each of its groups, and how many of the first groups have
-    /// one more.
+    /// Index of the first group in its row; number of lanes that are cells in every group of the row; number of leading
+    /// groups of the row with one more.
     pub(super) row: [usize; 3],
     /// Plastic dissipation by block and lane, J/m³; added to.
     pub(super) dissipated: &'a mut [f64],
-    /// The same for the work of the initial stress; empty where there is none.
+    /// Work of the initial stress by block and lane, J/m³; added to; empty without initial stress.
     pub(super) released: &'a mut [f64],
-    /// By group, the lanes of own cells; `None` where there are none.
+    /// By group, mask of the lanes of own cells; `None` if the row has no own cells.
     pub(super) own_lanes: Option<&'a [u16]>,
-    /// The least plastic dissipation of own cells over the energy stored.
+    /// Smallest ratio of plastic dissipation to stored energy over own cells; updated.
     pub(super) least_plastic: &'a mut f64,
-    /// Set where there was something to be mapped.
+    /// Set to true if any stress is mapped.
     pub(super) has_mapped: &'a mut bool,
 }
 
-/// Maps them, in these instructions; compiled once, in this crate.
+/// Runs the kernel with an instruction set; compiled once, in this crate.
 pub(super) fn map_in_lanes(instructions: Instructions, work: MapStresses<'_>) {
     instructions.run::<f64>(work);
 }
@@ -80,11 +81,11 @@ impl SimdKernel<f64> for MapStresses<'_> {
     }
 }
 
-/// What the mapping took, J/m³.
+/// Energy changes of the return mapping in lanes, J/m³.
 struct Taken<V> {
     dissipated: V,
     released: V,
-    /// The dissipation over the energy stored, where it is negative.
+    /// Ratio of dissipation to stored energy if negative, else zero.
     shares: V,
 }
 
@@ -92,7 +93,7 @@ impl<V: Number> Taken<V> {
     const NONE: Self = Self { dissipated: V::ZERO, released: V::ZERO, shares: V::ZERO };
 }
 
-/// A trial stress in lanes, and its parts.
+/// Trial stress in lanes, and its parts.
 struct Trial<V> {
     stress: Tensors<V>,
     parts: Parts<V>,
@@ -100,7 +101,7 @@ struct Trial<V> {
     weighted: [V; PARTS],
     /// τ̄².
     square: V,
-    /// r.
+    /// Shear capacity r.
     room: V,
 }
 
@@ -113,13 +114,13 @@ impl<V: Vector<f64>> Trial<V> {
         Self { stress, parts, weighted, square: sum_of(&weighted, seen), room }
     }
 
-    /// Whether it is within the set in all lanes, by a sufficient test.
+    /// Whether all lanes are within the set, by a sufficient test.
     #[inline(always)]
     fn is_inside(&self) -> bool {
         !self.square.any_gt(self.room * self.room) && !V::ZERO.any_gt(self.room)
     }
 
-    /// The lanes in which it is beyond the set, by more than rounding; as in
+    /// Returns the mask of the lanes beyond the set by more than rounding, as in
     /// [`Mises::project`](models::yield_set::parameters::Mises::project).
     #[inline(always)]
     fn yielding(&self, shape: Shape, cone: &Cone<V>, shear: V) -> u16 {
@@ -127,7 +128,7 @@ impl<V: Vector<f64>> Trial<V> {
         let size = shear + cone.friction * mean.max(-mean) + cone.strength;
         let excess = shear - self.room;
         let possible = excess.greater_lanes(V::from_f64(ROUNDING) * size);
-        // Mostly far more, so that the root of what rounds the components is not needed.
+        // The excess is mostly far greater, so that the root in the rounding bound of the components is not needed.
         let allowed = V::from_f64(1.0 / ROUNDING) * excess - size;
         let [force, couple] = cone.rounding_weights;
         let [deviator, antisymmetric, couple_deviator, couple_mean, couple_antisymmetric] =
@@ -146,7 +147,7 @@ impl<V: Vector<f64>> Trial<V> {
         excess.greater_lanes(V::from_f64(ROUNDING) * (size + rounded))
     }
 
-    /// The lanes that may go to the apex.
+    /// Returns the mask of the lanes that may be mapped to the apex.
     #[inline(always)]
     fn beyond_apex(&self) -> u16 {
         V::ZERO.greater_lanes(self.room) | V::MIN_POSITIVE.greater_lanes(self.square)
@@ -157,7 +158,7 @@ impl<'a> MapStresses<'a> {
     #[inline(always)]
     fn each<V: Vector<f64>>(&mut self, shape: Shape, seen: &[bool; PARTS]) {
         let count = self.patterns.len() * self.blocks_per_group;
-        // The energy of the initial stress, and the block it is known for.
+        // Energy of the initial stress, and the number of the block for which it was computed.
         let mut energy = (V::ZERO, usize::MAX);
         let mut batch = Batch { count: 0, found: [Found::NONE; BATCH], was_found: false };
         for first in (0..count).step_by(BATCH) {
@@ -178,13 +179,13 @@ impl<'a> MapStresses<'a> {
         }
     }
 
-    /// log₂ of the number of blocks per group.
+    /// Returns log₂ of the number of blocks per group.
     #[inline(always)]
     const fn log_of_blocks_per_group(&self) -> u32 {
         self.blocks_per_group.trailing_zeros()
     }
 
-    /// The block of a place.
+    /// Returns number and constants of the block at a place of the row.
     #[inline(always)]
     fn block(&self, place: usize) -> (usize, &'a Block) {
         let pattern = self.patterns[place >> self.log_of_blocks_per_group()] as usize;
@@ -192,7 +193,7 @@ impl<'a> MapStresses<'a> {
         (number, &self.mapping.blocks[number])
     }
 
-    /// Finds lanes that are beyond their sets, and the first iterate of their multipliers.
+    /// Tests a block for lanes beyond their sets, and adds it to the batch if there are any.
     #[inline(always)]
     fn look<V: Vector<f64>>(
         &self,
@@ -206,7 +207,7 @@ impl<'a> MapStresses<'a> {
         let cone = load_cone::<V>(&block.cone);
         let stress = self.stress::<V>(shape, place, initial);
         let is_plain = block.half_spaces.is_empty() && block.others == 0;
-        // If the previous block yielded, this one probably does too: skip the shorter test.
+        // If the previous block yielded, this one probably does too: skip the cheaper test.
         if is_plain && shape.is_symmetric && !batch.was_found && is_inside(shape, &cone, &stress[0])
         {
             return;
@@ -247,7 +248,7 @@ impl<'a> MapStresses<'a> {
         batch.count += 1;
     }
 
-    /// Newton's method until all are at their roots; the others do not wait for those that are not yet.
+    /// Iterates Newton's method until all blocks have converged; converged blocks do not wait for the others.
     #[inline(always)]
     fn iterate<V: Vector<f64>>(
         &self,
@@ -283,7 +284,7 @@ impl<'a> MapStresses<'a> {
         }
     }
 
-    /// Maps the lanes that were found.
+    /// Maps the lanes of a block beyond their sets and accumulates their energies.
     #[inline(always)]
     fn finish<V: Vector<f64>>(
         &mut self,
@@ -324,7 +325,7 @@ impl<'a> MapStresses<'a> {
         }
     }
 
-    /// The least of the dissipation over the energy stored.
+    /// Updates the smallest ratio of dissipation to stored energy over own cells.
     #[inline(never)]
     fn note_shares<V: Vector<f64>>(&mut self, place: usize, shares: V) {
         let Some(own) = self.own_lanes else { return };
@@ -337,7 +338,7 @@ impl<'a> MapStresses<'a> {
         }
     }
 
-    /// The initial stress there, if there is one.
+    /// Returns the initial stress of a block, if there is one.
     #[inline(always)]
     fn initial_at(&self, place: usize) -> Option<&'a InitialStress> {
         match self.initial {
@@ -347,7 +348,7 @@ impl<'a> MapStresses<'a> {
         }
     }
 
-    /// The lanes that are cells.
+    /// Returns the mask of the lanes that are cells.
     #[inline(always)]
     fn cells(&self, place: usize) -> u16 {
         let [first, whole, rest] = self.row;
@@ -358,7 +359,7 @@ impl<'a> MapStresses<'a> {
         (1 << own) - 1
     }
 
-    /// The whole stress.
+    /// Loads the total stress of a block.
     #[inline(always)]
     fn stress<V: Vector<f64>>(
         &self,
@@ -381,7 +382,7 @@ impl<'a> MapStresses<'a> {
         stress
     }
 
-    /// A component of the whole stress.
+    /// Loads a component of the total stress of a block.
     #[inline(always)]
     fn component<V: Vector<f64>>(
         &self,
@@ -399,7 +400,7 @@ impl<'a> MapStresses<'a> {
         }
     }
 
-    /// The lanes beyond half-spaces, if only by rounding.
+    /// Returns the mask of the lanes beyond a half-space, even if only by rounding.
     #[inline(always)]
     fn beyond_half_spaces<V: Vector<f64>>(
         &self,
@@ -418,7 +419,7 @@ impl<'a> MapStresses<'a> {
         lanes
     }
 
-    /// Maps some lanes; those that must be mapped one by one are left, and returned.
+    /// Maps the given lanes of a block; returns the mask of those left to the scalar projection.
     #[inline(always)]
     fn map<V: Vector<f64>>(
         &mut self,
@@ -435,7 +436,8 @@ impl<'a> MapStresses<'a> {
         let mean = parts.force.0;
         let mapped =
             Mapped::new(cone, &parts.squares, [V::ONE, root.x], root.reciprocal, root.kept, seen);
-        // Where the mean is recovered from the yield condition, which is done one by one. τ̄ = 1/(1/τ̄) is rounded there.
+        // Lanes whose mean is recovered from the yield condition, by the scalar function. τ̄ = 1/(1/τ̄) is rounded
+        // there.
         let least = cone.strength + root.shear * V::from_f64(1.0 - 4.0 * f64::EPSILON);
         let size = cone.friction * (mean.max(-mean) + mapped.mean_drop);
         let left = size.greater_lanes(least) & lanes;
@@ -488,7 +490,7 @@ impl<'a> MapStresses<'a> {
         left
     }
 
-    /// The mapped stress, or its reflection, without the initial one.
+    /// Stores the mapped stress, or its reflection, minus the initial stress.
     #[inline(always)]
     fn put<V: Vector<f64>>(
         &mut self,
@@ -518,7 +520,7 @@ impl<'a> MapStresses<'a> {
         }
     }
 
-    /// Maps lanes one by one.
+    /// Maps lanes by the scalar function.
     #[inline(never)]
     fn map_alone(
         &mut self,
@@ -563,8 +565,9 @@ impl<'a> MapStresses<'a> {
     }
 }
 
-/// Whether a symmetric stress is within the set in all lanes, by fewer operations than [`Trial::is_inside`] takes: the
-/// deviator's |s|² = ⅓ Σ (σᵢᵢ − σⱼⱼ)² + 2 Σ σᵢⱼ², sums over i < j, differs by a few roundings of its own, of which the condition allows 32.
+/// Whether a symmetric stress is within the set in all lanes, by fewer operations than [`Trial::is_inside`]: the
+/// deviator's |s|² = ⅓ Σ (σᵢᵢ − σⱼⱼ)² + 2 Σ σᵢⱼ² (sums over i < j) differs from that of the parts by a few roundings,
+/// of which the condition allows 32.
 #[inline(always)]
 fn is_inside<V: Vector<f64>>(shape: Shape, cone: &Cone<V>, stress: &Tensor<V>) -> bool {
     let mut off_diagonal = V::ZERO;
@@ -580,7 +583,7 @@ fn is_inside<V: Vector<f64>>(shape: Shape, cone: &Cone<V>, stress: &Tensor<V>) -
     !(cone.half_weights[0] * square).any_gt(room * room) && !V::ZERO.any_gt(room)
 }
 
-/// Adds numbers in lanes.
+/// Adds `more` to a list, lane by lane.
 #[inline(always)]
 fn add_lanes<V: Vector<f64>>(to: &mut [f64], more: V) {
     let mut wide = Wide::ZERO;

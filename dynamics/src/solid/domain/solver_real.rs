@@ -1,5 +1,5 @@
-//! What takes time, compiled in this crate once for each kind of number and dimension, and not anew in every crate that
-//! uses a domain.
+//! Expensive functions of a domain, compiled in this crate once for each number type and dimension, and not again in
+//! every crate that uses a domain.
 
 use super::Domain;
 use super::plastic::Correct;
@@ -9,22 +9,22 @@ use crate::solid::ledger::EnergySums;
 use std::any::Any;
 use std::ops::Range;
 
-/// `f32` or `f64`: the numbers of a [`Domain`].
+/// Number type of a [`Domain`]: `f32` or `f64`.
 #[allow(private_interfaces, reason = "nobody else implements or calls it")]
 pub trait SolverReal: Real {
     /// Advances layers of a `Domain<Self, 2>` or a `Domain<Self, 3>` by a step.
     #[doc(hidden)]
     fn advance_layers(domain: &mut dyn Any, stages: &StepStages<'_>);
 
-    /// The first x and y sweeps of rows of a layer of such a domain.
+    /// Applies the first x and y sweeps to rows of a layer of such a domain.
     #[doc(hidden)]
     fn sweep_layer(domain: &mut dyn Any, layer: usize, rows: Range<usize>);
 
-    /// Sums of the energy in own cells of such a domain.
+    /// Returns the sums of the energy in own cells of such a domain.
     #[doc(hidden)]
     fn energy_sums(domain: &dyn Any) -> EnergySums;
 
-    /// Return mapping in lanes.
+    /// Runs the return mapping in lanes.
     #[doc(hidden)]
     fn correct(work: Correct<'_, Self>, instructions: Instructions);
 }
@@ -33,7 +33,7 @@ macro_rules! compiled {
     ($kind:ident $(, $parameter:ident)?) => {
         #[allow(private_interfaces, reason = "nobody else implements or calls it")]
         impl$(<$parameter: Real>)? SolverReal for $kind {
-            // Else they are inlined into other crates, and all that they call is compiled there.
+            // Without it they are inlined into other crates, and all functions that they call are compiled there.
             #[inline(never)]
             fn advance_layers(domain: &mut dyn Any, stages: &StepStages<'_>) {
                 if let Some(domain) = domain.downcast_mut::<Domain<Self, 2>>() {
@@ -72,6 +72,6 @@ macro_rules! compiled {
 compiled!(f32);
 #[cfg(not(test))]
 compiled!(f64);
-// Tests of this crate use little of it.
+// Tests of this crate use few of these functions.
 #[cfg(test)]
 compiled!(T, T);

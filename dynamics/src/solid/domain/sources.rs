@@ -8,28 +8,28 @@ use crate::solid::cell_laws::{apply_source, over_interval, push};
 use models::solid::waves::Field;
 use std::ops::Range;
 
-/// A source on the cells of a domain.
+/// Source on the cells of a domain.
 #[derive(Clone)]
 pub(super) struct CellSource {
-    /// Groups, lanes and shares, in order.
+    /// Group, lane and share of the source of each cell, in ascending order.
     cells: Vec<(usize, usize, f64)>,
-    /// Place of the field, and amplitude.
+    /// Offset of the field, and amplitude.
     amplitudes: Vec<(usize, f64)>,
     signal: Signal,
-    /// By half step of the pass: the mean of the signal times its duration, and its change.
+    /// By half step of the pass: integral of the signal by the midpoint rule, and its change.
     now: Vec<[f64; 2]>,
 }
 
-/// All that acts inside.
+/// Sources and gravity.
 #[derive(Clone)]
 pub(super) struct Sources<const D: usize> {
     pub(super) list: Vec<CellSource>,
-    /// m/s².
+    /// Acceleration of gravity, m/s².
     pub(super) acceleration: [f64; D],
 }
 
 impl CellSource {
-    /// A source of the problem of a part; `halves` are the half steps of a pass.
+    /// Creates a source of the problem of a subdomain; `halves` is the number of half steps of a pass.
     pub(super) fn new<const D: usize>(
         source: &Source,
         fields: &[Field],
@@ -48,14 +48,14 @@ impl CellSource {
         Self { cells, amplitudes, signal: source.signal.clone(), now: vec![[0.0; 2]; halves] }
     }
 
-    /// Integrates the signal over a half step of the pass, s.
+    /// Evaluates the signal over a half step of the pass, from its start to its end, s.
     pub(super) fn set_time(&mut self, half: usize, interval: [f64; 2]) {
         self.now[half] = over_interval(&self.signal, interval);
     }
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Sources and gravity over a half step of the pass.
+    /// Applies sources and gravity over a half step of the pass.
     pub(super) fn apply_sources(&mut self, layers: &Range<usize>, tile: &RowSegment, half: usize) {
         let sources = std::mem::take(&mut self.sources.list);
         for source in &sources {

@@ -1,4 +1,4 @@
-//! Yield sets and initial stresses in lanes of double precision, for the return mapping of whole stresses.
+//! Yield sets and initial stresses in lanes of double precision, for the return mapping of total stresses.
 #![allow(clippy::needless_range_loop, reason = "indices are those of tensors and parts")]
 
 use crate::simd::{Group, Number, Real, Vector};
@@ -9,13 +9,13 @@ use models::solid::waves::Field;
 use models::yield_set::parameters::Mises;
 use models::yield_set::return_mapping::{Cone, PARTS};
 
-/// Numbers in double precision in lanes: a block. A group in single precision is two of these.
+/// Block: lanes of double precision. A group in single precision has two blocks.
 pub(super) type Wide = <f64 as Real>::Lanes;
 
-/// Lanes of these.
+/// Number of lanes of a block.
 pub(super) const WIDTH: usize = 8;
 
-/// How many of these a group is.
+/// Returns the number of blocks of a group.
 pub(super) const fn blocks_of_group<T: Real>() -> usize {
     T::Lanes::COUNT / WIDTH
 }
@@ -23,56 +23,56 @@ pub(super) const fn blocks_of_group<T: Real>() -> usize {
 /// Force and couple stress.
 pub(super) type Tensors<N> = [Tensor<N>; 2];
 
-/// Far beyond any stress, with room for products.
+/// Strength beyond any stress, whose products do not overflow.
 const UNBOUNDED: f64 = 1e120;
 
-/// What holds stresses in their sets, by pattern.
+/// Yield sets for total stresses, by lane pattern.
 #[derive(Clone, Default, PartialEq)]
 pub(super) struct WholeStressSets {
     pub(super) shape: Shape,
-    /// Which field is a component of force or couple stress; one stands for both in classical solids.
+    /// Field of each component of force and couple stress; one field stands for both ij and ji in classical solids.
     pub(super) places: Tensors<Option<usize>>,
-    /// Of the components that are fields: no mirrored ones.
+    /// Fields of the components that are stored: without the mirrored ones.
     pub(super) targets: Tensors<Option<usize>>,
-    /// Parts that any cone sees.
+    /// Parts of the stress with a nonzero weight in any cone.
     pub(super) seen: [bool; PARTS],
-    /// By pattern, and within a group.
+    /// By pattern, then by block of a group.
     pub(super) blocks: Vec<Block>,
 }
 
-/// Constants of the lanes of half a group, or of a group.
+/// Constants of the lanes of a block.
 #[derive(Clone, PartialEq)]
 pub(super) struct Block {
     pub(super) media: [u16; WIDTH],
-    /// Lanes with a cone, by bits.
+    /// Mask of the lanes with a cone.
     pub(super) cones: u16,
     pub(super) cone: Cone<Wide>,
     /// See [`Isotropic::energy_moduli`].
     pub(super) moduli: [[Wide; 3]; 2],
     pub(super) half_spaces: Vec<HalfSpace>,
-    /// Lanes with a set that is known as nothing else.
+    /// Mask of the lanes whose yield set is neither a cone nor a polyhedron.
     pub(super) others: u16,
 }
 
-/// n·s ≤ k in lanes.
+/// Half-space n·s ≤ k in lanes.
 #[derive(Clone, PartialEq)]
 pub(super) struct HalfSpace {
-    /// Components, as in [`WholeStressSets::places`], and those of n.
+    /// Indices of components, as in [`WholeStressSets::places`], and components of n.
     pub(super) normal: Vec<([usize; 3], Wide)>,
     pub(super) strength: Wide,
 }
 
-/// An initial stress in lanes.
+/// Initial stress in lanes.
 #[derive(Clone)]
 pub(super) struct InitialStress(pub(super) Tensors<Wide>);
 
 impl InitialStress {
-    /// The same in all lanes.
+    /// Returns the same stress in all lanes.
     pub(super) fn uniform(stress: &Stress) -> Self {
         Self::by_lane(|_| *stress)
     }
 
-    /// One for each lane.
+    /// Returns the stress `stress(lane)` in each lane.
     pub(super) fn by_lane(stress: impl Fn(usize) -> Stress) -> Self {
         let lanes: [Stress; WIDTH] = std::array::from_fn(stress);
         let tensor = |of: fn(&Stress) -> &Tensor<f64>| {
@@ -83,7 +83,7 @@ impl InitialStress {
         Self([tensor(|own| &own.force), tensor(|own| &own.couple)])
     }
 
-    /// That of a lane.
+    /// Returns the stress of a lane.
     pub(super) fn of(&self, lane: usize) -> Stress {
         let [force, couple] =
             self.0.each_ref().map(|own| own.map(|row| row.map(|lanes| lanes.lanes()[lane])));
@@ -91,7 +91,7 @@ impl InitialStress {
     }
 }
 
-/// An initial stress by layer across the first axis, by place in a row of so many groups.
+/// Returns the initial stress by block of a row of `groups` groups, from the stress by layer across the first axis.
 pub(super) fn initial_blocks<T: Real>(layers: &[Stress], groups: usize) -> Vec<InitialStress> {
     let places =
         (0..groups).flat_map(|group| (0..blocks_of_group::<T>()).map(move |half| (group, half)));
@@ -158,7 +158,8 @@ pub(super) fn tensors(stress: &Stress) -> Tensors<f64> {
 }
 
 impl WholeStressSets {
-    /// The sets of media with initial stresses.
+    /// Creates the yield sets of all lane patterns. The shape of the stresses depends on `media` and on all `initial`
+    /// stresses.
     pub(super) fn new(media: &[Medium], patterns: &[Vec<u16>], initial: &[Stress]) -> Self {
         let fields = &media[0].fields;
         let index = |field: Field| fields.iter().position(|own| *own == field);
@@ -194,7 +195,7 @@ impl WholeStressSets {
             has_couples: places[1] != [[None; 3]; 3]
                 || initial.iter().any(|own| own.couple != [[0.0; 3]; 3]),
         };
-        // Four shapes have loops of their own.
+        // Four shapes have separate compiled loops; other shapes are treated as the general ones.
         if !shape.is_symmetric || shape.has_couples {
             shape = Shape { is_symmetric: false, has_couples: true, ..shape };
         }
@@ -212,7 +213,7 @@ impl WholeStressSets {
     }
 }
 
-/// Force and couple stress in registers.
+/// Loads force and couple stress.
 #[inline(always)]
 pub(super) fn load_tensors<V: Vector<f64>>(tensors: &Tensors<Wide>) -> Tensors<V> {
     let mut loaded = [[[V::ZERO; 3]; 3]; 2];
@@ -226,7 +227,7 @@ pub(super) fn load_tensors<V: Vector<f64>>(tensors: &Tensors<Wide>) -> Tensors<V
     loaded
 }
 
-/// Moduli in registers.
+/// Loads moduli.
 #[inline(always)]
 pub(super) fn load_moduli<V: Vector<f64>>(moduli: &[[Wide; 3]; 2]) -> [[V; 3]; 2] {
     let mut loaded = [[V::ZERO; 3]; 2];
@@ -238,7 +239,7 @@ pub(super) fn load_moduli<V: Vector<f64>>(moduli: &[[Wide; 3]; 2]) -> [[V; 3]; 2
     loaded
 }
 
-/// A cone in registers.
+/// Loads a cone.
 #[inline(always)]
 pub(super) fn load_cone<V: Vector<f64>>(cone: &Cone<Wide>) -> Cone<V> {
     let [mut half_weights, mut stiffnesses, mut rates] = [[V::ZERO; PARTS]; 3];

@@ -1,4 +1,4 @@
-//! A batch of blocks of trial stresses beyond their yield sets: Newton's method takes them together.
+//! Batch of blocks of trial stresses beyond their yield sets, for which Newton's method runs together.
 #![allow(clippy::needless_range_loop, reason = "indices are those of parts")]
 
 use super::super::whole_stress::Tensors;
@@ -6,17 +6,17 @@ use crate::simd::Number;
 use models::solid::stress::Shape;
 use models::yield_set::return_mapping::{Cone, Equation, Iterate, PARTS, Parts};
 
-/// Blocks of a batch: enough independent iterations to hide the latency of divisions and roots.
+/// Number of blocks of a batch: enough independent iterations to hide the latency of divisions and roots.
 pub(super) const BATCH: usize = 8;
 
-/// A block with lanes beyond their sets.
+/// Block with lanes beyond their sets.
 #[derive(Clone, Copy)]
 pub(super) struct Found<V> {
     pub(super) place: usize,
-    /// Lanes to be mapped here, and one by one.
+    /// Masks of the lanes mapped in this batch, and of those left to the scalar projection.
     pub(super) lanes: u16,
     pub(super) alone: u16,
-    /// ½p|s̄|² of the parts that are seen, and r; the others are neither written nor read.
+    /// ½p|s̄|² of the parts with nonzero weight, all others being unused; then the shear capacity r.
     pub(super) squares: [V; PARTS],
     pub(super) room: V,
     pub(super) at: Iterate<V>,
@@ -35,7 +35,7 @@ impl<V: Number> Found<V> {
         symmetric: (V::ZERO, [V::ZERO; 3], V::ZERO),
     };
 
-    /// Stores an iterate, of parts that are seen.
+    /// Stores an iterate, for the parts with nonzero weight.
     #[inline(always)]
     pub(super) fn set(&mut self, seen: &[bool; PARTS], at: &Iterate<V>) {
         let own = &mut self.at;
@@ -48,7 +48,7 @@ impl<V: Number> Found<V> {
         }
     }
 
-    /// The parts of the trial stress.
+    /// Returns the parts of the trial stress.
     #[inline(always)]
     pub(super) fn parts(&self, shape: Shape, stress: &Tensors<V>) -> Parts<V> {
         if !shape.is_symmetric {
@@ -65,7 +65,7 @@ impl<V: Number> Found<V> {
         Parts { force: (mean, deviator, zero), couple: (V::ZERO, zero, zero), squares }
     }
 
-    /// The equation of the block, and its present iterate.
+    /// Returns the equation of the block and its present iterate.
     #[inline(always)]
     pub(super) fn equation<'a>(
         &self,
@@ -87,7 +87,7 @@ impl<V: Number> Found<V> {
 pub(super) struct Batch<V> {
     pub(super) count: usize,
     pub(super) found: [Found<V>; BATCH],
-    /// Whether the last block that was looked at was found to have such lanes.
+    /// Whether the last block tested had lanes beyond their sets.
     pub(super) was_found: bool,
 }
 
