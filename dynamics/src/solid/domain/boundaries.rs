@@ -15,7 +15,7 @@ pub(super) type Faces<T, const D: usize> = [[BoundaryFaces<T>; 2]; D];
 /// Boundary conditions in the half steps of a pass.
 #[derive(Clone)]
 pub(super) struct Boundaries<T: Real, const D: usize> {
-    /// By half step.
+    /// Boundary faces by half step of the pass.
     pub(super) faces: Vec<Faces<T, D>>,
     /// By step of the pass: boundaries of the first axis for completing the step, for alternating sweeps; else empty.
     pub(super) closing: Vec<ClosingBoundaries<T>>,

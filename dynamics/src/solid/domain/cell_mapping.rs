@@ -9,10 +9,10 @@ use crate::solid::problem::Problem;
 /// Yield sets in lanes, and a buffer of one group.
 #[derive(Clone)]
 pub(crate) struct CellMapping<T: SolverReal> {
-    /// By medium.
+    /// Yield sets by medium.
     sets: Sets<T>,
     yields: Vec<bool>,
-    /// By field.
+    /// Buffer of one group: values by field.
     data: Vec<T::Lanes>,
 }
 

@@ -25,7 +25,7 @@ pub(super) struct RowSpacing<T: Real> {
     pub(super) spacing: Vec<f64>,
     pub(super) waves: Vec<WavePair>,
     pub(super) table: Table<T>,
-    /// By layer, medium and pair of waves.
+    /// Wave constants by layer, medium and pair of waves.
     cells: Vec<Vec<Vec<CellConstants<T>>>>,
     /// Media in the lanes of a pattern.
     patterns: Vec<Vec<u16>>,
@@ -104,9 +104,9 @@ struct Plane<T: Real> {
     weights: Vec<(usize, T)>,
     /// Offsets of stresses, and by pattern Cq.
     moduli: Vec<(usize, Vec<T::Lanes>)>,
-    /// By pattern, for the layer and the interval of [`GeometricRotation::filled`].
+    /// Constants of the rotation by pattern, for the layer and the interval of [`GeometricRotation::filled`].
     constants: Vec<[T::Lanes; 4]>,
-    /// By layer, [`Interval`] and medium.
+    /// Constants of the rotation by layer, [`Interval`] and medium.
     by_layer: Vec<[Vec<[T; 4]>; 2]>,
 }
 

@@ -79,7 +79,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         // Along the last axis interlayers have separate messages.
         let kinds = if self.interfaces.is_any() { 2 } else { 1 };
         match axis + 1 == D {
-            // A neighbour may be a block of rows ahead.
+            // A neighbour may be one block of rows ahead.
             true => kinds * 2 * self.layout.halo(axis).into_iter().max().unwrap_or(0),
             false => kinds * 2,
         }

@@ -45,7 +45,7 @@ struct Across<T: Real> {
     first: usize,
     /// Distance between the history variables of two lines.
     line: usize,
-    /// Number of history variables of one place.
+    /// Number of groups of history variables at one place: for one line along rows, for all lines across other axes.
     slot: usize,
 }
 

@@ -247,8 +247,8 @@ fn box_cell<const D: usize>(
     cell
 }
 
-/// Returns the number of groups of a row: for its cells and the ghosts after them, and for neighbours in other lanes to
-/// be in adjacent lanes.
+/// Returns the number of groups of a row of `cells` cells and the ghosts after them: at least [`GHOSTS`], so that a
+/// stencil reaches the adjacent lanes only.
 fn groups<T: Real>(cells: usize) -> usize {
     (cells + GHOSTS).div_ceil(T::Lanes::COUNT).max(GHOSTS)
 }

@@ -19,7 +19,7 @@ use std::collections::HashMap;
 pub(super) struct EnergyTerms<T: Real> {
     pub(super) places: Vec<[usize; 2]>,
     pub(super) kinetic: usize,
-    /// By pattern and term.
+    /// Coefficients by pattern and term.
     pub(super) factors: Vec<Vec<T::Lanes>>,
 }
 

@@ -1,4 +1,4 @@
-//! The fused solver: fields on a rectangular grid, and their time step.
+//! Fused solver: fields on a rectangular grid, and their time integration.
 //!
 //! | file | holds |
 //! |---|---|
@@ -97,7 +97,7 @@ use sources::Sources;
 #[derive(Clone)]
 pub struct Domain<T: SolverReal, const D: usize> {
     grid: Grid<D>,
-    /// Δt, s.
+    /// Time step Δt, s.
     step: f64,
     scheme: Scheme,
     instructions: Instructions,

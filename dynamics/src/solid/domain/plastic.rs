@@ -74,11 +74,11 @@ impl Matrix {
 struct Strength<N> {
     /// k; in lanes without yield set greater than any stress.
     strength: N,
-    /// κ.
+    /// Friction coefficient κ.
     friction: N,
     /// κK, decrease of the mean stress per plastic multiplier.
     shift: N,
-    /// a = 2κ²K.
+    /// a = 2κ²K, with the bulk modulus K.
     a: N,
     /// 2/(a + d), plastic multiplier per excess of τ̄, with the rate d = Dp of the force deviator; then ½d.
     softness: N,
@@ -387,7 +387,7 @@ fn correct<T: Real, V: Vector<T>, const DEVIATOR: bool>(
 ) -> Done {
     let Strengths { force, couple, seen, .. } = strengths;
     let (mean, deviator, antisymmetric) = invariants::<T, V>(group, force);
-    // ½|s̄|² of each part.
+    // Invariants ½|s̄|² of each part.
     let mut squares = [deviator, antisymmetric, V::ZERO, V::ZERO, V::ZERO];
     let mut couple_mean = V::ZERO;
     let sees_couples = !DEVIATOR && (seen[2] || seen[3] || seen[4]);

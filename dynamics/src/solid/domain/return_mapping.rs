@@ -97,9 +97,9 @@ impl<V: Number> Taken<V> {
 struct Trial<V> {
     stress: Tensors<V>,
     parts: Parts<V>,
-    /// ½p|s̄|².
+    /// Weighted invariants ½p|s̄|² of the parts.
     weighted: [V; PARTS],
-    /// τ̄².
+    /// Square of the equivalent shear stress τ̄, Pa².
     square: V,
     /// Shear capacity r.
     room: V,

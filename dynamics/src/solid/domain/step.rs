@@ -160,7 +160,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                     self.sweep_layer(layer, &rows, first);
                 }
             }
-            // z, K Q K, z
+            // Sweeps z, then K Q K, then z.
             match self.scheme.alternates() {
                 true => self.apply_alternating_middle(layers, ends, &rows[1], first),
                 false => {
@@ -172,7 +172,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                     }
                 }
             }
-            // y x, P
+            // Sweeps y x, then P.
             for layer in layers[2].clone() {
                 self.sweep_layer(layer, &rows, second);
                 if self.scheme.plastic_step == PlasticStep::ReturnMapping {

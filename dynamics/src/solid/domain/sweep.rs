@@ -45,7 +45,7 @@ struct Bundle {
 }
 
 impl Bundle {
-    /// Returns the group at a place of the first line.
+    /// Returns the group at a place (index along the line, ghosts excluded) of the first line.
     #[inline(always)]
     fn index(self, place: usize) -> GroupIndex {
         let Self { first, stride, .. } = self;
@@ -55,7 +55,8 @@ impl Bundle {
         }
     }
 
-    /// Returns the places of the ghosts at a depth beyond the lower and the upper end of a line of groups.
+    /// Returns the places of the ghosts at a depth beyond the lower and the upper end of a line of groups: −1 − depth
+    /// and count + depth.
     fn beyond(self, depth: usize) -> [isize; 2] {
         [-1 - depth as isize, (self.count + depth) as isize]
     }
