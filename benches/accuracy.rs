@@ -1,12 +1,12 @@
 //! Errors of runs with default settings against exact solutions, as tables in Markdown.
 //!
 //! `cargo bench --bench accuracy -- [PROBLEM …] [--before] [--program PATH] [--cells N,N,…] [--receivers cell|point]
-//! [--up AXIS] [--set key=value] [--spread]`. Problems: those of `tests/reference`; none: all.
+//! [--up AXIS] [--set key=value] [--spread]`. PROBLEM: a name from `tests/reference`; default: all problems.
 //!
-//! `--before`: limited slopes, sweeps two-cyclic at Courant number 1, and forces and sources of one cell; sides are treated as they are by
-//! default. For older programs, which know no receivers at points, `--program PATH --receivers cell`.
-//! `--up`: the axis across the surface. `--spread`: Lamb's problem against the exact field of the force spread over the
-//! default kernel.
+//! `--before`: limited slopes, two-cyclic splitting at Courant number 1, forces and sources applied to a single cell;
+//! boundaries as by default. For older programs without interpolating receivers: `--program PATH --receivers cell`.
+//! `--up`: the axis normal to the surface. `--spread`: compares Lamb's problem with the exact field of the force
+//! spread over the default kernel.
 
 #[path = "../tests/reference/mod.rs"]
 mod reference;
@@ -72,8 +72,8 @@ fn main() {
     }
 }
 
-/// A table of a problem: L2 and maximum errors by receiver and component on each grid, and the order between the last two
-/// grids, grouped by distance.
+/// Prints the table of a problem: L2 and maximum errors, %, by receiver and component on each grid, and the order of
+/// the L2 error between the two finest grids; rows are grouped by distance in wavelengths.
 fn print(problem: &Problem, cells: &[f64], tables: &[Vec<Row>]) {
     let header = cells.iter().map(|cells| format!(" {cells} |")).collect::<String>();
     println!("\n| {}: L2 (max), % | wavelengths |{header} order |", problem.name);

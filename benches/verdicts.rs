@@ -1,9 +1,9 @@
-//! Verdicts per second by either route, on random states of every model.
+//! Rate, verdicts per second, of both methods of assessment, on random states of every model.
 //!
-//! `cargo bench --bench verdicts`. The two routes are timed apart, each from a checked state on: (a)
-//! linearise, expand the dispersion polynomial, judge all directions; (b) the formula of the model,
-//! on the states for which it answers. For (b) also the whole way that a map goes for a point: from
-//! the numbers of the case, with all checks and the background that they determine.
+//! `cargo bench --bench verdicts`. Both methods are timed separately, starting from a checked state: (a) model-blind:
+//! linearise, expand the dispersion polynomial, assess all directions; (b) the closed form of the model, on the states
+//! for which it gives an answer. For (b) the complete evaluation of a map point is timed as well: from the numbers of
+//! the case, with all checks and the background that they determine.
 
 #[path = "../tests/states/mod.rs"]
 mod states;
@@ -19,9 +19,9 @@ use std::hint::black_box;
 use std::time::Instant;
 use testkit::flows::Parameters;
 
-/// Rounds of which the median is taken.
+/// Number of rounds; the median is reported.
 const ROUNDS: usize = 7;
-/// States of each model and background.
+/// Number of states per model.
 const STATES: u64 = 2_000;
 
 struct Sample {
@@ -31,7 +31,7 @@ struct Sample {
     flow: Flow,
 }
 
-/// States of a model, half of them with ν > 0, half of those with gradients and accelerations.
+/// Random states of a model: half of them with ν > 0 and, independently, half with gradients and accelerations.
 fn samples(kind: FlowKind) -> Vec<Sample> {
     (0..STATES)
         .map(|seed| {
@@ -45,7 +45,7 @@ fn samples(kind: FlowKind) -> Vec<Sample> {
         .collect()
 }
 
-/// Median over the rounds of samples per second; each sample is judged `repeats` times a round.
+/// Measures samples per second, median over the rounds; each sample is assessed `repeats` times per round.
 fn rate<W: Send>(
     pool: &rayon::ThreadPool,
     samples: &[&Sample],

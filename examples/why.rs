@@ -1,12 +1,12 @@
-//! Draws `gallery/why.png`: one perturbation of one granular flow, by an ill-posed and by a well-posed model, each on two
-//! grids.
+//! Draws `gallery/why.png`: the same perturbation of a granular flow in an ill-posed and in a well-posed model, each on
+//! two grids.
 //!
 //! `cargo run --release --example why -- gallery/why.png`
 //!
-//! Both models start from the same velocities, waves of at least an eighth of the box, on the same mean flow. The
-//! plastic potential is ill-posed: growth in proportion to k² makes the shortest waves of the grid the fastest, and each
-//! grid has another solution. The model of Harris & Grekova is well-posed there: both grids have the same solution. The
-//! verdicts in the titles are those of the analysis.
+//! Both models start from the same velocity perturbation (wavelengths of at least an eighth of the box) on the same
+//! mean flow. The plastic potential model is ill-posed: growth rates are proportional to k², so that the shortest waves
+//! of the grid grow fastest and the solution depends on the grid. The model of Harris & Grekova is well-posed for this
+//! flow: both grids give the same solution. The verdicts in the titles are computed by the analysis.
 
 use std::error::Error;
 use std::path::Path;
@@ -15,11 +15,11 @@ use wellposed::study::{simulate::Settings, unwatched};
 
 const CASE: &str = "cases/flow/plastic-potential-in-time.toml";
 
-/// Over the case: long waves only, of an amplitude and a duration at which no point of any run leaves the fully
-/// deforming region.
+/// Changes to the case for both models: long waves only, with an amplitude and a duration for which no point of any run
+/// leaves the fully deforming region.
 const BOTH: [&str; 3] = ["initial[0].to=8", "initial[0].amplitude=1e-3", "time.duration=1.4e-3"];
 
-/// Over these: the other model.
+/// Further changes to the case for the well-posed model.
 const WELL_POSED: [&str; 4] = [
     "model.kind=harris-grekova",
     "model.moment_of_inertia=1.25e-7",
@@ -27,22 +27,22 @@ const WELL_POSED: [&str; 4] = [
     "background.noncoaxiality_deg=20",
 ];
 
-/// Points of the grids along each axis.
+/// Numbers of grid points along each axis.
 const GRIDS: [usize; 2] = [64, 128];
 
-/// Deviation of the shear rate from its mean at which colours end, 1/s; the mean is 5 1/s.
+/// Limit of the colour scale, 1/s: deviation of the shear rate from its mean of 5 1/s.
 const SCALE: f64 = 0.3;
 
-/// Of a panel of 1600 × 1100 pixels the part on the left is kept, at half its size.
+/// Width and height, pixels, of the left part to which a panel of 1600 × 1100 pixels is cropped before it is halved.
 const KEPT: [usize; 2] = [1400, 1100];
 
-/// Rows of an image in three bytes a pixel.
+/// RGB image, three bytes per pixel, row by row.
 struct Image {
     width: usize,
     bytes: Vec<u8>,
 }
 
-/// The shear rate at the end of a run, less its mean.
+/// Draws the panel of a run: the deviation of the shear rate from its mean at the end time.
 fn panel(title: &str, settings: &[&str], points: usize) -> Result<Image, Box<dyn Error>> {
     let grid = format!("grid.cells=[{points}, {points}]");
     let settings = BOTH.iter().chain(settings).copied().chain([grid.as_str()]);
@@ -82,7 +82,7 @@ fn panel(title: &str, settings: &[&str], points: usize) -> Result<Image, Box<dyn
     Ok(half(&Image { width, bytes: image }))
 }
 
-/// The part of an image that is kept, each pixel the mean of four.
+/// Crops an image to [`KEPT`] and halves its size: each pixel is the mean of 2 × 2 pixels.
 fn half(image: &Image) -> Image {
     let [width, height] = KEPT.map(|size| size / 2);
     let mut bytes = Vec::with_capacity(3 * width * height);

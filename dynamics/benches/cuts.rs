@@ -1,5 +1,5 @@
-//! What cuts cost, and what a metric does: the fastest of nine interleaved rounds, as a share of the rate of two parts along
-//! the last axis, or of a block without a metric.
+//! Cost of domain decomposition and of a metric: rate of the fastest of nine interleaved rounds, relative to the
+//! decomposition into two parts along the last axis, or to a block without a metric.
 //!
 //! `cargo bench -p wellposed-dynamics --bench cuts`
 
@@ -36,7 +36,7 @@ fn problem<const D: usize>(theory: Theory, count: usize) -> Problem<D> {
     Problem::new(grid, vec![medium], vec![0; grid.count()], sides, step, scheme)
 }
 
-/// Times of the fastest rounds of some solvers, s per cell and step.
+/// Measures the time of the fastest round of each solver, s per cell and step.
 fn fastest<const D: usize>(
     solvers: &mut [DecomposedDomain<f64, D>],
     count: usize,
@@ -77,7 +77,7 @@ fn cuts<const D: usize>(theory: Theory, cells: usize, steps: usize, cuts: &[[usi
     }
 }
 
-/// A classical block in the plane, and the same cells as a polar block.
+/// Compares a classical block in the plane with a polar block of the same number of cells.
 fn metric(cells: usize, steps: usize) {
     let plain = problem::<2>(Theory::Classical, cells);
     let spacing = [TAU / cells as f64, 6.0 / cells as f64];

@@ -1,4 +1,4 @@
-//! How long a right-hand side of a granular flow takes, beside the Fourier transforms in it.
+//! Time of one evaluation of the right-hand side of granular flow, relative to that of its Fourier transforms.
 //!
 //! ```text
 //! cargo bench -p wellposed-dynamics --bench flow [-- POINTS …]
@@ -10,7 +10,7 @@ use std::time::Instant;
 use wellposed_dynamics::flow::spectral::{Series, Waves};
 use wellposed_dynamics::flow::{Closure, Flow, Problem};
 
-/// Median seconds of a call.
+/// Measures the median time of a call, s.
 fn seconds(mut call: impl FnMut()) -> f64 {
     const TIMES: usize = 9;
     call();
@@ -25,7 +25,7 @@ fn seconds(mut call: impl FnMut()) -> f64 {
     all[TIMES / 2]
 }
 
-/// Simple shear along x₁ at 50 1/s.
+/// Returns the problem of simple shear along x₁ at 50 1/s.
 fn problem(closure: Closure, points: usize) -> Problem {
     let (rate, friction_angle) = (25.0f64, 30f64.to_radians());
     let noncoaxiality: f64 = match closure {
@@ -52,7 +52,7 @@ fn problem(closure: Closure, points: usize) -> Problem {
     }
 }
 
-/// A perturbed flow.
+/// Returns a flow with a smooth perturbation of velocity and internal variable.
 fn flow(problem: &Problem) -> Flow {
     let mut flow = Flow::new(problem).expect("a problem");
     let [columns, rows] = problem.points;
@@ -98,7 +98,7 @@ fn row(points: usize, threads: usize) {
     let transform = 0.5 * pair;
     for closure in [Closure::HarrisGrekova, Closure::DoubleShearing, Closure::PlasticPotential] {
         let mut own = flow(&problem(closure, points));
-        // Stages are many: what they take is what a run takes.
+        // Steps have many stages, so that the time per evaluation is that of a run.
         let step = 2e-5 * (512.0 / points as f64).powi(2);
         own.advance_by(step, 0).expect("a stress");
         let [evaluations, iterations] = own.effort();
@@ -110,8 +110,9 @@ fn row(points: usize, threads: usize) {
         let [more, further] = own.effort();
         let (evaluations, iterations) =
             ((more - evaluations) as f64, (further - iterations) as f64);
-        // Three in an iteration and in the residual before it; velocities, their gradient, p, cos 2ψ, sin 2ψ,
-        // the source of p, two stresses; ω or ψ and its two fluxes; what turns ψ.
+        // Transforms per evaluation. Pressure: three in each iteration and in each of the two residuals. Others (11):
+        // two velocities, three velocity gradients, p, cos 2ψ, sin 2ψ, the source of p, two stresses. Internal
+        // variable: ω or ψ and its two fluxes; for ψ also its rotation rate.
         let inner = match closure {
             Closure::HarrisGrekova => 3.0,
             Closure::DoubleShearing => 4.0,

@@ -1,7 +1,7 @@
-//! Million cell-updates per second, beside the bandwidth of the memory in the same minutes.
+//! Rate of the solvers, million cell-updates per second, and memory bandwidth measured at the same time.
 //!
-//! A cell-update is one cell advanced by one Courant unit in every direction; a step is two of them.
-//! `cargo bench -p wellposed-dynamics --bench rates -- [word…]` takes the rows that have all these words.
+//! A cell-update advances one cell by one Courant unit in every direction; a step consists of two cell-updates.
+//! `cargo bench -p wellposed-dynamics --bench rates -- [word…]` runs the rows whose names contain all these words.
 
 #[path = "../tests/solid/support.rs"]
 mod support;
@@ -21,21 +21,21 @@ use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting}
 use wellposed_dynamics::reference::Reference;
 use wellposed_dynamics::simd::Instructions;
 
-/// What stands where.
+/// Distribution of media.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Media {
     Elastic,
-    /// Everywhere and always.
+    /// All cells yield in all steps.
     Yielding,
-    /// Beyond their strength nowhere.
+    /// All cells have a yield set that no stress reaches.
     Strong,
-    /// Twenty layers across the last axis, of two media.
+    /// Twenty layers normal to the last axis, alternating between two media.
     Layers,
-    /// Fifty circles or spheres.
+    /// Fifty circles or spheres of a second medium at random places.
     Inclusions,
-    /// One of two, by chance.
+    /// One of two media at random in each cell.
     EachCell,
-    /// Elastic, and falling to nothing from the middle on.
+    /// Elastic; initial fields decay exponentially along the last axis down to subnormal values.
     Tails,
 }
 
@@ -72,7 +72,7 @@ fn medium(theory: Theory, dimensions: usize, factor: f64) -> Medium {
     Medium::new(solid, dimensions)
 }
 
-/// Numbers in [0, 1) that look random.
+/// Returns a pseudo-random number in [0, 1).
 fn noise(index: usize) -> f64 {
     0.5 * support::noise(index as u64) + 0.5
 }
@@ -120,7 +120,7 @@ fn media<const D: usize>(row: &Row) -> (Vec<Medium>, Vec<u16>) {
     }
 }
 
-/// Time that this process spent on processors, s, where the system tells.
+/// Returns the CPU time of this process, s, where the operating system provides it.
 fn processor_time() -> Option<f64> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
     let mut fields = stat.rsplit(')').next()?.split_whitespace().skip(11);
@@ -128,23 +128,24 @@ fn processor_time() -> Option<f64> {
     Some((ticks(fields.next())? + ticks(fields.next())?) / 100.0)
 }
 
-/// What was measured of a row.
+/// Results of a row.
 struct Measured {
-    /// Million cell-updates per second in the middle one of all rounds.
+    /// Median over all rounds, million cell-updates per second.
     rate: f64,
-    /// The rate of the slowest in the fastest tenth of them; of fewer than ten the fastest.
+    /// Rate at the first decile of the round times, million cell-updates per second; of fewer than ten rounds, the
+    /// fastest.
     quick: f64,
-    /// Share of its time that it had its processors.
+    /// CPU time over wall time and number of threads.
     share: Option<f64>,
-    /// Seconds of a sum of energies over those of a step.
+    /// Time of one evaluation of the energy, in steps.
     energies: f64,
-    /// Bytes by cell-update that go in and out of the memory; not of the reference.
+    /// Memory traffic per cell-update, bytes; `None` for the reference solver.
     bytes: Option<f64>,
-    /// Bytes of all fields.
+    /// Size of all fields, bytes.
     size: usize,
 }
 
-/// What is measured.
+/// Solver to be measured.
 enum Solver<T: SolverReal, const D: usize> {
     Fused(DecomposedDomain<T, D>),
     Reference(Box<Reference<T, D>>),
@@ -186,7 +187,7 @@ fn measure<T: SolverReal, const D: usize>(row: &Row) -> Measured {
     let (media, of_cell) = media::<D>(row);
     let count = of_cell.len();
     let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
-    // The defaults of cases.
+    // Defaults of cases.
     let is_elastic = media.iter().all(|medium| medium.yields.is_none());
     let slopes = if is_elastic { Slopes::FourthOrder } else { Slopes::Limited };
     let scheme = Scheme {
@@ -209,8 +210,8 @@ fn measure<T: SolverReal, const D: usize>(row: &Row) -> Measured {
         solver.set(*field, &(0..count).map(value).collect::<Vec<_>>());
     }
     solver.advance(2);
-    // Rounds so short that other processes leave some of them alone, and so long that it does not matter that each
-    // starts its threads anew.
+    // Rounds are short, so that some run without disturbance by other processes, yet long compared with starting the
+    // threads, which every round does anew.
     let probe = Instant::now();
     solver.advance(2);
     let probe = probe.elapsed().as_secs_f64();
@@ -238,7 +239,7 @@ fn measure<T: SolverReal, const D: usize>(row: &Row) -> Measured {
         quick: rate(quick),
         share,
         energies,
-        // All fields in and out, once in a pass; two updates a step.
+        // Each pass reads and writes all fields once; a step consists of two cell-updates.
         bytes: match solver {
             Solver::Fused(split) => {
                 Some((fields * size_of::<T>()) as f64 / split.most_steps() as f64)
@@ -249,7 +250,7 @@ fn measure<T: SolverReal, const D: usize>(row: &Row) -> Measured {
     }
 }
 
-/// Bandwidth of a = b + 3c on arrays of that many bytes in all, GB/s.
+/// Measures the memory bandwidth of the triad a = b + 3c on arrays of `bytes` bytes in total, GB/s.
 fn triad(bytes: usize, threads: usize) -> f64 {
     let length = bytes / 24 / threads;
     let mut arrays: Vec<[Vec<f64>; 3]> =
@@ -275,7 +276,7 @@ fn triad(bytes: usize, threads: usize) -> f64 {
     best
 }
 
-/// All rows, the small ones first.
+/// Returns all rows, in the order of their grid sizes.
 fn rows() -> Vec<Row> {
     let instructions = Instructions::best();
     let (is_reference, is_single, threads, media) = (false, false, 1, Media::Elastic);
@@ -293,7 +294,7 @@ fn rows() -> Vec<Row> {
                 is_reference,
                 instructions,
             };
-            // With its ghosts a row fills the lanes of both kinds of numbers.
+            // 158 cells and the ghosts of a row fill all SIMD lanes in single and in double precision.
             if count == 158 {
                 rows.extend([false, true].map(|is_single| Row { is_single, ..row }));
                 continue;
@@ -328,7 +329,8 @@ fn rows() -> Vec<Row> {
     rows
 }
 
-/// Arithmetic in registers alone, by two threads over that by one: what the cores give at best.
+/// Measures the speed-up of pure register arithmetic from one to two threads: the upper bound of scaling on this
+/// machine.
 fn scaling_of_arithmetic() -> f64 {
     let work = || {
         let mut values: [f64; 16] = std::array::from_fn(|i| 1.0 + i as f64);

@@ -1,9 +1,10 @@
-//! What the return mapping costs: million cell-updates per second in the plane, one thread, with yield sets that nothing
-//! reaches and with stresses beyond them in nearly all cells and steps, and the ratio to the plain row of the same run.
+//! Cost of the return mapping: million cell-updates per second in the plane on one thread, for yield sets that no
+//! stress reaches and for trial stresses beyond the yield set in nearly all cells and steps, and the ratio to the plain
+//! row.
 //!
-//! `cargo bench -p wellposed-dynamics --bench return_mapping -- [word…]` takes the theories and numbers that have all
-//! these words. A row is the fastest of nine rounds of four steps from one state, by the time of the processor; rounds of
-//! all rows alternate.
+//! `cargo bench -p wellposed-dynamics --bench return_mapping -- [word…]` runs the theories and precisions whose names
+//! contain all these words. A row is the fastest of nine rounds of four steps from the same state, by CPU time; rounds
+//! of all rows are interleaved.
 
 #[path = "../tests/solid/support.rs"]
 mod support;
@@ -22,15 +23,15 @@ use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting}
 /// Cells along each axis.
 const CELLS: usize = 500;
 
-/// What a row has beyond the plain configuration: initial stress, reflections, or several kinds of yield sets.
+/// Addition to the plain configuration: initial stress, midpoint reflection, or a second kind of yield set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Plain,
-    /// An initial stress by depth.
+    /// An initial stress that depends on depth.
     Gravity,
-    /// The reflection 2P − I.
+    /// The midpoint reflection 2P − I.
     SecondOrder,
-    /// A tenth of all layers has an interlayer set.
+    /// An interlayer yield set in a tenth of the layers.
     TwoKinds,
 }
 
@@ -45,7 +46,7 @@ fn media(theory: Theory, kind: Kind, strength: f64) -> Vec<Medium> {
         antisymmetric_weight: if theory == Theory::Classical { 0.0 } else { 0.8 },
         symmetric_length: is_cosserat.then_some(0.9),
         antisymmetric_length: is_cosserat.then_some(0.7),
-        // Without friction: with it noise in tension goes to the apex, one stress at a time.
+        // No friction: with friction, tensile noise returns to the apex, which is handled by the scalar projection.
         ..Mises::von_mises(strength)
     };
     let mut media = vec![own.clone().yielding(YieldSet::from(cone))];
@@ -64,7 +65,7 @@ fn media(theory: Theory, kind: Kind, strength: f64) -> Vec<Medium> {
     media
 }
 
-/// A domain with stresses far beyond the strength, or far within it.
+/// Creates a domain with stresses far beyond the strength (`yields`), or far below it.
 fn domain<T: SolverReal>(theory: Theory, kind: Kind, yields: bool) -> Domain<T, 2> {
     let strength = if yields { 0.02 } else { 1e3 };
     let media = media(theory, kind, strength);
@@ -100,17 +101,17 @@ fn domain<T: SolverReal>(theory: Theory, kind: Kind, yields: bool) -> Domain<T, 
     domain
 }
 
-/// Time of the processor in this thread, s.
+/// Returns the CPU time of this thread, s.
 #[cfg(target_os = "linux")]
 fn processor_time() -> f64 {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-    // SAFETY: it writes to `time` alone.
+    // SAFETY: the call writes to `time` only.
     let failed = unsafe { libc::clock_gettime(libc::CLOCK_THREAD_CPUTIME_ID, &mut time) };
     assert_eq!(failed, 0, "no clock of the processor's time");
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
-/// Time elapsed, s.
+/// Returns the time elapsed since the first call, s.
 #[cfg(not(target_os = "linux"))]
 fn processor_time() -> f64 {
     static START: std::sync::LazyLock<std::time::Instant> =

@@ -1,4 +1,4 @@
-//! Steps allocate nothing once they are under way.
+//! Verifies that time steps allocate no memory after the first steps.
 
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
 use models::solid::waves::Field;
@@ -16,25 +16,25 @@ use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting}
 
 struct Counting;
 
-/// Of all threads.
+/// Number of allocations by all threads.
 static COUNT: AtomicUsize = AtomicUsize::new(0);
 
 thread_local! {
-    /// Of this one: whoever runs the tests has threads too, which take memory when they like.
+    /// Number of allocations by this thread: threads of the test harness may allocate at any time.
     static OWN_COUNT: Cell<usize> = const { Cell::new(0) };
 }
 
-// SAFETY: everything is handed to the system's allocator as it comes.
+// SAFETY: all calls are forwarded unchanged to the system allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         COUNT.fetch_add(1, Ordering::Relaxed);
         OWN_COUNT.set(OWN_COUNT.get() + 1);
-        // SAFETY: the caller keeps the promises of `alloc`.
+        // SAFETY: the caller meets the requirements of `alloc`.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the pointer comes from `alloc` above, and so from the system's.
+        // SAFETY: the pointer comes from `alloc` above, hence from the system allocator.
         unsafe { System.dealloc(pointer, layout) }
     }
 }
@@ -42,7 +42,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// How often steps take memory: this thread, and all together.
+/// Counts the allocations of `steps` steps in `parts` subdomains: by this thread, and by all threads.
 fn allocations(problem: &Problem<2>, parts: usize, steps: usize) -> [usize; 2] {
     let mut split: DecomposedDomain<f64, 2> = DecomposedDomain::new(problem, parts).expect("sound");
     split.set(Field::Velocity(0), &(0..405).map(|i| (i % 7) as f64).collect::<Vec<_>>());
@@ -54,7 +54,7 @@ fn allocations(problem: &Problem<2>, parts: usize, steps: usize) -> [usize; 2] {
     [after[0] - before[0], after[1] - before[1]]
 }
 
-/// Whatever starting threads takes, more steps take no more.
+/// Starting threads may allocate, but the number of allocations must not increase with the number of steps.
 #[test]
 fn steps_allocate_nothing() {
     let couple = Some(CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 });
@@ -95,8 +95,8 @@ fn steps_allocate_nothing() {
             ..Problem::new(grid, vec![medium], vec![0; 405], sides, step, scheme)
         };
         assert_eq!(allocations(&problem, 1, 200)[0], 0);
-        // Threads: to start them, to let each wait for the first time, and for as many messages as there may be
-        // under way at once (16 each way between neighbours), whenever that is; but nothing by the step.
+        // Threads allocate when they start, when they wait for the first time, and for the messages in flight (up to 16
+        // in each direction between neighbours), at unpredictable times; the number must not scale with the steps.
         let [_, few] = allocations(&problem, 3, 10);
         let [_, many] = allocations(&problem, 3, 1000);
         assert!(many < few + 300, "{few} {many}");

@@ -1,5 +1,5 @@
-//! Granular flow in time: pressure, energy, convergence in space and time, ends of the fully deforming
-//! region, bits.
+//! Time-domain granular flow: pressure equation, energy balance, convergence in space and time, limits of the fully
+//! deforming region, bitwise reproducibility.
 
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_6, TAU};
@@ -8,7 +8,7 @@ use wellposed_dynamics::flow::{Closure, Field, Flow, FlowError, Problem};
 const CLOSURES: [Closure; 3] =
     [Closure::HarrisGrekova, Closure::DoubleShearing, Closure::PlasticPotential];
 
-/// Simple shear along x₁ at 50 1/s with the deformation rate Δ ahead of the stress, in a box of 10 cm.
+/// Returns simple shear along x₁ at 50 1/s in a box of 10 cm, with the noncoaxiality angle Δ, rad.
 fn problem(closure: Closure, points: usize, noncoaxiality: f64) -> Problem {
     let rate = 25.0;
     let angle = TAU / 8.0 - noncoaxiality;
@@ -32,7 +32,7 @@ fn problem(closure: Closure, points: usize, noncoaxiality: f64) -> Problem {
     }
 }
 
-/// In a steady state of simple shear, sin 2Δ = −sin φ, for double shearing; coaxial for the plastic potential.
+/// Returns simple shear with a steady mean flow: sin 2Δ = −sin φ for double shearing, Δ = 0 for the plastic potential.
 fn steady(closure: Closure, points: usize) -> Problem {
     match closure {
         Closure::HarrisGrekova => problem(closure, points, 0.3),
@@ -41,7 +41,7 @@ fn steady(closure: Closure, points: usize) -> Problem {
     }
 }
 
-/// Some waves of velocity, relative to Q_D/k, and of ω or ψ, relative to Q_D or 1.
+/// Creates a flow with four plane waves of velocity, relative to Q_D/k, and of ω or ψ, relative to Q_D or 1.
 fn perturbed(problem: &Problem, amplitude: f64) -> Flow {
     let mut flow = Flow::new(problem).expect("a problem");
     let [columns, rows] = problem.points;
@@ -74,7 +74,7 @@ fn field(flow: &Flow, field: Field) -> Vec<f64> {
     flow.values().swap_remove(place)
 }
 
-/// A coefficient of the Fourier series of values, term by term.
+/// Computes a Fourier coefficient of grid values by direct summation.
 fn coefficient(values: &[f64], columns: usize, mode: [i32; 2]) -> Complex64 {
     let rows = values.len() / columns;
     let sum: Complex64 = values
@@ -89,14 +89,14 @@ fn coefficient(values: &[f64], columns: usize, mode: [i32; 2]) -> Complex64 {
     sum / values.len() as f64
 }
 
-/// The pressure in the balance of momentum, whose divergence is written out term by term: ∂ᵢ∂ⱼσᵢⱼ =
-/// ρ ∂ᵢvⱼ∂ⱼvᵢ with the stress that the fields show; its mean is that of the problem.
+/// Verifies the pressure equation ∂ᵢ∂ⱼσᵢⱼ = ρ ∂ᵢvⱼ∂ⱼvᵢ, with the stress computed from the output fields and both sides
+/// by directly summed Fourier series; also ∂ᵢvᵢ = 0 and the prescribed mean pressure.
 #[test]
 fn the_pressure_keeps_the_flow_free_of_divergence() {
     for closure in CLOSURES {
         let problem = steady(closure, 16);
         let mut flow = perturbed(&problem, 0.2);
-        // In a box that has been sheared.
+        // The box has been sheared.
         flow.advance_by(2e-4, 0).expect("a stress");
         assert!(flow.pressure_residual() <= 1e-11);
         let [v1, v2, p, angle] =
@@ -112,7 +112,7 @@ fn the_pressure_keeps_the_flow_free_of_divergence() {
             let q = deviator(i);
             [q * c - p[i], q * s, -q * c - p[i]]
         };
-        // Derivatives of velocity, by series.
+        // Derivatives of velocity by Fourier series.
         let modes: Vec<[i32; 2]> =
             (-5..=5).flat_map(|m1| (-5..=5).map(move |m2| [m1, m2])).collect();
         let derivative = |values: &[f64], axis: usize| -> Vec<f64> {
@@ -169,8 +169,8 @@ fn the_pressure_keeps_the_flow_free_of_divergence() {
     }
 }
 
-/// Iterations do not depend on the grid, and a non-uniform ψ has its own kernel: with twice the mean the
-/// pressure of a flow at rest but for ψ is twice as large, and not a constant.
+/// Verifies that the number of pressure iterations does not depend on the grid. Also, in slow flow with non-uniform ψ,
+/// that the pressure is positive, non-uniform and proportional to its mean.
 #[test]
 fn the_pressure_takes_as_many_iterations_on_every_grid() {
     for closure in CLOSURES {
@@ -206,7 +206,8 @@ fn the_pressure_takes_as_many_iterations_on_every_grid() {
     assert!(one.iter().all(|p| *p > 0.0));
 }
 
-/// What background and stress give is what the kinetic energy gains, to the order of the steps.
+/// Verifies that the change of kinetic energy equals the work of background and stress, with an error of second order
+/// in the step.
 #[test]
 fn the_energy_is_accounted_for() {
     for closure in CLOSURES {
@@ -230,11 +231,11 @@ fn the_energy_is_accounted_for() {
     }
 }
 
-/// Root of the mean square difference from the values of a finer grid at the same points.
+/// Computes the L2 norm of the difference between a coarse and a fine grid from their lowest Fourier modes.
 fn difference(coarse: &Flow, fine: &Flow, own: Field) -> f64 {
     let (coarse, fine) = (field(coarse, own), field(fine, own));
     let (few, many) = (coarse.len().isqrt(), fine.len().isqrt());
-    // Points of the one lie between those of the other: compared by the modes of both.
+    // Grid points are at cell centres, so those of the grids do not coincide: a phase shift aligns the modes.
     let modes = (0..=2).flat_map(|m1| (-2..=2).map(move |m2| [m1, m2]));
     modes
         .map(|mode| {
@@ -249,7 +250,7 @@ fn difference(coarse: &Flow, fine: &Flow, own: Field) -> f64 {
         .sqrt()
 }
 
-/// Errors fall faster than any power of the points, in all closures.
+/// Verifies exponential convergence with the number of points for all closures.
 #[test]
 fn errors_fall_exponentially_with_the_points() {
     for closure in CLOSURES {
@@ -264,7 +265,7 @@ fn errors_fall_exponentially_with_the_points() {
         let errors =
             [12, 18, 24, 36].map(|points| difference(&end(points), &finest, Field::Velocity(1)));
         println!("{closure:?}: {errors:?}");
-        // A third fewer points would be 2.25 times the error in second order.
+        // Second order would reduce the error by 2.25 for 1.5 times as many points.
         assert!(
             errors[1] < errors[0] / 5.0 && errors[2] < errors[1] / 3.0,
             "{closure:?}: {errors:?}"
@@ -273,7 +274,7 @@ fn errors_fall_exponentially_with_the_points() {
     }
 }
 
-/// The error of a run falls with the tolerance of its steps.
+/// Verifies that the error of a run decreases with the tolerance of the step control.
 #[test]
 fn steps_keep_to_the_tolerance() {
     let end = |tolerance: f64| {
@@ -297,14 +298,14 @@ fn steps_keep_to_the_tolerance() {
     assert!(found.windows(2).all(|pair| pair[1].0 < 0.5 * pair[0].0 && pair[1].1 > pair[0].1));
 }
 
-/// Inside its bound the model of Harris & Grekova lets finite perturbations decay, and grids agree on how;
-/// outside they grow, and the faster the finer the grid.
+/// Verifies for the model of Harris & Grekova: within the bound of well-posedness finite perturbations decay and grids
+/// agree; beyond it they grow, with rates proportional to k², hence faster on finer grids.
 #[test]
 fn only_outside_the_bound_finer_grids_blow_up_faster() {
     let growth = |noncoaxiality: f64, points: usize, amplitude: f64, duration: f64| {
         let mut flow =
             perturbed(&problem(Closure::HarrisGrekova, points, noncoaxiality), amplitude);
-        // Something at all scales of the grid.
+        // White noise, to excite all scales of the grid.
         let count = points * points;
         let mut seed = 1u64;
         let noise: Vec<f64> = (0..2 * count)
@@ -331,10 +332,10 @@ fn only_outside_the_bound_finer_grids_blow_up_faster() {
     assert!(coarse > 0.0 && fine > 3.0 * coarse, "{coarse} {fine}");
 }
 
-/// A run ends where a point has no stress, at the state before, and says where.
+/// Verifies that a run stops with the last valid state where a point has no stress, and that the error gives the point.
 #[test]
 fn points_that_leave_the_region_stop_the_run() {
-    // A spin that the background accelerates beyond the greatest one: sin φ |ω − s₂₁| = Q_D.
+    // A background spin that accelerates beyond the limit sin φ |ω − s₂₁| = Q_D.
     let fast = Problem { spin_acceleration: -2e4, ..problem(Closure::HarrisGrekova, 8, 0.3) };
     let mut flow = perturbed(&fast, 1e-4);
     let left = loop {
@@ -348,23 +349,23 @@ fn points_that_leave_the_region_stop_the_run() {
     assert!(left.what.contains("no stress angle"), "{left}");
     assert!((left.time / expected - 1.0).abs() < 1e-2, "{} {expected}", left.time);
     assert!(flow.time() <= left.time && flow.time() > 0.98 * expected);
-    // The fields at rest are those of the state before.
+    // The fields are those of the last valid state.
     let mut again = Flow::new(&fast).expect("a problem");
     assert!(again.restore(&flow.snapshot()));
     assert_eq!(flow.values(), again.values());
     assert_eq!(flow.energy(), again.energy());
-    // A plastic potential at rest somewhere.
+    // Plastic potential: the perturbation cancels the shear rate at some points.
     let mut flow = Flow::new(&steady(Closure::PlasticPotential, 16)).expect("a problem");
     let stop: Vec<f64> =
         (0..256).map(|i| 50.0 * 0.1 / TAU * (TAU * f64::from(i / 16) / 16.0).cos()).collect();
     let left = flow.perturb([&stop, &vec![0.0; 256]], &[]).expect_err("rigid");
     assert!(left.what.contains("nearly rigid"), "{left}");
-    // ∂₂v₁ = −50, a quarter of the box above the first point.
+    // ∂₂v₁ = −50 1/s at a quarter of the box above the first point.
     let at = left.at.expect("a point");
     assert!((at[1] - 4.5 * 0.1 / 16.0).abs() < 1e-12, "{left:?}");
 }
 
-/// The same bits with one thread and three, and after a snapshot.
+/// Verifies that results do not depend, bit by bit, on the number of threads or on resuming from a snapshot.
 #[test]
 fn bits_depend_on_no_threads_and_no_snapshot() {
     for closure in CLOSURES {
@@ -399,7 +400,8 @@ fn bits_depend_on_no_threads_and_no_snapshot() {
     assert!(!flow.restore(&other));
 }
 
-/// A flow without a perturbation steps on, and what no number of stages bears is refused.
+/// Verifies that steps of an unperturbed flow have a bounded length, and that steps needing too many stages are
+/// refused.
 #[test]
 fn steps_have_an_end() {
     let calm = Problem { lengths: [10.0, 10.0], ..problem(Closure::HarrisGrekova, 8, 0.3) };
@@ -432,7 +434,7 @@ fn problems_that_cannot_be_are_refused() {
     assert_eq!(error(turning), FlowError::Gradient(rotation));
 }
 
-/// exp(Γt) of shear, pure shear and a rotation that is slower or faster than the shear.
+/// Verifies the deformation of the box against exp(Γt): shear, pure shear, and a gradient with rotation.
 #[test]
 fn the_box_moves_with_the_flow() {
     for gradient in
@@ -448,7 +450,7 @@ fn the_box_moves_with_the_flow() {
         let zero = vec![0.0; 64];
         flow.perturb([&zero, &zero], &[]).expect("a stress");
         flow.advance_by(0.7, 0).expect("a stress");
-        // The series of the exponential.
+        // Power series of the exponential.
         let matrix = nalgebra::Matrix2::<f64>::from_fn(|i, j| 0.7 * gradient[i][j]);
         let mut sum = nalgebra::Matrix2::<f64>::identity();
         let mut term = sum;

@@ -19,7 +19,7 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// The model of `kind`; constants that are `None` here are NaN.
+    /// Builds the model of `kind`; constants that are `None` here are NaN.
     ///
     /// # Errors
     /// A constant is out of range.
@@ -30,7 +30,7 @@ impl Parameters {
         Model::new(kind, &self.constants(kind))
     }
 
-    /// Constants of a model in the order of its registry entry; constants that are `None` here are NaN.
+    /// Returns the constants of a model in the order of its registry entry; constants that are `None` here are NaN.
     ///
     /// # Panics
     /// The model has a constant that is not listed here.

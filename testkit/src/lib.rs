@@ -1,5 +1,5 @@
-//! Helpers shared by tests of several crates: constants of the flow models by name, reproducible random numbers, values at
-//! the ends of ranges. A development dependency only; depends on [`models`] and no higher crate.
+//! Helpers shared by tests of several crates: constants of the flow models by name, reproducible random numbers,
+//! boundary values of ranges. A development dependency only; depends on [`models`] and no higher crate.
 #![deny(missing_docs)]
 
 pub mod flows;

@@ -4,17 +4,17 @@
 pub struct Random(u64);
 
 impl Random {
-    /// A generator with the seed `seed`.
+    /// Creates a generator from a seed.
     pub fn new(seed: u64) -> Self {
         Self::with_salt(seed, 0)
     }
 
-    /// A generator with an independent sequence for each `salt`.
+    /// Creates a generator from a seed, with an independent sequence for each `salt`.
     pub fn with_salt(seed: u64, salt: u64) -> Self {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ salt)
     }
 
-    /// 64 random bits.
+    /// Returns 64 random bits.
     pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -23,39 +23,40 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// A uniform random number in [0, 1).
+    /// Returns a uniform random number in [0, 1).
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// A uniform random number in [least, most).
+    /// Returns a uniform random number in [least, most).
     pub fn within(&mut self, least: f64, most: f64) -> f64 {
         least + (most - least) * self.unit()
     }
 
-    /// A log-uniform random number in [least, most).
+    /// Returns a log-uniform random number in [least, most).
     pub fn decades(&mut self, least: f64, most: f64) -> f64 {
         self.within(least.ln(), most.ln()).exp()
     }
 
-    /// True with the given probability.
+    /// Returns true with the given probability.
     pub fn chance(&mut self, probability: f64) -> bool {
         self.unit() < probability
     }
 
-    /// A random number of random sign with log-uniform magnitude in [least, most).
+    /// Returns a number of random sign whose magnitude is log-uniform in [least, most).
     pub fn signed(&mut self, least: f64, most: f64) -> f64 {
         let size = self.decades(least, most);
         if self.chance(0.5) { -size } else { size }
     }
 
-    /// A random number of random sign with uniform magnitude in [least, most), away from zero so that every term counts.
+    /// Returns a number of random sign whose magnitude is uniform in [least, most): non-zero, so that every term
+    /// counts.
     pub fn generic(&mut self, least: f64, most: f64) -> f64 {
         let magnitude = self.within(least, most);
         if self.bits() & (1 << 40) == 0 { magnitude } else { -magnitude }
     }
 
-    /// A uniform random integer in [0, count).
+    /// Returns a uniform random integer in [0, count).
     pub fn below(&mut self, count: usize) -> usize {
         (self.bits() >> 20) as usize % count
     }

@@ -1,11 +1,11 @@
-//! Numbers at the ends of ranges.
+//! Test values at the ends of ranges.
 
 use models::common::range::Range;
 
-/// A number next to 0.
+/// A positive number close to 0.
 const TINY: f64 = 1e-300;
 
-/// Test values just outside a range.
+/// Returns test values just outside a range.
 pub fn outside(range: Range) -> Vec<f64> {
     match range {
         Range::Finite => vec![],
@@ -17,7 +17,7 @@ pub fn outside(range: Range) -> Vec<f64> {
     }
 }
 
-/// Closed ends of a range.
+/// Returns the closed ends of a range.
 pub fn closed_ends(range: Range) -> Vec<f64> {
     match range {
         Range::Finite | Range::Positive | Range::Below(_) => vec![],
@@ -26,7 +26,7 @@ pub fn closed_ends(range: Range) -> Vec<f64> {
     }
 }
 
-/// Test values just inside the open ends of a range.
+/// Returns test values just inside the open ends of a range.
 pub fn just_inside(range: Range) -> Vec<f64> {
     match range {
         Range::Finite | Range::NotNegative => vec![f64::MAX],
