@@ -1,7 +1,8 @@
-//! Blocks with interlayers between them: the fused solver against lines swept one at a time, in parts, from snapshots, in all
-//! instructions; energy and its ledger; rigid motions.
+//! Blocks separated by interlayers: the fused solver against the reference solver, with domain decomposition, resumed
+//! from snapshots, with all instruction sets; energy and its ledger; rigid motions.
 //!
-//! `ROUGH=1000 cargo test --release -p wellposed-dynamics --test solid blocks::` takes so many random problems in each dimension.
+//! `ROUGH=1000 cargo test --release -p wellposed-dynamics --test solid blocks::` runs 1000 random problems per
+//! dimension.
 
 use crate::support::noise;
 use models::interface::elastic::{ElasticInterlayer, ElasticMaterial};
@@ -18,7 +19,7 @@ use wellposed_dynamics::solid::interface::{Interlayer, sweep_with_interlayers};
 use wellposed_dynamics::solid::interlayers::Interlayers;
 use wellposed_dynamics::solid::line::{CellConstants, GHOSTS, HALO, Slopes};
 
-/// Numbers by chance, the same every time.
+/// Reproducible generator of random numbers.
 struct Chance(u64);
 
 impl Chance {
@@ -32,7 +33,7 @@ impl Chance {
     }
 }
 
-/// Numbers of random problems from one on: so many, unless others are asked for.
+/// Returns the numbers of the random problems of a test: `count` of them, or as many as the environment sets.
 fn runs(first: usize, count: usize) -> std::ops::Range<usize> {
     let asked = std::env::var("ROUGH").ok().and_then(|count| count.parse().ok());
     first * 1_000_000..first * 1_000_000 + asked.unwrap_or(count)
@@ -74,7 +75,7 @@ fn side(chance: &mut Chance, medium: &Medium, axis: usize) -> Boundary {
     }
 }
 
-/// Blocks across some axes, at least one.
+/// Returns a random problem with interlayers across at least one axis, and its description.
 fn blocks<const D: usize>(number: usize) -> (Problem<D>, String) {
     let mut chance = Chance((number as u64) << 40);
     let media = media(&mut chance, D);
@@ -104,7 +105,7 @@ fn blocks<const D: usize>(number: usize) -> (Problem<D>, String) {
             false => (3, cells[axis] - 5),
         };
         let mut offset = least + chance.below(every.min(count));
-        // At least three cells behind the last one.
+        // Leave at least three cells after the last interlayer.
         let mut every = every;
         while least > 0 && (cells[axis] - offset - 1) % every < 2 {
             match offset + 1 < cells[axis] - 3 {
@@ -126,7 +127,7 @@ fn blocks<const D: usize>(number: usize) -> (Problem<D>, String) {
     (problem, words)
 }
 
-/// A rough state: values of a field by its number.
+/// Returns a pseudo-random initial value of a field in a cell.
 fn value<T: SolverReal>(index: usize, cell: usize) -> T {
     T::of(noise((index * 1_000_003 + cell) as u64))
 }
@@ -149,7 +150,7 @@ fn rough_in<T: SolverReal, const D: usize>(
     domain
 }
 
-/// The same of the reference solver.
+/// Returns the reference solver with the same random state.
 fn rough_reference<T: SolverReal, const D: usize>(problem: &Problem<D>) -> Reference<T, D> {
     let mut solver: Reference<T, D> = Reference::new(problem).expect("sound");
     let cells = 0..problem.grid.count();
@@ -186,7 +187,7 @@ fn fused_as_reference<T: SolverReal, const D: usize>(numbers: std::ops::Range<us
         let memory = one.interlayer_memory();
         assert!(memory.iter().flatten().all(|value| value.wide() != 0.0), "{words}");
         assert!(bits(&one) != before);
-        // Each goes on from a snapshot of the other.
+        // Each solver resumes from a snapshot of the other.
         let mut resumed: Reference<T, D> = Reference::new(&problem).expect("sound");
         assert!(resumed.restore(&one.snapshot()));
         assert!(one.restore(&other.snapshot()));
@@ -223,10 +224,10 @@ fn parts_as_whole<const D: usize>(numbers: std::ops::Range<usize>) {
         let is_possible = |cut: &[usize; D]| cut.iter().zip(most).all(|(own, most)| *own <= most);
         let cuts = cuts.into_iter().filter(is_possible);
         let mut parts: Vec<_> = cuts.map(|cut| rough_in(&problem, cut)).collect();
-        // Other instructions, and a stop in between.
+        // Other instruction sets, and a run interrupted by reading a snapshot.
         let mut others: Vec<_> =
             Instructions::available().map(|own| (own, rough::<f64, D>(&problem))).collect();
-        // A pulse in a domain at rest: numbers of all sizes, and a flush of small ones in between.
+        // A pulse in a domain at rest: values of all magnitudes, and a flush of subnormals during the run.
         let pulse = |own: &mut DecomposedDomain<f64, D>| {
             if number % 2 == 1 {
                 for field in own.fields().to_vec() {
@@ -312,7 +313,7 @@ fn energy_of_blocks_never_grows() {
     }
 }
 
-/// A periodic row of cells moves as the line of its pair of waves, whichever axis it lies along, with both components.
+/// Verifies a periodic row of blocks in either axis against one-dimensional sweeps of each pair of fields.
 #[test]
 fn a_row_of_blocks_moves_as_a_line() {
     let medium = Medium::new(classical(1.0), 2);
@@ -384,7 +385,7 @@ fn a_row_of_blocks_moves_as_a_line() {
                 v = all_v[GHOSTS..GHOSTS + count].to_vec();
                 s = all_s[GHOSTS..GHOSTS + count].to_vec();
             }
-            // Sweeps across the row multiply by nothing, and constants are rounded alike.
+            // Sweeps across the row leave the fields unchanged, and constants are rounded alike.
             let found = [domain.values(own.velocity), domain.values(own.stress)];
             for (found, expected) in found.into_iter().zip([v, s]) {
                 for (found, expected) in found.expect("a field").iter().zip(expected) {
@@ -395,7 +396,7 @@ fn a_row_of_blocks_moves_as_a_line() {
     }
 }
 
-/// All cells with one velocity, and interlayers with them: nothing changes but by rounding.
+/// Verifies that a uniform velocity of all cells and interlayers stays constant up to rounding.
 #[test]
 fn a_rigid_motion_stays_one() {
     let (mut problem, _) = blocks::<2>(3);

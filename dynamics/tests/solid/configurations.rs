@@ -1,9 +1,9 @@
-//! Problems made by chance: the fused solver, in any instructions and a few parts, with a stop or without, has the bits of
-//! the reference solver. Both call the same formulas in a cell and at a face; what they do not share is which cells these
-//! are called for, and when.
+//! Random problems: the fused solver, with any instruction set and decomposition, interrupted or not, must give the
+//! bits of the reference solver. Both share the formulas of cells and faces; they differ in the cells to which the
+//! formulas are applied, and in the order.
 //!
-//! `CONFIGURATIONS=20000 cargo test --release -p wellposed-dynamics --test solid configurations::` makes so many problems in each of
-//! the four tests.
+//! `CONFIGURATIONS=20000 cargo test --release -p wellposed-dynamics --test solid configurations::` runs 20,000 problems
+//! in each of the four tests.
 
 use crate::support::noise;
 use models::interface::elastic::ElasticInterlayer;
@@ -25,19 +25,19 @@ use wellposed_dynamics::reference::Reference;
 use wellposed_dynamics::simd::Instructions;
 use wellposed_dynamics::solid::interlayers::Interlayers;
 
-/// Chance that is the same every time: where it begins, and how often it was asked.
+/// Reproducible generator of random numbers: seed, and number of values drawn.
 struct Chance {
     seed: u64,
     asked: u64,
 }
 
 impl Chance {
-    /// Thousands of millions of numbers are between two beginnings: none is drawn twice.
+    /// Creates the generator of a problem; seeds are 2³² apart, so that no value is drawn twice.
     fn new(number: usize) -> Self {
         Self { seed: (number as u64) << 32, asked: 0 }
     }
 
-    /// In [−1, 1).
+    /// Returns a random number in [−1, 1).
     fn number(&mut self) -> f64 {
         self.asked += 1;
         noise(self.seed + self.asked)
@@ -64,7 +64,7 @@ fn solid(theory: Theory, factor: f64) -> Isotropic {
     Isotropic::new(1.4 * factor, 0.9 * factor, 1.2, rotation).expect("sound moduli")
 }
 
-/// Blocks with interlayers between them, where they are allowed: some of those that chance proposes.
+/// Adds interlayers with random constants across each axis where the problem remains valid.
 fn add_interlayers<const D: usize>(chance: &mut Chance, problem: &mut Problem<D>) {
     for axis in 0..D {
         let (every, offset) = (1 + chance.below(8), chance.below(8));
@@ -113,7 +113,7 @@ fn media<const D: usize>(chance: &mut Chance) -> Vec<Medium> {
         let strength = chance.one_of(&[0.05, 0.05, 0.3, 0.3, 1.0, 100.0]);
         let friction = chance.one_of(&[0.0, 0.2, 0.5]);
         let mises = Mises::drucker_prager(strength, friction, friction);
-        // Interlayer sets are of the plane.
+        // Interlayer sets exist in the plane only.
         own.yielding(match (D == 2 && chance.one_in(4), chance.one_in(2)) {
             (true, _) => YieldSet::from(Interlayer {
                 shear_strength: strength,
@@ -137,7 +137,7 @@ fn media<const D: usize>(chance: &mut Chance) -> Vec<Medium> {
     (0..=chance.below(3)).map(|_| medium(chance)).collect()
 }
 
-/// Which medium each cell has: one, layers, stripes of rows, or any.
+/// Returns the medium of each cell: uniform, layered, in stripes, or random.
 fn of_cell<const D: usize>(chance: &mut Chance, cells: [usize; D], media: usize) -> Vec<u16> {
     let count: usize = cells.iter().product();
     let (kind, width, seed) = (chance.below(4), 1 + chance.below(9), chance.seed + (1 << 31));
@@ -179,7 +179,7 @@ fn side<const D: usize>(
 
 fn problem<const D: usize>(chance: &mut Chance) -> Problem<D> {
     let media = media::<D>(chance);
-    // About where groups, and the rows and layers that come in together, end.
+    // Numbers of cells around the limits of SIMD groups and of tiles of rows and layers.
     let lengths: &[&[usize]] = match D {
         2 => &[
             &[1, 2, 3, 7, 13, 14, 15, 16, 17, 29, 30, 31, 32, 40, 62, 126, 254, 255, 300, 530],
@@ -191,7 +191,7 @@ fn problem<const D: usize>(chance: &mut Chance) -> Problem<D> {
             &[1, 2, 3, 4, 5, 7, 8, 9, 11, 12, 13, 16, 17],
         ],
     };
-    // Wide ones, whose rows come in by several blocks.
+    // Wide grids, whose rows are processed in several tiles.
     let wide: [&[usize]; 3] = [&[126, 255, 300], &[17, 25, 41], &[1, 4, 9]];
     let is_wide = D == 3 && chance.one_in(20);
     let lengths = |axis: usize| if is_wide { wide[axis] } else { lengths[axis] };
@@ -259,18 +259,18 @@ fn problem<const D: usize>(chance: &mut Chance) -> Problem<D> {
     problem
 }
 
-/// Values at the beginning.
+/// Random initial values.
 #[derive(Clone, Copy)]
 struct Start {
     seed: u64,
-    /// Of this size.
+    /// Magnitude of the values.
     scale: f64,
-    /// The share of cells that have other values than zeros of either sign.
+    /// Fraction of cells with non-zero values; the others have zeros of either sign.
     share: f64,
 }
 
 impl Start {
-    /// Values by field and cell.
+    /// Returns the initial values by field and cell.
     fn values<T: SolverReal, const D: usize>(self, problem: &Problem<D>) -> Vec<Vec<T>> {
         let Self { seed, scale, share } = self;
         let value = |number: usize| {
@@ -284,7 +284,7 @@ impl Start {
     }
 }
 
-/// What the reference solver makes of some steps.
+/// Runs the reference solver for `steps` steps.
 fn reference<T: SolverReal, const D: usize>(
     problem: &Problem<D>,
     start: Start,
@@ -298,8 +298,8 @@ fn reference<T: SolverReal, const D: usize>(
     reference
 }
 
-/// All that comes of some steps of the fused solver, in so many parts along each axis, and in others after a stop if there
-/// is one.
+/// Runs the fused solver and returns its snapshot, output fields and energy. `ways`: numbers of parts along each axis,
+/// and steps with this decomposition; each following run resumes from the snapshot of the previous one.
 fn after<T: SolverReal, const D: usize>(
     problem: &Problem<D>,
     start: Start,
@@ -333,7 +333,7 @@ fn numbers<T: SolverReal>(memory: &[[T; 2]]) -> [Vec<T>; 1] {
     [memory.as_flattened().to_vec()]
 }
 
-/// Makes problems from this number on, and takes all ways through them.
+/// Compares all runs of the random problems from number `first` on; `traces`: magnitude of small initial values.
 fn same<T: SolverReal, const D: usize>(first: usize, traces: f64) {
     let wanted = std::env::var("CONFIGURATIONS").ok();
     let wanted = wanted.map(|count| count.parse().expect("CONFIGURATIONS must be a number"));
@@ -348,7 +348,7 @@ fn same<T: SolverReal, const D: usize>(first: usize, traces: f64) {
             scale: chance.one_of(&[1.0, 1.0, 1.0, traces]),
             share: chance.one_of(&[1.0, 1.0, 0.5, 0.05]),
         };
-        // Along the first axis output may look at two cells more.
+        // Along the first axis the stencil of output needs two more cells.
         let most = |axis: usize| {
             let cells = problem.grid.cells[axis];
             if axis == 0 { (cells / (HALO + 2)).clamp(1, 3) } else { (cells / HALO).clamp(1, 4) }
@@ -388,13 +388,13 @@ fn same<T: SolverReal, const D: usize>(first: usize, traces: f64) {
         relaxing += usize::from(reference.ledger().viscous > 0.0);
         layered += usize::from(!expected.interlayers.is_empty());
     }
-    // A quarter of them at least yield, a quarter are cut along an axis but the last one, a tenth relax, and as many have
-    // interlayers.
+    // At least a quarter of the problems yield, a quarter are split along an axis other than the last, a tenth relax,
+    // and a tenth have interlayers.
     let kinds = [4 * yielding, 4 * divided, 10 * relaxing, 10 * layered];
     assert!(count < 40 || kinds.iter().all(|own| *own > count), "{kinds:?}");
 }
 
-/// Near the size that is forgotten.
+/// Initial magnitudes close to the flush threshold 2⁴⁰·MIN_POSITIVE, in double and single precision.
 const TRACES: [f64; 2] = [f64::MIN_POSITIVE * 2e13, f32::MIN_POSITIVE as f64 * 2e13];
 
 #[test]

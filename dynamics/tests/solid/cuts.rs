@@ -1,5 +1,5 @@
-//! Parts of a grid that know nothing of the whole: each is made from the problem of its own region, and neighbours meet in
-//! a halo of the caller's.
+//! Subdomains without access to the whole problem: each is created from the problem of its own region, and halos are
+//! exchanged by the caller.
 
 use crate::support::noise;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
@@ -22,14 +22,14 @@ use wellposed_dynamics::solid::region::Region;
 
 type Lanes = <f64 as Real>::Lanes;
 
-/// Why there is no exchange.
+/// Error of an exchange with a lost neighbour.
 #[derive(Clone, Debug, PartialEq)]
 struct Lost;
 
-/// Messages to and from a neighbour.
+/// Channels to and from a neighbour.
 type Link = (Sender<Vec<Lanes>>, Receiver<Vec<Lanes>>);
 
-/// Neighbours by axis and end; after so many messages the line is cut.
+/// Links to neighbours by axis and end; sending fails after `left` messages.
 struct Links {
     links: HashMap<(usize, usize), Link>,
     left: usize,
@@ -91,7 +91,7 @@ fn media<const D: usize>() -> Vec<Medium> {
     vec![Medium::new(solid(1.0), D).yielding(YieldSet::from(set)), Medium::new(solid(2.3), D)]
 }
 
-/// The problem of a region, from functions of the coordinates: no list is longer than the region.
+/// Builds the problem of a region from functions of the coordinates: no list is longer than the region.
 fn problem_of<const D: usize>(
     grid: Grid<D>,
     region: &Region<D>,
@@ -105,7 +105,7 @@ fn problem_of<const D: usize>(
     let mut sides: [[Boundary; 2]; D] =
         std::array::from_fn(|_| [Boundary::Free, Boundary::NonReflecting]);
     sides[1] = [Boundary::Periodic, Boundary::Periodic];
-    // Any condition by face.
+    // A different condition on each face.
     let condition = |pair: usize, face: usize| match (pair + face) % 3 {
         0 => Condition::Velocity(0.1),
         1 => Condition::NonReflecting,
@@ -143,12 +143,12 @@ fn problem_of<const D: usize>(
     problem
 }
 
-/// Values of a field in a cell of the whole.
+/// Returns the initial value of a field in a cell of the whole grid.
 fn value(field: usize, cell: usize) -> f64 {
     noise((field * 100_003 + cell) as u64)
 }
 
-/// Fills a domain, advances it by passes, and gives its fields by own cell.
+/// Fills a domain, advances it by `passes` passes, and returns its fields by owned cell.
 fn run<const D: usize>(
     domain: &mut Domain<f64, D>,
     region: &Region<D>,
@@ -167,7 +167,7 @@ fn run<const D: usize>(
     Ok(fields.iter().filter_map(|field| domain.values(*field)).collect())
 }
 
-/// What each part ends with, in a thread of its own.
+/// Final fields of a subdomain, which runs in its own thread.
 type Outcome = Result<Vec<Vec<f64>>, Lost>;
 
 fn run_parts<const D: usize>(
@@ -224,7 +224,7 @@ fn parts_built_from_their_own_regions_have_the_bits_of_the_whole() {
     }
 }
 
-/// The problem of a region made by restriction is that made from the coordinates.
+/// Verifies that restricting the problem of the whole grid gives the problem built from the coordinates.
 #[test]
 fn restriction_is_what_functions_of_the_coordinates_give() {
     let grid = Grid { cells: [13, 9, 11], spacing: [0.1; 3] };
@@ -235,7 +235,7 @@ fn restriction_is_what_functions_of_the_coordinates_give() {
         let restricted = whole.restricted(region);
         assert_eq!(own.of_cell, restricted.of_cell);
         assert_eq!(own.boundaries, restricted.boundaries);
-        // In the order of the whole, which is another one where a halo comes round.
+        // Order of the whole grid, which differs from that of the region where a halo wraps around.
         let (mut faces, mut cells) =
             (restricted.loads[0].faces.clone(), restricted.sources[0].cells.clone());
         faces.sort_by_key(|own| own.0);
@@ -245,7 +245,7 @@ fn restriction_is_what_functions_of_the_coordinates_give() {
     }
 }
 
-/// A line that is cut is an error of the parts beside it, and of those that wait for these, and blocks nobody.
+/// Verifies that a lost link ends the adjacent subdomains, and all that wait for them, with an error, without deadlock.
 #[test]
 fn lost_neighbours_are_errors() {
     let grid = Grid { cells: [21, 17], spacing: [0.1; 2] };

@@ -1,4 +1,4 @@
-//! Fields on a grid against exact plane waves of every branch, in the plane and in space; energy.
+//! Fields on a grid against exact plane waves of every branch, in the plane and in space; energy and boundaries.
 
 use crate::support::noise;
 use models::common::rates::{RateEquations, SymmetricForm};
@@ -16,7 +16,7 @@ use wellposed_dynamics::reference::Reference;
 
 const THEORIES: [Theory; 3] = [Theory::Classical, Theory::Reduced, Theory::Cosserat];
 
-/// Unequal constants of order one.
+/// Returns a solid with unequal constants of order one.
 fn solid(theory: Theory) -> Isotropic {
     let couple =
         (theory == Theory::Cosserat).then_some(CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 });
@@ -25,7 +25,7 @@ fn solid(theory: Theory) -> Isotropic {
     Isotropic::new(1.4, 0.9, 1.2, microrotation).expect("sound moduli")
 }
 
-/// The solid's equations with all stresses of the domain as unknowns.
+/// Returns the rate equations of a solid with all stresses of the domain as unknowns.
 fn equations<const D: usize>(solid: &Isotropic) -> RateEquations<D> {
     let layout = solid.layout::<D>().carrying();
     let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
@@ -42,7 +42,7 @@ fn name(field: Field) -> String {
     }
 }
 
-/// Frequencies (rad/s, positive, ascending) and amplitudes of the plane waves with the wave vector κ:
+/// Computes frequencies (rad/s, positive, ascending) and amplitudes of the plane waves with the wave vector κ:
 /// U = Re û exp(i(κ·x − ωt)), from i L⁻¹(iκB + Q)L⁻ᵀ y = ω y with A = LLᵀ.
 fn modes<const D: usize>(
     form: &SymmetricForm<D>,
@@ -63,8 +63,8 @@ fn modes<const D: usize>(
         .map(|i| (eigen.eigenvalues[i], &back * eigen.eigenvectors.column(i)))
         .collect();
     modes.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Shear waves in space come in pairs of one frequency, which the solver mixes as it likes: polarised here
-    // linearly, in two directions across the wave in which all fields take part.
+    // Shear waves in space have double eigenvalues, whose eigenvectors are arbitrary: choose two linear polarisations
+    // normal to the wave vector in which all fields are non-zero.
     for i in 1..modes.len() {
         if modes[i].0 - modes[i - 1].0 < 1e-9 * modes[i].0 {
             let pair = [modes[i - 1].1.clone(), modes[i].1.clone()];
@@ -85,8 +85,8 @@ fn modes<const D: usize>(
     modes
 }
 
-/// Mean errors of a plane wave of unit energy density, the greatest over some instants: of all components, and
-/// of velocity, spin, stress and couple stress as a whole.
+/// Computes the errors of a plane wave of unit energy density, means over the cells, maxima over several times: of each
+/// component, and of velocity, spin, stress and couple stress as vectors or tensors.
 fn errors<const D: usize>(theory: Theory, count: usize, branch: usize, slopes: Slopes) -> Errors {
     let solid = solid(theory);
     let equations = equations::<D>(&solid);
@@ -95,11 +95,10 @@ fn errors<const D: usize>(theory: Theory, count: usize, branch: usize, slopes: S
     let (frequency, amplitude) = modes(&form, wave).swap_remove(branch);
     let medium = Medium::new(solid, D);
     let h = 1.0 / count as f64;
-    // The last of several instants, none of them a period of the wave; and a Courant number that is no integer
-    // for any family.
+    // End time in wave periods, not an integer; the Courant number is no integer for any family of waves.
     const LAST: f64 = 2.87;
     let time = LAST * 2.0 * PI / frequency;
-    // In proportion to the cells, lest the Courant number changes from grid to grid.
+    // Steps in proportion to the cells, so that the Courant number is the same on all grids.
     let steps = (16.0 * time * medium.greatest_speed() / (2.0 * 0.93)).ceil() / 16.0 / h;
     let steps = steps.round();
     let grid = Grid { cells: [count; D], spacing: [h; D] };
@@ -112,7 +111,7 @@ fn errors<const D: usize>(theory: Theory, count: usize, branch: usize, slopes: S
         Scheme::new(slopes, PlasticStep::MidpointReflection),
     ))
     .expect("a sound domain");
-    // Means over cells: the middle's value times a factor for each axis.
+    // Cell means: the value at the cell centre times a factor for each axis.
     let factor: f64 = wave.iter().map(|k| (0.5 * k * h).sin() / (0.5 * k * h)).product();
     let phase = |cell: usize| -> f64 {
         let mut rest = cell;
@@ -125,7 +124,7 @@ fn errors<const D: usize>(theory: Theory, count: usize, branch: usize, slopes: S
             .sum()
     };
     let fields = domain.fields().to_vec();
-    // Place among the unknowns, once for all cells.
+    // Index among the unknowns of the rate equations.
     let place = |field: &Field| {
         let name = name(*field);
         let place = equations.unknowns.iter().position(|unknown| unknown.name == name);
@@ -145,7 +144,7 @@ fn errors<const D: usize>(theory: Theory, count: usize, branch: usize, slopes: S
         Field::Stress(..) | Field::ViscousStrain(..) => 2,
         Field::Couple(..) => 3,
     };
-    // Over several instants, since at a single one errors of several kinds may cancel.
+    // At several times, since at a single one errors of different kinds may cancel.
     let mut greatest = vec![0.0f64; fields.len()];
     let mut greatest_of_kind = [0.0f64; 4];
     let mut done = 0;
@@ -158,7 +157,7 @@ fn errors<const D: usize>(theory: Theory, count: usize, branch: usize, slopes: S
         let time = time / steps * until as f64;
         let mut squares = vec![[0.0f64; 4]; cells];
         for ((field, &place), greatest) in fields.iter().zip(&places).zip(&mut greatest) {
-            // In units of energy, of which the wave has one: some fields have no part in it.
+            // In energy units; the wave has unit energy density, and some fields vanish in it.
             let weight = form.a[(place, place)].sqrt();
             let values = domain.values(*field).expect("a field");
             let mut sum = 0.0;
@@ -182,20 +181,20 @@ fn errors<const D: usize>(theory: Theory, count: usize, branch: usize, slopes: S
 
 const KINDS: [&str; 4] = ["velocity", "spin", "stress", "couple stress"];
 
-/// Errors by name.
+/// Errors of components and of fields, by name.
 struct Errors {
     components: Vec<(String, f64)>,
     fields: Vec<(&'static str, f64)>,
 }
 
 impl Errors {
-    /// The greatest one of all components.
+    /// Returns the largest error of all components.
     fn greatest(&self) -> f64 {
         self.components.iter().map(|own| own.1).fold(0.0, f64::max)
     }
 }
 
-/// The wave vector: 2π (1, 2) in the plane, 2π (1, 1, 1) in space.
+/// Returns the wave vector: 2π (1, 2) in the plane, 2π (1, 1, 1) in space.
 fn wave_vector<const D: usize>() -> [f64; D] {
     std::array::from_fn(|axis| if D == 2 && axis == 1 { 4.0 * PI } else { 2.0 * PI })
 }
@@ -206,10 +205,9 @@ fn branches<const D: usize>(theory: Theory) -> usize {
     modes(&form, wave).len()
 }
 
-/// Orders between the two finest grids, for every branch: of the greatest error of all components, and of each
-/// field that bears more than a tenth of it. Those of components are printed as well; a vector or tensor is
-/// one field, whose components depend on the axes: where errors of several kinds cancel in one of them, its
-/// order is another one until they part.
+/// Verifies the orders between the two finest grids for every branch: `least[0]` for the largest error of all
+/// components, `least[1]` for each field whose error exceeds a tenth of it. Orders of components are printed only:
+/// where errors of several kinds cancel in a component, its order differs until one kind dominates.
 fn orders<const D: usize>(counts: &[usize], slopes: Slopes, least: [f64; 2]) {
     let [.., last, most] = counts else { panic!("two grids") };
     let order_of =
@@ -234,7 +232,7 @@ fn orders<const D: usize>(counts: &[usize], slopes: Slopes, least: [f64; 2]) {
                 if *after > 1e-6 * greatest {
                     println!("  {field} {after:.2e} order {own:.3}");
                 }
-                // Fields of small parts see the errors of the others.
+                // Fields with small errors are perturbed by the errors of the others.
                 if *after > 0.1 * greatest && own <= least[1] {
                     low.push(format!("{theory:?} branch {branch} {field}: order {own}"));
                 }
@@ -256,7 +254,7 @@ fn plane_waves_in_the_plane_without_limiter() {
 
 #[test]
 fn plane_waves_in_the_plane() {
-    // On 64 cells the limiter still takes a notable part of each crest.
+    // On 64 cells the limiter still clips a considerable part of each crest.
     orders::<2>(&[128, 256], Slopes::Limited, [1.85, 1.85]);
 }
 
@@ -265,7 +263,7 @@ fn plane_waves_in_space() {
     orders::<3>(&[16, 32], Slopes::FourthOrder, [1.8, 1.8]);
 }
 
-/// Noise in all fields.
+/// Fills all fields with noise.
 fn fill(fields: &[Field], cells: usize, mut set: impl FnMut(Field, &[f64])) {
     for (index, &field) in fields.iter().enumerate() {
         let value = |cell: usize| noise((1000 * index + cell) as u64);
@@ -273,7 +271,7 @@ fn fill(fields: &[Field], cells: usize, mut set: impl FnMut(Field, &[f64])) {
     }
 }
 
-/// Kinetic and stored energy of a domain of media by cell, J, from their symmetric form.
+/// Computes the kinetic and stored energy of a domain, J, from the symmetric form of the medium of each cell.
 fn energy<const D: usize>(
     (fields, values): (&[Field], &dyn Fn(Field) -> Option<Vec<f64>>),
     forms: &[(RateEquations<D>, SymmetricForm<D>)],
@@ -298,8 +296,8 @@ fn energy<const D: usize>(
         .sum()
 }
 
-/// Noise in a domain of two media, with every kind of boundary: what comes in and what the scheme takes
-/// is what the energy does, and without periodic or open sides nothing comes in.
+/// Verifies with noise in a domain of two media, for each kind of boundary: the ledger closes, the energy never grows,
+/// and fixed and free boundaries do no work.
 #[test]
 fn the_account_closes_and_energy_does_not_grow() {
     for theory in THEORIES {
@@ -382,7 +380,7 @@ fn domains_that_cannot_be_are_refused() {
         make(vec![medium.clone(), other], vec![0; 16], 1e-3, free.clone()),
         Err(DomainError::Media)
     );
-    // A medium of the plane in space.
+    // A plane medium on a grid in space.
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
     let space = Grid { cells: [2; 3], spacing: [0.1; 3] };
@@ -407,7 +405,7 @@ fn domains_that_cannot_be_are_refused() {
     );
 }
 
-/// Every branch on grids so fine that all orders are those of the scheme.
+/// Verifies the orders of every branch on grids fine enough for the asymptotic orders of the scheme.
 #[test]
 #[ignore = "two minutes: cargo test --release -p wellposed-dynamics --test solid domain::fine -- --ignored --nocapture"]
 fn fine_grids_in_the_plane() {
@@ -415,7 +413,7 @@ fn fine_grids_in_the_plane() {
     orders::<2>(&[64, 128, 256, 512], Slopes::FourthOrder, [1.9; 2]);
 }
 
-/// As in the plane. A period is 74 cells of the finest grid.
+/// Verifies the orders in space; a period is 74 cells of the finest grid.
 #[test]
 #[ignore = "half an hour"]
 fn fine_grids_in_space() {
@@ -428,7 +426,7 @@ fn fine_grids_in_space_without_limiter() {
     orders::<3>(&[16, 32, 64, 128], Slopes::FourthOrder, [1.9; 2]);
 }
 
-/// A half of a medium that is mirrored is the half of the whole, to the last bit.
+/// Verifies that half of a mirror-symmetric or antisymmetric domain has the bits of the whole domain.
 #[test]
 fn mirrored_halves_are_halves() {
     for theory in THEORIES {
@@ -451,7 +449,7 @@ fn mirrored_halves_are_halves() {
             };
             let (mut half, mut whole) = (make(8, side), make(16, Boundary::Free));
             for (index, field) in half.fields().to_vec().into_iter().enumerate() {
-                // Signs under x₁ → −x₁ of vectors, axial vectors and their stresses.
+                // Parity under x₁ → −x₁ of vectors, axial vectors and their stresses.
                 let ones = |indices: &[usize]| indices.iter().filter(|&&i| i == 0).count() % 2;
                 let is_odd = match field {
                     Field::Velocity(i) => ones(&[i]) == 1,
@@ -490,8 +488,8 @@ fn mirrored_halves_are_halves() {
     }
 }
 
-/// A bar that is pushed with the velocity V: σ = −zV behind the front, by whole cells at Courant number
-/// one; and the work done on it is the energy that it has.
+/// Verifies a bar pushed with the velocity V against σ = −zV behind the front, which moves by whole cells at Courant
+/// number 1; the boundary work equals the energy of the bar.
 #[test]
 fn a_pushed_bar() {
     let solid = solid(Theory::Classical);
@@ -513,7 +511,7 @@ fn a_pushed_bar() {
         let v = domain.values(Field::Velocity(0)).expect("a field");
         let s = domain.values(Field::Stress(0, 0)).expect("a field");
         for i in 0..40 {
-            // Two sweeps a step.
+            // A step consists of two sweeps.
             let [vi, si] = if i < 30 { [velocity, stress] } else { [0.0, 0.0] };
             assert!(
                 (v[i] - vi).abs() < 1e-14 && (s[i] - si).abs() < 1e-14,
@@ -522,15 +520,15 @@ fn a_pushed_bar() {
                 s[i]
             );
         }
-        // ½ρv² + ½s²/M in thirty cells; the sweeps along x₂ see no gradient.
+        // ½ρv² + ½s²/M in thirty cells; sweeps along x₂ have no gradients.
         let expected = 30.0 * 0.01 * (velocity * velocity * z / c);
         assert!((ledger.inflow / expected - 1.0).abs() < 1e-13, "{} {expected}", ledger.inflow);
         assert!(ledger.numerical.abs() < 1e-13 * expected);
     }
 }
 
-/// The medium of the unit test `HomogeneousIsotropicCosseratDomain` of SPECFEM++ rotates at 194.2009 Hz
-/// (as quoted; unconfirmed): a uniform spin over a thousand periods.
+/// Verifies the frequency of a uniform spin over a thousand periods, for the medium of the unit test
+/// `HomogeneousIsotropicCosseratDomain` of SPECFEM++: 194.2009 Hz (as quoted; unconfirmed).
 #[test]
 fn uniform_rotation_has_the_natural_frequency() {
     let couple = Some(CoupleModuli { beta: 7.75e8, gamma: 1.5e8, eta: 3e8 });
@@ -547,7 +545,7 @@ fn uniform_rotation_has_the_natural_frequency() {
             .expect("sound");
     domain.set(Field::Spin(2), &[1.0; 16]);
     let steps = (1000.0 / 194.2009 / step).round() as usize;
-    // Every change of sign from + to − ends a period; the place between steps by the sine itself.
+    // Each change of sign from + to − ends a period; its time within the step is interpolated with arccos.
     let (mut ends, mut last) = (Vec::new(), 1.0);
     for index in 1..=steps {
         domain.advance();
@@ -566,7 +564,7 @@ fn uniform_rotation_has_the_natural_frequency() {
     assert!((frequency / 194.2009 - 1.0).abs() < 1e-6, "{frequency}");
 }
 
-/// At Courant number one in each sweep, with noise, for many steps: nothing grows, whatever the sides.
+/// Verifies that energy does not grow over many steps from noise, with Courant number 1 in each sweep.
 #[test]
 fn many_steps_are_stable() {
     for theory in THEORIES {

@@ -1,7 +1,7 @@
-//! Energy never grows without load: rough states of all media, sides, orders, corrections, splittings and Courant
-//! numbers; and states searched for in which a sweep beside a side or an interface might let it.
+//! Energy never grows without load: random states with all media, boundaries, orders, plastic steps, splittings and
+//! Courant numbers; and a search for states in which a sweep next to a boundary or interface increases the energy.
 //!
-//! `ROUGH=20000 cargo test --release -p wellposed-dynamics --test solid energy::` makes so many runs in each dimension.
+//! `ROUGH=20000 cargo test --release -p wellposed-dynamics --test solid energy::` makes 20,000 runs in each dimension.
 
 use crate::support::noise;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances};
@@ -14,19 +14,19 @@ use wellposed_dynamics::line::{CellConstants, GHOSTS, Slopes, energy, sweep};
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 
-/// Steps of a run.
+/// Number of steps of a run.
 const STEPS: usize = 500;
-/// By what part of itself the energy may grow in a step: rounding.
+/// Admissible relative growth of energy per step: rounding.
 const GROWTH: f64 = 1e-13;
-/// The same in single precision: fields are rounded to 6e-8 of themselves in each of some twenty sweeps and corrections.
+/// Admissible growth in single precision: some twenty sweeps and return mappings per step, each rounding to 6e-8.
 const GROWTH_SINGLE: f64 = 1e-6;
 
-/// Runs in each dimension.
+/// Returns the number of runs in each dimension.
 fn runs() -> usize {
     std::env::var("ROUGH").ok().and_then(|count| count.parse().ok()).unwrap_or(500)
 }
 
-/// Numbers by chance, the same every time.
+/// Reproducible generator of random numbers.
 struct Chance(u64);
 
 impl Chance {
@@ -50,7 +50,7 @@ fn classical(factor: f64) -> Isotropic {
     Isotropic::new(1.1 * factor, 0.8 * factor, 1.3, None).expect("sound moduli")
 }
 
-/// A cone that rough states of order one yield on.
+/// Returns a cone on which random states of order one yield.
 fn cone() -> YieldSet {
     YieldSet::from(Mises {
         strength: 0.3,
@@ -63,7 +63,7 @@ fn cone() -> YieldSet {
     })
 }
 
-/// Layers that slip and roll on each other.
+/// Returns an interlayer set in which layers slip and roll on each other.
 fn interlayer() -> YieldSet {
     YieldSet::from(Interlayer {
         shear_strength: 0.3,
@@ -73,7 +73,7 @@ fn interlayer() -> YieldSet {
     })
 }
 
-/// A solid of the plane with cubic symmetry.
+/// Returns a plane solid with cubic symmetry.
 fn cubic() -> Medium {
     Medium::new(
         PlaneCompliances {
@@ -94,7 +94,7 @@ fn media(chance: &mut Chance, dimensions: usize) -> Vec<Medium> {
     let cosserat = |factor| Medium::new(cosserat(factor), dimensions);
     let reduced = Microrotation { alpha: 0.6, inertia: 0.37, couple: None };
     let reduced = Isotropic::new(1.1, 0.8, 1.3, Some(reduced)).expect("sound moduli");
-    // Cubic solids and interlayers are of the plane.
+    // Cubic solids and interlayer sets exist in the plane only.
     match chance.below(if dimensions == 2 { 10 } else { 7 }) {
         0 => vec![classical(1.0)],
         1 => vec![cosserat(1.0)],
@@ -129,7 +129,7 @@ fn side(chance: &mut Chance, medium: &Medium, axis: usize) -> Boundary {
     }
 }
 
-/// A rough state on a few cells.
+/// Creates a random problem with a random state on a few cells, and its description.
 fn rough<T: SolverReal, const D: usize>(number: usize) -> (Domain<T, D>, String) {
     let mut chance = Chance((number as u64) << 40);
     let media = media(&mut chance, D);
@@ -179,7 +179,7 @@ fn never_grows<T: SolverReal, const D: usize>(
 ) {
     for number in runs {
         let (mut domain, words) = rough::<T, D>(number);
-        // A state beyond its yield set falls back onto it at once.
+        // Stresses beyond the yield set are mapped back onto it in the first step.
         let mut before = domain.energy().total();
         let most = before * (1.0 + growth);
         for step in 0..steps {
@@ -221,8 +221,7 @@ fn rough_states_for_long() {
     never_grows::<f64, 3>((0..25).map(|run| run + 4_000_000), 100_000, GROWTH);
 }
 
-/// A line of cells of one pair with two sides: the ratio of its energy after a step to that before, less one. Only
-/// one pair moves: in an elastic solid the others are zero.
+/// A line of elastic cells between two boundaries. Only one pair of fields is non-zero.
 struct Line {
     domain: Domain<f64, 2>,
     zeros: Vec<f64>,
@@ -240,13 +239,13 @@ impl Line {
         Self { domain: Domain::new(&problem).expect("sound"), zeros: vec![0.0; cells] }
     }
 
-    /// Of the state with these velocities and stresses.
+    /// Computes the relative change of energy in a step from a state: velocities of all cells, then their stresses.
     fn growth(&mut self, state: &[f64]) -> f64 {
         let cells = self.zeros.len();
         for (index, field) in self.domain.fields().to_vec().into_iter().enumerate() {
             let own = match index {
                 0 => &state[..cells],
-                // σ₁₁ follows two velocities; σ₂₂ as in uniaxial strain, so that nothing else is stored.
+                // σ₁₁ follows two velocities; all other fields are zero.
                 2 => &state[cells..2 * cells],
                 _ => &self.zeros[..],
             };
@@ -258,8 +257,8 @@ impl Line {
     }
 }
 
-/// Stochastic ascent from a random state of so many numbers: the state that grows most, or decays least, of many is
-/// changed by chance. Its growth.
+/// Stochastic ascent: perturbs a random state of `count` numbers `trials` times, keeping the state of largest growth,
+/// and returns that growth.
 fn greatest_growth(
     chance: &mut Chance,
     count: usize,
@@ -302,7 +301,8 @@ fn no_state_beside_a_side_gains_energy() {
     }
 }
 
-/// Lines of two media with a free and a fixed end, by images: every cell sees at least one interface, or one side.
+/// Verifies sweeps on lines of two media with a free and a fixed end (image ghosts): most cells are next to an
+/// interface or a boundary.
 #[test]
 fn no_state_beside_an_interface_gains_energy() {
     let mut chance = Chance(78 << 40);
@@ -316,7 +316,7 @@ fn no_state_beside_an_interface_gains_energy() {
                 let count = line.len();
                 let at = |i: isize| {
                     let last = count as isize - 1;
-                    // The place that is seen, and the signs of velocity and stress there.
+                    // Index of the image cell, and signs of its velocity and stress.
                     match i {
                         i if i < 0 => ((-1 - i).min(last) as usize, 1.0, -1.0),
                         i if i > last => ((2 * last + 1 - i).max(0) as usize, -1.0, 1.0),
@@ -329,7 +329,7 @@ fn no_state_beside_an_interface_gains_energy() {
                     places.iter().map(|own| media[line[own.0]]).collect();
                 let growth = |state: &[f64]| {
                     let impedance = |place: usize| cells[GHOSTS + place].impedance;
-                    // Energies of all are of one size.
+                    // Scaled for equal energies of all cells.
                     let size = |place: usize| cells[GHOSTS + place].courant().sqrt();
                     let mut velocity: Vec<f64> = places
                         .iter()

@@ -1,6 +1,6 @@
-//! Tests of the solvers of solids, in one program: their kernels are compiled once.
+//! Tests of the solid solvers, in one program, so that their kernels are compiled once.
 //!
-//! `cargo test --release -p wellposed-dynamics --test solid energy::` runs those of one file.
+//! `cargo test --release -p wellposed-dynamics --test solid energy::` runs the tests of one file.
 
 mod blocks;
 mod configurations;

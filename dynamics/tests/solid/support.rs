@@ -1,6 +1,6 @@
-//! What several tests need.
+//! Functions shared by several tests.
 
-/// Numbers in [−1, 1) that look random, the same on every machine.
+/// Returns a pseudo-random number in [−1, 1), the same on every machine.
 pub fn noise(index: u64) -> f64 {
     let mixed = index.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     let mixed = (mixed ^ (mixed >> 31)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
