@@ -1,5 +1,5 @@
-//! Interlayers along a line: the discrete equations solved densely, dispersion of a chain, ledger, a step through a layer,
-//! energy.
+//! Interlayers on a line: sweeps against a dense solution of the discrete equations, Bloch dispersion of a chain,
+//! energy ledger, a velocity step through an interlayer, energy.
 
 use models::interface::elastic::ElasticInterlayer;
 use models::interface::{FaceLaw, FaceState, FaceStep, Incoming};
@@ -13,7 +13,7 @@ type Layer = Interlayer<f64, ElasticInterlayer<f64>>;
 
 const ALL: [Slopes; 3] = [Slopes::Godunov, Slopes::Limited, Slopes::FourthOrder];
 
-/// Numbers that look random, the same on every machine.
+/// Pseudo-random number generator, the same on every machine.
 struct Random(u64);
 
 impl Random {
@@ -28,13 +28,13 @@ impl Random {
     }
 }
 
-/// A periodic line: cells without ghosts, and interlayers in front of some of them.
+/// A periodic line: cells without ghosts, and interlayers at the lower faces of some cells.
 #[derive(Clone)]
 struct Line {
     velocity: Vec<f64>,
     stress: Vec<f64>,
     cells: Vec<CellConstants<f64>>,
-    /// In front of cells, in their order.
+    /// Interlayers in the order of their cells.
     layers: Vec<Layer>,
 }
 
@@ -49,7 +49,7 @@ impl Line {
         }
     }
 
-    /// A step; what the cells dissipated, W/m².
+    /// Advances the line by one step and returns the power dissipated in the cells, W/m².
     fn step(&mut self, slopes: Slopes, step: f64) -> f64 {
         let count = self.cells.len();
         let place = |i: usize| (i + count - GHOSTS) % count;
@@ -57,7 +57,7 @@ impl Line {
         let mut velocity: Vec<f64> = places.iter().map(|&i| self.velocity[i]).collect();
         let mut stress: Vec<f64> = places.iter().map(|&i| self.stress[i]).collect();
         let cells: Vec<CellConstants<f64>> = places.iter().map(|&i| self.cells[i]).collect();
-        // Those in front of ghosts and behind the last cell are copies.
+        // Interlayers at ghosts and at the upper end are periodic copies.
         let mut layers: Vec<Layer> = (0..count + 2 * GHOSTS)
             .filter_map(|i| {
                 let own = self.layers.iter().find(|own| own.place == place(i))?;
@@ -85,7 +85,7 @@ impl Line {
         accounts.iter().sum::<Account>().dissipated
     }
 
-    /// Energy of the cells, J/m², where the sweep takes so long.
+    /// Computes the energy of the cells, J/m², for sweeps of the duration `step`, s.
     fn energy_of_cells(&self, step: f64) -> f64 {
         let pad = |own: &[f64]| [&[0.0; GHOSTS], own, &[0.0; GHOSTS]].concat();
         let mut cells = self.cells.clone();
@@ -99,8 +99,8 @@ impl Line {
     }
 }
 
-/// At Courant number 1 a step of a line is: every wave moves by a cell, and what it meets at a face is given by the
-/// equations of the face, here solved densely, two faces at once.
+/// Verifies steps at Courant number 1, where waves move by one cell, against a dense solution of the equations of both
+/// interlayers.
 #[test]
 fn at_courant_number_one_steps_are_those_of_a_dense_solver() {
     let mut random = Random(1);
@@ -112,7 +112,7 @@ fn at_courant_number_one_steps_are_those_of_a_dense_solver() {
             mass: step * random.decades(-1.0, 1.0),
             compliance: step * random.decades(-1.0, 1.0),
         });
-        // Two blocks in a ring, with two faces.
+        // A ring of two blocks with two interlayers.
         let count = 12;
         let z = |i: usize| impedance[i / 6];
         let cells: Vec<CellConstants<f64>> =
@@ -126,7 +126,7 @@ fn at_courant_number_one_steps_are_those_of_a_dense_solver() {
         let mut memory = [[0.0; 2]; 2];
         for number in 0..500 {
             let slopes = ALL[number % 3];
-            // Unknowns by face: v⁻, v⁺, σ⁻, σ⁺, V, S.
+            // Unknowns of each face: v⁻, v⁺, σ⁻, σ⁺, V, S.
             let mut matrix = DMatrix::zeros(12, 12);
             let mut right = DVector::zeros(12);
             for face in 0..2 {
@@ -150,7 +150,7 @@ fn at_courant_number_one_steps_are_those_of_a_dense_solver() {
                 }
             }
             let solved = matrix.lu().solve(&right).expect("regular");
-            // What runs to the right and to the left in a cell comes from its neighbour or from the face.
+            // Right- and left-going waves of a cell come from the neighbouring cell or from the face.
             let (old_v, old_s) = (v.clone(), s.clone());
             for i in 0..count {
                 let [before, after] = [(i + count - 1) % count, (i + 1) % count];
@@ -181,7 +181,7 @@ fn at_courant_number_one_steps_are_those_of_a_dense_solver() {
     assert!(worst < 1e-12, "{worst:e}");
 }
 
-/// Block with `count` cells of impedance z, and the layer.
+/// A periodic chain of blocks of `count` cells with impedance z, separated by interlayers.
 struct Chain {
     count: usize,
     blocks: usize,
@@ -191,14 +191,14 @@ struct Chain {
 }
 
 impl Chain {
-    /// θ and ψ at a frequency of the scheme: ω in ψ is (2/Δt) tan ½ωΔt.
+    /// Computes θ and ψ at a frequency of the scheme: ω in ψ is replaced by (2/Δt) tan ½ωΔt.
     fn angles(&self, frequency: f64) -> [f64; 2] {
         let discrete = 2.0 / self.step * (0.5 * frequency * self.step).tan();
         let rate = (self.law.mass * self.law.compliance).sqrt();
         [self.count as f64 * self.step * frequency, 2.0 * (0.5 * discrete * rate).atan()]
     }
 
-    /// cos κh = cos θ cos ψ − ½(z/z′ + z′/z) sin θ sin ψ.
+    /// Computes cos κh = cos θ cos ψ − ½(z/z′ + z′/z) sin θ sin ψ.
     fn cosine(&self, frequency: f64) -> f64 {
         let [theta, psi] = self.angles(frequency);
         let own = (self.law.mass / self.law.compliance).sqrt();
@@ -206,7 +206,7 @@ impl Chain {
         theta.cos() * psi.cos() - ratio * theta.sin() * psi.sin()
     }
 
-    /// The frequency of a branch, counted from 0, at a phase κh in [0, π]: the branch is where the phase, unfolded, passes.
+    /// Finds the frequency of a branch, counted from 0, at the Bloch phase κh in [0, π], by bisection.
     fn frequency(&self, phase: f64, branch: usize) -> f64 {
         let wanted = phase.cos();
         let mut found = Vec::new();
@@ -230,19 +230,20 @@ impl Chain {
         found[branch]
     }
 
-    /// The amplitudes of both waves in the first cell of a block and of V and S of the layer in front of it, for
-    /// exp(i(ωt − κx)) modes: the null vector of the equations of the layer with the phases of the block.
+    /// Computes the amplitudes of the right- and left-going waves in the first cell of a block, and of V and S of the
+    /// interlayer at its lower face, for modes exp(i(ωt − κx)): the null vector of the interlayer equations with Bloch
+    /// phases.
     fn mode(&self, frequency: f64, phase: f64) -> [Complex<f64>; 4] {
         let turn = |angle: f64| Complex::from_polar(1.0, angle);
         let of_step = turn(frequency * self.step);
         let (z, m, c) = (self.z, self.law.mass / self.step, self.law.compliance / self.step);
         let half = Complex::new(0.5, 0.0);
-        // In a block a wave to the right is a e^{iω(n − j)}, one to the left b e^{iω(n + j)}. Before the face, in the last
-        // cell of the block before, which is at e^{iκh} of this one:
+        // In a block the right-going wave is a e^{iω(n − j)}, the left-going one b e^{iω(n + j)}. The last cell of the
+        // previous block differs from this block by the factor e^{iκh}:
         let through = frequency * self.step * (self.count as f64 - 1.0);
         let [right_before, left_before] = [turn(phase - through), turn(phase + through)];
-        // Incoming in the step: cell means; outgoing: what is in the cells after it.
-        // v⁻ = (left − right)/2z with left after the step in the last cell.
+        // Incoming waves: cell means before the step; outgoing waves: cell means after it.
+        // v⁻ = (left − right)/2z with the left-going wave of the last cell after the step.
         let left = left_before * of_step;
         let velocity_before = [-right_before / (2.0 * z), left / (2.0 * z)];
         let stress_before = [right_before * half, left * half];
@@ -287,7 +288,7 @@ impl Chain {
         [null[0], null[1], null[2], null[3]]
     }
 
-    /// The greatest difference of a mode from e^{iωt} in some steps, of its amplitude.
+    /// Computes the largest deviation of a mode from e^{iωt} over `steps` steps, relative to its amplitude.
     fn error(&self, frequency: f64, phase: f64, steps: usize) -> f64 {
         let mode = self.mode(frequency, phase);
         let turn = |angle: f64| Complex::from_polar(1.0, angle);
@@ -312,7 +313,7 @@ impl Chain {
         let (v, s, memory) = state(0);
         (line.velocity, line.stress) = (v, s);
         line.layers.iter_mut().zip(memory).for_each(|(own, memory)| own.memory = memory);
-        // Standing waves may be without stress at the beginning.
+        // By the wave amplitudes: a standing wave may have zero initial stress.
         let size = mode[0].norm().max(mode[1].norm());
         let mut worst = 0.0f64;
         for number in 1..=steps {
@@ -331,14 +332,14 @@ impl Chain {
     }
 }
 
-/// Modes of a chain of blocks stay e^{iωt} with ω of the Bloch relation, at band edges too.
+/// Verifies that modes of a chain oscillate as e^{iωt} with ω of the Bloch relation, band edges included.
 #[test]
 fn modes_of_a_chain_have_the_frequencies_of_the_bloch_relation() {
     for (z, mass, compliance) in [(1.0, 0.3, 0.8), (2.0, 3.0, 0.5), (1.3, 0.5, 4.0)] {
         let law = ElasticInterlayer { mass, compliance };
         let chain = Chain { count: 10, blocks: 8, z, law, step: 0.1 };
         for branch in [0, 1, 2] {
-            // The last one is a band edge.
+            // The last phase is a band edge.
             for phase in [0.25 * PI, 0.5 * PI, 0.75 * PI, PI] {
                 let frequency = chain.frequency(phase.min(PI - 1e-9), branch);
                 let frequency = if phase < PI { frequency } else { edge(&chain, frequency) };
@@ -350,12 +351,12 @@ fn modes_of_a_chain_have_the_frequencies_of_the_bloch_relation() {
     }
 }
 
-/// The band edge κh = π next to a frequency just inside the band: there the relation factorises, and the factor is
-/// monotonic: tan ½θ tan ½ψ = z/z′ or z′/z.
+/// Finds the band edge κh = π next to a frequency just inside the band, where the Bloch relation factorises into
+/// monotonic factors: tan ½θ tan ½ψ = z/z′ or z′/z.
 fn edge(chain: &Chain, near: f64) -> f64 {
     let own = (chain.law.mass / chain.law.compliance).sqrt();
     let find = |ratio: f64| {
-        // The factor cos ½θ cos ½ψ − r sin ½θ sin ½ψ by Newton's method with differences.
+        // Root of cos ½θ cos ½ψ − r sin ½θ sin ½ψ by Newton's method with a difference quotient.
         let factor = |frequency: f64| {
             let [theta, psi] = chain.angles(frequency).map(|angle| 0.5 * angle);
             theta.cos() * psi.cos() - ratio * theta.sin() * psi.sin()
@@ -373,7 +374,7 @@ fn edge(chain: &Chain, near: f64) -> f64 {
     nearer(both[0], both[1])
 }
 
-/// Cells of several media, with interlayers between them that are not those of another one.
+/// Returns a random line of several media, with interlayers of different constants at random faces, and its step, s.
 fn random_line(random: &mut Random, count: usize) -> (Line, f64) {
     let step = random.decades(-1.0, 1.0);
     let mut cells: Vec<CellConstants<f64>> = Vec::new();
@@ -404,13 +405,14 @@ fn random_line(random: &mut Random, count: usize) -> (Line, f64) {
     (line, step)
 }
 
-/// Energy of cells and layers changes by what the cells dissipate, over 20,000 steps between unequal impedances.
+/// Verifies that the energy of cells and interlayers changes by the dissipation of the cells, over 20,000 steps between
+/// unequal impedances.
 #[test]
 fn the_ledger_of_a_line_closes() {
     let mut random = Random(3);
     for slopes in ALL {
         let (mut line, step) = random_line(&mut random, 24);
-        // At Courant number 1 nothing is lost.
+        // No numerical dissipation at Courant number 1.
         for cell in &mut line.cells {
             *cell = CellConstants::new(cell.impedance, 1.0);
         }
@@ -460,8 +462,8 @@ fn energy_never_grows() {
     }
 }
 
-/// A step of velocity v₀ through a layer between equal half-spaces: v⁺ = v₀(1 − exp(−2zt/m) − exp(−2Kt/z)), here the
-/// mean of each step.
+/// Verifies second order for a step of velocity v₀ through an interlayer between equal half-spaces, against the mean
+/// over each time step of the exact v⁺ = v₀(1 − exp(−2zt/m) − exp(−2Kt/z)).
 #[test]
 fn a_step_through_a_layer_follows_the_exact_solution() {
     let (z, law) = (1.3, ElasticInterlayer { mass: 2.1, compliance: 0.7 });
@@ -473,7 +475,7 @@ fn a_step_through_a_layer_follows_the_exact_solution() {
         let step = time / count as f64;
         let (mut memory, mut worst) = ([0.0; 2], 0.0f64);
         for i in 0..count {
-            // A wave to the right with v = v₀ = 1: σ = −z v.
+            // Right-going wave with v = v₀ = 1: σ = −z v.
             let incoming = Incoming { impedance: [z; 2], invariant: [2.0 * z, 0.0] };
             let found: FaceStep<f64> = law.advance(&incoming, step, &mut memory);
             let FaceState { velocity, .. } = found.states[1];
@@ -492,26 +494,26 @@ fn a_step_through_a_layer_follows_the_exact_solution() {
     }
 }
 
-/// The same wave in a line: the order in Δt at a fixed Courant number.
+/// Verifies the order in Δt, at fixed Courant number, for a smooth pulse through an interlayer on a line.
 #[test]
 fn a_pulse_through_a_layer_converges() {
     let (z, law) = (1.3f64, ElasticInterlayer { mass: 0.21f64, compliance: 0.07f64 });
-    // Transmission of e^{iωt}: z' = √(m/C), ψ = 2 arctan ½ω√(mC).
+    // Transmission coefficient for e^{iωt}: z′ = √(m/C), ψ = 2 arctan ½ω√(mC).
     let own = (law.mass / law.compliance).sqrt();
     let transmitted = |frequency: f64| {
         let psi = 2.0 * (0.5 * frequency * (law.mass * law.compliance).sqrt()).atan();
         let i = Complex::new(0.0, 0.5 * (z / own + own / z) * psi.sin());
         (Complex::from(psi.cos()) + i).inv()
     };
-    // On a ring of length 2 with c = 1: a packet of waves of period 2 to the right, and the layer at 1. Waves that pass the
-    // layer twice stay out by time.
+    // Ring of length 4 with c = 1: a right-going pulse centred at 1.4, the interlayer at 2. The run ends before any
+    // wave reaches the interlayer a second time.
     let error = |count: usize, courant: f64, slopes: Slopes| {
         let h = 4.0 / count as f64;
         let steps = (1.5 / (courant * h)).round();
         let step = 1.5 / steps;
         let cells = vec![CellConstants::among_others(z, step / h); count];
         let mut line = Line::at_rest(cells, &[(count / 2, law)]);
-        // Cosine to the fourth power of width 1 about 1.3, as a sum of five harmonics over a window.
+        // Pulse cos⁸ πx of width 1.
         let bump = |x: f64| if x.abs() < 0.5 { (PI * x).cos().powi(8) } else { 0.0 };
         for i in 0..count {
             let x = (i as f64 + 0.5) * h - 1.4;
@@ -521,7 +523,7 @@ fn a_pulse_through_a_layer_converges() {
         for _ in 0..steps as usize {
             line.step(slopes, step);
         }
-        // The exact one by a Fourier series of period 4 in time.
+        // Exact solution by a Fourier series of period 4.
         let harmonics = 400;
         let coefficient = |k: i32| {
             let points = 4000;
@@ -546,12 +548,12 @@ fn a_pulse_through_a_layer_converges() {
         let mut total = 0.0;
         for i in count / 2..count {
             let x = (i as f64 + 0.5) * h;
-            // t − x/c about the maximum, which began at 1.4.
+            // Time minus travel time from the initial pulse centre at 1.4.
             total += h * (z * line.velocity[i] - exact(1.5 + 1.4 - x)).abs();
         }
         total
     };
-    // The face law is of second order. Reconstruction beside the layer is not, but smooth waves hardly see it.
+    // The interlayer law is second-order accurate; lower-order reconstruction next to it hardly affects smooth waves.
     for (slopes, courant, least) in [
         (Slopes::Godunov, 1.0, 1.9),
         (Slopes::FourthOrder, 0.5, 1.8),

@@ -1,4 +1,4 @@
-//! The ledger of energy with all that can act, for many steps; what opens it; energy without load.
+//! Energy ledger with all loads, over many steps; errors that the ledger detects; energy without load.
 
 use crate::support::noise;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances, Theory};
@@ -44,7 +44,7 @@ fn layers(theory: Theory) -> YieldSet {
     })
 }
 
-/// Noise by field.
+/// Returns noise for each field.
 fn noisy(fields: &[Field], cells: usize) -> Vec<(Field, Vec<f64>)> {
     let values = |index: usize| (0..cells).map(move |cell| noise((1000 * index + cell) as u64));
     fields.iter().enumerate().map(|(index, field)| (*field, values(index).collect())).collect()
@@ -56,8 +56,8 @@ fn fill<const D: usize>(domain: &mut Domain<f64, D>) {
     }
 }
 
-/// Two media, one of which yields, under an initial stress: pushed and pulled at a side that is mixed, open
-/// at another, with a force, a couple and a moment inside, and gravity.
+/// Returns a problem with all loads: two media, one of them yielding, initial stress, a mixed loaded boundary, a
+/// non-reflecting, a fixed and a free boundary, an internal force, couple and moment, and gravity.
 fn everything(theory: Theory, set: YieldSet, plastic_step: PlasticStep) -> Problem<2> {
     let media = [1.0, 2.0].map(|factor| Medium::new(solid(theory, factor), 2));
     let [soft, stiff] = media;
@@ -107,14 +107,14 @@ fn everything(theory: Theory, set: YieldSet, plastic_step: PlasticStep) -> Probl
     }
 }
 
-/// The same with the sweeps and the Courant number that cases have by default.
+/// Returns a problem with the splitting and Courant number that are the defaults of cases.
 fn by_default(mut problem: Problem<2>) -> Problem<2> {
     problem.step *= 0.9;
     problem.scheme.splitting = Splitting::Alternating;
     problem
 }
 
-/// What is left over after `steps` steps, over the largest energy.
+/// Computes the largest residual of the ledger over `steps` steps, relative to the largest energy.
 fn residual<T: SolverReal>(problem: &Problem<2>, steps: usize) -> f64 {
     let mut domain: Reference<T, 2> = Reference::new(problem).expect("sound");
     let (mut greatest, mut worst) = (0.0f64, 0.0f64);
@@ -158,7 +158,8 @@ fn the_ledger_closes_over_ten_thousand_steps() {
     }
 }
 
-/// In single precision each step rounds the energy by some 1e-7 of itself, and the ledger does not see it.
+/// Verifies the ledger in single precision: each step rounds the energy by some 1e-7, which the ledger does not
+/// contain.
 #[test]
 fn the_ledger_in_single_precision() {
     let problem = by_default(everything(Theory::Cosserat, cone(0.0), PlasticStep::ReturnMapping));
@@ -167,7 +168,7 @@ fn the_ledger_in_single_precision() {
     assert!(found < 1e-4, "{found:e}");
 }
 
-/// An impedance that is wrong by a percent opens it, and so does plastic dissipation that is left out.
+/// Verifies that an impedance error of one percent, or omitted plastic dissipation, leaves a residual in the ledger.
 #[test]
 fn mistakes_open_the_ledger() {
     let sound = everything(Theory::Cosserat, cone(0.4), PlasticStep::MidpointReflection);
@@ -187,7 +188,7 @@ fn mistakes_open_the_ledger() {
     assert!(gap.abs() > 1e-3 * energy, "{gap:e} of {energy:e}");
 }
 
-/// The sides that do no work.
+/// Returns boundaries that supply no energy.
 fn quiet(medium: &Medium, which: usize) -> [[Boundary; 2]; 2] {
     let side = |axis: usize| match which {
         0 => Boundary::Periodic,
@@ -216,7 +217,7 @@ fn media() -> Vec<Medium> {
     all
 }
 
-/// Noise at Courant number 1, with all sides: energy never grows.
+/// Verifies that energy never grows from noise at Courant number 1, with every kind of boundary.
 fn stable(thousands: usize) {
     for medium in media() {
         for which in 0..6 {
@@ -253,8 +254,8 @@ fn a_hundred_thousand_steps_are_stable() {
     stable(100);
 }
 
-/// Beside a medium a hundred times as fast waves have Courant numbers below those that reconstruction beside interfaces
-/// is made for: whatever the reconstruction, free and fixed sides do no work.
+/// Verifies that free and fixed boundaries do no work, with any slopes, on a medium a hundred times slower than its
+/// neighbour: its Courant numbers are below the range of the reconstruction next to interfaces.
 #[test]
 fn sides_of_slow_media_do_no_work() {
     let [slow, fast] = [1.0, 1e4].map(|factor| {
@@ -286,7 +287,7 @@ fn sides_of_slow_media_do_no_work() {
     }
 }
 
-/// The energy that the domain tells is that of the laws, and that of the pairs: ½ρv², ½s²/M.
+/// Verifies the energies of a domain against the constitutive law, and against ½ρv² and ½s²/M of the pairs.
 #[test]
 fn energies_are_those_of_the_laws() {
     for medium in media() {
@@ -307,7 +308,7 @@ fn energies_are_those_of_the_laws() {
         let energy = domain.energy();
         assert!((energy.stored - stored).abs() < 1e-13 * stored, "{medium:?}");
         assert!((energy.kinetic - kinetic).abs() < 1e-13 * kinetic, "{medium:?}");
-        // A wave along an axis stores ½s²/M.
+        // A wave along an axis stores ½s²/M per unit volume.
         for pair in &medium.pairs[0] {
             let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
             domain.set(pair.stress, &[1.0; 12]);
@@ -321,7 +322,7 @@ fn energies_are_those_of_the_laws() {
     }
 }
 
-/// Single precision does what double precision does, to its rounding.
+/// Verifies single precision against double precision, within rounding.
 #[test]
 fn single_precision_follows() {
     let problem = everything(Theory::Cosserat, cone(0.4), PlasticStep::MidpointReflection);

@@ -1,4 +1,4 @@
-//! A pair of fields along a line: exact steps, order, reflection, energy, symmetry.
+//! Sweeps of one pair of fields along a line: exact steps, order, reflection, energy, symmetry.
 
 use models::solid::parameters::Isotropic;
 use std::f64::consts::PI;
@@ -6,7 +6,7 @@ use wellposed_dynamics::line::{Account, CellConstants, GHOSTS, Slopes, energy, s
 
 const ALL: [Slopes; 3] = [Slopes::Godunov, Slopes::Limited, Slopes::FourthOrder];
 
-/// Numbers that look random, the same on every machine.
+/// Pseudo-random number generator, the same on every machine.
 struct Random(u64);
 
 impl Random {
@@ -27,7 +27,7 @@ struct Line {
 impl Line {
     fn new(inner: usize, at: impl Fn(usize) -> (f64, f64, CellConstants<f64>)) -> Self {
         let length = inner + 2 * GHOSTS;
-        // Periodic as it stands.
+        // Ghosts are periodic initially.
         let place = |i: usize| (i + inner - GHOSTS) % inner;
         let all: Vec<_> = (0..length).map(|i| at(place(i))).collect();
         Self {
@@ -72,7 +72,7 @@ fn at_courant_number_one_waves_move_by_a_cell() {
     for slopes in ALL {
         let data: Vec<[f64; 2]> =
             (0..20).map(|_| [random.within(-1.0, 1.0), random.within(-1.0, 1.0)]).collect();
-        // s − zv to the right, s + zv to the left.
+        // Right-going invariant s − zv, left-going invariant s + zv.
         let at = |i: usize| {
             let [right, left] = data[i];
             ((left - right) / (2.0 * z), 0.5 * (left + right), CellConstants::new(z, 1.0))
@@ -90,13 +90,13 @@ fn at_courant_number_one_waves_move_by_a_cell() {
     }
 }
 
-/// Largest of the mean errors of velocity and stress after the time 0.83 on `count` cells.
+/// Computes the larger of the mean errors of velocity and stress at the time 0.83 on `count` cells.
 fn error(count: usize, slopes: Slopes) -> f64 {
     let (z, c, courant) = (1.7, 1.3, 0.62);
     let h = 1.0 / count as f64;
     let steps = (0.83 * c / (courant * h)).round();
     let courant = 0.83 * c / (h * steps);
-    // Means over cells of waves to the right and to the left.
+    // Cell means of right- and left-going waves by three-point Gauss quadrature.
     let mean = |f: &dyn Fn(f64) -> f64, i: usize, shift: f64| {
         let at = |x: f64| f(h * i as f64 + x * h - shift);
         let (low, high) = (0.5 - 0.15f64.sqrt(), 0.5 + 0.15f64.sqrt());
@@ -137,14 +137,14 @@ fn orders() {
     }
 }
 
-/// Means over cells of a cubic move as the cubic does.
+/// Verifies that fourth-order sweeps advect cell means of a cubic exactly.
 #[test]
 fn to_fourth_order_cubics_move_exactly() {
     let mut random = Random(6);
     for _ in 0..100 {
         let (z, courant) = (random.within(0.1, 5.0), random.within(0.0, 1.0));
         let powers: [f64; 4] = std::array::from_fn(|_| random.within(-1.0, 1.0));
-        // Integrals from one edge of a cell to the other.
+        // Integral over the cell [i, i + 1].
         let mean = |i: f64| -> f64 {
             let integral = |x: f64| -> f64 {
                 (0..4i32).map(|n| powers[n as usize] * x.powi(n + 1) / f64::from(n + 1)).sum()
@@ -154,7 +154,7 @@ fn to_fourth_order_cubics_move_exactly() {
         for sign in [-1.0, 1.0] {
             let mut line = Line::new(9, |_| (0.0, 0.0, CellConstants::new(z, courant)));
             for i in 0..line.cells.len() {
-                // s − zv where the sign is −1, s + zv where it is 1.
+                // Invariant s − zv for the sign −1, s + zv for the sign 1.
                 let wave = mean(i as f64 - 6.0);
                 line.stress[i] = 0.5 * wave;
                 line.velocity[i] = sign * 0.5 * wave / z;
@@ -169,7 +169,7 @@ fn to_fourth_order_cubics_move_exactly() {
     }
 }
 
-/// To fourth order a step overshoots by 10 to 20 %, with limited slopes not at all.
+/// Verifies that a step overshoots by 10 to 20 % at fourth order, and not at all with limited slopes.
 #[test]
 fn steps_overshoot_to_fourth_order_alone() {
     for courant in [0.2, 0.52, 0.9] {
@@ -189,8 +189,8 @@ fn steps_overshoot_to_fourth_order_alone() {
     }
 }
 
-/// A wave that meets another medium: s_r/s_i = (z₂ − z₁)/(z₂ + z₁), s_t/s_i = 2z₂/(z₂ + z₁); exact at
-/// Courant number 1 in both.
+/// Verifies a wave that meets another medium: s_r/s_i = (z₂ − z₁)/(z₂ + z₁), s_t/s_i = 2z₂/(z₂ + z₁); exact at Courant
+/// number 1 in both media.
 #[test]
 fn reflection_and_transmission_are_exact_at_courant_number_one() {
     let solids = [(1.0, 1.0, 1.0), (3.0, 2.0, 0.7)];
@@ -201,7 +201,7 @@ fn reflection_and_transmission_are_exact_at_courant_number_one() {
         let pulse = |i: usize| if (20..25).contains(&i) { 1.0 + 0.1 * i as f64 } else { 0.0 };
         let mut line = Line::new(100, |i| {
             let impedance = z[usize::from(i >= 50)];
-            // To the right: v = −s/z.
+            // Right-going wave: v = −s/z.
             (-pulse(i) / impedance, pulse(i), CellConstants::new(impedance, 1.0))
         });
         for _ in 0..40 {
@@ -211,7 +211,7 @@ fn reflection_and_transmission_are_exact_at_courant_number_one() {
         let transmitted = 2.0 * z[1] / (z[1] + z[0]);
         for (i, place) in line.inner().enumerate() {
             let expected = if i < 50 {
-                // Mirrored at the joint between the cells 49 and 50.
+                // Mirrored at the interface between the cells 49 and 50.
                 let source = 99 - i as i64 - 40;
                 reflected * usize::try_from(source).map_or(0.0, pulse)
             } else {
@@ -234,8 +234,8 @@ fn random_line(random: &mut Random, count: usize) -> Line {
     Line::new(count, |i| data[i])
 }
 
-/// What the fluxes dissipate is what the means lose: with a different medium in every cell, and work at
-/// both ends.
+/// Verifies that the energy of the cells changes by inflow minus dissipation, with a different medium in every cell and
+/// work at both ends.
 #[test]
 fn the_account_closes() {
     let mut random = Random(3);
@@ -243,7 +243,7 @@ fn the_account_closes() {
         let mut worst = 0.0f64;
         for _ in 0..500 {
             let mut line = random_line(&mut random, 30);
-            // Ghosts of their own: energy comes and goes.
+            // Random ghosts, so that energy flows through the ends.
             for i in (0..GHOSTS).chain(30 + GHOSTS..30 + 2 * GHOSTS) {
                 line.velocity[i] = random.within(-1.0, 1.0);
                 line.stress[i] = random.within(-1.0, 1.0);
@@ -260,7 +260,7 @@ fn the_account_closes() {
     }
 }
 
-/// An impedance that is wrong by a percent in one place opens the account.
+/// Verifies that an impedance error of one percent in one cell leaves a residual in the energy account.
 #[test]
 fn a_wrong_impedance_opens_the_account() {
     let mut random = Random(4);
@@ -276,7 +276,7 @@ fn a_wrong_impedance_opens_the_account() {
     assert!((residual / before).abs() > 1e-6);
 }
 
-/// Without work at the ends energy does not grow, in any medium.
+/// Verifies that energy does not grow without work at the ends, in any medium.
 #[test]
 fn energy_does_not_grow() {
     let mut random = Random(5);
@@ -295,14 +295,15 @@ fn energy_does_not_grow() {
     }
 }
 
-/// With the limiter a wave becomes, in every cell, a mean of what it was there and in the cell upwind.
+/// Verifies that with the limiter the updated invariant lies between the old values of the cell and its upwind
+/// neighbour.
 #[test]
 fn nothing_new_stands_out() {
     let mut random = Random(8);
     let mut reached = 0;
     for _ in 0..300 {
         let (z, courant) = (random.within(0.1, 5.0), random.within(0.0, 1.0));
-        // To the right alone; rough, smooth and flat.
+        // Right-going wave only: rough, smooth or piecewise constant.
         let kind = random.within(0.0, 3.0);
         let w: Vec<f64> = (0..40)
             .map(|i| match kind {
@@ -324,12 +325,12 @@ fn nothing_new_stands_out() {
             reached += usize::from(!within.contains(&wave(&plain)));
         }
     }
-    // Without it much does.
+    // Without the limiter many values lie outside.
     assert!(reached > 1000, "{reached}");
 }
 
-/// The decay of a wave on the scale of the grid by first-order sweeps: its amplification is
-/// 1 − C(1 − exp(−iθ)) for the wave to the right.
+/// Verifies the decay of a grid-scale wave in first-order sweeps: the amplification factor of the right-going wave is
+/// 1 − C(1 − exp(−iθ)).
 #[test]
 fn a_wave_on_the_grid_scale_decays_as_it_should() {
     for (waves, count, courant) in [(4, 16, 0.3), (7, 16, 0.7), (8, 16, 0.9)] {
@@ -371,7 +372,7 @@ fn mirrored_data_give_mirrored_bits() {
     }
 }
 
-/// In single precision to single precision.
+/// Verifies single precision against double precision, within 1e-4.
 #[test]
 fn single_precision_follows() {
     let mut random = Random(7);

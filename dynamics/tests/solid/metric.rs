@@ -1,4 +1,4 @@
-//! Blocks in the plane whose layers have spacings of their own, and polar blocks.
+//! Blocks in the plane whose spacing differs between layers, and polar blocks.
 
 use crate::support::noise;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
@@ -31,7 +31,7 @@ fn solid(theory: Theory, factor: f64) -> Isotropic {
     Isotropic::new(LAMBDA * factor, MU * factor, DENSITY, rotation).expect("sound moduli")
 }
 
-/// Where the inner side of polar blocks is, and how wide they are, m.
+/// Inner radius and width of polar blocks, m.
 const INNER: f64 = 0.5;
 const WIDTH: f64 = 2.0;
 
@@ -40,7 +40,7 @@ fn polar(cells: [usize; 2]) -> (Grid<2>, Metric) {
     (Grid { cells, spacing }, Metric::polar(INNER, cells[1], spacing))
 }
 
-/// Half a step by the greatest Courant number below 1 that fits such a grid, of a medium.
+/// Returns the time step, s, for which sweeps of half a step have the Courant number 0.9 in the smallest cell.
 fn step(grid: &Grid<2>, metric: &Metric, medium: &Medium) -> f64 {
     let least = metric.spacing.iter().copied().fold(grid.spacing[1], f64::min);
     1.8 * least / medium.greatest_speed()
@@ -53,7 +53,8 @@ fn fill<T: SolverReal>(problem: &Problem<2>, mut set: impl FnMut(Field, &[T])) {
     }
 }
 
-/// Random media and states, in the fused solver, whole and in parts, and in the reference solver.
+/// Compares the fused solver, with decompositions and instruction sets, and the reference solver, on two media at
+/// random and a random state; verifies the ledger.
 fn same<T: SolverReal>(theory: Theory, is_polar: bool, slopes: Slopes) {
     let cells = [23, 17];
     let (grid, polar) = polar(cells);
@@ -108,7 +109,7 @@ fn bits_are_those_of_the_reference_solver() {
     }
 }
 
-/// Layers of the spacing of the grid are those of a grid without a metric.
+/// Verifies that a metric with the spacing of the grid in all layers changes no bit.
 #[test]
 fn equal_layers_change_no_bit() {
     let grid = Grid { cells: [15, 12], spacing: [0.1, 0.13] };
@@ -129,7 +130,7 @@ fn equal_layers_change_no_bit() {
     assert_eq!(plain, with);
 }
 
-/// Bessel's function of the first kind, by its integral: the trapezoidal rule is exact to rounding.
+/// Computes Bessel's function Jₙ(x) from its integral; the trapezoidal rule is exact to rounding.
 fn bessel(order: i32, x: f64) -> f64 {
     const POINTS: usize = 64;
     let term = |index: usize| {
@@ -139,7 +140,7 @@ fn bessel(order: i32, x: f64) -> f64 {
     (0..POINTS).map(term).sum::<f64>() / POINTS as f64
 }
 
-/// A standing P wave u = ∇φ sin(ωt)/ω, φ = J₂(kr) cos 2θ: v_θ, v_r, then the stresses σ_θθ, σ_rr, σ_rθ.
+/// Computes a standing P wave u = ∇φ sin(ωt)/ω, φ = J₂(kr) cos 2θ: v_θ, v_r, then the stresses σ_θθ, σ_rr, σ_rθ.
 fn standing_wave(k: f64, [theta, r]: [f64; 2], time: f64) -> [f64; 5] {
     let m = 2.0;
     let speed = ((LAMBDA + 2.0 * MU) / DENSITY).sqrt();
@@ -167,7 +168,7 @@ const FIELDS: [Field; 5] = [
     Field::Stress(0, 1),
 ];
 
-/// A standing P wave in Cartesian coordinates, φ = cos 2x cos ly, by the same numbers of waves; its fields as above.
+/// Computes a standing P wave in Cartesian coordinates, φ = cos 2x cos ly, k² = 4 + l²; fields as in [`standing_wave`].
 fn plane_wave(k: f64, [x, y]: [f64; 2], time: f64) -> [f64; 5] {
     let l = (k * k - 4.0).sqrt();
     let speed = ((LAMBDA + 2.0 * MU) / DENSITY).sqrt();
@@ -184,8 +185,8 @@ fn plane_wave(k: f64, [x, y]: [f64; 2], time: f64) -> [f64; 5] {
     ]
 }
 
-/// The L2 error over all fields of a standing wave, relative to its size: in all layers, and in those that nothing can
-/// have reached from the sides, whose velocities are given.
+/// Computes the L2 error of a standing wave over all fields, relative to its norm: in all layers, and in the layers
+/// that no wave from the boundaries, whose velocities are prescribed, can have reached.
 fn errors_of_standing_wave(cells: [usize; 2], is_polar: bool) -> [f64; 2] {
     let (grid, metric) = polar(cells);
     let medium = Medium::new(solid(Theory::Classical, 1.0), 2);
@@ -226,7 +227,7 @@ fn errors_of_standing_wave(cells: [usize; 2], is_polar: bool) -> [f64; 2] {
         let found = domain.values(field).expect("a field");
         for (cell, (found, exact)) in found.iter().zip(exact(index, time)).enumerate() {
             let depth = place(cell)[1] - INNER;
-            // Errors of short waves may run ahead.
+            // Margin of 30 %, since errors of short waves may travel faster.
             let is_reached = depth.min(WIDTH - depth) < 1.3 * speed * time;
             for which in 0..if is_reached { 1 } else { 2 } {
                 error[which] += (found - exact) * (found - exact);
@@ -237,15 +238,15 @@ fn errors_of_standing_wave(cells: [usize; 2], is_polar: bool) -> [f64; 2] {
     [0, 1].map(|which| f64::sqrt(error[which] / size[which]))
 }
 
-/// Where sides are not felt the order is two. Beside sides that move, splitting costs a part of it, in a polar block as in a
-/// plane one.
+/// Verifies second order in the interior. At moving boundaries splitting reduces the order, no more in a polar block
+/// than in a plane one.
 #[test]
 fn standing_waves_of_a_polar_block_are_second_order() {
     let grids = [[32, 16], [64, 32], [128, 64], [256, 128]];
     let [polar, plane] = [true, false].map(|is_polar| {
         let errors = grids.map(|cells| errors_of_standing_wave(cells, is_polar));
         println!("{errors:?}");
-        // Everywhere by the last halving, inside over all three.
+        // All layers: order of the last refinement; interior: mean order of all three.
         [(errors[2][0] / errors[3][0]).log2(), (errors[0][1] / errors[3][1]).log2() / 3.0]
     });
     println!("{polar:?} {plane:?}");
@@ -253,12 +254,12 @@ fn standing_waves_of_a_polar_block_are_second_order() {
     assert!(polar[0] > plane[0] - 0.1 && polar[0] > 1.4, "{polar:?} {plane:?}");
 }
 
-/// Rigid motions of a Cosserat solid: a rotation about the centre, and a translation. Their stresses vanish as cells become
-/// small, beside sides that move half an order slower than elsewhere.
+/// Verifies rotation about the centre and translation of a Cosserat solid: stresses vanish with the cell size, at an
+/// order lower by one half at moving boundaries.
 #[test]
 fn rigid_motions_stay_so() {
     let motion = |is_rotation: bool, [theta, r]: [f64; 2]| match is_rotation {
-        // The third axis of (θ, r) points the other way.
+        // The third axis of (θ, r) points opposite to that of (x, y).
         true => [r, 0.0, -1.0],
         false => [-theta.sin(), theta.cos(), 0.0],
     };
@@ -312,11 +313,11 @@ fn rigid_motions_stay_so() {
     }
 }
 
-/// A field across layers.
+/// Complex amplitudes of v₀, v₁, σ₀₀, σ₁₁, σ₀₁ at nodes across the layers.
 type State = Vec<[Complex64; 5]>;
 
-/// Waves of wave number K per period of rows whose length depends on y, periodic in y as well: by trigonometric collocation
-/// across layers, and the Runge–Kutta method of the fourth order in time. v₀, v₁, σ₀₀, σ₁₁, σ₀₁ at the places asked for.
+/// Computes waves with one period along rows whose length depends on y, periodic in y: trigonometric collocation across
+/// layers, fourth-order Runge–Kutta in time. Returns v₀, v₁, σ₀₀, σ₁₁, σ₀₁ at the positions `at`.
 fn spectral(length: impl Fn(f64) -> f64, time: f64, at: &[f64]) -> State {
     const N: usize = 40;
     let node = |i: usize| i as f64 / N as f64;
@@ -375,14 +376,14 @@ fn spectral(length: impl Fn(f64) -> f64, time: f64, at: &[f64]) -> State {
     at.iter().map(interpolate).collect()
 }
 
-/// v₀ at the beginning; all else vanishes.
+/// Initial fields: v₀ only.
 fn start(y: f64) -> [f64; 5] {
     [(PI * y).sin().powi(2), 0.0, 0.0, 0.0, 0.0]
 }
 
 #[test]
 fn waves_along_layers_of_different_spacing_are_second_order() {
-    // Lengths of one period along rows: by a factor of two.
+    // Length of one period along a row, between 1 and 2.
     let length = |y: f64| 1.0 + (PI * y).sin().powi(2);
     let time = 0.9;
     let errors = [16, 32, 64, 128].map(|cells: usize| {
@@ -452,7 +453,7 @@ fn other_metrics_are_refused() {
     assert!(refused(&metric, &|problem| {
         problem.media = vec![medium.clone().yielding(set.clone())];
     }));
-    // Layers stay across the second axis.
+    // Layers must remain normal to the second axis.
     let polar = Problem { metric: Some(metric.clone()), ..plain.clone() };
     let split = DecomposedDomain::<f64, 2>::with_first_axis(1, &polar, 1).err();
     assert!(matches!(split, Some(DomainError::Metric(_))));

@@ -1,5 +1,5 @@
-//! Sweeps along another axis in the place of those along the first one: what comes of it is what comes of the problem in
-//! other coordinates, rotated by hand.
+//! Sweeps that start with another axis: the result must equal that of the same body in permuted coordinates with sweeps
+//! that start with the first axis.
 
 use crate::support::noise;
 use models::rheology::relaxation::StandardLinearSolid;
@@ -15,13 +15,13 @@ use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 use wellposed_dynamics::reference::Reference;
 
-/// Cells along the axes of the body.
+/// Numbers of cells along the axes of the body.
 const CELLS: [usize; 3] = [11, 13, 9];
 
-/// By axis of the body that of the coordinates; even, so that spins keep their signs.
+/// Coordinate axis of each axis of the body; an even permutation, so that spins keep their signs.
 type Frame = [usize; 3];
 const OWN: Frame = [0, 1, 2];
-/// The body's third axis first.
+/// Frame in which the body's third axis is the first.
 const ROTATED: Frame = [1, 2, 0];
 
 fn field(field: Field, frame: Frame) -> Field {
@@ -37,7 +37,7 @@ fn field(field: Field, frame: Frame) -> Field {
     }
 }
 
-/// The body's place of a cell in a frame, and the other way round.
+/// Returns the indices of a cell along the axes of the body.
 fn place(cell: usize, frame: Frame) -> [usize; 3] {
     let mut along = [0; 3];
     let mut rest = cell;
@@ -54,7 +54,7 @@ fn cell(at: [usize; 3], frame: Frame) -> usize {
     (0..all).find(|cell| place(*cell, frame) == at).expect("a cell")
 }
 
-/// Looks random, by place and number.
+/// Returns a pseudo-random number for a cell of the body and a quantity.
 fn at(place: [usize; 3], number: usize) -> f64 {
     noise((place[0] + 100 * (place[1] + 100 * (place[2] + 100 * number))) as u64)
 }
@@ -83,8 +83,8 @@ fn problem(frame: Frame) -> Problem<3> {
         grid.cells[to] = CELLS[own];
         grid.spacing[to] = [0.1, 0.12, 0.11][own];
     }
-    // Across the body's first axis conditions that differ by face and component, periodic across the second, free and fixed
-    // across the third.
+    // Boundary conditions: by face and component across the body's first axis, periodic across the second, free and
+    // fixed across the third.
     let component = |pair_velocity: Field, number: usize| {
         let body = |to: usize| frame.iter().position(|own| *own == to).expect("an axis");
         match pair_velocity {
@@ -143,7 +143,7 @@ fn another_axis_first_is_the_body_rotated() {
         let mut split =
             DecomposedDomain::<f64, 3>::with_first_axis(first, &problem, parts).expect("sound");
         let count: usize = CELLS.iter().product();
-        // By the body's fields.
+        // In the order of the body's fields.
         let fields = DecomposedDomain::<f64, 3>::new(&self::problem(OWN), 1)
             .expect("sound")
             .fields()
@@ -156,7 +156,7 @@ fn another_axis_first_is_the_body_rotated() {
         split.advance(steps);
         let inner = split.fields().to_vec();
         let place_of = |own: Field| inner.iter().position(|to| *to == field(own, frame));
-        // By the body's fields and cells: shown, computed with, recorded, and what has been dissipated.
+        // By field and cell of the body: output values, solver values, records, dissipated energy.
         let cells: Vec<usize> = (0..count).map(|own| cell(place(own, OWN), frame)).collect();
         let shown = split.shown();
         let records = split.records();
@@ -176,7 +176,7 @@ fn another_axis_first_is_the_body_rotated() {
     let (rotated, energy, inflow) = run(ROTATED, 0, 1);
     let (same, _, _) = run(OWN, 2, 3);
     let (found, other_energy, other_inflow) = run(OWN, 2, 1);
-    // The projection onto the yield set sums components in their order.
+    // Equal up to rounding only: the projection onto the yield set sums components in the order of the axes.
     let largest = rotated.iter().flatten().fold(0.0, |most: f64, value| most.max(value.abs()));
     for (own, other) in rotated.iter().flatten().zip(found.iter().flatten()) {
         assert!((own - other).abs() < 1e-12 * largest, "{own} or {other}");
@@ -185,7 +185,7 @@ fn another_axis_first_is_the_body_rotated() {
     assert!((inflow - other_inflow).abs() < 1e-12 * energy);
     let bits = |all: &[Vec<f64>]| all.concat().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(&same), bits(&found));
-    // The reference solver sweeps the same axis first.
+    // The reference solver with the same first axis.
     let problem = problem(OWN);
     let mut split = DecomposedDomain::<f64, 3>::with_first_axis(2, &problem, 1).expect("sound");
     let mut reference = Reference::<f64, 3>::with_first_axis(2, &problem).expect("sound");
@@ -205,14 +205,14 @@ fn another_axis_first_is_the_body_rotated() {
     assert_eq!(bits(&split.shown()), bits(&reference.shown()));
     assert_eq!(split.dissipated(), reference.dissipated());
     assert_eq!(split.snapshot().fields, reference.snapshot().fields);
-    // Which is not what the sweeps make of it in the order of the axes.
+    // Sweeps that start with the first axis give another result.
     let (own, _, _) = run(OWN, 0, 1);
     let differs =
         own.iter().flatten().zip(found.iter().flatten()).any(|(a, b)| (a - b).abs() > 1e-4);
     assert!(differs);
 }
 
-/// The axis of the free side is swept first, and the state goes on from a snapshot.
+/// Verifies that the axis of reflecting boundaries is swept first by default, and that runs resume from a snapshot.
 #[test]
 fn sides_that_reflect_say_which() {
     let problem = problem(OWN);

@@ -1,4 +1,4 @@
-//! Yielding solids in time: the ledger with plastic dissipation, admissible stresses, order.
+//! Yielding solids in the time domain: ledger with plastic dissipation, admissible stresses, order of convergence.
 
 use crate::support::noise;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
@@ -61,7 +61,7 @@ fn stress_at<const D: usize>(domain: &Domain<f64, D>, cell: usize) -> Stress {
     stress
 }
 
-/// Kinetic and stored energy, J.
+/// Computes the kinetic and stored energy of a domain, J.
 fn energy<const D: usize>(domain: &Reference<f64, D>, solid: &Isotropic, volume: f64) -> f64 {
     let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
     let kinetic: f64 = domain
@@ -144,8 +144,7 @@ fn the_ledger_closes_while_solids_yield() {
     }
 }
 
-/// A smooth shear wave that makes the layers normal to x₁ slip in places: mean change of all fields from
-/// grid to grid.
+/// Computes the final fields of a smooth wave that makes the layers normal to x₁ slip.
 fn slipping(count: usize, plastic_step: PlasticStep, strength: f64) -> Vec<Vec<f64>> {
     let solid = solid(Theory::Reduced);
     let set = layers(Theory::Reduced, strength);
@@ -162,7 +161,8 @@ fn slipping(count: usize, plastic_step: PlasticStep, strength: f64) -> Vec<Vec<f
         Scheme::new(Slopes::FourthOrder, plastic_step),
     ))
     .expect("a sound domain");
-    // All layers slip all the time: a shear stress that grows everywhere under pressure waves.
+    // Layers of high strength slip everywhere at all times: the shear stress is at yield, increased further by the
+    // spin, under pressure waves.
     let mean = |f: &dyn Fn(f64) -> f64, i: usize| {
         let at = |x: f64| f(h * (i as f64 + x));
         let (low, high) = (0.5 - 0.15f64.sqrt(), 0.5 + 0.15f64.sqrt());
@@ -204,7 +204,8 @@ fn orders(plastic_step: PlasticStep, strength: f64) -> Vec<f64> {
     orders
 }
 
-/// Strong layers of which one slips all the time; weak ones that begin to slip and stop.
+/// Verifies the orders of both plastic steps, 1 and 2 where all layers slip at all times (high strength), and at least
+/// 0.8 where slip starts and stops (low strength).
 #[test]
 fn orders_of_both_placements() {
     let steady =
@@ -217,8 +218,8 @@ fn orders_of_both_placements() {
     }
 }
 
-/// Mean error of the stress across the plane behind the plastic front, over the yield stress √3k, after a
-/// step of pressure on a half-space in uniaxial strain: an elastic precursor, and behind a slower front
+/// Computes the mean error of the transverse stress behind the plastic front, relative to the yield stress √3k, after a
+/// step of pressure on a half-space in uniaxial strain: an elastic precursor, then a slower plastic front behind which
 /// σ₂₂ = σ₃₃ = σ₁₁ + √3k (Wood 1952).
 fn behind_a_front(count: usize, plastic_step: PlasticStep) -> f64 {
     let solid = Isotropic::new(1.4, 0.9, 1.2, None).expect("sound moduli");
@@ -252,8 +253,8 @@ fn behind_a_front(count: usize, plastic_step: PlasticStep) -> f64 {
     (0..behind).map(error).sum::<f64>() / behind as f64
 }
 
-/// Why flow is corrected last where nobody asks for anything else: the reflection leaves a step's plastic
-/// strain behind a shock, an error that does not go away with finer grids in the cells at the front.
+/// Verifies why return mapping is the default: behind a shock the midpoint reflection leaves the plastic strain of a
+/// step, an error in the cells of the front that does not vanish on finer grids.
 #[test]
 fn fronts_of_flow() {
     let counts = [100, 200, 400];
@@ -265,9 +266,8 @@ fn fronts_of_flow() {
     assert_eq!(PlasticStep::default(), PlasticStep::ReturnMapping);
 }
 
-/// Stresses that are corrected many at once are those of the projection one by one, whatever stands in the
-/// lanes beside them: some within their set, some far beyond it, some beyond the apex, some of a medium that
-/// does not yield.
+/// Compares the vectorised return mapping with the scalar projection, for any stresses in the other lanes: within the
+/// yield set, far beyond it, beyond the apex, or in a medium without a yield set.
 fn at_once<const D: usize>(theory: Theory, set: YieldSet, seed: usize) {
     let solid = solid(theory);
     let elastic = Medium::new(solid, D);

@@ -1,5 +1,5 @@
-//! Strong plastic waves: exact solutions, tests of these, and the errors that both corrections have with the scheme's
-//! defaults.
+//! Strong plastic waves: exact solutions, verification of these solutions, and errors of both plastic steps with
+//! default settings.
 
 use crate::simple_waves::{self, Impact};
 use crate::uniaxial::{Bar, End, Profile, State};
@@ -33,14 +33,14 @@ fn medium() -> Medium {
 struct Case {
     name: &'static str,
     duration: f64,
-    /// By end.
+    /// Boundary conditions by end.
     sides: [Vec<Condition>; 2],
-    /// Of the lower side after a time: added to the condition of its first pair.
+    /// Time, s, and change of the condition of the first pair at the lower end from that time on.
     change: Option<(f64, f64)>,
-    /// v₁, v₂, σ₁₁, σ₁₂, σ₂₂ at the beginning and at the end: means from one place to another.
+    /// Initial and final v₁, v₂, σ₁₁, σ₁₂, σ₂₂: means over an interval of x₁.
     start: Box<dyn Fn(f64, f64) -> [f64; 5]>,
     end: Box<dyn Fn(f64, f64) -> [f64; 5]>,
-    /// Where the exact solution jumps or has a kink at the end.
+    /// Positions of jumps and kinks of the exact solution at the final time.
     edges: Vec<f64>,
 }
 
@@ -130,7 +130,7 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-/// Means of cells after a run.
+/// Runs a case and returns the cell means of v₁, v₂, σ₁₁, σ₁₂, σ₂₂ at the final time.
 fn run(case: &Case, count: usize, scheme: Scheme) -> Vec<[f64; 5]> {
     let (medium, h) = (medium(), 1.0 / count as f64);
     let longest = 2.0 * COURANT * h / medium.greatest_speed();
@@ -180,8 +180,8 @@ fn run(case: &Case, count: usize, scheme: Scheme) -> Vec<[f64; 5]> {
     (0..count).map(shown).collect()
 }
 
-/// What a run misses, as parts of the range of each field in the exact solution, the greatest of all fields: the mean of
-/// all cells, and the greatest value at cells that are farther than 0.05 from all jumps and kinks.
+/// Computes the errors of a run relative to the range of each field in the exact solution, maxima over the fields: mean
+/// over all cells, and maximum over cells farther than 0.05 from all jumps and kinks.
 fn errors(case: &Case, count: usize, scheme: Scheme) -> [f64; 2] {
     let h = 1.0 / count as f64;
     let exact: Vec<[f64; 5]> =
@@ -218,8 +218,8 @@ fn scheme(plastic_step: PlasticStep) -> Scheme {
 
 const COUNTS: [usize; 4] = [100, 200, 400, 800];
 
-/// Prints the table of BENCHMARKS.md: percents of the range, mean (greatest value apart from fronts), and the order of
-/// the mean from 100 to 800 cells.
+/// Prints the table of BENCHMARKS.md: errors in % of the range, mean (maximum away from fronts), and the order of the
+/// mean from 100 to 800 cells.
 #[test]
 fn errors_of_both_corrections() {
     for case in cases() {
@@ -247,7 +247,7 @@ fn errors_of_both_corrections() {
     }
 }
 
-/// Fronts keep the balance of momentum and the law; so does the whole bar.
+/// Verifies that fronts satisfy the balance of momentum and the constitutive law, and that the bar conserves momentum.
 #[test]
 fn fronts_obey_their_jump_conditions() {
     let bar = bar();
@@ -280,7 +280,7 @@ fn fronts_obey_their_jump_conditions() {
                     assert!(close(difference, ratio * stress), "{pair:?}");
                 } else {
                     plastic_fronts += 1;
-                    // On the yield surface on both sides, and loaded further.
+                    // The yield surface is reached on both sides, and loading continues.
                     assert!(close(difference, 0.0), "{pair:?}");
                     assert!(close(pair[0].difference.abs(), bar.yield_stress), "{pair:?}");
                     let behind = stress * -front.speed.signum();
@@ -295,15 +295,15 @@ fn fronts_obey_their_jump_conditions() {
                 true => bar.density * 5.0 * velocity * 0.3,
                 false => 4.0 * bar.elastic_limit() * time.min(0.2 / elastic),
             };
-            // Nothing has left through the far end: it is free.
+            // The far end is free, so that no momentum leaves through it.
             assert!((momentum - given).abs() < 1e-7 * given, "{time}: {momentum} {given}");
         }
     }
     assert!(plastic_fronts > 20 && contacts > 10, "{plastic_fronts} {contacts}");
 }
 
-/// Wood (1952): precursor and plastic plateau; half the velocity where plates meet; at a free face the precursor's
-/// velocity doubles.
+/// Verifies the flyer plate (Wood 1952): precursor and plastic plateau, half the velocity at the contact of the plates,
+/// twice the precursor's velocity at a free face.
 #[test]
 fn plateaus_of_a_flyer_plate() {
     let bar = bar();
@@ -330,8 +330,8 @@ fn impact(prestress: f64, last_angle: f64) -> Impact {
     Impact { solid: solid(), strength: STRENGTH, prestress, fast_fall, last_angle }
 }
 
-/// Along both simple waves stress follows from strain, ∂v over −ξ, by the return mapping of the solver, momentum is
-/// balanced, and speeds fall from wave to wave.
+/// Verifies both simple waves: the stress follows from the strain −∂v/ξ by the return mapping of the solver, momentum
+/// is balanced, and speeds decrease along the waves.
 #[test]
 fn simple_waves_obey_the_law() {
     let (solid, medium) = (solid(), medium());
@@ -385,7 +385,7 @@ fn simple_waves_obey_the_law() {
     }
 }
 
-/// Without shear Wood's waves; at ψ = π/2, pure shear, the slow wave stands still; steps are short enough.
+/// Verifies limits of pressure–shear impact: Wood's waves without shear, and zero speed of the slow wave at ψ = π/2.
 #[test]
 fn limits_of_pressure_shear_impact() {
     let bar = bar();

@@ -1,5 +1,5 @@
-//! Solids that relax: frequency and damping of plane waves against the complex modulus, energy, the ledger, exact
-//! relaxation at rest, bits, several laws in one run.
+//! Relaxing solids: frequency and damping of plane waves against the complex modulus, energy, ledger, exact relaxation
+//! at rest, bitwise reproducibility, several constitutive laws in one run.
 
 use crate::support::noise;
 use models::InputError;
@@ -24,9 +24,9 @@ use wellposed_dynamics::simd::Instructions;
 use wellposed_dynamics::simulation::{Simulation, SolidSimulation, SolverChoice, TimeSteps};
 
 const LAMBDA: f64 = 1.4;
-/// μ_R.
+/// Relaxed shear modulus μ_R, Pa.
 const MU: f64 = 0.9;
-/// μ₁.
+/// Shear modulus of the branch μ₁, Pa.
 const BRANCH: f64 = 0.5;
 const DENSITY: f64 = 1.2;
 
@@ -62,13 +62,13 @@ fn fill<T: SolverReal, const D: usize>(split: &mut DecomposedDomain<T, D>, size:
     }
 }
 
-/// μ(ς) from the rate equations of spring and dashpot: with e ∝ exp(ςt) the viscous strain is e/(1 + ςτ).
+/// Computes μ(ς) from the rate equations of spring and dashpot: for e ∝ exp(ςt) the viscous strain is e/(1 + ςτ).
 fn shear_modulus(rate: Complex, time: f64) -> Complex {
     let viscous = (rate * time + 1.0).inv();
     MU + BRANCH * (1.0 - viscous)
 }
 
-/// The root of f next to a number, by the secant method.
+/// Finds the root of f next to `start` by the secant method.
 fn root(f: impl Fn(Complex) -> Complex, start: Complex) -> Complex {
     let (mut a, mut b) = (start, start * Complex::new(1.001, 0.0007));
     for _ in 0..60 {
@@ -82,7 +82,7 @@ fn root(f: impl Fn(Complex) -> Complex, start: Complex) -> Complex {
     b
 }
 
-/// A plane wave exp(ςt + ik·x) along `wave` periods of the unit box, damped with −Re ς.
+/// A plane wave exp(ςt + ik·x) with `wave` periods along each axis of the unit box and the damping −Re ς.
 struct PlaneWave<const D: usize> {
     wave: [usize; D],
     /// Direction of the velocity.
@@ -93,7 +93,8 @@ struct PlaneWave<const D: usize> {
 }
 
 impl<const D: usize> PlaneWave<D> {
-    /// A P wave, or an S wave in the plane of the first two axes. τ is about the period over 2π.
+    /// Creates a P wave, or an S wave polarised in the plane of the first two axes. τ is of the order of the period
+    /// over 2π.
     fn new(wave: [usize; D], is_longitudinal: bool, theory: Theory) -> Self {
         let mut n = [0.0; 3];
         wave.iter().enumerate().for_each(|(axis, own)| n[axis] = *own as f64);
@@ -115,7 +116,7 @@ impl<const D: usize> PlaneWave<D> {
             match (is_longitudinal, own) {
                 (true, _) => bulk + 4.0 / 3.0 * shear,
                 (false, [0.0, _]) => shear,
-                // The spin follows: jς²ω + 4αω = 2αik v.
+                // Spin amplitude ω of the velocity amplitude v: jς²ω + 4αω = 2αik v.
                 (false, [alpha, inertia]) => {
                     let kinetic = rate * rate * inertia;
                     shear + alpha * kinetic / (kinetic + 4.0 * alpha)
@@ -128,7 +129,7 @@ impl<const D: usize> PlaneWave<D> {
         Self { wave, polarisation, rate, time, theory }
     }
 
-    /// The amplitude of a field where the velocity is 1.
+    /// Computes the amplitude of a field for unit velocity amplitude.
     fn amplitude(&self, field: Field) -> Complex {
         let Self { polarisation: p, rate, time, theory, .. } = self;
         let mut k = [0.0; 3];
@@ -141,7 +142,7 @@ impl<const D: usize> PlaneWave<D> {
             (gradient(i, j) + gradient(j, i)) * 0.5 - volume * (kronecker(i, j) / 3.0)
         };
         let m = elastic(*theory).microrotation;
-        // About the third axis, of waves in the plane: (curl v)₃ = 2 × the spin of the matter.
+        // About the third axis, for waves in the plane: (curl v)₃ is twice the rotation rate of the material.
         let curl = Complex::i() * (p[1] * k[0] - p[0] * k[1]);
         let spin = m.map_or(Complex::ZERO, |m| {
             curl * (2.0 * m.alpha) / (rate * rate * m.inertia + 4.0 * m.alpha)
@@ -165,13 +166,14 @@ impl<const D: usize> PlaneWave<D> {
         }
     }
 
-    /// Relative error of ς over a time in which the wave loses half of its amplitude, on so many cells along each axis.
+    /// Computes the relative error of ς over the time in which the amplitude halves, with `cells` cells along each
+    /// axis.
     fn error(&self, cells: usize, splitting: Splitting) -> f64 {
         let medium = relaxing(self.theory, self.time, D);
         let grid = Grid { cells: [cells; D], spacing: [1.0 / cells as f64; D] };
         let duration = 0.7 / -self.rate.re;
         let longest = 0.9 * 2.0 / (8.0 * medium.greatest_speed());
-        // The same Courant number on all grids, and a quarter of the steps on all.
+        // The same Courant number on all grids; the number of steps is a multiple of four.
         let steps = 4 * (0.25 * duration / longest).ceil() as usize * cells / 8;
         let (step, count) = (duration / steps as f64, grid.count());
         let scheme = scheme(Slopes::FourthOrder, splitting);
@@ -202,17 +204,17 @@ impl<const D: usize> PlaneWave<D> {
             }
             sum
         };
-        // From one time to another: what beginning and output do once to the amplitude is no part of the rate.
+        // Between two times, since initial values and output change the amplitude once, which is not part of the rate.
         split.advance(steps / 4);
         let first = amplitude(&split);
         split.advance(steps - steps / 4);
         let duration = (steps - steps / 4) as f64 * step;
-        // Both are near each other: the logarithm of their ratio needs no count of periods.
+        // The ratio is close to 1, so that its logarithm needs no phase unwrapping.
         let ratio = amplitude(&split) / first / (self.rate * duration).exp();
         (ratio.ln() / duration).norm() / self.rate.norm()
     }
 
-    /// The error falls at second order from a grid to a finer one, so fine that terms of higher order do not matter.
+    /// Verifies second order between two grids, fine enough for the asymptotic order.
     fn converges(&self, cells: [usize; 2], within: f64) {
         for splitting in SPLITTINGS {
             let errors = cells.map(|cells| self.error(cells, splitting));
@@ -234,7 +236,7 @@ fn plane_waves_are_second_order() {
     }
 }
 
-/// With the rotation of spins in the same place.
+/// Verifies second order with spin–stress rotation in addition to relaxation.
 #[test]
 fn shear_waves_with_spin_are_second_order() {
     for wave in [[1, 0], [0, 1], [1, 1]] {
@@ -242,7 +244,7 @@ fn shear_waves_with_spin_are_second_order() {
     }
 }
 
-/// At rest all strains stay, and stresses relax as they do alone: s → (μ_R + μ₁e^(−t/τ))/μ_U of themselves, exactly.
+/// Verifies exact relaxation at rest: deviatoric stresses are multiplied by (μ_R + μ₁e^(−t/τ))/μ_U.
 #[test]
 fn uniform_strain_relaxes_exactly() {
     for splitting in SPLITTINGS {
@@ -291,7 +293,7 @@ fn rest<const D: usize>(splitting: Splitting, plastic_step: PlasticStep, theory:
     }
 }
 
-/// Layers of an elastic solid, of one that relaxes, of one that relaxes and yields, and of one that yields.
+/// Returns an elastic, a relaxing, a relaxing and yielding, and a yielding medium.
 fn media(theory: Theory, step: f64, dimensions: usize) -> Vec<Medium> {
     let set = |strength: f64| YieldSet::from(Mises::drucker_prager(strength, 0.2, 0.2));
     vec![
@@ -302,7 +304,7 @@ fn media(theory: Theory, step: f64, dimensions: usize) -> Vec<Medium> {
     ]
 }
 
-/// All of these at random places in a box with free, fixed and periodic sides.
+/// Returns a problem with all four media at random in a box with free, fixed and periodic boundaries.
 fn mixed<const D: usize>(cells: [usize; D], theory: Theory, scheme: Scheme) -> Problem<D> {
     let speed = relaxing(theory, 1.0, D).greatest_speed();
     let grid = Grid { cells, spacing: [0.1; D] };
@@ -313,7 +315,8 @@ fn mixed<const D: usize>(cells: [usize; D], theory: Theory, scheme: Scheme) -> P
     Problem::new(grid, media(theory, step, D), of_cell, sides, step, scheme)
 }
 
-/// From random states on, viscous strains included, over steps far shorter and longer than τ.
+/// Verifies that energy never grows from random states, viscous strains included, with steps far shorter and longer
+/// than τ.
 #[test]
 fn energy_never_grows() {
     for splitting in SPLITTINGS {
@@ -341,7 +344,7 @@ fn energy_never_grows() {
     }
 }
 
-/// Everything that acts, in a full ledger: no term is what the others leave, and the stored energy has that of the
+/// Verifies the full ledger with all loads: every term is computed independently, and the stored energy includes the
 /// springs of the branches.
 #[test]
 fn the_ledger_closes() {
@@ -391,7 +394,7 @@ fn the_ledger_closes() {
     }
 }
 
-/// The energy that the domain tells is that of the springs, from the state of each cell.
+/// Verifies the stored energy of a domain against that of the springs, from the state of each cell.
 #[test]
 fn stored_energy_is_that_of_the_springs() {
     let theory = Theory::Cosserat;
@@ -419,14 +422,14 @@ fn stored_energy_is_that_of_the_springs() {
     assert!((found - stored).abs() < 1e-13 * stored, "{found} {stored}");
 }
 
-/// The state and sums by cell in bits.
+/// Returns the bits of the fields and of the sums by cell.
 fn bits<T: SolverReal>(own: &Snapshot<T>) -> (Vec<Vec<u64>>, Vec<Vec<u64>>) {
     let of = |values: &Vec<T>| values.iter().map(|value| value.wide().to_bits()).collect();
     let sums = own.sums.iter().map(|own| own.iter().map(|value| value.to_bits()).collect());
     (own.fields.iter().map(of).collect(), sums.collect())
 }
 
-/// In parts, in all instructions, by the reference solver, from a snapshot in the middle.
+/// Compares the bits of runs with decompositions, instruction sets, the reference solver, and resumed from a snapshot.
 fn same_bits<T: SolverReal, const D: usize>(cells: [usize; D], theory: Theory) {
     for splitting in SPLITTINGS {
         for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
@@ -481,7 +484,8 @@ fn bits_do_not_depend_on_how_it_is_computed() {
     same_bits::<f64, 3>([13, 6, 13], Theory::Reduced);
 }
 
-/// Media without the law have no viscous strain, and stresses as if there were none that relax anywhere.
+/// Verifies that cells without relaxation have no viscous strain, and that relaxing media used by no cell change
+/// nothing.
 #[test]
 fn other_media_keep_their_bits() {
     for theory in [Theory::Classical, Theory::Cosserat] {
@@ -503,7 +507,7 @@ fn other_media_keep_their_bits() {
                 assert_eq!(value != 0.0, relaxes, "{field:?} in cell {cell}");
             }
         }
-        // Where no cell has the law, it does not matter that a medium of the list has.
+        // Media in the list that no cell has must not change the results.
         let mut without = problem.clone();
         without.of_cell.iter_mut().for_each(|own| *own = [0, 3, 3, 3][usize::from(*own)]);
         let mut plain = without.clone();
@@ -521,7 +525,8 @@ fn other_media_keep_their_bits() {
     }
 }
 
-/// Viscous strains are part of the state of a simulation, of what is looked at for numbers, and no source acts on them.
+/// Verifies that viscous strains belong to the state of a simulation, are checked for non-finite values, and have no
+/// sources.
 #[test]
 fn viscous_strains_are_fields() {
     let problem = mixed([8, 9], Theory::Classical, scheme(Slopes::Limited, Splitting::TwoCyclic));

@@ -1,5 +1,5 @@
-//! The return mapping of whole stresses in lanes: the bits of the projection of one stress after the other, and the
-//! nearest stress of the yield set, as a conic solver finds it.
+//! Vectorised return mapping of total stresses: bits of the scalar projection, and the closest stress of the yield set
+//! as computed by a conic solver.
 
 use crate::support::noise;
 use clarabel::algebra::CscMatrix;
@@ -20,11 +20,11 @@ use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme};
 use wellposed_dynamics::simd::Instructions;
 
-/// Choices that look random.
+/// Reproducible generator of random choices.
 struct Chance(u64);
 
 impl Chance {
-    /// In [0, 1).
+    /// Returns a random number in [0, 1).
     fn number(&mut self) -> f64 {
         self.0 += 1;
         0.5 * noise(self.0) + 0.5
@@ -47,7 +47,7 @@ fn solid(theory: Theory, factor: f64) -> Isotropic {
     Isotropic::new(1.4 * factor, 0.9 * factor, 1.2, rotation).expect("sound moduli")
 }
 
-/// A set of one of the kinds, or none.
+/// Returns a medium with a yield set of a kind, or without one (kind 0).
 fn medium<const D: usize>(chance: &mut Chance, theory: Theory, kind: usize) -> Medium {
     let factor = chance.one_of(&[1.0, 0.3, 2.3]);
     let strength = chance.one_of(&[0.02, 0.1, 0.1, 0.5]);
@@ -77,7 +77,7 @@ fn medium<const D: usize>(chance: &mut Chance, theory: Theory, kind: usize) -> M
     })
 }
 
-/// A problem whose stresses are mapped as whole ones.
+/// Returns a random problem in which total stresses are mapped.
 fn problem<const D: usize>(chance: &mut Chance) -> Problem<D> {
     let theory = chance.one_of(&[Theory::Classical, Theory::Reduced, Theory::Cosserat]);
     let kinds: &[usize] = match (D, chance.below(3)) {
@@ -91,7 +91,7 @@ fn problem<const D: usize>(chance: &mut Chance) -> Problem<D> {
         _ => chance.one_of(&[3, 5, 8]),
     });
     let grid = Grid { cells, spacing: [0.1; D] };
-    // Layers across the first axis, across the last one, or any.
+    // Media by layers normal to the last axis, by stripes of five cells across the first axis, or at random.
     let (kind, count) = (chance.below(3), media.len());
     let of = |cell: usize| match kind {
         0 => cell / (grid.count() / cells[D - 1]) % count,
@@ -143,7 +143,7 @@ fn run<T: SolverReal, const D: usize>(
     }
     let count = problem.grid.count();
     for (index, field) in split.fields().to_vec().into_iter().enumerate() {
-        // Some of zero, and of either sign.
+        // Some values are zeros, of either sign.
         let value = |cell: usize| {
             let own = noise(seed + (index * count + cell) as u64);
             T::of(if own.abs() < 0.2 { 0.0 * own } else { 0.7 * own })
@@ -193,10 +193,10 @@ fn lanes_have_the_bits_of_single_stresses_in_single_precision() {
     same::<f32, 2>(2000);
 }
 
-/// σ₁₁, σ₂₂, σ₃₃, σ₁₂.
+/// Stress components σ₁₁, σ₂₂, σ₃₃, σ₁₂, Pa.
 type Plane = [f64; 4];
 
-/// Compliance of an isotropic solid between these, 1/Pa: ½s·Cs is the energy (σ:σ − λ/(3λ + 2μ) tr²)/4μ.
+/// Computes the compliance of an isotropic solid, 1/Pa: the energy density ½s·Cs is (σ:σ − λ/(3λ + 2μ) tr²)/4μ.
 fn compliance(solid: &Isotropic) -> [Plane; 4] {
     let share = solid.lambda / (3.0 * solid.lambda + 2.0 * solid.mu);
     std::array::from_fn(|i| {
@@ -215,7 +215,7 @@ fn energy(compliance: &[Plane; 4], stress: &Plane) -> f64 {
         .sum::<f64>()
 }
 
-/// The stress of a cone that is next to a trial stress in the norm of the energy.
+/// Computes the stress of a cone closest to a trial stress in the energy norm, with a conic solver.
 fn nearest(solid: &Isotropic, set: &Mises, trial: &Plane) -> Plane {
     let own = compliance(solid);
     let matrix: Vec<Vec<f64>> = own
@@ -227,7 +227,7 @@ fn nearest(solid: &Isotropic, set: &Mises, trial: &Plane) -> Plane {
         .collect();
     let q: Vec<f64> =
         own.iter().map(|row| -row.iter().zip(trial).map(|(c, s)| c * s).sum::<f64>()).collect();
-    // (k − κσ_m, τ̄'s terms) in the second-order cone: b − A s.
+    // b − A s = (k − κσ_m, terms of τ̄) in the second-order cone.
     let (third, sixth) = (set.friction / 3.0, (1.0f64 / 6.0).sqrt());
     let a = CscMatrix::from(&[
         [third, third, third, 0.0],
@@ -277,7 +277,7 @@ fn mapped_whole_stresses_are_the_nearest_of_a_conic_solver() {
         problem.initial_stress = Some((1, (0..6).map(stress).collect()));
         let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("a sound problem");
         for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
-            // A third of the cells in tension, some of which go to the apex.
+            // A third of the cells is in tension; some of them return to the apex.
             let is_normal = matches!(field, Field::Stress(i, j) if i == j);
             let value = |cell: usize| {
                 let tension = if is_normal && cell.is_multiple_of(3) { 2.0 } else { 0.0 };
@@ -296,7 +296,7 @@ fn mapped_whole_stresses_are_the_nearest_of_a_conic_solver() {
                 |s: &Plane| energy(&compliance, &std::array::from_fn(|i| s[i] - trial[i]));
             let theirs = nearest(&solid, &set, &trial);
             let scale = energy(&compliance, &trial);
-            // As near as theirs, and in the set: the nearest one is unique.
+            // As close as the solution of the conic solver, and in the set: the closest stress is unique.
             let excess = (distance(&own) - distance(&theirs)) / scale;
             assert!(excess <= 1e-9, "{excess:e} at {trial:?}");
             let mean = (own[0] + own[1] + own[2]) / 3.0;

@@ -1,5 +1,5 @@
-//! Exact waves of pressure–shear plate impact: an elastic–perfectly plastic half-space x₁ ≥ 0 whose side is given a
-//! velocity (v₁, v₂) at once.
+//! Exact waves of pressure–shear plate impact: an elastic–perfectly plastic half-space x₁ ≥ 0 whose boundary is
+//! suddenly given a velocity (v₁, v₂).
 //!
 //! Plane waves along x₁ with Mises' set s:s/2 ≤ k². By symmetry s₂₂ = s₃₃ = −s₁₁/2, so that on the yield surface
 //!
@@ -14,17 +14,17 @@
 //!     (   −μab        μ(1 − b²)  ).
 //! ```
 //!
-//! The solution depends on ξ = x₁/t: an elastic front of pressure up to the yield surface, then a fast and a slow simple
+//! The solution depends on ξ = x₁/t: an elastic pressure front up to the yield surface, then a fast and a slow simple
 //! wave in which ρξ² is an eigenvalue of D and the stress moves along its eigenvector, dv = −dσ/(ρξ) (Ting & Nan 1969).
-//! Their ordinary differential equations are integrated by Runge–Kutta's method of fourth order. The velocity of the
-//! side comes out: what is given is how far both waves go.
+//! Their ordinary differential equations are integrated by the fourth-order Runge–Kutta method. The amplitudes of both
+//! waves are prescribed; the velocity of the boundary is a result.
 
 use models::solid::parameters::Isotropic;
 
-/// Steps of each simple wave.
+/// Number of integration steps of each simple wave.
 const STEPS: usize = 4000;
 
-/// A state.
+/// State at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
     /// v₁ and v₂, m/s.
@@ -49,7 +49,7 @@ impl State {
     }
 }
 
-/// The half-space, and what acts on it.
+/// Half-space and loading.
 #[derive(Clone, Copy, Debug)]
 pub struct Impact {
     pub solid: Isotropic,
@@ -57,50 +57,50 @@ pub struct Impact {
     pub strength: f64,
     /// Shear stress before the impact, Pa: at least 0 and below k.
     pub prestress: f64,
-    /// How much σ₁₁ falls in the fast wave, Pa.
+    /// Decrease of σ₁₁ in the fast wave, Pa.
     pub fast_fall: f64,
-    /// The angle ψ at the end of the slow wave, in radians: below π/2.
+    /// Angle ψ at the end of the slow wave, rad: below π/2.
     pub last_angle: f64,
 }
 
-/// Waves by their speed, from the fastest to the slowest.
+/// Self-similar solution, from the fastest to the slowest wave.
 #[derive(Clone, Debug)]
 pub struct Waves {
-    /// ξ in m/s, never growing, and the state there; jumps where it is twice the same.
+    /// ξ, m/s, non-increasing, and the state there; equal values of ξ are jumps.
     pub points: Vec<(f64, State)>,
-    /// Where the simple waves begin and end among the points: fast, then slow.
+    /// Index ranges of the points of the fast and of the slow simple wave.
     pub simple: [std::ops::Range<usize>; 2],
 }
 
 impl Impact {
-    /// a and b.
+    /// Computes a and b at the angle ψ, rad.
     fn direction(angle: f64) -> [f64; 2] {
         [-2.0 / 3f64.sqrt() * angle.cos(), angle.sin()]
     }
 
-    /// D₁₁, D₁₂, D₂₂ and both eigenvalues of D, the greater first, Pa.
+    /// Computes D₁₁, D₁₂, D₂₂ and both eigenvalues of D, the larger first, Pa.
     pub fn moduli(&self, angle: f64) -> ([f64; 3], [f64; 2]) {
         let [a, b] = Self::direction(angle);
         let Isotropic { lambda, mu, .. } = self.solid;
         let d = [lambda + 2.0 * mu - mu * a * a, -mu * a * b, mu * (1.0 - b * b)];
         let (mean, half) = (0.5 * (d[0] + d[2]), (0.5 * (d[0] - d[2])).hypot(d[1]));
-        // The lesser one by the determinant: it vanishes at ψ = π/2.
+        // The smaller eigenvalue from the determinant: it vanishes at ψ = π/2.
         (d, [mean + half, (d[0] * d[2] - d[1] * d[1]) / (mean + half)])
     }
 
-    /// dσ₁₂/dσ₁₁ in the fast wave.
+    /// Computes dσ₁₂/dσ₁₁ in the fast wave.
     fn fast_slope(&self, angle: f64) -> f64 {
         let (d, [fast, _]) = self.moduli(angle);
         d[1] / (fast - d[2])
     }
 
-    /// dσ₁₁/dσ₁₂ in the slow wave.
+    /// Computes dσ₁₁/dσ₁₂ in the slow wave.
     fn slow_slope(&self, angle: f64) -> f64 {
         let (d, [_, slow]) = self.moduli(angle);
         d[1] / (slow - d[0])
     }
 
-    /// The state on the yield surface.
+    /// Returns the state on the yield surface at the angle ψ, with the given σ₁₁ and velocity.
     fn yielding(&self, angle: f64, normal: f64, velocity: [f64; 2]) -> State {
         let [a, b] = Self::direction(angle);
         // σ₁₁ − σ₂₂ = 3s₁₁/2.
@@ -112,7 +112,7 @@ impl Impact {
         }
     }
 
-    /// All waves.
+    /// Computes the elastic front and both simple waves.
     pub fn waves(&self) -> Waves {
         let (k, density) = (self.strength, self.solid.density);
         let Isotropic { lambda, mu, .. } = self.solid;
@@ -126,7 +126,7 @@ impl Impact {
         let wave_speed = |angle: f64, which: usize| (self.moduli(angle).1[which] / density).sqrt();
         let first = points.len();
         points.push((wave_speed(angle, 0), points[1].1));
-        // ψ and velocities by σ₁₁.
+        // Derivatives of ψ and of the velocities with respect to σ₁₁.
         let rate = |angle: f64| {
             let slope = self.fast_slope(angle);
             let inverse = -1.0 / (density * wave_speed(angle, 0));
@@ -142,7 +142,7 @@ impl Impact {
         }
         let second = points.len();
         points.push((wave_speed(angle, 1), points[second - 1].1));
-        // σ₁₁ and velocities by ψ; here ψ is what the rates are integrated over.
+        // Derivatives of ψ, σ₁₁ and the velocities with respect to ψ, the integration variable.
         let rate = |angle: f64| {
             let shear = k * angle.cos();
             let inverse = -shear / (density * wave_speed(angle, 1));
@@ -162,7 +162,7 @@ impl Impact {
     }
 }
 
-/// The change over a step of what has such rates, the first of them that of their argument.
+/// Computes the increments of one fourth-order Runge–Kutta step; all rates depend on the first quantity only.
 fn runge_kutta<const N: usize>(rate: impl Fn(f64) -> [f64; N], at: f64, step: f64) -> [f64; N] {
     let a = rate(at);
     let b = rate(at + 0.5 * step * a[0]);
@@ -172,12 +172,12 @@ fn runge_kutta<const N: usize>(rate: impl Fn(f64) -> [f64; N], at: f64, step: f6
 }
 
 impl Waves {
-    /// The state of the side.
+    /// Returns the state of the boundary.
     pub fn last(&self) -> State {
         self.points[self.points.len() - 1].1
     }
 
-    /// The state at ξ = x₁/t.
+    /// Returns the state at ξ = x₁/t, interpolated linearly.
     pub fn at(&self, speed: f64) -> State {
         let next = self.points.partition_point(|point| point.0 >= speed);
         if next == 0 {
@@ -188,7 +188,7 @@ impl Waves {
         ahead.between(behind, (faster - speed) / (faster - slower))
     }
 
-    /// The mean from one place to another at a time.
+    /// Computes the mean state over an interval of x₁ at a time.
     pub fn mean(&self, from: f64, to: f64, time: f64) -> State {
         const SAMPLES: usize = 32;
         let mut sum = [0.0; 5];

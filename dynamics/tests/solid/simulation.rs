@@ -1,4 +1,4 @@
-//! The driver: what it delivers, that interruptions change no bit of it, and how faults end it.
+//! Simulation driver: its output, bitwise reproducibility after interruptions, and runs that end with a fault.
 
 use models::interface::elastic::ElasticMaterial;
 use models::solid::parameters::Isotropic;
@@ -19,7 +19,7 @@ use wellposed_dynamics::simulation::{
 };
 use wellposed_dynamics::solid::interlayers::Interlayers;
 
-/// Writes down what is delivered, and interrupts the run after so many looks.
+/// Observer that logs all output and interrupts the run after every `interruption` calls of `after_steps`.
 #[derive(Default)]
 struct Log {
     records: Vec<String>,
@@ -27,16 +27,16 @@ struct Log {
     snapshots: Vec<String>,
     looks: usize,
     interruption: Option<usize>,
-    /// After so many looks a state is saved, and the run goes on.
+    /// Number of calls of `after_steps` after which a state is saved while the run continues.
     saving: Option<usize>,
-    /// Batches of steps that were made again.
+    /// Number of batches of steps that were repeated.
     replays: usize,
-    /// Of these, those after which the run is interrupted.
+    /// Number of repeated batches after which the run is interrupted.
     patience: Option<usize>,
 }
 
 impl<S: Simulation<Account: Debug, Fields: Debug>> Observer<S> for Log {
-    /// The state at the interruption.
+    /// State at the interruption.
     type Error = State;
 
     fn record(&mut self, time: f64, values: &[f64]) -> Result<(), State> {
@@ -79,7 +79,7 @@ impl<S: Simulation<Account: Debug, Fields: Debug>> Observer<S> for Log {
     }
 }
 
-/// What comes out if the run is interrupted after so many looks, again and again.
+/// Runs a simulation, interrupting and resuming it after every `interruption` calls; returns its log, end and state.
 fn run<S: Simulation<Account: Debug, Fields: Debug>>(
     new: impl Fn() -> S,
     output: &OutputTimes,
@@ -117,15 +117,15 @@ fn interruptions_change_nothing<S: Simulation<Account: Debug, Fields: Debug>>(
 
 const DURATION: f64 = 4.0;
 
-/// The fused solver, in two parts, and the reference.
+/// The fused solver with two subdomains, and the reference solver.
 const SOLVERS: [SolverChoice; 2] = [SolverChoice::Fused { threads: 2 }, SolverChoice::Reference];
 
-/// A pulse in a plane of blocks with interlayers, and a source whose strength is `signal`.
+/// Creates a simulation of a pulse in plane blocks with interlayers, and a source with the time function `signal`.
 fn solid(signal: fn(f64) -> f64, solver: SolverChoice) -> SolidSimulation<f64, 2> {
     solid_for(signal, solver, DURATION)
 }
 
-/// The same for a duration, s.
+/// Creates the simulation of [`solid`] with a duration, s.
 fn solid_for(
     signal: fn(f64) -> f64,
     solver: SolverChoice,
@@ -166,7 +166,7 @@ fn output(accounts: f64, snapshots: f64, duration: f64) -> OutputTimes {
     }
 }
 
-/// Snapshots lie between steps; a record comes from every step.
+/// Verifies solids: snapshots are taken between steps, records in every step.
 #[test]
 fn solids_go_on_with_the_same_bits() {
     let mut logs = Vec::new();
@@ -179,7 +179,7 @@ fn solids_go_on_with_the_same_bits() {
         assert_eq!((log.records.len(), state.steps), (steps.count + 1, steps.count));
         assert_eq!(log.accounts.len(), steps.count.div_ceil(7) + 1);
         assert_eq!(log.snapshots.len(), 14);
-        // A full ledger leaves nothing but rounding; the other one leaves what the scheme dissipates.
+        // The residual is rounding in the full ledger, and the numerical dissipation in the other one.
         let (balance, energy) = (end.last.balance().abs(), end.last.energy.total());
         match solver {
             SolverChoice::Reference => assert!(balance < 1e-13 * energy, "{balance:e}"),
@@ -190,7 +190,7 @@ fn solids_go_on_with_the_same_bits() {
     assert!(logs[0] == logs[1]);
 }
 
-/// A source that becomes infinite: the last sound state is that before the step, and all up to it is delivered.
+/// Verifies that a source that becomes infinite ends the run with the last finite state, and with all output up to it.
 #[test]
 fn faults_leave_the_last_sound_state() {
     SOLVERS.into_iter().for_each(leaves_the_last_sound_state);
@@ -209,7 +209,7 @@ fn leaves_the_last_sound_state(solver: SolverChoice) {
     assert_eq!(state.time, end.last.time);
     assert_eq!(whole.records.len(), state.steps + 1);
     assert_eq!(whole.records, sound.records[..=state.steps]);
-    // Those that were due, and that of the last state.
+    // Accounts that were due, and the account of the last state.
     let due = state.steps / 7 + 1;
     assert!(!state.steps.is_multiple_of(7));
     assert_eq!(whole.accounts[..due], sound.accounts[..due]);
@@ -218,8 +218,8 @@ fn leaves_the_last_sound_state(solver: SolverChoice) {
     assert_eq!((log.records, log.accounts, same), (whole.records, whole.accounts, state));
 }
 
-/// After a fault steps are made again from the last saved state alone, in batches between which the run can be
-/// interrupted; what comes out does not depend on where they begin.
+/// Verifies that after a fault only the steps since the last saved state are repeated, in batches between which the run
+/// can be interrupted, and that the result does not depend on the saved state.
 #[test]
 fn faults_are_found_from_the_last_saved_state() {
     const LONG: f64 = 40.0;
@@ -227,7 +227,7 @@ fn faults_are_found_from_the_last_saved_state() {
     let strength = |t: f64| if t < END { t.sin() } else { f64::INFINITY };
     let new = || solid_for(strength, SOLVERS[0], LONG);
     let step = new().time_steps().step;
-    // Few accounts, so that steps come in batches.
+    // A long account interval, so that steps are made in large batches.
     let output = OutputTimes { accounts: RegularTimes::new(LONG, LONG), snapshots: None };
     let mut all = Vec::new();
     for saving in [None, Some(1), Some(usize::MAX)] {
@@ -252,7 +252,7 @@ fn faults_are_found_from_the_last_saved_state() {
         }
     }
     assert!(all.windows(2).all(|pair| pair[0] == pair[1]));
-    // From a state that was restored as well.
+    // Starting from a restored state.
     let mut first = new();
     let mut log = Log { interruption: Some(1), ..Log::default() };
     let state = drive(&mut first, &output, false, &mut log).err().expect("an interruption");
@@ -264,7 +264,7 @@ fn faults_are_found_from_the_last_saved_state() {
     assert_eq!(second.state(), all[0].2);
 }
 
-/// Accounts and snapshots lie between steps.
+/// Verifies flows: accounts and snapshots are taken between steps.
 #[test]
 fn flows_go_on_with_the_same_bits() {
     let rate = 25.0;

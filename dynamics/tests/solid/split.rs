@@ -1,4 +1,4 @@
-//! A domain in parts is the domain in one piece, to the last bit.
+//! Decomposed domains must have the bits of the undecomposed domain.
 
 use crate::support::noise;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances, Theory};
@@ -46,7 +46,7 @@ fn same_of<T: SolverReal, const D: usize>(
     cells: [usize; D],
     plastic_step: PlasticStep,
 ) {
-    // One of the two media yields.
+    // Only the first medium yields.
     let set = Mises { antisymmetric_weight: 0.5, ..Mises::drucker_prager(0.3, 0.2, 0.2) };
     let media = [Medium::new(soft, D).yielding(YieldSet::from(set)), Medium::new(stiff, D)];
     let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
@@ -76,13 +76,13 @@ fn same_of<T: SolverReal, const D: usize>(
         let (found, expected) = (reference.values(field), whole.values(field));
         assert!(bits(found) == bits(expected), "reference, {field:?}");
     }
-    // Sums are exact.
+    // Sums are exact, hence independent of their order.
     assert_eq!(reference.energy(), whole.energy());
     let (found, expected) = (reference.ledger(), whole.ledger());
     assert_eq!(Ledger { numerical: 0.0, ..found }, expected);
     assert!(found.numerical > 0.0);
 
-    // Along the last axis, along each of the others that is long enough, and along all of these.
+    // Decompositions along the last axis, along each other axis that is long enough, and along all of these.
     let along =
         |axis: usize, count: usize| std::array::from_fn(|own| if own == axis { count } else { 1 });
     let long = |axis: &usize| cells[*axis] >= 2 * HALO;
@@ -97,7 +97,7 @@ fn same_of<T: SolverReal, const D: usize>(
         for (index, &field) in fields.iter().enumerate() {
             split.set(field, &values(index));
         }
-        // In two goes: what was exchanged in one does not matter to the next.
+        // In two calls: halos of the first must not affect the second.
         split.advance(11);
         split.advance(19);
         for &field in &fields {
@@ -118,7 +118,7 @@ fn parts_have_the_bits_of_the_whole() {
     let pair = |b: &Boundary| [b.clone(), b.clone()];
     for last in [Boundary::Periodic, Boundary::Fixed, Boundary::Free, Boundary::NonReflecting] {
         for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
-            // Rows that end before, in and behind a group's last two lanes.
+            // Row lengths that end before, within and after the last two lanes of a SIMD group.
             for length in [9, 14, 16, 23] {
                 same::<f64, 2>(&[pair(&Boundary::Free), pair(&last)], [length, 13], plastic_step);
             }
@@ -128,7 +128,7 @@ fn parts_have_the_bits_of_the_whole() {
     }
 }
 
-/// What parts must know of each other depends on what the last axis moves and what turns with it.
+/// Verifies decomposition in each theory: halos contain the fields that sweeps along the last axis and rotation change.
 #[test]
 fn so_they_have_in_every_theory() {
     let pair = |b: &Boundary| [b.clone(), b.clone()];
@@ -140,7 +140,8 @@ fn so_they_have_in_every_theory() {
     }
 }
 
-/// Layers of several tiles, and more of them than come in at once in any part.
+/// Verifies decomposition with layers wider than a tile, and with more layers than are processed at once in a
+/// subdomain.
 #[test]
 fn so_they_have_where_layers_are_wide() {
     let pair = |b: &Boundary| [b.clone(), b.clone()];
@@ -150,21 +151,21 @@ fn so_they_have_where_layers_are_wide() {
         let sides = [pair(&Boundary::Free), pair(&middle), pair(&Boundary::Fixed)];
         same::<f64, 3>(&sides, [9, 19, 20], PlasticStep::ReturnMapping);
     }
-    // Work at the ends of rows and of layers in which they come in by blocks.
+    // Work at the ends of rows and layers that are processed in blocks.
     let open = pair(&Boundary::NonReflecting);
     same::<f64, 3>(
         &[open.clone(), open.clone(), open.clone()],
         [9, 25, 13],
         PlasticStep::ReturnMapping,
     );
-    // Rows of all layers by blocks, of which the last one has fewer rows than a sweep is behind.
+    // All layers are processed in blocks of rows, the last of which has fewer rows than the lag of a sweep.
     for last in [Boundary::Periodic, Boundary::NonReflecting] {
         let sides = [open.clone(), pair(&Boundary::Free), pair(&last)];
         same::<f64, 3>(&sides, [66, 41, 12], PlasticStep::MidpointReflection);
     }
 }
 
-/// A cell of another medium far along a line, about where counts of like groups end, is not passed by.
+/// Verifies a single cell of another medium at positions around the largest run length of groups of equal media.
 #[test]
 fn so_they_have_where_media_change_once() {
     fn check<const D: usize>(cells: [usize; D], odd: usize) {
@@ -202,19 +203,19 @@ fn so_they_have_where_media_change_once() {
     }
 }
 
-/// In single precision groups are twice as long.
+/// Verifies single precision, in which groups have twice as many lanes.
 #[test]
 fn so_they_have_in_single_precision() {
     let pair = |b: &Boundary| [b.clone(), b.clone()];
     let sides = [pair(&Boundary::Fixed), pair(&Boundary::NonReflecting)];
     for length in [9, 30, 31, 32, 40] {
-        // In small parts, and in such as make several steps in a pass.
+        // Small subdomains, and subdomains that make several steps per pass.
         same::<f32, 2>(&sides, [length, 13], PlasticStep::MidpointReflection);
         same::<f32, 2>(&sides, [length, 26], PlasticStep::MidpointReflection);
     }
 }
 
-/// Steps that go on from a snapshot, in other parts, are those that were never interrupted.
+/// Verifies that runs resumed from a snapshot in another decomposition have the bits of uninterrupted runs.
 #[test]
 fn snapshots_resume() {
     let media = [Medium::new(solids()[0], 2)];
@@ -244,7 +245,7 @@ fn snapshots_resume() {
     other.fields.pop();
     assert!(!second.restore(&other));
 
-    // The reference solver goes on likewise, from its own snapshots and from those of parts.
+    // The reference solver resumes from its own snapshots, but not from one with a missing field.
     let start = || Reference::<f64, 2>::new(&problem).expect("sound");
     let (mut whole, mut first) = (start(), start());
     for solver in [&mut whole, &mut first] {
@@ -260,8 +261,8 @@ fn snapshots_resume() {
     assert!(!second.restore(&other));
 }
 
-/// Single layers and single cells, between mirrors and round: what comes of one part is what the reference
-/// solver makes, and sides that hold or leave alone do no work.
+/// Verifies single layers and single cells, with mirrored and periodic ghosts, against the reference solver; fixed and
+/// free boundaries do no work.
 #[test]
 fn single_layers() {
     let medium = Medium::new(solids()[0], 2);
@@ -291,7 +292,7 @@ fn single_layers() {
     }
 }
 
-/// Both solvers, with noise.
+/// Creates both solvers with the same noise.
 fn both(problem: &Problem<2>) -> (DecomposedDomain<f64, 2>, Reference<f64, 2>) {
     let mut split = DecomposedDomain::new(problem, 1).expect("sound");
     let mut reference = Reference::new(problem).expect("sound");
@@ -304,7 +305,7 @@ fn both(problem: &Problem<2>) -> (DecomposedDomain<f64, 2>, Reference<f64, 2>) {
     (split, reference)
 }
 
-/// Where a single row is between sides at which work is done, the ledger sees what that of the reference solver does.
+/// Verifies the boundary work in the ledger against the reference solver, for single rows between loaded boundaries.
 #[test]
 fn work_on_single_layers() {
     let medium = Medium::new(solids()[0], 2);
@@ -331,12 +332,12 @@ fn work_on_single_layers() {
     }
 }
 
-/// Steps of one pass over the memory are as many single ones: at sides and sources whose values change, and in what
-/// is recorded after each of them.
+/// Verifies that several steps per pass equal single steps, with time-dependent boundaries and sources, and in the
+/// records after each step.
 #[test]
 fn passes_are_single_steps() {
     single_steps([20, 33], [640, 3, 337, 330, 3]);
-    // In space passes make one step, by blocks of rows.
+    // In space a pass makes one step, in blocks of rows.
     single_steps([66, 50, 17], [56_099, 3, 5_000, 2_700, 3]);
 }
 
@@ -398,19 +399,20 @@ fn single_steps<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
     }
 }
 
-/// Tails of waves are forgotten before they are below the least normal number: in all parts and instructions, line by
-/// line or not, at the same time, and where they decay from layer to layer the rest is what it is in numbers that need
-/// not forget them.
+/// Verifies that small values in the tails of waves are flushed to zero before they become subnormal: at the same step
+/// in all decompositions, instruction sets and solvers; the other values agree with double precision, where nothing of
+/// this magnitude is flushed.
 #[test]
 fn traces_are_forgotten() {
-    // Thirteen parts have a cut every nine layers: wherever there are traces some of these are in a halo.
+    // Thirteen subdomains are nine layers long: for all widths some of the small values are in a halo.
     (0..9).step_by(2).for_each(|flat| forget_traces([20, 121], 0, flat, Boundary::Free));
     forget_traces([9, 7, 121], 0, 0, Boundary::Free);
-    // Those that come round are where layers are their own halo.
+    // Periodic: small values wrap around where a subdomain is its own neighbour.
     forget_traces([20, 146], 73, 0, Boundary::Periodic);
 }
 
-/// Numbers of size one in a layer and some after it, and ever smaller ones from there.
+/// Verifies flushing with initial values of order one within `flat` layers of the layer `from` that decay exponentially
+/// beyond.
 fn forget_traces<const D: usize>(cells: [usize; D], from: usize, flat: usize, last: Boundary) {
     const LIMIT: f64 = 1.29e-26;
     let [soft, stiff] = solids().map(|solid| Medium::new(solid, D));
@@ -423,7 +425,7 @@ fn forget_traces<const D: usize>(cells: [usize; D], from: usize, flat: usize, la
     let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
     let problem = Problem::new(grid, media, of_cell, sides, step, scheme);
     let layer = grid.count() / cells[D - 1];
-    // Beyond the least number of all half way along.
+    // Values underflow in single precision before the half length.
     let decay = |i: usize| (-3.5 * (i / layer).abs_diff(from).saturating_sub(flat) as f64).exp();
     let value = |index: usize, i: usize| noise((31 * index + i) as u64) * decay(i);
 
@@ -459,7 +461,7 @@ fn forget_traces<const D: usize>(cells: [usize; D], from: usize, flat: usize, la
             assert!(traces(&split) > 0);
             split.advance(1);
             assert_eq!(traces(&split), 0, "{parts} {instructions:?}");
-            // The next time is after the first step of a pass of two, and in another split.
+            // The next flush comes after the first step of a two-step pass, in a restored solver.
             split.advance(1);
             let mut other: DecomposedDomain<f32, D> =
                 DecomposedDomain::new(&problem, parts).expect("sound");
@@ -483,7 +485,7 @@ fn forget_traces<const D: usize>(cells: [usize; D], from: usize, flat: usize, la
     }
 }
 
-/// A thread that panics, as signals of users may, does not leave the others waiting for it.
+/// Verifies that a panic of one thread, as user signals may cause, does not leave the other threads waiting.
 #[test]
 #[should_panic(expected = "a scoped thread panicked")]
 fn whoever_panics_is_not_waited_for() {
@@ -504,7 +506,7 @@ fn whoever_panics_is_not_waited_for() {
     split.advance(40);
 }
 
-/// Media by moduli and by compliances side by side: whatever follows in either follows.
+/// Verifies media by moduli and by compliances side by side, in either order: passive stresses follow in both.
 #[test]
 fn laws_of_two_kinds() {
     let solid = solids()[0];

@@ -1,22 +1,22 @@
 //! Exact waves of an elastic–perfectly plastic bar in uniaxial strain, by front tracking.
 //!
-//! Mises' set in uniaxial strain: with the longitudinal stress σ, the transverse stress σ₂ and φ = σ − σ₂,
+//! Mises' set in uniaxial strain, with the longitudinal stress σ, the transverse stress σ₂ and φ = σ − σ₂:
 //!
 //! ```text
-//! ρ v̇ = ∂σ,   σ̇ = M ∂v,  φ̇ = 2μ ∂v  while |φ| < Y,   σ̇ = K ∂v,  φ̇ = 0  while φ = ±Y goes on to be loaded,
+//! ρ v̇ = ∂σ,   σ̇ = M ∂v,  φ̇ = 2μ ∂v  while |φ| < Y,   σ̇ = K ∂v,  φ̇ = 0  while φ = ±Y and loading continues,
 //! ```
 //!
-//! M = λ + 2μ, K = λ + 2μ/3, Y = √3 k (Wood 1952). Stress and strain follow straight lines of two slopes, so that every
-//! Riemann problem is solved by fronts of the speeds ±√(M/ρ) and ±√(K/ρ), the elastic one ahead, and by a contact at
-//! rest across which φ jumps. Piecewise constant states stay so: fronts are moved to their next encounter, and there the
-//! Riemann problem between the outer states is solved.
+//! M = λ + 2μ, K = λ + 2μ/3, Y = √3 k (Wood 1952). The stress–strain curve is piecewise linear with two slopes, so that
+//! every Riemann problem is solved by fronts of the speeds ±√(M/ρ) and ±√(K/ρ), the elastic one ahead, and a contact at
+//! rest across which φ jumps. Piecewise constant states remain piecewise constant: fronts are advanced to their next
+//! collision, where the Riemann problem between the outer states is solved.
 
 use models::solid::parameters::Isotropic;
 
-/// Fronts with jumps below this part of the elastic limit are dropped: encounters make ever more and ever smaller ones.
+/// Fronts with jumps below this fraction of the elastic limit are dropped, since collisions create ever smaller ones.
 const LEAST_JUMP: f64 = 1e-9;
 
-/// The constants of a bar.
+/// Constants of a bar.
 #[derive(Clone, Copy, Debug)]
 pub struct Bar {
     /// ρ, kg/m³.
@@ -29,11 +29,11 @@ pub struct Bar {
     pub shear_modulus: f64,
     /// Y, Pa.
     pub yield_stress: f64,
-    /// From x = 0, m.
+    /// Length, m; the bar starts at x = 0.
     pub length: f64,
 }
 
-/// The state of a piece of the bar.
+/// State of a section of the bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
     /// v, m/s.
@@ -44,7 +44,7 @@ pub struct State {
     pub difference: f64,
 }
 
-/// What holds at an end of the bar from a time on, s.
+/// Boundary condition at an end of the bar.
 #[derive(Clone, Copy, Debug)]
 pub enum End {
     /// σ, Pa.
@@ -53,16 +53,16 @@ pub enum End {
     Velocity(f64),
 }
 
-/// A front between two states.
+/// Front between two states.
 #[derive(Clone, Copy, Debug)]
 pub struct Front {
-    /// Where it is, m.
+    /// Position, m.
     pub place: f64,
-    /// dx/dt, m/s; 0: a contact.
+    /// Speed dx/dt, m/s; 0 for a contact.
     pub speed: f64,
 }
 
-/// The bar at a time: states from x = 0 on, and the fronts between them.
+/// Bar at a time, s: states in the order of x, and the fronts between them.
 #[derive(Clone, Debug)]
 pub struct Profile {
     pub time: f64,
@@ -82,18 +82,19 @@ impl Bar {
         }
     }
 
-    /// √(M/ρ) and √(K/ρ), m/s.
+    /// Computes √(M/ρ) and √(K/ρ), m/s.
     pub fn speeds(&self) -> [f64; 2] {
         [self.elastic_modulus, self.plastic_modulus].map(|modulus| (modulus / self.density).sqrt())
     }
 
-    /// Elastic limit in uniaxial strain: |σ| = Y M/2μ (Hugoniot elastic limit), Pa.
+    /// Computes the elastic limit in uniaxial strain: |σ| = Y M/2μ (Hugoniot elastic limit), Pa.
     pub fn elastic_limit(&self) -> f64 {
         self.yield_stress * self.elastic_modulus / (2.0 * self.shear_modulus)
     }
 
-    /// The states that a stress brings a state to: the one behind the elastic front, with the speed of that, and the
-    /// one behind the plastic one. Waves run to greater x (direction 1) or to smaller x (−1).
+    /// Computes the waves that change a state to a stress, Pa: state behind the elastic front and speed of the front;
+    /// if the material yields, the same for the plastic front. Waves travel to larger x (direction 1) or to smaller x
+    /// (−1).
     fn wave(&self, ahead: State, stress: f64, direction: f64) -> Vec<(State, f64)> {
         let [elastic, plastic] = self.speeds();
         let per_stress = 2.0 * self.shear_modulus / self.elastic_modulus;
@@ -116,12 +117,12 @@ impl Bar {
         fronts
     }
 
-    /// The velocity behind.
+    /// Computes the velocity behind the waves that change a state to a stress.
     fn velocity(&self, ahead: State, stress: f64, direction: f64) -> f64 {
         self.wave(ahead, stress, direction).last().map_or(ahead.velocity, |last| last.0.velocity)
     }
 
-    /// The stress at which a growing piecewise linear function with such kinks vanishes.
+    /// Finds the zero of an increasing piecewise linear function of the stress with the given kinks.
     fn zero(&self, mut kinks: Vec<f64>, value: impl Fn(f64) -> f64) -> f64 {
         kinks.sort_by(f64::total_cmp);
         let scale = self.elastic_limit();
@@ -134,14 +135,14 @@ impl Bar {
         if at_a == at_b { a } else { a - at_a * (b - a) / (at_b - at_a) }
     }
 
-    /// Stresses at which the response of a state has kinks.
+    /// Computes the stresses at which the response of a state has kinks.
     fn kinks(&self, state: State) -> [f64; 3] {
         let per_stress = 2.0 * self.shear_modulus / self.elastic_modulus;
         [-self.yield_stress, state.difference, self.yield_stress]
             .map(|difference| state.stress + (difference - state.difference) / per_stress)
     }
 
-    /// The stress between two states that meet.
+    /// Computes the stress between two states that meet (Riemann problem).
     fn stress_between(&self, left: State, right: State) -> f64 {
         let kinks = [self.kinks(left), self.kinks(right)].concat();
         self.zero(kinks, |stress| {
@@ -149,7 +150,7 @@ impl Bar {
         })
     }
 
-    /// The stress at an end whose wave runs in a direction into a state.
+    /// Computes the stress at an end whose waves travel in `direction` into a state.
     fn stress_at(&self, end: End, state: State, direction: f64) -> f64 {
         match end {
             End::Stress(stress) => stress,
@@ -159,7 +160,7 @@ impl Bar {
         }
     }
 
-    /// The profile at the end of a time, s, from an initial one; `ends` by end: times from which a condition holds, in
+    /// Advances a profile to the time `until`, s. `ends`: by end, times from which a condition holds, in increasing
     /// order, the first 0.
     pub fn advance(&self, initial: &Profile, ends: &[Vec<(f64, End)>; 2], until: f64) -> Profile {
         let mut profile = initial.clone();
@@ -168,7 +169,7 @@ impl Bar {
             let own = ends[end].iter().rev().find(|(from, _)| *from <= time);
             own.map_or(End::Stress(0.0), |own| own.1)
         };
-        // All initial jumps, and the ends, come apart at once.
+        // Resolves all initial jumps, and both ends.
         self.resolve(&mut profile, [0, 1].map(|end| Some(condition(end, 0.0))), close, true);
         loop {
             let now = profile.time;
@@ -212,7 +213,7 @@ impl Bar {
         }
     }
 
-    /// Solves the Riemann problems where fronts meet, and at ends that are given; `all`: of all fronts.
+    /// Solves the Riemann problems where fronts meet (`all`: at every front), and at the ends with a given condition.
     fn resolve(&self, profile: &mut Profile, ends: [Option<End>; 2], close: f64, all: bool) {
         let (mut states, mut fronts) = (Vec::new(), Vec::new());
         let add = |states: &mut Vec<State>, fronts: &mut Vec<Front>, place, (speed, state)| {
@@ -262,7 +263,7 @@ impl Bar {
             for &(state, speed) in &to_left {
                 add(&mut states, &mut fronts, place, (speed, state));
             }
-            // The contact: both sides have one velocity and stress, but for rounding, and their own difference.
+            // Contact: velocity and stress are continuous up to rounding, φ jumps.
             let inner = to_right.last().map_or(right, |own| own.0);
             let scale = LEAST_JUMP * self.elastic_limit();
             let is_contact =
@@ -286,7 +287,7 @@ impl Bar {
         self.drop_least(profile);
     }
 
-    /// Drops fronts with jumps below [`LEAST_JUMP`].
+    /// Drops fronts whose jumps are all below [`LEAST_JUMP`].
     fn drop_least(&self, profile: &mut Profile) {
         let scale = LEAST_JUMP * self.elastic_limit();
         let impedance = (self.density * self.elastic_modulus).sqrt();
@@ -309,7 +310,7 @@ impl Bar {
 }
 
 impl Profile {
-    /// Pieces of constant velocity, at rest of stress.
+    /// Creates a stress-free profile of piecewise constant velocity.
     pub fn moving(velocities: &[f64], places: &[f64]) -> Self {
         let state = |&velocity: &f64| State { velocity, stress: 0.0, difference: 0.0 };
         Self {
@@ -319,7 +320,7 @@ impl Profile {
         }
     }
 
-    /// The mean of the states from one place to another.
+    /// Computes the mean state over an interval of x.
     pub fn mean(&self, from: f64, to: f64) -> State {
         let mut sum = [0.0; 3];
         for (index, state) in self.states.iter().enumerate() {

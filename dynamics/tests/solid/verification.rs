@@ -1,5 +1,5 @@
-//! Whole problems against exact solutions: line sources in an infinite plane, a pulse of spin in a Cosserat
-//! solid, a wave that meets another medium, sides and bodies that are moved.
+//! Complete problems against exact solutions: line sources in an infinite plane, a spin pulse in a Cosserat solid, a
+//! wave at an interface of media, time-dependent and mixed boundary conditions, body forces.
 
 use models::common::rates::RateEquations;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
@@ -23,7 +23,7 @@ fn scheme(slopes: Slopes) -> Scheme {
     Scheme::new(slopes, PlasticStep::MidpointReflection)
 }
 
-/// Jₙ(x) by the trapezoidal rule, which is exact to rounding for periodic functions: n + x nodes and more.
+/// Computes Jₙ(x) by the trapezoidal rule with more than n + x nodes, exact to rounding for periodic functions.
 fn bessel(n: i32, x: f64) -> f64 {
     let count = 60 + 2 * x.abs() as usize;
     let value = |i: usize| {
@@ -33,14 +33,14 @@ fn bessel(n: i32, x: f64) -> f64 {
     (0..count).map(value).sum::<f64>() / count as f64
 }
 
-/// A pulse in time: sin²(πt/T) for 0 < t < T.
+/// Duration T of the pulse sin²(πt/T), 0 < t < T.
 const DURATION: f64 = 0.5;
 
 fn pulse(time: f64) -> f64 {
     if (0.0..DURATION).contains(&time) { (PI * time / DURATION).sin().powi(2) } else { 0.0 }
 }
 
-/// ∫₀ᵗ cos(ν(t − τ)) pulse(τ) dτ, by parts of cosines.
+/// Computes ∫₀ᵗ cos(ν(t − τ)) pulse(τ) dτ as a sum of integrals of cosines.
 fn response(nu: f64, time: f64) -> f64 {
     let end = time.clamp(0.0, DURATION);
     let q = 2.0 * PI / DURATION;
@@ -54,21 +54,20 @@ fn response(nu: f64, time: f64) -> f64 {
     0.5 * part(-nu) - 0.25 * (part(q - nu) + part(-q - nu))
 }
 
-/// Spread of the sources: exp(−r²/2a²)/2πa², of transform exp(−½a²k²).
+/// Width a of the sources exp(−r²/2a²)/2πa², whose Fourier transform is exp(−½a²k²).
 const SPREAD: f64 = 0.1;
 
-/// Velocity at (x, y) of a force (1, 0) per unit length with the pulse in time at the origin, or with
-/// `is_explosion` of an isotropic moment of 1, in an infinite plane: the integral over wave numbers by
-/// `count` nodes.
+/// Computes the velocity at (x, y) due to a pulse at the origin of an infinite plane: a force (1, 0) per unit length,
+/// or with `is_explosion` an isotropic moment of 1. The integral over wavenumbers is evaluated in `count` panels.
 ///
-/// ρv = (2π)⁻² ∫ eⁱᵏˣ Ŵ [κκᵀ Iₚ + (1 − κκᵀ) Iₛ] f d²k with I = ∫ cos(ck(t − τ)) pulse dτ; over the angles
-/// κκᵀ becomes ½(J₀ − J₂ (2r̂r̂ᵀ − 1)). For the moment f = −∇Mδ, so that ρv = (2π)⁻¹ ∫ k² J₁ Ŵ Iₚ r̂ dk.
+/// ρv = (2π)⁻² ∫ eⁱᵏˣ Ŵ [κκᵀ Iₚ + (1 − κκᵀ) Iₛ] f d²k with I = ∫ cos(ck(t − τ)) pulse dτ; integration over the angle
+/// turns κκᵀ into ½(J₀ − J₂ (2r̂r̂ᵀ − 1)). For the moment f = −∇Mδ, so that ρv = (2π)⁻¹ ∫ k² J₁ Ŵ Iₚ r̂ dk.
 fn exact(solid: &Isotropic, at: [f64; 2], time: f64, is_explosion: bool, count: usize) -> [f64; 2] {
     let r = at[0].hypot(at[1]);
     let [x, y] = at.map(|x| x / r);
     let speeds = [solid.lambda + 2.0 * solid.mu, solid.mu].map(|m| (m / solid.density).sqrt());
     let most = 9.0 / SPREAD;
-    // Gauss–Legendre nodes of three in each panel.
+    // Three-point Gauss–Legendre quadrature in each panel.
     let width = most / count as f64;
     let mut sum = [0.0; 2];
     for panel in 0..count {
@@ -93,12 +92,12 @@ fn exact(solid: &Isotropic, at: [f64; 2], time: f64, is_explosion: bool, count: 
     sum
 }
 
-/// Greatest error of the seismogram at an oblique receiver, over its greatest value.
+/// Computes the maximum error of the seismogram at an oblique receiver, relative to its maximum.
 fn seismogram_error(cells_per_unit: usize, slopes: Slopes, is_explosion: bool) -> f64 {
     let solid = classical();
     let medium = Medium::new(solid, 2);
     let h = 1.0 / cells_per_unit as f64;
-    // No wave comes back from the sides within the time.
+    // The domain is so large that no reflection arrives before the end time.
     let (half, receiver, end) = (1.5, [0.5, 0.75], 1.5);
     let half_cells = (half * cells_per_unit as f64).round() as usize;
     let count = 2 * half_cells;
@@ -132,7 +131,7 @@ fn seismogram_error(cells_per_unit: usize, slopes: Slopes, is_explosion: bool) -
     let (mut error, mut greatest) = (0.0f64, 0.0f64);
     for index in 1..=steps {
         domain.advance();
-        // A receiver where four cells meet.
+        // Receiver at the common corner of four cells.
         let around = [0, 1, count, count + 1].map(|k| (place[1] - 1) * count + place[0] - 1 + k);
         if index % (steps / 40).max(1) != 0 {
             continue;
@@ -148,7 +147,7 @@ fn seismogram_error(cells_per_unit: usize, slopes: Slopes, is_explosion: bool) -
     error / greatest
 }
 
-/// The quadrature of the reference has converged.
+/// Verifies that the quadrature of the exact solution has converged.
 #[test]
 fn the_line_source_is_converged() {
     let solid = classical();
@@ -166,7 +165,7 @@ fn the_line_source_is_converged() {
     }
 }
 
-/// A line force and a line explosion, spread over four cells and more.
+/// Verifies order and error for a line force and a line explosion, each spread over at least four cells.
 #[test]
 fn seismograms_of_line_sources() {
     for is_explosion in [false, true] {
@@ -196,9 +195,8 @@ fn name(field: Field) -> String {
     }
 }
 
-/// Fields of a periodic unit square in which the spin was exp(−r²/2a²) about the middle and all else at
-/// rest: a Fourier series, each term by the eigenvectors of its symbol. At the points of a `count` × `count`
-/// grid of cells' middles.
+/// Computes the fields of a periodic unit square at the centres of `count` × `count` cells, from an initial spin
+/// exp(−r²/2a²) about the centre and all else zero: a Fourier series, each term by the eigenvectors of its symbol.
 fn spin_pulse(
     equations: &RateEquations<2>,
     spread: f64,
@@ -218,7 +216,7 @@ fn spin_pulse(
     let most = (8.0 / spread / (2.0 * PI)).ceil() as i32;
     let span = (2 * most + 1) as usize;
     let unknowns = equations.unknowns.len();
-    // First over the wave numbers along x₂, then over those along x₁.
+    // Sums over the wavenumbers along x₂ first, then along x₁.
     let mut rows = vec![vec![DVector::<Complex64>::zeros(unknowns); span]; count];
     for m in -most..=most {
         for n in -most..=most {
@@ -263,8 +261,8 @@ fn spin_pulse(
     values
 }
 
-/// A pulse of spin in a Cosserat solid, whose waves of all branches disperse: at 20 cells to the shortest of
-/// the wave lengths that hold 99 % of its energy, e^(−a²k²) = 0.01, and at twice as many.
+/// Verifies error and order for a spin pulse in a Cosserat solid, whose branches are dispersive: 20 and 40 cells per
+/// wavelength of the cutoff e^(−a²k²) = 0.01, below which lies 99 % of the energy.
 #[test]
 fn a_pulse_of_spin_in_a_cosserat_solid() {
     let solid = cosserat();
@@ -296,7 +294,7 @@ fn a_pulse_of_spin_in_a_cosserat_solid() {
         let exact = spin_pulse(&equations, spread, end, count, &fields);
         let root =
             |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>().sqrt();
-        // In units of energy, over the energy of the whole.
+        // In energy norm, relative to the total energy.
         let form = equations.symmetric().expect("elastic");
         let mut errors = Vec::new();
         let mut all = 0.0;
@@ -322,13 +320,13 @@ fn a_pulse_of_spin_in_a_cosserat_solid() {
     }
 }
 
-/// Mean error of the stress, over its mean, after a smooth pulse has met another medium: all waves at
-/// Courant numbers below 1.
+/// Computes the mean error of the stress, relative to its mean, after a smooth pulse has met another medium, with
+/// Courant numbers below 1. The second medium has the impedance z and the speed c, the first has 1 and 1.
 fn interface_error(count: usize, slopes: Slopes, [z, c]: [f64; 2]) -> f64 {
     let (z, c) = ([1.0, z], [1.0, c]);
     let h = 1.0 / count as f64;
     let steps = (count as f64 / 0.47).round();
-    // The pulse travels one unit of time: from 0.3 through the joint at 0.5.
+    // The pulse travels from 0.3 through the interface at 0.5.
     let time = 0.45;
     let dt = time / (steps * time).round();
     let shape = |x: f64| if x.abs() < 0.15 { (0.5 * PI * x / 0.15).cos().powi(4) } else { 0.0 };
@@ -363,7 +361,7 @@ fn interface_error(count: usize, slopes: Slopes, [z, c]: [f64; 2]) -> f64 {
     error / (0..count).map(|i| mean(&exact, i).abs() * h).sum::<f64>()
 }
 
-/// Reflected and transmitted waves to the order of the scheme.
+/// Verifies the order of reflected and transmitted waves.
 #[test]
 fn a_wave_meets_another_medium() {
     for other in [[2.7, 1.9], [0.3, 0.6], [5.0, 1.0], [1.0, 0.4], [0.4, 1.7]] {
@@ -376,8 +374,7 @@ fn a_wave_meets_another_medium() {
     }
 }
 
-/// A half-space pushed by a traction that changes in time: v = −s(t − x/c)/z; the error falls with the
-/// square of the step.
+/// Verifies a half-space under a time-dependent traction against v = −s(t − x/c)/z: second order in the step.
 #[test]
 fn a_traction_in_time() {
     let solid = classical();
@@ -416,13 +413,13 @@ fn a_traction_in_time() {
         let errors = [50, 100, 200, 400].map(|n| error(n, courant));
         let orders = [0, 1, 2].map(|i| (errors[i] / errors[i + 1]).log2());
         println!("Courant number {courant}: errors {errors:?}, orders {orders:.3?}");
-        // Waves then move by whole cells, and the middle of a half step is where the cell's is.
+        // At Courant number 1 waves move by whole cells and the midpoint of a half step matches the cell centre: exact.
         let is_exact = courant == 1.0 && errors[3] < 1e-14;
         assert!(is_exact || orders[2] > 1.9, "{errors:?}");
     }
 }
 
-/// Free fall: v = gt, and the work of gravity is the energy; a side that holds it up stops it.
+/// Verifies free fall: v = gt, and the work of gravity equals the kinetic energy.
 #[test]
 fn gravity() {
     let solid = classical();
@@ -445,8 +442,7 @@ fn gravity() {
     assert_eq!(domain.ledger().inflow, 0.0);
 }
 
-/// A side of which a part is free and the rest moves with a given velocity: what the conditions say holds
-/// at the faces.
+/// Verifies that a boundary with prescribed velocity on one half and zero traction on the other satisfies both.
 #[test]
 fn conditions_by_face() {
     let solid = classical();
@@ -470,7 +466,7 @@ fn conditions_by_face() {
         scheme(Slopes::Limited),
     );
     let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
-    // One sweep along x₁ at Courant number 1 fills one cell of the pushed half, two sweeps two.
+    // Each of the two sweeps along x₁ at Courant number 1 fills one more cell next to the moving half.
     domain.advance();
     let z = medium.pairs[0][0].impedance();
     let velocity = domain.values(Field::Velocity(0)).expect("a field");
@@ -485,8 +481,8 @@ fn conditions_by_face() {
     assert!(domain.ledger().inflow > 0.0);
 }
 
-/// What acts from the very beginning is there after the first step: a moment that is 1 at once relieves that
-/// much stress, one that comes and goes leaves nothing.
+/// Verifies moments with step time functions: after two steps a moment of 1 has changed the mean stress by −1, a moment
+/// that acts during the first half step only by 0.
 #[test]
 fn moments_from_the_beginning() {
     let solid = classical();
@@ -511,7 +507,7 @@ fn moments_from_the_beginning() {
         let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
         domain.advance();
         domain.advance();
-        // No strain but what comes round: the mean stress is that of the moment alone.
+        // The mean strain of a periodic domain is zero: the mean stress is that of the moment alone.
         let sum: f64 = domain.values(Field::Stress(0, 0)).expect("a field").iter().sum();
         assert!((0.01 * sum - expected).abs() < 1e-12, "{sum} {expected}");
     }
