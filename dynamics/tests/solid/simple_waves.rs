@@ -27,13 +27,13 @@ const STEPS: usize = 4000;
 /// State at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
-    /// v₁ and v₂, m/s.
+    /// Velocities v₁ and v₂, m/s.
     pub velocity: [f64; 2],
-    /// σ₁₁, Pa.
+    /// Normal stress σ₁₁, Pa.
     pub normal: f64,
-    /// σ₁₂, Pa.
+    /// Shear stress σ₁₂, Pa.
     pub shear: f64,
-    /// σ₂₂ = σ₃₃, Pa.
+    /// Transverse stress σ₂₂ = σ₃₃, Pa.
     pub across: f64,
 }
 
@@ -53,7 +53,7 @@ impl State {
 #[derive(Clone, Copy, Debug)]
 pub struct Impact {
     pub solid: Isotropic,
-    /// k, Pa.
+    /// Shear strength k, Pa.
     pub strength: f64,
     /// Shear stress before the impact, Pa: at least 0 and below k.
     pub prestress: f64,

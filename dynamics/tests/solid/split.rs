@@ -194,7 +194,7 @@ fn so_they_have_where_media_change_once() {
         }
     }
     for place in [0, 1, 253, 254, 255, 256, 257, 258, 509, 510, 511, 512, 513] {
-        // In the first lane of 526 groups, and in the fourth.
+        // Rows have 526 groups: the cell is in the first lane, then in the fourth.
         check([4200, 2], place);
         check([4200, 2], 3 * 526 + place);
         check([2, 600], 2 * place);

@@ -19,15 +19,15 @@ const LEAST_JUMP: f64 = 1e-9;
 /// Constants of a bar.
 #[derive(Clone, Copy, Debug)]
 pub struct Bar {
-    /// ρ, kg/m³.
+    /// Density ρ, kg/m³.
     pub density: f64,
-    /// M, Pa.
+    /// Elastic modulus of uniaxial strain M, Pa.
     pub elastic_modulus: f64,
-    /// K, Pa.
+    /// Plastic modulus of uniaxial strain K, Pa.
     pub plastic_modulus: f64,
-    /// μ, Pa.
+    /// Shear modulus μ, Pa.
     pub shear_modulus: f64,
-    /// Y, Pa.
+    /// Yield stress Y, Pa.
     pub yield_stress: f64,
     /// Length, m; the bar starts at x = 0.
     pub length: f64,
@@ -36,20 +36,20 @@ pub struct Bar {
 /// State of a section of the bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
-    /// v, m/s.
+    /// Velocity v, m/s.
     pub velocity: f64,
-    /// σ, tension positive, Pa.
+    /// Longitudinal stress σ, tension positive, Pa.
     pub stress: f64,
-    /// φ = σ − σ₂, Pa.
+    /// Stress difference φ = σ − σ₂, Pa.
     pub difference: f64,
 }
 
 /// Boundary condition at an end of the bar.
 #[derive(Clone, Copy, Debug)]
 pub enum End {
-    /// σ, Pa.
+    /// Prescribed stress σ, Pa.
     Stress(f64),
-    /// v, m/s.
+    /// Prescribed velocity v, m/s.
     Velocity(f64),
 }
 
