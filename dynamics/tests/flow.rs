@@ -235,7 +235,7 @@ fn the_energy_is_accounted_for() {
 fn difference(coarse: &Flow, fine: &Flow, own: Field) -> f64 {
     let (coarse, fine) = (field(coarse, own), field(fine, own));
     let (few, many) = (coarse.len().isqrt(), fine.len().isqrt());
-    // Grid points are at cell centres, so those of the grids do not coincide: a phase shift aligns the modes.
+    // Points are at cell centres and differ between the grids: a phase shift aligns the modes.
     let modes = (0..=2).flat_map(|m1| (-2..=2).map(move |m2| [m1, m2]));
     modes
         .map(|mode| {
