@@ -1,24 +1,24 @@
-//! Why a question has no answer.
+//! Errors of the library.
 
 use crate::case::CaseError;
 use crate::study::simulate::IllPosed;
 
-/// Why a study was not carried out, or its result not reported.
+/// Reason why a study failed or its result could not be reported.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The case is wrong.
+    /// The case is invalid.
     #[error(transparent)]
     Case(#[from] CaseError),
-    /// A flow that is not to be run in time unasked.
+    /// The equations of the flow are ill-posed, and a simulation was not explicitly accepted.
     #[error("{0}; Settings::accept_ill_posed runs it all the same")]
     IllPosed(IllPosed),
-    /// No memory for the map.
+    /// The map does not fit into memory.
     #[error("no memory for a map of {points} points: ask for fewer")]
     Memory {
-        /// Number of points.
+        /// Number of points of the map.
         points: usize,
     },
-    /// A study was cancelled by whoever watched its progress.
+    /// The progress callback cancelled the study.
     #[error("cancelled")]
     Cancelled,
     /// The recorder of a simulation ended it.

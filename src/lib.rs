@@ -1,9 +1,9 @@
 //! Well-posedness of continuum models of granular media: from a case file to a verdict.
 //!
 //! A case file describes a medium and a state. `wellposed` linearises the equations there and says whether they are
-//! well-posed, and if not how fast short waves grow and in which direction; solves the equations in time; and holds
-//! both against each other. The program `wellposed` does this on the command line; this library answers the same
-//! questions by values, without files.
+//! well-posed, and if not how fast short waves grow and in which direction; solves the equations in the time domain;
+//! and compares both. The program `wellposed` does this on the command line; this library runs the same studies and
+//! returns values, without files.
 //!
 //! # Questions
 //!
@@ -35,17 +35,18 @@
 //!
 //! # Layout
 //!
-//! An arrow points from a part to one that it uses, and to all that this one uses; no arrow points up.
+//! An arrow points from a crate or module to one that it uses; transitive dependencies are not drawn, and no arrow
+//! points up.
 //!
 #![doc = include_str!("../docs/crates.svg")]
 //!
-//! In this package are [`study`], which answers each question by a value; [`setup`], which makes problems of the
-//! crates below from a case; [`report`], which makes text, JSON, tables and pictures from a value; and [`cli`], the
-//! verbs of the command line. No physics and no numerics stand here. [`mod@case`] is the crate that reads case files
-//! and writes them.
+//! This package contains [`study`], whose functions return values; [`setup`], which creates problems of the crates
+//! below from a case; [`report`], which renders values as text, JSON, tables and pictures; and [`cli`], the verbs of
+//! the command line. It contains no physics and no numerics. [`mod@case`] is the crate that reads and writes case
+//! files.
 //!
-//! All of them are handed on: a program needs no other dependency, and registers a model of its own by
-//! `wellposed::models::registry::register_solid`. [`CASES`] are the texts of the cases that come with the program.
+//! All crates are re-exported: a program needs no other dependency, and registers its own model with
+//! `wellposed::models::registry::register_solid`. [`CASES`] holds the texts of the cases shipped with the program.
 //!
 //! | crate | holds |
 //! |---|---|
@@ -57,8 +58,8 @@
 //! | [`figures`] | pictures from plain structs |
 //! | [`files`] | atomic writing, tables, archives, snapshots |
 //!
-//! `analysis` and `dynamics` never use each other, so that `agreement` compares independent statements; `figures`
-//! and `files` know no physics.
+//! `analysis` and `dynamics` are independent of each other, so that `agreement` compares independent results; `figures`
+//! and `files` contain no physics.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
@@ -81,21 +82,21 @@ pub use study::{
 use case::Case;
 use std::path::Path;
 
-/// The page on this library, whose example is run as a test.
+/// Library page of the documentation, whose example is run as a doctest.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/library.md")]
 pub struct LibraryPage;
 
-/// Version, and commit where the program was built from a repository: `0.1.0 (abcdef123)`.
+/// Version, with the commit if the program was built from a repository: `0.1.0 (abcdef123)`.
 pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("WELLPOSED_COMMIT"), ")");
 
-/// No settings over a case file, for [`load`].
+/// Empty list of settings, for [`load`].
 pub const NO_SETTINGS: [&str; 0] = [];
 
-/// Reads a case file, with `key=value` settings over it, of which the last one of a key holds: a list of any text.
+/// Reads a case file and applies `key=value` settings; the last setting of a key takes precedence.
 ///
 /// # Errors
-/// The file cannot be read, or what is wrong in it or in a setting, where, and what is allowed.
+/// The file cannot be read, or the file or a setting is invalid; the error states the place and the allowed values.
 ///
 /// # Examples
 /// ```

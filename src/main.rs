@@ -1,4 +1,4 @@
-//! The command line: arguments only.
+//! Command line: parses the arguments and calls the verbs of [`wellposed::cli`].
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
@@ -178,7 +178,7 @@ fn yield_set(name: String) -> Result<Yield, String> {
     registry::yield_set(&name).ok_or_else(|| format!("no yield set is called {name}"))
 }
 
-/// A time between checkpoints; 0: as often as can be.
+/// Parses the wall time between checkpoints, s; 0 means after every batch of steps.
 fn seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds >= 0.0);
     seconds.ok_or_else(|| "expected a finite number of at least 0, in seconds".to_owned())
@@ -210,7 +210,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             if error.exit_code() != 0 {
-                // Nothing is left to be said if standard error is closed.
+                // A closed standard error is ignored.
                 let _ = match format {
                     Format::Text => writeln!(std::io::stderr(), "error: {error}"),
                     Format::Json => writeln!(std::io::stderr(), "{}", error.to_json()),
@@ -221,7 +221,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Says what is wrong with the arguments, or prints the help that they ask for.
+/// Prints the usage error, or the requested help.
 fn refuse_usage(error: &clap::Error) -> ExitCode {
     let arguments: Vec<String> =
         std::env::args_os().map(|own| own.to_string_lossy().into_owned()).collect();
@@ -238,7 +238,7 @@ fn refuse_usage(error: &clap::Error) -> ExitCode {
 }
 
 impl Verb {
-    /// Form of what it prints.
+    /// Returns the output format of the verb.
     fn format(&self) -> Format {
         match self {
             Self::Map { run, .. }

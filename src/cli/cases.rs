@@ -1,4 +1,4 @@
-//! `wellposed cases`: the cases that come with the program.
+//! `wellposed cases`: lists the cases shipped with the program.
 
 use crate::case::{CASES, Case};
 use crate::cli::Error;
@@ -7,7 +7,7 @@ use std::io::Write;
 /// Prints one line per case: path and title.
 ///
 /// # Errors
-/// Standard output does not take it.
+/// Standard output cannot be written.
 pub fn run(stdout: &mut dyn Write) -> Result<(), Error> {
     let width = CASES.iter().map(|(path, _)| path.len()).max().unwrap_or(0);
     for (path, text) in CASES {

@@ -1,4 +1,4 @@
-//! `wellposed check`: a case, or all cases in a folder.
+//! `wellposed check`: compares predicted with measured waves, for a case or for all cases in a folder.
 
 use super::progress::watched;
 use super::write::{would_write, write};
@@ -16,10 +16,10 @@ use serde_json::{Value, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Runs the verb on a case, or on all cases in a folder.
+/// Runs `check` on a case, or on all cases in a folder.
 ///
 /// # Errors
-/// The case is wrong or has no solver, results cannot be written, or the check disagrees.
+/// The case is invalid or has no solver, results cannot be written, or measurement and prediction disagree.
 pub fn check(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let pool = pool(options.threads)?;
     match options.case.is_dir() {
@@ -34,7 +34,7 @@ fn check_case(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) -> R
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
     if options.dry_run {
         writeln!(stdout, "would {}", plan_words(&plan))?;
-        // The pictures of a refinement come last.
+        // The two pictures of a refinement are the last entries of `CHECK`.
         let refines = matches!(&plan, CheckPlan::Flow(flow) if !flow.grids.is_empty());
         let count = if refines { folder::CHECK.len() } else { folder::CHECK.len() - 2 };
         return would_write(&folder, &folder::CHECK[..count], stdout);
@@ -49,7 +49,7 @@ fn study(case: &Case, extent: Extent, pool: &ThreadPool) -> Result<CheckResult, 
     watched(pool, "check", |on_progress| study::check(case, extent, on_progress))
 }
 
-/// What would be done.
+/// Describes the planned measurements for a dry run.
 fn plan_words(plan: &CheckPlan) -> String {
     match plan {
         CheckPlan::Solid(media) => {
@@ -76,7 +76,7 @@ fn refuse_disagreement(failed: usize, all: usize, what: &'static str) -> Result<
     }
 }
 
-/// Checks all cases in a folder in short; writes nothing.
+/// Checks all cases in a folder with [`Extent::Short`]; writes no files.
 fn check_folder(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) -> Result<(), Error> {
     let mut files = Vec::new();
     collect(&options.case, &mut files)?;
@@ -119,11 +119,11 @@ fn check_folder(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) ->
     refuse_disagreement(failed, all, "cases")
 }
 
-/// What is said of a case in a folder.
+/// Result line of one case of a folder.
 struct CaseLine {
     text: String,
     json: Value,
-    /// Whether no row disagrees; `None` where no solver takes the case.
+    /// Whether all rows agree; `None` if no solver applies to the case.
     is_well: Option<bool>,
 }
 
@@ -156,7 +156,7 @@ impl CaseLine {
     }
 }
 
-/// The case files in a folder and in those inside it.
+/// Collects the case files (`*.toml`) of a folder and its subfolders.
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), OutputError> {
     let entries =
         std::fs::read_dir(folder).map_err(|error| OutputError::unreadable(folder, &error))?;
@@ -167,7 +167,7 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), OutputError> {
         } else if path.extension().is_some_and(|extension| extension == "toml")
             && path.file_name().is_none_or(|name| name != "Cargo.toml")
         {
-            // The manifest of a crate beside cases is none of them.
+            // `Cargo.toml` is a manifest, not a case file.
             files.push(path);
         }
     }

@@ -1,4 +1,4 @@
-//! `wellposed dispersion`.
+//! `wellposed dispersion`: computes the dispersion relation of a solid.
 
 use super::progress::watched;
 use super::write::{would_write, write};
@@ -10,10 +10,10 @@ use crate::report::format::short;
 use crate::study;
 use std::io::Write;
 
-/// Runs the verb.
+/// Runs `dispersion`.
 ///
 /// # Errors
-/// The case is wrong, or results cannot be written.
+/// The case is invalid, or results cannot be written.
 pub fn dispersion(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let case = Case::load(&options.case, &options.sets)?;
     let pool = pool(options.threads)?;

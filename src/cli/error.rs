@@ -1,4 +1,4 @@
-//! Why a verb was not carried out, and the exit code that says so.
+//! Errors of the verbs, and the exit code and JSON object of each.
 
 use super::folder::OutputError;
 use crate::case::{CaseError, NoSuchMedium, Place};
@@ -6,38 +6,38 @@ use crate::report::SCHEMA;
 use crate::study::simulate::{IllPosed, Stopped};
 use serde_json::{Value, json};
 
-/// The program's exit code where it was interrupted.
+/// Exit code of an interrupted program.
 pub(super) const INTERRUPTED_CODE: u8 = 130;
 
-/// Why a verb was not carried out.
+/// Reason why a verb failed.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The case is wrong, or the question about it has no answer.
+    /// The case is invalid, or the study failed.
     #[error(transparent)]
     Study(crate::Error),
-    /// A model that cannot have a yield set.
+    /// The model cannot be combined with a yield set.
     #[error(transparent)]
     Medium(#[from] NoSuchMedium),
     /// Results cannot be written or read.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A run ended by its own state.
+    /// A simulation was stopped by its own state, such as a non-finite field.
     #[error(transparent)]
     Stopped(#[from] Stopped),
-    /// A flow that is not to be run in time unasked.
+    /// The equations of the flow are ill-posed, and a simulation was not explicitly accepted.
     #[error("{0}; --accept-ill-posed runs it all the same")]
     IllPosed(IllPosed),
-    /// What was measured is not what was predicted.
+    /// Measurement and prediction disagree.
     #[error("{failed} of {all} {what} disagree")]
     Disagrees {
-        /// How many do not agree.
+        /// Number of rows or cases that disagree.
         failed: usize,
-        /// Of how many.
+        /// Total number of rows or cases.
         all: usize,
-        /// Rows or cases.
+        /// Noun of the message: rows or cases.
         what: &'static str,
     },
-    /// A folder to be checked has no case in it.
+    /// The folder to be checked contains no case.
     #[error(
         "{folder}: no case file (*.toml) in the folder or below; name a case file, or a folder that holds some"
     )]
@@ -45,41 +45,42 @@ pub enum Error {
         /// The folder.
         folder: String,
     },
-    /// Files of results are not as they were written.
+    /// Result files differ from their checksums.
     #[error("{folder}: {damaged} damaged or missing {}", if *.damaged == 1 { "file" } else { "files" })]
     Damaged {
-        /// How many.
+        /// Number of damaged or missing files.
         damaged: usize,
-        /// The folder of results.
+        /// Results folder.
         folder: String,
     },
-    /// Somebody ended a run, which may go on.
+    /// A signal interrupted a run, which can be resumed.
     #[error("interrupted at {time} s; wellposed resume {folder} goes on")]
     Interrupted {
-        /// The time that it had come to, s.
+        /// Simulated time reached, s.
         time: String,
-        /// The folder of its results.
+        /// Results folder.
         folder: String,
     },
-    /// Somebody ended a run while it made steps again to find the last sound state before a fault.
+    /// A signal interrupted a run during the replay, which repeats the steps after the last checkpoint to find the last
+    /// valid state before a fault.
     #[error(
         "interrupted after a fault, while steps were made again up to it; wellposed resume {folder} goes on from the last checkpoint"
     )]
     InterruptedReplay {
-        /// The folder of its results.
+        /// Results folder.
         folder: String,
     },
     /// Threads could not be started.
     #[error("cannot start the threads: {0}")]
     Threads(String),
-    /// Standard output does not take what is printed.
+    /// Standard output cannot be written.
     #[error("standard output: {0}")]
     Stdout(#[from] std::io::Error),
 }
 
 impl Error {
-    /// The program's exit code: 2, but 0 where the reader of a pipe had enough, 1 where a check disagreed or files are damaged, 3 where a run was stopped
-    /// by its own state, 130 where it was interrupted.
+    /// Returns the program's exit code: 0 if the reader of the pipe closed it, 1 if a check disagreed or files are
+    /// damaged, 3 if a run was stopped by its own state, 130 if it was interrupted, otherwise 2.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Stdout(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
@@ -92,8 +93,8 @@ impl Error {
 }
 
 impl Error {
-    /// The error as a JSON object for programs: its kind, the printed message and the exit code; for errors of cases and
-    /// files also the place, what was found and what is allowed. A key that does not apply is `null`.
+    /// Converts the error to a JSON object: kind, printed message and exit code; for errors of cases and files also the
+    /// place, the value found and the values allowed. A key that does not apply is `null`.
     pub fn to_json(&self) -> Value {
         let mut all = error_object(self.kind(), &self.to_string(), self.exit_code().into());
         match self {
@@ -108,7 +109,7 @@ impl Error {
         all
     }
 
-    /// One word for each kind of error.
+    /// Returns the kind of the error for programs, one word.
     fn kind(&self) -> &'static str {
         match self {
             Self::Study(crate::Error::Case(_)) | Self::Medium(_) => "case",
@@ -126,13 +127,13 @@ impl Error {
         }
     }
 
-    /// The same object for a wrong command line, which is refused in these words.
+    /// Converts a command-line error with this message to the JSON object of [`Self::to_json`].
     pub fn usage_to_json(message: &str) -> Value {
         error_object("usage", message, 2)
     }
 }
 
-/// An error as a JSON object without a place.
+/// Creates the JSON object of an error, with `null` for the place.
 fn error_object(kind: &str, message: &str, exit_code: i64) -> Value {
     json!({
         "schema": SCHEMA,
@@ -148,7 +149,7 @@ fn error_object(kind: &str, message: &str, exit_code: i64) -> Value {
     })
 }
 
-/// Where and what is wrong with a case.
+/// Adds the place, the value found and the values allowed of a case error.
 fn add_case(all: &mut Value, error: &CaseError) {
     let place = match error {
         CaseError::Unreadable { path, cause } => {
@@ -178,7 +179,7 @@ fn add_case(all: &mut Value, error: &CaseError) {
     }
 }
 
-/// What the recorder of a run had to say is an error of the verb again.
+/// Unwraps an error of this type from [`crate::Error::Recorder`].
 impl From<crate::Error> for Error {
     fn from(error: crate::Error) -> Self {
         match error {
@@ -191,7 +192,7 @@ impl From<crate::Error> for Error {
     }
 }
 
-/// A recorder ends the run.
+/// Wraps an error for return by a recorder, which ends the run.
 impl From<Error> for crate::Error {
     fn from(error: Error) -> Self {
         match error {

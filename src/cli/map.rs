@@ -1,4 +1,4 @@
-//! `wellposed map`.
+//! `wellposed map`: computes the verdict over two parameters of a case.
 
 use super::progress::watched;
 use super::write::{would_write, write};
@@ -10,10 +10,10 @@ use crate::study;
 use crate::study::MapOptions;
 use std::io::Write;
 
-/// Runs the verb.
+/// Runs `map`.
 ///
 /// # Errors
-/// The case is wrong everywhere on the map, or results cannot be written.
+/// The case is invalid at all points of the map, or results cannot be written.
 pub fn map(options: &Options, asked: MapOptions, stdout: &mut dyn Write) -> Result<(), Error> {
     let case = Case::load(&options.case, &options.sets)?;
     let map = *case.required_map()?;

@@ -1,4 +1,4 @@
-//! The verbs of the command line: from arguments to a study, its report and the folder of results.
+//! Verbs of the command line: each runs a study, renders its report and writes the results folder.
 
 pub mod cases;
 mod check;

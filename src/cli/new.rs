@@ -1,4 +1,4 @@
-//! `wellposed new`: a commented case to start from.
+//! `wellposed new`: writes a commented case template.
 
 use crate::case::{Kind, Medium};
 use crate::cli::folder::{OutputError, write_file};
@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 pub use crate::case::template::{Purpose, text, text_for};
 
-/// Writes a case for that medium to `file`, or else to `<kind>.toml`; says where.
+/// Writes a case template for `medium` and `purpose` to `file`, by default `<kind>.toml`; returns the path.
 ///
 /// # Errors
-/// The file exists and `force` is not given, or it cannot be written.
+/// The file exists and `force` is not set, the model cannot be simulated as requested, or the file cannot be written.
 pub fn run(
     medium: Medium,
     purpose: Purpose,

@@ -1,52 +1,52 @@
-//! What verbs are asked for.
+//! Options of the verbs.
 
 use super::Error;
 use std::path::PathBuf;
 
-/// What the verbs that run a case are asked for.
+/// Options of the verbs that run a case.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// The case file.
+    /// Path of the case file.
     pub case: PathBuf,
-    /// `key=value` settings over the file; the last one of a key holds.
+    /// `key=value` settings that override the file; the last setting of a key takes precedence.
     pub sets: Vec<String>,
-    /// Form of what is printed.
+    /// Output format.
     pub format: Format,
-    /// Folder of results; absent: `out/<case name>`.
+    /// Results folder; default `out/<case name>`.
     pub out: Option<PathBuf>,
     /// Whether results of another case may be overwritten.
     pub force: bool,
-    /// Check everything, say what would be done, write nothing.
+    /// Whether to validate and describe the work only, writing nothing.
     pub dry_run: bool,
-    /// Number of threads; absent: one per core. Results do not depend on it.
+    /// Number of threads; default one per core. Results do not depend on it.
     pub threads: Option<usize>,
-    /// Whether a flow is run in time although its equations are ill-posed.
+    /// Whether a flow is simulated although its equations are ill-posed.
     pub accept_ill_posed: bool,
 }
 
-/// Form of what a verb prints.
+/// Output format of a verb.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Format {
-    /// Words and numbers for a reader.
+    /// Text report.
     #[default]
     Text,
     /// One JSON value.
     Json,
 }
 
-/// So many threads, or one per core.
+/// Creates a pool of `threads` threads, by default one per core.
 pub(super) fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
     builder.build().map_err(|error| Error::Threads(error.to_string()))
 }
 
-/// That so many threads can be started beside those of the pool, as the steps of a solid do again and again.
+/// Checks that `count` threads can be started besides those of the pool, as each step of a solid does.
 pub(super) fn check_threads(count: usize) -> Result<(), Error> {
     let (wait, end) = std::sync::mpsc::channel::<()>();
     let end = std::sync::Mutex::new(end);
     std::thread::scope(|scope| {
         let result = (0..count).try_for_each(|_| {
-            // All of them at once: none ends before the last one has been started.
+            // All threads must coexist: none ends before the last one has started.
             let until_all = || drop(end.lock().map(|end| end.recv()));
             std::thread::Builder::new().spawn_scoped(scope, until_all).map(drop)
         });

@@ -1,4 +1,4 @@
-//! `wellposed plot`: the pictures of a finished run again, from files of results alone.
+//! `wellposed plot`: redraws the pictures of a finished run from its result files.
 
 use super::run::{ANIMATION, Animation, animation, records};
 use crate::case::InTime;
@@ -8,13 +8,13 @@ use crate::report;
 use std::io::Write;
 use std::path::Path;
 
-/// The archive of the fields at the end.
+/// Archive of the final fields.
 const ARCHIVE: &str = "fields.npz";
 
-/// Runs the verb.
+/// Runs `plot`.
 ///
 /// # Errors
-/// The folder holds no finished run, or a file of it cannot be read or written.
+/// The folder holds no finished run, or a result file cannot be read or written.
 pub fn plot(path: &Path, stdout: &mut dyn Write) -> Result<(), Error> {
     let (folder, case) = ResultFolder::finished(path)?;
     folder.check_files(|name| {

@@ -1,4 +1,4 @@
-//! `wellposed point`.
+//! `wellposed point`: analyses one state.
 
 use super::progress::watched;
 use super::write::{would_write, write};
@@ -10,10 +10,10 @@ use crate::report::format::case_title;
 use crate::{report, study};
 use std::io::Write;
 
-/// Runs the verb.
+/// Runs `point`.
 ///
 /// # Errors
-/// The case is wrong, or results cannot be written.
+/// The case is invalid, or results cannot be written.
 pub fn point(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let case = Case::load(&options.case, &options.sets)?;
     let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;

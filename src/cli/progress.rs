@@ -1,4 +1,4 @@
-//! Progress with the time left, on a terminal, for work that lasts over a second.
+//! Progress bar with estimated remaining time, shown on terminals for work longer than one second.
 
 use crate::study::OnProgress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -8,10 +8,10 @@ use std::ops::ControlFlow;
 use std::sync::{Once, OnceLock};
 use std::time::{Duration, Instant};
 
-/// Work shorter than this is not worth a bar.
+/// Delay before the progress bar appears.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Carries out a study on the threads of a pool, with a bar called `name` while it lasts.
+/// Runs a study on the threads of a pool with a progress bar labelled `name`.
 pub fn watched<T: Send>(
     pool: &ThreadPool,
     name: &'static str,
@@ -26,16 +26,16 @@ pub fn watched<T: Send>(
     pool.install(|| study(&on_progress))
 }
 
-/// A bar on standard error that several threads may push. Gone when dropped.
+/// Thread-safe progress bar on standard error; cleared on drop.
 pub struct Progress {
-    /// Absent where standard error is no terminal.
+    /// `None` if standard error is not a terminal.
     bar: Option<ProgressBar>,
     start: Instant,
     show: Once,
 }
 
 impl Progress {
-    /// Work of `total` steps, called `name`.
+    /// Creates the bar for `total` steps, labelled `name`.
     pub fn new(name: &'static str, total: u64) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
             let style = ProgressStyle::with_template("{msg} {wide_bar} {percent} %, {eta} left")
@@ -46,14 +46,14 @@ impl Progress {
         Self { bar, start: Instant::now(), show: Once::new() }
     }
 
-    /// What is to be said beside the bar.
+    /// Sets the message beside the bar.
     pub fn note(&self, text: String) {
         if let Some(bar) = &self.bar {
             bar.set_message(text);
         }
     }
 
-    /// `steps` more are done.
+    /// Advances the bar by `steps`.
     pub fn tick(&self, steps: u64) {
         if let Some(bar) = &self.bar {
             self.show_after_a_while(bar);
@@ -61,7 +61,7 @@ impl Progress {
         }
     }
 
-    /// So many steps of so many are done. Steps of several threads may be told in any order.
+    /// Sets the position to `done` of `all` steps. Threads may report in any order: the bar never goes back.
     fn advance_to(&self, done: u64, all: u64) {
         if let Some(bar) = &self.bar {
             self.show_after_a_while(bar);

@@ -1,4 +1,4 @@
-//! `wellposed resume`.
+//! `wellposed resume`: resumes a run from its last checkpoint.
 
 use super::run::{Checkpoint, Control, Run, carry_out};
 use crate::case::InTime;
@@ -8,10 +8,10 @@ use crate::study::simulate::job;
 use std::io::Write;
 use std::path::Path;
 
-/// Goes on with a run that was interrupted or killed.
+/// Resumes an interrupted or killed run.
 ///
 /// # Errors
-/// The folder holds no run, a finished one, or a damaged checkpoint; then as [`run`](super::run()).
+/// The folder holds no run, a finished run, or a damaged checkpoint; otherwise the errors of [`run`](super::run()).
 pub fn resume(
     path: &Path,
     threads: Option<usize>,

@@ -1,8 +1,8 @@
-//! `wellposed run`, and what it has in common with `wellposed resume`.
+//! `wellposed run`, and the code shared with `wellposed resume`.
 //!
-//! [`study::simulate`] computes; here what it delivers on its way goes to files: tables are appended to line by line,
-//! snapshots come one after the other. A checkpoint holds the state and what the tables held: what resumes from it
-//! writes the same bits as a run that was never interrupted. The rest is written at the end.
+//! [`study::simulate`](crate::study::simulate) computes; this module writes its output to files: rows are appended to
+//! tables, snapshots are written one by one. A checkpoint holds the state and the lengths and checksums of tables and
+//! snapshots; a resumed run writes the same bits as an uninterrupted run. The remaining results are written at the end.
 
 mod animation;
 mod appended;
@@ -27,20 +27,21 @@ use files::lock::Lock;
 use recorder::FileRecorder;
 use std::io::Write;
 
-/// Seconds between two checkpoints where nothing else is asked for.
+/// Default wall time between two checkpoints, s.
 pub const CHECKPOINT_EVERY: f64 = 300.0;
 
-/// How a run is kept from being lost.
+/// Checkpoint settings of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Control {
     /// Wall time between two checkpoints, s.
     pub checkpoint_every: f64,
 }
 
-/// Runs the verb.
+/// Runs `run`.
 ///
 /// # Errors
-/// The case is wrong, memory is short, results cannot be written, or the run ended by its own state.
+/// The case is invalid, its cost exceeds the limits, the equations are ill-posed, results cannot be written, or the run
+/// was stopped by its own state.
 pub fn run(options: &Options, control: Control, stdout: &mut dyn Write) -> Result<(), Error> {
     let case = Case::load_in_time(&options.case, &options.sets)?;
     let job = job(&case)?;
@@ -58,7 +59,7 @@ pub fn run(options: &Options, control: Control, stdout: &mut dyn Write) -> Resul
         writeln!(stdout, "would compute {plan}")?;
         return would_write(&folder, &planned::planned(&case)?, stdout);
     }
-    // Nothing is left to be said if standard error is closed.
+    // A closed standard error is ignored.
     let _ = writeln!(std::io::stderr(), "{plan}");
     for warning in job.warnings()? {
         let _ = writeln!(std::io::stderr(), "warning: {warning}");
@@ -72,7 +73,7 @@ pub fn run(options: &Options, control: Control, stdout: &mut dyn Write) -> Resul
     carry_out(&run, &*job, None, None, options.format, stdout)
 }
 
-/// Where a run goes, and how.
+/// Case, results folder and settings of a run.
 pub(super) struct Run<'a> {
     pub(super) case: &'a Case,
     pub(super) folder: &'a ResultFolder,
@@ -80,8 +81,8 @@ pub(super) struct Run<'a> {
     pub(super) threads: Option<usize>,
 }
 
-/// Computes a run, from its beginning or from a checkpoint, and writes all of its results. A run that is resumed holds
-/// the lock of its folder.
+/// Computes a run from its beginning or from a checkpoint and writes all results. `lock` is the folder lock of a
+/// resumed run.
 pub(super) fn carry_out(
     run: &Run,
     job: &dyn Job,

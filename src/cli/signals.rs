@@ -1,4 +1,4 @@
-//! Signals: Ctrl-C, a request to end, a limit to the size of files.
+//! Signal handling: SIGINT (Ctrl-C), SIGTERM, SIGHUP and SIGXFSZ.
 
 use super::error::INTERRUPTED_CODE;
 use std::io::{IsTerminal, Write as _};
@@ -6,35 +6,35 @@ use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::time::Duration;
 
-/// What Ctrl-C means.
+/// Stage of the program, which determines the effect of an interrupt.
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Stage {
-    /// Nothing is lost by an end at once.
+    /// Outside of a run: an interrupt ends the program at once.
     Anything,
-    /// A run makes steps, and writes a checkpoint if it is asked to end.
+    /// Time stepping: an interrupt ends the run after a checkpoint.
     Steps,
-    /// A run that is asked to end writes its checkpoint.
+    /// An interrupted run writes its checkpoint.
     Checkpoint,
-    /// A run makes steps again up to a fault, and ends where it is if it is asked to.
+    /// Replay of steps up to a fault: an interrupt ends it without a checkpoint.
     Replay,
-    /// All steps of a run are done, so that only results are left to be written.
+    /// All steps are done; results are being written.
     Results,
 }
 
-/// How long a run that is asked to end may take for its step.
+/// Longest wait for the current step of an interrupted run.
 const PATIENCE: Duration = Duration::from_secs(8);
 
 static STAGE: AtomicU8 = AtomicU8::new(Stage::Anything as u8);
-/// Whether somebody has asked a run to end.
+/// Whether a run has been interrupted.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Says what the program does from now on.
+/// Sets the stage of the program.
 pub(super) fn enter(stage: Stage) {
     STAGE.store(stage as u8, Ordering::Relaxed);
 }
 
-/// The same until what is handed back is dropped.
+/// Sets the stage until the returned guard is dropped.
 pub(super) fn enter_until_dropped(stage: Stage) -> impl Drop {
     struct Guard;
     impl Drop for Guard {
@@ -46,19 +46,20 @@ pub(super) fn enter_until_dropped(stage: Stage) -> impl Drop {
     Guard
 }
 
-/// Whether somebody has asked a run to end.
+/// Whether a run has been interrupted.
 pub(super) fn is_interrupted() -> bool {
     INTERRUPTED.load(Ordering::Relaxed)
 }
 
-/// Lets Ctrl-C, SIGTERM and SIGHUP end a run after a checkpoint, and all else at once, without a file half-written; a
-/// second one ends a run at once, too. A file that grows beyond a limit is an error of writing, no end of the program.
+/// Installs the handlers. SIGINT, SIGTERM and SIGHUP end a run after a checkpoint, and everything else at once, without
+/// partial files; a second signal ends a run at once. A file beyond the size limit gives a write error and does not end
+/// the program.
 pub fn install() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        // As nohup does.
+        // An ignored SIGHUP, as set by nohup, stays ignored.
         let outlives_terminal = is_hangup_ignored();
-        // Where another listener stands already it will do.
+        // A handler installed earlier is kept.
         let _ = ctrlc::set_handler(end);
         ignore_some(outlives_terminal);
     });
@@ -79,7 +80,7 @@ fn end() {
         end_at_once();
     }
     say(&format!("{said}; press again to stop at once"));
-    // Where no thread can be started the run waits for its step.
+    // If no thread can be started, the run waits for its step without a time limit.
     let _ = std::thread::Builder::new().spawn(|| {
         std::thread::sleep(PATIENCE);
         let stage = STAGE.load(Ordering::Relaxed);
@@ -94,7 +95,8 @@ fn end() {
     });
 }
 
-/// A message of its own line. On a terminal the bar stands in the line. Nothing is left to be said if nobody listens.
+/// Prints a message on a new line, since on a terminal the progress bar occupies the current one. A closed standard
+/// error is ignored.
 fn say(text: &str) {
     let mut stderr = std::io::stderr();
     let start = if stderr.is_terminal() { "\n" } else { "" };
@@ -106,22 +108,21 @@ fn end_at_once() -> ! {
     std::process::exit(INTERRUPTED_CODE.into());
 }
 
-/// Whether the program was started so that the end of its terminal is not its own.
+/// Returns whether SIGHUP was ignored when the program was started, as by nohup.
 #[cfg(unix)]
 fn is_hangup_ignored() -> bool {
     let mut found = std::mem::MaybeUninit::<libc::sigaction>::zeroed();
-    // SAFETY: without a new action the call writes the present one, and nothing else; zeros are one as well.
+    // SAFETY: with a null new action the call only writes the present one to `found`; zeros are a valid `sigaction`.
     unsafe {
         let code = libc::sigaction(libc::SIGHUP, std::ptr::null(), found.as_mut_ptr());
         code == 0 && found.assume_init().sa_sigaction == libc::SIG_IGN
     }
 }
 
-/// Ignores the signal that a file has grown beyond a limit: the system then hands the error to whoever writes; and the
-/// end of the terminal if that is asked for.
+/// Ignores SIGXFSZ, so that writing beyond the file size limit returns an error; ignores SIGHUP if `hangup` is set.
 #[cfg(unix)]
 fn ignore_some(hangup: bool) {
-    // SAFETY: no handler of this program is installed, and no other part of it asks for these signals.
+    // SAFETY: no code of this program handles these signals otherwise.
     unsafe {
         libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
         if hangup {

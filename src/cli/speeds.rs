@@ -1,4 +1,4 @@
-//! `wellposed speeds`.
+//! `wellposed speeds`: computes the characteristic speeds of a solid by direction.
 
 use super::progress::watched;
 use super::write::{would_write, write};
@@ -10,10 +10,10 @@ use crate::{setup, study};
 use analysis::solids::DirectionalSpeeds;
 use std::io::Write;
 
-/// Runs the verb.
+/// Runs `speeds`.
 ///
 /// # Errors
-/// The case is wrong, or results cannot be written.
+/// The case is invalid, or results cannot be written.
 pub fn speeds(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let case = Case::load(&options.case, &options.sets)?;
     let solid = setup::solid::solid(&case.material).map_err(|error| case.locate(error))?;

@@ -1,4 +1,4 @@
-//! `wellposed verify`: whether results are as they were written.
+//! `wellposed verify`: compares result files with their checksums.
 
 use super::folder::{Verification, verify as look};
 use super::{Error, Format};
@@ -7,7 +7,7 @@ use serde_json::json;
 use std::io::Write;
 use std::path::Path;
 
-/// Runs the verb.
+/// Runs `verify`.
 ///
 /// # Errors
 /// Files are damaged, or the folder holds no results.

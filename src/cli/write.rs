@@ -1,4 +1,4 @@
-//! Reports into folders of results and to standard output.
+//! Output of reports to results folders and standard output.
 
 use super::folder::ResultFolder;
 use super::{Error, Format};
@@ -6,10 +6,10 @@ use crate::case::Case;
 use crate::report::{Rendered, Report};
 use std::io::Write;
 
-/// Writes all files of a report into the folder of results, and the text or the JSON report to standard output.
+/// Writes all files of a report to the results folder, and its text or JSON to standard output.
 ///
 /// # Errors
-/// Something cannot be made or written.
+/// A file cannot be rendered or written.
 pub(super) fn write<R: Report>(
     report: &R,
     case: &Case,
@@ -24,10 +24,10 @@ pub(super) fn write<R: Report>(
     print(&rendered, folder, format, stdout)
 }
 
-/// Prints the text or the JSON report, and where the results are.
+/// Prints the text or JSON report; the text ends with the path of the first picture or of the folder.
 ///
 /// # Errors
-/// Standard output does not take it.
+/// Standard output cannot be written.
 pub(super) fn print(
     rendered: &Rendered,
     folder: &ResultFolder,
@@ -49,7 +49,7 @@ pub(super) fn print(
     Ok(())
 }
 
-/// Says which files would be written: these, and those of every folder of results.
+/// Prints the names of the files that would be written: the common files and `names`.
 pub(super) fn would_write(
     folder: &ResultFolder,
     names: &[impl AsRef<str>],

@@ -1,4 +1,4 @@
-//! Report on the waves of a solid.
+//! Report on the dispersion relation of a solid.
 
 use super::format::{case_title, short};
 use super::{Picture, Report};
@@ -119,7 +119,7 @@ fn figure(case: &Case, found: &Dispersion) -> DispersionFigure {
             },
         })
     });
-    // Below its cut-off a single branch is absent as well, but the dashed line says that.
+    // Bands between 0 and a cut-off frequency are left to the dashed cut-off line.
     let bands = found.families.iter().flat_map(|family| {
         let between = |band: &&[f64; 2]| band[0] > 0.0 && band[1].is_finite();
         family.forbidden_bands.iter().filter(between).map(|&[from, to]| Band {
@@ -162,7 +162,7 @@ fn cutoffs(families: &[BranchFamily]) -> Vec<Level> {
     cutoffs
 }
 
-/// Speeds that the closed form gives for short waves.
+/// Returns the closed-form speeds of short waves in an isotropic solid, m/s.
 fn speed_limits(found: &Dispersion) -> Vec<Level> {
     let solid = &found.solid;
     let Some(elastic) = solid.elastic.downcast::<Isotropic>() else { return Vec::new() };
@@ -172,7 +172,7 @@ fn speed_limits(found: &Dispersion) -> Vec<Level> {
     [
         Some(level("c_p", speeds.longitudinal)),
         Some(level("c_s", speeds.shear)),
-        // In the plane nothing turns about the wave vector.
+        // In plane strain no rotation is about the wave vector.
         speeds.torsion.filter(|_| solid.dimensions == 3).map(|c| level("c_m", c)),
         speeds.rotation.map(|c| level("c_ω", c)),
     ]

@@ -1,23 +1,23 @@
-//! Numbers, units and orders as words for a reader.
+//! Formatting of numbers, units and orders of growth as text.
 
 pub use crate::study::words::{order_words, short, superscript};
 
 use crate::case::Case;
 use analysis::solids::angles_deg;
 
-/// How verdicts come about that a formula of the model decides.
+/// Route of verdicts by a closed form of the model.
 pub const CLOSED_FORM: &str = "closed form of the model's growth rate, where its sign and ten digits of it stand out of rounding";
 
-/// What a verdict on frozen coefficients means.
+/// Range of validity of a verdict with frozen coefficients.
 pub const VALIDITY: &str = "Validity: coefficients are frozen, which says little of waves that are not much shorter than \
      the length on which the background varies.";
 
-/// Title for people, whatever the case has.
+/// Returns the title of a case, or its name if it has none.
 pub fn case_title(case: &Case) -> String {
     if case.title.is_empty() { case.name.clone() } else { case.title.clone() }
 }
 
-/// A unit as printed.
+/// Formats a unit as a suffix.
 pub fn unit(unit: &str) -> String {
     match unit {
         "" => String::new(),
@@ -26,17 +26,17 @@ pub fn unit(unit: &str) -> String {
     }
 }
 
-/// That a model is coaxial, though the case says Δ, degrees.
+/// Formats the note that a model is coaxial although the case gives Δ, degrees.
 pub fn coaxial_words(noncoaxiality_deg: f64) -> String {
     format!("(coaxial: Δ = 0 in place of {}°)", short(noncoaxiality_deg))
 }
 
-/// Unit of lim Re ς / k^order.
+/// Returns the unit of lim Re ς / k^order.
 pub fn coefficient_unit(order: f64) -> String {
     format!("m{}/s", superscript(order))
 }
 
-/// A normal for a reader: `at 30°, 12° above the plane`.
+/// Formats a unit normal as angles: `at 30°, 12° above the plane`.
 pub fn normal_words(normal: [f64; 3]) -> String {
     let [direction, elevation] = angles_deg(normal);
     match elevation {

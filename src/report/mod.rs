@@ -1,4 +1,4 @@
-//! From the value of a study to what people and programs read: text, JSON, tables, pictures. One way for all studies.
+//! Rendering of study results as text, JSON, tables and pictures, common to all studies.
 
 pub mod check;
 pub mod dispersion;
@@ -14,53 +14,53 @@ use figures::FigureError;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-/// Version of the JSON reports: raised when a key changes its name or its meaning.
+/// Version of the JSON reports; raised when a key changes its name or meaning.
 pub const SCHEMA: u64 = 1;
 
-/// A value that can be reported. Its serialisation is the JSON report.
+/// Study result that can be reported; its serialisation is the JSON report.
 pub trait Report: Serialize {
-    /// Name of the study, and of its files: `dispersion.json`.
+    /// Name of the study and stem of its files: `dispersion.json`.
     const NAME: &'static str;
 
-    /// Units by quantity, which stand last in the JSON report.
+    /// Units by quantity, the last entry of the JSON report.
     const UNITS: &'static [(&'static str, &'static str)] = &[];
 
-    /// Whether what is printed as text ends with the path of the first picture; else with that of the folder.
+    /// Whether the printed text ends with the path of the first picture, otherwise with that of the folder.
     const ENDS_WITH_PICTURE: bool = true;
 
-    /// The same where they depend on the value.
+    /// Returns the units by quantity; overridden if they depend on the value.
     fn units(&self) -> &'static [(&'static str, &'static str)] {
         Self::UNITS
     }
 
-    /// The report in words and numbers for a reader.
+    /// Renders the text report.
     fn text(&self, case: &Case) -> String;
 
-    /// The pictures, the first of which is named to the reader.
+    /// Creates the pictures; the path of the first is printed.
     ///
     /// # Errors
-    /// One cannot be made.
+    /// A picture or table cannot be created.
     fn pictures(&self, case: &Case) -> Result<Vec<Picture>, Error>;
 
-    /// Tables and archives by the names of their files.
+    /// Renders tables and archives, by file name.
     ///
     /// # Errors
-    /// One cannot be made.
+    /// A picture or table cannot be created.
     fn tables(&self, case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error>;
 }
 
-/// Draws a picture as a file of some format.
+/// Function that draws a picture in a file format.
 type Draw = Box<dyn Fn(figures::Format) -> Result<Vec<u8>, FigureError>>;
 
-/// A picture: two files.
+/// Picture, drawn as PNG and SVG.
 pub struct Picture {
-    /// Their names but for the endings.
+    /// File name without extension.
     stem: &'static str,
     draw: Draw,
 }
 
 impl Picture {
-    /// From a figure's own method.
+    /// Creates a picture from the drawing method of a figure.
     pub fn new(
         stem: &'static str,
         draw: impl Fn(figures::Format) -> Result<Vec<u8>, FigureError> + 'static,
@@ -69,7 +69,7 @@ impl Picture {
     }
 }
 
-/// The JSON report: the version of its form, the value, its units.
+/// Creates the JSON report: schema version, value and units.
 ///
 /// # Errors
 /// The value cannot be serialised.
@@ -87,10 +87,10 @@ pub fn json<R: Report>(report: &R) -> Result<Value, Error> {
     Ok(all.into())
 }
 
-/// Names of the files that [`Rendered::write`] writes, in no order.
+/// Returns the names of the files that [`Rendered::write`] writes, unordered.
 ///
 /// # Errors
-/// One cannot be made.
+/// A picture or table cannot be created.
 pub fn file_names<R: Report>(report: &R, case: &Case) -> Result<Vec<String>, Error> {
     let mut names = vec![format!("{}.json", R::NAME), format!("{}.txt", R::NAME)];
     for Picture { stem, .. } in report.pictures(case)? {
@@ -100,7 +100,7 @@ pub fn file_names<R: Report>(report: &R, case: &Case) -> Result<Vec<String>, Err
     Ok(names)
 }
 
-/// A report that stands ready to be written.
+/// Rendered report, ready to be written; its pictures are drawn when written.
 pub struct Rendered {
     name: &'static str,
     json: String,
@@ -111,10 +111,10 @@ pub struct Rendered {
 }
 
 impl Rendered {
-    /// All of a report but for the drawing of its pictures.
+    /// Renders text, JSON and tables of a report and prepares its pictures.
     ///
     /// # Errors
-    /// Something cannot be made.
+    /// A part of the report cannot be rendered.
     pub fn new<R: Report>(report: &R, case: &Case) -> Result<Self, Error> {
         Ok(Self {
             name: R::NAME,
@@ -126,10 +126,10 @@ impl Rendered {
         })
     }
 
-    /// Hands all files over by their names, the JSON report last.
+    /// Passes the content of all files to `put` by name, the JSON report last.
     ///
     /// # Errors
-    /// Something cannot be drawn, or is refused.
+    /// A picture cannot be drawn, or `put` fails.
     pub fn write<E: From<Error>>(
         &self,
         mut put: impl FnMut(&str, &[u8]) -> Result<(), E>,
@@ -142,27 +142,27 @@ impl Rendered {
         put(&format!("{}.json", self.name), self.json.as_bytes())
     }
 
-    /// The report in words.
+    /// Returns the text report.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// The JSON report.
+    /// Returns the JSON report.
     pub fn json(&self) -> &str {
         &self.json
     }
 
-    /// The file of the picture that a reader is to see first; `None`: the text does not end with one.
+    /// Returns the file name of the first picture; `None` if the text does not end with its path.
     pub fn shown_picture(&self) -> Option<String> {
         let first = self.pictures.first().filter(|_| self.ends_with_picture);
         first.map(|Picture { stem, .. }| format!("{stem}.png"))
     }
 }
 
-/// Draws pictures and hands their files over by name.
+/// Draws pictures as PNG and SVG and passes the files to `put` by name.
 ///
 /// # Errors
-/// One cannot be drawn, or is refused.
+/// A picture cannot be drawn, or `put` fails.
 pub fn draw<E: From<Error>>(
     pictures: &[Picture],
     mut put: impl FnMut(&str, &[u8]) -> Result<(), E>,

@@ -1,4 +1,4 @@
-//! Report on a solid or a flow in time.
+//! Report on the simulation of a solid or a flow.
 
 mod animation;
 mod archive;
@@ -54,7 +54,7 @@ impl Report for RunResult {
         pictures(case, &self.fields, &self.records)
     }
 
-    /// Archives: the tables beside them are written row by row while the run goes on.
+    /// Renders the archives; the CSV tables are written row by row during the run.
     fn tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
         let mut all = vec![("fields.npz", archive::fields(&self.fields)?)];
         if let Some(receivers) = &self.records.receivers {
@@ -64,7 +64,7 @@ impl Report for RunResult {
     }
 }
 
-/// Terms of the ledger of a solid and what they are, in the order of the report.
+/// Terms of the energy ledger of a solid with their descriptions, in the order of the report.
 const SOLID_TERMS: &[(&str, &str)] = &[
     ("at_start", "energy at the start"),
     ("kinetic", "kinetic energy"),
@@ -78,7 +78,7 @@ const SOLID_TERMS: &[(&str, &str)] = &[
     ("balance", "balance (the scheme's, not counted)"),
 ];
 
-/// The same of a flow.
+/// Terms of the energy ledger of a flow with their descriptions, in the order of the report.
 const FLOW_TERMS: &[(&str, &str)] = &[
     ("at_start", "kinetic energy at the start"),
     ("kinetic", "kinetic energy"),
@@ -103,17 +103,17 @@ impl RunResult {
     }
 }
 
-/// Least and greatest.
+/// Returns the minimum and maximum of values.
 fn range(values: &[f64]) -> [f64; 2] {
     values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
         [low.min(*value), high.max(*value)]
     })
 }
 
-/// All pictures of a run but for the animation of its snapshots.
+/// Creates all pictures of a run except the animation of its snapshots.
 ///
 /// # Errors
-/// The case does not say how it is run in time.
+/// The case has no simulation.
 pub fn pictures(case: &Case, fields: &Fields, records: &Records) -> Result<Vec<Picture>, Error> {
     Ok(match case.in_time()? {
         InTime::Solid(dynamics) => solid::pictures(case, dynamics, fields, records),

@@ -54,7 +54,8 @@ impl Report for Speeds {
 }
 
 impl Speeds {
-    /// The range of each speed, whose squares by direction are those of `of_wave`.
+    /// Writes the range of each speed over all directions; `of_wave` returns the squared speeds of a wave by direction,
+    /// m²/s².
     fn write_ranges(
         &self,
         name: &str,
@@ -120,7 +121,7 @@ impl Speeds {
     }
 }
 
-/// Least and greatest of a speed over the directions in which it is real.
+/// Returns the minimum and maximum of a speed, m/s, over the directions in which it is real; `None` if there are none.
 fn range(speeds: &DirectionalSpeeds, squares: impl Iterator<Item = Complex64>) -> Option<[f64; 2]> {
     let real = squares.filter(|c| !speeds.is_complex(c) && speeds.is_not_negative(c));
     let range = real
@@ -158,7 +159,7 @@ fn sphere_csv(hemisphere: &Hemisphere) -> Result<Vec<u8>, Error> {
     Ok(files::csv::table(&["polar_deg", "azimuth_deg", "slowest_speed"], rows)?)
 }
 
-/// The curves of one response, those that run together as one.
+/// Returns the curves of one response; coincident curves are merged with their multiplicity.
 fn curves(found: &Speeds, response: Response) -> Vec<SpeedCurve> {
     let DirectionalSpeeds { curves: by_direction, largest, .. } = &found.by_direction;
     let speed = |c: Complex64| match found.by_direction.is_complex(&c)
@@ -176,7 +177,7 @@ fn curves(found: &Speeds, response: Response) -> Vec<SpeedCurve> {
                 Response::Yielding => [*degrees, speed(yielding[wave])],
             })
             .collect();
-        // What does not travel has no curve.
+        // Waves of zero speed have no curve.
         if points.iter().all(|p| p[1] <= EQUAL * largest.sqrt()) {
             continue;
         }
@@ -235,7 +236,7 @@ fn figure(case: &Case, found: &Speeds) -> SpeedsFigure {
 
 fn sphere_figure(case: &Case, found: &Speeds, hemisphere: &Hemisphere) -> SphereFigure {
     let extremes = &found.assessment.extremes;
-    // Of two opposite normals the one whose angles are printed.
+    // Of two opposite normals, the one whose angles are printed is marked.
     let mark = |label: &str, of: [f64; 3]| {
         let [direction_deg, elevation_deg] = angles_deg(of);
         let wave = Wave { direction_deg, elevation_deg, ..case.material.numbers.wave };

@@ -1,11 +1,11 @@
-//! From a case to a frozen state of a flow.
+//! Frozen-coefficient state of a flow from a case.
 
 use crate::case::Case;
 use analysis::StateError;
 use analysis::flows::{FrozenState, Workspace};
 use models::flow::Model;
 
-/// The model of a case, and the assessment of the case's state from its linearised equations.
+/// Returns the model of a case and the assessment of its state by the linearised equations.
 ///
 /// # Errors
 /// See [`StateError`].

@@ -1,4 +1,4 @@
-//! From a case to a flow in time: the problem that the solver takes, and the perturbation at its beginning.
+//! Solver problem and initial perturbation of a flow simulation from a case.
 
 mod initial;
 
@@ -8,13 +8,13 @@ use crate::case::flow::{FlowRun, Grid};
 use dynamics::flow::{Closure, Problem};
 pub(crate) use initial::fields;
 
-/// Least tolerance: numbers have 53 binary digits.
+/// Least tolerance, about 450 ε of double precision.
 const LEAST_TOLERANCE: f64 = 1e-13;
 
-/// The problem of a case that is run in time.
+/// Creates the solver problem of a flow simulation.
 ///
 /// # Errors
-/// A tolerance is below the rounding of the numbers; see [`flow_problem`].
+/// A tolerance is below [`LEAST_TOLERANCE`]; see [`flow_problem`].
 pub(crate) fn problem(case: &Case, run: &FlowRun) -> Result<Problem, Error> {
     let time = &run.time;
     for (key, own) in
@@ -35,10 +35,10 @@ pub(crate) fn problem(case: &Case, run: &FlowRun) -> Result<Problem, Error> {
     })
 }
 
-/// The problem of a case in a box, with the tolerances that are the default.
+/// Creates the solver problem of a case in a box of `lengths`, m, with default tolerances.
 ///
 /// # Errors
-/// The case is none of a uniform flow that a solver takes.
+/// The case is not a uniform flow that the solver supports.
 pub(crate) fn flow_problem(
     case: &Case,
     points: [usize; 2],
@@ -67,10 +67,11 @@ pub(crate) fn flow_problem(
     })
 }
 
-/// Velocities and ω or ψ of a case's perturbation at the points of a problem.
+/// Returns the perturbation of a case at the points of a problem: velocities, m/s, and spin ω, rad/s, or stress angle
+/// ψ, rad.
 ///
 /// # Errors
-/// The archive that a part names is not what it should be.
+/// The archive named by a part of the perturbation is unusable.
 pub(crate) fn perturbation(
     run: &FlowRun,
     problem: &Problem,

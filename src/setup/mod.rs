@@ -1,4 +1,4 @@
-//! From a case to what the crates below take, and their errors with the place in the case file.
+//! Conversion of cases to problems of the other crates, and of their errors to errors with a place in the case file.
 
 pub mod check;
 pub mod flow;
@@ -11,12 +11,12 @@ use crate::case::{Case, Kind, Material};
 use analysis::StateError;
 use models::InputError;
 
-/// The error of a state with its place in the case file.
+/// Converts the error of a state to an error with its place in the case file.
 pub fn locate(material: &Material, error: StateError) -> Error {
     material.locate(into_input(material, error)).into()
 }
 
-/// Position of an error in a state of the map of the case, whose swept numbers are in \[map\].
+/// Converts the error of a map state to an error with its place; swept parameters are placed in \[map\].
 pub fn locate_in_map(case: &Case, error: StateError) -> Error {
     case.locate_in_map(into_input(&case.material, error)).into()
 }

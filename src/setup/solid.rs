@@ -1,4 +1,4 @@
-//! From a material to a solid.
+//! Solids and solver media from materials of a case.
 
 use crate::case::{Kind, Material, Wave, names, radians};
 use dynamics::medium::Medium;
@@ -9,10 +9,10 @@ use models::solid::stress::Stress;
 use models::solid::{ElasticLaw, SolidKind};
 use models::yield_set::{YieldSet, YieldSetKind};
 
-/// The solid of a material.
+/// Creates the solid of a material.
 ///
 /// # Errors
-/// The constant that is out of range; that the stress never yields; that it is one of a flow.
+/// A constant is out of range, the stress is not on the yield surface, or the material is a flow.
 pub fn solid(material: &Material) -> Result<Solid, InputError> {
     let elastic = elastic_law(material)?;
     check_admits(material, &elastic)?;
@@ -20,10 +20,10 @@ pub fn solid(material: &Material) -> Result<Solid, InputError> {
     Ok(Solid::new(elastic, material.numbers.dimensions, plastic))
 }
 
-/// The elastic law of a material and its yield set, whatever the stress.
+/// Creates the elastic law of a material and its yield set, independent of the stress.
 ///
 /// # Errors
-/// The constant that is out of range; that it is one of a flow.
+/// A constant is out of range, or the material is a flow.
 pub fn elastic_law_and_set(
     material: &Material,
 ) -> Result<(ElasticLaw, Option<YieldSet>), InputError> {
@@ -33,31 +33,30 @@ pub fn elastic_law_and_set(
     Ok((elastic, set))
 }
 
-/// Solver medium of a solid.
+/// Creates the solver medium of a solid.
 ///
 /// # Errors
-/// The constant that is out of range; that the flow is not one that a run knows; that it is one of a
-/// flow.
+/// A constant is out of range, the solver does not support the plastic flow, or the material is a flow.
 pub fn medium(material: &Material, dimensions: usize) -> Result<Medium, InputError> {
     let (elastic, set) = elastic_law_and_set(material)?;
     let medium = Medium::new(elastic, dimensions);
     let Some(set) = set else { return Ok(medium) };
-    // A run knows no other flow.
+    // The solver supports ideal associated plasticity only.
     set.check_ideal_and_associated()?;
     Ok(medium.yielding(set))
 }
 
-/// Unit vector along a wave.
+/// Returns the unit wave normal.
 pub fn normal(wave: &Wave) -> [f64; 3] {
     let (sin, cos) = radians(wave.direction_deg).cr_sin_cos();
     let (up, along) = radians(wave.elevation_deg).cr_sin_cos();
     [along * cos, along * sin, up]
 }
 
-/// The constants of a material and of its yield set by their names, in SI units and rad.
+/// Returns the constants of a material and its yield set by name, in SI units and rad.
 ///
 /// # Errors
-/// It is none of a solid.
+/// The material is a flow.
 pub fn constants(material: &Material) -> Result<Vec<(&'static str, f64)>, InputError> {
     let solid = solid_kind(material)?;
     let mut values = Vec::new();
@@ -69,12 +68,12 @@ pub fn constants(material: &Material) -> Result<Vec<(&'static str, f64)>, InputE
         let names = set.parameters_for(solid.theory).map(|own| own.name);
         all.extend(names.zip(values.iter().copied()));
     }
-    // Those that are absent have defaults of the model.
+    // Absent constants (NaN) have defaults of the model.
     all.retain(|own| !own.1.is_nan());
     Ok(all)
 }
 
-/// The elastic law of a material.
+/// Creates the elastic law of a material.
 fn elastic_law(material: &Material) -> Result<ElasticLaw, InputError> {
     let mut constants = Vec::new();
     let solid = solid_kind(material)?;
@@ -90,7 +89,7 @@ fn check_admits(material: &Material, law: &ElasticLaw) -> Result<(), InputError>
     }
 }
 
-/// The kind of a solid.
+/// Returns the solid kind of a material.
 fn solid_kind(material: &Material) -> Result<SolidKind, InputError> {
     match material.kind {
         Kind::Solid(solid) => Ok(solid),
@@ -114,7 +113,7 @@ fn plastic(material: &Material, kind: YieldSetKind) -> Result<Plastic, InputErro
     Plastic::at_stress(set, pressure, &direction(material), material.numbers.plastic_rate)
 }
 
-/// The stress of a material but for its pressure.
+/// Returns the stress of a material without its pressure, Pa and N/m.
 fn direction(material: &Material) -> Stress {
     let given = material.numbers.stress;
     let (sin, cos) = (2.0 * radians(given.stress_angle_deg)).cr_sin_cos();

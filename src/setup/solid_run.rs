@@ -1,4 +1,4 @@
-//! From a case to a solid in time: the problem that the solver takes, and the state at its beginning.
+//! Solver problem and initial state of a solid simulation from a case.
 
 mod boundary;
 mod geometry;
@@ -28,7 +28,7 @@ pub(crate) struct Setup<const D: usize> {
     pub(crate) initial: Vec<(Field, Vec<f64>)>,
 }
 
-/// The media of a case in their order.
+/// Returns the solver media of a case in the order of its regions.
 pub(crate) fn media(case: &Case, dynamics: &Dynamics) -> Result<Vec<Medium>, Error> {
     let dimensions = dynamics.grid.dimensions();
     let medium =
@@ -50,13 +50,13 @@ pub(crate) fn media(case: &Case, dynamics: &Dynamics) -> Result<Vec<Medium>, Err
     Ok(all)
 }
 
-/// The name of a field among the unknowns of the analysis.
+/// Returns the name of a field among the unknowns of the analysis.
 pub(crate) fn unknown_name(field: Field) -> String {
     Component(field).to_string().replace("sigma", "σ").replace('w', "ω")
 }
 
-/// The longest steps that the case lets waves and the natural rotation have, shortened until they end with
-/// the run.
+/// Computes the time steps: the longest allowed by Courant number and rotation per step, shortened to divide the
+/// duration.
 pub(crate) fn time_steps(dynamics: &Dynamics, media: &[Medium]) -> Result<TimeSteps, CaseError> {
     let Time { duration, courant, rotation_deg } = dynamics.time;
     let rotation = rotation_deg.to_radians();
@@ -67,7 +67,7 @@ pub(crate) fn time_steps(dynamics: &Dynamics, media: &[Medium]) -> Result<TimeSt
     })
 }
 
-/// The choices of the scheme in the solver's types.
+/// Converts the scheme of a case to that of the solver.
 pub(crate) fn scheme(chosen: case::Scheme) -> Scheme {
     Scheme {
         slopes: match chosen.order {
@@ -129,7 +129,7 @@ impl<const D: usize> Setup<D> {
     }
 }
 
-/// Error of the solver for a case that was read without error; the reader should have found each of these.
+/// Converts a solver error to an error of the case; reading the case should have found it.
 fn refused(dynamics: &Dynamics, error: &DomainError) -> CaseError {
     let key = match error {
         DomainError::Courant { .. } => "time.courant",
@@ -142,7 +142,8 @@ fn refused(dynamics: &Dynamics, error: &DomainError) -> CaseError {
     dynamics.locate(key, error.to_string(), "docs/case-file.md describes solids in time")
 }
 
-/// Checks that the initial stress is in the yield sets: otherwise the first step would release it.
+/// Checks that the initial stress is in the yield sets, since otherwise the first step would apply the return mapping
+/// to it.
 fn check_initial_stress<const D: usize>(
     dynamics: &Dynamics,
     problem: &Problem<D>,
@@ -161,7 +162,7 @@ fn check_initial_stress<const D: usize>(
     Ok(())
 }
 
-/// Locates positions of a case in its grid.
+/// Conversion of positions and conditions of a case to those of its grid.
 struct Place<'a> {
     dynamics: &'a Dynamics,
     medium: Medium,

@@ -1,13 +1,13 @@
-//! Memory that the system, a limit of the process or one of its control group leaves.
+//! Memory available within the system, the process limits and the control group limits.
 
 use crate::study::simulate::Bytes;
 use std::fmt::{Display, Formatter};
 use std::path::Path;
 
-/// The part of what is left that a plan may take: the rest is for what no plan counts.
+/// Fraction of the available memory that a plan may use; the rest is for allocations not counted.
 const PART: f64 = 0.9;
 
-/// Memory that is left, and by what it is bounded.
+/// Available memory and what bounds it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Available {
     bytes: f64,
@@ -22,12 +22,12 @@ impl Display for Available {
 }
 
 impl Available {
-    /// What is too little for a plan; `None` where it suffices, or where the system does not say how much there is.
+    /// Returns the available memory if it is too little for `needed`; `None` if it suffices or is unknown.
     pub(super) fn too_little_for(needed: Bytes) -> Option<Self> {
         Self::least(Path::new("/")).filter(|own| needed > Bytes(PART * own.bytes))
     }
 
-    /// The least of all, by the files of the system under a root.
+    /// Returns the least of the free memory and the limits, from the system files under `root`.
     fn least(root: &Path) -> Option<Self> {
         let all = [
             (free(root), "that are free"),
@@ -39,7 +39,7 @@ impl Available {
     }
 }
 
-/// What a file says after a word at the start of a line.
+/// Returns the rest of the first line that starts with `word`.
 fn after(path: &Path, word: &str) -> Option<String> {
     let text = std::fs::read_to_string(path).ok()?;
     text.lines().find_map(|line| line.strip_prefix(word)).map(|rest| rest.trim().to_owned())
@@ -50,19 +50,20 @@ fn kibibytes(path: &Path, word: &str) -> Option<f64> {
     Some(1024.0 * number)
 }
 
-/// Free memory of the machine.
+/// Returns the free memory of the machine, bytes.
 fn free(root: &Path) -> Option<f64> {
     kibibytes(&root.join("proc/meminfo"), "MemAvailable:")
 }
 
-/// What is left of RLIMIT_AS.
+/// Returns the remainder of the address space limit RLIMIT_AS, bytes.
 fn address_space(root: &Path) -> Option<f64> {
     let limits = after(&root.join("proc/self/limits"), "Max address space")?;
     let limit: f64 = limits.split_whitespace().next()?.parse().ok()?;
     Some((limit - kibibytes(&root.join("proc/self/status"), "VmSize:")?).max(0.0))
 }
 
-/// What is left of the limits of the control group and of those above it, of either version.
+/// Returns the least remainder of the memory limits of the control group and its ancestors, bytes; cgroup version 1 or
+/// 2.
 fn control_group(root: &Path) -> Option<f64> {
     let text = std::fs::read_to_string(root.join("proc/self/cgroup")).ok()?;
     let of_line = |line: &str| {
@@ -76,14 +77,15 @@ fn control_group(root: &Path) -> Option<f64> {
             }
             _ => return None,
         };
-        // In a container the path may be that of the machine, and its own group stands at the top.
+        // In a container the path may be that of the host, with the container's group at the mount point.
         let groups = Path::new(path.trim_start_matches('/')).ancestors();
         groups.filter_map(|group| left(&root.join(mount).join(group), names)).reduce(f64::min)
     };
     text.lines().filter_map(of_line).reduce(f64::min)
 }
 
-/// What the limit of one group leaves. Pages of files can be given up at any time.
+/// Returns the remainder of the limit of one group, bytes. File pages are not counted as used, since they can be
+/// reclaimed.
 fn left(group: &Path, [limit, used, prefix]: [&str; 3]) -> Option<f64> {
     let number = |name: &str| -> Option<f64> {
         std::fs::read_to_string(group.join(name)).ok()?.trim().parse().ok()
@@ -100,7 +102,7 @@ fn left(group: &Path, [limit, used, prefix]: [&str; 3]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// A system with one gigabyte free, of which limits leave less.
+    /// Creates a system with about 1 GB free and the given files, and returns its available memory.
     fn system(files: &[(&str, &str)]) -> Option<Available> {
         let root = tempfile::tempdir().unwrap();
         let memory = ("proc/meminfo", "MemTotal: 9 kB\nMemAvailable:    1000000 kB\n");

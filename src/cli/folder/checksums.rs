@@ -1,4 +1,4 @@
-//! The list of checksums of a folder.
+//! Checksum list of a results folder.
 
 use super::names::is_of_run;
 use super::{OutputError, ResultFolder, write_file};
@@ -7,12 +7,12 @@ use files::{Written, read_regular};
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// What is wrong with a file of results.
+/// Difference between a result file and its checksum.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Damage {
-    /// The name of the file.
+    /// File name.
     pub file: String,
-    /// What was found.
+    /// Description of the difference.
     pub found: String,
 }
 
@@ -21,7 +21,7 @@ impl Damage {
         Self { file: file.to_owned(), found: found.into() }
     }
 
-    /// Compares a file of a folder with what was written; `None` where it is the same.
+    /// Compares a file of a folder with the recorded length and checksum; `None` if they are equal.
     pub(super) fn of(folder: &Path, name: &str, written: Written) -> Option<Self> {
         let found = match Written::of_file(&folder.join(name)) {
             Ok(found) if found == written => return None,
@@ -36,7 +36,7 @@ impl Damage {
     }
 }
 
-/// The list of a folder: `None` where there is none, an error in words where it cannot be used.
+/// Reads the checksum list of a folder; `None` if there is none, an error message if it cannot be read or parsed.
 pub(super) fn read(folder: &Path) -> Result<Option<Checksums>, String> {
     match read_regular(&folder.join(Checksums::NAME)) {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
@@ -46,10 +46,11 @@ pub(super) fn read(folder: &Path) -> Result<Option<Checksums>, String> {
 }
 
 impl ResultFolder {
-    /// The list as far as there is one. With `--force` a damaged one counts as none: what it had lines of stays without.
+    /// Reads the checksum list, empty if there is none. With `--force` a damaged list counts as empty; files listed in
+    /// it then have no checksum.
     ///
     /// # Errors
-    /// It is damaged.
+    /// The list is damaged.
     pub(super) fn checksums(&self) -> Result<Checksums, OutputError> {
         match read(&self.path) {
             Err(_) if self.force => Ok(Checksums::default()),
@@ -62,7 +63,8 @@ impl ResultFolder {
         }
     }
 
-    /// The same for a run that comes to its end: it does not fail for the damage of others.
+    /// Reads the checksum list for a run that finishes; empty if it is missing or damaged, so that the run does not
+    /// fail.
     pub(super) fn checksums_or_none(&self) -> Checksums {
         read(&self.path).ok().flatten().unwrap_or_default()
     }
@@ -71,7 +73,7 @@ impl ResultFolder {
         write_file(&self.path.join(Checksums::NAME), &list.to_bytes())
     }
 
-    /// Gives files lines for what they hold now.
+    /// Adds the present lengths and checksums of the named files to `list`.
     pub(super) fn list_as_found(
         &self,
         list: &mut Checksums,
@@ -85,7 +87,7 @@ impl ResultFolder {
         Ok(())
     }
 
-    /// Takes away the lines of a run, whose files are to go.
+    /// Removes the entries of run files from the checksum list, before the files are removed.
     pub(super) fn unlist_run(&self) -> Result<(), OutputError> {
         let mut list = self.checksums()?;
         let own: Vec<String> =
@@ -97,10 +99,10 @@ impl ResultFolder {
         self.write_checksums(&list)
     }
 
-    /// That a file is as it was written.
+    /// Checks a file against its recorded length and checksum.
     ///
     /// # Errors
-    /// It is not.
+    /// The file differs, is missing or cannot be read.
     pub fn check_file(&self, name: &str, written: Written) -> Result<(), OutputError> {
         match Damage::of(&self.path, name, written) {
             Some(Damage { found, .. }) => Err(OutputError::unusable(&self.path.join(name), found)),
@@ -108,10 +110,10 @@ impl ResultFolder {
         }
     }
 
-    /// That files are as they were written, as far as there is a list of checksums.
+    /// Checks the files selected by `is_needed` against the checksum list; passes if there is no list.
     ///
     /// # Errors
-    /// The list or one of them is damaged.
+    /// The list or one of the files is damaged.
     pub fn check_files(&self, is_needed: impl Fn(&str) -> bool) -> Result<(), OutputError> {
         let list = read(&self.path)
             .map_err(|cause| OutputError::unusable(&self.path.join(Checksums::NAME), cause))?;

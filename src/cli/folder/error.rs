@@ -1,23 +1,23 @@
-//! Why results cannot be written or read.
+//! Errors of writing and reading results.
 
 use files::append::{AppendError, AppendProblem};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// Results cannot be written.
+/// Error of writing or reading a result file or folder.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}: {cause}; {remedy}", .path.display())]
 pub struct OutputError {
-    /// The file or folder.
+    /// Path of the file or folder.
     pub path: PathBuf,
-    /// Why not.
+    /// Cause of the error.
     pub cause: String,
-    /// What to do about it.
+    /// Suggested remedy.
     pub remedy: &'static str,
 }
 
 impl OutputError {
-    /// Something that cannot be written.
+    /// Creates the error for a path that cannot be written.
     pub fn new(path: &Path, cause: impl ToString) -> Self {
         Self {
             path: path.to_owned(),
@@ -26,7 +26,7 @@ impl OutputError {
         }
     }
 
-    /// A result that the operating system does not hand out.
+    /// Creates the error for a result file that the operating system cannot read.
     pub fn unreadable(path: &Path, error: &std::io::Error) -> Self {
         match error.kind() {
             ErrorKind::NotFound => Self::unusable(path, "is missing"),
@@ -34,13 +34,13 @@ impl OutputError {
         }
     }
 
-    /// A result that is not what was written.
+    /// Creates the error for a result file with invalid content.
     pub fn unusable(path: &Path, cause: impl ToString) -> Self {
         let remedy = "run the case again with --force";
         Self { path: path.to_owned(), cause: cause.to_string(), remedy }
     }
 
-    /// A table that cannot be appended to.
+    /// Converts an error of appending to a table.
     pub fn of_table(error: AppendError) -> Self {
         match error.problem {
             AppendProblem::Refused { ref source, .. } if source.kind() != ErrorKind::NotFound => {

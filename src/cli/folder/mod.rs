@@ -1,9 +1,10 @@
-//! Folders of results: which may be written to, by whom, and what stands in every one of them.
+//! Results folders: write permission, locking and the files present in every folder.
 //!
-//! A run holds `lock` from its beginning to its end, so that there is one at a time. Whoever puts files in place or
-//! removes some, runs among them, holds a second lock for that moment alone, and looks again under it whether the folder
-//! may be written to: files of another process may have come meanwhile. Until then files have temporary names of their
-//! own. Files and their line in `checksums.txt` change together: a line goes before its file, and comes after it.
+//! A run holds the file lock `lock` from beginning to end, so that one run at a time writes to a folder. Every process
+//! that publishes or removes files, runs included, holds a second lock only during that operation, and checks again
+//! under it whether the folder may be written to, since another process may have added files. Until publication files
+//! have unique temporary names. Checksum entries follow the files: an entry is removed before its file, and added after
+//! it.
 
 mod checksums;
 mod error;
@@ -36,30 +37,28 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// Longest wait for another process that puts files into a folder.
+/// Longest wait for the lock of another process that publishes files.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// A folder that may take the results of a case.
+/// Folder to which the results of a case may be written.
 #[derive(Clone, Debug)]
 pub struct ResultFolder {
     path: PathBuf,
     case: String,
     without_plot_options: String,
-    /// Whether results of another case are to go, and runs to begin again.
+    /// Whether results of other cases are overwritten and runs restarted.
     force: bool,
 }
 
 impl ResultFolder {
-    /// The folder `out`, or else `out/<case name>`. Looks whether it takes files, and leaves
-    /// nothing behind.
+    /// Creates the results folder `out`, by default `out/<case name>`, after a test write; leaves no file in it.
     ///
-    /// An absent or empty folder will do, and one that holds results of the very same case from
-    /// the very same program: they will be the same bits. Anything else needs `force`, and must not be a run in
-    /// progress. The file that the case was loaded from is never overwritten by anything else than itself, and no
-    /// file that the case reads.
+    /// Allowed are an absent or empty folder, and one with results of the same case by the same program version, which
+    /// are bit-identical. Any other folder requires `force` and no run in progress. The case file is overwritten only
+    /// by identical content, and an input file of the case never.
     ///
     /// # Errors
-    /// What stands in the way, and the remedy.
+    /// The folder cannot be written or contains other files; the error states the remedy.
     pub fn check(case: &Case, out: Option<&Path>, force: bool) -> Result<Self, OutputError> {
         let path = out.map_or_else(|| Path::new("out").join(&case.name), Path::to_owned);
         let (text, without_plot_options) = (case.to_toml(), case.without_plot_options().to_toml());
@@ -99,10 +98,10 @@ impl ResultFolder {
         Ok(own)
     }
 
-    /// Whether there are results of another case, which are to go.
+    /// Returns whether the folder contains results of another case that `force` allows to be removed.
     ///
     /// # Errors
-    /// There are, and they are not.
+    /// The folder contains other results, and `force` is not set.
     fn refuse_foreign(&self) -> Result<bool, OutputError> {
         match foreign(&self.path, &self.case, &self.without_plot_options)? {
             Some(cause) if !self.force => Err(OutputError {
@@ -114,8 +113,7 @@ impl ResultFolder {
         }
     }
 
-    /// The file of the folder that is the case file `source` and would be overwritten with anything
-    /// else than it holds.
+    /// Returns the name under which the case file `source` is in this folder, if publication would change its content.
     fn overwritten(&self, source: &Path) -> Option<&'static str> {
         let source = source.canonicalize().ok()?;
         let is_source =
@@ -124,7 +122,7 @@ impl ResultFolder {
         (name != CASE || !holds(&source, &self.case)).then_some(name)
     }
 
-    /// The name under which a file stands in this folder as one that verbs write or remove.
+    /// Returns the name of an input file in this folder, if verbs write or remove files of that name.
     fn result_at(&self, input: &Path) -> Option<String> {
         let (input, own) = (input.canonicalize().ok()?, self.path.canonicalize().ok()?);
         let name = input.strip_prefix(own).ok()?.to_str()?;
@@ -134,25 +132,25 @@ impl ResultFolder {
         is_own.then(|| name.to_owned())
     }
 
-    /// The folder.
+    /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The resolved case without what decides over its pictures alone.
+    /// Returns the resolved case as TOML without the options that only affect its pictures.
     pub fn without_plot_options(&self) -> &str {
         &self.without_plot_options
     }
 
-    /// Names of the files that stand in every folder of results.
+    /// Names of the files in every results folder.
     pub const ALWAYS: [&str; 3] = [CASE, PROGRAM, Checksums::NAME];
 
-    /// Where a file stands.
+    /// Returns the path of an appended file.
     pub fn path_of(&self, file: AppendedFile) -> PathBuf {
         self.path.join(file.name())
     }
 
-    /// Keeps others from putting files in place or removing some, for a moment.
+    /// Acquires the short-term lock for publishing and removing files.
     fn lock_briefly(&self) -> Result<Lock, OutputError> {
         fs::create_dir_all(&self.path).map_err(|error| OutputError::new(&self.path, error))?;
         let path = self.path.join(BRIEF_LOCK);
@@ -167,7 +165,7 @@ impl ResultFolder {
         }
     }
 
-    /// Whether a run is in progress here.
+    /// Returns whether a run is in progress in this folder; acquires the short-term lock.
     fn has_living_run(&self) -> Result<bool, OutputError> {
         if self.path_of(AppendedFile::Lock).symlink_metadata().is_err() {
             return Ok(false);
@@ -176,12 +174,12 @@ impl ResultFolder {
         Ok(self.has_run_lock())
     }
 
-    /// The same for who holds the other lock.
+    /// Returns whether a run is in progress; the caller holds the short-term lock.
     fn has_run_lock(&self) -> bool {
         Lock::is_held(&self.path_of(AppendedFile::Lock))
     }
 
-    /// That a run is in progress here.
+    /// Creates the error that a run is in progress in this folder.
     fn busy(&self) -> OutputError {
         OutputError {
             path: self.path.clone(),
@@ -190,9 +188,9 @@ impl ResultFolder {
         }
     }
 
-    /// Removes results of another case.
+    /// Removes all results, except the lock of a run in progress.
     fn remove_results(&self) -> Result<(), OutputError> {
-        // A list would have lines of files that are gone.
+        // The checksum list goes first, so that it never lists absent files.
         remove(&self.path.join(Checksums::NAME))?;
         let names = names_in(&self.path)?;
         let is_kept = |name: &str| name == AppendedFile::Lock.name() && self.has_run_lock();
@@ -200,11 +198,11 @@ impl ResultFolder {
         own.try_for_each(|name| remove(&self.path.join(name)))
     }
 
-    /// Writes the resolved case and the program's version, where they do not stand here already.
+    /// Writes the resolved case and the program version, unless identical files exist.
     fn write_origin(&self) -> Result<(), OutputError> {
         for (name, bytes) in self.origin_files() {
             let path = self.path.join(name);
-            // The case file itself may stand here, word for word.
+            // An identical case file is not rewritten.
             if !files::read_regular(&path).is_ok_and(|found| found == bytes) {
                 write_file(&path, &bytes)?;
             }
@@ -212,7 +210,7 @@ impl ResultFolder {
         Ok(())
     }
 
-    /// The files that say what the results are of.
+    /// Returns the files that identify case and program version.
     fn origin_files(&self) -> [(&'static str, Vec<u8>); 2] {
         [
             (CASE, self.case.clone().into_bytes()),
@@ -220,7 +218,7 @@ impl ResultFolder {
         ]
     }
 
-    /// Removes what killed processes left half-written.
+    /// Removes temporary files left by killed processes.
     fn sweep(&self) -> Result<(), OutputError> {
         let names = names_in(&self.path)?;
         let mut half_written = names.iter().filter(|name| is_half_written(name));
@@ -231,7 +229,7 @@ impl ResultFolder {
     }
 }
 
-/// That a lock cannot be had.
+/// Creates the error that a lock cannot be acquired.
 fn not_locked(path: &Path, error: &std::io::Error) -> OutputError {
     OutputError {
         path: path.to_owned(),
@@ -240,7 +238,7 @@ fn not_locked(path: &Path, error: &std::io::Error) -> OutputError {
     }
 }
 
-/// Removes a file, if it is there.
+/// Removes a file if it exists.
 fn remove(path: &Path) -> Result<(), OutputError> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != ErrorKind::NotFound => Err(not_removed(path, &error)),
@@ -256,7 +254,7 @@ fn not_removed(path: &Path, error: &std::io::Error) -> OutputError {
     }
 }
 
-/// Names in a folder; none where there is no folder.
+/// Lists the names in a folder; empty if the folder does not exist.
 fn names_in(folder: &Path) -> Result<Vec<String>, OutputError> {
     let at = |error| OutputError::new(folder, error);
     let entries = match fs::read_dir(folder) {
@@ -266,11 +264,11 @@ fn names_in(folder: &Path) -> Result<Vec<String>, OutputError> {
     entries.map(|entry| Ok(entry.map_err(at)?.file_name().to_string_lossy().into_owned())).collect()
 }
 
-/// Creates a file in the folder, or in the nearest one above that exists, and removes it again:
-/// permission bits do not tell what a file system takes.
+/// Creates and removes a file in the folder, or in its nearest existing ancestor: permission bits do not determine
+/// whether the file system accepts files.
 fn probe(folder: &Path) -> Result<(), OutputError> {
     static COUNT: AtomicUsize = AtomicUsize::new(0);
-    // A link that leads nowhere stands in the way as well.
+    // `symlink_metadata`, so that a dangling link counts as existing.
     let nearest = folder.ancestors().find(|above| above.symlink_metadata().is_ok());
     let nearest = nearest.unwrap_or(Path::new("."));
     let at = |error| OutputError::new(nearest, error);
@@ -281,10 +279,10 @@ fn probe(folder: &Path) -> Result<(), OutputError> {
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let path = nearest.join(format!(".{PROBE}.{}-{count}.partial", std::process::id()));
         match File::create_new(&path) {
-            // Left by a process that had the same number.
+            // Left by an earlier process with the same process id.
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
             Err(error) => return Err(at(error)),
-            // Another process may have swept it away as a leftover.
+            // Another process may have removed the file as a leftover.
             Ok(_) => match fs::remove_file(&path) {
                 Err(error) if error.kind() != ErrorKind::NotFound => return Err(at(error)),
                 _ => return Ok(()),
@@ -293,15 +291,15 @@ fn probe(folder: &Path) -> Result<(), OutputError> {
     }
 }
 
-/// Writes a file, whole or not at all.
+/// Writes a file atomically.
 ///
 /// # Errors
-/// The file, and why it cannot be written.
+/// The file cannot be written.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     files::write_atomically(path, bytes).map_err(|error| not_written(path, &error))
 }
 
-/// That a file was not written; its name once, not that of the temporary file.
+/// Creates the error that a file was not written; it names the target, not the temporary file.
 pub fn not_written(path: &Path, error: &FileError) -> OutputError {
     OutputError::new(path, format!("cannot {}: {}", error.action, error.source))
 }

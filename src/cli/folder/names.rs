@@ -1,20 +1,20 @@
-//! Names of the files of results.
+//! Names of the result files.
 
 use crate::case::Case;
 use files::checksums::Checksums;
 
-/// The resolved case of a folder.
+/// File of the resolved case.
 pub(super) const CASE: &str = "case.toml";
-/// Name, version and commit of the program that wrote a folder, and the checksum of what it computed.
+/// File with name, version and commit of the program, and the checksum of the case.
 pub(super) const PROGRAM: &str = "program.json";
 
-/// File of a moment that tells whether a folder takes files.
+/// Temporary file that tests whether a folder is writable.
 pub(super) const PROBE: &str = "probe";
 
-/// What `map` writes besides.
+/// Files of `map` besides [`ResultFolder::ALWAYS`](super::ResultFolder::ALWAYS).
 pub const MAP: [&str; 6] = ["map.png", "map.svg", "map.csv", "map.npz", "map.json", "map.txt"];
 
-/// What `point` writes besides: the first two always, the others where there is a flow.
+/// Files of `point` besides the common files: the first two always, the others depending on the medium and its state.
 pub const POINT: [&str; 10] = [
     "point.json",
     "point.txt",
@@ -28,11 +28,11 @@ pub const POINT: [&str; 10] = [
     "directions.svg",
 ];
 
-/// What `dispersion` writes besides.
+/// Files of `dispersion` besides the common files.
 pub const DISPERSION: [&str; 5] =
     ["dispersion.png", "dispersion.svg", "dispersion.csv", "dispersion.json", "dispersion.txt"];
 
-/// What `speeds` writes besides: the last three in space alone.
+/// Files of `speeds` besides the common files; the last three in three dimensions only.
 pub const SPEEDS: [&str; 8] = [
     "speeds.png",
     "speeds.svg",
@@ -44,12 +44,12 @@ pub const SPEEDS: [&str; 8] = [
     "sphere.csv",
 ];
 
-/// What `check` writes besides: the last two where a perturbation is refined.
+/// Files of `check` besides the common files; the last two if a perturbation is refined.
 pub const CHECK: [&str; 6] =
     ["check.png", "check.svg", "check.json", "check.txt", "refinement.png", "refinement.svg"];
 
-/// What `run` writes besides: receivers and their pictures where there are any, snapshots and their animation
-/// where they are asked for, spectra of flows, and every snapshot by its own name.
+/// Files of `run` besides the common files; receivers, snapshots, animation, dissipation and spectra only if the case
+/// has them. Snapshot files have their own names, see [`is_snapshot`].
 pub const RUN: [&str; 21] = [
     "run.png",
     "run.svg",
@@ -74,34 +74,34 @@ pub const RUN: [&str; 21] = [
     "run.txt",
 ];
 
-/// The list of the snapshots of a run.
+/// File that lists the snapshots of a run with their times.
 pub const SNAPSHOTS: &str = "snapshots.pvd";
 
-/// Held for a moment by whoever puts files into a folder or removes some.
+/// File of the short-term lock, held while files are published or removed.
 pub(super) const BRIEF_LOCK: &str = ".publishing";
 
-/// What says that a run is finished.
+/// File whose existence marks a run as finished.
 pub(super) const FINISHED: &str = "run.json";
 
-/// A file that a run appends to, or writes again and again.
+/// File that a run appends to or rewrites.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AppendedFile {
-    /// What receivers saw.
+    /// Receiver records.
     Receivers,
-    /// The ledger of energy.
+    /// Energy ledger.
     Ledger,
-    /// Energies of the shells of modes of a flow.
+    /// Energy spectrum of a flow by shells of mode numbers.
     Spectrum,
-    /// What resumes a run.
+    /// Checkpoint from which a run resumes.
     Checkpoint,
-    /// Wall times and speeds: no result.
+    /// Wall times and computing speeds; not a result file.
     Log,
-    /// Held while a run writes here.
+    /// Lock file of a run in progress.
     Lock,
 }
 
 impl AppendedFile {
-    /// The name of the file.
+    /// Returns the file name.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Receivers => "receivers.csv",
@@ -114,14 +114,14 @@ impl AppendedFile {
     }
 }
 
-/// The name of the file of a snapshot of a case, by its place among all, from 0 on.
+/// Returns the file name of a snapshot of a case by its index, from 0.
 pub fn snapshot_name(case: &Case, index: usize) -> String {
-    // Those of flows are in a box that deforms.
+    // Snapshots of flows are on a deformed grid, hence structured (`vts`).
     let extension = if case.flow.is_some() { "vts" } else { "vti" };
     format!("snapshot-{index:08}.{extension}")
 }
 
-/// Whether the name is that of a snapshot: `snapshot-00000012.vti`, of a flow `.vts`.
+/// Returns whether the name is that of a snapshot: `snapshot-00000012.vti`, for flows `.vts`.
 pub fn is_snapshot(name: &str) -> bool {
     let inner = name
         .strip_prefix("snapshot-")
@@ -129,37 +129,37 @@ pub fn is_snapshot(name: &str) -> bool {
     inner.is_some_and(|step| !step.is_empty() && step.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
-/// Every file that a verb may write. `--force` removes the ones of another case, so that no result
-/// ever stands beside a case that it does not belong to.
+/// Iterates over all files that a verb may write. `--force` removes those of another case, so that results never
+/// coexist with a case they do not belong to.
 pub fn results() -> impl Iterator<Item = &'static str> {
     let own = MAP.into_iter().chain(POINT).chain(DISPERSION).chain(SPEEDS).chain(CHECK).chain(RUN);
     own.chain([Checksums::NAME])
 }
 
-/// Whether the name is that of a file of a run in time, but for its log and its lock.
+/// Returns whether the name is that of a file of a simulation, except for log and lock.
 pub(super) fn is_of_run(name: &str) -> bool {
     is_snapshot(name) || (RUN.contains(&name) && name != AppendedFile::Lock.name())
 }
 
-/// Whether a file of that name has a line in the list of checksums.
+/// Returns whether a file of that name has an entry in the checksum list.
 pub(super) fn is_listed(name: &str) -> bool {
     let is_passing =
         [AppendedFile::Lock, AppendedFile::Checkpoint].into_iter().any(|file| file.name() == name);
     (is_result(name) && !is_passing && name != Checksums::NAME) || [CASE, PROGRAM].contains(&name)
 }
 
-/// Whether a file of that name says nothing of whose folder it stands in.
+/// Returns whether a file of that name is temporary or a lock, hence irrelevant to the ownership of the folder.
 pub(super) fn is_passing(name: &str) -> bool {
     is_half_written(name) || [AppendedFile::Lock.name(), BRIEF_LOCK].contains(&name)
 }
 
-/// Whether a verb may write a file of that name.
+/// Returns whether a verb may write a file of that name.
 pub(super) fn is_result(name: &str) -> bool {
     is_snapshot(name) || results().any(|known| known == name)
 }
 
-/// Whether the file is one that this program writes, or a killed one left: `.NAME.PROCESS-COUNT.partial`. Hidden files
-/// of anyone else are none of its business.
+/// Returns whether the name is that of a temporary file of this program: `.NAME.PROCESS-COUNT.partial`. Other hidden
+/// files are left untouched.
 pub(super) fn is_half_written(name: &str) -> bool {
     let inner = name.strip_prefix('.').and_then(|name| name.strip_suffix(".partial"));
     inner.and_then(|inner| inner.rsplit_once('.')).is_some_and(|(name, process)| {

@@ -1,4 +1,4 @@
-//! Where the results of a folder come from.
+//! Origin of the results of a folder: program version and case.
 
 use super::names::{CASE, PROGRAM, is_passing, is_result};
 use super::{OutputError, names_in};
@@ -7,12 +7,12 @@ use serde_json::Value;
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// The bytes of [`PROGRAM`].
+/// Serialises the content of [`PROGRAM`].
 pub(super) fn program_bytes(without_plot_options: &str) -> Vec<u8> {
     format!("{:#}\n", program(without_plot_options)).into_bytes()
 }
 
-/// What [`PROGRAM`] holds.
+/// Creates the content of [`PROGRAM`]: name, version, commit and checksum of the case.
 fn program(without_plot_options: &str) -> Value {
     serde_json::json!({
         "name": env!("CARGO_PKG_NAME"),
@@ -22,16 +22,16 @@ fn program(without_plot_options: &str) -> Value {
     })
 }
 
-/// Where the results of a folder come from.
+/// Origin of the results of a folder: program version and case.
 pub(super) struct Origin {
-    /// Whether from this version of the program.
+    /// Whether the results are by this version and commit of the program.
     pub(super) is_version: bool,
-    /// Whether from this case, whatever is drawn of it.
+    /// Whether the results are of this case, plot options aside.
     pub(super) is_case: bool,
 }
 
 impl Origin {
-    /// By what [`PROGRAM`] holds in the folder, if it is there.
+    /// Compares [`PROGRAM`] of the folder with this program and case; an absent file matches neither.
     pub(super) fn of(folder: &Path, without_plot_options: &str) -> Result<Self, OutputError> {
         let path = folder.join(PROGRAM);
         let bytes = match read_regular(&path) {
@@ -50,7 +50,7 @@ pub(super) fn holds(path: &Path, text: &str) -> bool {
     read_regular(path).is_ok_and(|bytes| bytes == text.as_bytes())
 }
 
-/// Why what stands in the folder is not to be overwritten unasked, if anything.
+/// Returns why the content of the folder must not be overwritten without `--force`; `None` if it may.
 pub(super) fn foreign(
     folder: &Path,
     case: &str,
@@ -64,7 +64,7 @@ pub(super) fn foreign(
     if !holds(&folder.join(CASE), case) {
         return Ok(Some("the folder holds something other than results of this case"));
     }
-    // A run killed early may have left the case alone; there is no result to be taken for another.
+    // A run killed early may have written only the case, without results of other origin.
     let has_origin = names.iter().any(|name| name == PROGRAM || is_result(name));
     let origin = Origin::of(folder, without_plot_options)?;
     Ok(match has_origin {

@@ -1,35 +1,35 @@
-//! Files of a verb that take their names together.
+//! Joint publication of the files of a verb.
 
 use super::names::{CASE, FINISHED, PROGRAM, is_result};
 use super::{AppendedFile, OutputError, ResultFolder, not_written, remove};
 use files::{Staged, Written, stage_with};
 use std::io::Write as _;
 
-/// Whose files they are.
+/// Origin of the files to be published.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Owner {
     /// A verb that computes results of a case.
     Case,
-    /// Pictures of a finished run, which are drawn again.
+    /// Redrawn pictures of a finished run.
     FinishedRun,
 }
 
-/// Files of a verb, complete on the device under temporary names. Dropped, they are gone.
+/// Files of a verb, complete on disk under temporary names, which are removed on drop.
 pub struct Publication<'a> {
     folder: &'a ResultFolder,
     owner: Owner,
     staged: Vec<(String, Staged, Written)>,
-    /// Names of files that are to go.
+    /// Names of files to be removed.
     removed: Vec<String>,
 }
 
 impl ResultFolder {
-    /// Collects results of the case.
+    /// Starts a publication of results of the case.
     pub fn publication(&self) -> Publication<'_> {
         Publication { folder: self, owner: Owner::Case, staged: Vec::new(), removed: Vec::new() }
     }
 
-    /// Collects pictures of the finished run that stands here.
+    /// Starts a publication of redrawn pictures of the finished run in this folder.
     pub fn redrawing(&self) -> Publication<'_> {
         Publication {
             folder: self,
@@ -41,10 +41,10 @@ impl ResultFolder {
 }
 
 impl Publication<'_> {
-    /// Adds one of the [`results`](super::results).
+    /// Adds one of the [`results`](super::results) under a temporary name.
     ///
     /// # Errors
-    /// The file, and why it cannot be written.
+    /// The file cannot be written.
     pub fn put(&mut self, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
         debug_assert!(is_result(name), "{name} is not listed");
         let path = self.folder.path.join(name);
@@ -54,16 +54,16 @@ impl Publication<'_> {
         Ok(())
     }
 
-    /// Removes one of the [`results`](super::results), if it is there.
+    /// Marks one of the [`results`](super::results) for removal if it exists.
     pub fn remove(&mut self, name: &str) {
         self.removed.push(name.to_owned());
     }
 
-    /// Puts all files in place: with the resolved case, the program's version and the checksums, without results of
-    /// another case and what killed processes left. A run in progress keeps what it has.
+    /// Publishes all files with resolved case, program version and checksums, and removes results of another case and
+    /// leftovers of killed processes. The files of a run in progress are untouched.
     ///
     /// # Errors
-    /// Meanwhile something stands in the way; what cannot be written, and why.
+    /// The folder was changed by another process meanwhile, or a file cannot be written.
     pub fn publish(self) -> Result<(), OutputError> {
         let Self { folder, owner, staged, removed } = self;
         let _brief = folder.lock_briefly()?;
@@ -84,7 +84,7 @@ impl Publication<'_> {
         }
         folder.sweep()?;
         if !lives && folder.path.join(FINISHED).exists() {
-            // Left by a run that was killed after its last result.
+            // Left by a run killed after its last result was written.
             remove(&folder.path_of(AppendedFile::Checkpoint))?;
             remove(&folder.path_of(AppendedFile::Lock))?;
         }
@@ -113,7 +113,7 @@ impl Publication<'_> {
                     list.insert(name, Written::of(&bytes));
                 }
             }
-            // What is drawn may have been changed by hand.
+            // The plot options of the case may have been edited.
             Owner::FinishedRun => folder.list_as_found(&mut list, &[CASE, PROGRAM])?,
         }
         folder.write_checksums(&list)

@@ -1,4 +1,4 @@
-//! Folders of runs in time, which are locked, resumed and drawn again.
+//! Results folders of simulations: locking, resuming and redrawing.
 
 use super::names::{CASE, FINISHED, PROGRAM, is_of_run};
 use super::origin::Origin;
@@ -13,22 +13,22 @@ use files::{Staged, Written, stage_with};
 use std::io::Write as _;
 use std::path::Path;
 
-/// A run that was not finished, and whose folder nobody else writes to as a run.
+/// Unfinished run whose folder is locked by this process.
 pub struct Begun {
-    /// The folder of its results.
+    /// Results folder.
     pub folder: ResultFolder,
-    /// Its case.
+    /// Case of the run.
     pub case: Case,
-    /// What keeps other runs out.
+    /// Lock that excludes other runs.
     pub lock: Lock,
 }
 
 impl ResultFolder {
-    /// The folder of a run that was not finished, and its case.
+    /// Opens and locks the folder of an unfinished run and loads its case.
     ///
     /// # Errors
-    /// It holds no run, a finished one, one in progress, one of another version of the program, or one whose case was
-    /// changed since it began.
+    /// The folder holds no run, a finished run, a run in progress, a run of another program version, or a run whose
+    /// case was changed after it began.
     pub fn of_run(path: &Path) -> Result<Begun, Error> {
         let refused = |cause: &str, remedy| OutputError {
             path: path.to_owned(),
@@ -39,7 +39,7 @@ impl ResultFolder {
             let remedy = "name the folder of results of wellposed run";
             return Err(refused("no run: it holds no case.toml", remedy).into());
         }
-        // A folder without anything but its place, to be locked before anything is believed of it.
+        // Only the path is known here: the folder is locked before its content is read.
         let nameless = Self {
             path: path.to_owned(),
             case: String::new(),
@@ -59,10 +59,10 @@ impl ResultFolder {
         Ok(Begun { folder, case, lock })
     }
 
-    /// The folder of a finished run, to be drawn again, and its case.
+    /// Opens the folder of a finished run for redrawing and loads its case.
     ///
     /// # Errors
-    /// It holds no finished run, or one whose case was changed since in more than what is drawn.
+    /// The folder holds no finished run, or its case was changed in more than the plot options.
     pub fn finished(path: &Path) -> Result<(Self, Case), Error> {
         if !path.join(FINISHED).exists() || !path.join(CASE).is_file() {
             let remedy = "name the folder of results of wellposed run; resume an unfinished one";
@@ -74,7 +74,7 @@ impl ResultFolder {
         Ok((folder, case))
     }
 
-    /// The folder of the case that it holds.
+    /// Opens a folder with the case stored in it.
     pub(super) fn of_own_case(path: &Path) -> Result<(Self, Case), Error> {
         let case = Case::load_in_time(&path.join(CASE), &[])?;
         let (text, without_plot_options) = (case.to_toml(), case.without_plot_options().to_toml());
@@ -85,7 +85,7 @@ impl ResultFolder {
         Origin::of(&self.path, &self.without_plot_options)
     }
 
-    /// That the case of the folder is the one that its results began with.
+    /// Checks that the case of the folder is the one its results were begun with.
     fn check_case(&self) -> Result<(), OutputError> {
         let origin = self.origin()?;
         if origin.is_case {
@@ -102,10 +102,11 @@ impl ResultFolder {
         })
     }
 
-    /// Whether a run may begin here: none is in progress, and a finished or an unfinished one is not thrown away unasked.
+    /// Checks that a run may begin: no run is in progress, and without `force` no finished or interrupted run would be
+    /// discarded.
     ///
     /// # Errors
-    /// What stands in the way, and the remedy.
+    /// A run is in progress, or an existing run would be discarded; the error states the remedy.
     pub fn check_runs(&self) -> Result<(), OutputError> {
         if self.has_living_run()? { Err(self.busy()) } else { self.check_dead_runs() }
     }
@@ -126,13 +127,13 @@ impl ResultFolder {
         }
     }
 
-    /// Keeps other runs out of the folder until what is handed back is dropped; changes nothing.
+    /// Acquires the run lock, held until the returned value is dropped; changes nothing else.
     fn lock_run(&self) -> Result<Lock, OutputError> {
         let _brief = self.lock_briefly()?;
         self.lock_run_within()
     }
 
-    /// The same for who holds the other lock.
+    /// Acquires the run lock; the caller holds the short-term lock.
     fn lock_run_within(&self) -> Result<Lock, OutputError> {
         let path = self.path_of(AppendedFile::Lock);
         Lock::try_acquire(&path).map_err(|error| match error {
@@ -141,11 +142,11 @@ impl ResultFolder {
         })
     }
 
-    /// Makes the folder ready for a run from its beginning: without anything of an earlier run, of another case, or
-    /// that a killed process left half-written.
+    /// Prepares the folder for a run from its beginning: removes files of earlier runs, results of another case if
+    /// allowed, and leftovers of killed processes.
     ///
     /// # Errors
-    /// Something stands in the way; what cannot be written or removed, and why.
+    /// The folder may not be used for a run, or a file cannot be written or removed.
     pub fn begin_run(&self) -> Result<RunFolder<'_>, OutputError> {
         let _brief = self.lock_briefly()?;
         let lock = self.lock_run_within()?;
@@ -157,10 +158,10 @@ impl ResultFolder {
         Ok(RunFolder::new(self, lock))
     }
 
-    /// The same for a run that was killed before its first checkpoint.
+    /// Prepares the folder for the restart of a run that was killed before its first checkpoint.
     ///
     /// # Errors
-    /// What cannot be written or removed, and why.
+    /// A file cannot be written or removed.
     pub fn begin_again(&self, lock: Lock) -> Result<RunFolder<'_>, OutputError> {
         let _brief = self.lock_briefly()?;
         self.begin_within(false)?;
@@ -181,13 +182,13 @@ impl ResultFolder {
     }
 }
 
-/// The folder of a run in progress. Until it is dropped no other run writes here.
+/// Folder of a run in progress, locked against other runs until dropped.
 pub struct RunFolder<'a> {
     folder: &'a ResultFolder,
     lock: Lock,
-    /// Files written so far.
+    /// Checksums of the files written so far.
     list: Checksums,
-    /// The report, which has its name last: the run is finished where it stands.
+    /// Staged report, published last: its existence marks the run as finished.
     report: Option<Staged>,
 }
 
@@ -196,21 +197,21 @@ impl<'a> RunFolder<'a> {
         Self { folder, lock, list: Checksums::default(), report: None }
     }
 
-    /// That of a run that goes on from a checkpoint, with all of its files up to there.
+    /// Opens the folder of a run resumed from a checkpoint, with the files written up to it.
     ///
     /// # Errors
-    /// What killed processes left cannot be removed.
+    /// Leftovers of killed processes cannot be removed.
     pub fn resumed(folder: &'a ResultFolder, lock: Lock) -> Result<Self, OutputError> {
         let _brief = folder.lock_briefly()?;
         folder.sweep()?;
         Ok(Self::new(folder, lock))
     }
 
-    /// Writes one of the [`results`](super::results), whole or not at all; that of the report of the run is seen when the run
-    /// [is finished](Self::finish).
+    /// Writes one of the [`results`](super::results) atomically; the report becomes visible when the run [is
+    /// finished](Self::finish).
     ///
     /// # Errors
-    /// The file, and why it cannot be written.
+    /// The file cannot be written.
     pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<Written, OutputError> {
         debug_assert!(is_of_run(name), "{name} is not listed");
         let path = self.folder.path.join(name);
@@ -225,25 +226,24 @@ impl<'a> RunFolder<'a> {
         Ok(written)
     }
 
-    /// Adds a file that was written elsewhere.
+    /// Adds the checksum of a file that was written elsewhere.
     pub fn insert(&mut self, name: &str, written: Written) {
         self.list.insert(name, written);
     }
 
-    /// Removes one of the [`results`](super::results), if it is there.
+    /// Removes one of the [`results`](super::results) if it exists.
     ///
     /// # Errors
-    /// It cannot be removed.
+    /// The file cannot be removed.
     pub fn remove(&mut self, name: &str) -> Result<(), OutputError> {
         self.list.remove(name);
         remove(&self.folder.path.join(name))
     }
 
-    /// The run is finished: lists all of its files with their checksums, gives the report its name and removes the
-    /// checkpoint.
+    /// Finishes the run: writes the checksums of all its files, publishes the report and removes the checkpoint.
     ///
     /// # Errors
-    /// What cannot be written or removed, and why.
+    /// A file cannot be written or removed.
     pub fn finish(self) -> Result<(), OutputError> {
         let Self { folder, lock, list: own, report } = self;
         let _brief = folder.lock_briefly()?;

@@ -1,4 +1,4 @@
-//! Whether the files of a folder are as they were written.
+//! Verification of the files of a results folder against their checksums.
 
 use super::checksums::{Damage, read};
 use super::names::{CASE, FINISHED, PROGRAM, is_listed, is_of_run};
@@ -10,22 +10,22 @@ use files::checksums::Checksums;
 use serde::Serialize;
 use std::path::Path;
 
-/// What was found in a folder of results.
+/// Result of the verification of a folder.
 #[derive(Clone, Debug, Serialize)]
 pub struct Verification {
-    /// Number of files that were looked at.
+    /// Number of files checked.
     pub files: usize,
-    /// Whether there is a run that was not finished, which is checked up to its last checkpoint.
+    /// Whether the folder holds an unfinished run, which is checked up to its last checkpoint.
     pub is_unfinished: bool,
-    /// What is damaged, by names.
+    /// Damaged files, sorted by name.
     pub damaged: Vec<Damage>,
 }
 
-/// Compares all files of a folder of results but the log with their checksums, those of a run that was not finished with
-/// its last checkpoint. Files of anyone else are none of its business.
+/// Compares all result files of a folder except the log with their checksums, and files of an unfinished run with its
+/// last checkpoint. Files of other programs are ignored.
 ///
 /// # Errors
-/// It is no folder of results.
+/// The folder holds no results.
 pub fn verify(path: &Path) -> Result<Verification, Error> {
     let names = names_in(path)?;
     let holds = |name: &str| names.iter().any(|own| own == name);
@@ -52,7 +52,7 @@ pub fn verify(path: &Path) -> Result<Verification, Error> {
         all.extend(Damage::of(path, name, written));
     };
     if let Ok(Some(list)) = &list {
-        // The list of a run goes before its report, for a moment.
+        // When a run finishes, its checksums are written just before its report is published.
         let own = list.iter().filter(|(name, _)| !(is_unfinished && is_of_run(name)));
         own.for_each(|(name, written)| check(name, written));
     }
@@ -76,12 +76,12 @@ pub fn verify(path: &Path) -> Result<Verification, Error> {
     Ok(Verification { files, is_unfinished, damaged: all })
 }
 
-/// Whether a file has no line while a run is not finished.
+/// Returns whether a file has no checksum entry while its run is unfinished.
 fn is_without_line(name: &str) -> bool {
     is_of_run(name) || [CASE, PROGRAM].contains(&name)
 }
 
-/// Compares files of a run that was not finished with its last checkpoint; the number of files.
+/// Compares the files of an unfinished run with its last checkpoint; returns the number of files checked.
 fn check_unfinished(path: &Path, all: &mut Vec<Damage>) -> Result<usize, Error> {
     let (folder, case) = match ResultFolder::of_own_case(path) {
         Ok(found) => found,

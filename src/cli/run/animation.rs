@@ -1,4 +1,4 @@
-//! The animation of the snapshots in a folder of results.
+//! Animation of the snapshots in a results folder.
 
 use crate::case::Case;
 use crate::cli::Error;
@@ -7,37 +7,37 @@ use crate::report::run::{Frame, Frames};
 use files::read_regular;
 use std::path::Path;
 
-/// The name of its file.
+/// File name of the animation.
 pub(in crate::cli) const ANIMATION: &str = "animation.gif";
 
-/// What becomes of the animation of a folder.
+/// Animation to be written to a folder.
 pub(in crate::cli) enum Animation {
-    /// The case asks for none.
+    /// The case requests no animation, or there are fewer than two snapshots.
     None,
-    /// Nothing is seen in its picture: there may be one of another picture, which is to go.
+    /// All values are zero: an existing animation of another quantity is to be removed.
     Empty,
-    /// The bytes of its file.
+    /// Content of the GIF file.
     Drawn(Vec<u8>),
 }
 
-/// Draws the snapshots of a run one after the other, in one scale of colours, if the case asks for any.
+/// Draws the snapshots of a run as an animation with a common colour scale, if the case requests snapshots.
 ///
 /// # Errors
-/// A snapshot is missing or no snapshot of this case, or the animation cannot be made.
+/// A snapshot is missing or not of this case, or the animation cannot be drawn.
 pub(in crate::cli) fn animation(case: &Case, folder: &ResultFolder) -> Result<Animation, Error> {
     let Some(frames) = Frames::new(case)? else { return Ok(Animation::None) };
     let list = folder.path().join(SNAPSHOTS);
     let unreadable = |path: &Path, error| OutputError::unreadable(path, &error);
     let bytes = read_regular(&list).map_err(|error| unreadable(&list, error))?;
     let names = files::vti::collected(&String::from_utf8_lossy(&bytes));
-    // A list that leads elsewhere is none of this program's.
+    // A list with other names was not written by this program.
     if let Some(odd) = names.iter().find(|name| !is_snapshot(name)) {
         return Err(OutputError::unusable(&list, format!("names '{odd}', no snapshot")).into());
     }
     if names.len() < 2 {
         return Ok(Animation::None);
     }
-    // Twice through all, not to hold them all.
+    // Snapshots are read twice, for the scale and for the frames, to limit memory.
     let all = || {
         names.iter().map(|name| -> Result<Frame, Error> {
             let path = folder.path().join(name);

@@ -1,4 +1,4 @@
-//! The files that a run appends to.
+//! Files that a run appends to: tables and snapshots.
 
 use super::checkpoint::Checkpoint;
 use crate::case::{Case, InTime};
@@ -12,15 +12,15 @@ use files::vti::{ImageData, collection};
 use files::{Written, read_regular};
 use std::io::Write as _;
 
-/// The tables of a run, and its snapshots.
+/// Tables and snapshots of a run.
 pub(super) struct Files<'a> {
     folder: &'a ResultFolder,
-    /// Of a run that is resumed, until it goes on.
+    /// Folder lock of a resumed run, until [`Self::create`] or [`Self::resume`] takes it.
     lock: Option<Lock>,
-    /// None before the run begins.
+    /// `None` before the run begins.
     run: Option<RunFolder<'a>>,
     tables: Vec<(AppendedFile, Appender)>,
-    /// All snapshots so far.
+    /// Lengths and checksums of all snapshots so far.
     snapshots: Vec<Written>,
 }
 
@@ -35,12 +35,12 @@ impl From<TableKind> for AppendedFile {
 }
 
 impl<'a> Files<'a> {
-    /// A run that is resumed holds the lock of its folder.
+    /// `lock` is the folder lock of a resumed run.
     pub(super) fn new(folder: &'a ResultFolder, lock: Option<Lock>) -> Self {
         Self { folder, lock, run: None, tables: Vec::new(), snapshots: Vec::new() }
     }
 
-    /// Makes the folder ready for a run from its beginning.
+    /// Prepares the folder for a run from its beginning and creates its tables.
     pub(super) fn create(&mut self, tables: &[Head], has_snapshots: bool) -> Result<(), Error> {
         let folder = self.folder;
         let mut run = match self.lock.take() {
@@ -60,9 +60,9 @@ impl<'a> Files<'a> {
         Ok(())
     }
 
-    /// The same for one that goes on from a checkpoint, whose state `restore` takes over if it can and says how many
-    /// snapshots are due; `snapshot` knows the time and the name of each by its number. Nothing is changed before all
-    /// is found to be as it was at the checkpoint.
+    /// Prepares the folder for a run resumed from a checkpoint. `restore` restores the state, if it matches, and
+    /// returns the number of snapshots due; `snapshot` returns time and name of a snapshot by its index. Nothing is
+    /// changed before all files are found to match the checkpoint.
     pub(super) fn resume(
         &mut self,
         tables: &[Head],
@@ -90,7 +90,7 @@ impl<'a> Files<'a> {
             self.tables.push((file, own.resume().map_err(OutputError::of_table)?));
         }
         if !list.is_empty() {
-            // It may have those of steps that are to be made again.
+            // The list may contain snapshots of steps that will be repeated.
             run.write(SNAPSHOTS, &snapshot_list(&list)?)?;
         }
         list.iter().zip(&from.snapshots).for_each(|((_, name), own)| run.insert(name, *own));
@@ -99,7 +99,7 @@ impl<'a> Files<'a> {
         Ok(())
     }
 
-    /// Adds a row to a table, if there is such a one.
+    /// Appends a row to a table, if the run has it.
     pub(super) fn write(&mut self, table: AppendedFile, row: &[f64]) -> Result<(), Error> {
         match self.tables.iter_mut().find(|own| own.0 == table) {
             Some((_, file)) => Ok(file.write_row(row).map_err(OutputError::of_table)?),
@@ -107,7 +107,8 @@ impl<'a> Files<'a> {
         }
     }
 
-    /// Writes a state for ParaView, the last one of a list of all so far with their times.
+    /// Writes a snapshot for ParaView under the last name in `list`, which holds times and names of all snapshots so
+    /// far.
     pub(super) fn snapshot(
         &mut self,
         image: &ImageData,
@@ -121,12 +122,12 @@ impl<'a> Files<'a> {
         Ok(())
     }
 
-    /// Brings the tables to the disk: a checkpoint of that state.
+    /// Syncs the tables to disk and creates a checkpoint of `state`.
     pub(super) fn checkpoint(&mut self, state: State) -> Result<Checkpoint, Error> {
         Ok(Checkpoint { tables: self.sync()?, snapshots: self.snapshots.clone(), state })
     }
 
-    /// Brings the tables to the disk, and says what they hold.
+    /// Syncs the tables to disk and returns their lengths and checksums.
     pub(super) fn sync(&mut self) -> Result<Vec<Written>, Error> {
         let tables = self.tables.iter_mut();
         Ok(tables
@@ -135,7 +136,7 @@ impl<'a> Files<'a> {
             .map_err(OutputError::of_table)?)
     }
 
-    /// The folder of the run, which knows all of its files; `None` before the run begins.
+    /// Returns the run folder with the checksums of all its files; `None` before the run begins.
     pub(super) fn into_folder(mut self) -> Result<Option<RunFolder<'a>>, Error> {
         let written = self.sync()?;
         let Some(run) = &mut self.run else { return Ok(None) };
@@ -143,7 +144,7 @@ impl<'a> Files<'a> {
         Ok(self.run)
     }
 
-    /// Wall times and speeds, which no result holds. A log that cannot be written stops nothing.
+    /// Appends a line on wall times and speeds to the log. A log that cannot be written is ignored.
     pub(super) fn log(&self, text: &str) {
         let path = self.folder.path_of(AppendedFile::Log);
         if let Ok(mut file) = files::open_to_append(&path) {
@@ -152,15 +153,15 @@ impl<'a> Files<'a> {
     }
 }
 
-/// The list of the snapshots, by times and names.
+/// Serialises the list of snapshots, by times and names.
 fn snapshot_list<S: AsRef<str>>(list: &[(f64, S)]) -> Result<Vec<u8>, Error> {
     Ok(collection(list).map_err(crate::Error::from)?)
 }
 
-/// The tables of a folder of results.
+/// Reads the tables of a results folder.
 ///
 /// # Errors
-/// One is missing, or no table.
+/// A table is missing or not numeric.
 pub(in crate::cli) fn records(case: &Case, folder: &ResultFolder) -> Result<Records, Error> {
     let read = |kind| table(case, folder, kind);
     let has_receivers = match case.in_time()? {
@@ -175,7 +176,7 @@ pub(in crate::cli) fn records(case: &Case, folder: &ResultFolder) -> Result<Reco
     })
 }
 
-/// Columns of a table of numbers.
+/// Reads the columns of a table.
 fn table(case: &Case, folder: &ResultFolder, kind: TableKind) -> Result<Table, Error> {
     let path = folder.path_of(kind.into());
     let bytes = read_regular(&path).map_err(|error| OutputError::unreadable(&path, &error))?;

@@ -1,4 +1,4 @@
-//! What a run needs to go on: state, and what its tables held.
+//! Checkpoint of a run: the state, and the lengths and checksums of its tables and snapshots.
 
 use crate::case::{Case, InTime};
 use crate::cli::folder::{AppendedFile, OutputError, ResultFolder, not_written};
@@ -9,18 +9,18 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 
-/// A checkpoint of a solid or a flow.
+/// Checkpoint of a simulation of a solid or a flow.
 pub(in crate::cli) struct Checkpoint {
-    /// What stands in the tables.
+    /// Lengths and checksums of the tables.
     pub(in crate::cli) tables: Vec<Written>,
-    /// All snapshots so far.
+    /// Lengths and checksums of all snapshots so far.
     pub(in crate::cli) snapshots: Vec<Written>,
-    /// The state.
+    /// State of the solver.
     pub(in crate::cli) state: State,
 }
 
 impl Checkpoint {
-    /// Writes it, whole or not at all.
+    /// Writes the checkpoint atomically.
     pub(super) fn write(&self, folder: &ResultFolder) -> Result<(), OutputError> {
         let State { steps, time, initial_energy, sections: numbers } = &self.state;
         let pairs = |files: &[Written]| -> Vec<[u64; 2]> {
@@ -41,10 +41,10 @@ impl Checkpoint {
         write_sealed(&path, &sections).map_err(|error| not_written(&path, &error))
     }
 
-    /// The checkpoint of a folder; `None` where there is none: the run had not come so far.
+    /// Reads the checkpoint of a folder; `None` if the run had not written one yet.
     ///
     /// # Errors
-    /// It is damaged, or of another case.
+    /// The checkpoint is damaged or of another case.
     pub(in crate::cli) fn read(folder: &ResultFolder) -> Result<Option<Self>, OutputError> {
         let path = folder.path_of(AppendedFile::Checkpoint);
         let damaged = |cause: &str| OutputError::unusable(&path, cause);
@@ -85,10 +85,10 @@ impl Checkpoint {
         Ok(Some(Self { tables, snapshots, state }))
     }
 
-    /// Its tables by files, in the order in which a run of the case has them.
+    /// Returns its tables by file, in the order of a run of the case.
     ///
     /// # Errors
-    /// The case does not say how it is run in time.
+    /// The case has no simulation.
     pub(in crate::cli) fn tables_of(
         &self,
         case: &Case,
@@ -105,7 +105,7 @@ impl Checkpoint {
         Ok(all.into_iter().flatten().zip(self.tables.iter().copied()).collect())
     }
 
-    /// That its state is none of this run's.
+    /// Creates the error that the state does not match the fields of the case.
     pub(in crate::cli) fn refused(folder: &ResultFolder) -> OutputError {
         let path = folder.path_of(AppendedFile::Checkpoint);
         OutputError::unusable(&path, "its fields are not those of the case")

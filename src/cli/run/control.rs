@@ -1,4 +1,4 @@
-//! What ends a run early, and when checkpoints are due.
+//! Checkpoint timing and interruption of a run.
 
 use super::Run;
 use super::appended::Files;
@@ -8,10 +8,10 @@ use crate::report::format::short;
 use crate::study::simulate::Moment;
 use std::time::Instant;
 
-/// Writes checkpoints when they are due.
+/// Timer that writes checkpoints when they are due.
 pub(super) struct CheckpointTimer<'a> {
     run: &'a Run<'a>,
-    /// When the last one was written.
+    /// Time of the last checkpoint.
     last: Instant,
 }
 
@@ -20,8 +20,8 @@ impl<'a> CheckpointTimer<'a> {
         Self { run, last: Instant::now() }
     }
 
-    /// Writes a checkpoint if it is time, or if somebody has asked the program to end, which it then does
-    /// unless the run is at its end.
+    /// Writes a checkpoint if the interval has passed or a signal was received; the signal then ends the run, unless it
+    /// has finished.
     ///
     /// # Errors
     /// The run is interrupted, or the checkpoint cannot be written.

@@ -1,15 +1,16 @@
-//! The files that a run will write.
+//! Names of the files that a run will write.
 
 use crate::case::{Case, InTime};
 use crate::cli::folder::{AppendedFile, SNAPSHOTS, snapshot_name};
 use crate::{Error, case::dynamics::Picture};
 use dynamics::simulation::RegularTimes;
 
-/// The files of a run that comes to its end, besides those of every folder of results; of more than two snapshots the
-/// first and the last one stand for all. A picture in which nothing is ever seen gets no animation all the same.
+/// Returns the names of the files of a complete run besides those of every results folder; more than two snapshots are
+/// abbreviated to the first and the last. An animation is listed although a run whose picture is zero throughout has
+/// none.
 ///
 /// # Errors
-/// The case does not say how it is run in time.
+/// The case has no simulation.
 pub(super) fn planned(case: &Case) -> Result<Vec<String>, Error> {
     let (has_receivers, interval, duration) = match case.in_time()? {
         InTime::Solid(own) => {

@@ -1,4 +1,4 @@
-//! Writes what a simulation delivers to files, and interrupts it.
+//! Recorder that writes the output of a simulation to files, and interrupts it on signals.
 
 use super::Run;
 use super::appended::{Files, records};
@@ -16,32 +16,32 @@ use files::lock::Lock;
 use std::io::{IsTerminal as _, Write as _};
 use std::time::Instant;
 
-/// Wall time between two lines of progress where nobody sees a bar, s.
+/// Wall time between two progress lines if standard error is not a terminal, s.
 const LINE_EVERY: f64 = 10.0;
 
-/// Parts of the duration that a bar of progress tells apart.
+/// Number of increments of the progress bar.
 const PARTS: f64 = 1000.0;
 
-/// Writes a run's files. It keeps other runs out of the folder until it is dropped.
+/// Recorder of the files of a run; holds the run lock of the folder until dropped.
 pub(super) struct FileRecorder<'a> {
     run: &'a Run<'a>,
-    /// What the run goes on from, until it does.
+    /// Checkpoint to resume from, until the run starts.
     from: Option<Checkpoint>,
     is_resumed: bool,
     files: Files<'a>,
     timer: CheckpointTimer<'a>,
     snapshots: Option<RegularTimes>,
     progress: Progress,
-    /// Parts of the duration that the bar shows.
+    /// Increments shown by the bar.
     parts: u64,
-    /// When this part of the run began, after how many steps, and at which time of the run, s.
+    /// Wall-clock start of this part of the run, steps done before it, and simulated time at its start, s.
     start: (Instant, usize, f64),
-    /// When the last line of progress was written.
+    /// Time of the last progress line.
     last_line: Instant,
 }
 
 impl<'a> FileRecorder<'a> {
-    /// A run that is resumed holds the lock of its folder.
+    /// `lock` is the folder lock of a resumed run.
     pub(super) fn new(run: &'a Run<'a>, from: Option<Checkpoint>, lock: Option<Lock>) -> Self {
         Self {
             run,
@@ -57,7 +57,7 @@ impl<'a> FileRecorder<'a> {
         }
     }
 
-    /// The folder, to which results of all steps can be written; `None` if the run has not begun.
+    /// Returns the run folder, to which the final results are written; `None` if the run has not begun.
     ///
     /// # Errors
     /// The tables cannot be written.
@@ -65,14 +65,14 @@ impl<'a> FileRecorder<'a> {
         self.files.into_folder()
     }
 
-    /// Shows the part of the duration, s, that is over.
+    /// Advances the progress bar to `time` of `duration`, both in s.
     fn tick(&mut self, time: f64, duration: f64) {
         let parts = (PARTS * time / duration) as u64;
         self.progress.tick(parts - self.parts);
         self.parts = parts;
     }
 
-    /// Says now and then how far the run is, where there is no bar to say it.
+    /// Prints progress every [`LINE_EVERY`] seconds if standard error is not a terminal.
     fn say_progress(&mut self, moment: &Moment) {
         if std::io::stderr().is_terminal() || self.last_line.elapsed().as_secs_f64() < LINE_EVERY {
             return;
@@ -86,13 +86,13 @@ impl<'a> FileRecorder<'a> {
             writeln!(std::io::stderr(), "{part:.1} %, {} steps, about {left} left", moment.steps);
     }
 
-    /// Steps of this part of the run, and the time that they took, s.
+    /// Returns the steps of this part of the run and their wall time, s.
     fn rate(&self, moment: &Moment) -> (usize, f64) {
         let (clock, first, _) = self.start;
         (moment.steps - first, clock.elapsed().as_secs_f64())
     }
 
-    /// The name of the file of a snapshot.
+    /// Returns the file name of a snapshot by its index.
     fn snapshot_name(&self, index: usize) -> String {
         snapshot_name(self.run.case, index)
     }
@@ -164,7 +164,7 @@ impl Recorder for FileRecorder<'_> {
     }
 }
 
-/// How far a run has come, in words; `rate` are its steps so far and the time that they took, s.
+/// Describes the progress of a run; `rate` holds its steps so far and their wall time, s.
 fn note(moment: &Moment, rate: (usize, f64)) -> String {
     let time = short(moment.time);
     match moment.effort {
@@ -182,7 +182,7 @@ fn note(moment: &Moment, rate: (usize, f64)) -> String {
     }
 }
 
-/// What a run took, in words.
+/// Describes steps, wall time and speed of a run.
 fn log(moment: &Moment, (steps, seconds): (usize, f64)) -> String {
     match moment.effort {
         Effort::Solid { cells, threads, .. } => format!(
@@ -195,7 +195,7 @@ fn log(moment: &Moment, (steps, seconds): (usize, f64)) -> String {
     }
 }
 
-/// Millions of cell-updates per second: two of each cell in a step.
+/// Returns millions of cell updates per second, counting two updates per cell and step.
 fn cell_updates(cells: usize, (steps, seconds): (usize, f64)) -> f64 {
     2.0 * steps as f64 * cells as f64 / seconds / 1e6
 }

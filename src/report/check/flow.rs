@@ -1,4 +1,4 @@
-//! The results of a flow: table and pictures.
+//! Check report of a flow: table and pictures.
 
 use super::{
     digits, exponent, greatest_difference_words, signed_exponent, unmeasured_words, verdict_words,
@@ -18,7 +18,7 @@ pub(super) const UNITS: [(&str, &str); 5] = [
     ("duration", "s"),
 ];
 
-/// Names of a wave's modes, the fastest growing first.
+/// Names of the modes of a wave, by descending growth rate.
 const MODES: [&str; 2] = ["first", "second"];
 
 impl FlowCheck {
@@ -56,7 +56,8 @@ impl FlowCheck {
         text
     }
 
-    /// Rates against the wave number: curves from the analysis, rings from the solver.
+    /// Creates the figure of growth and decay rates |γ| against the wave number: curves by the analysis, rings by the
+    /// solver.
     pub(super) fn figure(&self, case: &Case) -> SpectrumFigure {
         let line = |curve: &RateCurve| {
             let sign = if curve.grows { "grows" } else { "decays" };
@@ -79,7 +80,8 @@ impl FlowCheck {
         }
     }
 
-    /// Rates of the fastest growing wave of each grid, model by model.
+    /// Creates the figure of the growth rate of the fastest growing wave of each grid, by model; `None` without
+    /// refinement.
     pub(super) fn refinement_figure(&self, case: &Case) -> Option<SpectrumFigure> {
         let points =
             |own: &RefinementCheck, value: fn(&FastestModeCheck) -> f64| -> Vec<[f64; 2]> {

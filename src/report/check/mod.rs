@@ -1,4 +1,4 @@
-//! Report on the comparison of measured and predicted waves.
+//! Report on the comparison of measured with predicted waves.
 
 mod flow;
 mod solid;
@@ -64,12 +64,12 @@ impl Report for CheckResult {
     }
 }
 
-/// How far the measured waves are off, if there are any.
+/// Describes the greatest relative difference of the measured waves.
 fn greatest_difference_words(greatest: Option<f64>) -> String {
     greatest.map_or("nothing measured".to_owned(), |own| format!("{} off at most", exponent(own)))
 }
 
-/// Says how many waves have no measurement, if there are any.
+/// Describes the number of waves without measurement; empty if zero.
 pub fn unmeasured_words(count: usize) -> String {
     if count == 0 { String::new() } else { format!("; {count} not measurable") }
 }
@@ -78,17 +78,17 @@ fn verdict_words(agrees: bool) -> &'static str {
     if agrees { "agrees" } else { "DISAGREES" }
 }
 
-/// A number by its size: `3.2e-7`.
+/// Formats a number in scientific notation with two digits: `3.2e-7`.
 pub fn exponent(x: f64) -> String {
     if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
 }
 
-/// The same with its sign.
+/// Formats a number in scientific notation with two digits and its sign.
 fn signed_exponent(x: f64) -> String {
     if x == 0.0 { "0".into() } else { format!("{x:+.1e}") }
 }
 
-/// A frequency with seven digits.
+/// Formats a frequency or rate with seven significant digits, or six outside of 10⁻³ to 10⁶.
 fn digits(x: f64) -> String {
     match x.abs() {
         0.0 => "0".into(),

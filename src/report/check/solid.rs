@@ -1,4 +1,4 @@
-//! The results of a solid: table and picture.
+//! Check report of a solid: table and picture.
 
 use super::{
     digits, exponent, greatest_difference_words, signed_exponent, unmeasured_words, verdict_words,
@@ -15,7 +15,7 @@ use std::fmt::Write as _;
 pub(super) const UNITS: [(&str, &str); 4] =
     [("frequency", "rad/s"), ("growth_rate", "1/s"), ("tolerance", "rad/s"), ("number", "1/m")];
 
-/// Phase speeds below this part of the greatest are zero: what stands still is not drawn.
+/// Phase speeds below this fraction of the greatest are zero: branches that do not propagate are not drawn.
 const STILL: f64 = 1e-6;
 
 impl SolidCheck {
@@ -101,8 +101,8 @@ impl MediumCheck {
         );
     }
 
-    /// Measured points on predicted curves: elastic ones of all directions, which are alike, where the solid is
-    /// isotropic; else of the first direction.
+    /// Creates the figure of measured frequencies on predicted curves. Elastic points are of all directions if the
+    /// solid is isotropic, other points of the first direction.
     pub(super) fn figure(&self, case: &Case) -> DispersionFigure {
         let greatest = self.rows.iter().map(|row| row.wave.number).fold(0.0, f64::max);
         let bands = self.branches.iter().flat_map(|(_, groups)| groups).flat_map(|group| {
@@ -142,7 +142,7 @@ impl MediumCheck {
         self.solid.elastic.downcast::<Isotropic>().is_some()
     }
 
-    /// The curves of all branches that travel, up to a little beyond the wave number `greatest`, 1/m.
+    /// Returns the curves of all propagating branches, up to 1.05 times the wave number `greatest`, 1/m.
     fn curves(&self, greatest: f64) -> Vec<Branch> {
         let speeds = self.rows.iter().map(|row| row.predicted.frequency / row.wave.number);
         let greatest_speed = speeds.fold(0.0, f64::max);
@@ -172,7 +172,7 @@ impl MediumCheck {
         curves
     }
 
-    /// Wave numbers and frequencies measured of a branch.
+    /// Returns the wave numbers, 1/m, and measured frequencies, rad/s, of a branch.
     fn measured(&self, response: Response, label: &str) -> Vec<[f64; 2]> {
         let Some(first) = self.rows.first().map(|row| row.wave) else { return Vec::new() };
         let is_isotropic = self.is_isotropic();
@@ -187,7 +187,7 @@ impl MediumCheck {
     }
 }
 
-/// In the plane and above it, degrees.
+/// Returns direction in the plane and elevation above it, degrees.
 fn direction(wave: &WaveVector) -> [f64; 2] {
     [wave.direction_deg, wave.elevation_deg]
 }

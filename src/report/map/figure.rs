@@ -1,4 +1,4 @@
-//! The picture of a map.
+//! Figure of a map.
 
 use crate::case::{Case, Kind, Parameter};
 use crate::report::format::{case_title, coefficient_unit, short, superscript, unit};
@@ -9,7 +9,7 @@ use analysis::solids::Hyperbolicity;
 use figures::{Axis, Category, Curve, Look, VerdictMap};
 use models::common::elementary::Elementary;
 
-/// Order of growth, and in solids the kind of speeds.
+/// Order of growth, and for solids the type of the characteristic speeds.
 type Growing = (f64, Option<Hyperbolicity>);
 
 fn growing(point: &MapPoint) -> Growing {
@@ -26,7 +26,7 @@ pub(super) fn figure(case: &Case, found: &MapResult) -> VerdictMap {
         values: axis.values.clone(),
     };
     let points = &found.points;
-    // One category per order of growth, and in solids per kind of speeds; highest order first.
+    // One category per order of growth, and for solids per type of speeds, by descending order.
     let mut kinds: Vec<Growing> =
         points.iter().filter(|p| p.order.is_finite()).map(growing).collect();
     let place = |speeds: &Option<Hyperbolicity>| speeds.map_or(0, |h| h as u8);
@@ -72,7 +72,7 @@ fn categories(kinds: &[Growing]) -> Vec<Category> {
     categories
 }
 
-/// Index of a point's category in [`categories`].
+/// Returns the index of a point's category in [`categories`].
 fn category(kinds: &[Growing], point: &MapPoint) -> u8 {
     let first_other = 1 + kinds.len();
     let index = match point.status {
@@ -90,7 +90,8 @@ fn category(kinds: &[Growing], point: &MapPoint) -> u8 {
     u8::try_from(index).unwrap_or(u8::MAX)
 }
 
-/// Coefficients of different orders do not compare; rates at one wave number (1/m) do.
+/// Returns label and values of the colour level: the growth coefficient if all points have one order, otherwise the
+/// leading growth rate at `wave_number`, 1/m, since coefficients of different orders have different units.
 fn level(points: &[MapPoint], orders: &[f64], wave_number: f64) -> (String, Vec<f64>) {
     match orders {
         [] | [_] => {
@@ -110,7 +111,7 @@ fn level(points: &[MapPoint], orders: &[f64], wave_number: f64) -> (String, Vec<
     }
 }
 
-/// The model, and the numbers that the map holds fixed and that matter most for the verdict.
+/// Describes the model and the fixed parameters most relevant to the verdict.
 fn subtitle(case: &Case, found: &MapResult) -> String {
     let fixed = [
         "model.friction_angle_deg",
@@ -149,7 +150,7 @@ fn subtitle(case: &Case, found: &MapResult) -> String {
         .join(", ")
 }
 
-/// The model's own bound on |Δ|, where Δ is one of the axes.
+/// Returns the curves of the model's closed-form bound on |Δ| if Δ is one of the axes.
 fn noncoaxiality_curves(found: &MapResult) -> Vec<Curve> {
     const DELTA: &str = "background.noncoaxiality_deg";
     let (nx, ny) = (found.x.points, found.y.points);

@@ -1,4 +1,4 @@
-//! Report on the verdict over two parameters.
+//! Report on the verdict over two parameters of a case.
 
 mod figure;
 mod tables;

@@ -6,7 +6,7 @@ use crate::study::map::{MapPoint, PointSpeeds, PointStatus};
 use analysis::flows::Route;
 use analysis::solids::Hyperbolicity;
 
-/// The numbers of all points, by name.
+/// Returns the numeric columns of all points, by name.
 fn columns(found: &MapResult) -> Vec<(&'static str, Vec<f64>)> {
     let column = |f: fn(&MapPoint) -> f64| found.points.iter().map(f).collect::<Vec<_>>();
     let mut columns = vec![
@@ -39,7 +39,7 @@ fn columns(found: &MapResult) -> Vec<(&'static str, Vec<f64>)> {
     columns
 }
 
-/// One row per point.
+/// Renders the CSV table, one row per point.
 pub(super) fn csv(found: &MapResult) -> Result<Vec<u8>, Error> {
     let is_solid = found.solid.is_some();
     let columns = columns(found);
@@ -63,7 +63,7 @@ pub(super) fn csv(found: &MapResult) -> Result<Vec<u8>, Error> {
     Ok(files::csv::table(&header, rows)?)
 }
 
-/// Axes stand under their parameters' names; fields have shape (y, x).
+/// Renders the NPZ archive: axes under the names of their parameters, fields of shape (y, x).
 pub(super) fn npz(found: &MapResult) -> Result<Vec<u8>, Error> {
     let (x, y) = (&found.x, &found.y);
     let shape = [y.points, x.points];

@@ -1,4 +1,4 @@
-//! Text and tables on the state of a flow.
+//! Text report and tables of the state of a flow.
 
 use crate::Error;
 use crate::case::{Case, Kind};
@@ -12,7 +12,7 @@ use models::flow::RotationKind;
 use std::fmt::Write as _;
 
 impl FlowPoint {
-    /// The models that pictures and tables hold: those that are compared, else the case's own.
+    /// Returns the models in pictures and tables: the compared models, or else the model of the case.
     pub(super) fn shown(&self) -> &[FlowAnalysis] {
         match self.compare.as_slice() {
             [] => std::slice::from_ref(&self.own),
@@ -22,7 +22,7 @@ impl FlowPoint {
 }
 
 impl YieldingState {
-    /// Whether growth rates were sampled: the equations determine their unknowns.
+    /// Returns whether growth rates were sampled, which requires that the equations determine their unknowns.
     pub(super) fn has_curves(&self) -> bool {
         !self.by_direction.is_empty()
     }
@@ -61,7 +61,7 @@ fn pair(values: [f64; 2]) -> String {
     format!("({}, {})", short(values[0]), short(values[1]))
 }
 
-/// Pairs whose components vanish within rounding are printed as zeros.
+/// Formats a pair; components that vanish within rounding are printed as zero.
 fn pair_of(values: [Rounded; 2]) -> String {
     pair(values.map(|x| if x.sign().is_some() { x.value } else { 0.0 }))
 }
@@ -221,7 +221,7 @@ fn place_words(place: &SupremumPlace) -> String {
     }
 }
 
-/// The sampled growth rates, where there are any.
+/// Renders the tables of sampled growth rates, if any.
 pub(super) fn tables(found: &FlowPoint) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
     let curves: Vec<(&str, &YieldingState)> = found
         .shown()

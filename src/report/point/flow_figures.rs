@@ -1,4 +1,4 @@
-//! Pictures of the state of a flow.
+//! Figures of the state of a flow.
 
 use crate::case::Case;
 use crate::report::Picture;
@@ -10,7 +10,7 @@ use figures::{
 };
 use models::common::elementary::Elementary;
 
-/// Growth where it was sampled, characteristics where the state is fully deforming.
+/// Creates the figures of growth rates, if sampled, and of characteristic directions, if the state is fully deforming.
 pub(super) fn pictures(case: &Case, found: &FlowPoint) -> Vec<Picture> {
     let shown: Vec<Shown> = found.shown().iter().filter_map(Shown::new).collect();
     let mut pictures = Vec::new();
@@ -27,7 +27,7 @@ pub(super) fn pictures(case: &Case, found: &FlowPoint) -> Vec<Picture> {
     pictures
 }
 
-/// A model whose state is fully deforming.
+/// Model with a fully deforming state.
 struct Shown<'a> {
     title: &'static str,
     state: &'a YieldingState,
@@ -38,7 +38,7 @@ impl<'a> Shown<'a> {
         Some(Self { title: analysis.kind.title(), state: analysis.yielding()? })
     }
 
-    /// The name of the model, and the order of its growth as fitted and as the verdict has it.
+    /// Returns the legend: name of the model, fitted order of growth and exact order by the verdict.
     fn legend(&self) -> String {
         let Self { title, state } = self;
         let exact = match (state.verdict, state.order) {
@@ -49,7 +49,7 @@ impl<'a> Shown<'a> {
         };
         match state.fitted_order {
             Some(fitted) => {
-                // No sign on a zero.
+                // Adding 0.0 removes the sign of a negative zero.
                 let order = (1e3 * fitted).round() / 1e3 + 0.0;
                 let order = format!("{order:.3}").replace('-', "−");
                 format!("{title}: fitted order {order}, {exact}")
@@ -59,12 +59,12 @@ impl<'a> Shown<'a> {
     }
 }
 
-/// The states whose growth was sampled.
+/// Returns the models with sampled growth rates.
 fn with_curves<'a>(shown: &'a [Shown<'a>]) -> impl Iterator<Item = &'a Shown<'a>> {
     shown.iter().filter(|shown| shown.state.has_curves())
 }
 
-/// The degenerate directions of all models, degrees, each once.
+/// Returns the degenerate directions of all models, degrees, merged if closer than `apart` degrees.
 fn degenerate_directions(shown: &[Shown], apart: f64) -> Vec<f64> {
     let mut found: Vec<f64> = Vec::new();
     for &angle in with_curves(shown).flat_map(|s| &s.state.evidence.degenerate_directions_deg) {
@@ -122,8 +122,8 @@ fn growth_figure(case: &Case, shown: &[Shown]) -> GrowthFigure {
     }
 }
 
-/// Growth against the direction of the wave vector. Characteristics are curves in space: it is their
-/// normals that are directions of wave vectors.
+/// Creates the polar figure of the growth rate against the direction of the wave vector. Characteristics are curves in
+/// physical space, hence their normals are drawn as wave vector directions.
 fn polar_figure(case: &Case, shown: &[Shown]) -> PolarFigure {
     let mut spokes: Vec<Spoke> = Vec::new();
     for c in shown.iter().flat_map(|shown| shown.state.characteristics.iter().flatten()) {
@@ -132,7 +132,7 @@ fn polar_figure(case: &Case, shown: &[Shown]) -> PolarFigure {
             angle_deg: (c.angle_deg + 90.0).rem_euclid(180.0),
             style: SpokeStyle::CharacteristicNormal,
         };
-        // Models may share them, within rounding.
+        // Models may share characteristics, within rounding.
         let same =
             |s: &Spoke| s.label == spoke.label && (s.angle_deg - spoke.angle_deg).abs() < 1e-6;
         if !spokes.iter().any(same) {

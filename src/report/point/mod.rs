@@ -1,4 +1,4 @@
-//! Report on one state.
+//! Report on the analysis of one state.
 
 mod flow;
 mod flow_figures;

@@ -1,4 +1,4 @@
-//! Text and picture on the state of a solid.
+//! Text report and figure of the state of a solid.
 
 use crate::case::{Case, Kind};
 use crate::report::Picture;
@@ -176,7 +176,7 @@ fn verdict(found: &SolidPoint, text: &mut String) {
     }
 }
 
-/// Growth against direction and wave number.
+/// Creates the figure of the growth rate against direction and wave number.
 pub(super) fn pictures(case: &Case, found: &SolidPoint) -> Vec<Picture> {
     let figure = figure(case, found);
     vec![Picture::new("growth", move |format| figure.draw(format))]

@@ -1,41 +1,41 @@
-//! The animation of the snapshots of a run.
+//! Animation of the snapshots of a run.
 
 use super::{flow, solid};
 use crate::Error;
 use crate::case::{Case, InTime};
 use figures::{Animation, FieldFigure};
 
-/// The values of a snapshot, or why it has none.
+/// Function from the bytes of a snapshot to the values to be drawn, or an error message.
 type Values<'a> = Box<dyn Fn(&[u8]) -> Result<Vec<f64>, String> + 'a>;
 
-/// The figure of such values at a time, s.
+/// Function from a time, s, and the values of its snapshot to a figure.
 type Figure<'a> = Box<dyn Fn(f64, Vec<f64>) -> FieldFigure + 'a>;
 
-/// How snapshots of a case become the frames of an animation.
+/// Conversion of snapshots of a case to frames of an animation.
 pub struct Frames<'a> {
     values: Values<'a>,
     figure: Figure<'a>,
 }
 
-/// What is drawn of a snapshot.
+/// Time and values of a snapshot to be drawn.
 pub struct Frame {
-    /// Its time, s.
+    /// Time of the snapshot, s.
     time: f64,
     values: Vec<f64>,
 }
 
 impl Frame {
-    /// Greatest magnitude of the values.
+    /// Returns the greatest absolute value.
     pub fn greatest(&self) -> f64 {
         self.values.iter().fold(0.0, |sum, value| sum.max(value.abs()))
     }
 }
 
 impl<'a> Frames<'a> {
-    /// Those of a case; `None` where it asks for no snapshots.
+    /// Creates the conversion for a case; `None` if the case requests no snapshots.
     ///
     /// # Errors
-    /// The case does not say how it is run in time.
+    /// The case has no simulation.
     pub fn new(case: &'a Case) -> Result<Option<Self>, Error> {
         Ok(match case.in_time()? {
             InTime::Solid(dynamics) if dynamics.output.snapshot_interval > 0.0 => {
@@ -55,19 +55,19 @@ impl<'a> Frames<'a> {
         })
     }
 
-    /// What is drawn of the file of a snapshot.
+    /// Reads time and values from the bytes of a snapshot.
     ///
     /// # Errors
-    /// Why it is no snapshot of this case.
+    /// The bytes are not a snapshot of this case; a message.
     pub fn frame(&self, snapshot: &[u8]) -> Result<Frame, String> {
         let time = files::vti::plain_time(snapshot).ok_or("has no time")?;
         Ok(Frame { time, values: (self.values)(snapshot)? })
     }
 
-    /// A GIF of frames one after the other, in one scale of colours up to `greatest`.
+    /// Draws the frames as a GIF with a common colour scale up to `greatest`.
     ///
     /// # Errors
-    /// That of a frame, or one cannot be drawn.
+    /// A frame is an error or cannot be drawn.
     pub fn animation<E: From<Error>>(
         &self,
         greatest: f64,

@@ -1,13 +1,13 @@
-//! Archives of the fields at the end of a run and of what receivers saw.
+//! NPZ archives of the final fields and of receiver records.
 
 use crate::Error;
 use crate::study::simulate::{Fields, Quantity, Table};
 use files::npz::{Array, Npz, NpzError, Values, read_some};
 
-/// The archive of the fields of a state.
+/// Renders the archive of the fields of a state.
 ///
 /// # Errors
-/// It cannot be made.
+/// The archive cannot be created.
 pub(super) fn fields(fields: &Fields) -> Result<Vec<u8>, Error> {
     let mut archive = Npz::new();
     for (axis, along) in fields.coordinates.iter().enumerate() {
@@ -21,7 +21,7 @@ pub(super) fn fields(fields: &Fields) -> Result<Vec<u8>, Error> {
     let units: Vec<&str> = fields.quantities.iter().map(|own| own.unit).collect();
     archive.add_text("names", &[names.len()], &names)?;
     archive.add_text("units", &[units.len()], &units)?;
-    // The first axis runs fastest.
+    // NPZ shapes have the slowest index first; here the first axis is the fastest.
     let shape: Vec<usize> = fields.coordinates.iter().rev().map(Vec::len).collect();
     for own in &fields.quantities {
         archive.add_f64(&own.name, &shape, &own.values)?;
@@ -36,10 +36,10 @@ pub(super) fn fields(fields: &Fields) -> Result<Vec<u8>, Error> {
     Ok(archive.finish()?)
 }
 
-/// The fields of an archive, as far as it has what is drawn, on a grid of so many cells or points.
+/// Reads the fields to be drawn from an archive on a grid of `cells` cells or points.
 ///
 /// # Errors
-/// It is no such archive.
+/// The archive is damaged, or has more than `cells` values per array.
 pub fn read_fields(bytes: &[u8], cells: usize) -> Result<Fields, NpzError> {
     let mut fields = Fields::default();
     let is_numbers = |name: &str| !["names", "units"].contains(&name);
@@ -59,10 +59,10 @@ pub fn read_fields(bytes: &[u8], cells: usize) -> Result<Fields, NpzError> {
     Ok(fields)
 }
 
-/// The archive of a table, whose arrays have the names of its columns.
+/// Renders the archive of a table, one array per column.
 ///
 /// # Errors
-/// It cannot be made.
+/// The archive cannot be created.
 pub(super) fn table(table: &Table) -> Result<Vec<u8>, Error> {
     let mut archive = Npz::new();
     let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();

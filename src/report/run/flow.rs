@@ -1,4 +1,4 @@
-//! Pictures of a flow in time.
+//! Pictures of the simulation of a flow.
 
 use super::records::{ledger, seismograms};
 use super::snapshot::array;
@@ -11,7 +11,7 @@ use crate::study::simulate::{Fields, Records, Table, unit_of};
 use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind, Line, SpectrumFigure};
 use models::common::elementary::Elementary;
 
-/// All pictures of a run but for the animation.
+/// Creates all pictures of a run except the animation.
 pub(super) fn pictures(
     case: &Case,
     run: &FlowRun,
@@ -37,7 +37,7 @@ pub(super) fn pictures(
     pictures
 }
 
-/// What a snapshot has of the picture, or why it has nothing; what has a mean, less that.
+/// Reads the values of the case's picture from a snapshot, in display units; an error message if they are absent.
 pub(super) fn of_snapshot(bytes: &[u8], run: &FlowRun) -> Result<Vec<f64>, String> {
     let count = run.grid.count();
     let velocity = || array(bytes, "velocity [m/s]", 3 * count);
@@ -52,8 +52,8 @@ pub(super) fn of_snapshot(bytes: &[u8], run: &FlowRun) -> Result<Vec<f64>, Strin
     Ok(values)
 }
 
-/// A field in the box as it was at the beginning. What has a mean, less that: perturbations would not be
-/// seen beside it.
+/// Creates the figure of a field in the initial box. The spatial mean of quantities other than velocities is
+/// subtracted, since perturbations are small against it.
 pub(super) fn figure(case: &Case, run: &FlowRun, time: f64, mut values: Vec<f64>) -> FieldFigure {
     let picture = run.output.picture;
     let mut subtitle = format!("t = {} s, in the box that moves with the mean flow", short(time));
@@ -97,9 +97,9 @@ pub(super) fn figure(case: &Case, run: &FlowRun, time: f64, mut values: Vec<f64>
     }
 }
 
-/// The energy of the shells of modes at some of the times.
+/// Creates the figure of the energy spectrum by shells of modes, at up to six times.
 fn spectrum(case: &Case, table: &Table) -> Option<Picture> {
-    /// Lines of the picture, at most.
+    /// Maximum number of lines.
     const MOST: usize = 6;
     let (times, shells) = table.columns.split_first()?;
     let times = &times.values;

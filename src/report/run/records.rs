@@ -1,4 +1,4 @@
-//! Pictures of what was recorded in the course of a run.
+//! Pictures of receiver records and of the energy ledger.
 
 use super::words::label;
 use crate::case::Case;
@@ -8,17 +8,17 @@ use crate::report::format::case_title;
 use crate::study::simulate::{Table, unit_of};
 use figures::{LedgerFigure, LedgerTerm, SeismogramFigure, SeismogramPanel, Trace};
 
-/// Receivers that a picture names: of many some, evenly spread from the first to the last.
+/// Returns the indices of the receivers that a picture names: at most eight, evenly spaced from first to last.
 pub(super) fn some_of(count: usize) -> impl Iterator<Item = usize> {
-    /// As many as a legend tells apart.
+    /// Maximum number of legend entries.
     const MOST: usize = 8;
     let named = count.min(MOST);
     (0..named).map(move |index| index * (count - 1) / (named - 1).max(1))
 }
 
-/// What the receivers saw: a panel for each quantity that one of them recorded.
+/// Creates the figure of the receiver records with one panel per quantity.
 pub(super) fn seismograms(case: &Case, table: &Table) -> Picture {
-    /// Panels of a page; of more quantities the first.
+    /// Maximum number of panels; further quantities are omitted.
     const MOST: usize = 8;
     let columns = &table.columns;
     let mut receivers: Vec<&str> =
@@ -48,7 +48,7 @@ pub(super) fn seismograms(case: &Case, table: &Table) -> Picture {
         words.push(format!("{} of {} receivers", drawn.len(), receivers.len()));
     }
     if !vanishing.is_empty() {
-        // As at the axes, without the unit.
+        // Axis label without its unit.
         let quantity = |name: &String| label(name).split(',').next().map(str::to_owned);
         let names: Vec<String> = vanishing.iter().filter_map(quantity).collect();
         words.push(format!("without {}, no more than rounding", names.join(", ")));
@@ -66,7 +66,7 @@ pub(super) fn seismograms(case: &Case, table: &Table) -> Picture {
     Picture::new("seismograms", move |format| figure.draw(format))
 }
 
-/// The rounding of a number relative to its size in the precision of the solver.
+/// Returns the machine epsilon of the solver's precision.
 fn rounding(case: &Case) -> f64 {
     match case.dynamics.as_ref().map(|dynamics| dynamics.scheme.precision) {
         Some(Precision::F32) => f32::EPSILON.into(),
@@ -74,10 +74,10 @@ fn rounding(case: &Case) -> f64 {
     }
 }
 
-/// Takes away the panels of quantities that vanish but for rounding, and names them: beside others of the same unit they
-/// are zero, alone on a scale of their own they would look like motion. `rounding` is relative.
+/// Removes the panels of quantities that vanish within rounding and returns their names. The reference is the greatest
+/// quantity of the same unit; on a separate scale rounding errors would look like motion. `rounding` is relative.
 fn remove_vanishing(panels: &mut Vec<(String, Vec<Trace>)>, rounding: f64) -> Vec<String> {
-    /// Roundings that add up in the course of a run.
+    /// Factor for the accumulation of rounding errors during a run.
     const SUM: f64 = 256.0;
     let greatest = |traces: &[Trace]| {
         let all = traces.iter().flat_map(|trace| &trace.values);
@@ -102,8 +102,7 @@ fn remove_vanishing(panels: &mut Vec<(String, Vec<Trace>)>, rounding: f64) -> Ve
     names
 }
 
-/// Where the energy was, and what became of it: columns of the ledger that are energies, the last one what is left
-/// over, by their `words`.
+/// Creates the figure of the energy ledger: energies by column, described by `words`; the last column is the balance.
 pub(super) fn ledger(
     case: &Case,
     table: &Table,

@@ -5,10 +5,10 @@ use crate::case::{Case, InTime};
 use crate::study::simulate::Fields;
 use files::vti::{Grid, ImageData, Storage};
 
-/// The fields of a time: of a flow where the box is.
+/// Creates the ParaView image of the fields of one time; for flows on the deformed grid.
 ///
 /// # Errors
-/// The case does not say how it is run in time, or the fields are not of its grid.
+/// The case has no simulation, or the fields do not match its grid.
 pub fn image(case: &Case, fields: &Fields) -> Result<ImageData, Error> {
     let grid = match case.in_time()? {
         InTime::Solid(dynamics) => {
@@ -48,7 +48,7 @@ pub fn image(case: &Case, fields: &Fields) -> Result<ImageData, Error> {
     Ok(image)
 }
 
-/// So many numbers of each cell in a snapshot by the name of the array, or why there are none.
+/// Reads the named array of a snapshot, of at least `cells` values; an error message if it is absent or shorter.
 pub(super) fn array(bytes: &[u8], name: &str, cells: usize) -> Result<Vec<f64>, String> {
     match files::vti::plain_values(bytes, name) {
         None => Err(format!("no array {name}")),

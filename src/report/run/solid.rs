@@ -1,4 +1,4 @@
-//! Pictures of a solid in time.
+//! Pictures of the simulation of a solid.
 
 use super::records::{ledger, seismograms, some_of};
 use super::snapshot::array;
@@ -13,7 +13,7 @@ use models::common::elementary::Elementary;
 use models::solid::waves::Field;
 use std::fmt::Write as _;
 
-/// All pictures of a run but for the animation.
+/// Creates all pictures of a run except the animation.
 pub(super) fn pictures(
     case: &Case,
     dynamics: &Dynamics,
@@ -44,7 +44,8 @@ pub(super) fn pictures(
     pictures
 }
 
-/// The final state: of a space a section across x₂ through its first source, or its middle.
+/// Creates the figure of the final state; in three dimensions of the section across x₂ through the first source, or
+/// else the middle.
 fn figure(case: &Case, dynamics: &Dynamics, fields: &Fields, shown: Shown) -> FieldFigure {
     let section = Section::new(dynamics);
     let values: Vec<f64> = match shown {
@@ -77,17 +78,17 @@ fn figure(case: &Case, dynamics: &Dynamics, fields: &Fields, shown: Shown) -> Fi
     figure
 }
 
-/// That of a cell; 0 where there is none.
+/// Returns the value of a cell; 0 if it is absent.
 fn value(values: &[f64], cell: usize) -> f64 {
     values.get(cell).copied().unwrap_or(0.0)
 }
 
-/// The plane that is drawn.
+/// Plane section to be drawn.
 pub(super) struct Section<'a> {
     dynamics: &'a Dynamics,
-    /// Its axes.
+    /// Axes of the plane.
     axes: [usize; 2],
-    /// Of a space, the layer across x₂.
+    /// Cell index along x₂; `None` in two dimensions.
     layer: Option<usize>,
 }
 
@@ -103,7 +104,7 @@ impl<'a> Section<'a> {
         Self { dynamics, axes: if layer.is_none() { [0, 1] } else { [0, 2] }, layer }
     }
 
-    /// Its cells, x₁ running fastest.
+    /// Iterates over the cells of the section, x₁ fastest.
     fn cells(&self) -> impl Iterator<Item = usize> {
         let cells = &self.dynamics.grid.cells;
         let [columns, rows] = self.axes.map(|axis| cells[axis]);
@@ -116,7 +117,7 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// What a snapshot has of the picture, or why it has nothing.
+    /// Reads the values of the picture on the section from a snapshot; an error message if they are absent.
     pub(super) fn of_snapshot(&self, bytes: &[u8], picture: Shown) -> Result<Vec<f64>, String> {
         let name = match picture {
             Shown::Speed | Shown::Component(Component(Field::Velocity(_))) => {
@@ -181,7 +182,7 @@ impl<'a> Section<'a> {
             is_signed: !matches!(picture, Shown::Speed | Shown::Dissipation),
             limit: None,
             scale: None,
-            // They are values of the picture of the case.
+            // Contours are values of the quantity in the case's picture.
             curves: dynamics.output.contours.clone().filter(|_| picture == dynamics.output.picture),
             outlines: Vec::new(),
             plastic: Vec::new(),

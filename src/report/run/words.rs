@@ -1,4 +1,4 @@
-//! Plans, warnings and ends of simulations as words.
+//! Text of plans, costs, warnings and stop causes of simulations.
 
 use crate::case::dynamics::Component;
 use crate::report::format::{short, superscript};
@@ -62,7 +62,7 @@ impl Display for Amount {
     }
 }
 
-/// A time in words, s, to one or two digits.
+/// Time in s, displayed in a suitable unit with few digits.
 pub struct Time(pub f64);
 
 impl Display for Time {
@@ -142,7 +142,7 @@ impl Display for Stopped {
 }
 
 impl Display for StopCause {
-    /// What happened, and where if it is one place.
+    /// Formats the cause, with the position if it is local.
     fn fmt(&self, formatter: &mut Formatter) -> Result {
         match self {
             Self::Field { field, place } => {
@@ -180,7 +180,7 @@ impl Display for IllPosed {
     }
 }
 
-/// A quantity with its symbol and unit, by its name in files.
+/// Returns the axis label of a quantity, with symbol and unit, by its name in files.
 pub(super) fn label(name: &str) -> String {
     let digits: String = name.chars().filter(char::is_ascii_digit).collect();
     let subscript = |c: char| match c {

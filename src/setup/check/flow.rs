@@ -1,4 +1,4 @@
-//! Flows: the waves that are followed, and the grids on which a perturbation is refined.
+//! Plans of flow checks: waves to be measured, and grids for the refinement of a perturbation.
 
 use super::Extent;
 use crate::case::flow::{Disturbed, FlowRun, Initial};
@@ -14,10 +14,10 @@ use models::InputError;
 use models::common::elementary::Elementary;
 use serde::Serialize;
 
-/// Most points along an axis of a grid on which a perturbation of a flow is refined.
+/// Maximum number of points per axis in grid refinement.
 const MOST_POINTS: usize = 4096;
 
-/// A wave of one wave vector at the beginning.
+/// Initial wave vector of a plane wave.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FlowWave {
     /// Wave number, 1/m.
@@ -27,29 +27,29 @@ pub struct FlowWave {
 }
 
 impl FlowWave {
-    /// The plane wave by its unit wave normal.
+    /// Converts to wave number and unit normal.
     pub fn plane_wave(&self) -> PlaneWave<2> {
         let angle = crate::case::radians(self.direction_deg);
         PlaneWave { number: self.number, normal: [angle.cr_cos(), angle.cr_sin()] }
     }
 }
 
-/// Checks of a flow: waves and perturbations to be measured.
+/// Plan of the check of a flow: waves and perturbations to be measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlowPlan {
-    /// The waves.
+    /// Waves to be measured.
     pub waves: Vec<FlowWave>,
-    /// The models in which the perturbation of the case is refined.
+    /// Models in which the perturbation of the case is simulated on refined grids.
     pub kinds: Vec<Kind>,
-    /// Points along each axis of the grids for that; ascending.
+    /// Numbers of points per axis of the refined grids, ascending.
     pub grids: Vec<usize>,
 }
 
 impl FlowPlan {
-    /// The plan of a case.
+    /// Creates the plan of a case.
     ///
     /// # Errors
-    /// The case is wrong, or its state cannot be analysed.
+    /// The case is invalid, or its state cannot be analysed.
     pub(super) fn new(case: &Case, extent: Extent) -> Result<Self, Error> {
         let (wave, asked) = (case.material.numbers.wave, case.check.clone().unwrap_or_default());
         let mut numbers =
@@ -73,14 +73,14 @@ impl FlowPlan {
     }
 }
 
-/// Directions where none are asked for, degrees.
+/// Returns the default directions, degrees: that of the case, the most unstable one, 30° and 105°.
 fn directions(case: &Case) -> Result<Vec<f64>, Error> {
     let worst = match verdict(case, &uniform_flow(case)?)? {
         Verdict::IllPosed { direction, .. } => Some(direction.to_degrees()),
         _ => None,
     };
     let mut all = vec![case.material.numbers.wave.direction_deg];
-    // The order of the short form.
+    // In this order: `Extent::Short` takes the first two.
     for other in worst.into_iter().chain([30.0, 105.0]) {
         if all.iter().all(|own| (own - other).abs() > 1e-6) {
             all.push(other);
@@ -108,7 +108,7 @@ fn check_grids(case: &Case, grids: &[usize]) -> Result<(), Error> {
     Ok(())
 }
 
-/// The models in which the perturbation of a case is refined.
+/// Returns the models in which the perturbation of a case is refined.
 fn kinds(case: &Case) -> Result<Vec<Kind>, Error> {
     let kinds: Vec<Kind> =
         [case.material.kind].into_iter().chain(case.compare.iter().flatten().copied()).collect();
@@ -126,18 +126,18 @@ fn kinds(case: &Case) -> Result<Vec<Kind>, Error> {
     Ok(kinds)
 }
 
-/// The uniform flow of a case, for the analysis and for the solver.
+/// Creates the uniform flow of a case, for analysis and solver.
 ///
 /// # Errors
-/// The case is none of a uniform flow that a solver takes.
+/// The case is not a uniform flow that the solver supports.
 pub fn uniform_flow(case: &Case) -> Result<UniformFlow, Error> {
     let flow = case.mean_flow()?;
-    // Each measurement has its own box.
+    // Placeholder grid and box: each measurement sets its own.
     let solver = flow_problem(case, [4; 2], [1.0; 2])?;
     Ok(UniformFlow { model: case.model()?, state: case.state(), flow, solver })
 }
 
-/// The verdict on the uniform flow of a case.
+/// Determines the verdict on the uniform flow of a case.
 ///
 /// # Errors
 /// The state cannot be analysed.
@@ -148,10 +148,10 @@ pub fn verdict(case: &Case, problem: &UniformFlow) -> Result<Verdict, Error> {
     }
 }
 
-/// The perturbation of a run on a grid of so many points along each axis.
+/// Creates the perturbation of a run on a grid of `points` points along each axis.
 ///
 /// # Errors
-/// The archive that a part names is not what it should be.
+/// The archive named by a part of the perturbation is unusable.
 pub fn perturbation_on(
     run: &FlowRun,
     flow: &UniformFlow,

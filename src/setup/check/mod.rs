@@ -1,4 +1,4 @@
-//! From a case to the problems that are checked: waves, grids and how they are measured.
+//! Plans of checks from a case: waves, grids and solver settings.
 
 pub mod flow;
 pub mod solid;
@@ -22,19 +22,19 @@ pub enum Extent {
 /// Checks of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CheckPlan {
-    /// The media of a solid.
+    /// Checks of the media of a solid.
     Solid(Vec<MediumPlan>),
-    /// The waves and perturbations of a flow.
+    /// Check of the waves and perturbations of a flow.
     Flow(FlowPlan),
     /// No check: no solver supports the case; the reason.
     NotMeasurable(String),
 }
 
 impl CheckPlan {
-    /// The plan of a case.
+    /// Creates the plan of a case.
     ///
     /// # Errors
-    /// The case is wrong.
+    /// The case is invalid.
     pub fn new(case: &Case, extent: Extent) -> Result<Self, Error> {
         check_range(case)?;
         if let Kind::Solid(_) = case.material.kind {
@@ -51,7 +51,7 @@ impl CheckPlan {
     }
 }
 
-/// Why no solver takes a case.
+/// Formats the reason why no solver supports a case.
 fn reason(error: CaseError) -> String {
     match error {
         CaseError::Key { key, found, allowed, .. } => {
@@ -61,7 +61,8 @@ fn reason(error: CaseError) -> String {
     }
 }
 
-/// Checks that products of a few numbers of a flow neither overflow nor underflow.
+/// Checks that the numbers of a case are 0 or of magnitude 10⁻⁶⁰ to 10⁶⁰, so that products of a few neither overflow
+/// nor underflow.
 fn check_range(case: &Case) -> Result<(), CaseError> {
     const SIZES: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
     let asked = case.check.iter().flat_map(|own| own.numbers.iter().flatten());
@@ -77,7 +78,7 @@ fn check_range(case: &Case) -> Result<(), CaseError> {
     }
 }
 
-/// The error with the key that it is due to, and a remedy.
+/// Converts an error of the agreement crate to an error with the responsible key and a remedy.
 pub fn locate(material: &Material, error: AgreementError) -> Error {
     let found = error.to_string();
     let (key, allowed) = match error {
@@ -100,7 +101,7 @@ pub fn locate(material: &Material, error: AgreementError) -> Error {
         AgreementError::NothingMoves => {
             ("initial", "noise of v, say, up to the greatest mode number of the finest")
         }
-        // No case leads to these.
+        // Not reachable from a case.
         AgreementError::Dimensions { .. } => ("model.dimensions", "the same for both"),
         AgreementError::NoGrids => ("check.cells", "at least one grid"),
         AgreementError::Points { .. } => ("initial", "a value at each point"),

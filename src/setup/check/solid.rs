@@ -1,4 +1,4 @@
-//! Solids: the media of a case, and the waves that are sent through each.
+//! Plans of solid checks: media of a case and waves to be measured in each.
 
 use super::Extent;
 use crate::case::{Case, Check, Material, Wave};
@@ -7,30 +7,30 @@ use agreement::PlaneWave;
 use agreement::solids::SolverSettings;
 use models::InputError;
 
-/// A medium of a solid, and its waves.
+/// Medium of a solid and its waves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MediumPlan {
     /// Position in the case; empty if everywhere.
     pub place: String,
     /// Material of the medium.
     pub material: Material,
-    /// Its waves.
+    /// Waves to be measured in the medium.
     pub waves: WavePlan,
 }
 
-/// The waves of a medium, and how they are measured.
+/// Waves of a medium and solver settings of their measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WavePlan {
-    /// The waves.
+    /// Waves to be measured.
     pub waves: Vec<Wave>,
     /// Grids and time step.
     pub settings: SolverSettings,
 }
 
-/// The media of a solid that a solver takes; or why no solver takes one of them.
+/// Plans the checks of the distinct media of a solid; the inner error is the reason why no solver supports one of them.
 ///
 /// # Errors
-/// The case is wrong.
+/// The case is invalid.
 pub(super) fn media(
     case: &Case,
     extent: Extent,
@@ -71,7 +71,7 @@ pub(super) fn media(
 }
 
 impl WavePlan {
-    /// The waves of one of the media of a case, `own`, whose time step and scheme are those of the case.
+    /// Plans the waves of the medium `own` of a case; time step and scheme are those of the case.
     pub fn new(case: &Case, own: &Material, extent: Extent) -> Self {
         let solid = setup::solid::solid(own);
         let dimensions = solid.as_ref().map_or(2, |solid| solid.dimensions);
@@ -98,28 +98,29 @@ impl WavePlan {
         Self { waves: waves.collect(), settings: settings(case, cells.unwrap_or(default)) }
     }
 
-    /// The waves by their unit vectors.
+    /// Converts the waves to wave numbers and unit normals.
     pub fn plane_waves(&self) -> Vec<PlaneWave<3>> {
         self.waves.iter().map(plane_wave).collect()
     }
 }
 
-/// A wave by its unit vector.
+/// Converts a wave to wave number and unit normal.
 fn plane_wave(wave: &Wave) -> PlaneWave<3> {
     PlaneWave { number: wave.number, normal: setup::solid::normal(wave) }
 }
 
-/// Wave numbers where none are asked for, from that of the solid itself, if it has one, or of the case, 1/m.
+/// Returns the default wave numbers, 1/m: multiples of the characteristic wave number of the solid, or that of the case
+/// if the solid has none.
 fn wave_numbers(natural: Option<f64>, yields: bool, given: f64) -> Vec<f64> {
     match natural {
-        // Long waves see another solid than short ones.
+        // Long and short waves have different dispersion, hence five wave numbers.
         Some(own) if !yields => [1.0, 0.25, 0.5, 2.0, 4.0].map(|part| part * own).to_vec(),
         Some(own) => vec![own],
         None => vec![given],
     }
 }
 
-/// Directions and elevations, degrees: those asked for, or that of the case and a few oblique ones.
+/// Returns directions and elevations, degrees: the given ones, or that of the case and a few oblique ones.
 fn directions(
     asked_deg: Option<Vec<f64>>,
     is_plane: bool,
@@ -140,7 +141,7 @@ fn directions(
     [own].into_iter().chain(others).collect()
 }
 
-/// The solver as a run of the case has it, on such grids.
+/// Returns the solver settings of a run of the case on the grids of `cells` cells per period.
 fn settings(case: &Case, cells: Vec<usize>) -> SolverSettings {
     let time = case.dynamics.as_ref().map(|dynamics| &dynamics.time);
     let chosen = case.dynamics.as_ref().map(|dynamics| dynamics.scheme).unwrap_or_default();

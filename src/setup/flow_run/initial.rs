@@ -1,4 +1,4 @@
-//! The perturbation at the beginning of a run.
+//! Initial perturbation of a flow simulation.
 
 use crate::case::flow::{Disturbed, FlowRun, Initial, Wave};
 use crate::case::{CaseError, radians};
@@ -8,11 +8,11 @@ use files::npz::{Values, read_some};
 use models::flow::RotationKind;
 use std::path::Path;
 
-/// An archive is no larger than so many arrays of the grid and so many bytes besides.
+/// Maximum size of an archive: this number of arrays of the grid plus [`LARGEST`] bytes.
 const MOST_ARRAYS: u64 = 64;
 const LARGEST: u64 = 1 << 20;
 
-/// Perturbations at the points, the first axis running fastest.
+/// Perturbations at the grid points, first axis fastest.
 pub(crate) struct Fields {
     /// Velocity perturbation, m/s.
     pub(crate) velocity: [Vec<f64>; 2],
@@ -20,10 +20,10 @@ pub(crate) struct Fields {
     pub(crate) inner: Vec<f64>,
 }
 
-/// The sum of all parts.
+/// Sums all parts of the initial perturbation.
 ///
 /// # Errors
-/// The archive that a part names is not what it should be.
+/// The archive named by a part is unusable.
 pub(crate) fn fields(run: &FlowRun, problem: &Problem) -> Result<Fields, CaseError> {
     let lattice = Lattice { count: run.grid.cells, lengths: run.grid.lengths };
     let zeros = || vec![0.0; run.grid.count()];
@@ -53,7 +53,7 @@ pub(crate) fn fields(run: &FlowRun, problem: &Problem) -> Result<Fields, CaseErr
     Ok(fields)
 }
 
-/// An amplitude in the units of the solver.
+/// Converts an amplitude to SI units and rad.
 fn in_si(field: Disturbed, amplitude: f64) -> f64 {
     if field == Disturbed::StressAngle { amplitude.to_radians() } else { amplitude }
 }
@@ -63,7 +63,7 @@ fn of_wave(own: &Wave) -> PlaneWave {
 }
 
 impl Fields {
-    /// Adds waves of a field, under an envelope if there is one.
+    /// Adds plane waves to a field, multiplied by the envelope if given.
     fn add(
         &mut self,
         lattice: Lattice,
@@ -85,7 +85,7 @@ impl Fields {
         }
     }
 
-    /// Adds the perturbation that an archive holds; or what is wrong with it, and what is allowed.
+    /// Adds the perturbation in an archive; the error holds the fault and the requirement.
     fn add_file(
         &mut self,
         run: &FlowRun,
@@ -109,7 +109,7 @@ impl Fields {
             read_some(&bytes, is_wanted, points).map_err(|error| unusable(&error.to_string()))?;
         let shape = [run.grid.cells[1], run.grid.cells[0]];
         let [v1, v2] = &mut self.velocity;
-        // The archive holds the whole of these, not the perturbation.
+        // The archive holds total values; the mean is subtracted.
         let inner = match run.rotation {
             RotationKind::IntrinsicSpin => Some(("w", problem.spin)),
             RotationKind::StressAxes => Some(("psi", problem.stress_angle)),

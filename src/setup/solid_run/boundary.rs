@@ -1,4 +1,4 @@
-//! Conditions and loads on sides.
+//! Boundary conditions and loads.
 
 use super::Place;
 use super::geometry::{distance, whole_side};
@@ -10,7 +10,7 @@ use dynamics::boundary::{Boundary, Condition, Load};
 use std::sync::Arc;
 
 impl Place<'_> {
-    /// The middles of the faces of a side along its axes, the first fastest.
+    /// Returns the face centres of a side along its axes, m, the first axis fastest.
     fn faces(&self, side: Side) -> Vec<Vec<f64>> {
         let grid = &self.dynamics.grid;
         let mut faces = vec![Vec::new()];
@@ -39,7 +39,7 @@ impl Place<'_> {
         let own = |entry: &(usize, &SideCondition)| entry.1.side == side;
         for (index, entry) in self.dynamics.sides.iter().enumerate().filter(own) {
             let of_pair: Vec<Condition> = match &entry.condition {
-                // A later entry holds.
+                // A later entry overrides a periodic condition.
                 SideKind::Periodic => continue,
                 SideKind::Free => vec![Condition::Traction(0.0); pairs.len()],
                 SideKind::Fixed => vec![Condition::Velocity(0.0); pairs.len()],
@@ -73,7 +73,7 @@ impl Place<'_> {
             }
             self.refuse_empty(is_empty, &format!("side[{index}]"))?;
         }
-        // A load says what is given on its faces; two must not say different things.
+        // A load sets the type of condition on its faces; two loads must not set different types.
         let mut said = vec![vec![None; faces.len()]; pairs.len()];
         for (index, load) in self.dynamics.loads.iter().enumerate() {
             if load.side == side {
@@ -103,7 +103,7 @@ impl Place<'_> {
         }
     }
 
-    /// The pair of waves that a load drives, and how.
+    /// Returns the index of the velocity-stress pair that a load drives and the type of its condition.
     fn pair_of(&self, index: usize, load: &SideLoad) -> Result<(usize, Condition), Error> {
         let pairs = self.medium.pairs[load.side.axis].iter().enumerate();
         for (place, pair) in pairs {
@@ -119,7 +119,7 @@ impl Place<'_> {
         Err(self.dynamics.locate(&format!("load[{index}].field"), found, allowed).into())
     }
 
-    /// The faces of a load and their amplitudes.
+    /// Returns the faces of a load and their amplitudes.
     fn loaded(&self, index: usize, load: &SideLoad) -> Result<Vec<(usize, f64)>, Error> {
         let faces = self.faces(load.side).into_iter().enumerate();
         let axes = load.side.axes(self.dynamics.grid.dimensions());

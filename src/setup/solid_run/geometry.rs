@@ -1,4 +1,4 @@
-//! Places of a case in its grid.
+//! Positions of a case in its grid.
 
 use crate::case::dynamics::{
     Condition, Dynamics, Interpolation, Receiver, Recorded, Side, SideCondition,
@@ -6,7 +6,7 @@ use crate::case::dynamics::{
 use dynamics::probe::Probe;
 use models::common::elementary::Elementary;
 
-/// The middle of a cell, m.
+/// Returns the centre of a cell, m.
 pub(crate) fn centre(dynamics: &Dynamics, cell: usize) -> Vec<f64> {
     let mut rest = cell;
     let along = dynamics.grid.cells.iter().enumerate();
@@ -19,7 +19,8 @@ pub(crate) fn centre(dynamics: &Dynamics, cell: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The cell that holds a point; of points on a joint the cell behind it, of those on a side the one there.
+/// Returns the index of the cell that contains a point, the upper cell for points on a face, the nearest cell outside
+/// of the grid.
 pub(crate) fn cell_at(dynamics: &Dynamics, point: &[f64]) -> usize {
     let mut cell = 0;
     for (axis, x) in point.iter().enumerate().rev() {
@@ -30,7 +31,7 @@ pub(crate) fn cell_at(dynamics: &Dynamics, point: &[f64]) -> usize {
     cell
 }
 
-/// The distance along an axis; round the grid where that is periodic and shorter.
+/// Returns a − b along an axis, m; in the periodic case the shortest difference.
 pub(super) fn along(dynamics: &Dynamics, axis: usize, a: f64, b: f64) -> f64 {
     let [first, last] = dynamics.grid.extent(axis);
     match is_periodic(dynamics, axis) {
@@ -39,7 +40,7 @@ pub(super) fn along(dynamics: &Dynamics, axis: usize, a: f64, b: f64) -> f64 {
     }
 }
 
-/// The distance of two points along such axes, m.
+/// Returns the distance of two points in the space of `axes`, m.
 pub(super) fn distance(dynamics: &Dynamics, axes: &[usize], a: &[f64], b: &[f64]) -> f64 {
     let parts = axes.iter().zip(a.iter().zip(b));
     parts.fold(0.0, |sum, (axis, (a, b))| {
@@ -47,18 +48,18 @@ pub(super) fn distance(dynamics: &Dynamics, axes: &[usize], a: &[f64], b: &[f64]
     })
 }
 
-/// Whether the grid comes round along an axis.
+/// Returns whether the grid is periodic along an axis.
 pub(super) fn is_periodic(dynamics: &Dynamics, axis: usize) -> bool {
     whole_side(dynamics, Side { axis, is_upper: false })
         .is_some_and(|entry| entry.condition == Condition::Periodic)
 }
 
-/// The last entry of a whole side.
+/// Returns the last condition set on a whole side.
 pub(super) fn whole_side(dynamics: &Dynamics, side: Side) -> Option<&SideCondition> {
     dynamics.sides.iter().rev().find(|entry| entry.side == side && entry.part.is_none())
 }
 
-/// Probe of a receiver in the grid; `of_cell` are the media of the cells.
+/// Creates the probe of a receiver; `of_cell` holds the medium index of each cell.
 pub(crate) fn probe(dynamics: &Dynamics, of_cell: &[u16], receiver: &Receiver<Recorded>) -> Probe {
     let grid = &dynamics.grid;
     let home = cell_at(dynamics, &receiver.at);

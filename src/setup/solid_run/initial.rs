@@ -1,4 +1,4 @@
-//! The initial state.
+//! Initial state of a solid simulation.
 
 use super::geometry::{along, centre, distance};
 use super::pulse::Incident;
@@ -13,15 +13,15 @@ use models::common::elementary::{Elementary, cr_cis};
 use models::solid::waves::Field;
 use num_complex::Complex64;
 
-/// Sums of the parts of the initial state.
+/// Accumulated parts of the initial state.
 struct Sums<'a> {
     dynamics: &'a Dynamics,
-    /// Values by cell of the fields that any part has.
+    /// Values by cell of the fields set by any part.
     all: Vec<(Field, Vec<f64>)>,
 }
 
 impl Sums<'_> {
-    /// Adds values at the middles of cells, cell by cell.
+    /// Adds `value` at the cell centres, in order of the cells.
     fn add(&mut self, field: Field, mut value: impl FnMut(&[f64]) -> f64) {
         let place = self.all.iter().position(|own| own.0 == field).unwrap_or_else(|| {
             self.all.push((field, vec![0.0; self.dynamics.grid.count()]));
@@ -34,7 +34,7 @@ impl Sums<'_> {
 }
 
 impl Place<'_> {
-    /// The initial values of the fields that have any.
+    /// Returns the initial values of all fields that are set, by cell.
     pub(super) fn initial<const D: usize>(
         &self,
         case: &Case,
@@ -104,7 +104,7 @@ impl Place<'_> {
         Ok(sums.all)
     }
 
-    /// Adds the stress of a rotation φ without displacement: Λ = −φ×, σ = ±a with a = 2αφ of each medium.
+    /// Adds the stress of a rotation φ without displacement: Λ = −φ×, σ_ij = −σ_ji = 2αφ with α of each medium.
     fn add_rotation(
         &self,
         sums: &mut Sums,
@@ -130,7 +130,7 @@ impl Place<'_> {
         Ok(())
     }
 
-    /// α of each medium.
+    /// Returns the antisymmetric modulus α of each medium, Pa.
     fn alphas(&self, case: &Case) -> Result<Vec<f64>, Error> {
         let alpha = |own: &Material| -> Result<f64, Error> {
             let (elastic, _) = elastic_law_and_set(own).map_err(|error| own.locate(error))?;
@@ -142,7 +142,7 @@ impl Place<'_> {
         }
     }
 
-    /// The amplitudes of a plane wave, of which the greatest velocity is 1.
+    /// Returns the complex amplitudes of a plane wave, normalised to a greatest velocity of 1.
     fn plane_wave<const D: usize>(
         &self,
         case: &Case,
@@ -159,7 +159,7 @@ impl Place<'_> {
         let direction = normal(wave);
         let vector = std::array::from_fn(|axis| wave.number * direction[axis]);
         let waves = plane_waves(&rates, vector);
-        // By descending frequency; those that stand still are none.
+        // Waves by descending frequency, without those of zero frequency.
         let Some((_, amplitudes)) = branch.checked_sub(1).and_then(|i| waves.get(i)) else {
             let found = format!("found branch {branch}");
             let allowed = format!("1 to {} at this wavelength", waves.len());

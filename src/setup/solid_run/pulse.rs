@@ -1,4 +1,4 @@
-//! The initial state of a plane wave of finite length.
+//! Initial state of a plane pulse.
 
 use super::geometry::{cell_at, centre};
 use crate::Error;
@@ -9,20 +9,20 @@ use dynamics::initial::PlanePulse;
 use models::solid::parameters::Isotropic;
 use models::solid::waves::Field;
 
-/// Greatest part of the amplitude that may lie in other media.
+/// Greatest fraction of the amplitude allowed in other media.
 const OUTSIDE: f64 = 1e-6;
 
-/// A pulse in its medium.
+/// Plane pulse in its medium.
 pub(super) struct Incident<'a> {
     given: &'a Given,
     pulse: PlanePulse,
-    /// The place of its medium.
+    /// Index of its medium.
     medium: u16,
 }
 
 impl<'a> Incident<'a> {
     /// # Errors
-    /// The medium has spins, whose waves change their shape, or the pulse reaches another medium.
+    /// The medium has spins, so that its waves are dispersive, or the pulse extends into another medium.
     pub(super) fn new(
         case: &Case,
         dynamics: &Dynamics,
@@ -70,14 +70,14 @@ impl<'a> Incident<'a> {
         Ok(own)
     }
 
-    /// The value at a point of the medium over that of the greatest velocity at the time 0.
+    /// Returns the pulse at a point at time 0, relative to its amplitude.
     fn shape(&self, x: &[f64]) -> f64 {
         let from: Vec<f64> = x.iter().zip(&self.given.at).map(|(x, at)| x - at).collect();
         let [along, aside] = self.pulse.distances(&from);
         self.given.time.value(-along / self.pulse.speed()) * self.given.across(aside)
     }
 
-    /// The value of a field in a cell of a medium.
+    /// Returns the value of a field at a point of a medium; 0 in other media.
     pub(super) fn value(&self, field: Field, x: &[f64], medium: u16) -> f64 {
         match self.pulse.factor(field).filter(|_| medium == self.medium) {
             Some(factor) => self.given.amplitude * factor * self.shape(x),

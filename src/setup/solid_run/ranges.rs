@@ -1,5 +1,5 @@
-//! That the numbers of a solid in time hold in those of the solver: products of constants neither overflow nor vanish, and
-//! what drives the solid is not taken for zero.
+//! Range checks for the precision of the solver: products of constants neither overflow nor underflow, and loads and
+//! initial values exceed the flush-to-zero threshold.
 
 use crate::Error;
 use crate::case::Case;
@@ -9,13 +9,13 @@ use dynamics::medium::Medium;
 use models::InputError;
 use models::solid::waves::Field;
 
-/// What a number of a precision holds of constants, and of what drives the solid.
+/// Allowed ranges of constants and drives (loads and initial values) for a precision.
 struct Range {
     name: &'static str,
-    /// Moduli, inertias, impedances and strengths lie between the inverse of it and it itself: powers up to the third and
-    /// products of a few are taken of them.
+    /// Greatest constant; the least is its inverse. Powers up to the third and products of a few moduli, inertias,
+    /// impedances and strengths must be representable.
     constant: f64,
-    /// The solver sets less than that to zero as it decays; what drives the solid is to be far above it.
+    /// Least amplitude of a drive, far above the threshold below which the solver flushes decaying values to zero.
     drive: f64,
 }
 
@@ -32,10 +32,10 @@ impl Range {
     }
 }
 
-/// That the constants of all media hold in the precision of the case.
+/// Checks that the constants of all media are in the range of the precision.
 ///
 /// # Errors
-/// The first one that does not.
+/// A constant is out of range.
 pub(super) fn check_constants(case: &Case, dynamics: &Dynamics) -> Result<(), Error> {
     let range = Range::of(dynamics.scheme.precision);
     let own = dynamics.regions.is_empty().then_some(&case.material);
@@ -56,17 +56,16 @@ pub(super) fn check_constants(case: &Case, dynamics: &Dynamics) -> Result<(), Er
     Ok(())
 }
 
-/// That loads and initial values, and the waves that they make, are not so small that they are taken for what has
-/// decayed.
+/// Checks that loads and initial values, and the waves that they excite, exceed the flush-to-zero threshold.
 ///
 /// # Errors
-/// The first one that is.
+/// An amplitude is too small.
 pub(super) fn check_drives(dynamics: &Dynamics, media: &[Medium]) -> Result<(), Error> {
     let pairs = || media.iter().flat_map(|medium| medium.pairs.iter().flatten());
     let impedances = || pairs().map(|pair| pair.impedance());
     let (least, greatest) =
         (impedances().fold(f64::INFINITY, f64::min), impedances().fold(0.0, f64::max));
-    // The smaller one of a stress and the velocity that it makes, or the other way round.
+    // The lesser of the amplitude and that of its conjugate: σ = Zv with the impedance Z.
     let smaller = |field: Field, amplitude: f64| {
         let size = amplitude.abs();
         match field {
@@ -98,7 +97,8 @@ pub(super) fn check_drives(dynamics: &Dynamics, media: &[Medium]) -> Result<(), 
     Ok(())
 }
 
-/// What a load is on a face: at a point it is given as an integral over the side.
+/// Returns the amplitude of a load per face; that of a point load is an integral over the side, divided by the face
+/// area.
 fn on_a_face(dynamics: &Dynamics, load: &Load) -> f64 {
     match load.action {
         Action::Point { .. } => {

@@ -1,4 +1,4 @@
-//! Sources, and the shares of cells in what acts at a point.
+//! Sources, and distribution of point sources and point loads to cells and faces.
 
 use super::Place;
 use super::geometry::is_periodic;
@@ -11,7 +11,7 @@ use dynamics::point_kernel::{Axis, End, bell_shares, nearest_share, spline_share
 use models::solid::waves::Field;
 use std::sync::Arc;
 
-/// Continuation of a field beyond a side (mirror image, end or period), as seen from a point of the grid.
+/// Returns the continuation of a field beyond a side (mirror image, open or periodic) at a point.
 fn end(dynamics: &Dynamics, side: Side, point: &[f64], field: Field) -> End {
     if is_periodic(dynamics, side.axis) {
         return End::Periodic;
@@ -31,7 +31,7 @@ fn end(dynamics: &Dynamics, side: Side, point: &[f64], field: Field) -> End {
     }
 }
 
-/// Shares of cells in a field's source at a point of the grid, or, where `axes` leaves one out, of faces of a side.
+/// Returns the shares of cells in a point source of a field, or of the faces of a side if `axes` omits its axis.
 fn shares(
     dynamics: &Dynamics,
     axes: &[usize],
@@ -59,10 +59,10 @@ fn shares(
     }
 }
 
-/// Most cells or faces in the square or cube around a bell.
+/// Maximum number of cells or faces in the square or cube around a bell kernel.
 const MOST_PLACES: f64 = 1e7;
 
-/// That a bell is not much wider than the grid, and covers no more cells or faces than there is memory for.
+/// Checks that a bell kernel is at most twice as wide as the grid and covers at most [`MOST_PLACES`] cells or faces.
 fn check_radius(dynamics: &Dynamics, axes: &[usize], radius: f64, key: &str) -> Result<(), Error> {
     let grid = &dynamics.grid;
     let widest = (0..grid.dimensions()).map(|axis| grid.cells[axis] as f64 * grid.spacing[axis]);
@@ -77,7 +77,7 @@ fn check_radius(dynamics: &Dynamics, axes: &[usize], radius: f64, key: &str) -> 
 }
 
 impl Place<'_> {
-    /// Shares of cells or faces in what acts at a point.
+    /// Returns the shares of cells or faces in a point source or point load.
     pub(super) fn shares(
         &self,
         axes: &[usize],
@@ -98,7 +98,8 @@ impl Place<'_> {
         Ok(shares)
     }
 
-    /// A source, in parts whose mirror images have the same sign.
+    /// Creates the solver sources of a source, one for each group of components with equal shares (mirror images of
+    /// equal sign).
     pub(super) fn source(&self, index: usize, source: &Inside) -> Result<Vec<Source>, Error> {
         let amplitudes: Vec<(Field, f64)> = match &source.action {
             SourceKind::Force(force) => {
@@ -127,7 +128,7 @@ impl Place<'_> {
                 }
                 entries.filter(|(field, _)| self.medium.fields.contains(field)).collect()
             }
-            // In plane strain across the plane as well.
+            // Also out of plane in plane strain.
             SourceKind::Explosion(moment) => {
                 (0..3).map(|i| (Field::Stress(i, i), *moment)).collect()
             }

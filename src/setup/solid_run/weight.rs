@@ -1,4 +1,4 @@
-//! Weight and initial stress.
+//! Gravity and initial stress.
 
 use super::Place;
 use super::geometry::centre;
@@ -9,8 +9,8 @@ use models::solid::stress::Stress;
 use models::solid::waves::Field;
 
 impl Place<'_> {
-    /// What gravity does: an acceleration, or an initial stress that balances it, to which the uniform one
-    /// is added.
+    /// Returns the acceleration by gravity, m/s², or the lithostatic initial stress that balances it, plus the uniform
+    /// initial stress, as axis and stress by layer across it.
     #[allow(clippy::type_complexity, reason = "two fields of the problem")]
     pub(super) fn weight<const D: usize>(
         &self,
@@ -53,7 +53,7 @@ impl Place<'_> {
         Ok((acceleration, (!is_zero).then_some(layers)))
     }
 
-    /// That the weight of a layer across an axis is not uniform.
+    /// Creates the error that the density in a layer across an axis is not uniform.
     fn uneven(
         &self,
         axis: usize,

@@ -1,4 +1,4 @@
-//! Flows: waves that the mean flow carries along, and a perturbation on finer and finer grids.
+//! Checks of flows: waves advected by the mean flow, and a perturbation on refined grids.
 
 use super::greatest;
 use super::refinement::{RefinementCheck, refine};
@@ -13,60 +13,60 @@ use agreement::{AgreementError, PlaneWave};
 use models::common::elementary::Elementary;
 use serde::Serialize;
 
-/// The results of a flow.
+/// Check result of a flow.
 #[derive(Clone, Debug, Serialize)]
 pub struct FlowCheck {
-    /// The modes of the waves.
+    /// Results by mode of each wave.
     pub rows: Vec<ModeCheck>,
     /// Grid refinement of one perturbation, model by model.
     pub refinements: Vec<RefinementCheck>,
     /// Q_D of the mean flow, 1/s.
     #[serde(skip)]
     pub shear_rate: f64,
-    /// Predicted rates against the wave number, of modes that grow or decay faster than the mean flow deforms.
+    /// Predicted rates against the wave number, for modes whose rates exceed three times the shear rate.
     #[serde(skip)]
     pub curves: Vec<RateCurve>,
 }
 
-/// A mode of a wave.
+/// Check of one mode of a wave.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModeCheck {
     /// The wave.
     pub wave: FlowWave,
-    /// Its place among the modes of this wave, by descending growth at the beginning, from 1.
+    /// Number of the mode, from 1, by descending initial growth rate.
     pub mode: usize,
-    /// Duration over which it was followed, s.
+    /// Duration of the measurement, s.
     pub duration: f64,
-    /// By the linearised equations along k(t).
+    /// Rate predicted by the linearised equations along k(t).
     pub predicted: ComplexRate,
-    /// By the pencil of the frozen wave vector.
+    /// Rate by the matrix pencil at the frozen initial wave vector.
     pub frozen: ComplexRate,
-    /// By the solver in ever shorter steps.
+    /// Rates measured by the solver for decreasing time steps.
     pub measured: Vec<SequenceRate>,
-    /// The limit of short steps.
+    /// Measured rate extrapolated to zero time step.
     pub limit: Option<ComplexRate>,
     /// Bound on the error of the limit, 1/s.
     pub tolerance: Option<f64>,
-    /// Why there is no measurement.
+    /// Reason why there is no measurement.
     pub not_measurable: Option<String>,
-    /// Order of convergence in the step; `None` where the error is rounding.
+    /// Order of convergence in the time step; `None` if the error is rounding.
     pub order: Option<f64>,
-    /// Whether measured and predicted rate agree; `None` where there is no measurement.
+    /// Whether measured and predicted rate agree; `None` without measurement.
     pub agrees: Option<bool>,
     /// Measured minus predicted rate.
     #[serde(skip)]
     pub difference: Option<Rate>,
-    /// The scale of relative differences, 1/s: the predicted rate, or the shear rate where that is greater.
+    /// Scale of relative differences, 1/s: the greater of predicted rate and shear rate.
     #[serde(skip)]
     pub scale: f64,
 }
 
-/// A rate of growth and oscillation.
+/// Complex rate of growth and oscillation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ComplexRate {
-    /// γ, 1/s.
+    /// Growth rate γ, 1/s.
     pub growth_rate: f64,
-    /// ω, rad/s.
+    /// Angular frequency ω, rad/s.
     pub frequency: f64,
 }
 
@@ -76,10 +76,10 @@ impl From<Rate> for ComplexRate {
     }
 }
 
-/// A rate that the solver shows in so many steps.
+/// Rate measured with a number of time steps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SequenceRate {
-    /// The rate.
+    /// Measured rate.
     #[serde(flatten)]
     pub rate: ComplexRate,
     /// Number of steps.
@@ -91,7 +91,7 @@ pub struct SequenceRate {
 pub struct RateCurve {
     /// Direction of the waves, degrees.
     pub direction_deg: f64,
-    /// Whether they grow.
+    /// Whether the waves grow.
     pub grows: bool,
     /// Wave numbers at the beginning, 1/m, and predicted |γ| there, 1/s.
     pub predicted: Vec<[f64; 2]>,
@@ -99,7 +99,7 @@ pub struct RateCurve {
     pub measured: Vec<[f64; 2]>,
 }
 
-/// Checks the waves of a flow, and a perturbation on finer and finer grids if the case asks for it.
+/// Checks the waves of a flow, and a perturbation on refined grids if requested.
 pub(super) fn check(
     case: &Case,
     plan: &FlowPlan,
@@ -131,7 +131,7 @@ pub(super) fn check(
     Ok(FlowCheck { rows: results.iter().map(row).collect(), refinements, shear_rate, curves })
 }
 
-/// Predicted rates against the wave number, with the measured ones.
+/// Computes the predicted rates against the wave number and collects the measured ones.
 fn curves(
     problem: &UniformFlow,
     waves: &[FlowWave],
@@ -148,8 +148,8 @@ fn curves(
             directions.push(direction_deg);
         }
     }
-    // What grows or decays no faster than the mean flow deforms is not short waves' doing; and next to a degenerate
-    // direction the rate at the beginning is not that of the way.
+    // Omitted are modes with rates below three times the shear rate, which short-wave asymptotics does not determine,
+    // and modes near degenerate directions, whose initial rate differs from that along k(t).
     let is_slow = |row: &&ModeResult| row.predicted.growth.abs() < 3.0 * shear_rate;
     let has_turned = |row: &&ModeResult| {
         (row.frozen - row.predicted).max_norm() > 0.1 * row.predicted.max_norm()
@@ -183,26 +183,26 @@ fn curves(
 }
 
 impl FlowCheck {
-    /// Whether everything that was measured agrees; `None` where nothing was.
+    /// Returns whether all measurements agree; `None` without any.
     pub fn agrees(&self) -> Option<bool> {
         let is_anything = self.rows.iter().any(|row| row.limit.is_some());
         let [_, failed] = self.counts();
         (is_anything || !self.refinements.is_empty()).then_some(failed == 0)
     }
 
-    /// Number of waves without a measurement.
+    /// Returns the number of modes without measurement.
     pub fn unmeasured(&self) -> usize {
         self.rows.iter().filter(|row| row.not_measurable.is_some()).count()
     }
 
-    /// Number of modes and refinements, and of those that disagree.
+    /// Returns the number of modes and refinements, and the number that disagree.
     pub fn counts(&self) -> [usize; 2] {
         let failed = self.rows.iter().filter(|row| row.agrees == Some(false)).count()
             + self.refinements.iter().filter(|own| !own.agrees).count();
         [self.rows.len() + self.refinements.len(), failed]
     }
 
-    /// The greatest relative difference of the rates of a measured wave; `None` where none was measured.
+    /// Returns the greatest relative difference of measured rates; `None` without measurement.
     pub fn greatest_difference(&self) -> Option<f64> {
         let relative = |row: &ModeCheck| Some(row.difference?.max_norm() / row.scale);
         greatest(self.rows.iter().filter_map(relative))

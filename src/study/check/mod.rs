@@ -1,7 +1,6 @@
 //! Agreement of time-domain measurements with the predictions of the analysis.
 //!
-//! [`agreement`] holds prediction and measurement against each other; here stand its results on the problems that a case
-//! states.
+//! [`agreement`] compares prediction and measurement; this module collects its results for the problems of a case.
 
 pub mod flow;
 pub mod refinement;
@@ -17,12 +16,12 @@ use flow::FlowCheck;
 use serde::Serialize;
 use solid::SolidCheck;
 
-/// Whether measured waves are those that are predicted.
+/// Comparison of measured with predicted waves.
 #[derive(Clone, Debug, Serialize)]
 pub struct CheckResult {
-    /// The medium in words.
+    /// Description of the medium.
     pub model: String,
-    /// Whether everything that was measured agrees; `None` where nothing was.
+    /// Whether all measurements agree; `None` without any.
     pub agrees: Option<bool>,
     /// Result of the check.
     #[serde(flatten)]
@@ -37,14 +36,15 @@ pub enum Outcome {
     Solid(SolidCheck),
     /// Check of a flow.
     Flow(FlowCheck),
-    /// No solver takes the case.
+    /// No solver supports the case.
     NotMeasurable {
-        /// Why not.
+        /// Reason.
         not_measurable: String,
     },
 }
 
-/// Follows waves of a case in time and by the analysis, on the threads of the surrounding rayon pool.
+/// Measures waves of a case with the solver and compares them with the analysis, on the threads of the surrounding
+/// rayon pool.
 ///
 /// ```
 /// use wellposed::case::Case;
@@ -71,7 +71,7 @@ pub enum Outcome {
 /// ```
 ///
 /// # Errors
-/// The case is wrong, its state cannot be analysed, or the study was cancelled.
+/// The case is invalid, its state cannot be analysed, or the study was cancelled.
 pub fn check(case: &Case, extent: Extent, on_progress: OnProgress) -> Result<CheckResult, Error> {
     let (agrees, outcome) = match CheckPlan::new(case, extent)? {
         CheckPlan::Solid(media) => {
@@ -90,7 +90,7 @@ pub fn check(case: &Case, extent: Extent, on_progress: OnProgress) -> Result<Che
 }
 
 impl CheckResult {
-    /// Number of rows and of those that disagree.
+    /// Returns the number of rows and the number that disagree.
     pub fn counts(&self) -> [usize; 2] {
         match &self.outcome {
             Outcome::NotMeasurable { .. } => [0, 0],
@@ -99,7 +99,7 @@ impl CheckResult {
         }
     }
 
-    /// Number of waves without a measurement.
+    /// Returns the number of waves without measurement.
     pub fn unmeasured(&self) -> usize {
         match &self.outcome {
             Outcome::NotMeasurable { .. } => 0,
@@ -108,7 +108,7 @@ impl CheckResult {
         }
     }
 
-    /// The greatest difference of a measured wave, relative to its rate; `None` where nothing was measured.
+    /// Returns the greatest difference of a measured wave relative to its rate; `None` without measurement.
     pub fn greatest_difference(&self) -> Option<f64> {
         match &self.outcome {
             Outcome::NotMeasurable { .. } => None,
@@ -118,7 +118,7 @@ impl CheckResult {
     }
 }
 
-/// The greatest of some sizes; what is not a number is the greatest.
+/// Returns the maximum; NaN counts as the greatest, `None` without values.
 fn greatest(sizes: impl Iterator<Item = f64>) -> Option<f64> {
     sizes.reduce(|sum, own| if own <= sum || sum.is_nan() { sum } else { own })
 }
