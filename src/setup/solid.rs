@@ -12,7 +12,8 @@ use models::yield_set::{YieldSet, YieldSetKind};
 /// Creates the solid of a material.
 ///
 /// # Errors
-/// A constant is out of range, the stress is not on the yield surface, or the material is a flow.
+/// A constant is out of range, the yield surface is never reached in the direction of the stress, or the material is a
+/// flow.
 pub fn solid(material: &Material) -> Result<Solid, InputError> {
     let elastic = elastic_law(material)?;
     check_admits(material, &elastic)?;

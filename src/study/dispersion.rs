@@ -1,4 +1,4 @@
-//! Frequencies and speeds of the waves of a solid against the wave number.
+//! Dispersion relation of a solid: frequencies and speeds of its waves against the wave number.
 
 use super::{OnProgress, report_progress};
 use crate::case::{Case, Wave};
@@ -8,16 +8,16 @@ use models::InputError;
 use models::elastoplastic::Solid;
 use serde::Serialize;
 
-/// The waves of a solid along one direction.
+/// Dispersion relation of a solid in one direction.
 #[derive(Clone, Debug, Serialize)]
 pub struct Dispersion {
     /// Kind of the solid.
     pub model: &'static str,
-    /// The wave at which branches are listed.
+    /// Wave vector at which branches are listed.
     pub wave: WaveVector,
     /// Greatest wave number of the curves, 1/m.
     pub greatest_number: f64,
-    /// Families of waves with the same dispersion, taken together.
+    /// Branch families, those of equal dispersion merged.
     pub families: Vec<BranchFamily>,
     /// The solid.
     #[serde(skip)]
@@ -31,7 +31,7 @@ pub struct WaveVector {
     pub number: f64,
     /// Direction in the plane of x₁ and x₂ from x₁, degrees.
     pub direction_deg: f64,
-    /// Angle above that plane, degrees.
+    /// Elevation above that plane, degrees.
     pub elevation_deg: f64,
 }
 
@@ -42,52 +42,52 @@ impl From<Wave> for WaveVector {
     }
 }
 
-/// Families of waves with the same dispersion.
+/// Waves of one polarisation, merged with those of equal dispersion.
 #[derive(Clone, Debug, Serialize)]
 pub struct BranchFamily {
     /// Polarisation of the waves.
     pub polarisation: &'static str,
-    /// Number of families.
+    /// Number of merged families.
     pub count: usize,
     /// Characteristic speeds, m/s.
     pub characteristic_speeds: Vec<f64>,
     /// Imaginary parts of complex characteristic speeds, m/s.
     pub characteristic_growth: Vec<f64>,
-    /// Frequencies at k = 0 that are not zero, rad/s.
+    /// Nonzero frequencies at k = 0, rad/s.
     pub cut_off_frequencies: Vec<f64>,
-    /// Limits of the frequencies of branches of speed zero as k → ∞, rad/s.
+    /// Frequencies as k → ∞ of branches with zero characteristic speed, rad/s.
     pub short_wave_limits: Vec<f64>,
-    /// Frequencies between which no such wave propagates, rad/s; infinite at the upper end where there is none above
-    /// (null in JSON).
+    /// Forbidden bands, in which no such wave propagates: lower and upper frequency, rad/s; the upper one is infinite
+    /// if no wave propagates above (null in JSON).
     pub forbidden_bands: Vec<[f64; 2]>,
-    /// The branches at the wave of the case.
+    /// Branches at the wave of the case.
     pub at_wave: Vec<Branch>,
     /// Names of the branches.
     #[serde(skip)]
     pub labels: Vec<String>,
-    /// The branches up to the greatest wave number.
+    /// Curves of the branches up to the greatest wave number.
     #[serde(skip)]
     pub curves: Vec<Vec<BranchPoint>>,
 }
 
-/// A branch at the wave of the case.
+/// Branch at the wave of the case.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Branch {
-    /// Re ω, rad/s.
+    /// Frequency Re ω, rad/s.
     pub frequency: f64,
     /// |Im ω|, 1/s.
     pub growth_rate: f64,
-    /// Re ω/k, m/s.
+    /// Phase speed Re ω/k, m/s.
     pub phase_speed: f64,
-    /// Re dω/dk, m/s.
+    /// Group speed Re dω/dk, m/s.
     pub group_speed: f64,
 }
 
-/// Follows the waves of a solid. Progress counts the families of waves.
+/// Computes the dispersion relation of a solid. Progress counts families of waves.
 ///
 /// # Errors
-/// The case is none of a solid, its constants are out of range, its background flows, or its waves cannot be followed;
-/// [`Error::Cancelled`].
+/// The case is not a solid, its constants are out of range, its background flows plastically, or frequencies are not
+/// finite; [`Error::Cancelled`].
 ///
 /// # Examples
 /// ```

@@ -1,17 +1,17 @@
-//! The strongest flutter and the slowest wave of a solid over all directions.
+//! Strongest flutter and slowest wave of a solid over all directions.
 
 use analysis::solids::angles_deg;
 use analysis::sphere::{Flutter, Slowest};
 use serde::Serialize;
 
-/// A wave normal.
+/// Wave normal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WaveNormal {
     /// Unit vector.
     pub vector: [f64; 3],
     /// Direction in the plane of x₁ and x₂ from x₁, degrees.
     pub direction_deg: f64,
-    /// Angle above that plane, degrees.
+    /// Elevation above that plane, degrees.
     pub elevation_deg: f64,
 }
 
@@ -22,12 +22,12 @@ impl From<[f64; 3]> for WaveNormal {
     }
 }
 
-/// The strongest flutter.
+/// Wave of the strongest flutter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FlutterWave {
-    /// Supremum of |Im c| over the directions with complex c², m/s: short waves grow as this times k.
+    /// Supremum of |Im c| over the directions with complex c², m/s; the growth rate of short waves is this times k.
     pub growth: f64,
-    /// Real and imaginary part of c² there, m²/s²; the conjugate is a c² too.
+    /// Real and imaginary part of c² at the supremum, m²/s²; the conjugate is also an eigenvalue.
     pub squared_speed: [f64; 2],
     /// The wave normal.
     pub normal: WaveNormal,
@@ -40,10 +40,10 @@ impl From<Flutter> for FlutterWave {
     }
 }
 
-/// The slowest wave among those with real c².
+/// Slowest wave among those with real c².
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SlowestWave {
-    /// Least real c², m²/s²; infinite if no direction has one (null in JSON).
+    /// Least real c², m²/s²; infinite if no direction has real c² (null in JSON).
     pub squared_speed: f64,
     /// Rounding bound of the squared speed, m²/s².
     pub rounding: f64,

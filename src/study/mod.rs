@@ -1,7 +1,7 @@
-//! Questions about a case, each answered by a value: nothing is printed, no file is touched.
+//! Studies of a case that return values, without output to terminal or files.
 //!
-//! One file per question. A value can be serialised (`serde`), as it stands in the reports; what reports do not hold,
-//! such as long curves, is in it as well.
+//! One module per study. Results implement `serde::Serialize`, as in the JSON reports; data that reports omit, such as
+//! long curves, are fields marked `#[serde(skip)]`.
 
 mod available;
 pub mod check;
@@ -23,19 +23,19 @@ pub use speeds::{Speeds, speeds};
 use crate::Error;
 use std::ops::ControlFlow;
 
-/// Called with the number of steps done and of all, from any thread; a study that is told to break ends with
+/// Callback with the number of steps done and the total, called from any thread; on `Break` the study ends with
 /// [`Error::Cancelled`].
 pub type OnProgress<'a> = &'a (dyn Fn(usize, usize) -> ControlFlow<()> + Sync);
 
-/// For a study that nobody watches.
+/// Progress callback that does nothing.
 pub fn unwatched(_done: usize, _all: usize) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// Reports to whoever watches.
+/// Reports progress to the callback.
 ///
 /// # Errors
-/// The study was told to break.
+/// The callback returned `Break`: [`Error::Cancelled`].
 fn report_progress(on_progress: OnProgress, done: usize, all: usize) -> Result<(), Error> {
     match on_progress(done, all) {
         ControlFlow::Continue(()) => Ok(()),

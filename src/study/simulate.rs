@@ -1,8 +1,8 @@
-//! A solid or a flow in time.
+//! Time-domain simulation of a solid or a flow.
 //!
-//! A case becomes a [`Job`], which the one loop of [`dynamics::simulation`] carries out. What comes out on the way goes
-//! to a [`Recorder`]: [`simulate`] has one that keeps all of it in memory, the program one that writes files and
-//! checkpoints. Results do not depend on the recorder, nor on threads: those of the surrounding `rayon` pool.
+//! A case is converted to a [`Job`], which the common driver of [`dynamics::simulation`] runs. Its output goes to a
+//! [`Recorder`]: [`simulate`] keeps it in memory, the program writes files and checkpoints. Results depend neither on
+//! the recorder nor on the number of threads of the surrounding `rayon` pool.
 
 mod cost;
 mod flow;
@@ -31,17 +31,17 @@ use serde::Serialize;
 /// Options of a simulation besides its case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Settings {
-    /// Whether a flow is run in time although its equations are ill-posed.
+    /// Whether a flow is simulated although its equations are ill-posed.
     pub accept_ill_posed: bool,
 }
 
-/// Runs a solid or a flow in time, in memory. Progress counts thousandths of the duration.
+/// Simulates a solid or a flow and keeps the output in memory. Progress counts thousandths of the duration.
 ///
-/// A run that its own state ends before is a result as well: it says so in [`RunResult::stopped`].
+/// A simulation stopped early by its own state returns a result as well, see [`RunResult::stopped`].
 ///
 /// # Errors
-/// The case is wrong or does not say how it is run in time, memory is short, its equations are ill-posed, which the
-/// settings do not accept, or the simulation was cancelled.
+/// The case is invalid or has no simulation, memory is short, the equations are ill-posed without acceptance in the
+/// settings, or the simulation was cancelled.
 ///
 /// # Examples
 /// ```
@@ -66,49 +66,49 @@ pub fn simulate(case: &Case, settings: Settings, progress: OnProgress) -> Result
     job.carry_out(&mut InMemory::new(progress))
 }
 
-/// A case that is run in time: a solid or a flow.
+/// Time-domain simulation of a solid or a flow.
 pub trait Job: Sync {
-    /// Plan of the computation, if memory suffices; including all snapshots if they are kept.
+    /// Plans the computation and checks that memory suffices, including all snapshots if `keeps_snapshots` is set.
     ///
     /// # Errors
-    /// Memory is short, or there would be too many steps.
+    /// Memory is short, or there are too many steps.
     fn plan(&self, keeps_snapshots: bool) -> Result<Plan, Error>;
 
-    /// That a plan takes what nobody means to spend.
+    /// Refuses a plan whose cost exceeds the limits of [`Cost::excess`].
     ///
     /// # Errors
-    /// It does, and by which key.
+    /// The cost exceeds a limit; the error names the responsible key.
     fn refuse_excess(&self, plan: &Plan) -> Result<(), Error>;
 
-    /// Finds everything that can be wrong with the case.
+    /// Checks the case completely, without a time step.
     ///
     /// # Errors
-    /// Checks the simulation for errors.
+    /// The case is invalid.
     fn check(&self) -> Result<(), Error>;
 
-    /// Warnings: settings that are probably unintended.
+    /// Returns warnings on settings that are probably unintended.
     ///
     /// # Errors
-    /// There would be too many steps.
+    /// There are too many steps.
     fn warnings(&self) -> Result<Vec<Warning>, Error>;
 
-    /// Verdict of the analysis that argues against the simulation.
+    /// Returns the ill-posedness found by the analysis, `None` if well-posed.
     ///
     /// # Errors
-    /// Its state cannot be analysed.
+    /// The state cannot be analysed.
     fn ill_posed(&self) -> Result<Option<IllPosed>, Error>;
 
-    /// Computes it, from its beginning or from where the recorder says.
+    /// Runs the simulation from its beginning or from the state of the recorder.
     ///
     /// # Errors
-    /// The case is wrong, or the first error of the recorder.
+    /// The case is invalid, or the recorder failed.
     fn carry_out(&self, recorder: &mut dyn Recorder) -> Result<RunResult, Error>;
 }
 
-/// Time-domain simulation of a case.
+/// Creates the simulation of a case.
 ///
 /// # Errors
-/// The case is wrong, or does not say how it is run in time.
+/// The case is invalid or has no simulation.
 pub fn job(case: &Case) -> Result<Box<dyn Job + '_>, Error> {
     Ok(match case.in_time()? {
         InTime::Solid(dynamics) => Box::new(solid::SolidJob::new(case, dynamics)?),

@@ -1,4 +1,4 @@
-//! Characteristic speeds of a solid against the direction, elastic and yielding.
+//! Characteristic speeds of a solid by direction, elastic and yielding.
 
 use super::extremes::{FlutterWave, SlowestWave};
 use super::{OnProgress, report_progress};
@@ -14,77 +14,77 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Speeds that differ by less than this part of the greatest elastic one are the same.
+/// Relative tolerance, in units of the greatest elastic speed, within which speeds are equal.
 pub const EQUAL: f64 = 1e-6;
 
-/// Degrees between the directions on the hemisphere.
+/// Angular spacing of the directions on the hemisphere, degrees.
 const STEP_DEG: usize = 1;
 
-/// The characteristic speeds of a solid.
+/// Characteristic speeds of a solid.
 #[derive(Clone, Debug, Serialize)]
 pub struct Speeds {
     /// Kind of the solid.
     pub model: &'static str,
-    /// Its yield set.
+    /// Name of the yield set.
     #[serde(rename = "yield")]
     pub yield_set: Option<&'static str>,
-    /// 2 for plane strain, 3 for space.
+    /// Dimensions: 2 for plane strain, 3 in space.
     pub dimensions: usize,
-    /// The verdict.
+    /// Name of the verdict.
     pub verdict: &'static str,
-    /// Type of the speeds.
+    /// Type of the characteristic speeds.
     pub hyperbolicity: &'static str,
-    /// The strongest flutter, if there is any.
+    /// Strongest flutter; `None` without complex speeds.
     pub flutter: Option<FlutterWave>,
-    /// The slowest wave.
+    /// Slowest wave.
     pub slowest: SlowestWave,
-    /// Sectors of complex speeds, degrees.
+    /// Sectors of normals with complex speeds, degrees.
     pub flutter_sectors_deg: Vec<[f64; 2]>,
-    /// Sectors of imaginary speeds, degrees.
+    /// Sectors of normals with imaginary speeds, degrees.
     pub imaginary_sectors_deg: Vec<[f64; 2]>,
     /// Whether a speed vanishes in all directions.
     pub always_still: bool,
-    /// Single directions in which a speed vanishes.
+    /// Isolated directions in which a speed vanishes.
     pub vanishing: Vec<VanishingSpeed>,
-    /// Angle of the directions above the plane of x₁ and x₂, degrees.
+    /// Elevation of the directions above the plane of x₁ and x₂, degrees.
     pub elevation_deg: f64,
-    /// The method of the verdict.
+    /// Method of the verdict.
     pub route: &'static str,
-    /// The solid.
+    /// Solid with its yield state.
     #[serde(skip)]
     pub solid: Solid,
-    /// The verdict with what it rests on.
+    /// Verdict with its evidence.
     #[serde(skip)]
     pub assessment: SolidAssessment,
-    /// The squared speeds by direction.
+    /// Squared speeds by direction.
     #[serde(skip)]
     pub by_direction: DirectionalSpeeds,
-    /// The slowest speeds over all directions, in space alone.
+    /// Slowest speeds over all directions; three dimensions only.
     #[serde(skip)]
     pub hemisphere: Option<Hemisphere>,
 }
 
-/// A direction in which a speed vanishes.
+/// Direction in which a speed vanishes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct VanishingSpeed {
-    /// The direction of the normal, degrees.
+    /// Direction of the normal, degrees.
     pub direction_deg: f64,
-    /// The cause.
+    /// Cause.
     pub what: &'static str,
 }
 
 /// Speeds on a grid of directions on the upper half of the sphere.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Hemisphere {
-    /// Angles from x₃, degrees.
+    /// Polar angles from x₃, degrees.
     pub polar_deg: Vec<f64>,
-    /// Angles about x₃ from x₁, degrees.
+    /// Azimuths about x₃ from x₁, degrees.
     pub azimuth_deg: Vec<f64>,
-    /// The slowest real speed, m/s, NaN where one is complex or imaginary; azimuth running fastest.
+    /// Slowest real speed, m/s, azimuth fastest; NaN if a speed is complex or imaginary.
     pub slowest: Vec<f64>,
 }
 
-/// Finds the characteristic speeds of a solid, on the threads of the surrounding rayon pool.
+/// Computes the characteristic speeds of a solid on the threads of the surrounding rayon pool.
 ///
 /// ```
 /// use wellposed::case::Case;
@@ -107,7 +107,7 @@ pub struct Hemisphere {
 /// ```
 ///
 /// # Errors
-/// The case is none of a solid, its constants are out of range, it cannot be analysed, or the study was cancelled.
+/// The case is not a solid, its constants are out of range, it cannot be analysed, or the study was cancelled.
 pub fn speeds(case: &Case, on_progress: OnProgress) -> Result<Speeds, Error> {
     let located = |error| setup::locate(&case.material, error);
     let solid = setup::solid::solid(&case.material).map_err(|error| case.locate(error))?;
@@ -157,7 +157,7 @@ pub fn speeds(case: &Case, on_progress: OnProgress) -> Result<Speeds, Error> {
 }
 
 impl Speeds {
-    /// Whether the slowest wave is as slow in every direction, but for differences below [`EQUAL`].
+    /// Returns whether the slowest speed is equal in all directions, within [`EQUAL`].
     pub fn slowest_is_everywhere(&self) -> bool {
         let slowest = self.assessment.extremes.slowest.speed_squared.max(0.0).sqrt();
         let is_same = |c: f64| (c - slowest).abs() <= EQUAL * self.by_direction.largest.sqrt();
@@ -172,14 +172,14 @@ impl Speeds {
 }
 
 impl Hemisphere {
-    /// The directions, without speeds.
+    /// Creates the grid of directions without speeds.
     fn new() -> Self {
         let list =
             |to: usize| (0..to).step_by(STEP_DEG).map(|degrees| degrees as f64).collect::<Vec<_>>();
         Self { polar_deg: list(91), azimuth_deg: list(360), slowest: Vec::new() }
     }
 
-    /// Adds the speeds; `row_is_done` is called after each polar angle.
+    /// Computes the slowest speeds; `row_is_done` is called after each polar angle.
     fn fill(
         self,
         rates: &RateEquations<3>,

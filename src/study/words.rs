@@ -1,9 +1,9 @@
-//! Numbers, orders and verdicts as words that stand in values: reports take them as they are.
+//! Formatting of numbers, orders and verdicts as text in results and reports.
 
 use analysis::growth::Verdict;
 use models::common::elementary::Elementary;
 
-/// A number for a reader: four significant digits.
+/// Formats a number with four significant digits.
 pub fn short(x: f64) -> String {
     if x == 0.0 {
         return "0".into();
@@ -20,7 +20,7 @@ pub fn short(x: f64) -> String {
     }
 }
 
-/// An order as a fraction where it is one.
+/// Formats an order as a fraction with denominator up to 12, otherwise as a decimal number.
 pub fn order_words(order: f64) -> String {
     for denominator in 1..=12 {
         let numerator = order * f64::from(denominator);
@@ -34,7 +34,7 @@ pub fn order_words(order: f64) -> String {
     format!("{order}")
 }
 
-/// `²` for 2, `^(2/5)` for 0.4.
+/// Formats an order as an exponent: empty for 1, `²` for 2, `^(2/5)` for 0.4.
 pub fn superscript(order: f64) -> String {
     let words = order_words(order);
     let raised: Option<String> = words
@@ -60,7 +60,7 @@ pub fn superscript(order: f64) -> String {
     }
 }
 
-/// Evidence of a verdict, as text.
+/// Describes the evidence of a verdict.
 pub fn evidence(verdict: &Verdict) -> String {
     match verdict {
         Verdict::WellPosed => {

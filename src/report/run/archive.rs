@@ -39,7 +39,7 @@ pub(super) fn fields(fields: &Fields) -> Result<Vec<u8>, Error> {
 /// Reads the fields to be drawn from an archive on a grid of `cells` cells or points.
 ///
 /// # Errors
-/// The archive is damaged, or has more than `cells` values per array.
+/// The archive is damaged or does not match the grid.
 pub fn read_fields(bytes: &[u8], cells: usize) -> Result<Fields, NpzError> {
     let mut fields = Fields::default();
     let is_numbers = |name: &str| !["names", "units"].contains(&name);

@@ -1,4 +1,4 @@
-//! Grid refinement of one perturbation of a flow.
+//! Grid refinement of a perturbation of a flow.
 
 use crate::Error;
 use crate::case::Converted;
@@ -10,26 +10,26 @@ use analysis::growth::Verdict;
 use analysis::newton::Order;
 use serde::Serialize;
 
-/// Grid refinement of one perturbation in a model.
+/// Grid refinement of a perturbation in one model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RefinementCheck {
     /// Name of the model.
     pub model: &'static str,
-    /// The case's Δ, degrees, where this model can have none but 0.
+    /// Non-coaxiality Δ of the case, degrees, if this model is coaxial and uses Δ = 0.
     pub lost_noncoaxiality_deg: Option<f64>,
-    /// The order of growth in k as k → ∞, by the verdict; 0 where the flow is well-posed.
+    /// Order of growth in k as k → ∞ by the verdict; 0 if well-posed.
     pub limit_of_the_order: f64,
-    /// Orders on these grids; `None` where nothing grows faster than the mean flow deforms, and where the fastest modes
-    /// of all grids have one wave number.
+    /// Orders over these grids; `None` if no mode grows faster than the shear rate, or if the fastest modes of all
+    /// grids have equal wave numbers.
     pub orders: Option<Orders>,
-    /// Grid by grid.
+    /// Results by grid.
     pub grids: Vec<FastestModeCheck>,
-    /// Whether rates and orders agree, and the order is next to that of the verdict.
+    /// Whether rates and orders agree, and the order is close to that of the verdict.
     pub agrees: bool,
-    /// Whether the fastest mode of each grid grows faster than the mean flow deforms.
+    /// Whether the fastest mode of each grid grows faster than the shear rate.
     #[serde(skip)]
     pub grows: bool,
-    /// The model in words.
+    /// Title of the model.
     #[serde(skip)]
     pub title: &'static str,
     /// Q_D of the mean flow in this model, 1/s.
@@ -53,17 +53,18 @@ pub struct FastestModeCheck {
     pub points: [usize; 2],
     /// Periods of the mode along each axis.
     pub mode: [i32; 2],
-    /// Its wave number at the beginning, 1/m.
+    /// Initial wave number, 1/m.
     pub number: f64,
-    /// Its growth rate by the linearised equations, 1/s.
+    /// Growth rate predicted by the linearised equations, 1/s.
     pub predicted: f64,
-    /// Its growth rate in the solver, 1/s.
+    /// Growth rate measured by the solver, 1/s.
     pub measured: f64,
-    /// Whether they agree.
+    /// Whether measured and predicted rate agree.
     pub agrees: bool,
 }
 
-/// The perturbation of a run on grids of so many points along each axis, in the model of a case.
+/// Simulates the perturbation of `run` in the model of a case on each of `grids`, given as points per axis, and
+/// compares the growth rate of the fastest mode with the prediction.
 pub(super) fn refine(
     Converted { case, lost_noncoaxiality_deg }: Converted,
     run: &FlowRun,

@@ -1,4 +1,4 @@
-//! Solids: the branches of all waves, predicted, expected and measured.
+//! Checks of solids: predicted, expected and measured branches of all waves.
 
 use super::greatest;
 use crate::case::{Material, Wave};
@@ -14,25 +14,25 @@ use models::elastoplastic::Solid;
 use serde::{Serialize, Serializer};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The results of a solid.
+/// Check result of a solid.
 #[derive(Clone, Debug, Serialize)]
 pub struct SolidCheck {
-    /// Its media.
+    /// Check results by medium.
     pub media: Vec<MediumCheck>,
 }
 
-/// The results of a medium.
+/// Check result of a medium.
 #[derive(Clone, Debug, Serialize)]
 pub struct MediumCheck {
     /// Position in the case; empty if everywhere.
     pub place: String,
-    /// The medium in words.
+    /// Description of the medium.
     pub model: String,
     /// Whether everything that was measured agrees; `None` where nothing was.
     pub agrees: Option<bool>,
-    /// The branches of all waves.
+    /// Check results by branch, for all waves.
     pub rows: Vec<BranchCheck>,
-    /// The forbidden bands of an elastic solid.
+    /// Check results of the forbidden bands of an elastic solid.
     pub forbidden_bands: Vec<ForbiddenBandCheck>,
     /// The solid.
     #[serde(skip)]
@@ -42,78 +42,78 @@ pub struct MediumCheck {
     pub branches: Vec<(Response, Vec<BranchGroup>)>,
 }
 
-/// A branch at one wave vector.
+/// Check of a branch at one wave vector.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BranchCheck {
-    /// Which equations hold.
+    /// Elastic, loading or unloading response.
     #[serde(serialize_with = "name")]
     pub response: Response,
     /// Name of the branch.
     pub branch: String,
-    /// The wave.
+    /// Wave vector.
     pub wave: WaveVector,
-    /// By the analysis.
+    /// Frequency predicted by the analysis.
     pub predicted: ComplexFrequency,
-    /// Measured in the limit of small cells.
+    /// Measurement extrapolated to zero cell size.
     pub limit: Option<GridCheck>,
-    /// Measured by grid, the coarsest first.
+    /// Measurements by grid, coarsest first.
     pub grids: Vec<GridCheck>,
-    /// Why there is no measurement.
+    /// Reason why there is no measurement.
     pub not_measurable: Option<String>,
-    /// Order of convergence; `None` where the error is rounding.
+    /// Order of convergence in the cell size; `None` if the error is rounding.
     pub order: Option<f64>,
-    /// Whether it agrees on every grid and in the limit; `None` where there is no measurement.
+    /// Whether measured and expected rates agree on every grid and in the limit; `None` without measurement.
     pub agrees: Option<bool>,
-    /// Measured minus predicted rate in the limit of small cells, relative to the predicted frequency.
+    /// Measured minus predicted rate in the limit of zero cell size, relative to the predicted frequency.
     #[serde(skip)]
     pub difference: Option<Rate>,
-    /// Expected rate by the symbol of the scheme.
+    /// Expected minus predicted rate in the limit, by the symbol of the scheme, relative to the predicted frequency.
     #[serde(skip)]
     pub expected_difference: Option<Rate>,
 }
 
-/// A complex frequency.
+/// Complex frequency.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ComplexFrequency {
-    /// ω, rad/s.
+    /// Angular frequency ω, rad/s.
     pub frequency: f64,
-    /// γ, 1/s.
+    /// Growth rate γ, 1/s.
     pub growth_rate: f64,
 }
 
-/// A measured rate.
+/// Rate measured on a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct GridCheck {
-    /// Cells to a period along each axis; `None` in the limit of small cells.
+    /// Cells per period along each axis; `None` in the limit of zero cell size.
     pub cells: Option<usize>,
-    /// Measured ω, rad/s.
+    /// Measured angular frequency ω, rad/s.
     pub frequency: f64,
-    /// Measured γ, 1/s.
+    /// Measured growth rate γ, 1/s.
     pub growth_rate: f64,
-    /// ω by the symbol of the scheme, rad/s.
+    /// Expected ω by the symbol of the scheme, rad/s.
     pub expected_frequency: f64,
-    /// γ by the symbol of the scheme, 1/s.
+    /// Expected γ by the symbol of the scheme, 1/s.
     pub expected_growth_rate: f64,
-    /// Measured minus predicted frequency, relative to the latter.
+    /// Measured minus predicted frequency, relative to the predicted one.
     pub difference: f64,
     /// Bound on the difference of measured and expected rates, 1/s.
     pub tolerance: f64,
-    /// Whether they agree.
+    /// Whether measured and expected rates agree.
     pub agrees: bool,
 }
 
-/// Frequencies at which no wave of a polarisation propagates.
+/// Check of a frequency band in which no wave of a polarisation propagates.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ForbiddenBandCheck {
-    /// The polarisation.
+    /// Polarisation of the waves.
     pub polarisation: &'static str,
-    /// Lower end, rad/s.
+    /// Lower edge of the band, rad/s.
     pub from: f64,
-    /// Upper end, rad/s.
+    /// Upper edge of the band, rad/s.
     pub to: f64,
-    /// The measured frequencies next to it, below and above, rad/s.
+    /// Nearest measured frequencies below and above the band, rad/s.
     pub nearest: [Option<f64>; 2],
-    /// Whether none was measured inside.
+    /// Whether no frequency was measured inside the band.
     pub agrees: bool,
 }
 
@@ -127,7 +127,7 @@ pub(super) fn check(media: Vec<MediumPlan>, on_progress: OnProgress) -> Result<S
     let mut left = media.len();
     for medium in media {
         let own = AtomicUsize::new(0);
-        // How many runs the other media need is known when their turn comes; till then each counts as this one.
+        // The number of runs of the remaining media is not yet known; each is estimated by that of this medium.
         let on_progress = |done: usize, all: usize| {
             own.store(all, Ordering::Relaxed);
             on_progress(before + done, before + all * left)
@@ -139,11 +139,11 @@ pub(super) fn check(media: Vec<MediumPlan>, on_progress: OnProgress) -> Result<S
     Ok(SolidCheck { media: checked })
 }
 
-/// The branches of the waves of a solid, predicted by `predicted` and measured on `measured`, which is the same but
-/// where the check itself is tested.
+/// Compares the branches of the waves of a solid, predicted for the material `predicted` and measured for `measured`;
+/// they differ only in tests of the check itself.
 ///
 /// # Errors
-/// The case is wrong, the solver does not take it, or the study was cancelled.
+/// A material is invalid, the solver does not support it, or the study was cancelled.
 pub fn rows(
     predicted: &Material,
     measured: &Material,
@@ -164,7 +164,7 @@ impl SolidCheck {
         (!all.is_empty()).then(|| all.into_iter().all(|own| own))
     }
 
-    /// Number of branches and forbidden bands, and of those that disagree.
+    /// Returns the number of branches and forbidden bands, and the number that disagree.
     pub fn counts(&self) -> [usize; 2] {
         let rows = || self.media.iter().flat_map(|own| &own.rows);
         let bands = || self.media.iter().flat_map(|own| &own.forbidden_bands);
@@ -211,18 +211,18 @@ impl MediumCheck {
         })
     }
 
-    /// Number of rows without a measurement.
+    /// Returns the number of rows without measurement.
     pub fn unmeasured(&self) -> usize {
         self.rows.iter().filter(|row| row.not_measurable.is_some()).count()
     }
 
-    /// The greatest difference of a measured rate in the limit of small cells, relative to the predicted frequency;
-    /// `None` where nothing was measured.
+    /// Returns the greatest difference of a measured rate in the limit of zero cell size, relative to the predicted
+    /// frequency; `None` without measurement.
     pub fn greatest_difference(&self) -> Option<f64> {
         greatest(self.differences())
     }
 
-    /// Differences of the measured rates, relative to the predicted frequencies.
+    /// Returns the differences of measured rates, relative to the predicted frequencies.
     pub(super) fn differences(&self) -> impl Iterator<Item = f64> {
         self.rows.iter().filter_map(|row| Some(row.difference?.max_norm()))
     }

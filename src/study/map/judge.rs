@@ -15,33 +15,33 @@ use models::flow::state::Background;
 use models::flow::{FlowKind, Model};
 use serde::{Serialize, Serializer};
 
-/// The verdict at one point of a map; numbers are NaN where there is none, null in JSON.
+/// Verdict at one point of a map; absent numbers are NaN, null in JSON.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct MapPoint {
-    /// The verdict, or why there is none.
+    /// Verdict, or the reason why there is none.
     pub status: PointStatus,
     /// Method of the verdict, if there is one.
     #[serde(serialize_with = "route_name")]
     pub route: Option<Route>,
-    /// Order of growth in k where ill-posed.
+    /// Order of growth in k if ill-posed.
     pub order: f64,
     /// lim Re ς / k^order, m^order/s.
     pub coefficient: f64,
-    /// Direction of the wave vector of the fastest growth, degrees.
+    /// Direction of the wave vector of fastest growth, degrees.
     pub direction_deg: f64,
-    /// Its angle above the plane of x₁ and x₂, degrees; solids.
+    /// Elevation of that wave vector above the plane of x₁ and x₂, degrees; solids only.
     pub elevation_deg: f64,
     /// Supremum of Re ς over all waves of a well-posed state, 1/s.
     pub bound: f64,
     /// Greatest Re ς at the wave of the case, 1/s.
     pub growth_rate: f64,
-    /// The model's own bound on |Δ| for the leading order of growth, degrees; flows.
+    /// Closed-form bound of the model on |Δ| for the leading order of growth, degrees; flows only.
     pub noncoaxiality_bound_deg: f64,
-    /// Characteristic speeds; solids.
+    /// Characteristic speeds; solids only.
     pub speeds: Option<PointSpeeds>,
 }
 
-/// The speeds of a solid.
+/// Characteristic speeds of a solid.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct PointSpeeds {
     /// Type of the characteristic speeds over all directions.
@@ -49,32 +49,32 @@ pub struct PointSpeeds {
     pub hyperbolicity: Hyperbolicity,
     /// Greatest |Im c| of complex c², m/s; 0 without flutter.
     pub flutter: f64,
-    /// Least real c², m²/s²; what rounding may have made of zero is 0.
+    /// Least real c², m²/s²; 0 if zero within rounding.
     pub least_squared: f64,
-    /// Normal of the slowest wave: in the plane, and above it, degrees.
+    /// Normal of the slowest wave: direction in the plane and elevation, degrees.
     pub least_normal_deg: [f64; 2],
 }
 
-/// Status of a point; the numbers are stored in `map.npz`.
+/// Status of a point; `map.npz` stores its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointStatus {
     /// Well-posed.
     WellPosed = 0,
     /// Ill-posed.
     IllPosed = 1,
-    /// The quantity that decides is zero within its rounding bound.
+    /// The decisive quantity is zero within its rounding bound.
     Marginal = 2,
     /// The equations do not determine their unknowns.
     Indeterminate = 3,
-    /// Not fully deforming: no equations to judge.
+    /// Not fully deforming: there are no equations to assess.
     NotFullyDeforming = 4,
-    /// Out of the model's range, contradictory, or beyond what doubles hold.
+    /// Out of range of the model, contradictory, or not representable in double precision.
     OutsideModel = 5,
-    /// A yielding solid without a rate of response.
+    /// A yielding solid whose rate equations have no solution.
     NoResponse = 6,
 }
 
-/// By its name in results.
+/// Serialised as its name in results.
 impl Serialize for PointStatus {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.name())
@@ -93,7 +93,7 @@ fn hyperbolicity_name<S: Serializer>(
 }
 
 impl PointStatus {
-    /// All of them, in the order of their numbers.
+    /// All statuses in the order of their numbers.
     pub const ALL: [Self; 7] = [
         Self::WellPosed,
         Self::IllPosed,
@@ -104,7 +104,7 @@ impl PointStatus {
         Self::NoResponse,
     ];
 
-    /// Name in results.
+    /// Returns the name in results.
     pub fn name(self) -> &'static str {
         match self {
             Self::WellPosed => "well-posed",
@@ -117,14 +117,14 @@ impl PointStatus {
         }
     }
 
-    /// Whether there is a state to judge at all.
+    /// Returns whether there is a state to assess.
     pub fn is_state(self) -> bool {
         !matches!(self, Self::NotFullyDeforming | Self::OutsideModel | Self::NoResponse)
     }
 }
 
 impl MapPoint {
-    /// A point of which nothing is known but this.
+    /// Creates a point with this status and no numbers.
     pub(super) fn empty(status: PointStatus) -> Self {
         Self {
             status,
@@ -140,7 +140,7 @@ impl MapPoint {
         }
     }
 
-    /// Takes a verdict.
+    /// Sets verdict, route, order, coefficient and direction.
     fn decide(&mut self, verdict: Verdict, route: Route) {
         self.route = Some(route);
         self.status = match verdict {
@@ -158,8 +158,8 @@ impl MapPoint {
     }
 }
 
-/// Judges one point after another; one per thread. Only the swept numbers of its case change; of a flow, constants of
-/// the model change in the model alone.
+/// Assessment of map points, one instance per thread. Per point only the swept numbers of its case change; for flows,
+/// swept model constants change in `flow` alone.
 pub(super) struct Judge<'a> {
     case: Case,
     map: &'a Map,
@@ -169,15 +169,15 @@ pub(super) struct Judge<'a> {
     flow: SweptFlow,
 }
 
-/// The model of a flow, whose constants are set where they change from one point to the next.
+/// Model of a flow with its swept constants.
 struct SweptFlow {
-    /// `None` until constants were first in range.
+    /// `None` until constants are in range for the first time.
     model: Option<Model>,
-    /// The constants in the order of the model's entry, in SI units and rad.
+    /// Constants in the order of the model's parameters, in SI units and rad.
     constants: Vec<f64>,
-    /// Whether they are others than those of the model.
+    /// Whether the constants differ from those of `model`.
     is_stale: bool,
-    /// Swept constants of the model, if any. Names are compared once per map.
+    /// Indices and parameters of swept model constants, by axis; found once per map, since names are compared.
     swept: [Option<(usize, &'static Parameter)>; 2],
 }
 
@@ -188,7 +188,7 @@ impl SweptFlow {
         Self { model: None, constants: case.model_constants(), is_stale: true, swept }
     }
 
-    /// Takes a value of a sweep; false where it is none of a constant.
+    /// Sets the swept constant of an axis; returns false if the axis does not sweep a model constant.
     fn set(&mut self, axis: usize, value: f64) -> bool {
         let Some((place, constant)) = self.swept[axis] else { return false };
         let value = constant.to_si(value);
@@ -198,7 +198,7 @@ impl SweptFlow {
         true
     }
 
-    /// The model with the constants at hand.
+    /// Returns the model with the present constants.
     fn model(&mut self, kind: FlowKind) -> Result<&Model, InputError> {
         let Self { model, constants, is_stale, .. } = self;
         let model = match model {

@@ -1,4 +1,4 @@
-//! The verdict over two parameters of a case.
+//! Map: the verdict over two parameters of a case.
 
 mod judge;
 pub mod summary;
@@ -18,26 +18,26 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Memory of a map beside its points, bytes: the program and the picture.
+/// Memory of a map besides its points, bytes: program and picture.
 const PROGRAM: f64 = 60.0 * 1048576.0;
 
-/// Points that a thread judges before it says so.
+/// Number of points that a thread assesses between progress reports.
 const BLOCK: usize = 64;
 
-/// What is asked of a map besides the verdicts. Growth rates need the dispersion polynomial of every
-/// state, so with them no verdict is left to a formula.
+/// Quantities to be computed on a map besides the verdicts. Growth rates need the dispersion polynomial of every state;
+/// with them no verdict is by closed form.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct MapOptions {
-    /// The supremum of the growth rate over all waves at every well-posed point.
+    /// Whether to compute the supremum of the growth rate over all waves at well-posed points.
     pub bound: bool,
-    /// The growth rate at the wave of the case; a map that sweeps the wave has it unasked.
+    /// Whether to compute the growth rate at the wave of the case; always done if the map sweeps the wave.
     pub growth_rate: bool,
-    /// Every verdict from the linearised equations, none by a formula.
+    /// Whether to derive every verdict from the linearised equations, none by closed form.
     pub model_blind: bool,
 }
 
 impl MapOptions {
-    /// The same for a map that sweeps these parameters.
+    /// Returns the options with growth rates if the map sweeps the wave.
     fn for_map(self, map: &Map) -> Self {
         let sweeps_wave =
             [map.x, map.y].iter().any(|sweep| sweep.parameter.key().name.starts_with("wave."));
@@ -49,11 +49,11 @@ impl MapOptions {
     }
 }
 
-/// Judges all states of the map of a case, on the surrounding thread pool. The result is the same for any number of
-/// threads: each point is judged alone.
+/// Assesses all states of the map of a case on the surrounding thread pool. Points are independent, hence the result
+/// does not depend on the number of threads.
 ///
 /// # Errors
-/// The case has no map, or is wrong everywhere on it; there is no memory for it; [`Error::Cancelled`].
+/// The case has no map or is invalid at all of its points, or memory is short; [`Error::Cancelled`].
 ///
 /// # Examples
 /// Harris–Grekova without rotational strength is well-posed up to a non-coaxiality of 45°:
@@ -96,7 +96,7 @@ pub fn map(case: &Case, options: MapOptions, progress: OnProgress) -> Result<Map
     Ok(MapResult::new(case, map, options, points))
 }
 
-/// That there is memory for a map: its points, and a column of a table.
+/// Checks that memory suffices for the points of a map and one table column.
 fn check_memory(case: &Case, map: &Map) -> Result<(), Error> {
     let points = map.x.points as f64 * map.y.points as f64;
     let of_point = size_of::<MapPoint>() * if is_transposed(case, map) { 2 } else { 1 };
@@ -108,16 +108,18 @@ fn check_memory(case: &Case, map: &Map) -> Result<(), Error> {
         .into())
 }
 
-/// Whether points are judged column by column: what elastic moduli make in space is used again as long as they stay.
+/// Returns whether points are assessed column by column, so that the acoustic tensors of elastic moduli swept along x
+/// are reused.
 fn is_transposed(case: &Case, map: &Map) -> bool {
     let is_modulus = |sweep: &Sweep| sweep.parameter.name().starts_with("model.");
     is_modulus(&map.x) && !is_modulus(&map.y) && case.material.yields.is_some()
 }
 
-/// Makes sure that some state of the map of a case makes sense: states are judged until one does. Progress counts them.
+/// Checks that at least one state of the map can be assessed; states are assessed until one can. Progress counts
+/// states.
 ///
 /// # Errors
-/// The case has no map, or is wrong everywhere on it; [`Error::Cancelled`].
+/// The case has no map, or is invalid at all of its points; [`Error::Cancelled`].
 pub fn check_map(case: &Case, on_progress: OnProgress) -> Result<(), Error> {
     let map = case.required_map()?;
     check_memory(case, map)?;
@@ -138,7 +140,7 @@ pub fn check_map(case: &Case, on_progress: OnProgress) -> Result<(), Error> {
     }
 }
 
-/// All points, x running fastest.
+/// Assesses all points, x fastest.
 fn sweep(
     case: &Case,
     map: &Map,
@@ -196,7 +198,7 @@ fn sweep(
             points[y * nx + x] = point;
         }
     }
-    // A map may reach beyond the model's range; a map that lies outside altogether is a mistake.
+    // A map may extend beyond the range of the model; a map entirely outside is an error.
     match first_error {
         Some((_, error)) if points.iter().all(|p| p.status == PointStatus::OutsideModel) => {
             Err(setup::locate_in_map(case, error))

@@ -6,27 +6,27 @@ use analysis::flows::Route;
 use analysis::solids::Hyperbolicity;
 use serde::{Serialize, Serializer};
 
-/// The verdict over two parameters.
+/// Result of a map: verdicts over two parameters, and their summary.
 #[derive(Clone, Debug, Serialize)]
 pub struct MapResult {
     /// Title of the case.
     pub title: String,
     /// Kind of the model.
     pub model: &'static str,
-    /// The parameter along the horizontal axis.
+    /// Parameter of the horizontal axis.
     pub x: MapAxis,
-    /// The parameter along the vertical axis.
+    /// Parameter of the vertical axis.
     pub y: MapAxis,
     /// Number of points by the name of their [`PointStatus`], in the order of [`PointStatus::ALL`].
     #[serde(rename = "points", serialize_with = "as_object")]
     pub counts: [(&'static str, usize); 7],
-    /// Ill-posed points without order: unbounded at finite wave numbers.
+    /// Number of ill-posed points without order: growth is unbounded at finite wave numbers.
     pub unbounded_at_finite_wave_number: usize,
-    /// Share of the states that are well-posed.
+    /// Fraction of the states that are well-posed; `None` without states.
     pub well_posed_share: Option<f64>,
-    /// For some values of y: the intervals of x that are well-posed.
+    /// Well-posed intervals of x at up to five values of y.
     pub well_posed_intervals: Vec<WellPosedIntervals>,
-    /// The worst growth: highest order, then greatest coefficient.
+    /// Point of the worst growth: highest order, then greatest coefficient.
     pub worst: Option<WorstPoint>,
     /// Number of verdicts by the name of their [`Route`], in the order of [`Route::ALL`].
     #[serde(rename = "route", serialize_with = "as_object")]
@@ -34,15 +34,15 @@ pub struct MapResult {
     /// Quantities of solids only.
     #[serde(flatten)]
     pub solid: Option<SolidMap>,
-    /// All points, x running fastest.
+    /// All points, x fastest.
     #[serde(skip)]
     pub points: Vec<MapPoint>,
-    /// Requested options; a map that sweeps the wave has growth rates.
+    /// Requested options, with growth rates if the map sweeps the wave.
     #[serde(skip)]
     pub options: MapOptions,
 }
 
-/// Pairs of names and values as an object.
+/// Serialises pairs of names and values as an object.
 fn as_object<S: Serializer>(
     pairs: &[(&'static str, usize)],
     serializer: S,
@@ -50,12 +50,12 @@ fn as_object<S: Serializer>(
     serializer.collect_map(pairs.iter().copied())
 }
 
-/// A parameter that is swept.
+/// Swept parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MapAxis {
-    /// Its name in case files.
+    /// Name in case files.
     pub parameter: String,
-    /// Its unit.
+    /// Unit of the parameter.
     pub unit: &'static str,
     /// First value.
     pub from: f64,
@@ -63,7 +63,7 @@ pub struct MapAxis {
     pub to: f64,
     /// Number of values.
     pub points: usize,
-    /// Quantity and symbol for people.
+    /// Axis label: quantity and symbol.
     #[serde(skip)]
     pub label: String,
     /// All values.
@@ -86,21 +86,21 @@ impl From<&Sweep> for MapAxis {
     }
 }
 
-/// Range of well-posed states along x.
+/// Well-posed intervals of x at one value of y.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WellPosedIntervals {
-    /// The value of y.
+    /// Value of y.
     pub y: f64,
     /// First and last value of x of each run of neighbouring well-posed points.
     pub x: Vec<[f64; 2]>,
 }
 
-/// The point with the worst growth.
+/// Point with the worst growth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WorstPoint {
-    /// Its value of x.
+    /// Value of x.
     pub x: f64,
-    /// Its value of y.
+    /// Value of y.
     pub y: f64,
     /// Order of growth in k.
     pub order: f64,
@@ -108,7 +108,7 @@ pub struct WorstPoint {
     pub coefficient: f64,
     /// Direction of the wave vector, degrees.
     pub direction_deg: f64,
-    /// Its angle above the plane of x₁ and x₂, degrees; solids.
+    /// Elevation of the wave vector above the plane of x₁ and x₂, degrees; solids only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub elevation_deg: Option<f64>,
 }

@@ -1,10 +1,10 @@
-//! The background of a flow, and the wave at which it is analysed.
+//! Background and stress of a flow, and the wave at which it is analysed.
 
 use crate::case::Wave;
 use models::flow::state::{Flow, PlanarStress};
 use serde::Serialize;
 
-/// A wave in the plane of the flow.
+/// Plane wave in the plane of the flow.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PlaneWave {
     /// Wave number k, 1/m.
@@ -19,7 +19,7 @@ impl From<&Wave> for PlaneWave {
     }
 }
 
-/// The background of a flow, given and derived.
+/// Background of a flow, given and derived quantities.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FlowBackground {
     /// Density, kg/m³.
@@ -34,13 +34,13 @@ pub struct FlowBackground {
     pub half_vorticity: f64,
     /// Velocity gradient ∂ⱼVᵢ, 1/s.
     pub velocity_gradient: [[f64; 2]; 2],
-    /// Intrinsic spin, rad/s, for models that have one.
+    /// Intrinsic spin, rad/s; `None` for models without spin.
     pub spin: Option<f64>,
-    /// Material acceleration less body force, m/s².
+    /// Material acceleration minus body force per unit mass, m/s².
     pub acceleration: [f64; 2],
     /// Body moment per unit mass, m²/s².
     pub body_moment: Option<f64>,
-    /// Material rate of the stress angle, °/s, where the flow rule determines it.
+    /// Material rate of the stress angle, °/s; `None` if the flow rule does not determine it.
     pub stress_angle_rate_deg: Option<f64>,
 }
 
@@ -54,7 +54,7 @@ impl From<&Flow> for FlowBackground {
             half_vorticity: flow.half_vorticity,
             velocity_gradient: flow.velocity_gradient.map(|row| row.map(|x| x.value)),
             spin: flow.spin.map(|spin| spin.value),
-            // No sign on a zero.
+            // Adding 0.0 removes the sign of a negative zero.
             acceleration: flow.acceleration.map(|a| a.value + 0.0),
             body_moment: flow.body_moment,
             stress_angle_rate_deg: flow.stress_angle_rate.map(f64::to_degrees),
@@ -62,7 +62,7 @@ impl From<&Flow> for FlowBackground {
     }
 }
 
-/// The stress of a flow.
+/// Stress of a flow.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FlowStress {
     /// Pressure p, Pa.
@@ -73,7 +73,7 @@ pub struct FlowStress {
     pub rotational_stress: f64,
     /// Angle of the greater principal stress from x₁, degrees.
     pub stress_angle_deg: f64,
-    /// The stress tensor, Pa; second index: face normal.
+    /// Stress tensor, Pa; second index: face normal.
     pub tensor: [[f64; 2]; 2],
 }
 

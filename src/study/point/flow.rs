@@ -1,4 +1,4 @@
-//! The state of a flow: its own model, and those that it is compared with.
+//! Analysis of the state of a flow in the model of the case and in compared models.
 
 use super::background::{FlowStress, PlaneWave};
 use super::flow_state::YieldingState;
@@ -16,13 +16,13 @@ use models::flow::Model;
 use models::flow::state::{Background, Flow};
 use serde::{Serialize, Serializer};
 
-/// The state of a flow, analysed.
+/// Analysis of the state of a flow.
 #[derive(Clone, Debug, Serialize)]
 pub struct FlowPoint {
-    /// By the model of the case.
+    /// Result of the model of the case.
     #[serde(flatten)]
     pub own: FlowAnalysis,
-    /// By the models of `[compare]`.
+    /// Results of the models in `[compare]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub compare: Vec<FlowAnalysis>,
 }
@@ -30,13 +30,13 @@ pub struct FlowPoint {
 /// Result of one model on the state.
 #[derive(Clone, Debug, Serialize)]
 pub struct FlowAnalysis {
-    /// The model.
+    /// Kind of the model.
     #[serde(rename = "model", serialize_with = "kind_name")]
     pub kind: Kind,
-    /// The state.
+    /// State and its analysis.
     #[serde(flatten)]
     pub state: FlowState,
-    /// Non-coaxiality of the compared state that this model, being coaxial, cannot have, degrees.
+    /// Non-coaxiality Δ of the case, degrees, if this model is coaxial and uses Δ = 0.
     #[serde(skip)]
     pub lost_noncoaxiality_deg: Option<f64>,
 }
@@ -46,7 +46,7 @@ fn kind_name<S: Serializer>(kind: &Kind, serializer: S) -> Result<S::Ok, S::Erro
 }
 
 impl FlowAnalysis {
-    /// The state where it is fully deforming.
+    /// Returns the state if it is fully deforming.
     pub fn yielding(&self) -> Option<&YieldingState> {
         match &self.state {
             FlowState::Yielding(state) => Some(state),
@@ -55,31 +55,31 @@ impl FlowAnalysis {
     }
 }
 
-/// A state of a flow.
+/// State of a flow and its analysis.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum FlowState {
-    /// Fully deforming, and analysed.
+    /// Fully deforming and analysed.
     Yielding(Box<YieldingState>),
     /// Not fully deforming: there are no equations to analyse.
     NotYielding(NotYieldingState),
 }
 
-/// A state that is not fully deforming.
+/// State that is not fully deforming.
 #[derive(Clone, Debug, Serialize)]
 pub struct NotYieldingState {
     /// Position of the state relative to the yield conditions.
     pub region: &'static str,
     #[serde(flatten)]
     nothing: NoAnalysis,
-    /// The wave of the case.
+    /// Wave of the case.
     pub wave: PlaneWave,
-    /// The stress.
+    /// Stress of the state.
     pub stress: FlowStress,
     words: &'static str,
 }
 
-/// Quantities of yielding states only: null in JSON otherwise.
+/// Quantities of yielding states only, null in JSON.
 #[derive(Clone, Debug)]
 struct NoAnalysis;
 
@@ -116,10 +116,10 @@ impl NotYieldingState {
     }
 }
 
-/// Analyses the state of a flow. Of every model two parts are counted: the verdict, and the curves of growth rates.
+/// Analyses the state of a flow. Progress counts two parts per model: verdict and growth rate curves.
 ///
 /// # Errors
-/// The case is out of its model's range, or cannot be analysed; [`Error::Cancelled`].
+/// The case is out of range of its model, or cannot be analysed; [`Error::Cancelled`].
 pub fn flow(case: &Case, on_progress: OnProgress) -> Result<FlowPoint, Error> {
     let models = 1 + case.compare.as_ref().map_or(0, Vec::len);
     let mut done = 0;
@@ -127,7 +127,7 @@ pub fn flow(case: &Case, on_progress: OnProgress) -> Result<FlowPoint, Error> {
         done += 1;
         report_progress(on_progress, done, 2 * models)
     };
-    // Keys that only a compared kind uses are nothing to this one.
+    // Keys used by compared models only are ignored for this model.
     let mut own = Analysed::new(&case.for_kind(case.material.kind))?;
     part_is_done()?;
     let noncoaxiality = own.analysis.yielding().map(|state| state.flow.noncoaxiality.to_degrees());
@@ -146,7 +146,7 @@ pub fn flow(case: &Case, on_progress: OnProgress) -> Result<FlowPoint, Error> {
     })
 }
 
-/// Result of one model on the state, before sampling of growth rates.
+/// Result of one model before sampling of growth rates.
 struct Analysed {
     analysis: FlowAnalysis,
     workspace: Workspace,
@@ -172,7 +172,7 @@ impl Analysed {
         Ok(Self { analysis, workspace })
     }
 
-    /// The assessment of a state whose equations determine their unknowns.
+    /// Returns the assessment if the equations determine their unknowns (regular pencil).
     fn regular(&self) -> Option<&Assessment> {
         let state = self.analysis.yielding().filter(|_| !self.workspace.pencil.is_singular())?;
         Some(&state.assessment)
@@ -211,7 +211,7 @@ fn analyse(
         .with_supremum(supremum))
 }
 
-/// Samples the growth rates of all models, over the same wave numbers.
+/// Samples the growth rates of all models at the same wave numbers.
 fn add_curves(
     case: &Case,
     own: &mut Analysed,

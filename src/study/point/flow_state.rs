@@ -1,4 +1,4 @@
-//! A fully deforming state of a flow, as one model has it.
+//! Analysis of a fully deforming state of a flow in one model.
 
 use super::background::{FlowBackground, FlowStress, PlaneWave};
 use super::order_and_coefficient;
@@ -14,7 +14,7 @@ use models::flow::state::{Flow, Region};
 use num_complex::Complex64;
 use serde::Serialize;
 
-/// All that a model says of a fully deforming state.
+/// Analysis of a fully deforming state in one model.
 #[derive(Clone, Debug, Serialize)]
 pub struct YieldingState {
     /// Name of the verdict.
@@ -29,25 +29,25 @@ pub struct YieldingState {
     pub fitted_order: Option<f64>,
     /// Least and greatest wave number of the fit, 1/m.
     pub fitted_wave_numbers: Option<[f64; 2]>,
-    /// Supremum of Re ς over all waves, 1/s, where it is finite.
+    /// Supremum of Re ς over all waves, 1/s; `None` if it is not known to be finite.
     pub bound: Option<f64>,
-    /// Wave number at which the supremum is attained or approached.
+    /// Wave vector at which the supremum is attained or approached.
     pub bound_at: Option<SupremumPlace>,
-    /// Relative tolerance to which it is located.
+    /// Relative tolerance of the supremum.
     pub bound_tolerance: Option<f64>,
-    /// The model's own bound on |Δ| for the leading order of growth, degrees.
+    /// Closed-form bound of the model on |Δ| for the leading order of growth, degrees.
     pub noncoaxiality_bound_deg: Option<f64>,
     /// Position of the state relative to the yield conditions.
     pub region: &'static str,
     /// Internal power, W/m³.
     pub power: f64,
-    /// The wave of the case.
+    /// Wave of the case.
     pub wave: PlaneWave,
-    /// Finite roots at that wave, Re ς and Im ς, 1/s; `None` where every ς is a root.
+    /// Finite roots at that wave, Re ς and Im ς, 1/s; `None` if every ς is a root.
     pub roots: Option<Vec<[f64; 2]>>,
-    /// Number of infinite roots: algebraic equations.
+    /// Number of infinite roots, due to algebraic equations.
     pub infinite_roots: Option<usize>,
-    /// Real characteristics of the steady equations; `None` where these do not determine their unknowns.
+    /// Real characteristics of the steady equations; `None` if the equations do not determine their unknowns.
     pub characteristics: Option<Vec<Characteristic>>,
     /// Complex characteristics.
     pub complex_characteristics: Option<Vec<ComplexCharacteristic>>,
@@ -57,32 +57,32 @@ pub struct YieldingState {
     pub steady_type: Option<&'static str>,
     /// Evidence of the verdict.
     pub evidence: Evidence,
-    /// The background, given and derived.
+    /// Background, given and derived quantities.
     pub background: FlowBackground,
-    /// The stress.
+    /// Stress of the state.
     pub stress: FlowStress,
-    /// Wave number below which the background is not constant over a wave, 1/m.
+    /// Wave number of the background gradients, 1/m; the background varies within longer waves.
     pub gradient_wave_number: f64,
-    /// The background with rounding bounds.
+    /// Background with rounding bounds.
     #[serde(skip)]
     pub flow: Flow,
-    /// The verdict with rounding bounds.
+    /// Verdict with rounding bounds.
     #[serde(skip)]
     pub assessment: Assessment,
-    /// Rank of the equations where every ς is a root.
+    /// Rank of the equations if every ς is a root.
     #[serde(skip)]
     pub rank: Option<usize>,
-    /// Greatest Re ς of all roots at the wave number of the case against the direction: degrees, 1/s. Empty where
-    /// every ς is a root.
+    /// Greatest Re ς of all roots at the wave number of the case by direction: degrees, 1/s; empty if every ς is a
+    /// root.
     #[serde(skip)]
     pub by_direction: Vec<[f64; 2]>,
-    /// Growth rates against the wave number.
+    /// Growth rates by wave number.
     #[serde(skip)]
     pub by_wave_number: Vec<AtWaveNumber>,
 }
 
 impl YieldingState {
-    /// State from the model, the background and the verdict.
+    /// Creates the state from model, background and verdict.
     pub(super) fn new(wave: PlaneWave, model: &Model, flow: Flow, assessment: Assessment) -> Self {
         let [order, coefficient] = order_and_coefficient(&assessment.verdict);
         let direction_deg = match assessment.verdict {
@@ -171,21 +171,21 @@ fn type_name(kind: Type) -> &'static str {
     }
 }
 
-/// Wave number of the supremum of the growth rate.
+/// Wave vector of the supremum of the growth rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SupremumPlace {
-    /// Wave number at which it is attained, 1/m.
+    /// Wave number at which the supremum is attained, 1/m; `None` if it is only approached.
     pub number: Option<f64>,
     /// Direction of the wave vector, degrees.
     pub direction_deg: f64,
-    /// The waves that approach it, where none attains it.
+    /// Limit in which the supremum is approached; `None` if it is attained.
     pub limit: Option<WaveLimit>,
 }
 
-/// Waves that approach a supremum.
+/// Limit of wave numbers in which a supremum is approached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum WaveLimit {
-    /// The longest of the range.
+    /// Longest waves of the range.
     #[serde(rename = "longest waves")]
     LongWaves,
     /// Short-wave limit k → ∞.
@@ -204,14 +204,14 @@ impl From<Supremum> for SupremumPlace {
     }
 }
 
-/// A real characteristic direction.
+/// Real characteristic direction.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Characteristic {
     /// Angle of the characteristic curve from x₁, degrees, in \[0, 180).
     pub angle_deg: f64,
-    /// Multiplicity as a root of the whole determinant.
+    /// Multiplicity as a root of the full determinant.
     pub multiplicity: usize,
-    /// The fields that jump across it.
+    /// Fields that may jump across the characteristic.
     pub family: String,
 }
 
@@ -222,32 +222,32 @@ impl From<characteristics::Characteristic> for Characteristic {
     }
 }
 
-/// A complex characteristic direction.
+/// Complex characteristic direction.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComplexCharacteristic {
     /// Tangent of the complex angle: real and imaginary part.
     pub tangent: [f64; 2],
-    /// The fields that it belongs to.
+    /// Fields of the characteristic.
     pub family: String,
 }
 
 /// Evidence of a verdict.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Evidence {
-    /// In words.
+    /// Description of the evidence.
     pub words: String,
     /// Unbounded roots in a general direction, highest order first.
     pub orders: Vec<OrderCount>,
     /// Directions of the wave vector in which a leading coefficient vanishes, degrees.
     pub degenerate_directions_deg: Vec<f64>,
-    /// The method.
+    /// Method of the verdict.
     pub route: &'static str,
 }
 
 /// Number of roots that grow or decay with an order of k.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OrderCount {
-    /// The order.
+    /// Order in k.
     pub order: f64,
     /// Number of roots.
     pub roots: usize,

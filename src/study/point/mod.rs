@@ -1,4 +1,4 @@
-//! Everything about one state: background, characteristics, roots, growth, verdict.
+//! Analysis of one state: background, characteristics, roots, growth, verdict.
 
 pub mod background;
 pub mod flow;
@@ -15,18 +15,18 @@ use crate::case::{Case, Kind};
 use analysis::growth::Verdict;
 use serde::Serialize;
 
-/// The state of a case, analysed.
+/// Analysis of the state of a case.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum PointResult {
-    /// A flow.
+    /// Analysis of a flow.
     Flow(FlowPoint),
-    /// A solid.
+    /// Analysis of a solid.
     Solid(Box<SolidPoint>),
 }
 
 impl PointResult {
-    /// The verdict on the case's own model; `None` for a state that is not fully deforming.
+    /// Returns the verdict on the model of the case; `None` if the state is not fully deforming.
     pub fn verdict(&self) -> Option<&Verdict> {
         match self {
             Self::Flow(flow) => flow.own.yielding().map(|state| &state.assessment.verdict),
@@ -38,10 +38,10 @@ impl PointResult {
 /// Analyses the state of a case. Progress counts the parts of the analysis.
 ///
 /// # Errors
-/// The case is out of its model's range, or cannot be analysed; [`Error::Cancelled`].
+/// The case is out of range of its model, or cannot be analysed; [`Error::Cancelled`].
 ///
 /// # Examples
-/// Double shearing grows in proportion to the wave number:
+/// Perturbations in double shearing grow in proportion to the wave number:
 /// ```
 /// use wellposed::case::Case;
 /// use wellposed::study::{PointResult, unwatched};
@@ -79,8 +79,8 @@ pub fn point(case: &Case, on_progress: OnProgress) -> Result<PointResult, Error>
     }
 }
 
-/// The order of growth of an ill-posed state in k, and its coefficient, m^order/s; `None` where growth is unbounded
-/// at finite wave numbers already.
+/// Returns the order of growth of an ill-posed state in k, and its coefficient, m^order/s; `None` if growth is
+/// unbounded at finite wave numbers, or not ill-posed.
 fn order_and_coefficient(verdict: &Verdict) -> [Option<f64>; 2] {
     match verdict {
         Verdict::IllPosed { growth: Some(growth), .. } => {

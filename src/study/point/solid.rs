@@ -1,4 +1,4 @@
-//! The state of a solid.
+//! Analysis of the state of a solid.
 
 use super::order_and_coefficient;
 use crate::case::{Case, Wave};
@@ -19,21 +19,21 @@ use models::yield_set::tangent::NoResponse;
 use num_complex::Complex64;
 use serde::Serialize;
 
-/// Directions of the curve against direction.
+/// Number of intervals of direction, over 180°.
 const DIRECTIONS: usize = 720;
-/// Wave numbers per decade, and decades to both sides of the case's, of the curve against them.
+/// Wave numbers per decade in the curves by wave number; [`DECADES`] decades below and above that of the case.
 const PER_DECADE: i32 = 12;
 const DECADES: i32 = 4;
 
-/// All that is known of a solid.
+/// Analysis of the state of a solid.
 #[derive(Clone, Debug, Serialize)]
 pub struct SolidPoint {
     /// Kind of the solid.
     pub model: &'static str,
-    /// Its yield set.
+    /// Name of the yield set.
     #[serde(rename = "yield")]
     pub yield_set: Option<&'static str>,
-    /// 2 in plane strain, 3 in space.
+    /// Dimensions: 2 for plane strain, 3 in space.
     pub dimensions: usize,
     /// Name of the verdict.
     pub verdict: &'static str,
@@ -41,64 +41,64 @@ pub struct SolidPoint {
     pub order: Option<f64>,
     /// lim Re ς / k^order, m^order/s.
     pub coefficient: Option<f64>,
-    /// Direction of the waves that grow fastest where ill-posed, in the plane of x₁ and x₂, degrees.
+    /// Direction of fastest growth if ill-posed, in the plane of x₁ and x₂, degrees.
     pub direction_deg: Option<f64>,
-    /// Elevation of the directions above that plane, degrees.
+    /// Elevation of that direction above the plane, degrees.
     pub elevation_deg: Option<f64>,
-    /// Supremum of Re ς, 1/s, where it is known to be finite.
+    /// Supremum of Re ς, 1/s; `None` if it is not known to be finite.
     pub bound: Option<f64>,
-    /// Type of the speeds over all directions.
+    /// Type of the characteristic speeds over all directions.
     pub hyperbolicity: &'static str,
-    /// The strongest flutter.
+    /// Strongest flutter; `None` without complex speeds.
     pub flutter: Option<FlutterWave>,
-    /// The slowest wave.
+    /// Slowest wave.
     pub slowest: SlowestWave,
-    /// Whether flow is associated; so it is without any.
+    /// Whether plastic flow is associated; true for elastic solids.
     pub associated: bool,
     /// Names of the active conditions of the yield set.
     pub active: Option<Vec<&'static str>>,
-    /// The stress on yield.
+    /// Stress at yield.
     pub stress: Option<YieldStress>,
-    /// The wave of the case.
+    /// Wave vector of the case.
     pub wave: WaveVector,
-    /// Roots at that wave that are not zero at every wave number, Re ς and Im ς, 1/s.
+    /// Roots at that wave, without those that vanish at every wave number: Re ς and Im ς, 1/s.
     pub roots: Vec<[f64; 2]>,
-    /// c² along that wave, real and imaginary part, m²/s².
+    /// Squared characteristic speeds c² in the direction of that wave, real and imaginary part, m²/s².
     pub squared_speeds: Vec<[f64; 2]>,
-    /// Speeds of the solid while elastic.
+    /// Squared speeds c² of the elastic response, m²/s².
     pub elastic_squared_speeds: Vec<[f64; 2]>,
     /// Defects of energy conservation.
     pub energy: Energy,
-    /// Unknowns of the rate equations.
+    /// Number of unknowns of the rate equations.
     pub unknowns: usize,
-    /// Roots that are zero at every wave number.
+    /// Number of roots that vanish at every wave number.
     pub zero_roots: usize,
-    /// The method of the verdict.
+    /// Method of the verdict.
     pub route: &'static str,
-    /// The solid.
+    /// Solid with its yield state.
     #[serde(skip)]
     pub solid: Solid,
-    /// The verdict with rounding bounds.
+    /// Verdict with rounding bounds.
     #[serde(skip)]
     pub assessment: SolidAssessment,
-    /// Greatest Re ς at the wave number of the case against the direction: degrees, 1/s.
+    /// Greatest Re ς at the wave number of the case by direction: degrees, 1/s.
     #[serde(skip)]
     pub by_direction: Vec<[f64; 2]>,
-    /// Greatest Re ς in the direction of the case against the wave number: 1/m, 1/s.
+    /// Greatest Re ς in the direction of the case by wave number: 1/m, 1/s.
     #[serde(skip)]
     pub by_wave_number: Vec<[f64; 2]>,
-    /// Largest Re ς in the direction of the fastest growth of short waves against the wave number: 1/m, 1/s; empty unless
+    /// Greatest Re ς in the direction of fastest growth of short waves by wave number: 1/m, 1/s; empty unless
     /// ill-posed.
     #[serde(skip)]
     pub in_worst_direction: Vec<[f64; 2]>,
 }
 
-/// A stress on the yield set.
+/// Stress on the yield surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct YieldStress {
-    /// σ, Pa; second index: face normal.
+    /// Force stress σ, Pa; second index: face normal.
     pub force: [[f64; 3]; 3],
-    /// m, N/m; second index: face normal.
+    /// Couple stress m, N/m; second index: face normal.
     pub couple: [[f64; 3]; 3],
 }
 
@@ -108,18 +108,18 @@ impl From<Stress> for YieldStress {
     }
 }
 
-/// Defects of energy conservation, each relative to the largest of the compared numbers.
+/// Defects of energy conservation, each relative to the greatest of the compared numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Energy {
-    /// Least eigenvalue of the symmetriser of the elastic equations, over its diagonal.
+    /// Least eigenvalue of the symmetriser of the elastic equations, scaled to unit diagonal.
     pub definiteness: f64,
-    /// ‖A − Aᵀ‖ of the symmetriser A, or ‖B − Bᵀ‖ of the elastic equations times it: the greater.
+    /// Greater of ‖A − Aᵀ‖ of the symmetriser A and ‖B − Bᵀ‖ of the symmetrised elastic flux matrices B, relative.
     pub asymmetry: f64,
-    /// ‖Q + Qᵀ‖, likewise.
+    /// Relative ‖Q + Qᵀ‖ of the symmetrised elastic zero-order matrix Q.
     pub antisymmetry: f64,
-    /// Greatest |Re ς|/|ς| of elastic waves of many lengths and directions.
+    /// Greatest |Re ς|/|ς| of elastic waves of many wavelengths and directions.
     pub elastic_growth: f64,
-    /// Largest |Re ς|/|ς| of waves while yielding.
+    /// Greatest |Re ς|/|ς| of waves of the yielding response.
     pub growth: f64,
 }
 
@@ -132,13 +132,13 @@ impl From<&energy::Energy> for Energy {
     }
 }
 
-/// Parts of the analysis whose end is told: verdict, curves, energy, waves.
+/// Number of progress steps: verdict, curves, energy, waves.
 const PARTS: usize = 4;
 
-/// Analyses the solid of a case.
+/// Analyses the state of a solid.
 ///
 /// # Errors
-/// Its constants are out of range, its stress does not yield, or it cannot be analysed; [`Error::Cancelled`].
+/// A constant is out of range, the stress does not reach yield, or the state cannot be analysed; [`Error::Cancelled`].
 pub fn solid(case: &Case, on_progress: OnProgress) -> Result<SolidPoint, Error> {
     let part_is_done = |part: usize| report_progress(on_progress, part, PARTS);
     let located = |error: NoResponse| setup::locate(&case.material, error.into());
@@ -211,8 +211,8 @@ pub fn solid(case: &Case, on_progress: OnProgress) -> Result<SolidPoint, Error> 
     })
 }
 
-/// The energy by waves about a wave number, 1/m; about the solid's own one where those are so far from it that their
-/// roots are not found.
+/// Computes the defects of energy conservation with waves around the wave number `number`, 1/m; around the
+/// characteristic wave number of the solid if roots at `number` are not finite.
 fn energy(solid: &Solid, number: f64) -> Result<energy::Energy, NoResponse> {
     let about = |number: f64| {
         Ok(match solid.dimensions {
@@ -227,7 +227,7 @@ fn energy(solid: &Solid, number: f64) -> Result<energy::Energy, NoResponse> {
     }
 }
 
-/// Whether all of the energy, the roots and the squared speeds are numbers.
+/// Returns whether energy defects, roots and squared speeds are finite.
 fn are_finite(
     energy: &energy::Energy,
     roots: &[[f64; 2]],
@@ -246,7 +246,7 @@ fn pairs(list: &[Complex64]) -> Vec<[f64; 2]> {
     list.iter().map(|z| [z.re, z.im]).collect()
 }
 
-/// c² along the wave of the case, by descending real part; zeros of rounding size as zeros.
+/// Returns the squared speeds c², by descending real part; values within rounding are set to zero.
 fn squared_speeds(waves: &Waves) -> Vec<Complex64> {
     let mut all: Vec<Complex64> =
         waves.families.iter().flat_map(|family| family.squared_speeds()).collect();
@@ -260,7 +260,7 @@ fn squared_speeds(waves: &Waves) -> Vec<Complex64> {
     all
 }
 
-/// Growth rates of a solid.
+/// Growth rate curves of a solid.
 struct Curves {
     by_direction: Vec<[f64; 2]>,
     by_wave_number: Vec<[f64; 2]>,

@@ -1,64 +1,65 @@
-//! What a run takes beside memory: time, files and bytes, from rates that hold within a factor of a few; and how much of
-//! it is taken for a mistake.
+//! Cost of a run besides memory: time, files and bytes, estimated to within a factor of a few, and limits above which
+//! it is refused.
 
 use super::Bytes;
 use crate::Error;
 use crate::case::CaseError;
 
-/// Numbers of fields of solids that a thread advances by a sweep along each axis, 1/s.
+/// Throughput of the solid solver per thread: field values advanced by one sweep along an axis, 1/s.
 const FIELD_UPDATES: f64 = 1e9;
-/// How many times longer the full ledger takes.
+/// Slow-down factor of the full energy ledger.
 const FULL_LEDGER: f64 = 50.0;
-/// What a step of a solid takes at least, s.
+/// Overhead of a time step or evaluation, s.
 const STEP: f64 = 5e-6;
-/// Points of a flow that a thread evaluates, the iterations of the pressure included, 1/s.
+/// Throughput of the flow solver per thread: points per evaluation of the right-hand side, pressure iterations
+/// included, 1/s.
 const POINT_EVALUATIONS: f64 = 7e5;
 /// Bytes of a number in a table.
 const CELL: f64 = 20.0;
 
-/// Most time of one thread, s: thirty days.
+/// Limit of single-thread time, s: thirty days.
 const MOST_TIME: f64 = 30.0 * 86400.0;
-/// Most steps.
+/// Limit of the number of steps.
 const MOST_STEPS: f64 = 1e10;
-/// Most snapshots.
+/// Limit of the number of snapshots.
 const MOST_SNAPSHOTS: f64 = 1e5;
-/// Most bytes of the tables, or of all snapshots.
+/// Limit of the bytes of the tables, and of all snapshots.
 const MOST_BYTES: f64 = 1e12;
 
-/// What a run takes. Of a flow it is the least: steps may have to be shorter.
+/// Estimated cost of a run; for a flow a lower bound, since steps may be shorter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cost {
-    /// Steps.
+    /// Number of steps.
     pub steps: f64,
     /// Time of one thread, s.
     pub time: f64,
-    /// Files of snapshots.
+    /// Number of snapshot files.
     pub snapshots: f64,
-    /// Their bytes.
+    /// Bytes of all snapshots.
     pub snapshot_bytes: Bytes,
     /// Bytes of the tables.
     pub table_bytes: Bytes,
 }
 
-/// A cost that is taken for a mistake.
+/// Cost above its limit, which is presumably unintended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Excess {
-    /// The key that asks for it.
+    /// Responsible key of the case.
     pub key: &'static str,
-    /// What it takes.
+    /// Estimated amount.
     pub found: Amount,
-    /// The most that is taken for meant.
+    /// Limit.
     pub allowed: Amount,
 }
 
-/// An amount of one kind.
+/// Amount of one kind of cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Amount {
-    /// Steps.
+    /// Number of steps.
     Steps(f64),
     /// Time of one thread, s.
     Time(f64),
-    /// Files of snapshots.
+    /// Number of snapshot files.
     Snapshots(f64),
     /// Bytes of all snapshots.
     SnapshotBytes(Bytes),
@@ -66,12 +67,12 @@ pub enum Amount {
     TableBytes(Bytes),
 }
 
-/// What goes to files.
+/// Output of a run to files.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Written {
-    /// Files of snapshots.
+    /// Number of snapshot files.
     pub(super) snapshots: f64,
-    /// Numbers in each of them.
+    /// Numbers per snapshot.
     pub(super) numbers: f64,
     /// Numbers in all tables.
     pub(super) cells: f64,
@@ -89,23 +90,24 @@ impl Cost {
         }
     }
 
-    /// Of so many steps of a solid with so many numbers in all cells.
+    /// Estimates the cost of `steps` steps of a solid with `numbers` field values in all cells; `is_full` for the full
+    /// ledger.
     pub(super) fn of_solid(steps: f64, numbers: f64, is_full: bool, written: Written) -> Self {
         let slower = if is_full { FULL_LEDGER } else { 1.0 };
-        // A step is two sweeps along each axis.
+        // A step has two sweeps along each axis.
         let step = STEP + 2.0 * numbers * slower / FIELD_UPDATES;
         Self::new(steps, steps * step, written)
     }
 
-    /// Of so many steps of a flow, and evaluations of its equations in so many points.
+    /// Estimates the cost of a flow by its numbers of steps, of evaluations of the right-hand side and of grid points.
     pub(super) fn of_flow([steps, evaluations]: [f64; 2], points: f64, written: Written) -> Self {
         Self::new(steps, evaluations * (STEP + points / POINT_EVALUATIONS), written)
     }
 
-    /// That none of its parts is too much.
+    /// Checks that no part of the cost exceeds its limit.
     ///
     /// # Errors
-    /// One is: what `located` makes of its key, what was found and what is allowed.
+    /// A part exceeds its limit: the result of `located` for its key, the amount found and the limit.
     pub(super) fn refuse_excess(
         &self,
         located: impl FnOnce(&str, String, String) -> CaseError,
@@ -116,7 +118,7 @@ impl Cost {
         })
     }
 
-    /// The first of its parts that is too much.
+    /// Returns the first part of the cost that exceeds its limit.
     pub fn excess(&self) -> Option<Excess> {
         use Amount::{SnapshotBytes, Snapshots, Steps, TableBytes, Time};
         let all = [
@@ -131,7 +133,7 @@ impl Cost {
             ("time.duration", Time(self.time), Time(MOST_TIME)),
         ];
         let excess = |(key, found, allowed): (_, Amount, Amount)| Excess { key, found, allowed };
-        // What is no number is too much as well.
+        // NaN also exceeds the limit.
         let is_too_much =
             |own: &Excess| own.found.value().is_nan() || own.found.value() > own.allowed.value();
         all.into_iter().map(excess).find(is_too_much)

@@ -1,4 +1,4 @@
-//! A flow in time.
+//! Simulation of a flow.
 
 use super::cost::Written;
 use super::plan::number_of_snapshots;
@@ -18,25 +18,24 @@ use analysis::growth::Verdict;
 use dynamics::flow::{Energy, Left, Problem};
 use dynamics::simulation::{FlowAccount, FlowFields, FlowSimulation};
 
-/// Numbers that a run keeps of a point, at most: 24 were found in 1024² points, to which a checkpoint and a
-/// snapshot add theirs.
+/// Upper bound of the numbers stored per point: 24 measured for 1024² points, plus those of checkpoint and snapshot.
 const NUMBERS: f64 = 40.0;
 
-/// Lines of the ledger where the case does not say how many.
+/// Default number of ledger rows.
 const LINES: f64 = 200.0;
 
-/// Directions of waves whose rates are looked at before a run.
+/// Number of wave directions in the estimate of the greatest rate.
 const DIRECTIONS: usize = 36;
 
-/// Greatest product of a step and the rate of the waves that decay fastest, in as many stages as a step may have: 2000.
+/// Greatest stable product of time step and decay rate, with the maximum of 2000 stages per step.
 const GREATEST_PRODUCT: f64 = 2.4e6;
 
-/// A flow and the problem that it comes to.
+/// Simulation of a flow with its solver problem.
 pub(super) struct FlowJob<'a> {
     case: &'a Case,
     run: &'a FlowRun,
     problem: Problem,
-    /// The fields of this flow.
+    /// Output fields of the flow.
     quantities: Vec<Shown>,
 }
 
@@ -47,7 +46,7 @@ impl<'a> FlowJob<'a> {
         Ok(Self { case, run, problem, quantities })
     }
 
-    /// Greatest rate at which waves of the grid change, 1/s, of the uniform flow; `None` where it cannot be analysed.
+    /// Returns the greatest |ς| of waves of the grid in the uniform flow, 1/s; `None` if it cannot be analysed.
     fn greatest_rate(&self) -> Option<f64> {
         let mut workspace = Workspace::default();
         workspace.assess(&self.case.flow_model().ok()?, &self.case.mean_flow().ok()?).ok()?;
@@ -59,8 +58,8 @@ impl<'a> FlowJob<'a> {
         Some(roots.map(|root| root.norm()).filter(|rate| rate.is_finite()).fold(0.0, f64::max))
     }
 
-    /// What a run takes at least: steps of a two-hundredth of the duration, shorter ones where short waves decay so fast
-    /// that these would have too many stages, and one more for each line and snapshot.
+    /// Estimates the least cost: steps of 1/200 of the duration, shorter ones if fast decay of short waves requires too
+    /// many stages, and one evaluation of all stages for each ledger row and snapshot.
     fn cost(&self) -> Cost {
         let FlowRun { grid, output, time, receivers, .. } = self.run;
         let looks = |interval: f64| number_of_snapshots(interval, time.duration);
@@ -80,7 +79,7 @@ impl<'a> FlowJob<'a> {
         Cost::of_flow([steps, looked * stages], grid.count() as f64, written)
     }
 
-    /// Least and greatest wave number of the box along an axis at the beginning, 1/m.
+    /// Returns the least and greatest initial wave number of the box along an axis, 1/m.
     fn wave_numbers(&self) -> [f64; 2] {
         let grid = &self.run.grid;
         let least = grid.lengths.map(|length| 2.0 * std::f64::consts::PI / length);
@@ -135,7 +134,7 @@ impl Job for FlowJob<'_> {
         let probes = case.receivers.iter().map(|own| case.grid.nearest(&own.at)).collect();
         let mut simulation = FlowSimulation::new(&self.problem, duration, probes)
             .map_err(|error| case.locate("grid", error.to_string(), "see docs/case-file.md"))?;
-        // Left before it began: the perturbation asks for too much.
+        // The initial perturbation itself is outside of the solver's domain.
         let too_much = |left: Left| {
             let allowed = "a smaller perturbation, which leaves the flow deforming";
             case.locate("initial", StopCause::from(&left).to_string(), allowed)

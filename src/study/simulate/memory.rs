@@ -1,14 +1,14 @@
-//! Keeps all that a simulation delivers in memory.
+//! Recorder that keeps the output of a simulation in memory.
 
 use super::{Column, Fields, Head, Moment, Recorder, Records, Table, TableKind};
 use crate::Error;
 use crate::study::OnProgress;
 use dynamics::simulation::{RegularTimes, State};
 
-/// Parts of the duration that progress tells apart.
+/// Number of progress steps.
 const PARTS: usize = 1000;
 
-/// Keeps everything.
+/// Recorder in memory, with a progress callback.
 pub(super) struct InMemory<'a> {
     records: Records,
     progress: OnProgress<'a>,

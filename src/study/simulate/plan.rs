@@ -1,4 +1,4 @@
-//! Plan of a simulation: size, time steps and warnings before it begins.
+//! Plan of a simulation: size, time steps, cost and warnings.
 
 use super::Cost;
 use crate::Error;
@@ -9,74 +9,74 @@ use dynamics::simulation::StepLimit;
 /// Plan of a simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// Steps or wave numbers.
+    /// Size of the problem, by kind.
     pub work: Work,
-    /// Memory that it needs.
+    /// Memory required.
     pub memory: Bytes,
-    /// Time, files and bytes that it takes.
+    /// Time, files and bytes required.
     pub cost: Cost,
 }
 
-/// Plan of a simulation, by kind.
+/// Size of a simulation, by kind.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Work {
-    /// A solid.
+    /// Simulation of a solid.
     Solid {
         /// Cells along each axis.
         cells: Vec<usize>,
-        /// Fields of a cell.
+        /// Number of fields per cell.
         fields: usize,
         /// Number of steps.
         steps: usize,
-        /// Δt, s.
+        /// Time step Δt, s.
         step: f64,
         /// Condition that limits the time step.
         limit: StepLimit,
     },
-    /// A flow.
+    /// Simulation of a flow.
     Flow {
         /// Points along each axis.
         points: [usize; 2],
-        /// The model, as in titles.
+        /// Title of the model.
         model: &'static str,
-        /// s.
+        /// Duration, s.
         duration: f64,
-        /// Least and greatest wave number of the box along an axis at the beginning, 1/m.
+        /// Least and greatest initial wave number of the box along an axis, 1/m.
         wave_numbers: [f64; 2],
     },
 }
 
-/// A number of bytes.
+/// Number of bytes.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Bytes(pub f64);
 
 /// Warning: a setting that is probably unintended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
-    /// A function of time that changes within few steps.
+    /// A time function of a load or source changes within few steps.
     FewSteps {
-        /// Its entry in the case: `load[0]`.
+        /// Entry in the case: `load[0]`.
         entry: String,
-        /// The steps.
+        /// Number of steps.
         steps: f64,
     },
-    /// The full ledger leaves over more than rounding.
+    /// The residual of the full ledger exceeds rounding.
     Remainder {
-        /// Relative to its greatest term.
+        /// Residual relative to the greatest term of the ledger.
         part: f64,
     },
     /// A load or source on one cell at a Courant number of 1.
     Sawtooth {
-        /// Its entry in the case.
+        /// Entry in the case.
         entry: String,
     },
 }
 
 impl Plan {
-    /// Checks that enough memory is free.
+    /// Checks that enough memory is available.
     ///
     /// # Errors
-    /// It is not: what `refused` makes of the words.
+    /// Memory is short: the result of `refused` for the message.
     pub(super) fn if_memory_suffices(
         self,
         refused: impl FnOnce(String) -> CaseError,
@@ -88,7 +88,7 @@ impl Plan {
     }
 }
 
-/// Snapshots at an interval of a duration, both in s; none where the interval is 0.
+/// Returns the number of snapshots at `interval` within `duration`, both in s; 0 if the interval is 0.
 pub(super) fn number_of_snapshots(interval: f64, duration: f64) -> f64 {
     if interval > 0.0 { (duration / interval).ceil() + 1.0 } else { 0.0 }
 }

@@ -1,27 +1,27 @@
-//! Records delivered by a running simulation, and their receiver.
+//! Output of a running simulation, and the interface of its recorder.
 
 use super::{Fields, Records, unit_of};
 use crate::Error;
 use crate::case::Case;
 use dynamics::simulation::{RegularTimes, State};
 
-/// A table that grows row by row.
+/// Table to which a simulation adds rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableKind {
     /// Records of the receivers.
     Receivers,
-    /// The ledger of energy.
+    /// Energy ledger.
     Ledger,
-    /// Energies of the shells of modes of a flow.
+    /// Energy spectrum of a flow by shells of mode numbers.
     Spectrum,
 }
 
-/// A table and the names of its columns.
+/// Table kind with names and units of its columns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Head {
-    /// Which.
+    /// Kind of the table.
     pub kind: TableKind,
-    /// The first one is `time`.
+    /// Names of the columns; the first is `time`.
     pub columns: Vec<String>,
     /// Units of the columns.
     pub units: Vec<&'static str>,
@@ -34,7 +34,7 @@ impl Head {
     }
 }
 
-/// The unit of a column of a case's table.
+/// Returns the unit of a table column of a case.
 pub fn column_unit(case: &Case, kind: TableKind, name: &str) -> &'static str {
     match (kind, name) {
         (_, "time") => "s",
@@ -44,7 +44,7 @@ pub fn column_unit(case: &Case, kind: TableKind, name: &str) -> &'static str {
     }
 }
 
-/// The unit of energies: in a plane per length out of it, of flows per volume.
+/// Returns the unit of energies: J; in plane problems J/m, per out-of-plane length; for flows J/m³.
 pub(super) fn energy_unit(case: &Case) -> &'static str {
     match &case.dynamics {
         None => "J/m3",
@@ -53,58 +53,58 @@ pub(super) fn energy_unit(case: &Case) -> &'static str {
     }
 }
 
-/// A simulation between two batches of steps.
+/// State of progress of a simulation between two batches of steps.
 pub struct Moment<'a> {
-    /// Steps done.
+    /// Number of steps done.
     pub steps: usize,
-    /// Time of the state, s.
+    /// Simulated time, s.
     pub time: f64,
-    /// Duration of the whole simulation, s.
+    /// Duration of the simulation, s.
     pub duration: f64,
-    /// Whether the duration is over.
+    /// Whether the duration has been reached.
     pub is_finished: bool,
-    /// Account of the time steps.
+    /// Statistics of the time steps.
     pub effort: Effort,
-    /// All that the steps to come depend on.
+    /// Function that returns the complete state for a checkpoint.
     pub state: &'a dyn Fn() -> State,
 }
 
-/// Account of the time steps, by kind.
+/// Statistics of the time steps, by kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Effort {
     /// Time steps of a solid.
     Solid {
-        /// Energy of the state, J, in a plane J/m.
+        /// Energy of the state, J; in plane problems J/m.
         energy: f64,
-        /// Cells.
+        /// Number of cells.
         cells: usize,
-        /// Parts of the grid, each in a thread of its own.
+        /// Number of subdomains, each with its own thread.
         threads: usize,
     },
     /// Time steps of a flow.
     Flow {
-        /// Kinetic energy of the last account, J/m³.
+        /// Kinetic energy in the last ledger row, J/m³.
         energy: f64,
-        /// Stages of the last step.
+        /// Number of stages of the last step.
         stages: usize,
-        /// Evaluations of the right-hand side so far.
+        /// Number of evaluations of the right-hand side so far.
         evaluations: usize,
-        /// Iterations of the pressure in all of them.
+        /// Number of pressure iterations so far.
         iterations: usize,
-        /// Threads.
+        /// Number of threads.
         threads: usize,
     },
 }
 
-/// Takes what a simulation delivers. An error of any method ends the run.
+/// Recorder of the output of a simulation. An error of any method ends the run.
 pub trait Recorder: Send {
-    /// Whether the run goes on from a saved state.
+    /// Returns whether the run resumes from a saved state.
     fn is_resumed(&self) -> bool {
         false
     }
 
-    /// The beginning: tables and snapshots to come. Where the run is resumed, `restore` is to be called with the saved
-    /// state: it hands back the number of snapshots delivered up to it, or `None` where the state is of another case.
+    /// Starts recording, with the tables and snapshot times to come. A resumed run calls `restore` with the saved
+    /// state; it returns the number of snapshots recorded before, or `None` if the state does not match the case.
     ///
     /// # Errors
     /// The recorder is not ready, or the state is refused.
@@ -115,35 +115,35 @@ pub trait Recorder: Send {
         restore: &mut dyn FnMut(&State) -> Option<usize>,
     ) -> Result<(), Error>;
 
-    /// A row of one of the tables.
+    /// Records a row of a table.
     ///
     /// # Errors
-    /// It cannot be kept.
+    /// The output cannot be recorded.
     fn row(&mut self, table: TableKind, row: &[f64]) -> Result<(), Error>;
 
-    /// A snapshot: its number from 0 on, and the fields.
+    /// Records a snapshot with its index, from 0, and fields.
     ///
     /// # Errors
-    /// It cannot be kept.
+    /// The output cannot be recorded.
     fn snapshot(&mut self, index: usize, fields: Fields) -> Result<(), Error>;
 
-    /// Steps are about to be made again, to find the last sound state before a fault.
+    /// Called before steps are repeated to find the last valid state before a fault.
     ///
     /// # Errors
-    /// The run is to end here.
+    /// The run is interrupted.
     fn replay(&mut self) -> Result<(), Error> {
         Ok(())
     }
 
-    /// A look at the simulation when all output that is due has been taken.
+    /// Called after a batch of steps, when all output due has been recorded.
     ///
     /// # Errors
-    /// The run is to end here.
+    /// The run is interrupted.
     fn after_steps(&mut self, moment: &Moment) -> Result<(), Error>;
 
-    /// All steps are done: hands over what was recorded.
+    /// Ends recording after the last step and returns the records.
     ///
     /// # Errors
-    /// It cannot be had.
+    /// The records cannot be completed or read.
     fn finish(&mut self, moment: &Moment) -> Result<Records, Error>;
 }

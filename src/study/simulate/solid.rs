@@ -1,4 +1,4 @@
-//! A solid in time.
+//! Simulation of a solid.
 
 use super::cost::Written;
 use super::plan::number_of_snapshots;
@@ -24,22 +24,22 @@ use dynamics::simulation::{
     TimeSteps,
 };
 
-/// Lines of the ledger where the case does not say how many.
+/// Default number of ledger rows.
 const LINES: usize = 1000;
 
-/// What the program takes by itself and for its pictures, bytes.
+/// Memory of the program and its pictures, bytes.
 const PROGRAM: f64 = 36.0 * 1048576.0;
 
-/// Numbers that the solver keeps of a line along the last axis, by field.
+/// Numbers per field that the solver stores for each line along the last axis, in two dimensions.
 const LINE_IN_THE_PLANE: f64 = 36.0;
 const LINE_IN_SPACE: f64 = 4.0;
 
-/// A solid and its media.
+/// Simulation of a solid with its media.
 pub(super) struct SolidJob<'a> {
     case: &'a Case,
     dynamics: &'a Dynamics,
     media: Vec<Medium>,
-    /// Names of what is shown of a cell, in the order in which it is: fields, then integrals in time.
+    /// Names of the output quantities of a cell in order: fields, then time integrals.
     names: Vec<String>,
 }
 
@@ -52,8 +52,8 @@ impl<'a> SolidJob<'a> {
         Ok(Self { case, dynamics, media, names })
     }
 
-    /// Memory of a run, bytes, at its peak: that of the solver, and copies of the fields for a checkpoint, for the results
-    /// or for a snapshot, whichever are most.
+    /// Estimates the peak memory of a run, bytes: the solver and the copies of the fields for a checkpoint, for the
+    /// results or for a snapshot, whichever is greatest.
     fn memory(&self, keeps_snapshots: bool) -> Bytes {
         let Dynamics { grid, output, scheme, initial, .. } = self.dynamics;
         let fields = self.media[0].fields.len();
@@ -61,7 +61,7 @@ impl<'a> SolidJob<'a> {
             Precision::F64 => (memory::<f64>(&self.solver_cells(), fields), size_of::<f64>()),
             Precision::F32 => (memory::<f32>(&self.solver_cells(), fields), size_of::<f32>()),
         };
-        // Interface states and boundary values of the lines along the last axis, by field; found by measurement.
+        // Interface states and boundary values of the lines along the last axis, per field; constants by measurement.
         let cells = self.solver_cells();
         let lines: usize = cells.iter().rev().skip(1).product();
         let of_line = if cells.len() == 2 { LINE_IN_THE_PLANE } else { LINE_IN_SPACE };
@@ -71,7 +71,7 @@ impl<'a> SolidJob<'a> {
         let shown = wide * self.names.len() as f64;
         let checkpoint = 2.0 * saved + 2.0 * wide * output.integrals.len() as f64;
         let result = saved + shown;
-        // The states before and after it, what is between them, and its file, of which not all are whole at once.
+        // Solver states before and after the snapshot, interpolated fields and file buffers, which do not all coexist.
         let snapshot = match output.snapshot_interval > 0.0 {
             true => saved + 2.5 * shown + 2.0 * wide * self.numbers_of_snapshot() as f64,
             false => 0.0,
@@ -87,7 +87,8 @@ impl<'a> SolidJob<'a> {
         Bytes(PROGRAM + solver + lines + grid.count() as f64 * copies)
     }
 
-    /// Cells along the axes in the order in which the solver has them: in space a side that reflects comes first.
+    /// Returns the numbers of cells in the axis order of the solver: in three dimensions with alternating splitting the
+    /// last axis with a reflecting side is moved to the front.
     fn solver_cells(&self) -> Vec<usize> {
         let Dynamics { grid, scheme, .. } = self.dynamics;
         let mut cells = grid.cells.clone();
@@ -108,7 +109,8 @@ impl<'a> SolidJob<'a> {
         cells
     }
 
-    /// Numbers of a cell in a snapshot: velocities have three components there, and what yields dissipates.
+    /// Returns the numbers per cell in a snapshot: velocity vectors have three components, and yielding solids have a
+    /// dissipation field.
     fn numbers_of_snapshot(&self) -> usize {
         let yields = self.media.iter().any(|medium| medium.yields.is_some());
         self.names.len() + 3 - self.dynamics.grid.dimensions() + usize::from(yields)
@@ -116,7 +118,7 @@ impl<'a> SolidJob<'a> {
 }
 
 impl SolidJob<'_> {
-    /// What so many steps take.
+    /// Estimates the cost of `steps` steps.
     fn cost(&self, steps: f64) -> Cost {
         let Dynamics { grid, output, time, scheme, receivers, .. } = self.dynamics;
         let count = grid.count() as f64;
@@ -194,7 +196,7 @@ impl Job for SolidJob<'_> {
     }
 
     fn ill_posed(&self) -> Result<Option<IllPosed>, Error> {
-        // Elastic, or with associated flow without softening: all others are refused.
+        // Solids are elastic or have associated ideal plasticity; the solver refuses all others.
         Ok(None)
     }
 
@@ -208,7 +210,7 @@ impl Job for SolidJob<'_> {
     }
 }
 
-/// Number of steps between two rows of the ledger.
+/// Returns the number of steps between two ledger rows.
 fn interval(seconds: f64, step: f64) -> usize {
     ((seconds / step).round() as usize).max(1)
 }
@@ -235,7 +237,7 @@ impl SolidJob<'_> {
         Ok(self.result(steps, found))
     }
 
-    /// The solid at its beginning.
+    /// Creates the solver in its initial state.
     fn simulation<T: SolverReal, const D: usize>(&self) -> Result<SolidSimulation<T, D>, Error> {
         let dynamics = self.dynamics;
         let Setup { problem, steps, initial } =
@@ -251,7 +253,7 @@ impl SolidJob<'_> {
             .map_err(|error| dynamics.locate("grid", error.to_string(), "see docs/case-file.md"))?)
     }
 
-    /// Error: the initial stress is beyond yield.
+    /// Creates the error that the initial stress is beyond yield.
     fn beyond_yield(&self, cell: usize) -> CaseError {
         let place = centre(self.dynamics, cell);
         let found = format!("a stress beyond yield in the cell at {place:?}");

@@ -1,17 +1,17 @@
-//! Why a simulation ends early, or does not begin.
+//! Reasons for stopping or refusing a simulation.
 
 use analysis::growth::Growth;
 use dynamics::flow::Left;
 use models::solid::waves::Field;
 
-/// A run that ended by its own state.
+/// Report of a simulation stopped by its own state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stopped {
     /// Cause, with position.
     pub cause: StopCause,
-    /// Time of detection, s.
+    /// Simulated time of detection, s.
     pub time: f64,
-    /// The time of the last state without fault, s.
+    /// Time of the last valid state, s.
     pub saved: f64,
 }
 
@@ -22,16 +22,16 @@ impl std::error::Error for Stopped {}
 pub enum StopCause {
     /// A field of a solid is not finite.
     Field {
-        /// Which.
+        /// Field that is not finite.
         field: Field,
-        /// The centre of the first such cell, m.
+        /// Centre of the first such cell, m.
         place: Vec<f64>,
     },
     /// The energy of a solid is not finite, though all fields are.
     Energy,
-    /// A flow has left what is solved.
+    /// A flow has left the domain of the solver.
     Flow {
-        /// Event with its values.
+        /// Description of the event with its values.
         what: String,
         /// Position in initial coordinates of the box, m; `None` if it is not local.
         at: Option<[f64; 2]>,
@@ -44,13 +44,13 @@ impl From<&Left> for StopCause {
     }
 }
 
-/// Short waves of a flow grow without bound: what is solved in time depends on the grid.
+/// Ill-posedness of a flow: short waves grow without bound, so that numerical solutions depend on the grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IllPosed {
-    /// Growth rate as k → ∞, and where; `None` where it is unbounded at finite k.
+    /// Order and coefficient of the growth rate as k → ∞; `None` if it is unbounded at finite k.
     pub growth: Option<Growth>,
-    /// The worst direction of the wave vector, degrees.
+    /// Direction of the wave vector of fastest growth, degrees.
     pub direction_deg: f64,
-    /// The greatest wave number of the grid, 1/m.
+    /// Greatest wave number of the grid, 1/m.
     pub number: f64,
 }

@@ -1,48 +1,48 @@
-//! The value of a simulation.
+//! Result of a simulation.
 
 use super::{Stopped, Warning};
 use serde::{Serialize, Serializer};
 
-/// A run in time. What is not of its kind, solid or flow, is absent.
+/// Result of a simulation; fields of the other kind (solid or flow) are `None`.
 #[derive(Clone, Debug, Serialize)]
 pub struct RunResult {
     /// Title of the case.
     pub title: String,
-    /// Kind of model; of flows.
+    /// Kind of the model; flows only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<&'static str>,
     /// Cells of a solid, or points of a flow, along each axis.
     pub cells: Vec<usize>,
-    /// Edges of the box at the beginning, m; of flows.
+    /// Initial edge lengths of the box, m; flows only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub length: Option<[f64; 2]>,
-    /// Steps done.
+    /// Number of steps done.
     pub steps: usize,
-    /// Δt, s; of solids, whose steps are equal.
+    /// Constant time step Δt, s; solids only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<f64>,
-    /// The time that the run came to, s.
+    /// Simulated time reached, s.
     pub time: f64,
-    /// Precision of the solver; of solids.
+    /// Precision of the solver; solids only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub precision: Option<&'static str>,
-    /// Order of the scheme; of solids.
+    /// Order of the scheme; solids only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order: Option<&'static str>,
-    /// Velocity gradient of the mean flow, 1/s; of flows.
+    /// Velocity gradient of the mean flow, 1/s; flows only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity_gradient: Option<[[f64; 2]; 2]>,
-    /// Final deformation gradient F of the box: its point y is at Fy; of flows.
+    /// Final deformation gradient F of the box, which maps initial positions y to Fy; flows only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub deformation: Option<[[f64; 2]; 2]>,
-    /// All fields at the end; in the report their names.
+    /// Final fields; serialised as their names.
     #[serde(serialize_with = "names")]
     pub fields: Fields,
-    /// The energy at the end, and what became of it.
+    /// Final energies and the work and dissipation until then.
     pub ledger: FinalLedger,
     /// Receivers of the simulation with their positions.
     pub receivers: Vec<Receiver>,
-    /// Why the run ended before its duration was over, if it did.
+    /// Reason why the run was stopped before its duration; `None` if complete.
     #[serde(serialize_with = "words")]
     pub stopped: Option<Stopped>,
     /// Records of the simulation.
@@ -58,49 +58,49 @@ fn words<S: Serializer>(stopped: &Option<Stopped>, serializer: S) -> Result<S::O
     stopped.as_ref().map(ToString::to_string).serialize(serializer)
 }
 
-/// All that is seen of a state. Serialised with all values, unlike in the report of a run.
+/// Output fields of a state, serialised with all values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Fields {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// Along each axis, the middles of cells or, of flows, points of the box at the beginning, m.
+    /// Coordinates along each axis, m: cell centres of a solid, or points of the initial box of a flow.
     pub coordinates: Vec<Vec<f64>>,
-    /// Deformation gradient F of the box of a flow: its point y is at Fy.
+    /// Deformation gradient F of the box of a flow, which maps initial positions y to Fy.
     pub deformation: Option<[[f64; 2]; 2]>,
-    /// Fields, then integrals in time, in SI units.
+    /// Fields, then time integrals, in SI units.
     pub quantities: Vec<Quantity>,
-    /// Plastic dissipation by cell, J/m³; empty where nothing yields.
+    /// Plastic dissipation by cell, J/m³; empty for elastic solids and flows.
     pub dissipation: Vec<f64>,
-    /// The region of each cell of a solid; empty without regions.
+    /// Region index of each cell of a solid; empty without regions.
     pub regions: Vec<u16>,
 }
 
 impl Fields {
-    /// Values of a quantity, the first axis running fastest.
+    /// Returns the values of a quantity, first axis fastest.
     pub fn get(&self, name: &str) -> Option<&[f64]> {
         Some(&self.quantities.iter().find(|own| own.name == name)?.values)
     }
 }
 
-/// A field, or its integral in time.
+/// Field or time integral.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Quantity {
-    /// `v1`, `sigma12`, …
+    /// Name in files: `v1`, `sigma12`, …
     pub name: String,
-    /// SI.
+    /// SI unit.
     pub unit: &'static str,
-    /// By cell or point, the first axis running fastest.
+    /// Values by cell or point, first axis fastest.
     pub values: Vec<f64>,
 }
 
 impl Quantity {
-    /// A column with the unit that follows from its name.
+    /// Creates a quantity with the unit that its name determines.
     pub fn new(name: String, values: Vec<f64>) -> Self {
         Self { unit: unit_of(&name), name, values }
     }
 }
 
-/// The unit of what is shown, by its name in files.
+/// Returns the unit of an output quantity by its name in files.
 pub fn unit_of(name: &str) -> &'static str {
     match name.trim_end_matches(|c: char| c.is_ascii_digit()) {
         "v" => "m/s",
@@ -116,7 +116,7 @@ pub fn unit_of(name: &str) -> &'static str {
     }
 }
 
-/// The last row of the ledger: terms by name, in one unit but for the internal power of flows, W/m³.
+/// Last row of the energy ledger: terms by name, in one unit except for the internal power of flows, W/m³.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FinalLedger {
     /// Unit of the energies.
@@ -126,22 +126,22 @@ pub struct FinalLedger {
 }
 
 impl FinalLedger {
-    /// What the full ledger of a solid leaves over, relative to the greatest of its terms; `None` for a light one, which
-    /// leaves over what the scheme dissipates, and of flows.
+    /// Returns the residual of the full ledger of a solid relative to its greatest term; `None` for flows and for the
+    /// light ledger, whose balance includes the numerical dissipation.
     pub fn remainder(&self) -> Option<f64> {
         let residual = self.get("residual")?.abs();
         let greatest = self.terms.iter().map(|own| own.1.abs()).fold(0.0, f64::max);
         Some(if greatest > 0.0 { residual / greatest } else { 0.0 })
     }
 
-    /// The term of that name.
+    /// Returns the term of that name.
     pub fn get(&self, name: &str) -> Option<f64> {
         self.terms.iter().find(|term| term.0 == name).map(|term| term.1)
     }
 }
 
 impl RunResult {
-    /// What is not to be believed of the result.
+    /// Returns a warning if the ledger residual exceeds rounding.
     pub fn warning(&self) -> Option<Warning> {
         let rounding = if self.precision == Some("f32") { 1e-2 } else { 1e-6 };
         let part = self.ledger.remainder().filter(|part| *part > rounding)?;
@@ -157,20 +157,20 @@ impl Serialize for FinalLedger {
     }
 }
 
-/// A point at which the state was recorded.
+/// Receiver: a point at which the state was recorded.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Receiver {
     /// Its name.
     pub name: String,
     /// Requested position, m.
     pub at: Vec<f64>,
-    /// The centre of the cell that holds it, m; of solids.
+    /// Centre of the cell that contains the receiver, m; solids only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cell: Option<Vec<f64>>,
-    /// Interpolation between cells; of solids.
+    /// Interpolation between cells; solids only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interpolation: Option<&'static str>,
-    /// The point of the box that is recorded, m; of flows.
+    /// Recorded grid point of the initial box, m; flows only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub point: Option<[f64; 2]>,
 }
@@ -178,20 +178,20 @@ pub struct Receiver {
 /// Records of a simulation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Records {
-    /// Seismograms: `time`, then `NAME.QUANTITY`, angles in degrees; none without receivers.
+    /// Receiver records: `time`, then `NAME.QUANTITY`, angles in degrees; `None` without receivers.
     pub receivers: Option<Table>,
-    /// The ledger of energy.
+    /// Energy ledger.
     pub ledger: Table,
-    /// Energies of the shells of modes; of flows.
+    /// Energy spectrum by shells of mode numbers; flows only.
     pub spectrum: Option<Table>,
-    /// The snapshots that the case asks for, where they are kept in memory.
+    /// Snapshots of the case, if kept in memory.
     pub snapshots: Vec<Fields>,
 }
 
-/// Columns of equal length.
+/// Table with columns of equal length.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Table {
-    /// The first one is the time.
+    /// Columns; the first is the time.
     pub columns: Vec<Column>,
 }
 
@@ -200,14 +200,14 @@ pub struct Table {
 pub struct Column {
     /// Its name.
     pub name: String,
-    /// Its unit.
+    /// Unit.
     pub unit: &'static str,
-    /// By row.
+    /// Values by row.
     pub values: Vec<f64>,
 }
 
 impl Table {
-    /// The values of a column.
+    /// Returns the values of a column.
     pub fn get(&self, name: &str) -> Option<&[f64]> {
         Some(&self.columns.iter().find(|column| column.name == name)?.values)
     }

@@ -1,4 +1,4 @@
-//! From the simulations of the driver to rows and fields, which a recorder takes.
+//! Observer of the driver that converts its output to rows and fields for a recorder.
 
 use super::{Effort, Fields, Head, Moment, Recorder, Records, Stopped, TableKind};
 use crate::Error;
@@ -7,13 +7,12 @@ use crate::case::dynamics::Receiver;
 use dynamics::simulation::{Observer, OutputTimes, RegularTimes, Simulation, drive};
 use std::fmt::Display;
 
-/// Observation of a kind of simulation.
+/// Conversion of the output of one kind of simulation.
 pub(super) trait View<S: Simulation> {
-    /// The table of the receivers, and the places of its columns in what the probes record; `None` without
-    /// receivers.
+    /// Returns the receiver table, and the indices of its columns in the probe record; `None` without receivers.
     fn receivers(&self) -> Option<(Head, Vec<usize>)>;
 
-    /// A recorded value at such a place, in the unit of the table.
+    /// Converts a value at an index of the probe record to the unit of the table.
     fn to_display_unit(&self, _place: usize, value: f64) -> f64 {
         value
     }
@@ -21,33 +20,34 @@ pub(super) trait View<S: Simulation> {
     /// The tables of accounts.
     fn tables(&self) -> Vec<Head>;
 
-    /// The rows of these for an account.
+    /// Returns one row for each of these tables from an account.
     fn rows(&self, account: &S::Account) -> Vec<Vec<f64>>;
 
-    /// Fields of a time in s.
+    /// Converts the output fields at `time`, s.
     fn fields(&self, simulation: &S, fields: S::Fields, time: f64) -> Fields;
 
-    /// Account of the time steps; `last` is the last account delivered.
+    /// Returns the statistics of the time steps; `last` is the last account recorded.
     fn effort(&self, simulation: &S, last: &S::Account) -> Effort;
 
-    /// Why a simulation stopped, and at which time, s, it is saved.
+    /// Creates the report of a stopped simulation; `saved` is the time of the last valid state, s.
     fn stopped(&self, fault: &S::Fault, saved: f64) -> Stopped;
 }
 
 /// Result of a simulation.
 pub(super) struct Found<A> {
-    /// All fields at the end.
+    /// Final fields.
     pub(super) fields: Fields,
-    /// The account of the same state.
+    /// Energy account of the final state.
     pub(super) last: A,
     pub(super) steps: usize,
-    /// The time that the run came to, s.
+    /// Simulated time reached, s.
     pub(super) time: f64,
     pub(super) stopped: Option<Stopped>,
     pub(super) records: Records,
 }
 
-/// Accounts and snapshots at such intervals of a duration, s; of 0 no snapshots.
+/// Returns the times of accounts and snapshots at the given intervals within `duration`, s; a snapshot interval of 0
+/// means none.
 pub(super) fn output_times(accounts: f64, snapshots: f64, duration: f64) -> OutputTimes {
     let has_snapshots = snapshots > 0.0;
     OutputTimes {
@@ -56,7 +56,7 @@ pub(super) fn output_times(accounts: f64, snapshots: f64, duration: f64) -> Outp
     }
 }
 
-/// Runs a simulation of that duration, s, from its beginning or from where the recorder says.
+/// Runs a simulation of `duration`, s, from its beginning or from the state of the recorder.
 pub(super) fn run<S: Simulation, V: View<S>>(
     view: &V,
     mut simulation: S,
@@ -91,15 +91,15 @@ pub(super) fn run<S: Simulation, V: View<S>>(
     })
 }
 
-/// From what the driver delivers to rows and fields.
+/// Observer that converts driver output and passes it to the recorder.
 struct Watch<'a, V> {
     view: &'a V,
     recorder: &'a mut dyn Recorder,
-    /// Places of what the receivers record, in what the probes do.
+    /// Indices of the receiver table columns in the probe record.
     columns: Vec<usize>,
     /// The tables of accounts.
     accounts: Vec<TableKind>,
-    /// s.
+    /// Duration, s.
     duration: f64,
 }
 
@@ -158,8 +158,8 @@ impl<S: Simulation, V: View<S>> Observer<S> for Watch<'_, V> {
     }
 }
 
-/// The table of the receivers, and where its columns stand in what is recorded at a time: all quantities of those
-/// names, receiver by receiver.
+/// Creates the receiver table, and the indices of its columns in the probe record, which holds all quantities `names`
+/// receiver by receiver; `None` without receivers.
 pub(super) fn receivers_table<F: Display>(
     case: &Case,
     receivers: &[Receiver<F>],
