@@ -30,13 +30,13 @@ pub enum Error {
     /// A picture could not be drawn.
     #[error(transparent)]
     Figure(#[from] figures::FigureError),
-    /// A table could not be made.
+    /// A table could not be created.
     #[error(transparent)]
     Table(#[from] files::csv::RowLength),
-    /// An archive of arrays could not be made.
+    /// An archive of arrays could not be created.
     #[error(transparent)]
     Archive(#[from] files::npz::NpzError),
-    /// A snapshot could not be made.
+    /// A snapshot could not be created.
     #[error(transparent)]
     Snapshot(#[from] files::vti::VtiError),
 }

@@ -5,17 +5,17 @@
 //! and compares both. The program `wellposed` does this on the command line; this library runs the same studies and
 //! returns values, without files.
 //!
-//! # Questions
+//! # Studies
 //!
-//! | question | answer |
+//! | study | result |
 //! |---|---|
 //! | [`load`] | a [`Case`], read from a file and checked |
-//! | [`point()`] | [`PointResult`](study::PointResult): all about one state: background, characteristics, roots, growth, verdict with evidence |
-//! | [`map()`] | [`MapResult`](study::MapResult): the verdict over two numbers of the case |
-//! | [`dispersion()`] | [`Dispersion`](study::Dispersion): frequencies and speeds of the waves of a solid against the wave number |
-//! | [`speeds()`] | [`Speeds`](study::Speeds): characteristic speeds of a solid against the direction, elastic and yielding |
-//! | [`simulate()`] | [`RunResult`](study::RunResult): fields, records of receivers and the energy ledger of a solid or a flow in time |
-//! | [`check()`] | [`CheckResult`](study::CheckResult): frequencies and growth of waves as the analysis predicts them and as a solver has them |
+//! | [`point()`] | [`PointResult`](study::PointResult): analysis of one state: background, characteristics, roots, growth, verdict with evidence |
+//! | [`map()`] | [`MapResult`](study::MapResult): the verdict over two parameters of the case |
+//! | [`dispersion()`] | [`Dispersion`](study::Dispersion): dispersion relation of a solid: frequencies and speeds of its waves by wave number |
+//! | [`speeds()`] | [`Speeds`](study::Speeds): characteristic speeds of a solid by direction, elastic and yielding |
+//! | [`simulate()`] | [`RunResult`](study::RunResult): time-domain simulation of a solid or a flow: fields, receiver records, energy ledger |
+//! | [`check()`] | [`CheckResult`](study::CheckResult): frequencies and growth rates of waves: predicted by the analysis, measured by a solver |
 //!
 //! Harris–Grekova (2005) at constant volume is well-posed while stress and deformation rate are less than 45° apart:
 //!
@@ -48,14 +48,14 @@
 //! All crates are re-exported: a program needs no other dependency, and registers its own model with
 //! `wellposed::models::registry::register_solid`. [`CASES`] holds the texts of the cases shipped with the program.
 //!
-//! | crate | holds |
+//! | crate | contents |
 //! |---|---|
 //! | [`models`] | physics without discretisation, files or threads: flows, solids, yield sets, and the registry that lists them |
-//! | [`analysis`] | from linearised equations to the dispersion polynomial, roots, growth of short waves, and a verdict |
-//! | [`dynamics`] | solvers in time for solids and for flows, with energy ledgers |
-//! | [`agreement`] | rates of waves as the analysis predicts them and as the solvers show them |
+//! | [`analysis`] | linearised equations, dispersion polynomial, roots, growth of short waves, verdict |
+//! | [`dynamics`] | time-domain solvers for solids and flows, with energy ledgers |
+//! | [`agreement`] | comparison of wave rates predicted by the analysis and measured by the solvers |
 //! | [`cases`](mod@case) | case files: one schema for reader, writer, templates, reference page and JSON Schema |
-//! | [`figures`] | pictures from plain structs |
+//! | [`figures`] | figures from plain structs |
 //! | [`files`] | atomic writing, tables, archives, snapshots |
 //!
 //! `analysis` and `dynamics` are independent of each other, so that `agreement` compares independent results; `figures`

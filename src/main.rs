@@ -178,7 +178,7 @@ fn yield_set(name: String) -> Result<Yield, String> {
     registry::yield_set(&name).ok_or_else(|| format!("no yield set is called {name}"))
 }
 
-/// Parses the wall time between checkpoints, s; 0 means after every batch of steps.
+/// Parses the wall time between checkpoints, s; with 0 a checkpoint is written after every batch of steps.
 fn seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds >= 0.0);
     seconds.ok_or_else(|| "expected a finite number of at least 0, in seconds".to_owned())

@@ -42,7 +42,7 @@ pub enum Error {
         "{folder}: no case file (*.toml) in the folder or below; name a case file, or a folder that holds some"
     )]
     NoCases {
-        /// The folder.
+        /// Path of the folder.
         folder: String,
     },
     /// Result files differ from their checksums.

@@ -1,8 +1,9 @@
 //! `wellposed run`, and the code shared with `wellposed resume`.
 //!
-//! [`study::simulate`](crate::study::simulate) computes; this module writes its output to files: rows are appended to
-//! tables, snapshots are written one by one. A checkpoint holds the state and the lengths and checksums of tables and
-//! snapshots; a resumed run writes the same bits as an uninterrupted run. The remaining results are written at the end.
+//! [`study::simulate`](mod@crate::study::simulate) computes; this module writes its output to files: rows are appended
+//! to tables, snapshots are written one by one. A checkpoint holds the state and the lengths and checksums of tables
+//! and snapshots; a resumed run writes the same bits as an uninterrupted run. The remaining results are written at the
+//! end.
 
 mod animation;
 mod appended;

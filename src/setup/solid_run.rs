@@ -24,7 +24,7 @@ use models::solid::waves::Field;
 pub(crate) struct Setup<const D: usize> {
     pub(crate) problem: Problem<D>,
     pub(crate) steps: TimeSteps,
-    /// Values of the fields that are not zero, by cell.
+    /// Nonzero initial fields and their values by cell.
     pub(crate) initial: Vec<(Field, Vec<f64>)>,
 }
 

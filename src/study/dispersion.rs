@@ -19,12 +19,12 @@ pub struct Dispersion {
     pub greatest_number: f64,
     /// Branch families, those of equal dispersion merged.
     pub families: Vec<BranchFamily>,
-    /// The solid.
+    /// Solid with its yield state.
     #[serde(skip)]
     pub solid: Solid,
 }
 
-/// A wave vector.
+/// Wave vector.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WaveVector {
     /// Wave number k, 1/m.
@@ -75,7 +75,7 @@ pub struct BranchFamily {
 pub struct Branch {
     /// Frequency Re ω, rad/s.
     pub frequency: f64,
-    /// |Im ω|, 1/s.
+    /// Growth rate |Im ω|, 1/s.
     pub growth_rate: f64,
     /// Phase speed Re ω/k, m/s.
     pub phase_speed: f64,

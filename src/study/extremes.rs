@@ -29,7 +29,7 @@ pub struct FlutterWave {
     pub growth: f64,
     /// Real and imaginary part of c² at the supremum, m²/s²; the conjugate is also an eigenvalue.
     pub squared_speed: [f64; 2],
-    /// The wave normal.
+    /// Normal of the wave.
     pub normal: WaveNormal,
 }
 
@@ -47,7 +47,7 @@ pub struct SlowestWave {
     pub squared_speed: f64,
     /// Rounding bound of the squared speed, m²/s².
     pub rounding: f64,
-    /// The wave normal.
+    /// Normal of the wave.
     pub normal: WaveNormal,
 }
 

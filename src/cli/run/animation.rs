@@ -14,7 +14,7 @@ pub(in crate::cli) const ANIMATION: &str = "animation.gif";
 pub(in crate::cli) enum Animation {
     /// The case requests no animation, or there are fewer than two snapshots.
     None,
-    /// All values are zero: an existing animation of another quantity is to be removed.
+    /// All values are zero: an existing animation, of another quantity, must be removed.
     Empty,
     /// Content of the GIF file.
     Drawn(Vec<u8>),

@@ -13,7 +13,7 @@ use solid::MediumPlan;
 /// Thoroughness of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
-    /// All waves of the case, or the chosen ones.
+    /// All waves of the case, given or by default.
     Full,
     /// Quick: one wave number in two directions, for series of cases.
     Short,
@@ -26,7 +26,7 @@ pub enum CheckPlan {
     Solid(Vec<MediumPlan>),
     /// Check of the waves and perturbations of a flow.
     Flow(FlowPlan),
-    /// No check: no solver supports the case; the reason.
+    /// No check, since no solver supports the case; holds the reason.
     NotMeasurable(String),
 }
 

@@ -31,7 +31,7 @@ pub struct FlowCheck {
 /// Check of one mode of a wave.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModeCheck {
-    /// The wave.
+    /// Initial wave vector.
     pub wave: FlowWave,
     /// Number of the mode, from 1, by descending initial growth rate.
     pub mode: usize,
@@ -93,9 +93,9 @@ pub struct RateCurve {
     pub direction_deg: f64,
     /// Whether the waves grow.
     pub grows: bool,
-    /// Wave numbers at the beginning, 1/m, and predicted |γ| there, 1/s.
+    /// Initial wave numbers, 1/m, and predicted |γ|, 1/s.
     pub predicted: Vec<[f64; 2]>,
-    /// Wave numbers, 1/m, and measured |γ|, 1/s.
+    /// Initial wave numbers, 1/m, and measured |γ|, 1/s.
     pub measured: Vec<[f64; 2]>,
 }
 
@@ -148,8 +148,8 @@ fn curves(
             directions.push(direction_deg);
         }
     }
-    // Omitted are modes with rates below three times the shear rate, which short-wave asymptotics does not determine,
-    // and modes near degenerate directions, whose initial rate differs from that along k(t).
+    // Omitted are modes with rates below three times the shear rate, for which the short-wave behaviour is not
+    // decisive, and modes near degenerate directions, whose initial rate differs from that along k(t).
     let is_slow = |row: &&ModeResult| row.predicted.growth.abs() < 3.0 * shear_rate;
     let has_turned = |row: &&ModeResult| {
         (row.frozen - row.predicted).max_norm() > 0.1 * row.predicted.max_norm()

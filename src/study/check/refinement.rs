@@ -46,7 +46,7 @@ pub struct Orders {
     pub measured: f64,
 }
 
-/// The fastest growing mode of one grid.
+/// Check of the fastest growing mode of one grid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FastestModeCheck {
     /// Points along each axis.

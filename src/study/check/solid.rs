@@ -28,13 +28,13 @@ pub struct MediumCheck {
     pub place: String,
     /// Description of the medium.
     pub model: String,
-    /// Whether everything that was measured agrees; `None` where nothing was.
+    /// Whether all measurements agree; `None` without any.
     pub agrees: Option<bool>,
     /// Check results by branch, for all waves.
     pub rows: Vec<BranchCheck>,
     /// Check results of the forbidden bands of an elastic solid.
     pub forbidden_bands: Vec<ForbiddenBandCheck>,
-    /// The solid.
+    /// Solid with its yield state.
     #[serde(skip)]
     pub solid: Solid,
     /// Predicted branches in the direction of the first wave, by response.
@@ -62,7 +62,7 @@ pub struct BranchCheck {
     pub not_measurable: Option<String>,
     /// Order of convergence in the cell size; `None` if the error is rounding.
     pub order: Option<f64>,
-    /// Whether measured and expected rates agree on every grid and in the limit; `None` without measurement.
+    /// Whether the measured rate agrees on every grid and in the limit; `None` without measurement.
     pub agrees: Option<bool>,
     /// Measured minus predicted rate in the limit of zero cell size, relative to the predicted frequency.
     #[serde(skip)]
@@ -121,7 +121,7 @@ fn name<S: Serializer>(response: &Response, serializer: S) -> Result<S::Ok, S::E
     serializer.serialize_str(response.name())
 }
 
-/// Checks the media of a solid.
+/// Checks all media of a solid.
 pub(super) fn check(media: Vec<MediumPlan>, on_progress: OnProgress) -> Result<SolidCheck, Error> {
     let (mut checked, mut before) = (Vec::new(), 0);
     let mut left = media.len();
@@ -158,7 +158,7 @@ pub fn rows(
 }
 
 impl SolidCheck {
-    /// Whether everything that was measured agrees; `None` where nothing was.
+    /// Returns whether all measurements agree; `None` without any.
     pub fn agrees(&self) -> Option<bool> {
         let all: Vec<bool> = self.media.iter().filter_map(|own| own.agrees).collect();
         (!all.is_empty()).then(|| all.into_iter().all(|own| own))

@@ -20,7 +20,7 @@ use serde::{Serialize, Serializer};
 pub struct MapPoint {
     /// Verdict, or the reason why there is none.
     pub status: PointStatus,
-    /// Method of the verdict, if there is one.
+    /// Method of the verdict; `None` without verdict.
     #[serde(serialize_with = "route_name")]
     pub route: Option<Route>,
     /// Order of growth in k if ill-posed.

@@ -91,7 +91,7 @@ impl From<&Sweep> for MapAxis {
 pub struct WellPosedIntervals {
     /// Value of y.
     pub y: f64,
-    /// First and last value of x of each run of neighbouring well-posed points.
+    /// First and last value of x of each run of adjacent well-posed points.
     pub x: Vec<[f64; 2]>,
 }
 
@@ -187,7 +187,7 @@ fn intervals(map: &Map, points: &[MapPoint]) -> Vec<WellPosedIntervals> {
     intervals.collect()
 }
 
-/// First and last value of x of each run of neighbouring well-posed points.
+/// Returns the first and last value of x of each run of adjacent well-posed points.
 fn well_posed_intervals(x: &Sweep, row: &[MapPoint]) -> Vec<[f64; 2]> {
     let mut intervals: Vec<[f64; 2]> = Vec::new();
     let mut was_well = false;

@@ -11,7 +11,7 @@ const FIELD_UPDATES: f64 = 1e9;
 const FULL_LEDGER: f64 = 50.0;
 /// Overhead of a time step or evaluation, s.
 const STEP: f64 = 5e-6;
-/// Throughput of the flow solver per thread: points per evaluation of the right-hand side, pressure iterations
+/// Throughput of the flow solver per thread: evaluations of the right-hand side at a point, pressure iterations
 /// included, 1/s.
 const POINT_EVALUATIONS: f64 = 7e5;
 /// Bytes of a number in a table.
@@ -31,7 +31,7 @@ const MOST_BYTES: f64 = 1e12;
 pub struct Cost {
     /// Number of steps.
     pub steps: f64,
-    /// Time of one thread, s.
+    /// Single-thread time, s.
     pub time: f64,
     /// Number of snapshot files.
     pub snapshots: f64,
@@ -57,7 +57,7 @@ pub struct Excess {
 pub enum Amount {
     /// Number of steps.
     Steps(f64),
-    /// Time of one thread, s.
+    /// Single-thread time, s.
     Time(f64),
     /// Number of snapshot files.
     Snapshots(f64),

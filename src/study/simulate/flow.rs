@@ -59,7 +59,7 @@ impl<'a> FlowJob<'a> {
     }
 
     /// Estimates the least cost: steps of 1/200 of the duration, shorter ones if fast decay of short waves requires too
-    /// many stages, and one evaluation of all stages for each ledger row and snapshot.
+    /// many stages, and a further step for each snapshot and each ledger row beyond [`LINES`].
     fn cost(&self) -> Cost {
         let FlowRun { grid, output, time, receivers, .. } = self.run;
         let looks = |interval: f64| number_of_snapshots(interval, time.duration);

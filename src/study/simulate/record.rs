@@ -107,7 +107,7 @@ pub trait Recorder: Send {
     /// state; it returns the number of snapshots recorded before, or `None` if the state does not match the case.
     ///
     /// # Errors
-    /// The recorder is not ready, or the state is refused.
+    /// The recorder cannot start, or the saved state does not match.
     fn start(
         &mut self,
         tables: &[Head],

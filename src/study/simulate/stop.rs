@@ -27,7 +27,7 @@ pub enum StopCause {
         /// Centre of the first such cell, m.
         place: Vec<f64>,
     },
-    /// The energy of a solid is not finite, though all fields are.
+    /// The energy of a solid is not finite, although all fields are.
     Energy,
     /// A flow has left the domain of the solver.
     Flow {

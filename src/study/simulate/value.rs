@@ -160,7 +160,7 @@ impl Serialize for FinalLedger {
 /// Receiver: a point at which the state was recorded.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Receiver {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// Requested position, m.
     pub at: Vec<f64>,
@@ -198,7 +198,7 @@ pub struct Table {
 /// A column of a table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Column {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// Unit.
     pub unit: &'static str,

@@ -17,7 +17,7 @@ pub(super) trait View<S: Simulation> {
         value
     }
 
-    /// The tables of accounts.
+    /// Returns the tables of energy accounts.
     fn tables(&self) -> Vec<Head>;
 
     /// Returns one row for each of these tables from an account.
@@ -33,7 +33,7 @@ pub(super) trait View<S: Simulation> {
     fn stopped(&self, fault: &S::Fault, saved: f64) -> Stopped;
 }
 
-/// Result of a simulation.
+/// Raw result of a simulation; `A` is the type of its energy account.
 pub(super) struct Found<A> {
     /// Final fields.
     pub(super) fields: Fields,
@@ -97,7 +97,7 @@ struct Watch<'a, V> {
     recorder: &'a mut dyn Recorder,
     /// Indices of the receiver table columns in the probe record.
     columns: Vec<usize>,
-    /// The tables of accounts.
+    /// Tables of energy accounts.
     accounts: Vec<TableKind>,
     /// Duration, s.
     duration: f64,
