@@ -9,7 +9,8 @@ pub use crate::case::template::{Purpose, text, text_for};
 /// Writes a case template for `medium` and `purpose` to `file`, by default `<kind>.toml`; returns the path.
 ///
 /// # Errors
-/// The file exists and `force` is not set, the model cannot be simulated as requested, or the file cannot be written.
+/// The file exists and `force` is not set, nothing determines the spin in a simulation of the model, or the file cannot
+/// be written.
 pub fn run(
     medium: Medium,
     purpose: Purpose,

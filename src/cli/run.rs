@@ -41,8 +41,8 @@ pub struct Control {
 /// Runs `run`.
 ///
 /// # Errors
-/// The case is invalid, its cost exceeds the limits, the equations are ill-posed, results cannot be written, or the run
-/// was stopped by its own state.
+/// The case is invalid, memory is short, its cost exceeds the limits, the equations are ill-posed, results cannot be
+/// written, or the run was stopped by its own state.
 pub fn run(options: &Options, control: Control, stdout: &mut dyn Write) -> Result<(), Error> {
     let case = Case::load_in_time(&options.case, &options.sets)?;
     let job = job(&case)?;

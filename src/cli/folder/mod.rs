@@ -55,7 +55,7 @@ impl ResultFolder {
     ///
     /// Allowed are an absent or empty folder, and one with results of the same case by the same program version, which
     /// are bit-identical. Any other folder requires `force` and no run in progress. The case file is overwritten only
-    /// by identical content, and an input file of the case never.
+    /// by identical content, and input files of the case never.
     ///
     /// # Errors
     /// The folder cannot be written or contains other files; the error states the remedy.
