@@ -1,4 +1,4 @@
-//! Lists the bundled cases: they lie beside this file, so that the packaged crate has them.
+//! Build script: lists the bundled case files, which lie beside this file so that the packaged crate contains them.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ fn main() {
     std::fs::write(out.join("cases.rs"), list_of_cases()).expect("cargo's folder takes files");
 }
 
-/// `CASES`, a table of path and text of each case.
+/// Generates the Rust source of `CASES`, a table of the path and text of each case file.
 fn list_of_cases() -> String {
     let mut paths = Vec::new();
     collect(Path::new("."), &mut paths);
@@ -28,7 +28,7 @@ fn list_of_cases() -> String {
     list
 }
 
-/// Paths of all case files in the folders of a folder, with slashes on every system.
+/// Collects the paths of all case files in the subfolders of `folder`, with slashes as separators on every system.
 fn collect(folder: &Path, paths: &mut Vec<String>) {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     for path in entries.map(|entry| entry.path()) {

@@ -1,4 +1,4 @@
-//! A case: reading it from its file, and writing it as TOML.
+//! A case: reading from a case file and writing as TOML.
 
 use super::check::{self, Check};
 use super::dynamics::{Dynamics, Grid, Picture, TimeFunction};
@@ -21,39 +21,40 @@ use std::fmt::Write;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Maximum size of a case file, bytes. Larger files are refused unread: parsing takes up to 70 times their size in memory.
+/// Maximum size of a case file, bytes. Larger files are refused unread, since parsing takes up to 70 times the file
+/// size in memory.
 pub const LARGEST_FILE: u64 = 16 << 20;
 
-/// Purpose for which a case is read.
+/// Purpose for which a case is read: any, or a time-domain simulation.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Use {
     Any,
     InTime,
 }
 
-/// A case as stated in its file, with defaults filled in.
+/// A case as stated in its case file, with default values filled in.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// Name of the result folder; by default the file name without extension.
     pub name: String,
-    /// Title of the case in one line; may be empty.
+    /// Title of the case, one line; may be empty.
     pub title: String,
-    /// Kind of model, yield set and numbers; in a case with regions the values common to the regions.
+    /// Kind of model, yield set and numbers; in a case with regions the values common to all regions.
     pub material: Material,
     /// Section `[map]`: the sweep of `wellposed map`.
     pub map: Option<Map>,
-    /// Section `[compare]`: kinds of model to compare on this state.
+    /// Section `[compare]`: kinds of model to be compared on the state of the case.
     pub compare: Option<Vec<Kind>>,
     /// Sections of a time-domain simulation of a solid, if present.
     pub dynamics: Option<Dynamics>,
     /// Sections of a time-domain simulation of a flow, if present.
     pub flow: Option<FlowRun>,
-    /// Section `[check]`: the waves of `wellposed check`, if present.
+    /// Section `[check]`: waves and grids of `wellposed check`, if present.
     pub check: Option<Check>,
     source: Option<PathBuf>,
 }
 
-/// Compares content; positions in the file are ignored.
+/// Equality of content; positions in the file are ignored.
 impl PartialEq for Case {
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name
@@ -80,7 +81,7 @@ impl Case {
     /// Reads a case file; `--set` options (`key=value`) override its values.
     ///
     /// # Errors
-    /// The file or an option is invalid: the error gives place, key, value found and values allowed.
+    /// The file or an option is invalid; the error gives position, key, value found and values allowed.
     pub fn load(path: &Path, sets: &[String]) -> Result<Self, CaseError> {
         Self::load_for(path, sets, Use::Any)
     }
@@ -117,10 +118,10 @@ impl Case {
         }
     }
 
-    /// Parses the text of a case file called `file`; `--set` options override its values.
+    /// Parses the text of a case file with the name `file`; `--set` options override its values.
     ///
     /// # Errors
-    /// The text or an option is invalid: the error gives place, key, value found and values allowed.
+    /// The text or an option is invalid; the error gives position, key, value found and values allowed.
     pub fn parse(text: &str, file: &str, sets: &[String]) -> Result<Self, CaseError> {
         Self::parse_for(text, file, sets, Use::Any)
     }
@@ -173,12 +174,12 @@ impl Case {
         Ok(Self { name, title, material, map, compare, dynamics, flow, check, source })
     }
 
-    /// Path of the file from which the case was loaded.
+    /// Returns the path of the file from which the case was loaded.
     pub fn source(&self) -> Option<&Path> {
         self.source.as_deref()
     }
 
-    /// Input files named by the case, such as tables and initial fields.
+    /// Returns the paths of the input files named by the case: sample tables and initial-field archives.
     pub fn input_files(&self) -> impl Iterator<Item = &Path> {
         let parts = self.flow.iter().flat_map(|flow| &flow.initial);
         let archives = parts.filter_map(|part| match part {
@@ -192,27 +193,27 @@ impl Case {
         archives.chain(tables)
     }
 
-    /// Kind of model and yield set of the case.
+    /// Returns the kind of model and the yield set of the case.
     pub fn medium(&self) -> Medium {
         self.material.medium()
     }
 
-    /// Value of the number called `name`; `None` if the case has none.
+    /// Returns the value of the number `name`; `None` if the case has no such number.
     pub fn get(&self, name: &str) -> Option<f64> {
         self.material.get(name)
     }
 
-    /// Sets a number, as a sweep does.
+    /// Sets the number `parameter`, as a map sweep does.
     pub fn set(&mut self, parameter: Parameter, value: f64) {
         self.material.set(parameter, value);
     }
 
-    /// Adds the position in the case file to an error found by a model.
+    /// Adds the position in the case file to an input error of a model.
     pub fn locate(&self, error: InputError) -> CaseError {
         self.material.locate(error)
     }
 
-    /// The section `[map]`.
+    /// Returns the section `[map]`.
     ///
     /// # Errors
     /// The case has no section `[map]`; the message says how to add one.
@@ -228,8 +229,8 @@ impl Case {
         })
     }
 
-    /// Adds the position to an error found by a model at a point of the map: the value of a swept number stems from
-    /// `[map]`, not from its own key.
+    /// Adds the position to an input error of a model at a point of the map. The value of a swept number is located at
+    /// its axis in `[map]`, not at its own key.
     pub fn locate_in_map(&self, error: InputError) -> CaseError {
         let axes = self.map.iter().flat_map(|map| [("map.x", &map.x), ("map.y", &map.y)]);
         let key = self.material.key_of(error.input);
@@ -245,7 +246,7 @@ impl Case {
         }
     }
 
-    /// The time-domain simulation of the case.
+    /// Returns the time-domain simulation of the case.
     ///
     /// # Errors
     /// The case has no section `[grid]`; the message says how to add one.
@@ -255,7 +256,7 @@ impl Case {
         found.ok_or_else(|| no_grid(&self.material.places, self.material.kind))
     }
 
-    /// The case without plot options: equal cases after this have equal results.
+    /// Returns the case without plot options; cases equal after this call have equal results.
     pub fn without_plot_options(&self) -> Self {
         let mut case = self.clone();
         if let Some(dynamics) = &mut case.dynamics {
@@ -267,8 +268,8 @@ impl Case {
         case
     }
 
-    /// The resolved case as TOML: all values used by its kind, defaults included; numbers in the shortest form that
-    /// reads back to the same double.
+    /// Formats the resolved case as TOML: all values used by its kind of model, defaults included. Numbers have the
+    /// shortest form that parses to the same double.
     pub fn to_toml(&self) -> String {
         let mut text = String::new();
         if !self.title.is_empty() {
@@ -305,7 +306,7 @@ impl Case {
     }
 }
 
-/// Error: a case has no section `[grid]`, with the remedy.
+/// Returns the error of a missing section `[grid]`, with the remedy for the kind of model.
 fn no_grid(places: &Places, kind: Kind) -> CaseError {
     match kind {
         Kind::Flow(flow) if flow.rotation() == RotationKind::Free => {

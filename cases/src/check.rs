@@ -11,8 +11,8 @@ pub struct Check {
     pub numbers: Option<Vec<f64>>,
     /// Directions of the wave vector, degrees anticlockwise from x₁, with the elevation of `[wave]`.
     pub directions_deg: Option<Vec<f64>>,
-    /// Ascending: of a solid cells to a period along each axis of the grids; of a flow points along each axis
-    /// of the grids that its perturbation is refined on.
+    /// Grid sizes, ascending. Solid: cells per period along each axis. Flow: points along each axis of the grids on
+    /// which the perturbation is refined.
     pub cells: Option<Vec<usize>>,
 }
 
@@ -54,7 +54,7 @@ pub(super) const FORM: Form = Form::section(
     ])],
 );
 
-/// Reads the section; `None` if absent.
+/// Reads the section `[check]`; `None` if absent.
 ///
 /// # Errors
 /// A key is unknown, or a value is invalid.
@@ -70,7 +70,7 @@ pub(super) fn read(root: &Section) -> Result<Option<Check>, CaseError> {
 }
 
 impl Check {
-    /// The section as TOML, with the given keys only.
+    /// Formats the section `[check]` as TOML, with the given keys only.
     pub(super) fn to_toml(&self) -> String {
         let mut text = Resolved::default();
         if let Some(numbers) = &self.numbers {

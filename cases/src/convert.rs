@@ -1,4 +1,4 @@
-//! Conversion of a case to the units and types of the models, and to other kinds of model.
+//! Conversion of a case to the units and types of the models, and to another kind of model.
 
 use super::case::Case;
 use super::error::CaseError;
@@ -13,20 +13,21 @@ use models::flow::{FlowKind, Model, RotationKind};
 /// Result of converting the state of a case to another kind of model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Converted {
-    /// The case with all quantities that the kind uses.
+    /// The case with all quantities used by the new kind of model.
     pub case: Case,
-    /// Non-coaxiality of the state, degrees, if it was lost because the kind is coaxial by definition.
+    /// Non-coaxiality of the state, degrees, if it was lost because the new kind of model is coaxial by definition.
     pub lost_noncoaxiality_deg: Option<f64>,
 }
 
-/// Converts an angle from degrees to radians. Whole turns are removed in degrees, where the reduction is exact: the
-/// sine of 1e308° is well-defined, that of 1.7e306 rad is noise. Angles below a turn keep all bits.
+/// Converts an angle from degrees to radians. Full turns are removed in degrees, where the reduction is exact: the sine
+/// of 1e308° is well-defined, whereas the sine of 1.7e306 rad is rounding noise. Angles below a full turn keep all
+/// bits.
 pub fn radians(degrees: f64) -> f64 {
     (degrees % 360.0).to_radians()
 }
 
 impl Case {
-    /// The same state for another kind of model; quantities that the kind does not use are dropped.
+    /// Returns the same state for another kind of model; quantities not used by `kind` are dropped.
     pub fn for_kind(&self, kind: Kind) -> Self {
         let yields = self.material.yields.filter(|set| kind.yield_sets().contains(set));
         let mut case = self.clone();
@@ -41,18 +42,18 @@ impl Case {
         case
     }
 
-    /// The same state for another kind of model; a given spin is replaced by the non-coaxiality `noncoaxiality_deg`
-    /// (degrees) that the model of the case derived from it.
+    /// Returns the same state for another kind of model. A given spin is replaced by the non-coaxiality
+    /// `noncoaxiality_deg` (degrees) that the model of this case derived from the spin.
     ///
-    /// Otherwise a kind without spin would get a different, coaxial state. For the plastic potential, which is coaxial by
-    /// definition, the lost non-coaxiality is returned for a warning.
+    /// Without the replacement a kind without spin would be given a different, coaxial state. For the plastic
+    /// potential, which is coaxial by definition, the lost non-coaxiality is returned for a warning.
     pub fn for_kind_with(&self, kind: Kind, noncoaxiality_deg: Option<f64>) -> Converted {
         let mut case = self.for_kind(kind);
         let mut lost_noncoaxiality_deg = None;
         let state = self.material.numbers.background.noncoaxiality_deg.or(noncoaxiality_deg);
         let other = &mut case.material.numbers.background;
         if matches!(kind, Kind::Flow(flow) if flow.is_coaxial()) && kind != self.material.kind {
-            // Principal axes are equal modulo half a turn.
+            // Principal axes are defined modulo half a turn.
             lost_noncoaxiality_deg = state.filter(|delta| delta % 180.0 != 0.0);
             other.noncoaxiality_deg = Some(0.0);
         } else if self.material.numbers.background.spin.is_some() && other.spin.is_none() {
@@ -61,7 +62,7 @@ impl Case {
         Converted { case, lost_noncoaxiality_deg }
     }
 
-    /// The state of the flow in SI units and rad.
+    /// Converts the state of the flow to SI units and rad.
     pub fn state(&self) -> State {
         let given = &self.material.numbers.background;
         State {
@@ -89,15 +90,15 @@ impl Case {
         }
     }
 
-    /// The flow model with checked constants.
+    /// Builds the flow model with checked constants.
     ///
     /// # Errors
-    /// A constant is out of range; the error gives its position in the file.
+    /// A constant is out of range; the error gives its position in the case file.
     pub fn model(&self) -> Result<Model, CaseError> {
         self.flow_model().map_err(|error| self.locate(error))
     }
 
-    /// The flow model with checked constants; errors without position.
+    /// Builds the flow model with checked constants; errors carry no position in the case file.
     ///
     /// # Errors
     /// A constant is out of range, or the case describes a solid.
@@ -105,7 +106,8 @@ impl Case {
         Model::new(self.flow_kind()?, &self.model_constants())
     }
 
-    /// Constants of the model in the order of its registry entry, in SI units and rad; NaN for absent constants.
+    /// Returns the constants of the model in the order of its registry entry, in SI units and rad; NaN for absent
+    /// constants.
     pub fn model_constants(&self) -> Vec<f64> {
         let mut constants = Vec::new();
         match self.material.kind {
@@ -132,10 +134,10 @@ impl Case {
             }),
         }
     }
-    /// Kind of material rotation of a time-domain flow; it determines the equation of the stress angle.
+    /// Returns the kind of material rotation of a time-domain flow; it determines the equation of the stress angle.
     ///
     /// # Errors
-    /// The model is a solid or a flow without time-domain solver.
+    /// The model is a solid, or a flow without time-domain solver.
     pub fn rotation_in_time(&self) -> Result<RotationKind, CaseError> {
         self.material.kind.rotation_in_time().ok_or_else(|| {
             let found = format!("found {}", self.material.kind.name());
@@ -144,10 +146,10 @@ impl Case {
         })
     }
 
-    /// The uniform mean flow of a time-domain simulation.
+    /// Returns the uniform mean flow of a time-domain simulation.
     ///
     /// # Errors
-    /// The state is not a uniform, fully deforming, isochoric flow in its own frame.
+    /// The state is not a uniform, fully deforming, isochoric flow in the co-moving frame.
     pub fn mean_flow(&self) -> Result<Flow, CaseError> {
         for name in UNIFORM {
             let Some(value) =

@@ -1,8 +1,8 @@
 //! Sections of a time-domain simulation of a solid: grid, media, boundary conditions, loads, initial state, output.
 //!
-//! Each file has the schema, the reader and the writer of one section. SI units, angles in degrees; coordinates
-//! and lengths in m. Axes are counted from 0 here and from 1 in case files. In plane strain forces are per
-//! unit thickness.
+//! Each submodule has the schema, the reader and the writer of one section. SI units, angles in degrees, coordinates
+//! and lengths in m. Axes are numbered from 0 in the code and from 1 in case files. In plane strain forces are per unit
+//! thickness.
 
 mod boundary;
 mod component;
@@ -47,7 +47,7 @@ use models::solid::parameters::Theory;
 use reader::Reader;
 use std::path::Path;
 
-/// Schemas of the sections, in the order of writing.
+/// Schemas of the time-domain sections of a solid, in the order of writing.
 pub(crate) const FORMS: &[&Form] = &[
     &grid::FORM,
     &time::TIME,
@@ -72,17 +72,17 @@ pub struct Dynamics {
     pub time: Time,
     /// Section `[scheme]`: options of the numerical scheme.
     pub scheme: Scheme,
-    /// Regions of different media; if empty, the medium of the case fills the grid.
+    /// Regions of different media; if empty, the medium of the case fills the whole grid.
     pub regions: Vec<Region>,
-    /// Boundary conditions. Faces without condition are traction-free; of overlapping entries the last applies.
+    /// Boundary conditions. Faces without a condition are traction-free; where entries overlap, the last one applies.
     pub sides: Vec<SideCondition>,
-    /// Boundary loads; they are added to each other and to the boundary conditions.
+    /// Boundary loads; superposed on each other and on the boundary conditions.
     pub loads: Vec<Load>,
     /// Sources inside the grid.
     pub sources: Vec<Source>,
-    /// Parts of the initial state, which are summed.
+    /// Parts of the initial state; parts are summed.
     pub initial: Vec<Initial>,
-    /// Uniform initial stress by components, Pa and N/m.
+    /// Components of the uniform initial stress (Pa) and couple stress (N/m).
     pub initial_stress: Vec<(Component, f64)>,
     /// Section `[gravity]`, if present.
     pub gravity: Option<Gravity>,
@@ -94,7 +94,7 @@ pub struct Dynamics {
 }
 
 impl Dynamics {
-    /// All functions of time of loads, sources and initial pulses.
+    /// Returns all time functions: of loads, sources and initial pulses.
     pub(crate) fn times(&self) -> impl Iterator<Item = &TimeFunction> {
         let initial = self.initial.iter().filter_map(|part| match part {
             Initial::PlanePulse(pulse) => Some(&pulse.time),
@@ -104,7 +104,7 @@ impl Dynamics {
         loads.chain(self.sources.iter().map(|source| &source.time)).chain(initial)
     }
 
-    /// Reads all sections below `root` except `[grid]`, for a case of material `material`; `material_of` reads the
+    /// Reads all sections in `root` except `[grid]`, for a case of material `material`; `material_of` reads the
     /// material of a region.
     ///
     /// # Errors
@@ -118,7 +118,7 @@ impl Dynamics {
     ) -> Result<Self, CaseError> {
         let theory = match material.kind {
             Kind::Solid(solid) => solid.theory,
-            Kind::Flow(_) => Theory::Classical, // refused with its grid
+            Kind::Flow(_) => Theory::Classical, // an error is reported with the grid of a flow
         };
         let components = Component::all(theory, grid.dimensions());
         let reader = Reader { grid: &grid, theory, components, folder };
@@ -149,7 +149,7 @@ impl Dynamics {
         })
     }
 
-    /// The sections as TOML, with all values, defaults included.
+    /// Formats the sections as TOML with all values, defaults included.
     pub(crate) fn to_toml(&self) -> String {
         let d = self.grid.dimensions();
         let mut text = self.grid.to_toml() + &self.time.to_toml() + &self.scheme.to_toml();
@@ -164,7 +164,7 @@ impl Dynamics {
         text + &self.output.to_toml()
     }
 
-    /// An error at a key of these sections such as `load[0].amplitude`; indices from 0.
+    /// Returns an error at a key of these sections, e.g. `load[0].amplitude`; list indices are counted from 0.
     pub fn locate(
         &self,
         path: &str,
@@ -173,11 +173,11 @@ impl Dynamics {
     ) -> CaseError {
         self.places.error(path, found, allowed)
     }
-    /// Region index of each cell (index into [`regions`](Self::regions)), first axis fastest; all 0 without regions. A
-    /// cell belongs to the region that contains its centre.
+    /// Computes the region index of each cell, an index into [`regions`](Self::regions), with the first axis fastest; 0
+    /// in all cells without regions. A cell belongs to the region that contains the cell centre.
     ///
     /// # Errors
-    /// Regions overlap, a cell is in no region, a region is empty, or memory allocation fails.
+    /// Regions overlap, a cell is in no region, a region contains no cell, or memory allocation fails.
     pub fn media_of_cells(&self) -> Result<Vec<u16>, CaseError> {
         let count = self.grid.count();
         let mut media = Vec::new();
@@ -203,7 +203,7 @@ impl Dynamics {
                 ));
             };
             is_used[medium] = true;
-            media.push(medium as u16); // at most MOST_REGIONS are read
+            media.push(medium as u16); // fits u16: at most MOST_REGIONS regions are read
             for axis in 0..index.len() {
                 index[axis] = (index[axis] + 1) % self.grid.cells[axis];
                 centre[axis] = self.grid.centre(axis, index[axis]);
@@ -222,7 +222,7 @@ impl Dynamics {
         }
     }
 
-    /// The region other than the rest that contains a point; `None` if there is none.
+    /// Finds the region other than [`Shape::Rest`] that contains a point; `None` if there is no such region.
     fn region_at(&self, x: &[f64]) -> Result<Option<usize>, CaseError> {
         let mut holders =
             (0..self.regions.len()).filter(|&region| self.regions[region].shape.contains(x));

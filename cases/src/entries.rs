@@ -12,23 +12,24 @@ use models::registry;
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
-/// Maximum number of sections, list entries and inline tables.
+/// Maximum number of sections, entries of lists of tables, and inline tables.
 const MOST_TABLES: usize = 100_000;
 /// Maximum number of keys.
 const MOST_KEYS: usize = 500_000;
 
-/// Parsed values of a case by key, before interpretation.
+/// Parsed values of a case by key, before their interpretation.
 pub(super) struct Entries<'a> {
     values: BTreeMap<&'static str, Value>,
-    /// Time-domain sections and `[check]`.
+    /// Content of the structured sections: time-domain sections and `[check]`.
     structured: Table<'a>,
-    /// Schemas of these sections.
+    /// Schemas of the structured sections.
     forms: &'static Forms,
     pub(super) places: Places,
 }
 
 impl<'a> Entries<'a> {
-    /// Parses the text of a file, then applies the `--set` options; the last option of a key wins.
+    /// Parses the text of a case file, then applies the `--set` options; of several options for one key the last one
+    /// applies.
     pub(super) fn read(
         text: &'a str,
         file: &str,
@@ -85,7 +86,7 @@ impl<'a> Entries<'a> {
             let name = entries.set(set)?;
             unknown = unknown.or(name.map(|name| (name, Place::Option(set.clone()))));
         }
-        // Last, when the kind of model is known and with it what is allowed.
+        // Reported last: the allowed keys depend on the kind of model.
         match unknown {
             Some((name, place)) => Err(entries.unknown(&name, &name, place)),
             None => Ok(entries),
@@ -100,7 +101,7 @@ impl<'a> Entries<'a> {
         Ok(())
     }
 
-    /// Applies one option `--set key=value`; returns the key if it is unknown.
+    /// Applies an option `--set key=value`; returns the key if it is unknown.
     fn set(&mut self, set: &'a str) -> Result<Option<String>, CaseError> {
         let refused = |key: &str, found: &str, allowed: String| {
             let (place, key) = (Place::Option(set.to_owned()), escape(key));
@@ -124,7 +125,7 @@ impl<'a> Entries<'a> {
             return Ok(Some(name.to_owned()));
         };
         self.places.add_option(key.name.to_owned(), set);
-        // Quotes around text may be left out, as the shell takes them away.
+        // Quotes around a text are optional, since shells remove them.
         let bare = || DeValue::String(text.into());
         let value = match DeValue::parse(text) {
             Ok(value) if value.get_ref().is_str() => value.into_inner(),
@@ -136,12 +137,12 @@ impl<'a> Entries<'a> {
         Ok(None)
     }
 
-    /// Applies one option `--set` of a key in a time-domain section or `[check]`.
+    /// Applies an option `--set` for a key of a structured section.
     fn set_structured(&mut self, set: &str, name: &str, text: &'a str) -> Result<(), CaseError> {
-        // Quotes around text may be left out, as the shell takes them away.
+        // Quotes around a text are optional, since shells remove them.
         let value = DeValue::parse(text).map(|value| value.into_inner());
         let value = value.unwrap_or_else(|_| DeValue::String(text.into()));
-        // One place answers for all that the option holds.
+        // All parts of the value are located at the option.
         let node = Node::read(&value, name, &mut |_, _| {});
         let key = self.structured.set(name, node).map_err(|Refused { key, found, allowed }| {
             let (place, key) = (Place::Option(set.to_owned()), escape(&key));
@@ -152,18 +153,18 @@ impl<'a> Entries<'a> {
         Ok(())
     }
 
-    /// Root of the time-domain sections and `[check]`.
+    /// Returns the reader of the root table of the structured sections.
     pub(super) fn structured(&self, scope: Scope) -> Section<'_> {
         Section::root(&self.structured, &self.places, scope)
     }
 
-    /// Supplies a derived value for a key that was not given.
+    /// Supplies a derived value for a key that is not given.
     pub(super) fn provide(&mut self, key: &'static str, value: Value) {
         self.values.entry(key).or_insert(value);
     }
 
-    /// Values of a region: those of the case, overridden by its tables `model` and `yield`. A table that names another
-    /// kind than the case inherits nothing.
+    /// Builds the values of a region: the values of the case, overridden by the tables `model` and `yield` of the
+    /// region. A table that names another kind than the case inherits no values of its section.
     pub(super) fn of_region(&self, region: &Section) -> Result<Entries<'static>, CaseError> {
         let (structured, places) = (Table::default(), self.places.clone());
         let mut own = Entries { values: BTreeMap::new(), structured, forms: self.forms, places };
@@ -211,18 +212,19 @@ impl<'a> Entries<'a> {
         }
     }
 
-    /// Whether a region inherits the value of `key` from the case.
+    /// Returns whether a region inherits the value of `key` from the case.
     pub(super) fn is_inherited(&self, key: &str) -> bool {
         !self.places.has_alias(key)
     }
 
-    /// Drops inherited values that the medium of a region does not use.
+    /// Removes the inherited values that the medium of a region does not use.
     pub(super) fn keep_inherited(&mut self, is_used: impl Fn(&str) -> bool) {
         let places = &self.places;
         self.values.retain(|key, _| places.has_alias(key) || is_used(key));
     }
 
-    /// Error of an unknown key, with a suggestion and the allowed keys; `shown_as` is the key in the message.
+    /// Builds the error of an unknown key, with a suggestion and the allowed keys; `shown_as` is the key printed in the
+    /// message.
     fn unknown(&self, name: &str, shown_as: &str, place: Place) -> CaseError {
         let text = |key: &str| self.get(key).and_then(Value::text);
         let kind = text("model.kind").and_then(Kind::from_name);
@@ -239,24 +241,24 @@ impl<'a> Entries<'a> {
             siblings.extend(in_time.iter().map(|form| form.header()));
         }
         let bare = siblings.iter().map(|sibling| sibling.trim_matches(['[', ']']));
-        // The right name in the wrong section, else the nearest name in this one.
+        // Suggest the key of the same name in another section, else the most similar name in this section.
         let misplaced = keys().iter().find(|key| is_usable(key) && key.split().1 == last);
         let meant = misplaced.map(|key| key.name).or_else(|| nearest(last, bare));
         let allowed = format!("{}allowed here: {}", suggestion(meant), siblings.join(", "));
         CaseError::Key { place, key: escape(shown_as), found: "unknown key".into(), allowed }
     }
 
-    /// Value of a key, if given.
+    /// Returns the value of a key, if given.
     pub(super) fn get(&self, key: &str) -> Option<&Value> {
         self.values.get(key)
     }
 
-    /// Whether a section is in the file or was set by an option.
+    /// Returns whether a section is in the file or was set by an option.
     pub(super) fn has_section(&self, section: &str) -> bool {
         self.places.has_line(section) || self.values.keys().any(|key| is_inside(key, section))
     }
 
-    /// Value of a required key.
+    /// Returns the value of a required key.
     pub(super) fn require(&self, key: &'static str) -> Result<&Value, CaseError> {
         self.get(key).ok_or_else(|| {
             let row = Key::find(key);
@@ -274,35 +276,35 @@ impl<'a> Entries<'a> {
         })
     }
 
-    /// Text of a required key.
+    /// Returns the text of a required key.
     pub(super) fn text(&self, key: &'static str) -> Result<&str, CaseError> {
         match self.require(key)? {
             Value::Text(text) => Ok(text),
-            _ => Ok(""), // the table says that it is text
+            _ => Ok(""), // unreachable: the key table declares the key as text
         }
     }
 
-    /// Number of a required key.
+    /// Returns the number of a required key.
     pub(super) fn number(&self, key: &'static str) -> Result<f64, CaseError> {
         match self.require(key)? {
             Value::Number(number) => Ok(*number),
             Value::Count(count) => Ok(*count as f64),
-            _ => Ok(0.0), // the table says that it is a number
+            _ => Ok(0.0), // unreachable: the key table declares the key as a number
         }
     }
 }
 
-/// Description of the allowed values of a key, for messages.
+/// Describes the allowed values of a key, for messages.
 pub(super) fn allowed(key: &Key) -> String {
     let unit = if key.unit.is_empty() { String::new() } else { format!(" in {}", key.unit) };
     let words = key.field.value_type().words(&Scope::default());
     format!("expected {words}{unit} ({})", key.meaning)
 }
 
-/// Checks that a text has not too many keys and tables, each of which takes over a kilobyte when parsed.
+/// Checks the number of keys and tables before parsing: each takes over a kilobyte in the parser.
 fn check_size(text: &str, file: &str) -> Result<(), CaseError> {
     let count = |byte: u8| text.bytes().filter(|own| *own == byte).count();
-    // Rows of a list of lists have commas.
+    // Lines with a comma are rows of nested lists, not headers.
     let is_header = |line: &&str| line.trim_start().starts_with('[') && !line.contains(',');
     let tables = count(b'{') + text.lines().filter(is_header).count();
     for (found, most, what) in
@@ -316,7 +318,7 @@ fn check_size(text: &str, file: &str) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// Function from a byte offset in the text to its line, from 1.
+/// Returns a function from a byte offset in the text to its line number, from 1.
 fn lines(text: &str) -> impl Fn(usize) -> usize {
     let ends: Vec<usize> = text.match_indices('\n').map(|(offset, _)| offset).collect();
     move |offset| 1 + ends.partition_point(|&end| end < offset)
@@ -328,10 +330,10 @@ struct Found<'d, 'a> {
     offset: usize,
 }
 
-/// Lists a table and the sections inside it by dotted names.
+/// Collects the entries of a table and of the sections inside it, with dotted names.
 fn collect<'d, 'a>(prefix: &str, table: &'d DeTable<'a>, found: &mut Vec<Found<'d, 'a>>) {
     for (key, value) in table {
-        // "model.kind" in quotes is one odd name, not a key of a section.
+        // A quoted key "model.kind" is a single name with a dot, not a key of a section.
         let segment = segment(key.get_ref());
         let name = if prefix.is_empty() { segment } else { format!("{prefix}.{segment}") };
         let value = value.get_ref();
@@ -346,7 +348,7 @@ fn is_section(name: &str) -> bool {
     keys().iter().any(|key| is_inside(key.name, name))
 }
 
-/// Usable keys directly inside a section; subsections in brackets.
+/// Returns the usable keys directly inside a section; subsections in brackets.
 fn names_inside(section: &str, is_usable: impl Fn(&Key) -> bool) -> Vec<String> {
     let mut names = Vec::new();
     for key in keys().iter().filter(|key| is_usable(key)) {
@@ -364,12 +366,12 @@ fn names_inside(section: &str, is_usable: impl Fn(&Key) -> bool) -> Vec<String> 
     names
 }
 
-/// Converts a TOML value to the type of the key; `None` if it has another type.
+/// Converts a TOML value to the type of the key; `None` if the value has another type.
 fn read_value(key: &Key, value: &DeValue) -> Option<Value> {
     key.field.value_type().parse(value, &Scope::default())
 }
 
-/// Kind of model called `name`; errors refer to `key`.
+/// Finds the kind of model `name`; an error refers to `key`.
 pub(super) fn kind(name: &str, key: &str, places: &Places) -> Result<Kind, CaseError> {
     Kind::from_name(name).ok_or_else(|| {
         let names: Vec<&str> = Kind::all().into_iter().map(Kind::name).collect();

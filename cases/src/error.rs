@@ -1,20 +1,20 @@
-//! Errors of case files: place, key, value found and values allowed.
+//! Errors of case files, with position, key, value found and values allowed.
 
 use std::path::PathBuf;
 
 /// Position in the input.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// A line of a case file, counted from 1.
+    /// A line of a case file.
     Line {
         /// Path of the file as given.
         file: String,
-        /// Line number.
+        /// Line number, from 1.
         line: usize,
     },
-    /// A case file as a whole, for missing keys.
+    /// A case file as a whole, e.g. for missing keys.
     File(String),
-    /// A `--set` option, with its text.
+    /// A `--set` option: its text.
     Option(String),
 }
 
@@ -36,7 +36,7 @@ pub enum CaseError {
     Unreadable {
         /// Path of the file.
         path: PathBuf,
-        /// Cause given by the operating system.
+        /// Cause, e.g. as given by the operating system.
         cause: String,
     },
     /// The text is not TOML.
@@ -44,10 +44,10 @@ pub enum CaseError {
     Syntax {
         /// Position of the error.
         place: Place,
-        /// Message of the parser, with the line.
+        /// Message of the parser, with the text of the line.
         cause: String,
     },
-    /// A key is unknown, missing, not used, or has a wrong value.
+    /// A key is unknown, missing or unused, or has an invalid value.
     #[error("{place}: {key}: {found}; {allowed}")]
     Key {
         /// Position of the key.
@@ -56,12 +56,12 @@ pub enum CaseError {
         key: String,
         /// Value found.
         found: String,
-        /// Allowed values, or the remedy.
+        /// Values allowed, or the remedy.
         allowed: String,
     },
 }
 
-/// Escapes and shortens user text for a one-line message.
+/// Escapes control characters of user text and truncates it to 80 characters, for one-line messages.
 pub(super) fn escape(text: &str) -> String {
     const LONGEST: usize = 80;
     let mut short: String = text.chars().take(LONGEST).flat_map(escape_control).collect();
@@ -71,7 +71,7 @@ pub(super) fn escape(text: &str) -> String {
     short
 }
 
-/// Escapes a control character; other characters are unchanged.
+/// Escapes a control character; returns other characters unchanged.
 fn escape_control(c: char) -> impl Iterator<Item = char> {
     let control = c.is_control();
     control.then(|| c.escape_default()).into_iter().flatten().chain((!control).then_some(c))

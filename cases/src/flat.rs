@@ -1,4 +1,4 @@
-//! Reading of the sections whose keys are rows of the key table: name, yield set, numbers and kinds to compare.
+//! Reading of the scalar keys of a case: name, yield set, active conditions, numbers and kinds to compare.
 
 use super::entries::{Entries, allowed, kind};
 use super::error::{CaseError, escape};
@@ -10,11 +10,11 @@ use super::value::{Value, nearest, suggestion};
 use models::registry;
 use std::path::Path;
 
-/// Name of a case: given, or derived from its file name.
+/// Reads the name of a case; by default derived from the file name.
 pub(super) fn name(entries: &Entries, file: &str) -> Result<String, CaseError> {
     const KEY: &str = "name";
     let may_stand = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.');
-    // `.` and `..` are folders already.
+    // `.` and `..` are existing folders.
     let is_dots = |name: &str| name.chars().all(|c| c == '.');
     if let Some(Value::Text(name)) = entries.get(KEY) {
         if is_dots(name) || !name.chars().all(may_stand) || is_too_long(name) {
@@ -29,11 +29,11 @@ pub(super) fn name(entries: &Entries, file: &str) -> Result<String, CaseError> {
     if is_dots(stem) {
         return Ok("case".to_owned());
     }
-    // The name of a resolved case must be readable again.
+    // Other characters are replaced, so that the resolved case can be read again.
     Ok(stem.chars().map(|c| if may_stand(c) { c } else { '-' }).collect())
 }
 
-/// Yield set named in `[yield]`; names in `none` mean no yield set.
+/// Reads the yield set named in `[yield]`; the names in `none` stand for no yield set.
 pub(super) fn yield_set(
     entries: &Entries,
     kind: Kind,
@@ -70,7 +70,7 @@ pub(super) fn yield_set(
     })
 }
 
-/// Indices of the conditions of `yield.active`.
+/// Reads the indices of the yield conditions named in `yield.active`.
 pub(super) fn active(entries: &Entries, medium: Medium) -> Result<Option<Vec<usize>>, CaseError> {
     const KEY: &str = "yield.active";
     let Some(Value::Texts(names)) = entries.get(KEY) else { return Ok(None) };
@@ -95,7 +95,8 @@ pub(super) fn active(entries: &Entries, medium: Medium) -> Result<Option<Vec<usi
             let allowed = format!("{meant}allowed: {}", known.join(", "));
             return Err(entries.places.error(KEY, found, allowed));
         };
-        // Both signs of a condition need zero stress and zero strength, which decides nothing.
+        // Both signs of one condition are active only at zero stress and zero strength, where the flow direction is
+        // undefined.
         let stress = |index: usize| known[index].trim_start_matches(['+', '-']);
         if active.iter().any(|&other| stress(other) == stress(index)) {
             let allowed = "name each stress once, with one sign";
@@ -110,10 +111,10 @@ pub(super) fn active(entries: &Entries, medium: Medium) -> Result<Option<Vec<usi
     Ok(Some(active))
 }
 
-/// Numbers of a case: given values and defaults; refuses numbers that no medium uses.
+/// Reads the numbers of a case: given values and defaults. Refuses numbers that none of the `media` uses.
 pub(super) fn numbers(entries: &Entries, media: &[Medium]) -> Result<Numbers, CaseError> {
     let is_used = |key: &Key| media.iter().any(|&medium| key.is_used_by(medium));
-    // An unused key is a better diagnosis than a missing one: report it first.
+    // An unused key explains the error better than a missing key, so it is reported first.
     if let Some(key) = keys()
         .iter()
         .find(|key| key.field.is_kept() && entries.get(key.name).is_some() && !is_used(key))
@@ -143,7 +144,7 @@ pub(super) fn numbers(entries: &Entries, media: &[Medium]) -> Result<Numbers, Ca
         key.clear_to(presence, &mut numbers);
         match entries.get(key.name) {
             Some(value) => key.field.store(&mut numbers, value),
-            // By the first medium that uses it, or another one.
+            // Required if any medium that uses the key requires it.
             None if is_used(key)
                 && (is_required(presence)
                     || own.any(|medium| is_required(key.presence_for(*medium)))) =>
@@ -183,7 +184,7 @@ pub(super) fn wave_number(entries: &Entries, key: &str, found: f64) -> CaseError
     entries.places.error(key, format!("found {found:?}"), "a wave number must be positive")
 }
 
-/// Kinds of model of `[compare]`.
+/// Reads the kinds of model of `[compare]`.
 pub(super) fn compare(entries: &Entries) -> Result<Option<Vec<Kind>>, CaseError> {
     const KEY: &str = "compare.kinds";
     if !entries.has_section("compare") {

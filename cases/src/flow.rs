@@ -1,7 +1,7 @@
-//! Sections of a time-domain simulation of a flow: periodic box, perturbation of the uniform mean flow, output.
+//! Sections of a time-domain simulation of a flow: periodic box, perturbation of the uniform mean flow and output.
 //!
-//! SI units, angles in degrees. The box moves with the mean flow; positions are initial positions of its points, from 0
-//! to its edges, m. Axes are counted from 0.
+//! SI units, angles in degrees. The box is convected with the mean flow; positions are initial positions in the box,
+//! from 0 to its edge lengths, m. Axes are numbered from 0.
 
 mod grid;
 mod initial;
@@ -22,7 +22,7 @@ use models::flow::RotationKind;
 use reader::Reader;
 use std::path::Path;
 
-/// Keys of a state that must be 0 in a uniform flow whose box moves with it.
+/// Keys of the state that must be 0, since the mean flow is uniform and the box moves with it.
 pub const UNIFORM: [&str; 9] = [
     "model.dilatancy_angle_deg",
     "background.velocity",
@@ -35,11 +35,11 @@ pub const UNIFORM: [&str; 9] = [
     "background.acceleration",
 ];
 
-/// Schemas of the sections, in the order of writing; the last is for coaxial flows only.
+/// Schemas of the sections, in the order of writing; the last schema is for coaxial flows only.
 pub(crate) const FORMS: [&Form; 6] =
     [&grid::GRID, &grid::TIME, &initial::FORM, &output::RECEIVER, &output::OUTPUT, &grid::LIMITS];
 
-/// Schemas of the sections of a kind of flow; empty if it has no time-domain solver.
+/// Returns the schemas of the sections of a kind of flow; empty if the kind has no time-domain solver.
 pub(crate) fn forms(kind: Kind) -> Vec<&'static Form> {
     match kind.rotation_in_time() {
         None => Vec::new(),
@@ -58,7 +58,8 @@ pub struct FlowRun {
     pub grid: Grid,
     /// Section `[time]`: duration and tolerances.
     pub time: Time,
-    /// Smallest Q_D, relative to the mean flow, at which a simulation stops (plastic potential only).
+    /// Lower limit of the shear rate Q_D relative to the mean flow, at which a simulation stops (plastic potential
+    /// only).
     pub least_shear_rate: f64,
     /// Parts of the initial perturbation, which are summed; at least one.
     pub initial: Vec<Initial>,
@@ -70,7 +71,7 @@ pub struct FlowRun {
 }
 
 impl FlowRun {
-    /// Reads all sections below `root`.
+    /// Reads all sections in `root`.
     ///
     /// # Errors
     /// A key is unknown or missing, or a value is invalid.
@@ -93,7 +94,7 @@ impl FlowRun {
         })
     }
 
-    /// The sections as TOML, with all values, defaults included.
+    /// Formats the sections as TOML with all values, defaults included.
     pub(crate) fn to_toml(&self) -> String {
         let mut text = self.grid.to_toml() + &self.time.to_toml();
         if self.rotation == RotationKind::None {
@@ -104,12 +105,12 @@ impl FlowRun {
         text + &self.output.to_toml()
     }
 
-    /// This simulation on another grid.
+    /// Returns this simulation on another grid.
     pub fn on(&self, grid: Grid) -> Self {
         Self { grid, ..self.clone() }
     }
 
-    /// An error at a key of these sections such as `initial[0].amplitude`; indices from 0.
+    /// Returns an error at a key of these sections, e.g. `initial[0].amplitude`; list indices are counted from 0.
     pub fn locate(
         &self,
         path: &str,

@@ -1,4 +1,4 @@
-//! Schemas of all structured sections, and which of them a case may have.
+//! Schemas of all structured sections, and the sections allowed for each kind of model.
 
 use crate::error::CaseError;
 use crate::kind::{Kind, names};
@@ -15,8 +15,8 @@ pub(crate) const FORMS: Forms = Forms {
     in_time: forms_in_time,
 };
 
-/// Schemas of the time-domain sections of a kind of model, in the order of writing; empty if it has no time-domain
-/// solver.
+/// Returns the schemas of the time-domain sections of a kind of model, in the order of writing; empty if the kind has
+/// no time-domain solver.
 pub(crate) fn forms_in_time(kind: Kind) -> Vec<&'static Form> {
     match kind {
         Kind::Solid(_) => dynamics::FORMS.to_vec(),
@@ -24,16 +24,16 @@ pub(crate) fn forms_in_time(kind: Kind) -> Vec<&'static Form> {
     }
 }
 
-/// Schemas of all structured sections, by group: time-domain solids, time-domain flows, and `[check]`.
+/// Returns the schemas of all structured sections in three groups: time-domain solids, time-domain flows and `[check]`.
 pub fn all_forms() -> [(&'static str, Vec<&'static Form>); 3] {
     let Forms { solids, flows, check, .. } = FORMS;
     [("solids in time", solids.to_vec()), ("flows in time", flows.to_vec()), ("check", vec![check])]
 }
 
-/// Whether the case describes a time-domain simulation, i.e. has a section `[grid]`.
+/// Returns whether the case describes a time-domain simulation, i.e. has a section `[grid]`.
 ///
 /// # Errors
-/// A section is not used by the kind of model, or present without `[grid]`.
+/// A section is not used by the kind of model, or a time-domain section is present without `[grid]`.
 pub(crate) fn is_run_in_time(root: &Section, kind: Kind) -> Result<bool, CaseError> {
     let own = forms_in_time(kind);
     let is_own = |name: &str| name == check::FORM.name || own.iter().any(|form| form.name == name);

@@ -1,8 +1,8 @@
 //! JSON Schema of case files (draft 2020-12), for completion and validation in editors.
 //!
-//! It accepts every case that the program accepts, except a number out of range that only a map replaces. It rejects
-//! wrong types, ranges and words, and missing or unknown keys, by kind of model. Relations between numbers are checked
-//! by the program only.
+//! The schema accepts every case that the program accepts, except a number out of range that is replaced only by a map
+//! sweep. It rejects wrong types, ranges and words as well as missing and unknown keys, for each kind of model.
+//! Relations between numbers are checked by the program only.
 
 use crate::dynamics::stress;
 use crate::forms::forms_in_time;
@@ -15,7 +15,7 @@ use models::registry;
 use serde_json::{Map, Value, json};
 use toml::de::DeValue;
 
-/// The JSON Schema of case files.
+/// Builds the JSON Schema of case files.
 pub fn json_schema() -> Value {
     let mut properties = Map::new();
     let mut branches = Branches::default();
@@ -54,7 +54,7 @@ pub fn json_schema() -> Value {
     })
 }
 
-/// Adds the consistency of dimensions of the solid, its yield set and its grid.
+/// Adds the conditions that a solid, its yield set and its grid have the same number of dimensions.
 fn add_dimensions(branches: &mut Branches) {
     let in_model = |dimensions: usize| {
         json!({
@@ -79,12 +79,12 @@ fn add_dimensions(branches: &mut Branches) {
     ask(is_one("model", "kind", &solids), "grid", "cells", json!({ "maxItems": 2 }));
 }
 
-/// Conditional parts of the schema (`if`/`then`): each condition once, with its requirements.
+/// Conditional parts of the schema (`if`/`then`): each condition occurs once, with all its requirements.
 #[derive(Default)]
 struct Branches(Vec<(Value, Map<String, Value>)>);
 
 impl Branches {
-    /// The requirements under a condition.
+    /// Returns the requirements under a condition, created if absent.
     fn under(&mut self, condition: Value) -> &mut Map<String, Value> {
         let place = self.0.iter().position(|(own, _)| *own == condition).unwrap_or_else(|| {
             self.0.push((condition, Map::new()));
@@ -98,7 +98,7 @@ impl Branches {
     }
 }
 
-/// The object called `name` in `map`, created if absent.
+/// Returns the object `name` in `map`, created if absent.
 fn inside<'a>(map: &'a mut Map<String, Value>, name: &str) -> &'a mut Map<String, Value> {
     let slot = map.entry(name).or_insert_with(|| json!({}));
     if !slot.is_object() {
@@ -107,7 +107,7 @@ fn inside<'a>(map: &'a mut Map<String, Value>, name: &str) -> &'a mut Map<String
     slot.as_object_mut().expect("an object was put there")
 }
 
-/// Appends `name` to the list called `list` in `map`.
+/// Appends `name` to the list `list` in `map`, unless it is already in the list.
 fn append(map: &mut Map<String, Value>, list: &str, name: &str) {
     let slot = map.entry(list).or_insert_with(|| json!([]));
     if let Some(names) = slot.as_array_mut().filter(|names| !names.contains(&json!(name))) {
@@ -124,7 +124,7 @@ fn object(properties: Map<String, Value>, required: Vec<&str>) -> Value {
     schema
 }
 
-/// Condition: a key of a section has one of the values `words`.
+/// Builds the condition that a key of a section has one of the values `words`.
 fn is_one(section: &str, key: &str, words: &[&str]) -> Value {
     json!({
         "properties": { section: { "properties": { key: { "enum": words } }, "required": [key] } },
@@ -132,7 +132,8 @@ fn is_one(section: &str, key: &str, words: &[&str]) -> Value {
     })
 }
 
-/// Condition: the model, or a flow of `[compare]`, is one of `kinds`, with one of the yield sets `sets` if nonempty.
+/// Builds the condition that the model, or a flow of `[compare]`, is one of `kinds` and, if `sets` is not empty, that
+/// the yield set is one of `sets`.
 fn has_one(kinds: &[&str], sets: &[&str]) -> Value {
     let own = is_one("model", "kind", kinds);
     let compared = json!({ "properties": { "compare": { "properties": { "kinds": { "contains": { "enum": kinds } } }, "required": ["kinds"] } }, "required": ["compare"] });
@@ -144,7 +145,7 @@ fn has_one(kinds: &[&str], sets: &[&str]) -> Value {
     }
 }
 
-/// Kinds and yield sets that require the key.
+/// Returns the kinds of model and the yield sets that require the key.
 fn requiring<'a>(key: &Key, kinds: Vec<&'a str>, sets: Vec<&'a str>) -> [Vec<&'a str>; 2] {
     let is_required = |medium: Medium| matches!(key.presence_for(medium), Presence::Required(_));
     let by_kind = |name: &&str| {
@@ -180,7 +181,7 @@ fn add_key(key: &'static Key, properties: &mut Map<String, Value>, branches: &mu
     let is_required = matches!(key.presence, Presence::Required(_));
     let (Some(section), true) = (sections.first(), !sections.is_empty()) else { return };
     if kinds.len() == Kind::all().len() || *section == "compare" || key.name == "yield.kind" {
-        // Required where the section stands.
+        // Required in its section, whatever the kind of model.
         if is_required {
             let mut slot = &mut *properties;
             for (depth, section) in sections.iter().enumerate() {
@@ -199,7 +200,7 @@ fn add_key(key: &'static Key, properties: &mut Map<String, Value>, branches: &mu
     let [kinds, sets] = requiring(key, kinds, sets);
     if !kinds.is_empty() && (sets.is_empty() == key.set_names().is_empty()) {
         let mut condition = has_one(&kinds, &sets);
-        // The grid says in how many dimensions a solid is.
+        // With a section `[grid]` the number of dimensions follows from the grid.
         if key.name == "model.dimensions" {
             condition = json!({ "allOf": [condition, { "not": { "required": ["grid"] } }] });
         }
@@ -216,12 +217,12 @@ fn of_key(key: &Key) -> Value {
     };
     match key.name {
         "name" => {
-            // Dots alone are folders already.
+            // Dots alone are names of existing folders.
             schema = of_type(&Type::Name, &Scope::default());
             schema["not"] = json!({ "pattern": r"^\.*$" });
         }
         "model.dimensions" => schema = json!({ "enum": [2, 3] }),
-        // Each once, and at least one.
+        // Lists without repetition, of at least one item.
         "yield.active" | "compare.kinds" => {
             (schema["minItems"], schema["uniqueItems"]) = (json!(1), json!(true));
         }
@@ -248,7 +249,7 @@ fn description(unit: &str, meaning: &str) -> String {
     }
 }
 
-/// Adds the time-domain sections of solids or flows, by the dimensions of the grid.
+/// Adds the time-domain sections of solids or flows, with one definition per number of dimensions.
 fn add_forms(
     name: &str,
     kinds: &[Kind],
@@ -283,7 +284,7 @@ fn add_forms(
             inside(then, "dependentRequired").insert(form.name.to_owned(), json!(needed));
         }
     }
-    // What other kinds have is unknown here.
+    // Refuse the sections that only other kinds of model have.
     let all = Kind::all();
     for form in all.iter().flat_map(|kind| forms_in_time(*kind)) {
         for kind in kinds {
@@ -295,7 +296,7 @@ fn add_forms(
     }
 }
 
-/// Condition: the grid has `dimensions` dimensions; grids of other than 2 or 3 dimensions fail both.
+/// Builds the condition that the grid has 2 or 3 dimensions; grids with fewer or more entries fail both schemas.
 fn has_grid_of(dimensions: usize) -> Value {
     let cells = match dimensions {
         2 => json!({ "maxItems": 2 }),
@@ -304,7 +305,7 @@ fn has_grid_of(dimensions: usize) -> Value {
     json!({ "properties": { "grid": { "properties": { "cells": cells } } } })
 }
 
-/// Schema of a table or a list of tables.
+/// Builds the schema of a table or of a list of tables.
 fn of_form(form: &'static Form, scope: &Scope) -> Value {
     let mut schema = match form.groups {
         [] => of_stresses(),
@@ -319,7 +320,7 @@ fn of_form(form: &'static Form, scope: &Scope) -> Value {
     }
 }
 
-/// Schema of the table whose keys are stress components.
+/// Builds the schema of the table whose keys are stress components.
 fn of_stresses() -> Value {
     let stresses = stress::all().map(|component| {
         let schema = json!({ "type": "number", "description": stress::unit(component) });
@@ -332,7 +333,7 @@ fn of_items(form: &'static Form, scope: &Scope) -> Value {
     let mut properties = Map::new();
     let mut required = Vec::new();
     let mut branches = Branches::default();
-    // Conditions under which a name may stand.
+    // Conditions under which each key is allowed.
     let mut allowed: Vec<(&str, Vec<Value>)> = Vec::new();
     for (when, item) in form.items() {
         let is_elsewhere = |own: &&Condition| holds(own, scope) == Some(false);
@@ -342,7 +343,7 @@ fn of_items(form: &'static Form, scope: &Scope) -> Value {
         let is_open = |own: &&Condition| holds(own, scope).is_none();
         let conditions: Vec<&Condition> = when.iter().chain(item.when).filter(is_open).collect();
         let known: Vec<Value> = conditions.iter().filter_map(|own| of_condition(own)).collect();
-        // In how many dimensions a table is, it does not say itself.
+        // Conditions on the dimensions cannot be evaluated inside the table if the dimensions are unknown.
         let is_everywhere = known.len() == conditions.len();
         let is_required = matches!(item.need, Need::Required(_)) && is_everywhere;
         if known.is_empty() {
@@ -380,7 +381,7 @@ fn of_items(form: &'static Form, scope: &Scope) -> Value {
     schema
 }
 
-/// Adds a key; a key may have different types in different dimensions.
+/// Adds a key; a key whose type depends on the dimensions accepts each of its types.
 fn merge(properties: &mut Map<String, Value>, item: &Item, scope: &Scope) {
     let schema = of_item(item, scope);
     let merged = match properties.remove(item.name) {
@@ -390,7 +391,7 @@ fn merge(properties: &mut Map<String, Value>, item: &Item, scope: &Scope) {
     properties.insert(item.name.to_owned(), merged);
 }
 
-/// Whether a condition on the dimensions holds; `None` if they are unknown, and for other conditions.
+/// Returns whether a condition on the dimensions holds; `None` if the dimensions are unknown, and for other conditions.
 fn holds(condition: &Condition, scope: &Scope) -> Option<bool> {
     match condition {
         Condition::Plane => Some(scope.dimensions? == 2),
@@ -421,7 +422,7 @@ fn of_item(item: &Item, scope: &Scope) -> Value {
     schema
 }
 
-/// Converts a TOML value to JSON.
+/// Converts a TOML value, given as text, to JSON.
 fn json_of(toml: &str) -> Value {
     fn convert(value: &DeValue) -> Value {
         match value {
@@ -457,12 +458,12 @@ fn of_range(range: Range) -> Value {
     }
 }
 
-/// Schema of a list with `least` to `most` items.
+/// Builds the schema of a list with `least` to `most` items.
 fn list_of(items: Value, least: usize, most: usize) -> Value {
     json!({ "type": "array", "items": items, "minItems": least, "maxItems": most })
 }
 
-/// Minimum and maximum length of a list in the dimensions of `scope`, or in any.
+/// Returns the minimum and maximum length of a list in the dimensions of `scope`; in 2 or 3 dimensions if unknown.
 fn lengths(length: Length, scope: &Scope) -> [usize; 2] {
     match (length, scope.dimensions) {
         (Length::Two, _) => [2, 2],
@@ -481,11 +482,12 @@ fn of_type(value: &Type, scope: &Scope) -> Value {
     let number = || json!({ "type": "number" });
     let axis = |most: usize| json!({ "type": "integer", "minimum": 1, "maximum": most });
     match *value {
-        // In one line.
+        // One line: no control characters.
         Type::Text => json!({ "type": "string", "pattern": r"^[^\x00-\x1f\x7f-\x9f]*$" }),
         Type::Texts => json!({ "type": "array", "items": { "type": "string" } }),
         Type::Name => {
-            // Of ASCII letters, digits, '-', '_' and '.'; classes of other letters are not the same in all engines.
+            // Name of ASCII letters, digits, '-', '_' and '.'; other letters are not checked, since regular-expression
+            // engines differ in their character classes.
             json!({
                 "type": "string",
                 "pattern": r"^[^\x00-,/:-@\[-^`{-\x7f]+$",
@@ -503,7 +505,7 @@ fn of_type(value: &Type, scope: &Scope) -> Value {
         Type::Numbers(length) => {
             let [least, most] = lengths(length, scope);
             let list = list_of(number(), least, most);
-            // One number alone needs no brackets.
+            // Brackets are optional around a single number.
             if least == 1 { json!({ "anyOf": [number(), list] }) } else { list }
         }
         Type::PerAxis(length) => {
@@ -557,7 +559,7 @@ fn of_type(value: &Type, scope: &Scope) -> Value {
     }
 }
 
-/// Schema of a table with the keys of a section that some solid uses.
+/// Builds the schema of a table with the keys of a section that at least one solid uses.
 fn of_part(section: &str) -> Value {
     let is_of_solid = |key: &&Key| Kind::solids().iter().any(|own| key.is_for(*own));
     let own = keys().iter().filter(|key| key.split().0 == section).filter(is_of_solid);

@@ -1,8 +1,8 @@
 //! Table of the scalar keys of case files.
 //!
-//! Parsing, refusal of unknown and unused keys, `--set`, the templates of `wellposed new`
-//! and the parameters of a map all use this table. Constants of models and yield sets come from the
-//! [registry](models::registry). To add a case key: add a field to [`Numbers`] and a row here.
+//! Parser, detection of unknown and unused keys, `--set`, the templates of `wellposed new` and the parameters of a map
+//! all use this table. Constants of models and yield sets come from the [registry](models::registry). To add a key, add
+//! a field to [`Numbers`] and a row to the table.
 
 mod key;
 mod table;
@@ -18,12 +18,12 @@ use models::common::parameter::Parameter as Constant;
 use models::registry;
 
 impl Key {
-    /// The row of the key called `name`.
+    /// Finds the row of the key `name`.
     pub fn find(name: &str) -> Option<&'static Self> {
         keys().iter().find(|key| key.name == name)
     }
 
-    /// Allowed words of a text key; `None` if any text is allowed.
+    /// Returns the allowed words of a text key; `None` if any text is allowed.
     pub fn words(&self) -> Option<Vec<String>> {
         let kinds = |kinds: Vec<Kind>| kinds.into_iter().map(|kind| kind.name().to_owned());
         Some(match self.name {
@@ -45,8 +45,8 @@ impl Key {
     }
 }
 
-/// A scalar that a map can sweep: a number of `[model]`, `[background]`, `[yield]`, `[stress]` or
-/// `[wave]`, or a component of a pair. Cheap to copy and to set.
+/// A scalar that a map can sweep: a number of `[model]`, `[background]`, `[yield]`, `[stress]` or `[wave]`, or one
+/// component of a pair.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
     key: &'static Key,
@@ -60,40 +60,40 @@ impl PartialEq for Parameter {
 }
 
 impl Parameter {
-    /// The parameter called `name`, e.g. `background.pressure`, `background.velocity[0]`.
+    /// Finds the parameter `name`, e.g. `background.pressure` or `background.velocity[0]`.
     pub fn find(name: &str) -> Option<Self> {
         Self::all().find(|parameter| parameter.name() == name)
     }
 
-    /// All parameters, in the order of the table.
+    /// Returns all parameters, in the order of the key table.
     pub fn all() -> impl Iterator<Item = Self> {
         keys().iter().flat_map(|key| {
             (0..key.field.components()).map(move |component| Self { key, component })
         })
     }
 
-    /// Name as in `[map]`.
+    /// Returns the name used in `[map]`.
     pub fn name(self) -> String {
         self.numbered(self.key.name)
     }
 
-    /// Quantity and symbol, for axes.
+    /// Returns quantity and symbol, for axis labels.
     pub fn label(self) -> String {
         self.numbered(self.key.label)
     }
 
-    /// Unit, as written on axes.
+    /// Returns the unit, for axis labels.
     pub fn unit(self) -> &'static str {
         self.key.unit
     }
 
-    /// Row of the key table.
+    /// Returns the row of the key table.
     pub fn key(self) -> &'static Key {
         self.key
     }
 
-    /// The constant of the model `kind` set by this parameter, with its index in the registry entry; `None` if the
-    /// parameter is no constant of the model.
+    /// Returns the constant of the model `kind` set by this parameter, with its index in the registry entry; `None` if
+    /// the parameter is not a constant of the model.
     pub fn constant_of(self, kind: Kind) -> Option<(usize, &'static Constant)> {
         let Field::Constant(name) = self.key.field else { return None };
         let constants = match kind {
@@ -103,7 +103,7 @@ impl Parameter {
         constants.iter().enumerate().find(|(_, own)| own.name == name)
     }
 
-    /// Value of the parameter, if present.
+    /// Returns the value of the parameter, if present.
     pub fn get(self, numbers: &Numbers) -> Option<f64> {
         match self.key.field.load(numbers)? {
             Value::Number(x) => Some(x),
@@ -112,7 +112,7 @@ impl Parameter {
         }
     }
 
-    /// Sets the value; the other component of an absent pair becomes 0.
+    /// Sets the value; if a pair is absent, its other component is set to 0.
     pub fn set(self, numbers: &mut Numbers, value: f64) {
         match self.key.field {
             Field::Constant(name) => numbers.model.set(name, value),
@@ -123,7 +123,7 @@ impl Parameter {
             Field::OptionalPair(f) => {
                 f(numbers).get_or_insert_default()[self.component] = value;
             }
-            // `all` makes no parameters of other types.
+            // `all` yields no parameters of other types.
             _ => {}
         }
     }

@@ -5,7 +5,7 @@ use models::registry;
 pub use models::solid::SolidKind as Solid;
 pub use models::yield_set::YieldSetKind as Yield;
 
-/// Name of the absent yield set, for a region that stays elastic.
+/// Name in case files of the absent yield set, for a region that stays elastic.
 pub(crate) const NO_YIELD: &str = "none";
 
 /// A kind of model.
@@ -17,7 +17,7 @@ pub enum Kind {
     Solid(Solid),
 }
 
-/// A kind of model with its yield set; together they determine the keys of a case.
+/// A medium: kind of model and yield set, which determine the keys of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Medium {
     /// Kind of model.
@@ -27,7 +27,7 @@ pub struct Medium {
 }
 
 impl Medium {
-    /// All media: every kind with every admissible yield set.
+    /// Returns all media: every kind without a yield set and with every admissible yield set.
     pub fn all() -> impl Iterator<Item = Self> {
         Kind::all().into_iter().flat_map(|kind| {
             let sets = kind.yield_sets().into_iter().map(Some);
@@ -38,7 +38,7 @@ impl Medium {
     /// Combines a kind of model with a yield set.
     ///
     /// # Errors
-    /// The kind does not admit the yield set.
+    /// The kind of model does not admit the yield set.
     pub fn new(kind: Kind, yields: Option<Yield>) -> Result<Self, NoSuchMedium> {
         match yields.filter(|set| !kind.yield_sets().contains(set)) {
             Some(set) => Err(NoSuchMedium { kind, set }),
@@ -46,7 +46,7 @@ impl Medium {
         }
     }
 
-    /// Names of the yield conditions that a case can state as active.
+    /// Returns the names of the yield conditions that a case may declare active.
     pub fn condition_names(self) -> Vec<&'static str> {
         match (self.kind, self.yields) {
             (Kind::Solid(solid), Some(set)) => set.conditions_for(solid.theory),
@@ -54,7 +54,7 @@ impl Medium {
         }
     }
 
-    /// Name in titles and legends.
+    /// Returns the name for titles and legends.
     pub fn title(self) -> String {
         match self.yields {
             None => self.kind.title().into(),
@@ -88,7 +88,7 @@ impl From<Kind> for Medium {
 }
 
 impl Kind {
-    /// Yield sets admitted by the kind of model.
+    /// Returns the yield sets admitted by the kind of model.
     pub fn yield_sets(self) -> Vec<Yield> {
         match self {
             Self::Flow(_) => Vec::new(),
@@ -98,22 +98,22 @@ impl Kind {
         }
     }
 
-    /// All kinds, flows first, in the order of listings.
+    /// Returns all kinds of model, flows first, in the order of listings.
     pub fn all() -> Vec<Self> {
         Self::flows().into_iter().chain(Self::solids()).collect()
     }
 
-    /// All kinds of flows.
+    /// Returns all kinds of flows.
     pub fn flows() -> Vec<Self> {
         registry::flows().into_iter().map(Self::Flow).collect()
     }
 
-    /// All kinds of solids.
+    /// Returns all kinds of solids.
     pub fn solids() -> Vec<Self> {
         registry::solids().into_iter().map(Self::Solid).collect()
     }
 
-    /// Name of the kind of model in case files.
+    /// Returns the name of the kind of model in case files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Flow(flow) => flow.name(),
@@ -121,7 +121,7 @@ impl Kind {
         }
     }
 
-    /// Name in titles and legends.
+    /// Returns the name for titles and legends.
     pub fn title(self) -> &'static str {
         match self {
             Self::Flow(flow) => flow.title(),
@@ -129,8 +129,9 @@ impl Kind {
         }
     }
 
-    /// Kind of material rotation of a flow with a time-domain solver; it determines which field evolves with the
-    /// velocity and the equation of the stress angle. `None` for solids and for flows with undetermined rotation.
+    /// Returns the kind of material rotation of a flow with a time-domain solver; it determines which field evolves
+    /// with the velocity and the equation of the stress angle. `None` for solids and for flows with undetermined
+    /// rotation.
     pub fn rotation_in_time(self) -> Option<RotationKind> {
         match self {
             Self::Flow(flow) => Some(flow.rotation()).filter(|own| *own != RotationKind::Free),
@@ -138,13 +139,13 @@ impl Kind {
         }
     }
 
-    /// The kind called `name`.
+    /// Finds the kind of model `name`.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::all().into_iter().find(|kind| kind.name() == name)
     }
 }
 
-/// Names of `kinds`, separated by commas.
+/// Joins the names of `kinds` with commas.
 pub fn names(kinds: &[Kind]) -> String {
     kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ")
 }

@@ -1,13 +1,13 @@
 //! Case files: one schema of all sections, from which reader, writer, templates and documentation are derived.
 //!
-//! [`Case`] is a case as stated in its file, overridden by options, with defaults filled in; it writes itself as TOML.
-//! Rows of [`keys()`] are scalar keys, which a map can sweep, including the constants of the registered models. A
-//! structured section is a [`schema::Form`] of items with type, unit, range, default and meaning. Reader, writer, the
+//! [`Case`] is a case as stated in its file, overridden by options, with defaults filled in; it can be written as TOML.
+//! Rows of [`keys()`] are the scalar keys, which a map can sweep; they include the constants of the registered models.
+//! A structured section is a [`schema::Form`] of items with type, unit, range, default and meaning. Reader, writer, the
 //! templates of `wellposed new` ([`template`]), the reference page ([`reference()`]) and the JSON Schema
-//! ([`json_schema()`]) follow these schemas. An error gives file, line and key, the value found and the values allowed.
-//! [`CASES`] are the texts of the bundled cases.
+//! ([`json_schema()`]) are derived from these schemas. An error gives file, line and key, the value found and the
+//! values allowed. [`CASES`] has the texts of the bundled cases.
 //!
-//! The crate depends on the models, but on no analysis, solver or report.
+//! The crate depends on the models, but not on analysis, solvers or reports.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

@@ -8,35 +8,35 @@ use super::kind::Medium;
 use super::numbers::Numbers;
 use super::value::{Value, nearest, suggestion};
 
-/// Largest number of points of a map.
+/// Maximum number of points of a map.
 pub const MOST_POINTS: usize = 100_000_000;
 
-/// The two parameters of a map.
+/// The two swept parameters of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Map {
-    /// Along the horizontal axis.
+    /// Sweep along the horizontal axis.
     pub x: Sweep,
-    /// Along the vertical axis.
+    /// Sweep along the vertical axis.
     pub y: Sweep,
 }
 
-/// One axis of a map.
+/// Sweep of one parameter along an axis of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweep {
     /// Swept parameter.
     pub parameter: Parameter,
-    /// First value, in the parameter's unit.
+    /// First value, in the unit of the parameter.
     pub from: f64,
-    /// Last value, in the parameter's unit.
+    /// Last value, in the unit of the parameter.
     pub to: f64,
-    /// Number of values; at least 1, and 2 values differ.
+    /// Number of values; at least 1. Neighbouring values differ.
     pub points: usize,
 }
 
 impl Sweep {
-    /// The value at `index` < `points`, evenly spaced from `from` to `to`.
+    /// Computes the value at `index` < `points`, evenly spaced from `from` to `to`.
     ///
-    /// One division, last: ends that are whole numbers give whole numbers where they should.
+    /// The only division is the last operation, so that whole-number ends give exact whole numbers between them.
     pub fn value(&self, index: usize) -> f64 {
         if index == 0 || self.points < 2 {
             return self.from;
@@ -46,13 +46,13 @@ impl Sweep {
         if value.is_finite() {
             value
         } else {
-            // The products of huge ends overflow; the ends themselves do not.
+            // The products above overflow for huge ends; the quotients do not.
             self.from * ((last - index) / last) + self.to * (index / last)
         }
     }
 }
 
-/// As TOML.
+/// Formats the sweep as an inline TOML table.
 impl std::fmt::Display for Sweep {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (name, points) = (Value::Text(self.parameter.name()), self.points);
@@ -62,8 +62,8 @@ impl std::fmt::Display for Sweep {
 }
 
 impl Map {
-    /// Reads the section `[map]`; `numbers` are those of the case, `has_active` states whether the case names active yield
-    /// conditions.
+    /// Reads the section `[map]`; `numbers` are the numbers of the case, `has_active` states whether the case declares
+    /// active yield conditions.
     pub(super) fn read(
         entries: &Entries,
         medium: Medium,
@@ -126,13 +126,13 @@ fn sweep(
     let (from, to) = (entries.number(from_key)?, entries.number(to_key)?);
     let points = match entries.require(points_key)? {
         Value::Count(points) => *points,
-        _ => 1, // the table says that it is a count
+        _ => 1, // unreachable: the key table declares the key as a count
     };
     if points > 1 && from == to {
         let found = format!("found {to:?} at both ends");
         return Err(entries.places.error(to_key, found, "give two different ends, or 1 point"));
     }
-    // More points than any map may have are answered for as a grid.
+    // Larger counts are reported as a grid with too many points.
     if (2..=MOST_POINTS).contains(&points) {
         check_step(entries, [from_key, to_key, points_key], from, to, points)?;
     }
@@ -157,12 +157,12 @@ fn check_step(
     let range = to - from;
     let largest = from.abs().max(to.abs());
     if !range.is_finite() {
-        // Either end may be the huge one; the greater answers for both.
+        // Report the end of larger magnitude.
         let key = if from.abs() > to.abs() { from_key } else { to_key };
         let found = format!("found {from:?} … {to:?}, whose difference overflows");
         return Err(entries.places.error(key, found, "give ends whose difference is finite"));
     }
-    // Rounding moves a value of the sweep by at most three halves of this, or one smallest double.
+    // Rounding changes a value of the sweep by at most 3/2 of this unit, or by the smallest subnormal double.
     let unit = (f64::EPSILON * largest).max(f64::from_bits(1));
     if range.abs() / (points - 1) as f64 <= 4.0 * unit {
         let found =
@@ -172,7 +172,7 @@ fn check_step(
     Ok(())
 }
 
-/// Error of a name that is not a sweepable parameter.
+/// Builds the error of a name that is not a sweepable parameter.
 fn no_parameter(entries: &Entries, medium: Medium, place: &str, name: &str) -> CaseError {
     let names: Vec<String> = Parameter::all()
         .filter(|parameter| parameter.key().is_used_by(medium))

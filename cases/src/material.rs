@@ -11,23 +11,23 @@ use super::section::Section;
 use super::value::Value;
 use models::InputError;
 
-/// Kind of model, yield set and numbers of a medium, with the positions of its keys.
+/// Kind of model, yield set and numbers of a medium, with the positions of their keys in the case file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Kind of model.
     pub kind: Kind,
     /// Yield set; `None` in flows and elastic solids.
     pub yields: Option<Yield>,
-    /// Active yield conditions, as indices into [`Medium::condition_names`]; `None` if determined by the stress.
+    /// Active yield conditions, as indices into [`Medium::condition_names`]; `None` if they follow from the stress.
     pub active: Option<Vec<usize>>,
     /// Numbers in SI units, angles in degrees.
     pub numbers: Numbers,
-    /// Positions of the keys; ignored in comparisons.
+    /// Positions of the keys in the case file; ignored in comparisons.
     pub(super) places: Places,
 }
 
 impl Material {
-    /// Material of a region: this material, overridden by kind, yield set and numbers of the region.
+    /// Builds the material of a region: this material, overridden by kind, yield set and numbers of the region.
     ///
     /// # Errors
     /// A key is unknown or missing, or a value is invalid.
@@ -62,7 +62,7 @@ impl Material {
         let yields = flat::yield_set(&entries, kind, &[NO_YIELD])?;
         let medium = Medium { kind, yields };
         if kind != self.kind {
-            // What the case's own kind uses and this one does not was not meant for it.
+            // Values for keys used by the kind of the case but not by the kind of the region are not inherited.
             entries.keep_inherited(|name| {
                 Key::find(name).is_some_and(|key| key.is_used_by(medium) && key.field.is_kept())
             });
@@ -77,28 +77,28 @@ impl Material {
         Ok(Self { kind, yields, active, numbers, places: entries.places })
     }
 
-    /// Kind of model and yield set.
+    /// Returns the kind of model and the yield set.
     pub fn medium(&self) -> Medium {
         Medium { kind: self.kind, yields: self.yields }
     }
 
-    /// Value of the number called `name`; `None` if absent.
+    /// Returns the value of the number `name`; `None` if absent.
     pub fn get(&self, name: &str) -> Option<f64> {
         Parameter::find(name)?.get(&self.numbers)
     }
 
-    /// Sets a number, as a sweep does.
+    /// Sets the number `parameter`, as a map sweep does.
     pub fn set(&mut self, parameter: Parameter, value: f64) {
         parameter.set(&mut self.numbers, value);
     }
 
-    /// Adds the position in the case file to an error found by a model.
+    /// Adds the position in the case file to an input error of a model.
     pub fn locate(&self, error: InputError) -> CaseError {
         let key = self.key_of(error.input);
         self.places.error(key, format!("found {}", error.found), error.allowed)
     }
 
-    /// Case key of an input of the model, yield set or state; other names are returned unchanged.
+    /// Returns the case key of an input of the model, yield set or state; other names are returned unchanged.
     pub(super) fn key_of(&self, input: &'static str) -> &'static str {
         const SECTIONS: [&str; 4] = ["model", "background", "yield", "stress"];
         let medium = self.medium();
@@ -112,7 +112,7 @@ impl Material {
         found.map_or(input, |key| key.name)
     }
 
-    /// Keys used by this medium or by the kinds `compared`, with their values.
+    /// Returns the keys used by this medium or by the kinds `compared`, with their values.
     pub(super) fn values(&self, compared: &[Kind]) -> impl Iterator<Item = (&'static Key, Value)> {
         keys().iter().filter_map(|key| {
             let value = match key.name {
@@ -122,7 +122,7 @@ impl Material {
                     let names = self.medium().condition_names();
                     Value::Texts(active.iter().map(|&index| names[index].to_owned()).collect())
                 }),
-                // Of the two ways to say what is active.
+                // `yield.active` replaces the section `[stress]`.
                 name if name.starts_with("stress.") && self.active.is_some() => None,
                 _ if key.is_used_by(self.medium())
                     || compared.iter().any(|&kind| key.is_used_by(kind)) =>
@@ -136,7 +136,7 @@ impl Material {
     }
 }
 
-/// Supplies the dimensions of a solid from the grid if not given.
+/// Supplies the dimensions of a solid from the grid if they are not given.
 pub(super) fn provide_dimensions(entries: &mut Entries, kind: Kind, of_grid: usize) {
     const KEY: &str = "model.dimensions";
     if Key::find(KEY).is_some_and(|key| key.is_used_by(kind)) {
@@ -144,7 +144,7 @@ pub(super) fn provide_dimensions(entries: &mut Entries, kind: Kind, of_grid: usi
     }
 }
 
-/// Checks that a solid has the dimensions of the grid.
+/// Checks that a solid has as many dimensions as the grid.
 pub(super) fn check_dimensions(
     places: &Places,
     kind: Kind,

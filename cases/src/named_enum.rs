@@ -15,7 +15,7 @@ macro_rules! named_enum {
         }
 
         impl $name {
-            /// All of them, the default first.
+            /// All variants, the default first.
             pub const ALL: &[Self] = &[Self::$first $(, Self::$other)*];
 
             /// Name of the variant in case files.

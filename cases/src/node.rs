@@ -1,4 +1,4 @@
-//! Tree of values, tables and lists of tables of structured sections.
+//! Tree of values, tables and lists of tables: the content of structured sections.
 
 use super::value::{self, describe, short_list};
 use toml::de::{DeTable, DeValue};
@@ -10,21 +10,21 @@ pub(super) enum Node<'a> {
     Tables(Vec<Table<'a>>),
 }
 
-/// A table in the order of the file.
+/// A table with its entries in the order of the file.
 #[derive(Default)]
 pub(super) struct Table<'a>(Vec<(String, Node<'a>)>);
 
-/// Error of an option `--set`: the wrong part of its key, the text found and the text allowed.
+/// Error of an option `--set`: invalid part of the key, text found and text allowed.
 pub(super) struct Refused {
     pub(super) key: String,
     pub(super) found: String,
     pub(super) allowed: String,
 }
 
-/// A step of a key in `--set`: a name, and the index behind it.
+/// A segment of a key in `--set`: a name and, optionally, a list index.
 type Step<'k> = (&'k str, Option<usize>);
 
-/// A name as segment of a dotted key, quoted if necessary.
+/// Formats a name as a segment of a dotted key, quoted if necessary.
 pub(super) fn segment(name: &str) -> String {
     match name.contains(['.', '[', ']']) {
         true => format!("{name:?}"),
@@ -33,7 +33,7 @@ pub(super) fn segment(name: &str) -> String {
 }
 
 impl<'a> Node<'a> {
-    /// Builds the tree of a value and reports the offsets of its parts by dotted key.
+    /// Builds the tree of a value; reports the dotted key and byte offset of each part to `note`.
     pub(super) fn read(
         value: &DeValue<'a>,
         path: &str,
@@ -57,12 +57,12 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// Text of the node; `None` if it is not a text.
+    /// Returns the text of the node; `None` if the node is not a text.
     pub(super) fn text(&self) -> Option<String> {
         value::text(self.value()?)
     }
 
-    /// Plain value; `None` for a table or a list of tables.
+    /// Returns the plain value; `None` for a table or a list of tables.
     pub(super) fn value(&self) -> Option<&DeValue<'a>> {
         match self {
             Self::Value(value) => Some(value),
@@ -70,7 +70,7 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// Description of the node for messages.
+    /// Describes the node for messages.
     pub(super) fn words(&self) -> String {
         match self {
             Self::Value(value) => short_list(value).unwrap_or_else(|| describe(value)),
@@ -112,7 +112,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Inserts a node at a dotted key and returns the normalised key.
+    /// Inserts a node at a dotted key; returns the normalised key.
     pub(super) fn set(&mut self, key: &str, node: Node<'a>) -> Result<String, Refused> {
         let steps: Option<Vec<Step>> = key.split('.').map(step).collect();
         let Some(steps) = steps else {
@@ -194,7 +194,7 @@ impl<'a> Table<'a> {
     }
 }
 
-/// Parses a segment of a key between dots; `None` if invalid.
+/// Parses a segment of a dotted key; `None` if invalid.
 fn step(text: &str) -> Option<Step<'_>> {
     let is_name =
         |name: &str| !name.is_empty() && !name.contains(|c: char| "[]\"'".contains(c) || c == ' ');

@@ -2,23 +2,23 @@
 
 use models::common::parameter::{Parameter as Constant, Presence};
 
-/// Scalar numbers of a case exactly as in its file: SI units, angles in degrees, `None` for an absent key without
+/// Scalar numbers of a case as given in its file: SI units, angles in degrees, `None` for an absent key without
 /// default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Numbers {
     /// Constants of the model.
     pub model: Constants,
-    /// Dimensions of a solid; 0 if its kind leaves no choice.
+    /// Number of dimensions of a solid; 0 if the kind of model fixes it.
     pub dimensions: usize,
     /// Constants of the yield set.
     pub yields: Constants,
-    /// Plastic multiplier rate Λ of the background of a yielding solid, 1/s.
+    /// Plastic multiplier rate Λ of the background state of a yielding solid, 1/s.
     pub plastic_rate: f64,
-    /// Stress of a yielding solid.
+    /// Stress of a yielding solid, section `[stress]`.
     pub stress: StressNumbers,
-    /// State of the flow at the point.
+    /// Local state of a flow, section `[background]`.
     pub background: BackgroundNumbers,
-    /// Wave vector at which roots are listed.
+    /// Wave vector at which roots are listed, section `[wave]`.
     pub wave: Wave,
 }
 
@@ -27,12 +27,12 @@ pub struct Numbers {
 pub struct Constants(Vec<(&'static str, f64)>);
 
 impl Constants {
-    /// Value of the constant called `name`.
+    /// Returns the value of the constant `name`, if set.
     pub fn get(&self, name: &str) -> Option<f64> {
         self.place(name).ok().map(|place| self.0[place].1)
     }
 
-    /// Sets the constant called `name`.
+    /// Sets the constant `name`.
     pub fn set(&mut self, name: &'static str, value: f64) {
         match self.place(name) {
             Ok(place) => self.0[place].1 = value,
@@ -40,12 +40,12 @@ impl Constants {
         }
     }
 
-    /// Binary search of a name: index, or insertion index.
+    /// Finds a name by binary search: its index, or the insertion index as error.
     fn place(&self, name: &str) -> Result<usize, usize> {
         self.0.binary_search_by(|(own, _)| (*own).cmp(name))
     }
 
-    /// Resets a constant to the default of `presence`.
+    /// Resets a constant to the default of `presence`; removes it if there is no default.
     pub(super) fn reset(&mut self, name: &'static str, presence: Presence) {
         match presence {
             Presence::Default(value) => self.set(name, value),
@@ -53,7 +53,8 @@ impl Constants {
         }
     }
 
-    /// Values of the constants of a model in the order of its registry entry, in SI units and rad; NaN for absent ones.
+    /// Lists the values of the constants of a model in the order of its registry entry, in SI units and rad; NaN for
+    /// absent constants.
     pub fn in_order<'a>(
         &self,
         parameters: impl IntoIterator<Item = &'a Constant>,
@@ -65,9 +66,9 @@ impl Constants {
     }
 }
 
-/// Section `[stress]`; units and meanings in [`keys`](crate::keys()).
+/// Section `[stress]`; units and meanings are in the table of [`keys`](crate::keys()).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[allow(missing_docs)] // one row of `keys` per field says it once
+#[allow(missing_docs)] // documented by the rows of `keys`
 pub struct StressNumbers {
     pub pressure: f64,
     pub deviatoric_stress: f64,
@@ -77,9 +78,9 @@ pub struct StressNumbers {
     pub couple_stress: [f64; 2],
 }
 
-/// Section `[background]`; units and meanings in [`keys`](crate::keys()).
+/// Section `[background]`; units and meanings are in the table of [`keys`](crate::keys()).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[allow(missing_docs)] // one row of `keys` per field says it once
+#[allow(missing_docs)] // documented by the rows of `keys`
 pub struct BackgroundNumbers {
     pub density: f64,
     pub pressure: f64,
@@ -113,6 +114,6 @@ pub struct Wave {
     pub direction_deg: f64,
     /// Elevation of the wave vector above the plane of x₁ and x₂, degrees.
     pub elevation_deg: f64,
-    /// Largest wave number of dispersion curves, 1/m; 0 for an automatic choice.
+    /// Largest wave number of dispersion curves, 1/m; 0 for an automatic value.
     pub greatest_number: f64,
 }

@@ -7,20 +7,20 @@ use std::sync::Arc;
 /// Positions of the keys and sections of a case.
 #[derive(Clone, Debug)]
 pub(super) struct Places {
-    /// Shared by the case and its regions.
+    /// Positions in the file and in options; shared by the case and its regions.
     all: Arc<Standing>,
-    /// Full names of keys overridden by a region.
+    /// Full names of the keys overridden by a region.
     aliases: BTreeMap<&'static str, String>,
 }
 
-/// All positions compare equal, so that cases are compared by content.
+/// All positions compare equal, so that cases are compared by content only.
 impl PartialEq for Places {
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
-/// Lines and options by key.
+/// Line numbers and options by key.
 #[derive(Clone, Debug)]
 struct Standing {
     file: String,
@@ -34,7 +34,7 @@ impl Places {
         Self { all: Arc::new(Standing { file, lines, options }), aliases: BTreeMap::new() }
     }
 
-    /// Records the line of a key or section; for a dotted section with several headers the first.
+    /// Records the line of a key or section; for a dotted section with several headers the first line.
     pub(super) fn add_line(&mut self, name: String, line: usize) {
         Arc::make_mut(&mut self.all).lines.entry(name).or_insert(line);
     }
@@ -44,7 +44,7 @@ impl Places {
         Arc::make_mut(&mut self.all).options.insert(key, option.to_owned());
     }
 
-    /// Removes the positions of a key and of everything inside it.
+    /// Removes the positions of a key and of all keys inside it.
     pub(super) fn forget(&mut self, key: &str) {
         let is_kept = |name: &str| {
             name.strip_prefix(key)
@@ -60,22 +60,22 @@ impl Places {
         self.aliases.insert(key, name);
     }
 
-    /// Whether a key is overridden by the region.
+    /// Returns whether the region overrides a key.
     pub(super) fn has_alias(&self, key: &str) -> bool {
         self.aliases.contains_key(key)
     }
 
-    /// Whether a key or section is in the file.
+    /// Returns whether a key or section is in the file.
     pub(super) fn has_line(&self, name: &str) -> bool {
         self.all.lines.contains_key(name)
     }
 
-    /// Full name of a key.
+    /// Returns the full name of a key.
     fn alias<'k>(&'k self, key: &'k str) -> &'k str {
         self.aliases.get(key).map_or(key, String::as_str)
     }
 
-    /// Position of a key, else of the innermost section around it, else the file.
+    /// Returns the position of a key, else of its innermost enclosing section, else of the file.
     pub(super) fn of(&self, key: &str) -> Place {
         let mut name = self.alias(key);
         loop {
@@ -90,19 +90,19 @@ impl Places {
                 None => break,
             }
         }
-        // A section may stand in options alone.
+        // The section may have been set by options only.
         match self.all.options.iter().find(|(name, _)| is_inside(name, key)) {
             Some((_, text)) => Place::Option(text.clone()),
             None => Place::File(self.all.file.clone()),
         }
     }
 
-    /// Name of a section for messages.
+    /// Returns the name of a section for messages.
     pub(super) fn title(&self, section: &str) -> String {
         self.aliases.get(section).cloned().unwrap_or_else(|| format!("[{section}]"))
     }
 
-    /// Position of an axis of `[map]`: the option that set one of its values, else its line.
+    /// Returns the position of an axis of `[map]`: the option that set one of its values, else its line.
     pub(super) fn of_axis(&self, axis: &str) -> Place {
         let set = ["from", "to", "parameter", "points"]
             .iter()
@@ -110,7 +110,7 @@ impl Places {
         set.map_or_else(|| self.of(axis), |text| Place::Option(text.clone()))
     }
 
-    /// An error at a key.
+    /// Returns an error at a key.
     pub(super) fn error(
         &self,
         key: &str,
@@ -126,7 +126,7 @@ impl Places {
     }
 }
 
-/// Whether a dotted key is inside a section.
+/// Returns whether a dotted key is inside a section.
 pub(super) fn is_inside(key: &str, section: &str) -> bool {
     key.strip_prefix(section).is_some_and(|rest| rest.starts_with('.'))
 }

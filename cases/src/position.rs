@@ -3,11 +3,11 @@
 use crate::error::CaseError;
 use crate::section::{Section, joined};
 
-/// Tolerance for positions outside the grid, relative to its length: cells × spacing + origin differs from the intended
-/// decimal by rounding (100 × 0.29 < 29).
+/// Relative tolerance for positions outside the grid: the computed bound origin + cells × spacing differs from the
+/// intended decimal number by rounding (100 × 0.29 < 29).
 const SLACK: f64 = 1e-12;
 
-/// Checks that a position, the value of a key, is within the lower and upper coordinates of the grid or box.
+/// Checks that a position, the value of `key`, is within the bounds `extents` of the grid or box.
 pub(crate) fn check_inside(
     section: &Section,
     key: &str,
@@ -23,7 +23,7 @@ pub(crate) fn check_inside(
     if position.iter().zip(extents).all(is_inside) {
         return Ok(());
     }
-    // Remove rounding noise near 0.
+    // Suppress rounding errors near 0.
     let tidy = |x: f64, length: f64| match x.abs() < SLACK * length {
         true => 0.0,
         false => format!("{x:.11e}").parse().unwrap_or(x),

@@ -9,7 +9,7 @@ use crate::schema::{Condition, Form, Item, Length, Type};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 
-/// Maximum number of points of an entry.
+/// Maximum number of points of one entry.
 const MOST_POINTS: usize = 10_000;
 
 /// Maximum number of points of all entries.
@@ -27,14 +27,14 @@ pub(super) const NAME: Item = Item::optional(
 )
 .note("letters, digits, '-', '_' and '.'");
 
-/// Key `at` of a point; `note` describes the point in messages.
+/// Builds the key `at` of a point; `note` describes the point in messages.
 pub(super) const fn at(note: &'static str, example: &'static str, meaning: &'static str) -> Item {
     Item::required("at", Type::Numbers(Length::Axes), "m", example, meaning)
         .note(note)
         .when(&[Condition::Absent("from")])
 }
 
-/// Key `from`: first point of a line of receivers.
+/// Key `from`: first point of a line or grid of receivers.
 pub(super) const FROM: Item = Item::optional(
     "from",
     Type::Numbers(Length::Axes),
@@ -44,7 +44,7 @@ pub(super) const FROM: Item = Item::optional(
 )
 .note("the first point");
 
-/// Key `to`: last point of a line of receivers.
+/// Key `to`: last point of a line of receivers, or list of the other corners of a grid.
 pub(super) const TO: Item = Item::required(
     "to",
     Type::Points,
@@ -56,7 +56,7 @@ pub(super) const TO: Item = Item::required(
 .remark(", or for a grid a list of such corners")
 .when(LINE);
 
-/// Key of the number of points of a line or grid.
+/// Key `count`: number of points of a line, or along each edge of a grid.
 pub(super) const COUNT: Item = Item::required(
     "count",
     Type::Divisions,
@@ -68,19 +68,19 @@ pub(super) const COUNT: Item = Item::required(
 .when(LINE);
 
 named_enum! {
-    /// Interpolation of a receiver between cells.
+    /// Interpolation of recorded fields between cells.
     Interpolation {
         /// Cubic polynomials along each axis through cells of the medium at the receiver.
         Cubic = "cubic",
-        /// Nearest cell, or nearest grid point of a flow.
+        /// Value of the nearest cell, in a flow of the nearest grid point.
         Nearest = "none"
     }
 }
 
-/// A receiver: a point at which fields `F` of a solid or flow are recorded.
+/// A receiver: a point at which the fields `F` of a solid or flow are recorded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Receiver<F> {
-    /// Unique name of the record.
+    /// Name of the record; unique.
     pub name: String,
     /// Position, m; inside the grid.
     pub at: Vec<f64>,
@@ -91,7 +91,7 @@ pub struct Receiver<F> {
 }
 
 impl<F: Display> Receiver<F> {
-    /// The entry as TOML, without keys of solids only.
+    /// Builds the table of the entry, without the keys that only solids have.
     pub(super) fn resolved(&self) -> Resolved {
         Resolved::default()
             .text("name", &self.name)
@@ -100,20 +100,20 @@ impl<F: Display> Receiver<F> {
     }
 }
 
-/// Domain of receivers.
+/// Domain in which receivers are placed.
 pub(super) struct Domain<'a> {
     /// Schema of the entries.
     pub(super) form: &'static Form,
-    /// Lower and upper coordinate along each axis, m.
+    /// Lower and upper bound along each axis, m.
     pub(super) extents: Vec<[f64; 2]>,
     /// Name of the domain in messages.
     pub(super) whole: &'a str,
-    /// Whether receivers have a choice of interpolation.
+    /// Whether receivers have the key `interpolation`.
     pub(super) interpolates: bool,
 }
 
-/// Reads the receivers, which record fields among `all`; `find` looks a field up by name. A line or grid called `name`
-/// has the receivers `name-1`, `name-2`, … or `name-1-1`, `name-2-1`, …
+/// Reads the receivers, which record fields among `all`; `find` finds a field by name. A line or grid called `name` has
+/// the receivers `name-1`, `name-2`, … or `name-1-1`, `name-2-1`, …
 ///
 /// # Errors
 /// A key is unknown or missing, or a value is invalid.
@@ -161,12 +161,12 @@ pub(super) fn receivers<F: Clone + PartialEq + Display>(
     Ok(receivers)
 }
 
-/// Moves a point that is outside the grid by rounding onto its boundary.
+/// Clamps a point to the grid bounds, which it may exceed by rounding.
 fn onto_the_grid(at: &mut [f64], extents: &[[f64; 2]]) {
     at.iter_mut().zip(extents).for_each(|(x, [first, last])| *x = x.clamp(*first, *last));
 }
 
-/// Points of an entry, with the suffixes of their names.
+/// Computes the points of an entry, with the suffixes of their names.
 fn points(section: &Section, domain: &Domain) -> Result<Vec<(String, Vec<f64>)>, CaseError> {
     let d = domain.extents.len();
     let axes: Vec<usize> = (0..d).collect();

@@ -19,7 +19,7 @@ A case is TOML: SI units, angles in degrees anticlockwise from x₁. Where a def
 load[0].amplitude=2` one in a list, counted from 0.
 ";
 
-/// Introductory text of the sections of scalar keys.
+/// Introductory text for each section of scalar keys.
 const SECTIONS: [(&str, &str); 8] = [
     ("", "Before the first section"),
     ("model", "The kind of model and its constants"),
@@ -31,7 +31,7 @@ const SECTIONS: [(&str, &str); 8] = [
     ("compare", "For `wellposed point`: models side by side on this state"),
 ];
 
-/// The reference page in Markdown.
+/// Generates the reference page in Markdown.
 pub fn reference() -> String {
     let mut page = HEAD.to_owned();
     for (section, meaning) in SECTIONS {
@@ -74,7 +74,7 @@ pub fn reference() -> String {
 }
 
 fn is_in(key: &Key, section: &str) -> bool {
-    // Both axes of a map have the same keys.
+    // Both axes of a map have the same keys; they are listed once.
     key.split().0 == section || (section == "map.x" && key.split().0 == "map.y")
 }
 
@@ -112,7 +112,7 @@ fn row_of_key(key: &Key) -> String {
     row(&[&code(&name), &value, key.unit, &default, key.meaning, &owners(key)])
 }
 
-/// Kinds of model and yield sets that use a key, as text.
+/// Lists the kinds of model and the yield sets that use a key, as text.
 fn owners(key: &Key) -> String {
     let all = Kind::all();
     let own: Vec<&str> =
@@ -165,7 +165,7 @@ fn add_form(page: &mut String, form: &'static Form) {
     }
 }
 
-/// Adds the section whose keys are stress components.
+/// Adds the table of the section whose keys are stress components.
 fn add_stresses(page: &mut String) {
     page.push_str("\n| key | value | unit |\n|---|---|---|\n");
     for component in stress::all() {
@@ -184,7 +184,7 @@ fn condition(condition: &Condition) -> String {
     }
 }
 
-/// Maximum number of listed words.
+/// Maximum number of words listed in a table cell.
 const MOST_WORDS: usize = 12;
 
 fn listed(words: &[String]) -> String {
@@ -215,7 +215,7 @@ fn described_length(length: Length) -> &'static str {
     }
 }
 
-/// Description of a type for a table cell.
+/// Describes a type for a table cell.
 fn described(value: &Type) -> String {
     match *value {
         Type::Text => "text".into(),

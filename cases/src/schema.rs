@@ -1,14 +1,14 @@
-//! Schema of the structured sections: grids, loads, sources, receivers and so on.
+//! Schema of the structured sections, e.g. grids, loads, sources and receivers.
 //!
 //! Each table of a case is a [`Form`], each of its keys an [`Item`] with type, unit, meaning and default. The reader of
-//! a section, the templates of `wellposed new`, the reference page and the JSON Schema follow it. To add a case key to a
-//! section, add an [`Item`] to its form. Relations between keys are checked by code next to the form. Constants and
-//! states, which can be swept, are rows of [`keys`](crate::keys()).
+//! a section, the templates of `wellposed new`, the reference page and the JSON Schema are derived from it. To add a
+//! key to a section, add an [`Item`] to its form. Relations between keys are checked by code next to the form.
+//! Constants and states, which can be swept, are rows of [`keys`](crate::keys()).
 
 use crate::kind::Kind;
 pub use models::common::range::Range;
 
-/// Schema of a table: the keys that it may contain.
+/// Schema of a table: the keys that the table may contain.
 #[derive(Debug)]
 pub struct Form {
     /// Name of the section, or of the key whose value is the table.
@@ -19,7 +19,7 @@ pub struct Form {
     pub meaning: &'static str,
     /// Whether a time-domain simulation requires the table.
     pub is_required: bool,
-    /// Remedy if the table is missing.
+    /// Remedy for messages if the table is missing.
     pub(crate) remedy: &'static str,
     /// Keys of the table, in the order of the reference page.
     pub groups: &'static [Group],
@@ -52,28 +52,28 @@ pub struct Item {
     pub name: &'static str,
     /// Type and range.
     pub value: Type,
-    /// Unit; empty for text and pure numbers.
+    /// Unit; empty for texts and dimensionless numbers.
     pub unit: &'static str,
-    /// Whether the key is required, and its default.
+    /// Whether the key is required or optional, and its default.
     pub need: Need,
     /// Meaning of the key, in one line.
     pub meaning: &'static str,
-    /// Note in messages, in parentheses.
+    /// Note in messages, printed in parentheses.
     pub(crate) note: &'static str,
     /// Remark at the end of messages.
     pub(crate) remark: &'static str,
-    /// Conditions besides those of the group.
+    /// Conditions in addition to the conditions of the group.
     pub when: &'static [Condition],
 }
 
-/// Whether a key is required, has a default or is optional. Values are TOML.
+/// Requirement of a key: required, with a default, or optional. Values are TOML.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
     /// Required, with an example.
     Required(&'static str),
     /// Optional with this default.
     Default(&'static str),
-    /// Optional as described in the meaning, with an example.
+    /// Optional without default; the meaning describes its absence. With an example.
     Optional(&'static str),
 }
 
@@ -92,14 +92,14 @@ pub enum Condition {
     Space,
 }
 
-/// Known properties of the case that contains a table.
+/// Known properties of the case to which a table belongs.
 #[derive(Clone, Debug, Default)]
 pub struct Scope {
     /// Kind of model; `None` if unknown.
     pub kind: Option<Kind>,
-    /// Dimensions of the grid; `None` if unknown.
+    /// Number of dimensions of the grid; `None` if unknown.
     pub dimensions: Option<usize>,
-    /// Tangential axes of the side to which a table refers, from 0.
+    /// Tangential axes of the face to which a table refers, numbered from 0.
     pub(crate) axes: Vec<usize>,
 }
 
@@ -121,23 +121,23 @@ pub enum Type {
     Truth,
     /// A number.
     Number(Range),
-    /// A whole number not below this bound.
+    /// A whole number with this minimum.
     Whole(u64),
-    /// An axis by its number: at most the dimensions of the grid.
+    /// An axis number from 1 to the number of dimensions of the grid.
     Axis,
-    /// An axis of space by its number.
+    /// An axis number from 1 to 3.
     AxisOfSpace,
     /// Two numbers.
     Pair,
     /// Two rows of two numbers.
     Matrix,
-    /// A list of numbers; a single number needs no brackets.
+    /// A list of numbers; brackets are optional around a single number.
     Numbers(Length),
-    /// A positive number for all axes, or one for each.
+    /// A positive number for all axes, or one positive number for each axis.
     PerAxis(Length),
     /// A number for each axis, not all 0.
     Direction,
-    /// A list with a minimum number of numbers in a range.
+    /// A list with a minimum length of numbers in a range.
     List(usize, Range),
     /// A list of whole numbers.
     Counts {
@@ -145,30 +145,30 @@ pub enum Type {
         length: [usize; 2],
         /// Minimum of the numbers.
         least: usize,
-        /// Further property of the numbers.
+        /// Additional property of the numbers.
         order: Order,
     },
     /// Two whole numbers, not both 0.
     Mode,
     /// A square matrix with a row for each axis.
     Tensor,
-    /// Samples: at least two pairs of the two named quantities, the first increasing.
+    /// Samples: at least two pairs of the two named quantities; the first quantity strictly increases.
     Samples([&'static str; 2]),
     /// A point, or a list of points.
     Points,
-    /// A whole number of at least 2, or a list of such numbers.
+    /// A whole number of at least 2, or a list of whole numbers of at least 2.
     Divisions,
     /// One of the allowed words.
     OneOf(Words),
-    /// A list of distinct allowed words.
+    /// A list of allowed words without repetition.
     AnyOf(Words),
     /// An inline table.
     Table(&'static Form),
-    /// An inline table with the keys of this section of the case.
+    /// An inline table with keys of this section of the case.
     Part(&'static str),
 }
 
-/// Property of a list of whole numbers.
+/// Additional property of the numbers in a list of whole numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
     /// No property.
@@ -186,14 +186,14 @@ pub enum Length {
     Two,
     /// One item for each axis of the grid.
     Axes,
-    /// One item for each tangential axis of a side.
+    /// One item for each tangential axis of a face.
     SideAxes,
     /// One item for each spin: 1 in plane strain, 3 in space.
     Spins,
 }
 
 impl Form {
-    /// Schema of a section that may occur once.
+    /// Builds the schema of a section that may occur once.
     pub(crate) const fn section(
         name: &'static str,
         meaning: &'static str,
@@ -203,7 +203,7 @@ impl Form {
         Self { name, layout, meaning, is_required, remedy, groups }
     }
 
-    /// Schema of a list of sections.
+    /// Builds the schema of a list of sections.
     pub(crate) const fn list(
         name: &'static str,
         meaning: &'static str,
@@ -212,7 +212,7 @@ impl Form {
         Self { layout: Layout::List, ..Self::section(name, meaning, groups) }
     }
 
-    /// Schema of an inline table.
+    /// Builds the schema of an inline table.
     pub(crate) const fn braces(
         name: &'static str,
         meaning: &'static str,
@@ -221,12 +221,12 @@ impl Form {
         Self { layout: Layout::Braces, ..Self::section(name, meaning, groups) }
     }
 
-    /// This schema, required in time-domain simulations; `remedy` says what to add.
+    /// Marks the table as required in time-domain simulations; `remedy` is printed if it is missing.
     pub(crate) const fn required(self, remedy: &'static str) -> Self {
         Self { is_required: true, remedy, ..self }
     }
 
-    /// Header of the table as written in a file.
+    /// Returns the header of the table as written in a case file.
     pub fn header(&self) -> String {
         match self.layout {
             Layout::Section => format!("[{}]", self.name),
@@ -235,12 +235,12 @@ impl Form {
         }
     }
 
-    /// All keys with the conditions of their groups; a name may occur several times.
+    /// Returns all keys with the conditions of their groups; a name may occur several times.
     pub fn items(&self) -> impl Iterator<Item = (&'static [Condition], &'static Item)> {
         self.groups.iter().flat_map(|group| group.items.iter().map(|item| (group.when, item)))
     }
 
-    /// Keys whose conditions all hold.
+    /// Returns the keys all of whose conditions hold.
     pub(crate) fn applicable(
         &self,
         holds: impl Fn(&Condition) -> bool,
@@ -251,7 +251,7 @@ impl Form {
         self.items().filter(holds).map(|(_, item)| item)
     }
 
-    /// Discriminator: the key whose value decides which other keys are allowed, with its words.
+    /// Returns the discriminator, i.e. the key whose value determines the other keys allowed, with its words.
     pub fn discriminator(&self) -> Option<(&'static Item, Vec<String>)> {
         let key = self.items().flat_map(|(when, item)| when.iter().chain(item.when)).find_map(
             |condition| match condition {
@@ -268,12 +268,12 @@ impl Form {
 }
 
 impl Group {
-    /// Keys without conditions.
+    /// Builds a group of keys without conditions.
     pub(crate) const fn always(items: &'static [Item]) -> Self {
         Self { when: &[], items }
     }
 
-    /// Keys under conditions.
+    /// Builds a group of keys that are allowed under conditions.
     pub(crate) const fn when(when: &'static [Condition], items: &'static [Item]) -> Self {
         Self { when, items }
     }
@@ -290,7 +290,7 @@ impl Item {
         Self { name, value, unit, need, meaning, note: "", remark: "", when: &[] }
     }
 
-    /// A required key, with an example.
+    /// Builds a required key, with an example.
     pub(crate) const fn required(
         name: &'static str,
         value: Type,
@@ -301,7 +301,7 @@ impl Item {
         Self::new(name, value, unit, Need::Required(example), meaning)
     }
 
-    /// A key with a default.
+    /// Builds a key with a default.
     pub(crate) const fn with_default(
         name: &'static str,
         value: Type,
@@ -312,7 +312,7 @@ impl Item {
         Self::new(name, value, unit, Need::Default(default), meaning)
     }
 
-    /// An optional key without default, with an example; the meaning describes its absence.
+    /// Builds an optional key without default, with an example; the meaning describes its absence.
     pub(crate) const fn optional(
         name: &'static str,
         value: Type,
@@ -323,22 +323,22 @@ impl Item {
         Self::new(name, value, unit, Need::Optional(example), meaning)
     }
 
-    /// This key with a note in messages, in parentheses.
+    /// Adds a note for messages, printed in parentheses.
     pub(crate) const fn note(self, note: &'static str) -> Self {
         Self { note, ..self }
     }
 
-    /// This key with a remark at the end of messages.
+    /// Adds a remark for the end of messages.
     pub(crate) const fn remark(self, remark: &'static str) -> Self {
         Self { remark, ..self }
     }
 
-    /// This key with additional conditions.
+    /// Sets the conditions in addition to the conditions of the group.
     pub(crate) const fn when(self, when: &'static [Condition]) -> Self {
         Self { when, ..self }
     }
 
-    /// Default or example, as TOML.
+    /// Returns the default or the example, as TOML.
     pub fn example(&self) -> &'static str {
         match self.need {
             Need::Required(value) | Need::Default(value) | Need::Optional(value) => value,
@@ -347,7 +347,7 @@ impl Item {
 }
 
 impl Scope {
-    /// Number of dimensions; 2 if unknown.
+    /// Returns the number of dimensions; 2 if unknown.
     pub fn dimensions(&self) -> usize {
         self.dimensions.unwrap_or(2)
     }
@@ -362,12 +362,12 @@ pub(crate) struct Forms {
     pub(crate) flows: &'static [&'static Form],
     /// The section `[check]`.
     pub(crate) check: &'static Form,
-    /// Function from a kind of model to its time-domain sections.
+    /// Function from a kind of model to the schemas of its time-domain sections.
     pub(crate) in_time: fn(Kind) -> Vec<&'static Form>,
 }
 
 impl Forms {
-    /// Whether `section` is a structured section.
+    /// Returns whether `section` is a structured section.
     pub(crate) fn has(&self, section: &str) -> bool {
         let mut all = self.solids.iter().chain(self.flows).chain([&self.check]);
         all.any(|form| form.name == section)

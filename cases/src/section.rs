@@ -1,4 +1,4 @@
-//! Reader and writer of a table by its schema.
+//! Reader and writer of a table with a schema.
 
 use super::error::{CaseError, Place, escape};
 use super::node::{Node, Table, segment};
@@ -8,10 +8,10 @@ use crate::schema::{Condition, Form, Item, Need, Scope, Type};
 use std::fmt::{Debug, Display};
 use toml::de::DeValue;
 
-/// Empty schema, for the root table and for parts of other sections.
+/// Empty schema, for the root table and for inline tables with keys of another section.
 const OPEN: Form = Form::section("", "", &[]);
 
-/// Table reader: the schema of the table determines allowed keys, types and messages; `finish` reports unknown keys.
+/// Table reader. The schema of the table determines allowed keys, types and messages; `finish` reports unknown keys.
 pub(super) struct Section<'a> {
     path: String,
     table: &'a Table<'a>,
@@ -22,32 +22,32 @@ pub(super) struct Section<'a> {
 }
 
 impl<'a> Section<'a> {
-    /// Reader of the root table, which contains all sections.
+    /// Builds the reader of the root table, which contains all sections.
     pub(super) fn root(table: &'a Table<'a>, places: &'a Places, scope: Scope) -> Self {
         Self { path: String::new(), table, places, form: &OPEN, scope }
     }
 
-    /// Positions of the keys of the case.
+    /// Returns the positions of the keys of the case.
     pub(super) fn places(&self) -> &'a Places {
         self.places
     }
 
-    /// All entries of the table.
+    /// Returns all entries of the table.
     pub(super) fn entries(&self) -> impl Iterator<Item = (&'a str, &'a Node<'a>)> {
         self.table.entries()
     }
 
-    /// The node called `name`, allowed or not.
+    /// Returns the node `name`, whether or not the schema allows it.
     pub(super) fn node(&self, name: &str) -> Option<&'a Node<'a>> {
         self.table.get(name)
     }
 
-    /// Whether the table contains `name`.
+    /// Returns whether the table contains `name`.
     pub(super) fn has(&self, name: &str) -> bool {
         self.node(name).is_some()
     }
 
-    /// Dotted key of `name` in this table.
+    /// Returns the dotted key of `name` in this table.
     pub(super) fn key(&self, name: &str) -> String {
         match self.path.as_str() {
             "" => name.to_owned(),
@@ -55,7 +55,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// An error at the key `name` of this table.
+    /// Returns an error at the key `name` of this table.
     pub(super) fn error(
         &self,
         name: &str,
@@ -65,7 +65,7 @@ impl<'a> Section<'a> {
         self.places.error(&self.key(name), found, allowed)
     }
 
-    /// Position of the key `name` of this table.
+    /// Returns the position of the key `name` of this table.
     pub(super) fn place(&self, name: &str) -> Place {
         self.places.of(&self.key(name))
     }
@@ -83,7 +83,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Item of a key whose conditions hold, else the item of that name whose conditions do not.
+    /// Returns the item of a key whose conditions hold, else the first item of this name.
     fn item(&self, name: &str) -> Option<&'static Item> {
         let named = |item: &&Item| item.name == name;
         let elsewhere = || self.form.items().map(|(_, item)| item).find(named);
@@ -94,7 +94,7 @@ impl<'a> Section<'a> {
         self.item(name).map_or(String::new(), |item| item.expected(&self.scope))
     }
 
-    /// Error of a value that is not allowed.
+    /// Returns the error of an invalid value.
     pub(super) fn wrong(&self, name: &str) -> CaseError {
         self.wrong_for(name, &self.expected(name))
     }
@@ -104,7 +104,7 @@ impl<'a> Section<'a> {
         self.error(name, format!("found {found}"), format!("expected {expected}"))
     }
 
-    /// Error of a missing required key.
+    /// Returns the error of a missing required key.
     fn missing(&self, name: &str, expected: &str) -> CaseError {
         let allowed = match self.path.as_str() {
             "" => format!("add {expected}"),
@@ -116,7 +116,7 @@ impl<'a> Section<'a> {
         self.error(name, "missing", allowed)
     }
 
-    /// Reads an optional value.
+    /// Reads an optional value; `None` if absent.
     pub(super) fn optional<T: TryFrom<Value>>(&self, name: &str) -> Result<Option<T>, CaseError> {
         let Some(node) = self.node(name) else { return Ok(None) };
         let item = self.item(name);
@@ -147,7 +147,7 @@ impl<'a> Section<'a> {
         default.ok_or_else(|| self.missing(name, &self.expected(name)))
     }
 
-    /// Reads a required value with a conversion; `expected` describes the allowed values.
+    /// Reads a required value with the conversion `read`; `expected` describes the allowed values.
     pub(super) fn required_as<T>(
         &self,
         name: &str,
@@ -158,7 +158,7 @@ impl<'a> Section<'a> {
         node.value().and_then(read).ok_or_else(|| self.wrong_for(name, expected))
     }
 
-    /// Reads an optional text without checking it against `words`, which appear in messages only.
+    /// Reads an optional text. It is not checked against `words`, which are listed in messages only.
     pub(super) fn optional_text(
         &self,
         name: &str,
@@ -169,7 +169,7 @@ impl<'a> Section<'a> {
         text.map(Some).ok_or_else(|| self.wrong_for(name, &format!("one of {}", joined(words))))
     }
 
-    /// Reads a required text without checking it against the words of the message.
+    /// Reads a required text. It is not checked against `words`, which are listed in messages only.
     pub(super) fn required_text(
         &self,
         name: &str,
@@ -179,7 +179,7 @@ impl<'a> Section<'a> {
             .ok_or_else(|| self.missing(name, &format!("one of {}", joined(words))))
     }
 
-    /// Reads an optional choice among `names`.
+    /// Reads an optional choice among `all`, whose names `word` returns.
     pub(super) fn optional_choice<T: Copy, N: AsRef<str>>(
         &self,
         name: &str,
@@ -194,7 +194,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Reads a choice among names.
+    /// Reads a required choice among `all`, whose names `word` returns.
     pub(super) fn choice<T: Copy, N: AsRef<str>>(
         &self,
         name: &str,
@@ -207,7 +207,7 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// Reads a list of distinct quantities with names `among`; `None` if absent.
+    /// Reads a list of quantities without repetition, with names in `among`; `None` if absent.
     pub(super) fn different<T: PartialEq>(
         &self,
         key: &str,
@@ -230,19 +230,19 @@ impl<'a> Section<'a> {
         Ok(Some(all))
     }
 
-    /// Error of a text that is not among the allowed words.
+    /// Returns the error of a text that is not among the allowed words.
     pub(super) fn no_such(&self, name: &str, found: &str, words: &[impl AsRef<str>]) -> CaseError {
         let meant = suggestion(nearest(found, words.iter().map(AsRef::as_ref)));
         let found = format!("found '{}'", escape(found));
         self.error(name, found, format!("{meant}allowed: {}", joined(words)))
     }
 
-    /// Reader of a required subsection.
+    /// Returns the reader of a required subsection.
     pub(super) fn required_section(&self, form: &'static Form) -> Result<Section<'a>, CaseError> {
         self.section(form)?.ok_or_else(|| self.missing(form.name, form.remedy))
     }
 
-    /// Reader of an optional subsection.
+    /// Returns the reader of an optional subsection.
     pub(super) fn section(&self, form: &'static Form) -> Result<Option<Section<'a>>, CaseError> {
         let name = form.name;
         match self.node(name) {
@@ -252,7 +252,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Reader of an optional inline table.
+    /// Returns the reader of an optional inline table.
     pub(super) fn table(&self, name: &str) -> Result<Option<Section<'a>>, CaseError> {
         let form = match self.item(name).map(|item| item.value) {
             Some(Type::Table(form)) => form,
@@ -265,7 +265,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Reader of a required inline table.
+    /// Returns the reader of a required inline table.
     pub(super) fn required_table(&self, name: &str) -> Result<Section<'a>, CaseError> {
         self.table(name)?.ok_or_else(|| self.missing(name, &self.expected(name)))
     }
@@ -279,7 +279,7 @@ impl<'a> Section<'a> {
         self.error(name, format!("found {found}"), expected)
     }
 
-    /// Readers of a list of subsections; empty if absent.
+    /// Returns the readers of a list of subsections; empty if absent.
     pub(super) fn list(&self, form: &'static Form) -> Result<Vec<Section<'a>>, CaseError> {
         let name = form.name;
         match self.node(name) {
@@ -289,7 +289,7 @@ impl<'a> Section<'a> {
                 let section = |(index, table)| self.inside(path(index), table, form);
                 Ok(tables.iter().enumerate().map(section).collect())
             }
-            // An empty list has no tables in it to be told from a list of values by.
+            // An empty TOML list is an empty list of tables.
             Some(Node::Value(value)) if value.as_array().is_some_and(|list| list.is_empty()) => {
                 Ok(Vec::new())
             }
@@ -304,7 +304,7 @@ impl<'a> Section<'a> {
         Section { path, table, places: self.places, form, scope: self.scope.clone() }
     }
 
-    /// Finishes reading: refuses keys that the schema does not allow here.
+    /// Completes reading: refuses keys that the schema does not allow in this table.
     pub(super) fn finish(self) -> Result<(), CaseError> {
         let mut names: Vec<&str> = Vec::new();
         for item in self.form.applicable(|condition| self.holds(condition)) {
@@ -318,7 +318,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Error of an unknown key.
+    /// Returns the error of an unknown key.
     pub(super) fn unknown(&self, name: &str, names: &[impl AsRef<str>]) -> CaseError {
         let meant = suggestion(nearest(name, names.iter().map(AsRef::as_ref)));
         let allowed = format!("{meant}allowed here: {}", joined(names));
@@ -331,12 +331,12 @@ pub(super) fn joined(words: &[impl AsRef<str>]) -> String {
     words.iter().map(AsRef::as_ref).collect::<Vec<_>>().join(", ")
 }
 
-/// Writer of a resolved table: keys and values as TOML.
+/// Writer of a resolved table: pairs of key and value as TOML.
 #[derive(Default)]
 pub(super) struct Resolved(Vec<(String, String)>);
 
 impl Resolved {
-    /// Adds a number, or a list or matrix of numbers, in the shortest form that reads back to the same doubles.
+    /// Adds a number, or a list or matrix of numbers, in the shortest form that parses to the same doubles.
     pub(super) fn number(self, name: impl Into<String>, value: impl Debug) -> Self {
         self.literal(name, format_args!("{value:?}"))
     }
@@ -359,13 +359,13 @@ impl Resolved {
         self.literal(name, format_args!("{{ {} }}", entries.join(", ")))
     }
 
-    /// Adds a value that is TOML already.
+    /// Adds a value that is already formatted as TOML.
     pub(super) fn literal(mut self, name: impl Into<String>, value: impl Display) -> Self {
         self.0.push((name.into(), value.to_string()));
         self
     }
 
-    /// The section as TOML: header and lines.
+    /// Formats the section as TOML: header and lines.
     pub(super) fn under(&self, form: &Form) -> String {
         let lines = self.0.iter().map(|(name, value)| format!("{name} = {value}\n"));
         format!("\n{}\n{}", form.header(), lines.collect::<String>())

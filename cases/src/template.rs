@@ -12,16 +12,16 @@ use std::fmt::Write;
 /// Purpose of a template.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
-    /// One state: `point`, `map`, `dispersion`, `speeds`.
+    /// Analysis of one state: `point`, `map`, `dispersion`, `speeds`.
     State,
-    /// A dynamic problem: `run`.
+    /// Time-domain simulation: `run`.
     Run,
 }
 
-/// Column of comments in sections of states, and in time-domain sections.
+/// Columns of the comments: in templates of states, and in time-domain sections.
 const COLUMNS: [usize; 2] = [48, 29];
 
-/// Example simulation in plane strain.
+/// Example time-domain simulation of a solid in plane strain.
 const SOLID: &[Start] = &[
     ("grid", &[("cells", "[200, 100]"), ("spacing", "1.0"), ("origin", "[-100.0, -100.0]")]),
     ("time", &[("duration", "0.05")]),
@@ -54,7 +54,7 @@ const SOLID: &[Start] = &[
     ("output", &[("picture", "\"speed\"")]),
 ];
 
-/// Example simulation of a flow.
+/// Example time-domain simulation of a flow.
 const FLOW: &[Start] = &[
     ("grid", &[("cells", "[64, 64]"), ("length", "0.1")]),
     ("time", &[("duration", "1e-3")]),
@@ -74,12 +74,12 @@ const FLOW: &[Start] = &[
     ("limits", &[]),
 ];
 
-/// Section `[compare]` with kinds whose keys all flows have.
+/// Section `[compare]`, with kinds of model whose keys all flows have.
 const COMPARE: &str = "\
 # compare.kinds = [\"double-shearing\", \"plastic-potential\"]  # for point: models side by side on this state
 ";
 
-/// Redundant keys of a state, which are only checked.
+/// Redundant keys of a state: derived from other keys, and checked where given.
 const CHECKED: [&str; 5] = [
     "background.deviatoric_stress",
     "background.velocity_gradient",
@@ -88,12 +88,12 @@ const CHECKED: [&str; 5] = [
     "background.stress_angle_rate_deg",
 ];
 
-/// Template of a case of one state: all keys used by the medium, with unit and meaning.
+/// Generates the template of a case of one state: all keys used by the medium, with unit and meaning.
 pub fn text(medium: impl Into<Medium>) -> String {
     text_for(medium.into(), Purpose::State)
 }
 
-/// Template of a case for a purpose.
+/// Generates the template of a case for a purpose.
 pub fn text_for(medium: Medium, purpose: Purpose) -> String {
     let mut text = head(medium, purpose);
     write_keys(&mut text, medium, purpose);
@@ -125,7 +125,7 @@ pub fn text_for(medium: Medium, purpose: Purpose) -> String {
     text + &map(medium)
 }
 
-/// Head of a template, before the first constant.
+/// Generates the head of a template, before the first constant.
 fn head(medium: Medium, purpose: Purpose) -> String {
     let kind = medium.kind;
     let is_flow = matches!(kind, Kind::Flow(_));
@@ -169,12 +169,12 @@ kind = \"{name}\"
     )
 }
 
-/// Value of a key in a template; `None` if the template omits the key.
+/// Returns the value of a key in a template; `None` if the template omits the key.
 fn value_for(key: &Key, medium: Medium, purpose: Purpose) -> Option<String> {
     let value = key.example_for(medium)?;
     let (section, name) = key.split();
     let has_active = !medium.condition_names().is_empty();
-    // Of the two ways to say what slips one is shown.
+    // Either `yield.active` or the section `[stress]` is written, not both.
     if section == "stress" && has_active {
         return None;
     }
@@ -191,7 +191,7 @@ fn value_for(key: &Key, medium: Medium, purpose: Purpose) -> Option<String> {
             && !CHECKED.contains(&key.name);
         return is_shown.then_some(value);
     }
-    // A run needs no state, and its flow is ideal and associated.
+    // A time-domain simulation needs no state; the example is ideally plastic with an associated flow rule.
     if !matches!(section, "model" | "yield") || matches!(name, "hardening" | "plastic_rate") {
         return None;
     }
@@ -230,13 +230,13 @@ fn write_keys(text: &mut String, medium: Medium, purpose: Purpose) {
     }
 }
 
-/// The section `[map]`.
+/// Generates the section `[map]`.
 fn map(medium: Medium) -> String {
     let [x, y] = example_map(medium);
     format!("\n[map]\nx = {x}\ny = {y}\n")
 }
 
-/// Example axes of a map.
+/// Returns example axes of a map.
 fn example_map(medium: Medium) -> [String; 2] {
     let axis = |parameter: &str, from: f64, to: f64, points: usize| {
         format!(
@@ -246,7 +246,7 @@ fn example_map(medium: Medium) -> [String; 2] {
     let keys = || keys().iter().filter(move |key| key.is_used_by(medium));
     let named =
         |end: &str| keys().find(|key| key.name.starts_with("yield.") && key.name.ends_with(end));
-    // The first constant of a section, around its example.
+    // Sweep of the first constant of a section about its example value.
     let around = |section: &str| {
         let constants = keys().filter(|key| key.name.starts_with(section));
         let example = |key: &Key| match key.presence_for(medium) {

@@ -5,7 +5,7 @@ use crate::value::{self, Value, list};
 use std::fmt::Write;
 use toml::de::DeValue;
 
-/// Description of a number in a range, for messages.
+/// Describes a number in a range, for messages.
 fn number_in_words(range: Range) -> String {
     match range {
         Range::Finite => "a finite number".into(),
@@ -18,7 +18,7 @@ fn number_in_words(range: Range) -> String {
 }
 
 impl Length {
-    /// Number of items in a scope.
+    /// Returns the number of items in a scope.
     pub(crate) fn count(self, scope: &Scope) -> usize {
         match self {
             Self::Two => 2,
@@ -35,16 +35,16 @@ impl Length {
     }
 }
 
-/// Maximum length of names of cases and receivers, which appear in file names and archive entries.
+/// Maximum length of the names of cases and receivers, characters; names occur in file names and archive entries.
 pub(crate) const LONGEST_NAME: usize = 255;
 
-/// Whether a text has more characters than a name may have.
+/// Returns whether a text has more characters than a name may have.
 pub(crate) fn is_too_long(name: &str) -> bool {
     name.chars().nth(LONGEST_NAME).is_some()
 }
 
 impl Type {
-    /// Description of the type, for messages.
+    /// Describes the type, for messages.
     pub(crate) fn words(&self, scope: &Scope) -> String {
         match *self {
             Self::Text => "text in quotes".into(),
@@ -102,7 +102,7 @@ impl Type {
         }
     }
 
-    /// Axes of the numbers of a list on a side, for messages.
+    /// Names the axes of a list of coordinates on a face, for messages; otherwise empty.
     pub(crate) fn axes_in_words(&self, scope: &Scope) -> String {
         match self {
             Self::Numbers(Length::SideAxes) => {
@@ -114,7 +114,7 @@ impl Type {
         }
     }
 
-    /// Parses a value of this type; words are not checked, and tables give `None`.
+    /// Parses a value of this type. Allowed words are not checked; tables give `None`.
     pub(crate) fn parse(&self, value: &DeValue, scope: &Scope) -> Option<Value> {
         let numbers = |length| list(value, length, value::number);
         let whole_numbers = || list(value, value.as_array()?.len(), value::count);
@@ -204,7 +204,7 @@ impl Type {
 }
 
 impl Item {
-    /// Description of the allowed values, for messages.
+    /// Describes the allowed values, for messages.
     pub(crate) fn expected(&self, scope: &Scope) -> String {
         let mut text = self.value.words(scope);
         match self.unit {

@@ -23,7 +23,7 @@ pub(super) enum Value {
 }
 
 impl Value {
-    /// A text.
+    /// Returns the text; `None` for other types.
     pub(super) fn text(&self) -> Option<&str> {
         match self {
             Self::Text(text) => Some(text),
@@ -32,7 +32,7 @@ impl Value {
     }
 }
 
-/// Implements the conversion of a value to its Rust type.
+/// Implements the conversion of a `Value` to Rust types.
 macro_rules! from_value {
     ($($variant:ident: $type:ty;)*) => {
         $(impl TryFrom<Value> for $type {
@@ -61,7 +61,7 @@ from_value! {
     Rows: Vec<Vec<f64>>;
 }
 
-/// Writes the value as TOML; numbers in the shortest form that reads back to the same double.
+/// Formats the value as TOML; numbers in the shortest form that parses to the same double.
 impl Display for Value {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -82,12 +82,12 @@ impl Display for Value {
     }
 }
 
-/// Text in one line.
+/// Parses a text without control characters.
 pub(super) fn text(value: &DeValue) -> Option<String> {
     value.as_str().filter(|text| !text.chars().any(char::is_control)).map(str::to_owned)
 }
 
-/// Parses a number; integers are accepted if a double represents them exactly.
+/// Parses a finite number; integers are accepted if a double represents them exactly.
 pub(super) fn number(value: &DeValue) -> Option<f64> {
     const EXACT: i64 = 1 << f64::MANTISSA_DIGITS;
     match value {
@@ -100,19 +100,19 @@ pub(super) fn number(value: &DeValue) -> Option<f64> {
     .filter(|number: &f64| number.is_finite())
 }
 
-/// Parses a whole number.
+/// Parses an integer.
 pub(super) fn integer(value: &DeValue) -> Option<i64> {
     let integer = value.as_integer()?;
     i64::from_str_radix(integer.as_str(), integer.radix()).ok()
 }
 
-/// Whether an integer literal has digits (`0x` alone has none).
+/// Returns whether an integer literal has digits (`0x` alone has none).
 fn has_digits(integer: &DeInteger) -> bool {
     let digits = integer.as_str().trim_start_matches(['+', '-']);
     !digits.is_empty() && digits.chars().all(|digit| digit.is_digit(integer.radix()))
 }
 
-/// Parses a whole number not below 1.
+/// Parses a whole number of at least 1.
 pub(super) fn count(value: &DeValue) -> Option<usize> {
     integer(value).filter(|&count| count >= 1).and_then(|count| count.try_into().ok())
 }
@@ -122,14 +122,14 @@ pub(super) fn texts(value: &DeValue) -> Option<Vec<String>> {
     value.as_array()?.iter().map(|text| text.get_ref().as_str().map(str::to_owned)).collect()
 }
 
-/// Parses a pair of values.
+/// Parses a list of two items.
 pub(super) fn pair<T>(value: &DeValue, read: impl Fn(&DeValue) -> Option<T>) -> Option<[T; 2]> {
     let array: &DeArray = value.as_array()?;
     let items: Option<Vec<T>> = array.iter().map(|item| read(item.get_ref())).collect();
     items?.try_into().ok()
 }
 
-/// Parses a list of `length` values; a single value needs no brackets.
+/// Parses a list of `length` items; brackets are optional around a single item.
 pub(super) fn list<T>(
     value: &DeValue,
     length: usize,
@@ -142,7 +142,7 @@ pub(super) fn list<T>(
     items.filter(|items| items.len() == length)
 }
 
-/// Description of a value for messages.
+/// Describes a value for messages.
 pub(super) fn describe(value: &DeValue) -> String {
     match value {
         DeValue::String(text) => format!("the text '{}'", escape(text)),
@@ -164,7 +164,7 @@ pub(super) fn describe(value: &DeValue) -> String {
         DeValue::Boolean(boolean) => format!("the truth value {boolean}"),
         DeValue::Datetime(datetime) => format!("the date {datetime}"),
         DeValue::Array(array) => {
-            // The item that does not go with the others.
+            // First item whose type differs from the expected item type.
             let items = || array.iter().map(|item| item.get_ref());
             let is_of_texts = items().next().is_some_and(DeValue::is_str);
             let odd = items().find(|item| match is_of_texts {
@@ -180,7 +180,7 @@ pub(super) fn describe(value: &DeValue) -> String {
     }
 }
 
-/// A short list of numbers as text; `None` for longer lists.
+/// Formats a short list of numbers; `None` for longer lists and for other items.
 pub(super) fn short_list(value: &DeValue) -> Option<String> {
     const MOST: usize = 9;
     let array = value.as_array().filter(|array| (1..=MOST).contains(&array.len()))?;
@@ -193,23 +193,23 @@ pub(super) fn short_list(value: &DeValue) -> Option<String> {
     items.map(|items| format!("[{}]", items.join(", ")))
 }
 
-/// The name closest to a misspelt one, if close enough.
+/// Finds the candidate most similar to a misspelt name (normalised Damerau–Levenshtein similarity), if similar enough.
 pub(super) fn nearest<'a>(
     name: &str,
     candidates: impl IntoIterator<Item = &'a str>,
 ) -> Option<&'a str> {
-    const NEAR: f64 = 0.3; // a third of the letters right
+    const NEAR: f64 = 0.3; // minimum similarity: about a third of the letters
     let name: String = name.chars().take(80).collect();
     candidates
         .into_iter()
         .map(|candidate| (strsim::normalized_damerau_levenshtein(&name, candidate), candidate))
         .filter(|(likeness, _)| *likeness >= NEAR)
-        // The first of those that are equally near.
+        // Of equally similar candidates the first one.
         .reduce(|best, other| if other.0 > best.0 { other } else { best })
         .map(|(_, candidate)| candidate)
 }
 
-/// Text "did you mean …?" for messages; empty without a suggestion.
+/// Formats the suggestion "did you mean …?" for messages; empty without a suggestion.
 pub(super) fn suggestion(name: Option<&str>) -> String {
     name.map_or(String::new(), |name| format!("did you mean '{name}'? "))
 }

@@ -1,5 +1,5 @@
-//! Lists of wrong length or with items of another type: the JSON Schema refuses what the program refuses, and nothing
-//! that it takes.
+//! Verifies the JSON Schema against the program for lists of wrong length or with items of wrong type: it refuses no
+//! case that the program accepts, and accepts no case that the program refuses except those in `RELATIONS`.
 
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -22,7 +22,7 @@ fn as_json(value: &toml::Value) -> Value {
     }
 }
 
-/// The paths of all lists, those inside lists included.
+/// Collects the paths of all lists, including lists inside lists.
 fn lists(value: &toml::Value, path: &mut Vec<String>, found: &mut Vec<Vec<String>>) {
     let children: Vec<(String, &toml::Value)> = match value {
         toml::Value::Table(table) => table.iter().map(|(key, own)| (key.clone(), own)).collect(),
@@ -47,12 +47,12 @@ fn at<'a>(value: &'a mut toml::Value, path: &[String]) -> &'a mut toml::Value {
     })
 }
 
-/// Changes of a list.
+/// Modifications of a list.
 #[derive(Clone, Copy, Debug)]
 enum Change {
     Empty,
     Shorter,
-    /// The last item once more.
+    /// Repeats the last item.
     Longer,
     Text,
     Truth,
@@ -77,8 +77,9 @@ impl Change {
     }
 }
 
-/// Cases refused by the program only, since they depend on other tables: a missing perturbation, duplicate names,
-/// fields of which none is left, sides that go together, integrals that receivers record, a second rest.
+/// Cases refused by the program only, since the error depends on several items or tables: no perturbation left,
+/// duplicate receiver names, an empty list of fields, a periodic face without its opposite face, a recorded integral
+/// that is not computed, a second region `rest`.
 const RELATIONS: [&str; 8] = [
     "initial Empty",
     "initial Shorter",
@@ -90,7 +91,7 @@ const RELATIONS: [&str; 8] = [
     "side Shorter",
 ];
 
-/// Texts of cases by the names of their files.
+/// Returns the texts of all templates and resolved bundled cases, with their file names.
 fn texts() -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let of = |medium: Medium| {
@@ -112,7 +113,7 @@ fn texts() -> Vec<(String, String)> {
 
 #[test]
 fn lists_are_refused_by_both() {
-    /// Tables of loads are long, and all alike.
+    /// Longer lists are skipped: sample tables are long, and their items are alike.
     const LONG: usize = 20;
     let validator = jsonschema::draft202012::new(&json_schema()).expect("a schema");
     let (mut by_program_alone, mut count) = (BTreeSet::new(), 0);

@@ -1,5 +1,5 @@
-//! One schema: template, reference page and JSON Schema have the same keys, what comes with the program is valid by an
-//! independent validator, and what is spoiled is refused by both.
+//! Verifies the schema: templates, reference page and JSON Schema have the same keys; an independent validator accepts
+//! all bundled and generated cases; program and validator refuse the same invalid cases.
 
 use jsonschema::Validator;
 use serde_json::{Value, json};
@@ -12,7 +12,7 @@ use wellposed_cases::{Case, Key, Medium, all_forms, json_schema, keys, reference
 
 type Names = BTreeSet<String>;
 
-/// All keys, by section and name: `model.mu`, `load.time.kind`. A key of solids and of flows stands once.
+/// Returns all keys by section and name, e.g. `model.mu`, `load.time.kind`. A key of both solids and flows occurs once.
 fn all_keys() -> Names {
     let mut names: Names = keys().iter().map(|key| key.name.to_owned()).collect();
     for (_, forms) in all_forms() {
@@ -33,7 +33,7 @@ fn add_items(names: &mut Names, path: &str, form: &'static Form) {
     }
 }
 
-/// The keys of an object of the JSON Schema and of those inside it, conditions included.
+/// Collects the keys of an object of the JSON Schema and of nested objects, including conditional ones.
 fn properties(schema: &Value, root: &Value, path: &str, names: &mut Names) {
     if let Some(reference) = schema["$ref"].as_str() {
         let inner = root.pointer(reference.trim_start_matches('#')).expect("a definition");
@@ -59,7 +59,7 @@ fn properties_of_parts(schema: &Value, root: &Value, path: &str, names: &mut Nam
     }
 }
 
-/// Without the sections themselves, and without what a table takes from another section.
+/// Removes the names of sections, and keys of tables whose keys are defined by other sections.
 fn leaves(names: Names) -> Names {
     let all = all_keys();
     let is_inside = |name: &String| {
@@ -76,7 +76,7 @@ fn leaves(names: Names) -> Names {
         .collect()
 }
 
-/// Checks that both have the same names, else lists the names that only one has.
+/// Asserts that two sets of names are equal; otherwise lists the names that only one set has.
 fn assert_same(one: &Names, other: &Names) {
     let missing: Vec<_> = other.difference(one).collect();
     let surplus: Vec<_> = one.difference(other).collect();
@@ -99,7 +99,7 @@ fn the_reference_page_has_all_keys_and_no_others() {
         if let Some(title) = line.strip_prefix("## ").or(line.strip_prefix("### ")) {
             let name = title.split('`').nth(1).unwrap_or_default();
             section = name.trim_matches(['[', ']']).trim_end_matches(" = { … }").to_owned();
-            // Tables in braces stand in several sections.
+            // Inline tables may occur in several sections.
             if name.contains('{') {
                 section = format!("{{{section}}}");
             }
@@ -119,7 +119,7 @@ fn the_reference_page_has_all_keys_and_no_others() {
     assert_same(&names, &all_keys().iter().map(in_page).collect());
 }
 
-/// The keys that a template shows, behind marks or not.
+/// Collects the keys in a template, including keys that are commented out.
 fn shown(text: &str, names: &mut Names) {
     let mut section = String::new();
     for line in text.lines() {
@@ -132,7 +132,7 @@ fn shown(text: &str, names: &mut Names) {
             continue;
         };
         let name = if section.is_empty() { key.into() } else { format!("{section}.{key}") };
-        // Of a table in braces, and of what its comment adds in space.
+        // Keys of an inline table, and keys in space that its comment lists.
         for (inner, _) in value.split(['{', ',']).filter_map(|part| part.split_once(" = ")) {
             let inner = inner.trim().trim_start_matches("in space also ");
             if value.starts_with('{') && is_key(inner) {
@@ -155,9 +155,9 @@ fn the_templates_have_all_keys_and_no_others() {
         }
     }
     let mut expected = all_keys();
-    // Shown as tables in one line, with the words of the axis.
+    // Written as inline tables; their keys are listed in the key table.
     names.retain(|name| name != "map.x" && name != "map.y");
-    // A table in braces is shown in full once, and so are the shapes; keys are the same wherever they stand.
+    // Inline tables and the parameters of shapes are written in full once; their keys are equal in all sections.
     let fold = |name: &str| match name.split('.').collect::<Vec<_>>()[..] {
         [_, table @ ("time" | "profile"), key] => format!("{table}.{key}"),
         ["initial", key @ ("center" | "point" | "normal")] => format!("region.{key}"),
@@ -196,7 +196,7 @@ fn as_json(text: &str) -> Value {
     convert(&toml::Value::Table(text.parse().expect("TOML")))
 }
 
-/// The case files that come with the program.
+/// Returns the paths of the bundled case files.
 fn shipped() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folders = ["check", "cosserat", "dynamics", "flow", "granular-flow"];
@@ -310,13 +310,13 @@ seed = 1
 at = [0.05, 0.05]
 ";
 
-/// Replaces a part; program and validator refuse the result.
+/// Verifies that program and validator both refuse each modified case.
 #[test]
 fn spoiled_cases_are_refused_by_both() {
     let validator = validator();
     #[rustfmt::skip]
     let spoiled: &[(&str, &str, &str)] = &[
-        // unknown keys, and known ones where they have no use
+        // Unknown keys, and known keys that are not used.
         (SOLID, "mu = 1e9", "mu = 1e9\nmv = 1"),
         (SOLID, "mu = 1e9", "mu = 1e9\nalpha = 1"),
         (SOLID, "[gravity]", "[gravty]"),
@@ -331,7 +331,7 @@ fn spoiled_cases_are_refused_by_both() {
         (FLOW, "[[receiver]]", "[gravity]\nacceleration = [0, 1]\n[[receiver]]"),
         (FLOW, "seed = 1", "seed = 1\nradius = 1"),
         (FLOW, "at = [0.05, 0.05]", "at = [0.05, 0.05]\ninterpolation = 'cubic'"),
-        // wrong types
+        // Wrong types.
         (SOLID, "mu = 1e9", "mu = '1e9'"),
         (SOLID, "cells = [20, 10]", "cells = [20.5, 10]"),
         (SOLID, "held = ['v1']", "held = 'v1'"),
@@ -339,7 +339,7 @@ fn spoiled_cases_are_refused_by_both() {
         (SOLID, "count = 3", "count = true"),
         (FLOW, "amplitude = 1e-4", "amplitude = [1e-4]"),
         (FLOW, "at = [0.05, 0.05]", "at = 0.05"),
-        // what is missing
+        // Missing keys and sections.
         (SOLID, "lambda = 1e9\n", ""),
         (SOLID, "kind = 'drucker-prager'\n", ""),
         (SOLID, "friction = 0.5\n", ""),
@@ -353,7 +353,7 @@ fn spoiled_cases_are_refused_by_both() {
         (FLOW, "pressure = 1000\n", ""),
         (FLOW, "length = 0.1\n", ""),
         (FLOW, "seed = 1\n", ""),
-        // out of range, and words that are none
+        // Numbers out of range and unknown words.
         (SOLID, "duration = 1\n", "duration = 0\n"),
         (SOLID, "duration = 1\n", "duration = 1\ncourant = 1.5\n"),
         (SOLID, "cells = [20, 10]", "cells = [20, 0]"),
@@ -368,7 +368,7 @@ fn spoiled_cases_are_refused_by_both() {
         (FLOW, "cells = [32, 32]", "cells = [32, 31]"),
         (FLOW, "duration = 1e-3", "duration = 1e-3\ntolerance = 1"),
         (FLOW, "from = 1\n", "from = 0\n"),
-        // names, dimensions, and lists of another length than the grid has axes
+        // Invalid names and dimensions, and lists of other length than the number of axes.
         (SOLID, "[model]", "name = 'a/b'\n[model]"),
         (SOLID, "[model]", "name = '..'\n[model]"),
         (SOLID, "[model]", "name = ''\n[model]"),
@@ -379,7 +379,7 @@ fn spoiled_cases_are_refused_by_both() {
         (SOLID, "axis = 2\n", "axis = 3\n"),
         (FLOW, "at = [0.05, 0.05]", "at = [0.05, 0.05, 0.05]"),
         (FLOW, "[background]", "[compare]\nkinds = []\n[background]"),
-        // one thing in place of another
+        // Mutually exclusive keys.
         (SOLID, "at = 5\n", "at = 5\nfrom = 1\nto = 2\n"),
         (SOLID, "count = 3", "count = 3\nat = [1, 1]"),
         (SOLID, "frequency = 5 }", "frequency = 5 }\nprofile = { kind = 'bell', at = 0, radius = 1 }"),
@@ -396,7 +396,7 @@ fn spoiled_cases_are_refused_by_both() {
     }
 }
 
-/// A case in JSON with another value of a key.
+/// Returns the case in JSON with another value of a key.
 fn with_value(case: &Value, key: &Key, value: f64) -> Value {
     let (section, name) = key.split();
     let mut case = case.clone();
@@ -404,7 +404,7 @@ fn with_value(case: &Value, key: &Key, value: f64) -> Value {
     case
 }
 
-/// Cases refused by the program beyond the schema, from the tests of the program.
+/// Verifies that the schema refuses numbers outside the range of each key and accepts numbers inside.
 #[test]
 fn numbers_out_of_range_are_refused_by_the_schema() {
     let validator = validator();
@@ -422,7 +422,7 @@ fn numbers_out_of_range_are_refused_by_the_schema() {
             }
         }
     }
-    // In a region as well.
+    // The range also applies in a region.
     let text = SOLID.replace("model = { mu = 2e9 }", "model = { mu = -2e9 }");
     assert!(!validator.is_valid(&as_json(&text)));
 }

@@ -1,4 +1,4 @@
-//! The sections `[[side]]`: boundary conditions on the sides of the grid.
+//! The sections `[[side]]`: boundary conditions on the faces of the grid.
 
 use super::component::{Component, components, names};
 use super::reader::Reader;
@@ -7,7 +7,7 @@ use crate::position::check_order;
 use crate::schema::{Condition as When, Form, Group, Item, Length, Type};
 use crate::section::{Resolved, Section, joined};
 
-/// Key `side`: name of a side of the grid.
+/// Key `side`: name of a boundary face of the grid.
 pub(super) const SIDE: Item = Item::required(
     "side",
     Type::OneOf(|scope| {
@@ -21,7 +21,7 @@ pub(super) const SIDE: Item = Item::required(
 
 const END: Type = Type::Numbers(Length::SideAxes);
 
-/// Key `from`: lower corner of a part of a side.
+/// Key `from`: lower corner of a rectangular part of a face.
 pub(super) const FROM: Item = Item::optional(
     "from",
     END,
@@ -31,7 +31,7 @@ pub(super) const FROM: Item = Item::optional(
 )
 .note("an end of the part");
 
-/// Key `to`: upper corner of a part of a side.
+/// Key `to`: upper corner of a rectangular part of a face.
 pub(super) const TO: Item =
     Item::optional("to", END, "m", "5.0", "last end of the part, which is not in it")
         .note("an end of the part");
@@ -75,39 +75,39 @@ pub(super) const FORM: Form = Form::list(
     ],
 );
 
-/// A side of the grid: a boundary normal to an axis.
+/// A boundary face of the grid, normal to an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Side {
-    /// Axis of the normal, from 0.
+    /// Axis of the normal, numbered from 0.
     pub axis: usize,
-    /// Whether the side is at the upper end of the axis.
+    /// Whether the face is at the upper end of the axis.
     pub is_upper: bool,
 }
 
 impl Side {
-    /// All sides in 2 or 3 dimensions.
+    /// Returns all boundary faces of a grid in 2 or 3 dimensions.
     pub fn all(dimensions: usize) -> Vec<Self> {
         let both = |axis| [false, true].map(|is_upper| Self { axis, is_upper });
         (0..dimensions).flat_map(both).collect()
     }
 
-    /// Name in case files: `x1-`.
+    /// Returns the name in case files, e.g. `x1-`.
     pub fn name(self) -> String {
         format!("x{}{}", self.axis + 1, if self.is_upper { '+' } else { '-' })
     }
 
-    /// The opposite side.
+    /// Returns the opposite face.
     pub fn opposite(self) -> Self {
         Self { is_upper: !self.is_upper, ..self }
     }
 
-    /// Tangential axes of the side, ascending; positions on the side are given along them.
+    /// Returns the tangential axes of the face, ascending; positions on the face are given along these axes.
     pub fn axes(self, dimensions: usize) -> Vec<usize> {
         (0..dimensions).filter(|&axis| axis != self.axis).collect()
     }
 }
 
-/// A rectangular part of a side, from ≤ x < to along its tangential axes.
+/// A rectangular part of a boundary face: from ≤ x < to along each tangential axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// Lower coordinates along the tangential axes, m.
@@ -117,34 +117,34 @@ pub struct Part {
 }
 
 impl Part {
-    /// Whether the part contains a position on the side.
+    /// Returns whether the part contains a position on the face.
     pub fn contains(&self, position: &[f64]) -> bool {
         let ends = self.from.iter().zip(&self.to);
         position.iter().zip(ends).all(|(x, (from, to))| (from..to).contains(&x))
     }
 
-    /// The part as TOML.
+    /// Adds the keys `from` and `to` of the part to a table.
     pub(super) fn resolved(&self, resolved: Resolved) -> Resolved {
         resolved.number("from", &self.from).number("to", &self.to)
     }
 }
 
-/// Boundary condition on a side or a part of it. Sides without entry are traction-free; of overlapping entries the last
-/// applies.
+/// Boundary condition on a face or on a part of a face. Faces without a condition are traction-free; where entries
+/// overlap, the last one applies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SideCondition {
-    /// Side of the grid.
+    /// Boundary face of the grid.
     pub side: Side,
     /// Boundary condition.
     pub condition: Condition,
-    /// Part of the side; `None` for the whole side.
+    /// Part of the face; `None` for the whole face.
     pub part: Option<Part>,
 }
 
 /// Boundary condition.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Condition {
-    /// Traction-free.
+    /// Traction-free: zero traction and couple traction.
     Free,
     /// Fixed: zero velocity and spin.
     Fixed,
@@ -152,23 +152,23 @@ pub enum Condition {
     Symmetry,
     /// Mirror antisymmetry.
     Antisymmetry,
-    /// Periodic: connected to the opposite side.
+    /// Periodic: connected to the opposite face.
     Periodic,
-    /// Non-reflecting: waves along the normal leave the grid.
+    /// Non-reflecting: waves along the normal leave the grid without reflection.
     NonReflecting,
-    /// Mixed: some velocities and spins vanish, and the tractions and couples of the others.
+    /// Mixed: the velocities and spins in `held` are zero; the tractions and couples of the other components are zero.
     Mixed {
-        /// Velocities and spins that vanish.
+        /// Velocities and spins that are zero.
         held: Vec<Component>,
     },
 }
 
 impl Condition {
-    /// All names in case files.
+    /// Names of all boundary conditions in case files.
     pub const NAMES: [&str; 7] =
         ["free", "fixed", "symmetry", "antisymmetry", "periodic", "non-reflecting", "mixed"];
 
-    /// Name of the boundary condition in case files.
+    /// Returns the name of the boundary condition in case files.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Free => "free",
@@ -182,7 +182,7 @@ impl Condition {
     }
 }
 
-/// Periodic sides after all entries, each with the index of the entry.
+/// Returns the periodic faces after all entries, each with the index of its entry.
 pub(super) fn periodic_sides(sides: &[SideCondition]) -> impl Iterator<Item = (usize, Side)> {
     let is_last_whole = |index: usize, side: Side| {
         !sides[index + 1..].iter().any(|later| later.side == side && later.part.is_none())
@@ -197,7 +197,7 @@ pub(super) fn periodic_sides(sides: &[SideCondition]) -> impl Iterator<Item = (u
 }
 
 impl SideCondition {
-    /// The section `[[side]]` as TOML, with all values.
+    /// Formats the section `[[side]]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
         let mut resolved =
             Resolved::default().text("side", self.side.name()).text("kind", self.condition.name());
@@ -213,14 +213,15 @@ impl SideCondition {
 }
 
 impl Reader<'_> {
-    /// Reads the side of an entry; positions in the entry are along its tangential axes.
+    /// Reads the boundary face of an entry and sets the scope: positions in the entry are along the tangential axes of
+    /// the face.
     pub(super) fn side(&self, section: &mut Section) -> Result<Side, CaseError> {
         let side = section.choice("side", &Side::all(self.dimensions()), Side::name)?;
         section.scope.axes = side.axes(self.dimensions());
         Ok(side)
     }
 
-    /// Reads the part of a side between `from` and `to`, if given.
+    /// Reads the part of a face between `from` and `to`, if given.
     pub(super) fn part(&self, section: &Section) -> Result<Option<Part>, CaseError> {
         let (from, to): (Option<Vec<f64>>, _) =
             (section.optional("from")?, section.optional::<Vec<f64>>("to")?);
@@ -277,7 +278,7 @@ impl Reader<'_> {
         Ok(sides)
     }
 
-    /// Reads the velocities and spins that vanish on a mixed side.
+    /// Reads the velocities and spins that are zero on a mixed face.
     fn held(&self, section: &Section, side: Side) -> Result<Vec<Component>, CaseError> {
         let mut among = Component::on_side(self.theory, self.dimensions(), side.axis);
         among.retain(|component| component.is_velocity());

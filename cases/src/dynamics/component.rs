@@ -6,23 +6,23 @@ use models::solid::parameters::Theory;
 use models::solid::waves::{Field, fields};
 use std::fmt;
 
-/// A component of the state of a solid: `v1`, `w3`, `sigma12`, `m31`. The second index of a stress
-/// is the face normal.
+/// A state component of a solid, e.g. `v1`, `w3`, `sigma12`, `m31`. The second index of a stress or couple stress is
+/// the face normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Component(pub Field);
 
 impl Component {
-    /// All components of a theory in 2 (plane strain) or 3 dimensions.
+    /// Returns all components of a theory in 2 (plane strain) or 3 dimensions.
     pub fn all(theory: Theory, dimensions: usize) -> Vec<Self> {
         fields(theory, dimensions).into_iter().map(Self).collect()
     }
 
-    /// Components that a boundary load may prescribe on sides normal to `axis` (from 0): velocities, spins, and the
-    /// stresses and couple stresses of the traction.
+    /// Returns the components that a boundary load may prescribe on faces normal to `axis` (numbered from 0):
+    /// velocities, spins, and the stresses and couple stresses that act on the face.
     pub fn on_side(theory: Theory, dimensions: usize, axis: usize) -> Vec<Self> {
         let acts = |component: &Self| match component.0 {
             Field::Velocity(_) => true,
-            // Without couple stress no spin is handed on.
+            // Without couple stress no spin is transmitted across a face.
             Field::Spin(_) => theory == Theory::Cosserat,
             Field::Stress(i, j) => j == axis || (theory == Theory::Classical && i == axis),
             Field::Couple(_, j) => j == axis,
@@ -31,12 +31,13 @@ impl Component {
         Self::all(theory, dimensions).into_iter().filter(acts).collect()
     }
 
-    /// Whether the component is a velocity or a spin.
+    /// Returns whether the component is a velocity or a spin.
     pub const fn is_velocity(self) -> bool {
         matches!(self.0, Field::Velocity(_) | Field::Spin(_))
     }
 
-    /// Name of the time integral of a velocity or spin (displacement `u1`, rotation `phi3`); `None` for stresses.
+    /// Returns the name of the time integral of a velocity or spin (displacement `u1`, rotation `phi3`); `None` for
+    /// other components.
     pub fn integral(self) -> Option<String> {
         match self.0 {
             Field::Velocity(i) => Some(format!("u{}", i + 1)),
@@ -45,7 +46,7 @@ impl Component {
         }
     }
 
-    /// The component called `name` among `among`. In classical solids `sigma21` is `sigma12`.
+    /// Finds the component `name` in the list `among`. In classical solids `sigma21` is a synonym of `sigma12`.
     pub fn find(name: &str, theory: Theory, among: &[Self]) -> Option<Self> {
         let is_named = |component: &&Self| {
             let transposed = match component.0 {
@@ -58,7 +59,7 @@ impl Component {
     }
 }
 
-/// The name in case files.
+/// Formats the component name of case files.
 impl fmt::Display for Component {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
@@ -83,12 +84,12 @@ impl From<Component> for Field {
     }
 }
 
-/// Names in case files.
+/// Returns the names of components in case files.
 pub(super) fn names(components: &[Component]) -> Vec<String> {
     components.iter().map(Component::to_string).collect()
 }
 
-/// Components of the solid of the case, or of any solid if its theory is unknown.
+/// Returns the components of the solid of the case; if its theory is unknown, all components of a Cosserat solid.
 pub(super) fn components(scope: &Scope) -> Vec<Component> {
     let theory = match scope.kind {
         Some(Kind::Solid(solid)) => solid.theory,

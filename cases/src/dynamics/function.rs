@@ -9,10 +9,10 @@ use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Maximum size of a table of samples, bytes.
+/// Maximum size of a sample file, bytes.
 const LARGEST_TABLE: u64 = 8 << 20;
 
-/// Key `time`: the time function.
+/// Key `time`: time function.
 pub(super) const TIME: Item = Item::required(
     "time",
     Type::Table(&FORM),
@@ -33,7 +33,7 @@ const FREQUENCY: Item = Item::required(
 )
 .note("frequency");
 
-/// Schema of the table `time` of a load, a source or a plane pulse.
+/// Schema of the table `time` of a load, source or plane pulse.
 pub(super) const FORM: Form = Form::braces(
     "time",
     "a function of time without unit",
@@ -95,32 +95,32 @@ pub(super) const FORM: Form = Form::braces(
     ],
 );
 
-/// Error text of an invalid file of samples.
+/// Error text for an invalid sample file.
 const NEEDS: &str = "name a CSV file of two columns, time in s and value, in a folder as seen from that of the \
                      case";
 
-/// A function of time without unit; times in s, frequencies in Hz.
+/// A dimensionless time function; times in s, frequencies in Hz.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TimeFunction {
-    /// Step: 1 from `start` until `start + duration`, or without end; else 0.
+    /// Step: 1 for `start` ≤ t < `start + duration` (no end without duration), else 0.
     Step {
-        /// When it begins, s.
+        /// Start time, s.
         start: f64,
-        /// Duration, s; `None` without end.
+        /// Duration, s; `None` for a step without end.
         duration: Option<f64>,
     },
-    /// Triangle: linear from 0 to 1 and back.
+    /// Triangle: linear from 0 to 1 and back to 0.
     Triangle {
-        /// When it begins, s.
+        /// Start time, s.
         start: f64,
-        /// How long it lasts, s; positive.
+        /// Duration, s; positive.
         duration: f64,
     },
-    /// Pulse sin²(π(t − start)/duration).
+    /// Pulse sin²(π(t − start)/duration) during `duration`; 0 outside.
     Pulse {
-        /// When it begins, s.
+        /// Start time, s.
         start: f64,
-        /// How long it lasts, s; positive.
+        /// Duration, s; positive.
         duration: f64,
     },
     /// Ricker wavelet (1 − 2a) exp(−a), a = (π·frequency·(t − delay))².
@@ -130,26 +130,26 @@ pub enum TimeFunction {
         /// Time of the maximum, s.
         delay: f64,
     },
-    /// Sine sin(2π·frequency·(t − start)) from `start` on; 0 before.
+    /// Sine sin(2π·frequency·(t − start)) for t ≥ `start`, else 0.
     Sine {
         /// Frequency, Hz; positive.
         frequency: f64,
-        /// When it begins, s.
+        /// Start time, s.
         start: f64,
     },
-    /// Linear interpolation of samples; 0 outside.
+    /// Linear interpolation of samples; 0 outside the sampled interval.
     Table(Samples),
 }
 
-/// Samples of a function of time.
+/// Samples of a time function.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Samples {
-    /// Increasing times (s) with values, shared by all copies of a case.
+    /// Pairs of time (s; strictly increasing) and value, shared by all copies of a case.
     samples: Arc<[[f64; 2]]>,
     source: SampleFile,
 }
 
-/// File of the samples; ignored in comparisons.
+/// Path of the sample file, if any; ignored in comparisons.
 #[derive(Clone, Debug, Default)]
 struct SampleFile(Option<Arc<Path>>);
 
@@ -160,7 +160,7 @@ impl PartialEq for SampleFile {
 }
 
 impl Samples {
-    /// Samples of a function; `None` unless there are at least two, all numbers are finite and times increase.
+    /// Checks the samples; `None` unless there are at least two, all numbers are finite and times strictly increase.
     pub fn new(samples: Vec<[f64; 2]>) -> Option<Self> {
         let is_finite = samples.iter().flatten().all(|x| x.is_finite());
         let increases = samples.windows(2).all(|pair| pair[0][0] < pair[1][0]);
@@ -168,17 +168,17 @@ impl Samples {
             .then(|| Self { samples: samples.into(), source: SampleFile::default() })
     }
 
-    /// File from which the samples were read, if any.
+    /// Returns the file from which the samples were read, if any.
     pub fn source(&self) -> Option<&Path> {
         self.source.0.as_deref()
     }
 
-    /// Times, s, and values.
+    /// Returns the pairs of time (s) and value.
     pub fn samples(&self) -> &[[f64; 2]] {
         &self.samples
     }
 
-    /// Linear interpolation at `t`; exact at samples.
+    /// Interpolates linearly at `t` (s); exact at samples, 0 outside the sampled interval.
     pub(super) fn value(&self, t: f64) -> f64 {
         let next = self.samples.partition_point(|[time, _]| *time <= t);
         let Some(&[before, value]) = next.checked_sub(1).and_then(|last| self.samples.get(last))
@@ -197,17 +197,17 @@ impl Samples {
 }
 
 impl TimeFunction {
-    /// All names in case files.
+    /// Names of all time functions in case files.
     pub const NAMES: [&str; 6] = ["step", "triangle", "pulse", "ricker", "sine", "table"];
 
-    /// A tabulated function; see [`Samples::new`].
+    /// Builds a tabulated time function; conditions as in [`Samples::new`].
     pub fn from_samples(samples: Vec<[f64; 2]>) -> Option<Self> {
         Samples::new(samples).map(Self::Table)
     }
 
-    /// Value at the time `t` (s).
+    /// Evaluates the time function at time `t` (s).
     pub fn value(&self, t: f64) -> f64 {
-        // Relative time in the duration; `None` outside.
+        // Relative time (t − start)/duration in [0, 1); `None` outside.
         let inside = |start: f64, duration: f64| {
             let part = (t - start) / duration;
             (0.0..1.0).contains(&part).then_some(part)
@@ -236,7 +236,8 @@ impl TimeFunction {
         }
     }
 
-    /// Shortest time scale of the function, s; `None` for a step.
+    /// Returns the shortest time scale of the function, s: duration, period or smallest sample interval; `None` for a
+    /// step without end.
     pub fn shortest(&self) -> Option<f64> {
         match *self {
             Self::Step { duration, .. } => duration,
@@ -249,7 +250,7 @@ impl TimeFunction {
         }
     }
 
-    /// Name of the time function in case files.
+    /// Returns the name of the time function in case files.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Step { .. } => "step",
@@ -261,7 +262,7 @@ impl TimeFunction {
         }
     }
 
-    /// The function as TOML.
+    /// Formats the time function as a TOML table.
     pub(super) fn resolved(&self) -> Resolved {
         let resolved = Resolved::default().text("kind", self.name());
         match self {
@@ -302,7 +303,7 @@ impl Reader<'_> {
             },
             "ricker" => {
                 let frequency: f64 = section.required("frequency")?;
-                // The delay that follows from it must be a number as well.
+                // The default delay 1.5/frequency must be finite as well.
                 if !(1.5 / frequency).is_finite() {
                     return Err(section.wrong("frequency"));
                 }
@@ -319,7 +320,7 @@ impl Reader<'_> {
         Ok(function)
     }
 
-    /// Reads the samples of a table, or of the file named by it.
+    /// Reads the samples given inline, or from the file named by the table.
     fn samples(&self, section: &Section) -> Result<Samples, CaseError> {
         const FEW: &str = "expected at least two lines of a time in s and a value";
         if let Some(pairs) = section.optional("samples")? {
@@ -344,12 +345,12 @@ impl Reader<'_> {
     }
 }
 
-/// `1 number`, `2 numbers`.
+/// Formats a count with its noun, e.g. `1 sample`, `2 samples`.
 fn plural(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// Parses the samples of a CSV file; the error is line number, text found and text allowed.
+/// Parses the samples of a CSV file. The error has the line number, the text found and the text allowed.
 fn parse_samples(text: &str) -> Result<Vec<[f64; 2]>, (usize, String, &'static str)> {
     const LINE: &str = "expected two finite numbers with a comma between them, time in s and value";
     let mut samples: Vec<[f64; 2]> = Vec::new();

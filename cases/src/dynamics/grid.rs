@@ -52,28 +52,28 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Number of dimensions: 2 for plane strain, 3 for space.
+    /// Returns the number of dimensions: 2 for plane strain, 3 for space.
     pub fn dimensions(&self) -> usize {
         self.cells.len()
     }
 
-    /// Number of cells.
+    /// Returns the number of cells.
     pub fn count(&self) -> usize {
         self.cells.iter().product()
     }
 
-    /// Lower and upper end of the grid along `axis`, m.
+    /// Returns the lower and upper bound of the grid along `axis`, m.
     pub fn extent(&self, axis: usize) -> [f64; 2] {
         let first = self.origin[axis];
         [first, first + self.cells[axis] as f64 * self.spacing[axis]]
     }
 
-    /// Coordinate along `axis` of the centre of the cell of index `index`, m.
+    /// Returns the coordinate along `axis` of the centre of cell `index`, m.
     pub fn centre(&self, axis: usize, index: usize) -> f64 {
         self.origin[axis] + (index as f64 + 0.5) * self.spacing[axis]
     }
 
-    /// Whether a point is in the grid or on its boundary.
+    /// Returns whether a point is in the grid or on its boundary.
     pub fn contains(&self, point: &[f64]) -> bool {
         point.iter().enumerate().all(|(axis, x)| {
             let [first, last] = self.extent(axis);
@@ -107,7 +107,7 @@ impl Grid {
         for axis in 0..d {
             let [first, last] = grid.extent(axis);
             let largest = first.abs().max(last.abs());
-            // Centres of neighbours must differ, and halves of cells as well.
+            // Centres and faces of neighbouring cells must be distinct doubles.
             if !largest.is_finite() || grid.spacing[axis] <= 8.0 * f64::EPSILON * largest {
                 let found =
                     format!("cells of {:?} m from {first:?} to {last:?}", grid.spacing[axis]);
@@ -120,7 +120,7 @@ impl Grid {
         Ok(grid)
     }
 
-    /// The section `[grid]` as TOML, with all values.
+    /// Formats the section `[grid]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
         Resolved::default()
             .number("cells", &self.cells)

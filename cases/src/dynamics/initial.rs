@@ -135,48 +135,48 @@ pub(super) const FORM: Form = Form::list(
 /// A part of the initial state; parts are summed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Initial {
-    /// Gaussian pulse exp(−(r/radius)²) of one field.
+    /// Gaussian pulse amplitude·exp(−(r/radius)²) of one component.
     Pulse {
-        /// The field.
+        /// Perturbed component.
         field: Component,
-        /// Maximum value, in the unit of the field.
+        /// Maximum value, in the unit of the component.
         amplitude: f64,
         /// Centre of the pulse.
         centre: Centre,
         /// Radius, m; positive.
         radius: f64,
     },
-    /// A plane wave of the case's own medium.
+    /// Plane wave of the medium of the case.
     PlaneWave {
-        /// Branch of the dispersion relation, from 1 for the highest frequency.
+        /// Branch of the dispersion relation, numbered from 1 for the highest frequency.
         branch: usize,
-        /// Direction from x₁ anticlockwise, degrees.
+        /// Propagation direction, degrees anticlockwise from x₁.
         direction_deg: f64,
-        /// Angle above the plane of x₁ and x₂, degrees; 0 in plane strain.
+        /// Elevation of the propagation direction above the plane of x₁ and x₂, degrees; 0 in plane strain.
         elevation_deg: f64,
         /// Wavelength, m; positive.
         wavelength: f64,
         /// Velocity amplitude, m/s.
         amplitude: f64,
     },
-    /// A plane wave with a time function as waveform.
+    /// Plane wave with a time function as waveform.
     PlanePulse(PlanePulse),
-    /// A microrotation.
+    /// Microrotation.
     Rotation {
-        /// Shape of the rotated part.
+        /// Shape of the rotated part of the grid.
         shape: Shape,
         /// Angle, degrees, anticlockwise about the axis.
         angle_deg: f64,
-        /// The axis, from 0; 2 in plane strain.
+        /// Rotation axis, numbered from 0; 2 in plane strain.
         axis: usize,
     },
-    /// A uniform value of one field.
+    /// Uniform value of one component.
     Uniform {
-        /// Shape of the part.
+        /// Shape of the part of the grid with this value.
         shape: Shape,
-        /// Field with the value.
+        /// Perturbed component.
         field: Component,
-        /// Value, in the unit of the field.
+        /// Value, in the unit of the component.
         amplitude: f64,
     },
 }
@@ -186,20 +186,20 @@ pub enum Initial {
 pub enum Centre {
     /// A point, m.
     Point(Vec<f64>),
-    /// A plane normal to an axis.
+    /// A plane normal to a coordinate axis.
     Plane {
-        /// The axis, from 0.
+        /// Axis of the normal, numbered from 0.
         axis: usize,
-        /// The coordinate of the plane, m.
+        /// Coordinate of the plane along the axis, m.
         at: f64,
     },
 }
 
 impl Initial {
-    /// All names in case files.
+    /// Names of all kinds of initial state in case files.
     pub const NAMES: [&str; 5] = ["pulse", "plane-wave", "plane-pulse", "rotation", "uniform"];
 
-    /// Name of the part of the initial state in case files.
+    /// Returns the name of the kind of initial state in case files.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Pulse { .. } => "pulse",
@@ -210,7 +210,7 @@ impl Initial {
         }
     }
 
-    /// The section `[[initial]]` as TOML, with all values.
+    /// Formats the section `[[initial]]` as TOML with all values.
     pub(super) fn to_toml(&self, dimensions: usize) -> String {
         let resolved = Resolved::default().text("kind", self.name());
         let resolved = match self {
@@ -291,7 +291,7 @@ impl Reader<'_> {
     }
 
     fn plane_wave(&self, section: &Section) -> Result<Initial, CaseError> {
-        // As many as velocities and spins.
+        // The medium has as many branches as velocities and spins.
         let branches = self.components.iter().filter(|c| c.is_velocity()).count();
         let expected = format!("a whole number from 1 to {branches} (1 is the greatest frequency)");
         let branch = section.required_as("branch", &expected, |value| {

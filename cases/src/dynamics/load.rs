@@ -1,4 +1,4 @@
-//! The sections `[[load]]`: boundary loads on sides of the grid.
+//! The sections `[[load]]`: loads on the boundary faces of the grid.
 
 use super::boundary::{FROM, Part, SIDE, Side, TO};
 use super::component::{Component, components, names};
@@ -63,32 +63,32 @@ pub(super) const FORM: Form = Form::list(
 /// A boundary load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
-    /// Side of the grid.
+    /// Boundary face of the grid.
     pub side: Side,
-    /// Loaded component: a velocity or spin of the side, or a stress or couple stress on it; stresses are tensor
-    /// components, tension-positive on both sides.
+    /// Loaded component: a velocity or spin of the face, or a stress or couple stress on it. Stresses are tensor
+    /// components, tension-positive on the lower and the upper face.
     pub field: Component,
-    /// Amplitude, multiplied by the time function: m/s, rad/s, Pa or N/m. For a point load the integral over the side:
-    /// N or N·m, in plane strain per m.
+    /// Amplitude, multiplied by the time function: m/s, rad/s, Pa or N/m. For a point load the integral over the face:
+    /// N or N·m, in plane strain per unit thickness.
     pub amplitude: f64,
-    /// Loaded part of the side.
+    /// Loaded part of the face.
     pub action: Action,
-    /// Spatial profile along the side; not for point loads.
+    /// Spatial profile along the face; `None` for a uniform load and for point loads.
     pub profile: Option<Profile>,
     /// Time function.
     pub time: TimeFunction,
 }
 
-/// Part of a side on which a load acts.
+/// Part of a boundary face on which a load acts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
-    /// The whole side.
+    /// The whole face.
     Whole,
-    /// A part of the side.
+    /// A rectangular part of the face.
     Part(Part),
     /// A point load.
     Point {
-        /// Coordinates along the tangential axes of the side, m.
+        /// Coordinates along the tangential axes of the face, m.
         at: Vec<f64>,
         /// Kernel over which the load is distributed.
         kernel: Kernel,
@@ -96,7 +96,7 @@ pub enum Action {
 }
 
 impl Load {
-    /// The section `[[load]]` as TOML, with all values.
+    /// Formats the section `[[load]]` as TOML with all values.
     pub(super) fn to_toml(&self, dimensions: usize) -> String {
         let resolved = Resolved::default()
             .text("side", self.side.name())
@@ -146,7 +146,7 @@ impl Reader<'_> {
         Ok(loads)
     }
 
-    /// Reads the part of the side on which a load acts.
+    /// Reads the part of the face on which a load acts.
     fn action(&self, section: &Section, field: Component) -> Result<Action, CaseError> {
         let part = self.part(section)?;
         let at: Option<Vec<f64>> = section.optional("at")?;

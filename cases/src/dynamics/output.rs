@@ -1,4 +1,4 @@
-//! The section `[output]` of a solid, and what its receivers record.
+//! The sections `[output]` and `[[receiver]]` of a solid.
 
 use super::component::{Component, components, names};
 use super::reader::Reader;
@@ -9,7 +9,8 @@ use crate::schema::{Form, Group, Item, Range, Scope, Type};
 use crate::section::{Resolved, Section};
 use std::fmt;
 
-/// Key `ledger_interval`: time between two rows of the energy ledger; `zero` describes the meaning of 0.
+/// Builds the key `ledger_interval`, the time between two rows of the energy ledger; `zero` describes the meaning of 0
+/// in messages.
 pub(crate) const fn ledger_interval(zero: &'static str, meaning: &'static str) -> Item {
     Item::with_default("ledger_interval", Type::Number(Range::NotNegative), "s", "0.0", meaning)
         .note(zero)
@@ -104,7 +105,7 @@ pub(super) const OUTPUT: Form = Form::section(
     ])],
 );
 
-/// Names of the displacements and rotations of a solid.
+/// Returns the names of all displacements and rotations of a solid.
 fn all_integrals(scope: &Scope) -> Vec<String> {
     components(scope).into_iter().filter_map(Component::integral).collect()
 }
@@ -114,11 +115,11 @@ fn all_integrals(scope: &Scope) -> Vec<String> {
 pub enum Recorded {
     /// A component of the state.
     Component(Component),
-    /// Time integral of a velocity or spin: a displacement or rotation.
+    /// Time integral of a velocity (displacement) or spin (rotation).
     Integral(Component),
 }
 
-/// The name in case files.
+/// Formats the name in case files.
 impl fmt::Display for Recorded {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -139,28 +140,28 @@ pub struct Output {
     pub snapshot_interval: f64,
     /// Velocities and spins whose time integrals (displacements, rotations) are stored.
     pub integrals: Vec<Component>,
-    /// Quantity shown in pictures.
+    /// Quantity plotted in pictures.
     pub picture: Picture,
     /// Contour levels in the unit of the quantity; `None` for automatic levels.
     pub contours: Option<Vec<f64>>,
 }
 
-/// Quantity shown in a picture.
+/// Quantity plotted in a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Picture {
-    /// The magnitude of the velocity.
+    /// Magnitude of the velocity.
     #[default]
     Speed,
     /// A component of the state.
     Component(Component),
-    /// The integral in time of a velocity or spin.
+    /// Time integral of a velocity (displacement) or spin (rotation).
     Integral(Component),
-    /// Plastic dissipation per volume.
+    /// Plastic dissipation per unit volume.
     Dissipation,
 }
 
 impl Picture {
-    /// Name of the shown quantity in case files.
+    /// Returns the name of the quantity in case files.
     pub fn name(self) -> String {
         match self {
             Self::Speed => "speed".to_owned(),
@@ -172,7 +173,7 @@ impl Picture {
 }
 
 impl Output {
-    /// The section `[[receiver]]` as TOML, with all values.
+    /// Formats the section `[output]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
         let integrals: Vec<String> =
             self.integrals.iter().filter_map(|own| own.integral()).collect();
@@ -190,14 +191,14 @@ impl Output {
 }
 
 impl Receiver<Recorded> {
-    /// The section `[output]` as TOML, with all values.
+    /// Formats the section `[[receiver]]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
         self.resolved().text("interpolation", self.interpolation.name()).under(&RECEIVER)
     }
 }
 
 impl Reader<'_> {
-    /// Reads the sections `[[receiver]]`.
+    /// Reads the sections `[[receiver]]`; `integrals` are the recorded displacements and rotations.
     pub(super) fn receivers(
         &self,
         root: &Section,
@@ -216,7 +217,7 @@ impl Reader<'_> {
         receivers(root, &all, find, &domain)
     }
 
-    /// Reads the section `[output]`; `yields` states whether some medium yields.
+    /// Reads the section `[output]`; `yields` states whether at least one medium yields.
     pub(super) fn output(&self, root: &Section, yields: bool) -> Result<Output, CaseError> {
         let mut output = Output {
             ledger_interval: 0.0,

@@ -1,4 +1,4 @@
-//! Initial plane P or S wave with a given waveform.
+//! Plane P or S wave with a given waveform as initial state.
 
 use super::function::TimeFunction;
 use crate::error::CaseError;
@@ -16,30 +16,31 @@ named_enum! {
     }
 }
 
-/// A plane P or S wave of the medium around a point, v = amplitude·a g(t − n·(x − at)/c), with its stress.
+/// A plane P or S wave of the medium at a point, v = amplitude·a g(t − n·(x − at)/c), with its stress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanePulse {
-    /// Polarisation vector a: n for P waves; for S waves n rotated by 90° anticlockwise, in space then about n by
-    /// `polarization_deg`.
+    /// Polarisation, which determines the unit vector a. P: a = n. S: a is n rotated by 90° anticlockwise; in space it
+    /// is then rotated about n by `polarization_deg`.
     pub polarization: Polarization,
-    /// Direction of n from x₁ anticlockwise, degrees.
+    /// Direction of the wave normal n, degrees anticlockwise from x₁.
     pub direction_deg: f64,
-    /// Angle of n above the plane of x₁ and x₂, degrees; 0 in plane strain.
+    /// Elevation of n above the plane of x₁ and x₂, degrees; 0 in plane strain.
     pub elevation_deg: f64,
-    /// For S waves in space the angle of a from the azimuthal towards the elevation direction, degrees; else 0.
+    /// For S waves in space the angle of a from the azimuthal towards the elevation direction, degrees; otherwise 0.
     pub polarization_deg: f64,
-    /// Reference point, m, at which the velocity of the incident wave is amplitude·g(t).
+    /// Reference point, m, at which the velocity of the incident wave is amplitude·a g(t).
     pub at: Vec<f64>,
     /// Velocity amplitude, m/s.
     pub amplitude: f64,
-    /// Width of the full amplitude transverse to n, m, with a taper of half the width on both sides; `None` if unbounded.
+    /// Width of the full amplitude transverse to n, m, with cosine tapers of half the width on either side; `None` if
+    /// unbounded.
     pub width: Option<f64>,
     /// Waveform g(t).
     pub time: TimeFunction,
 }
 
 impl PlanePulse {
-    /// Taper factor at a distance (m) from the line through `at` along n.
+    /// Computes the taper factor at a distance (m) from the line through `at` along n.
     pub fn across(&self, distance: f64) -> f64 {
         let Some(width) = self.width else { return 1.0 };
         match distance / width - 0.5 {
@@ -49,7 +50,7 @@ impl PlanePulse {
         }
     }
 
-    /// Reads the entry; position and time function are passed in.
+    /// Reads the entry; the reference point and the time function are arguments.
     pub(super) fn read(
         section: &Section,
         at: Vec<f64>,
@@ -76,7 +77,7 @@ impl PlanePulse {
         })
     }
 
-    /// The entry as TOML, without its time function.
+    /// Adds the keys of the entry to a table, without the time function.
     pub(super) fn resolved(&self, resolved: Resolved, dimensions: usize) -> Resolved {
         let mut resolved = resolved
             .text("wave", self.polarization.name())

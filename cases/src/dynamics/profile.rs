@@ -73,30 +73,30 @@ pub(super) const FORM: Form = Form::braces(
     ],
 );
 
-/// Spatial profile of a boundary load: a factor depending on the position on its side.
+/// Spatial profile of a boundary load: a factor that depends on the position on the face.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Profile {
-    /// Cosine cos(2πx/wavelength + phase) along an axis.
+    /// Cosine cos(2πx/wavelength + phase) along a tangential axis.
     Cos {
-        /// The axis, from 0.
+        /// Axis, numbered from 0.
         axis: usize,
         /// Wavelength, m; positive.
         wavelength: f64,
         /// Phase, degrees.
         phase_deg: f64,
     },
-    /// Cosine bell ½(1 + cos(πr/radius)) about a point, 0 beyond the radius.
+    /// Cosine bell ½(1 + cos(πr/radius)) about a point; 0 beyond the radius.
     Bell {
-        /// Centre in the tangential axes of the side, m.
+        /// Centre, coordinates along the tangential axes of the face, m.
         at: Vec<f64>,
         /// Radius, m; positive.
         radius: f64,
     },
-    /// Linear interpolation of samples along an axis, 0 outside.
+    /// Linear interpolation of samples along a tangential axis; 0 outside.
     Table {
-        /// The axis, from 0.
+        /// Axis, numbered from 0.
         axis: usize,
-        /// Coordinates, m, and values.
+        /// Pairs of coordinate (m) and factor.
         samples: Samples,
     },
 }
@@ -104,7 +104,8 @@ pub enum Profile {
 impl Profile {
     const NAMES: [&str; 3] = ["cos", "bell", "table"];
 
-    /// Factor at a position on the side; `distance` (m) measures the distance of two positions, e.g. periodically.
+    /// Evaluates the factor at a position on the face; `distance` computes the distance (m) of two positions, e.g.
+    /// across periodic faces.
     pub fn value(
         &self,
         axes: &[usize],
@@ -127,7 +128,7 @@ impl Profile {
         }
     }
 
-    /// Reads the table `profile` of a load.
+    /// Reads the table `profile` of a load; `None` if absent.
     pub(super) fn read(section: &Section) -> Result<Option<Self>, CaseError> {
         let Some(section) = section.table("profile")? else { return Ok(None) };
         let axes = &section.scope.axes;
@@ -159,7 +160,7 @@ impl Profile {
         Ok(Some(profile))
     }
 
-    /// The profile as TOML; the axis is omitted on a side with one tangential axis.
+    /// Formats the profile as a TOML table; the axis is omitted on a face with one tangential axis.
     pub(super) fn resolved(&self, dimensions: usize) -> Resolved {
         let with_axis = |resolved: Resolved, axis: &usize| match dimensions {
             2 => resolved,

@@ -23,7 +23,7 @@ impl Reader<'_> {
         self.grid.dimensions()
     }
 
-    /// Reads the point `at`, which must be in the grid.
+    /// Reads the point `at` and checks that it is in the grid.
     pub(super) fn point_inside(&self, section: &Section) -> Result<Vec<f64>, CaseError> {
         let at: Vec<f64> = section.required("at")?;
         let axes: Vec<usize> = (0..self.dimensions()).collect();
@@ -31,7 +31,7 @@ impl Reader<'_> {
         Ok(at)
     }
 
-    /// Checks that a position along the given axes is in the grid.
+    /// Checks that a position, given along `axes`, is in the grid.
     pub(super) fn check_inside(
         &self,
         section: &Section,
@@ -42,7 +42,7 @@ impl Reader<'_> {
         check_inside(section, "at", position, axes, &extents, "grid")
     }
 
-    /// Reads the component named by the key `field`.
+    /// Reads the component named by the key `field`, one of `among`.
     pub(super) fn component(
         &self,
         section: &Section,

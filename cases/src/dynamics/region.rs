@@ -1,4 +1,4 @@
-//! The sections `[[region]]`: parts of the grid with different media.
+//! The sections `[[region]]`: subdomains of the grid with different media.
 
 use super::reader::Reader;
 use super::shape::{ITEMS, Shape};
@@ -43,17 +43,17 @@ pub(super) const FORM: Form = Form::list(
     ],
 );
 
-/// A part of the grid with a medium of its own.
+/// A subdomain of the grid with its own medium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
-    /// Shape of the region: it consists of the cells whose centres are inside.
+    /// Shape of the region; a cell belongs to the region if its centre is inside the shape.
     pub shape: Shape,
     /// Material of the region.
     pub material: Material,
 }
 
 impl Region {
-    /// The section `[[region]]` as TOML, with all values.
+    /// Formats the section `[[region]]` as TOML with all values.
     pub(super) fn to_toml(&self, dimensions: usize) -> String {
         let resolved = self.shape.resolved(Resolved::default(), dimensions);
         let resolved = resolved.table("model", &part(&self.material, "model"));
@@ -65,14 +65,14 @@ impl Region {
     }
 }
 
-/// The keys of one section of a material, as TOML.
+/// Formats the keys of one section of a material as a TOML table.
 fn part(material: &Material, section: &str) -> Resolved {
     let own = material.values(&[]).filter(|(key, _)| key.split().0 == section);
     own.fold(Resolved::default(), |all, (key, value)| all.literal(key.split().1, value))
 }
 
 impl Reader<'_> {
-    /// Reads the sections; `material` reads the material of a region.
+    /// Reads the sections `[[region]]`; `material` reads the material of a region.
     pub(super) fn regions(
         &self,
         root: &Section,

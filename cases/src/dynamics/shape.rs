@@ -1,4 +1,4 @@
-//! Shapes in space: the key `shape` and its parameters.
+//! Geometric shapes: the key `shape` and its parameters.
 
 use super::reader::Reader;
 use crate::error::CaseError;
@@ -14,7 +14,7 @@ const BALL: &[Condition] = &[Condition::Is("shape", &["circle", "sphere"])];
 const LAYER: &[Condition] = &[Condition::Is("shape", &["layer"])];
 const HALF: &[Condition] = &[Condition::Is("shape", &["half-plane", "half-space"])];
 
-/// Keys of a shape other than its name.
+/// Keys of the parameters of a shape.
 pub(super) const ITEMS: &[Item] = &[
     Item::required(
         "from",
@@ -65,7 +65,7 @@ pub(super) const ITEMS: &[Item] = &[
         .when(HALF),
 ];
 
-/// A shape in space.
+/// A geometric shape in the plane or in space.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// Box: from ≤ x < to along each axis.
@@ -75,7 +75,7 @@ pub enum Shape {
         /// Upper corner, m.
         to: Vec<f64>,
     },
-    /// Open disc or ball.
+    /// Open disc (2 dimensions) or ball (3 dimensions).
     Ball {
         /// Centre, m.
         center: Vec<f64>,
@@ -84,29 +84,29 @@ pub enum Shape {
     },
     /// Layer: from ≤ x < to along one axis.
     Layer {
-        /// The axis, from 0.
+        /// Axis normal to the layer, numbered from 0.
         axis: usize,
-        /// First coordinate, m.
+        /// Lower coordinate, m.
         from: f64,
-        /// Last coordinate, m.
+        /// Upper coordinate, m.
         to: f64,
     },
-    /// Half-space (half-plane in two dimensions) into which the normal points. Each point of the plane itself belongs to
+    /// Half-space (half-plane in two dimensions) on the side of the normal. Each point of the boundary plane belongs to
     /// exactly one of the two half-spaces with opposite normals.
     HalfSpace {
-        /// A point of the plane, m.
+        /// A point of the boundary plane, m.
         point: Vec<f64>,
-        /// The normal, of any length but 0.
+        /// Inward normal, of any length but 0.
         normal: Vec<f64>,
     },
-    /// All points in no other region.
+    /// The complement of all other regions.
     Rest,
     /// The whole grid.
     Everywhere,
 }
 
 impl Shape {
-    /// Name in case files of 2 or 3 dimensions.
+    /// Returns the name in case files of 2 or 3 dimensions.
     pub const fn name(&self, dimensions: usize) -> &'static str {
         match (self, dimensions) {
             (Self::Box { .. }, _) => "box",
@@ -120,7 +120,8 @@ impl Shape {
         }
     }
 
-    /// Names of the shapes in `dimensions` dimensions, including the allowed keyless shape `extra`.
+    /// Returns the names of the shapes in `dimensions` dimensions, including the allowed shape `extra` without
+    /// parameters.
     pub(super) fn names(dimensions: usize, extra: &Self) -> [&'static str; 5] {
         match dimensions {
             2 => ["box", "circle", "layer", "half-plane", extra.name(2)],
@@ -128,7 +129,7 @@ impl Shape {
         }
     }
 
-    /// Names of the shapes in `dimensions` dimensions, or in any if unknown.
+    /// Returns the names of the shapes in `dimensions` dimensions, or in 2 and 3 dimensions if unknown.
     pub(super) fn words(dimensions: Option<usize>, extra: &Self) -> Vec<String> {
         let mut words: Vec<String> = Vec::new();
         for d in dimensions.map_or(2..=3, |d| d..=d) {
@@ -141,7 +142,7 @@ impl Shape {
         words
     }
 
-    /// Whether the shape contains a point; false for [`Shape::Rest`], which depends on the other regions.
+    /// Returns whether the shape contains a point; false for [`Shape::Rest`], which depends on the other regions.
     pub fn contains(&self, x: &[f64]) -> bool {
         match self {
             Self::Box { from, to } => {
@@ -164,7 +165,7 @@ impl Shape {
         }
     }
 
-    /// The shape as TOML.
+    /// Adds the keys of the shape to a table.
     pub(super) fn resolved(&self, resolved: Resolved, dimensions: usize) -> Resolved {
         let resolved = resolved.text("shape", self.name(dimensions));
         match self {
@@ -184,7 +185,7 @@ impl Shape {
 }
 
 impl Reader<'_> {
-    /// Reads a shape; `extra` is the keyless shape allowed here.
+    /// Reads a shape; `extra` is the shape without parameters that is allowed in this section.
     pub(super) fn shape(&self, section: &Section, extra: &Shape) -> Result<Shape, CaseError> {
         let d = self.dimensions();
         let (names, others) = (Shape::names(d, extra), Shape::names(5 - d, extra));

@@ -10,7 +10,7 @@ use models::solid::parameters::Theory;
 const PLANE: &[Condition] = &[Condition::Plane];
 const SPACE: &[Condition] = &[Condition::Space];
 
-/// Key `kernel`: kernel of a point load or source.
+/// Key `kernel`: kernel of a point load or point source.
 pub(super) const KERNEL: Item = Item::optional(
     "kernel",
     Type::OneOf(|_| Kernel::NAMES.map(str::to_owned).to_vec()),
@@ -113,7 +113,7 @@ pub(super) const FORM: Form = Form::list(
     ],
 );
 
-/// A point source inside the grid.
+/// Point source inside the grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
     /// Kind and amplitude of the source.
@@ -129,10 +129,10 @@ pub struct Source {
 /// Kernel that distributes a point source over cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Kernel {
-    /// Smooth spline kernel over a few cells, exact for polynomials, without two-cell waves.
+    /// Smooth spline kernel over a few cells: reproduces polynomials exactly and excites no two-cell waves.
     #[default]
     Spline,
-    /// Bell-shaped kernel.
+    /// Cosine-bell kernel.
     Bell {
         /// Radius, m; positive.
         radius: f64,
@@ -142,10 +142,10 @@ pub enum Kernel {
 }
 
 impl Kernel {
-    /// All names in case files.
+    /// Names of all kernels in case files.
     pub const NAMES: [&str; 3] = ["spline", "bell", "cell"];
 
-    /// Name of the source or kernel in case files.
+    /// Returns the name of the kernel in case files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Spline => "spline",
@@ -154,7 +154,7 @@ impl Kernel {
         }
     }
 
-    /// Reads the kernel, if given.
+    /// Reads the keys `kernel` and `radius`; `None` if both are absent.
     pub(super) fn read(section: &Section) -> Result<Option<Self>, CaseError> {
         let radius: Option<f64> = section.optional("radius")?;
         let name = section.optional_choice("kernel", &Self::NAMES, |name| name)?;
@@ -176,7 +176,7 @@ impl Kernel {
         }
     }
 
-    /// The kernel as TOML.
+    /// Adds the keys of the kernel to a table.
     pub(super) fn resolved(self, resolved: Resolved) -> Resolved {
         let resolved = resolved.text("kernel", self.name());
         match self {
@@ -186,24 +186,25 @@ impl Kernel {
     }
 }
 
-/// Kind of a point source with its amplitude, which is multiplied by the time function.
+/// Kind of a point source with its amplitude, which is multiplied by the time function. Amplitudes in plane strain are
+/// per unit thickness.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SourceKind {
-    /// Force by components, N.
+    /// Force, components in N.
     Force(Vec<f64>),
-    /// Couple, N·m: one number about x₃ in plane strain, three components in space.
+    /// Couple, N·m: one component about x₃ in plane strain, three components in space.
     Couple(Vec<f64>),
-    /// Moment tensor by rows, N·m (stress glut).
+    /// Moment tensor (stress glut) by rows, N·m.
     Moment(Vec<Vec<f64>>),
     /// Explosion: isotropic moment, N·m.
     Explosion(f64),
 }
 
 impl SourceKind {
-    /// All names in case files.
+    /// Names of all kinds of source in case files.
     pub const NAMES: [&str; 4] = ["force", "couple", "moment", "explosion"];
 
-    /// Name of the source or kernel in case files.
+    /// Returns the name of the kind of source in case files.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Force(_) => "force",
@@ -215,7 +216,7 @@ impl SourceKind {
 }
 
 impl Source {
-    /// The section `[[source]]` as TOML, with all values.
+    /// Formats the section `[[source]]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
         let resolved = Resolved::default().text("kind", self.action.name());
         let resolved = match &self.action {
@@ -256,7 +257,7 @@ impl Reader<'_> {
         Ok(sources)
     }
 
-    /// Checks that the solid has spins.
+    /// Checks that the solid has spins; `what` names the refused quantity in the message.
     pub(super) fn need_spin(
         &self,
         section: &Section,

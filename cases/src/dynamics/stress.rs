@@ -9,7 +9,7 @@ use crate::value::number;
 use models::solid::parameters::Theory;
 use models::solid::waves::Field;
 
-/// Schema of the section `[initial_stress]`, whose keys are the stress components of the solid.
+/// Schema of the section `[initial_stress]`, whose keys are the names of the stress components of the solid.
 pub(super) const INITIAL_STRESS: Form = Form::section(
     "initial_stress",
     "a uniform initial stress: components of stress, Pa, and of couple stress, N/m, by name; what is not named is 0",
@@ -49,16 +49,16 @@ pub(super) const GRAVITY: Form = Form::section(
 /// Gravity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gravity {
-    /// Gravitational acceleration by components, m/s².
+    /// Gravitational acceleration, components in m/s².
     pub acceleration: Vec<f64>,
-    /// Whether a geostatic initial stress balances the weight; then gravity is along one axis.
+    /// Whether a geostatic initial stress balances the weight; gravity then acts along one axis.
     pub is_balanced: bool,
-    /// Ratio of lateral to vertical normal stress in the initial stress (K₀); ≥ 0.
+    /// Ratio K₀ of lateral to vertical normal stress in the initial stress; ≥ 0.
     pub lateral_ratio: f64,
 }
 
 impl Gravity {
-    /// Reads the section `[gravity]`.
+    /// Reads the section `[gravity]`; `None` if absent.
     pub(super) fn read(root: &Section) -> Result<Option<Self>, CaseError> {
         let Some(section) = root.section(&GRAVITY)? else { return Ok(None) };
         let acceleration: Vec<f64> = section.required("acceleration")?;
@@ -75,7 +75,7 @@ impl Gravity {
         Ok(Some(Self { acceleration, is_balanced, lateral_ratio }))
     }
 
-    /// The section `[gravity]` as TOML, with all values.
+    /// Formats the section `[gravity]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
         Resolved::default()
             .number("acceleration", &self.acceleration)
@@ -85,17 +85,17 @@ impl Gravity {
     }
 }
 
-/// All stress and couple stress components of any solid.
+/// Returns all stress and couple stress components of a Cosserat solid in space.
 pub(crate) fn all() -> impl Iterator<Item = Component> {
     Component::all(Theory::Cosserat, 3).into_iter().filter(|component| !component.is_velocity())
 }
 
-/// Unit of a stress or couple stress component.
+/// Returns the unit of a stress or couple stress component.
 pub(crate) fn unit(component: Component) -> &'static str {
     if let Field::Couple(..) = component.0 { "N/m" } else { "Pa" }
 }
 
-/// The section `[initial_stress]` as TOML.
+/// Formats the section `[initial_stress]` as TOML.
 pub(super) fn to_toml(stresses: &[(Component, f64)]) -> String {
     let stress = |all: Resolved, (component, value): &(Component, f64)| {
         all.number(component.to_string(), value)
@@ -104,7 +104,7 @@ pub(super) fn to_toml(stresses: &[(Component, f64)]) -> String {
 }
 
 impl Reader<'_> {
-    /// Reads all stress components of the initial state.
+    /// Reads the section `[initial_stress]`: all stress components of the solid, 0 where not given.
     pub(super) fn initial_stress(
         &self,
         root: &Section,

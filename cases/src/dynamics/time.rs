@@ -81,7 +81,7 @@ pub(super) const SCHEME: Form = Form::section(
     ])],
 );
 
-/// Names in case files.
+/// Returns the names of enumeration variants in case files.
 pub(super) fn names<T: Copy>(all: &[T], name: impl Fn(T) -> &'static str) -> Vec<String> {
     all.iter().map(|&own| name(own).to_owned()).collect()
 }
@@ -91,7 +91,7 @@ pub(super) fn names<T: Copy>(all: &[T], name: impl Fn(T) -> &'static str) -> Vec
 pub struct Time {
     /// Duration, s; positive.
     pub duration: f64,
-    /// Maximum Courant number (CFL number) c Δt/Δx of a sweep along an axis; in (0, 1].
+    /// Maximum Courant number (CFL number) c(Δt/2)/Δx of a sweep along an axis; in (0, 1].
     pub courant: f64,
     /// Maximum angle per step of the rotation between spins and antisymmetric stress, degrees; in (0, 180].
     pub rotation_deg: f64,
@@ -102,24 +102,24 @@ pub struct Time {
 pub struct Scheme {
     /// Reconstruction of the Riemann invariants.
     pub order: Order,
-    /// Order in time of the return mapping.
+    /// Temporal order of accuracy of the return mapping.
     pub correction: Correction,
-    /// Dimensional splitting: order of the sweeps.
+    /// Dimensional splitting: order of the sweeps along the axes.
     pub splitting: Splitting,
     /// Floating-point precision of the state.
     pub precision: Precision,
-    /// Detail of the energy ledger.
+    /// Level of detail of the energy ledger.
     pub ledger: Ledger,
 }
 
 named_enum! {
     /// Reconstruction of the Riemann invariants.
     Order {
-        /// Fourth order, linear: for smooth waves.
+        /// Fourth-order linear reconstruction, for smooth waves.
         FourthOrder = "fourth-order",
-        /// Second order with a limiter (TVD): for fronts.
+        /// Second-order reconstruction with a TVD limiter, for fronts.
         Eno2 = "eno2",
-        /// First order: Godunov's scheme.
+        /// First-order reconstruction: Godunov's scheme.
         Godunov = "godunov"
     }
 }
@@ -127,19 +127,19 @@ named_enum! {
 named_enum! {
     /// Dimensional splitting (Strang 1968): order of the sweeps along the axes.
     Splitting {
-        /// Alternating: sweeps along one axis alternate with the others.
+        /// Alternating: sweeps along one axis x alternate with sweeps along the others (x, y z, x, z y).
         Alternating = "alternating",
-        /// Two-cyclic: forward and backward through all axes.
+        /// Two-cyclic: sweeps along all axes forward and then backward (x y z, z y x).
         TwoCyclic = "two-cyclic"
     }
 }
 
 named_enum! {
-    /// Order in time of the return mapping.
+    /// Temporal order of accuracy of the return mapping.
     Correction {
         /// First order: return mapping after each step.
         FirstOrder = "first-order",
-        /// Second order: midpoint reflection in the middle of the step.
+        /// Second order: midpoint reflection in the middle of each step.
         SecondOrder = "second-order"
     }
 }
@@ -155,7 +155,7 @@ named_enum! {
 }
 
 named_enum! {
-    /// Detail of the energy ledger.
+    /// Level of detail of the energy ledger.
     Ledger {
         /// Light: total energies only.
         Light = "light",
@@ -164,8 +164,8 @@ named_enum! {
     }
 }
 
-/// Default Courant number (CFL number): at 1 two-cell waves along an axis are undamped; below 0.87 a run costs over 15 %
-/// more.
+/// Default Courant number (CFL number). At 1 two-cell waves along an axis are undamped; below 0.87 a run costs over 15
+/// % more.
 pub const COURANT: f64 = 0.9;
 
 impl Time {
@@ -179,7 +179,7 @@ impl Time {
         Ok(Self { duration, courant, rotation_deg })
     }
 
-    /// The section `[time]` as TOML, with all values.
+    /// Formats the section `[time]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
         Resolved::default()
             .number("duration", self.duration)
@@ -192,8 +192,9 @@ impl Time {
 impl Scheme {
     /// Reads the section `[scheme]`.
     ///
-    /// Defaults: fourth-order reconstruction for elastic media, limited second order if a medium yields, since plastic
-    /// fronts are discontinuous. Alternating sweeps, except for Courant number 1 or a midpoint return mapping.
+    /// Defaults: fourth-order reconstruction for elastic media; limited second-order reconstruction if a medium yields,
+    /// since plastic fronts are discontinuous. Alternating sweeps; two-cyclic sweeps for Courant number 1 or a
+    /// second-order return mapping.
     pub(super) fn read(root: &Section, courant: f64, yields: bool) -> Result<Self, CaseError> {
         let order = if yields { Order::Eno2 } else { Order::FourthOrder };
         let default = |correction: Correction| match correction {
@@ -228,7 +229,7 @@ impl Scheme {
         Ok(scheme)
     }
 
-    /// The section `[scheme]` as TOML, with all values.
+    /// Formats the section `[scheme]` as TOML with all values.
     pub(super) fn to_toml(self) -> String {
         Resolved::default()
             .text("order", self.order.name())

@@ -5,10 +5,10 @@ use crate::schema::{Form, Group, Item, Length, Order, Range, Type};
 use crate::section::{Resolved, Section};
 use models::common::fourier::greatest_modes;
 
-/// Maximum number of points of a box.
+/// Maximum number of grid points of a box.
 pub const MOST_POINTS: usize = 1 << 28;
 
-/// Minimum number of points along an axis.
+/// Minimum number of grid points along an axis.
 pub const LEAST_POINTS: usize = 8;
 
 /// Schema of the section `[grid]`.
@@ -68,7 +68,7 @@ pub(super) const TIME: Form = Form::section(
 )
 .required("a section [time] with duration in s");
 
-/// Schema of the section `[limits]`, for coaxial flows only.
+/// Schema of the section `[limits]`, allowed for coaxial flows only.
 pub(super) const LIMITS: Form = Form::section(
     "limits",
     "where a run stops",
@@ -82,33 +82,33 @@ pub(super) const LIMITS: Form = Form::section(
     .note("least Q_D relative to that of the mean flow")])],
 );
 
-/// Grid of a periodic box that moves with the mean flow.
+/// Grid of a periodic box that is convected with the mean flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// Points along each axis; even, at least [`LEAST_POINTS`].
+    /// Grid points along each axis; even, at least [`LEAST_POINTS`].
     pub cells: [usize; 2],
     /// Initial edge lengths, m; positive.
     pub lengths: [f64; 2],
 }
 
 impl Grid {
-    /// Number of points.
+    /// Returns the number of grid points.
     pub fn count(&self) -> usize {
         self.cells[0] * self.cells[1]
     }
 
-    /// Largest mode numbers m₁ and m₂ of the Fourier modes exp(2πi(m₁y₁/L₁ + m₂y₂/L₂)) whose products are free of
-    /// aliasing (two-thirds rule).
+    /// Computes the largest mode numbers m₁ and m₂ of the Fourier modes exp(2πi(m₁y₁/L₁ + m₂y₂/L₂)) whose products are
+    /// free of aliasing (two-thirds rule).
     pub fn greatest_modes(&self) -> [usize; 2] {
         greatest_modes(self.cells)
     }
 
-    /// Initial coordinate along `axis` of the point of index `index`, m.
+    /// Returns the initial coordinate along `axis` of grid point `index`, m.
     pub fn position(&self, axis: usize, index: usize) -> f64 {
         (index as f64 + 0.5) * self.lengths[axis] / self.cells[axis] as f64
     }
 
-    /// Linear index of the point nearest to a position in the box, first axis fastest.
+    /// Computes the linear index, first axis fastest, of the grid point nearest to a position in the box.
     pub fn nearest(&self, at: &[f64]) -> usize {
         let index = |axis: usize| {
             let index = (at[axis] / self.lengths[axis] * self.cells[axis] as f64).floor();
@@ -137,7 +137,7 @@ impl Grid {
         Ok(Self { cells, lengths })
     }
 
-    /// The section `[grid]` as TOML, with all values.
+    /// Formats the section `[grid]` as TOML with all values.
     pub(super) fn to_toml(self) -> String {
         Resolved::default().number("cells", self.cells).number("length", self.lengths).under(&GRID)
     }
@@ -165,7 +165,7 @@ impl Time {
         Ok(Self { duration, tolerance, pressure_tolerance })
     }
 
-    /// The section `[time]` as TOML, with all values.
+    /// Formats the section `[time]` as TOML with all values.
     pub(super) fn to_toml(self) -> String {
         Resolved::default()
             .number("duration", self.duration)
@@ -175,7 +175,7 @@ impl Time {
     }
 }
 
-/// Reads the smallest allowed shear rate of `[limits]`.
+/// Reads the lower limit of the shear rate from `[limits]`; 10⁻³ if absent.
 pub(super) fn least_shear_rate(root: &Section) -> Result<f64, CaseError> {
     const DEFAULT: f64 = 1e-3;
     let Some(section) = root.section(&LIMITS)? else { return Ok(DEFAULT) };
@@ -184,7 +184,7 @@ pub(super) fn least_shear_rate(root: &Section) -> Result<f64, CaseError> {
     Ok(least)
 }
 
-/// The section `[limits]` as TOML.
+/// Formats the section `[limits]` as TOML.
 pub(super) fn limits_to_toml(least_shear_rate: f64) -> String {
     Resolved::default().number("shear_rate", least_shear_rate).under(&LIMITS)
 }

@@ -15,7 +15,7 @@ const NUMBER: Type = Type::Number(Range::Finite);
 const POSITIVE: Type = Type::Number(Range::Positive);
 const UNIT_OF_FIELD: &str = "the unit of the field";
 
-/// Error text of an invalid archive.
+/// Error text for an invalid archive.
 const NEEDS: &str =
     "name an archive (NPZ) such as fields.npz of a run, in a folder as seen from that of the case";
 
@@ -113,10 +113,10 @@ pub(super) const FORM: Form = Form::list(
     ],
 );
 
-/// Field of a perturbation.
+/// Perturbed field of a flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Disturbed {
-    /// Velocity normal to the wave vector, m/s.
+    /// Velocity component normal to the wave vector, m/s.
     Velocity,
     /// Spin ω, rad/s (Harris–Grekova only).
     Spin,
@@ -125,7 +125,7 @@ pub enum Disturbed {
 }
 
 impl Disturbed {
-    /// Fields that evolve in a flow with the material rotation `rotation`.
+    /// Returns the evolving fields of a flow with the material rotation `rotation`.
     pub const fn all(rotation: RotationKind) -> &'static [Self] {
         match rotation {
             RotationKind::IntrinsicSpin => &[Self::Velocity, Self::Spin],
@@ -134,7 +134,7 @@ impl Disturbed {
         }
     }
 
-    /// Name of the field in case files.
+    /// Returns the name of the field in case files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Velocity => "v",
@@ -143,7 +143,7 @@ impl Disturbed {
         }
     }
 
-    /// Unit of values in case files.
+    /// Returns the unit of the field in case files.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Velocity => "m/s",
@@ -152,7 +152,7 @@ impl Disturbed {
         }
     }
 
-    /// Names of the fields that evolve in a flow, or in any flow for `None`.
+    /// Returns the names of the evolving fields of a flow with this material rotation; of all flows for `None`.
     pub(crate) fn words(rotation: Option<RotationKind>) -> Vec<String> {
         let all: &[Self] = match rotation {
             Some(rotation) => Self::all(rotation),
@@ -162,23 +162,23 @@ impl Disturbed {
     }
 }
 
-/// A wave A cos(k·y + phase) with k = 2π(m₁/L₁, m₂/L₂).
+/// A Fourier mode A cos(k·y + phase) with k = 2π(m₁/L₁, m₂/L₂).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave {
-    /// Numbers of wavelengths along the axes, m₁ and m₂; not both 0.
+    /// Mode numbers m₁ and m₂ (wavelengths per edge); not both 0.
     pub mode: [i64; 2],
     /// Perturbed field.
     pub field: Disturbed,
     /// Amplitude A, in the unit of the field.
     pub amplitude: f64,
-    /// Phase, degrees.
+    /// Phase at the corner of the box, degrees.
     pub phase_deg: f64,
 }
 
 /// A part of the initial perturbation; parts are summed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Initial {
-    /// A Fourier mode.
+    /// A single Fourier mode.
     Mode(Wave),
     /// A wave packet with a Gaussian envelope exp(−(r/radius)²).
     Packet {
@@ -186,43 +186,44 @@ pub enum Initial {
         wave: Wave,
         /// Centre of the envelope, m.
         at: [f64; 2],
-        /// Radius, m; positive.
+        /// Radius of the envelope, m; positive.
         radius: f64,
     },
-    /// Noise: all modes of a band with equal amplitude and random phases, which depend on the seed and not on the grid.
+    /// Noise: all modes of a wave-number band, with equal amplitudes and random phases; the phases depend on the seed,
+    /// not on the grid.
     Noise {
-        /// The field.
+        /// Perturbed field.
         field: Disturbed,
         /// Smallest √(m₁² + m₂²) of the band.
         from: f64,
         /// Largest √(m₁² + m₂²) of the band.
         to: f64,
-        /// Root mean square, in the unit of the field.
+        /// Root mean square of the noise, in the unit of the field.
         amplitude: f64,
         /// Seed of the random phases.
         seed: u64,
     },
-    /// A uniform value.
+    /// Uniform value of one field.
     Uniform {
-        /// The field; not the velocity.
+        /// Perturbed field; not the velocity.
         field: Disturbed,
-        /// The value, in the unit of the field.
+        /// Value, in the unit of the field.
         amplitude: f64,
     },
-    /// Fields from an NPZ archive, e.g. of an earlier simulation.
+    /// Fields from an NPZ archive, e.g. from an earlier simulation.
     File {
         /// Absolute path of the archive.
         path: String,
-        /// Checksum of the archive, which is part of the case.
+        /// 32-bit checksum of the archive.
         checksum: u32,
     },
 }
 
 impl Initial {
-    /// All names in case files.
+    /// Names of all kinds of perturbation in case files.
     pub const NAMES: [&str; 5] = ["mode", "packet", "noise", "uniform", "file"];
 
-    /// Name of the part of the perturbation in case files.
+    /// Returns the name of the kind of perturbation in case files.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Mode(_) => "mode",
@@ -235,7 +236,7 @@ impl Initial {
 }
 
 impl Reader<'_> {
-    /// Reads the point `at`, which must be in the box.
+    /// Reads the point `at` and checks that it is in the box.
     fn at(&self, section: &Section) -> Result<[f64; 2], CaseError> {
         let at: Vec<f64> = section.required("at")?;
         let extents = self.grid.lengths.map(|length| [0.0, length]);
@@ -243,7 +244,7 @@ impl Reader<'_> {
         <[f64; 2]>::try_from(at).map_err(|_| section.wrong("at"))
     }
 
-    /// Reads all sections `[[initial]]`.
+    /// Reads all sections `[[initial]]`; at least one is required.
     pub(super) fn initial(&self, root: &Section) -> Result<Vec<Initial>, CaseError> {
         let mut parts = Vec::new();
         for section in root.list(&FORM)? {
@@ -335,8 +336,8 @@ impl Reader<'_> {
         Ok(Initial::Uniform { field, amplitude: Self::amplitude(section, field)? })
     }
 
-    /// Reads the entry of a file. Its content is read when the simulation begins; the checksum in the resolved case
-    /// detects changes.
+    /// Reads the entry of an archive. Its content is read when the simulation starts; the checksum in the resolved case
+    /// detects changes of the archive.
     fn file(&self, section: &Section) -> Result<Initial, CaseError> {
         let file: String = section.required("path")?;
         let unreadable =
@@ -347,7 +348,7 @@ impl Reader<'_> {
             path.to_str().ok_or_else(|| unreadable("its folder's name is not UTF-8 text"))?;
         let path = path.to_owned();
         let checksum = match section.optional::<u64>("checksum")? {
-            // Eight hexadecimal digits are 32 bits.
+            // Eight hexadecimal digits: at most 32 bits.
             Some(checksum) => checksum as u32,
             None => {
                 let found = Written::of_file(Path::new(&path));
@@ -366,7 +367,7 @@ fn wave(resolved: Resolved, wave: &Wave) -> Resolved {
         .number("phase_deg", wave.phase_deg)
 }
 
-/// A part of the perturbation as TOML.
+/// Formats the section `[[initial]]` as TOML with all values.
 pub(super) fn to_toml(part: &Initial) -> String {
     let resolved = Resolved::default().text("kind", part.name());
     let resolved = match part {

@@ -1,4 +1,4 @@
-//! The section `[output]` of a flow, and what its receivers record.
+//! The sections `[output]` and `[[receiver]]` of a flow.
 
 use super::reader::Reader;
 use crate::dynamics::output::{CONTOURS, SNAPSHOT_INTERVAL, ledger_interval};
@@ -10,7 +10,7 @@ use crate::section::{Resolved, Section};
 use models::flow::RotationKind;
 use std::fmt;
 
-/// Name of the picture of the magnitude of the velocity perturbation.
+/// Name of the picture that shows the magnitude of the velocity perturbation.
 const SPEED: &str = "speed";
 
 /// Schema of the sections `[[receiver]]`.
@@ -58,31 +58,31 @@ pub(super) const OUTPUT: Form = Form::section(
     ])],
 );
 
-/// Names of the fields of a flow.
+/// Returns the names of the fields of a flow.
 fn words(scope: &Scope) -> Vec<String> {
-    // A flow with spin has all fields.
+    // Without a known kind: intrinsic spin, whose flows have all fields.
     let rotation = scope.kind.and_then(Kind::rotation_in_time);
     let all = Quantity::all(rotation.unwrap_or(RotationKind::IntrinsicSpin));
     all.iter().map(Quantity::to_string).collect()
 }
 
-/// A field of a flow in receivers, tables and pictures.
+/// A field of a flow, as recorded and plotted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// A component of the velocity: 0 or 1.
+    /// Velocity component, by axis 0 or 1.
     Velocity(usize),
-    /// The spin ω.
+    /// Spin ω.
     Spin,
-    /// The stress angle ψ.
+    /// Stress angle ψ.
     StressAngle,
-    /// The pressure.
+    /// Pressure.
     Pressure,
-    /// The shear rate Q_D.
+    /// Shear rate Q_D.
     ShearRate,
 }
 
 impl Quantity {
-    /// All fields of a flow with the material rotation `rotation`, velocities first.
+    /// Returns all fields of a flow with the material rotation `rotation`, velocities first.
     pub fn all(rotation: RotationKind) -> Vec<Self> {
         let spin = (rotation == RotationKind::IntrinsicSpin).then_some(Self::Spin);
         [Self::Velocity(0), Self::Velocity(1)]
@@ -92,7 +92,7 @@ impl Quantity {
             .collect()
     }
 
-    /// Name in case files, tables and pictures, where angles are in degrees.
+    /// Returns the name in case files, tables and pictures, in which angles are in degrees.
     pub const fn name(self) -> &'static str {
         match self {
             Self::StressAngle => "psi_deg",
@@ -100,7 +100,7 @@ impl Quantity {
         }
     }
 
-    /// Name in archives and snapshots, where angles are in radians.
+    /// Returns the name in archives and snapshots, in which angles are in radians.
     pub const fn array(self) -> &'static str {
         match self {
             Self::Velocity(0) => "v1",
@@ -112,13 +112,13 @@ impl Quantity {
         }
     }
 
-    /// Converts a value from SI units to the unit of [`name`](Self::name): angles to degrees.
+    /// Converts a value in SI units to the unit of [`name`](Self::name): angles from rad to degrees.
     pub fn to_display_unit(self, value: f64) -> f64 {
         if self == Self::StressAngle { value.to_degrees() } else { value }
     }
 }
 
-/// The name in case files.
+/// Formats the name in case files.
 impl fmt::Display for Quantity {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(self.name())
@@ -132,14 +132,14 @@ pub struct Output {
     pub ledger_interval: f64,
     /// Time between two snapshots of all fields, s; 0 for none.
     pub snapshot_interval: f64,
-    /// Field shown in pictures; `None` for the magnitude of the velocity perturbation.
+    /// Field plotted in pictures; `None` for the magnitude of the velocity perturbation.
     pub picture: Option<Quantity>,
     /// Contour levels in the unit of the field; `None` for automatic levels.
     pub contours: Option<Vec<f64>>,
 }
 
 impl Output {
-    /// The section `[[receiver]]` as TOML, with all values.
+    /// Formats the section `[output]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
         let resolved = Resolved::default()
             .number("ledger_interval", self.ledger_interval)
@@ -154,7 +154,7 @@ impl Output {
 }
 
 impl Receiver<Quantity> {
-    /// The section `[output]` as TOML, with all values.
+    /// Formats the section `[[receiver]]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
         self.resolved().under(&RECEIVER)
     }

@@ -1,4 +1,4 @@
-//! A row of the key table: a key, the media that use it, and where its value is stored.
+//! A row of the key table: a key, the media that use the key, and the storage of its value.
 
 use crate::kind::{Kind, Medium, Solid, Yield};
 use crate::numbers::Numbers;
@@ -9,24 +9,24 @@ use models::common::parameter::{ANGLE, Parameter as Constant};
 use models::flow::FlowKind as Flow;
 use models::registry;
 
-/// A row of the table.
+/// A row of the key table.
 #[derive(Clone, Copy, Debug)]
 pub struct Key {
-    /// Section and name, as in `--set`.
+    /// Section and name, as written in `--set`.
     pub name: &'static str,
-    /// Quantity and symbol, for axes and legends.
+    /// Quantity and symbol, for axis labels and legends.
     pub label: &'static str,
-    /// Unit; empty for text and pure numbers.
+    /// Unit; empty for texts and dimensionless numbers.
     pub unit: &'static str,
     /// Meaning and allowed values, in one line.
     pub meaning: &'static str,
     pub(super) users: Users,
-    /// Yield sets that use the key; `None` if independent of the yield set.
+    /// Yield sets that use the key; `None` if the key does not depend on the yield set.
     pub(super) sets: Option<Sets>,
-    /// Whether the key is required, and its default.
+    /// Whether the key is required or optional, and its default.
     pub presence: Presence,
-    /// Allowed range of a number, independent of others. A file may contain any finite number, as a map may sweep it;
-    /// the range is checked when the model or state is built.
+    /// Allowed range of a number, independent of other keys. A case file may contain any finite number, since a map may
+    /// sweep it; the range is checked when the model or state is built.
     pub range: Range,
     pub(crate) field: Field,
 }
@@ -37,7 +37,7 @@ pub(super) enum Users {
     All,
     Flows(fn(Flow) -> bool),
     Solids(fn(Solid) -> bool),
-    /// Models with a constant of this name; flows and solids share a key if the units agree.
+    /// Models with a constant of this name; flows and solids share a key if the units are equal.
     With(&'static str),
 }
 
@@ -50,7 +50,7 @@ pub(super) enum Sets {
 }
 
 impl Sets {
-    /// Whether the yield set `set` uses the key in the solid `solid`.
+    /// Returns whether the yield set `set` uses the key in the solid `solid`.
     fn contain(self, set: Yield, solid: Solid) -> bool {
         set.admits(solid)
             && match self {
@@ -68,9 +68,9 @@ pub(crate) enum Field {
     Count,
     Plain,
     Whole(fn(&mut Numbers) -> &mut usize),
-    /// A constant of the model, by its name.
+    /// Constant of the model, by name.
     Constant(&'static str),
-    /// A constant of the yield set, by its name.
+    /// Constant of the yield set, by name.
     YieldConstant(&'static str),
     Number(fn(&mut Numbers) -> &mut f64),
     OptionalNumber(fn(&mut Numbers) -> &mut Option<f64>),
@@ -80,7 +80,7 @@ pub(crate) enum Field {
 }
 
 impl Field {
-    /// The type of values.
+    /// Returns the type of the values.
     pub(crate) fn value_type(self) -> Type {
         match self {
             Self::Text => Type::Text,
@@ -96,12 +96,12 @@ impl Field {
         }
     }
 
-    /// Whether the value is stored in [`Numbers`].
+    /// Returns whether the value is stored in [`Numbers`].
     pub(crate) fn is_kept(self) -> bool {
         !matches!(self, Self::Text | Self::Texts | Self::Count | Self::Plain)
     }
 
-    /// Number of components that a map can sweep: 1 for scalars, 2 for pairs, else 0.
+    /// Returns the number of components that a map can sweep: 1 for scalars, 2 for pairs, otherwise 0.
     pub(super) fn components(self) -> usize {
         match self {
             Self::Constant(_)
@@ -113,7 +113,7 @@ impl Field {
         }
     }
 
-    /// The stored value, if any.
+    /// Returns the stored value, if any.
     pub(crate) fn load(self, numbers: &Numbers) -> Option<Value> {
         let numbers = &mut numbers.clone();
         match self {
@@ -129,7 +129,7 @@ impl Field {
         }
     }
 
-    /// Stores a value of this type.
+    /// Stores a value of the type of this field.
     pub(crate) fn store(self, numbers: &mut Numbers, value: &Value) {
         match (self, value) {
             (Self::Whole(f), Value::Count(n)) => *f(numbers) = *n,
@@ -146,13 +146,13 @@ impl Field {
 }
 
 impl Key {
-    /// Row of a constant of a model.
+    /// Builds the row of a constant of a model.
     pub(super) fn of_model(constant: &'static Constant) -> Self {
         let name = constant.name;
         Self::of_constant("model", constant, Users::With(name), None, Field::Constant(name))
     }
 
-    /// Row of a constant of a yield set.
+    /// Builds the row of a constant of a yield set.
     pub(super) fn of_yield_set(constant: &'static Constant) -> Self {
         let name = constant.name;
         let sets = Some(Sets::With(name));
@@ -178,17 +178,17 @@ impl Key {
         Self { name, label, unit, meaning, users, sets, presence, range, field }
     }
 
-    /// Type of its values.
+    /// Returns the type of the values.
     pub fn value_type(&self) -> Type {
         self.field.value_type()
     }
 
-    /// Section, and name inside it.
+    /// Splits the name into the section and the name inside it.
     pub fn split(&self) -> (&'static str, &'static str) {
         self.name.rsplit_once('.').unwrap_or(("", self.name))
     }
 
-    /// Whether `medium` uses the key.
+    /// Returns whether `medium` uses the key.
     pub fn is_used_by(&self, medium: impl Into<Medium>) -> bool {
         let Medium { kind, yields } = medium.into();
         let Some(sets) = self.sets else { return self.is_for(kind) };
@@ -198,7 +198,7 @@ impl Key {
         }
     }
 
-    /// Whether models of `kind` use the key with some yield set.
+    /// Returns whether models of `kind` use the key, possibly with some yield set.
     pub(crate) fn is_for(&self, kind: Kind) -> bool {
         if let (Some(sets), Kind::Solid(solid)) = (self.sets, kind)
             && !registry::yield_sets().iter().any(|set| sets.contain(*set, solid))
@@ -219,19 +219,19 @@ impl Key {
         }
     }
 
-    /// Names of the models that use the key.
+    /// Returns the names of the models that use the key.
     pub(crate) fn owners(&self) -> Vec<&'static str> {
         Kind::all().into_iter().filter(|kind| self.is_for(*kind)).map(Kind::name).collect()
     }
 
-    /// Names of the yield sets that use the key; empty if independent of the yield set.
+    /// Returns the names of the yield sets that use the key; empty if the key does not depend on the yield set.
     pub(crate) fn set_names(&self) -> Vec<&'static str> {
         let Some(sets) = self.sets else { return Vec::new() };
         let uses = |set: &Yield| registry::solids().into_iter().any(|own| sets.contain(*set, own));
         registry::yield_sets().into_iter().filter(uses).map(|set| set.name).collect()
     }
 
-    /// Presence of the key for `medium`; for a constant that of the registry entry of the medium.
+    /// Returns the presence of the key for `medium`; for a constant the presence in the registry entry of the medium.
     pub fn presence_for(&self, medium: Medium) -> Presence {
         let constant = match (self.field, medium.kind, medium.yields) {
             (Field::Constant(name), Kind::Flow(flow), _) => {
@@ -248,12 +248,12 @@ impl Key {
         constant.map_or(self.presence, |own| own.presence)
     }
 
-    /// Resets the key to its default.
+    /// Resets the value to the default of the key.
     pub(crate) fn clear(&self, numbers: &mut Numbers) {
         self.clear_to(self.presence, numbers);
     }
 
-    /// Resets the key to the default of `presence`.
+    /// Resets the value to the default of `presence`.
     pub(crate) fn clear_to(&self, presence: Presence, numbers: &mut Numbers) {
         let absent = match presence {
             Presence::Default(value) => value,
@@ -272,12 +272,12 @@ impl Key {
         }
     }
 
-    /// Default or example value as TOML, shown by `wellposed new`; `None` if the key is no number.
+    /// Returns the default or example value as TOML, as printed by `wellposed new`; `None` if the key is not a number.
     pub fn example(&self) -> Option<String> {
         self.example_of(self.presence)
     }
 
-    /// Default or example value as TOML for `medium`, by its registry entry.
+    /// Returns the default or example value for `medium` as TOML, by the registry entry of the medium.
     pub fn example_for(&self, medium: Medium) -> Option<String> {
         self.example_of(self.presence_for(medium))
     }

@@ -36,7 +36,7 @@ const CURVED: Sets = Sets::Any(|set| set.is_curved);
 const BY_NAMED_CONDITIONS: Sets = Sets::Any(|set| !set.conditions.is_empty());
 const PLANE_AND_SPACE_SETS: Sets = Sets::Any(|set| !set.is_plane);
 
-/// Writes one row per key: name; label, unit; meaning; kinds and yield sets, presence, range, field.
+/// Writes one row per key: name; label, unit, meaning; kinds of model and yield sets, presence, range, field.
 macro_rules! keys {
     ($($name:literal: $label:literal [$unit:literal] $meaning:literal;
        $kinds:ident $(that yield by $sets:ident)?, $presence:expr $(, in $range:expr)?, $field:expr;)*) => {
@@ -58,10 +58,10 @@ macro_rules! keys {
     (@sets $sets:ident) => { Some($sets) };
 }
 
-/// All scalar keys of a case file, in the order of writing. Keys of `[map]` and `[compare]` are required if their
-/// section is present.
+/// Returns all scalar keys of a case file, in the order of writing. Required keys of `[map]` and `[compare]` are
+/// required only if their section is present.
 pub fn keys() -> &'static [Key] {
-    /// Number of registered entries for which the table was built, and the table.
+    /// Number of registry entries for which the table was built, and the table.
     static TABLE: RwLock<(usize, &[Key])> = RwLock::new((0, &[]));
     let (flows, solids, sets) = (registry::flows(), registry::solids(), registry::yield_sets());
     let entries = flows.len() + solids.len() + sets.len();
@@ -103,31 +103,31 @@ pub fn keys() -> &'static [Key] {
             Field::YieldConstant(name) => (&of_sets, name),
             _ => continue,
         };
-        // Where two disagree, each alone knows.
+        // If the ranges of models with this constant differ, the range is checked by each model only.
         if all.iter().any(|own| own.name == name && own.range != key.range) {
             key.range = Range::Finite;
         }
     }
-    // Leaked on purpose, like registry entries: keys are returned by static reference.
+    // Intentional leak, as for registry entries: keys are returned by static reference.
     let table: &'static [Key] = table.leak();
     *TABLE.write().unwrap_or_else(PoisonError::into_inner) = (entries, table);
     table
 }
 
-/// Allowed kinds of model, as text.
+/// Lists the allowed kinds of model as text.
 fn kinds_of_model(flows: &[FlowKind], solids: &[SolidKind]) -> String {
     let flows = alternatives(flows.iter().map(|flow| flow.name()));
     let solids = alternatives(solids.iter().map(|solid| solid.name));
     format!("{flows} for flows; {solids} for solids")
 }
 
-/// Allowed yield sets, as text.
+/// Lists the allowed yield sets as text.
 fn kinds_of_set(sets: &[YieldSetKind]) -> String {
     let sets = alternatives(sets.iter().map(|set| set.name));
     format!("{sets}; without the section [yield] a solid stays elastic")
 }
 
-/// Joins alternatives as `a, b or c`.
+/// Joins alternatives, e.g. `a, b or c`.
 fn alternatives<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let names: Vec<&str> = names.collect();
     match names.split_last() {
@@ -137,7 +137,7 @@ fn alternatives<'a>(names: impl Iterator<Item = &'a str>) -> String {
     }
 }
 
-/// Merges the constants of several entries, each once, in an order compatible with that of every entry where possible: a
+/// Merges the constants of several registry entries without repetition, where possible in the order of every entry: a
 /// constant is inserted before the first listed constant that follows it in its entry.
 fn ordered<I: Iterator<Item = &'static Constant>>(
     entries: impl Iterator<Item = I>,
@@ -151,7 +151,7 @@ fn ordered<I: Iterator<Item = &'static Constant>>(
                 next = next.max(place + 1);
                 continue;
             }
-            // Before the first constant listed that follows in this entry.
+            // First listed constant that follows this one in the entry.
             let follows = |other: &&Constant| own[index..].iter().any(|o| o.name == other.name);
             let place = all.iter().position(follows).unwrap_or(all.len());
             all.insert(place.max(next), constant);
@@ -161,7 +161,7 @@ fn ordered<I: Iterator<Item = &'static Constant>>(
     all
 }
 
-/// Keys before the constants of flows; the kinds of model come from the registry.
+/// Keys before the constants of flows; the meaning of `model.kind` is filled in from the registry.
 static HEAD: &[Key] = keys! {
     "title": "title" [""] "one line that says what the case is";
         ALL, Optional, Text;
@@ -178,7 +178,7 @@ static SOLID: &[Key] = keys! {
         PLANE_AND_SPACE, Required(3.0), Whole(|n| &mut n.dimensions);
 };
 
-/// Keys between the constants of solids and those of yield sets.
+/// Keys between the constants of solids and the constants of yield sets.
 static STATE: &[Key] = keys! {
     "background.density": "density ρ" ["kg/m³"] "density ρ; > 0";
         FLOWS, Required(1600.0), in State::DENSITY, Number(|n| &mut n.background.density);

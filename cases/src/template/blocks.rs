@@ -1,17 +1,17 @@
-//! Structured sections of a template.
+//! Generator of the structured sections of a template.
 
 use crate::dynamics::{Component, stress};
 use crate::kind::Kind;
 use crate::schema::{Condition, Form, Item, Need, Scope, Type};
 use std::fmt::Write;
 
-/// Maximum line length of a comment.
+/// Maximum line length of comments, characters.
 const WIDTH: usize = 110;
 
-/// A section of the example of a template: name, and keys with values.
+/// A section of the example: name, and pairs of key and value.
 pub(super) type Start = (&'static str, &'static [(&'static str, &'static str)]);
 
-/// Comment of a key: unit and meaning.
+/// Formats the comment of a key: unit and meaning.
 pub(super) fn comment(unit: &str, meaning: &str) -> String {
     match unit {
         "" => meaning.to_owned(),
@@ -35,28 +35,28 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// Writer of the structured sections of a template.
+/// Generator of the structured sections of a template.
 pub(super) struct Blocks {
     text: String,
     scope: Scope,
     column: usize,
-    /// Tables in braces whose variants have been shown.
+    /// Names of the inline tables whose variants have been written.
     shown: Vec<&'static str>,
 }
 
-/// Whether two items describe the same key.
+/// Returns whether two items describe the same key.
 fn is_same(one: &Item, other: &Item) -> bool {
     (one.name, one.meaning, one.unit) == (other.name, other.meaning, other.unit)
 }
 
 impl Blocks {
-    /// An empty writer with comments at `column`.
+    /// Creates an empty generator with comments at `column`.
     pub(super) fn new(kind: Kind, column: usize) -> Self {
         let scope = Scope { kind: Some(kind), dimensions: Some(2), axes: vec![0] };
         Self { text: String::new(), scope, column, shown: Vec::new() }
     }
 
-    /// Writes a section of the example, followed by all other variants of its schema, commented out.
+    /// Writes the sections of the example, followed by all other variants of the schema, commented out.
     pub(super) fn add(&mut self, form: &'static Form, start: &[Start]) {
         let separator = if self.text.is_empty() { "" } else { "\n" };
         let _ = write!(self.text, "{separator}");
@@ -101,7 +101,7 @@ impl Blocks {
         }
     }
 
-    /// The written text.
+    /// Returns the generated text.
     pub(super) fn into_text(self) -> String {
         self.text
     }
@@ -118,7 +118,7 @@ impl Blocks {
         }
     }
 
-    /// Allowed words of a key in this kind of model.
+    /// Returns the allowed words of a key for the kind of model.
     fn words(&self, item: &Item) -> Vec<String> {
         match item.value {
             Type::OneOf(words) | Type::AnyOf(words) => words(&self.scope),
@@ -126,7 +126,7 @@ impl Blocks {
         }
     }
 
-    /// Keys of a variant; if the type depends on the dimensions, that of plane strain.
+    /// Returns the keys of a variant; for a key whose type depends on the dimensions the item for plane strain.
     fn items(&self, form: &'static Form, variant: &Variant) -> Vec<&'static Item> {
         let in_plane = |condition: &Condition| {
             *condition != Condition::Space && variant.holds(form, condition)
@@ -139,15 +139,15 @@ impl Blocks {
                     || plane.iter().all(|own| own.name != item.name)
             })
             .filter(|item| {
-                // What takes the place of other keys is shown where it does.
+                // A key that replaces other keys is written only in the variant in which it is present.
                 let is_switch = switches(form).any(|key| key == item.name);
                 !is_switch || variant.has(item.name)
             })
             .collect()
     }
 
-    /// Value of a key in a variant: given, else the word of the variant, else default or example; `None` if the model
-    /// has no word for it.
+    /// Returns the value of a key in a variant: the given value, else the word of the variant, else the default or
+    /// example; `None` if the kind of model has no word for the key.
     fn value(&self, form: &'static Form, item: &Item, variant: &Variant) -> Option<String> {
         if let Some((_, value)) = variant.given.iter().find(|(key, _)| *key == item.name) {
             return Some((*value).to_owned());
@@ -166,7 +166,8 @@ impl Blocks {
         }
     }
 
-    /// Writes one variant, commented out unless it is part of the example. The first variant carries the descriptions.
+    /// Writes one variant, commented out unless it is part of the example. Descriptions are written at the first
+    /// occurrence of a key.
     fn write(
         &mut self,
         form: &'static Form,
@@ -181,7 +182,7 @@ impl Blocks {
             let was_shown = before.iter().any(|block| block.iter().any(|own| is_same(own, item)));
             let is_given = variant.given.iter().any(|(key, _)| *key == item.name);
             let is_optional = !matches!(item.need, Need::Required(_));
-            // Of several sections in the problem the first one shows all keys.
+            // The first active section of a form shows all keys; further sections show given keys only.
             if is_active && !before.is_empty() && !is_given {
                 continue;
             }
@@ -208,7 +209,7 @@ impl Blocks {
     }
 
     fn comment_of(&self, item: &Item) -> String {
-        /// More words than this are no list for a comment.
+        /// Maximum number of words listed in a comment.
         const MOST: usize = 12;
         let mut text = comment(item.unit, item.meaning);
         let words = self.words(item);
@@ -273,7 +274,7 @@ impl Blocks {
         }
     }
 
-    /// Writes a line, continued if its comment is long.
+    /// Writes a key and its comment, which is continued on further lines if it is long.
     fn line(&mut self, is_set: bool, name: &str, value: &str, comment: &str) {
         let mark = if is_set { "" } else { "# " };
         let line = format!("{mark}{name} = {value}");
@@ -291,7 +292,7 @@ impl Blocks {
     }
 }
 
-/// Keys whose presence excludes or requires other keys.
+/// Returns the keys whose presence excludes or requires other keys.
 fn switches(form: &'static Form) -> impl Iterator<Item = &'static str> {
     let mut names: Vec<&'static str> = Vec::new();
     for (when, item) in form.items() {
@@ -306,12 +307,12 @@ fn switches(form: &'static Form) -> impl Iterator<Item = &'static str> {
     names.into_iter()
 }
 
-/// A variant of a table: the assumed word of the discriminator and the key present.
+/// A variant of a table: given values, word of the discriminator and key assumed present.
 struct Variant<'a> {
     given: &'a [(&'static str, &'static str)],
     /// Word of the discriminator.
     word: Option<&'a str>,
-    /// Key that replaces others.
+    /// Key that replaces other keys, if present.
     present: Option<&'static str>,
 }
 
@@ -341,7 +342,7 @@ impl Variant<'_> {
     }
 }
 
-/// A meaning as a sentence.
+/// Formats a meaning as a sentence.
 fn sentence(meaning: &str) -> String {
     let mut letters = meaning.chars();
     let first = letters.next().map_or(String::new(), |letter| letter.to_uppercase().collect());
